@@ -1,0 +1,91 @@
+# Everything installs into .venv from the package registries, from lock files; nothing else on the machine is touched.
+SHELL := /bin/bash
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+RUST_SOURCES := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
+OUT ?= results/twisted-top
+export MPLBACKEND := Agg
+
+.DEFAULT_GOAL := help
+
+help: ## list the recipes
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
+
+reproduce: $(VENV)/.built ## set up, then reproduce the paper: figure, data, claims and report in results/twisted-top
+	$(BIN)/liepoisson reproduce twisted-top --out $(OUT)
+
+test: $(VENV)/.built $(VENV)/.dev test-rust test-python wheel-check ## set up, then run the tests (what CI runs)
+
+test-slow: $(VENV)/.built $(VENV)/.dev ## the anchors at full size (the paper's numbers with 20,000 members)
+	$(BIN)/pytest -m slow
+
+check: $(VENV)/.built $(VENV)/.dev ## format, lint, types and quick tests, in less than a minute
+	cargo fmt --check
+	cargo clippy --workspace --all-targets --locked --quiet -- -D warnings
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
+	$(BIN)/basedpyright
+	$(BIN)/python -m mypy.stubtest liepoisson._core --mypy-config-file pyproject.toml
+	$(BIN)/pytest -m "not slow and not thorough"
+
+bench: $(VENV)/.built ## speed against heyoka.py, side by side (its own environment; leave the machine alone meanwhile)
+	$(BIN)/python benchmarks/run.py
+
+wheel: | $(VENV)/.run ## build the wheel into dist/
+	rm -rf dist
+	$(BIN)/maturin build --release --locked --quiet --out dist
+
+lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
+	$(BIN)/pip install --quiet uv
+	$(BIN)/uv pip compile pyproject.toml --group build --universal --python-version 3.11 --generate-hashes \
+	  --no-header --upgrade --quiet --output-file requirements/run.txt
+	$(BIN)/uv pip compile pyproject.toml --group build --group test --group lint --universal --python-version 3.11 \
+	  --constraint requirements/run.txt --generate-hashes --no-header --quiet --output-file requirements/dev.txt
+	cargo update
+
+clean: ## remove everything that the recipes make, results excepted
+	rm -rf $(VENV) target dist python/liepoisson/*.so
+
+.PHONY: help reproduce test test-rust test-python test-slow check bench wheel wheel-check lock clean tools
+
+test-rust:
+	cargo test --workspace --locked --quiet
+
+# Each instruction set that the processor has gets its turn; results must not depend on it.
+test-python:
+	$(BIN)/pytest -m "not slow"
+
+# The wheel in an environment of its own that sees no Rust.
+wheel-check: wheel
+	rm -rf target/wheel-check && $(PYTHON) -m venv target/wheel-check
+	target/wheel-check/bin/pip install --quiet --require-hashes -r requirements/run.txt
+	target/wheel-check/bin/pip install --quiet --no-deps --no-index dist/*.whl
+	cd target/wheel-check && env -u PYTHONPATH PATH=/usr/bin:/bin bin/python -c "import liepoisson as lp; \
+	  top = lp.Top.twisted_kovalevskaya(); \
+	  growth = lp.lyapunov_exponent(top, lp.sample_states(top, 16, seed=1), t_end=50); \
+	  assert (growth.outcome == 'finished').all(); print('wheel: 16 trajectories finished')"
+	cd target/wheel-check && env PATH=/usr/bin:/bin bin/liepoisson --version
+
+tools:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || \
+	  { echo "liepoisson needs Python 3.11 or newer as '$(PYTHON)'. Install it from python.org or your system's packages, or name one: make PYTHON=python3.12 ..." >&2; exit 2; }
+	@$(PYTHON) -c 'import venv, ensurepip' 2>/dev/null || \
+	  { echo "This Python lacks venv and ensurepip. On Debian and Ubuntu: apt install python3-venv" >&2; exit 2; }
+	@command -v cargo >/dev/null || \
+	  { echo "liepoisson needs a Rust toolchain (1.89 or newer). Install it from https://rustup.rs" >&2; exit 2; }
+	@command -v cc >/dev/null || \
+	  { echo "Rust needs a C linker. On Debian and Ubuntu: apt install gcc libc6-dev; on macOS: xcode-select --install" >&2; exit 2; }
+
+$(VENV)/.run: requirements/run.txt | tools
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/run.txt
+	touch $@
+
+$(VENV)/.dev: requirements/dev.txt | $(VENV)/.run
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
+	touch $@
+
+$(VENV)/.built: $(VENV)/.run $(RUST_SOURCES) pyproject.toml
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	touch $@

@@ -1,0 +1,98 @@
+//! The largest Lyapunov exponent of each trajectory as a function of time.
+
+use super::orbit::UNREACHED;
+use crate::ensemble::{Control, Ensemble, Observer, Step, Summary};
+use crate::error::Error;
+use crate::field::Field;
+use crate::lanes::{Lane, Simd};
+use std::sync::Mutex;
+
+/// Growth of one tangent vector per trajectory.
+pub struct Growth {
+    /// Finite-time exponents `(member, time)` at the times after the first; NaN where a trajectory did not get.
+    pub exponents: Vec<f64>,
+    /// The end of each member.
+    pub summaries: Vec<Summary>,
+}
+
+/// Finite-time exponents `ln(|v(t)| / |v(t_0)|) / (t - t_0)` of the first tangent vector at each time after the first.
+///
+/// Tangent vectors are only ever scaled by powers of two, so no interval of renormalisation enters the result.
+///
+/// # Errors
+/// See [`Ensemble::check`]; and a tangent vector that is zero or not finite.
+///
+/// # References
+/// Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
+pub fn growth<F: Field>(
+    ensemble: &Ensemble<'_, F>,
+    threads: usize,
+    simd: Simd,
+    control: &Control,
+    watch: impl FnOnce(&dyn Fn() -> bool),
+) -> Result<Growth, Error> {
+    ensemble.check()?;
+    let (n, members, n_times) = (ensemble.field.n_components(), ensemble.n_members(), ensemble.times.len() - 1);
+    let mut initial = Vec::with_capacity(members);
+    for (member, vectors) in ensemble.tangents.chunks_exact(n * ensemble.n_tangents).enumerate() {
+        let norm = euclidean_norm(&vectors[..n]);
+        if !(norm.is_finite() && norm > 0.0) {
+            return Err(Error::TangentVector { member });
+        }
+        initial.push(libm::log(norm));
+    }
+    let growth =
+        Mutex::new(Growth { exponents: vec![f64::NAN; members * n_times], summaries: vec![UNREACHED; members] });
+    let recorder = |lanes| Recorder {
+        shared: &growth,
+        times: ensemble.times,
+        initial: &initial,
+        members: vec![0; lanes],
+        exponents: vec![vec![f64::NAN; n_times]; lanes],
+        tangent: vec![0.0; n],
+    };
+    ensemble.run(threads, simd, control, recorder, watch)?;
+    Ok(growth.into_inner().expect("no worker panics while it writes"))
+}
+
+#[inline(always)]
+fn euclidean_norm(vector: &[f64]) -> f64 {
+    vector.iter().fold(0.0_f64, |sum, &component| component.mul_add(component, sum)).sqrt()
+}
+
+struct Recorder<'g> {
+    shared: &'g Mutex<Growth>,
+    times: &'g [f64],
+    /// Logarithm of the initial length of each member's tangent vector.
+    initial: &'g [f64],
+    members: Vec<usize>,
+    exponents: Vec<Vec<f64>>,
+    tangent: Vec<f64>,
+}
+
+impl Observer for Recorder<'_> {
+    fn begin(&mut self, lane: usize, member: usize) {
+        self.members[lane] = member;
+        self.exponents[lane].fill(f64::NAN);
+    }
+
+    #[inline(always)]
+    fn step<F: Field, V: Lane>(&mut self, _lane: usize, _step: &Step<'_, F, V>) {}
+
+    #[inline(always)]
+    fn sample<F: Field, V: Lane>(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_, F, V>) {
+        if index > 0 {
+            let scale = step.tangent(0, tau, &mut self.tangent);
+            let length = libm::log(euclidean_norm(&self.tangent)) + scale as f64 * std::f64::consts::LN_2;
+            let elapsed = self.times[index] - self.times[0];
+            self.exponents[lane][index - 1] = (length - self.initial[self.members[lane]]) / elapsed;
+        }
+    }
+
+    fn end(&mut self, lane: usize, member: usize, summary: Summary) {
+        let row = &self.exponents[lane];
+        let mut shared = self.shared.lock().expect("no worker panics while it writes");
+        shared.exponents[member * row.len()..(member + 1) * row.len()].copy_from_slice(row);
+        shared.summaries[member] = summary;
+    }
+}

@@ -1,0 +1,122 @@
+//! Orbits: states and tangent vectors at given times, and the power series of every step on request.
+
+use crate::ensemble::{Control, Ensemble, Observer, Outcome, Step, Summary};
+use crate::error::Error;
+use crate::field::Field;
+use crate::lanes::{Lane, Simd};
+use std::sync::Mutex;
+
+/// States at the times of an ensemble. What a trajectory did not reach is NaN; its outcome says why.
+pub struct Orbits {
+    /// `(member, time, component)`.
+    pub states: Vec<f64>,
+    /// `(member, time, tangent, component)`, of the size that they have at that time.
+    pub tangents: Vec<f64>,
+    /// The end of each member.
+    pub summaries: Vec<Summary>,
+    /// Dense output of each member, if it was asked for.
+    pub series: Vec<Series>,
+}
+
+/// Dense output: the accepted steps of one trajectory, each with the power series of the state about its start.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// Time at the start of each step.
+    pub times: Vec<f64>,
+    /// `(step, order, component)`.
+    pub coefficients: Vec<f64>,
+}
+
+/// Integrates the ensemble and keeps its states at each of its times.
+///
+/// # Errors
+/// See [`Ensemble::check`].
+pub fn orbits<F: Field>(
+    ensemble: &Ensemble<'_, F>,
+    threads: usize,
+    simd: Simd,
+    control: &Control,
+    dense: bool,
+    watch: impl FnOnce(&dyn Fn() -> bool),
+) -> Result<Orbits, Error> {
+    let (n, n_times, n_tangents) = (ensemble.field.n_components(), ensemble.times.len(), ensemble.n_tangents);
+    let members = ensemble.n_members();
+    let row = n_times * n;
+    let orbits = Mutex::new(Orbits {
+        states: vec![f64::NAN; members * row],
+        tangents: vec![f64::NAN; members * row * n_tangents],
+        summaries: vec![UNREACHED; members],
+        series: vec![Series::default(); if dense { members } else { 0 }],
+    });
+    ensemble.run(
+        threads,
+        simd,
+        control,
+        |lanes| Recorder {
+            shared: &orbits,
+            n,
+            n_tangents,
+            states: vec![vec![f64::NAN; row]; lanes],
+            tangents: vec![vec![f64::NAN; row * n_tangents]; lanes],
+            series: vec![Series::default(); lanes],
+            dense,
+        },
+        watch,
+    )?;
+    Ok(orbits.into_inner().expect("no worker panics while it writes"))
+}
+
+/// A member that no worker has started, because the run was cancelled.
+pub(crate) const UNREACHED: Summary =
+    Summary { outcome: Outcome::Cancelled, time: f64::NAN, n_steps: 0, state: Vec::new() };
+
+struct Recorder<'o> {
+    shared: &'o Mutex<Orbits>,
+    n: usize,
+    n_tangents: usize,
+    states: Vec<Vec<f64>>,
+    tangents: Vec<Vec<f64>>,
+    series: Vec<Series>,
+    dense: bool,
+}
+
+impl Observer for Recorder<'_> {
+    fn begin(&mut self, lane: usize, _member: usize) {
+        self.states[lane].fill(f64::NAN);
+        self.tangents[lane].fill(f64::NAN);
+        self.series[lane] = Series::default();
+    }
+
+    #[inline(always)]
+    fn step<F: Field, V: Lane>(&mut self, lane: usize, step: &Step<'_, F, V>) {
+        if self.dense {
+            self.series[lane].times.push(step.time);
+            step.copy_series(&mut self.series[lane].coefficients);
+        }
+    }
+
+    #[inline(always)]
+    fn sample<F: Field, V: Lane>(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_, F, V>) {
+        let n = self.n;
+        step.state(tau, &mut self.states[lane][index * n..(index + 1) * n]);
+        for k in 0..self.n_tangents {
+            let at = (index * self.n_tangents + k) * n;
+            let tangent = &mut self.tangents[lane][at..at + n];
+            let scale = step.tangent(k, tau, tangent);
+            for component in tangent {
+                *component = libm::scalbn(*component, scale.clamp(-5000, 5000) as i32);
+            }
+        }
+    }
+
+    fn end(&mut self, lane: usize, member: usize, summary: Summary) {
+        let (states, tangents) = (&self.states[lane], &self.tangents[lane]);
+        let mut shared = self.shared.lock().expect("no worker panics while it writes");
+        shared.states[member * states.len()..(member + 1) * states.len()].copy_from_slice(states);
+        shared.tangents[member * tangents.len()..(member + 1) * tangents.len()].copy_from_slice(tangents);
+        shared.summaries[member] = summary;
+        if self.dense {
+            shared.series[member] = std::mem::take(&mut self.series[lane]);
+        }
+    }
+}

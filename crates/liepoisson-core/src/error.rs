@@ -1,0 +1,99 @@
+//! Every reason for which the core refuses a call.
+
+use std::fmt;
+
+/// Why a call was refused.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Error {
+    /// A principal moment of inertia is not a positive finite number.
+    Inertia {
+        /// The three moments that came.
+        got: [f64; 3],
+    },
+    /// A parameter is not finite.
+    ParameterNotFinite {
+        /// Its name.
+        name: &'static str,
+        /// What came.
+        got: f64,
+    },
+    /// A tolerance outside `[2^-53, 0.1]`.
+    Tolerance {
+        /// What came.
+        got: f64,
+    },
+    /// An order of the Taylor series outside `2..=64`.
+    Order {
+        /// What came.
+        got: usize,
+    },
+    /// Fewer than two times, or times that are not finite and strictly monotone.
+    Times {
+        /// Index of the first offending time.
+        index: usize,
+    },
+    /// An array that does not hold what the number of trajectories asks for.
+    Length {
+        /// Its name.
+        name: &'static str,
+        /// Numbers wanted.
+        wanted: usize,
+        /// Numbers that came.
+        got: usize,
+    },
+    /// The growth of a tangent vector that is zero or not finite.
+    TangentVector {
+        /// Member of the ensemble that it belongs to.
+        member: usize,
+    },
+    /// `LIEPOISSON_SIMD` names an instruction set that is unknown or that this processor lacks.
+    SimdNotAvailable {
+        /// What was asked for.
+        wanted: String,
+    },
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Error::Inertia { got } => {
+                write!(
+                    f,
+                    "inertia: wanted three positive finite moments; got {got:?}; check units and order (I1, I2, I3)"
+                )
+            }
+            Error::ParameterNotFinite { name, got } => {
+                write!(f, "{name}: wanted a finite number; got {got}; check the parameters of the system")
+            }
+            Error::Tolerance { got } => {
+                write!(f, "tol: wanted a number from 1.1e-16 to 0.1; got {got}; try 1e-15 for round-off accuracy")
+            }
+            Error::Order { got } => {
+                write!(
+                    f,
+                    "order: wanted a whole number from 2 to 64; got {got}; leave it out to have it chosen from tol"
+                )
+            }
+            Error::Times { index } => write!(
+                f,
+                "times: wanted two or more finite times, strictly increasing or strictly decreasing; \
+                 the one at index {index} is not; sort them and drop repeated ones"
+            ),
+            Error::Length { name, wanted, got } => {
+                write!(f, "{name}: wanted {wanted} numbers; got {got}; one row per trajectory is needed")
+            }
+            Error::TangentVector { member } => write!(
+                f,
+                "tangent vector of member {member}: wanted finite components that are not all zero; \
+                 leave tangent vectors out to have them drawn from the seed"
+            ),
+            Error::SimdNotAvailable { wanted } => write!(
+                f,
+                "LIEPOISSON_SIMD: wanted avx512, avx2 or scalar, on a processor that has it; got {wanted:?}; \
+                 unset it to have the widest chosen"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for Error {}

@@ -1,0 +1,187 @@
+//! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
+
+use super::Field;
+use crate::error::Error;
+use crate::lanes::Lane;
+
+const N: usize = 9;
+/// l, alpha, beta, and the angular velocity omega as work quantity.
+const GROUP: usize = 12;
+const OMEGA: usize = 9;
+
+/// The twisted top with diagonal inertia, in the body frame.
+///
+/// With `omega_i = l_i / I_i`,
+/// ```text
+/// l'     = l x omega + alpha x a + beta x b
+/// alpha' = alpha x omega + epsilon beta x a
+/// beta'  = beta x omega
+/// ```
+/// State `(l, alpha, beta)`, dimensionless. `epsilon = 0` is the charged heavy top.
+///
+/// # References
+/// Thiffeault and Morrison, *The twisted top* (2001), the three equations of motion of its section 3.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Top {
+    a: [f64; 3],
+    b: [f64; 3],
+    /// epsilon a
+    twist: [f64; 3],
+    inverse_inertia: [f64; 3],
+    /// `(l x omega)_1 = (1 - I3/I2) l2 omega3` and cyclically: one product instead of two, and exactly zero for
+    /// equal moments, so that a symmetric top keeps `l3` exactly.
+    asymmetry: [f64; 3],
+}
+
+impl Top {
+    /// The top with principal moments `inertia`, centre of mass `a`, centre of charge `b` and cocycle `epsilon`.
+    ///
+    /// # Errors
+    /// A moment that is not positive, or any number that is not finite.
+    pub fn new(inertia: [f64; 3], a: [f64; 3], b: [f64; 3], epsilon: f64) -> Result<Top, Error> {
+        if inertia.iter().any(|&moment| !(moment.is_finite() && moment > 0.0)) {
+            return Err(Error::Inertia { got: inertia });
+        }
+        for (name, values) in [("a", &a[..]), ("b", &b[..]), ("epsilon", &[epsilon][..])] {
+            if let Some(&got) = values.iter().find(|value| !value.is_finite()) {
+                return Err(Error::ParameterNotFinite { name, got });
+            }
+        }
+        let [i1, i2, i3] = inertia;
+        Ok(Top {
+            a,
+            b,
+            twist: a.map(|component| epsilon * component),
+            inverse_inertia: inertia.map(f64::recip),
+            asymmetry: [(i2 - i3) / i2, (i3 - i1) / i3, (i1 - i2) / i1],
+        })
+    }
+
+    /// Terms linear in the coefficients, and the factor of `l x omega`: the sum of products becomes the derivative.
+    #[inline(always)]
+    fn finish<V: Lane>(&self, derivative: &mut [V; N], row: &[V; GROUP]) {
+        for i in 0..3 {
+            derivative[i] = derivative[i].mul(V::splat(self.asymmetry[i]));
+        }
+        add_cross_with_constant(derivative, 0, row, 3, &self.a);
+        add_cross_with_constant(derivative, 0, row, 6, &self.b);
+        add_cross_with_constant(derivative, 3, row, 6, &self.twist);
+    }
+}
+
+impl Field for Top {
+    fn n_components(&self) -> usize {
+        N
+    }
+
+    fn group(&self) -> usize {
+        GROUP
+    }
+
+    #[inline(always)]
+    fn derive_work<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
+        let row = self.row(n_tangents);
+        for group in rows[k * row..(k + 1) * row].chunks_exact_mut(GROUP) {
+            for i in 0..3 {
+                group[OMEGA + i] = group[i].mul(V::splat(self.inverse_inertia[i]));
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
+        let row = self.row(n_tangents);
+        let (known, next) = rows.split_at_mut((k + 1) * row);
+        let scale = V::splat(1.0 / (k + 1) as f64);
+        // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
+        // the same, term by term, so a trajectory has the same bits either way.
+        let (mut derivative, fused_tangent) = if n_tangents > 0 && V::REGISTERS >= 32 {
+            let (state, tangent) = products_of_state_and_tangent(known, row);
+            (state, Some(tangent))
+        } else {
+            (products_of_state(known, row), None)
+        };
+        self.finish(&mut derivative, group_of(known, k * row));
+        store(next, 0, &derivative, scale);
+        for i in 1..=n_tangents {
+            let mut tangent = match fused_tangent {
+                Some(tangent) if i == 1 => tangent,
+                _ => products_of_tangent(known, row, i * GROUP),
+            };
+            self.finish(&mut tangent, group_of(known, k * row + i * GROUP));
+            store(next, i * GROUP, &tangent, scale);
+        }
+    }
+}
+
+#[inline(always)]
+fn group_of<V>(rows: &[V], at: usize) -> &[V; GROUP] {
+    rows[at..].first_chunk().expect("a row holds whole groups")
+}
+
+#[inline(always)]
+fn store<V: Lane>(next: &mut [V], at: usize, derivative: &[V; N], scale: V) {
+    for i in 0..N {
+        next[at + i] = derivative[i].mul(scale);
+    }
+}
+
+/// `sum[at..] += row[from..] x c`, skipping components of `c` that are zero.
+#[inline(always)]
+fn add_cross_with_constant<V: Lane>(sum: &mut [V; N], at: usize, row: &[V; GROUP], from: usize, c: &[f64; 3]) {
+    for axis in 0..3 {
+        if c[axis] != 0.0 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            let factor = V::splat(c[axis]);
+            sum[at + next] = row[from + last].mul_add(factor, sum[at + next]);
+            sum[at + last] = row[from + next].neg_mul_add(factor, sum[at + last]);
+        }
+    }
+}
+
+/// Adds the products that one state contributes: `l2 omega3` and cyclically, `alpha x omega`, `beta x omega`.
+#[inline(always)]
+fn add_products<V: Lane>(sum: &mut [V; N], x: &[V], omega: &[V]) {
+    for i in 0..3 {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        sum[i] = x[j].mul_add(omega[k], sum[i]);
+        sum[3 + i] = x[3 + j].mul_add(omega[k], sum[3 + i]);
+        sum[3 + i] = x[3 + k].neg_mul_add(omega[j], sum[3 + i]);
+        sum[6 + i] = x[6 + j].mul_add(omega[k], sum[6 + i]);
+        sum[6 + i] = x[6 + k].neg_mul_add(omega[j], sum[6 + i]);
+    }
+}
+
+#[inline(always)]
+fn products_of_state<V: Lane>(rows: &[V], row: usize) -> [V; N] {
+    let mut sum = [V::splat(0.0); N];
+    for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
+        add_products(&mut sum, &x[..OMEGA], &y[OMEGA..GROUP]);
+    }
+    sum
+}
+
+/// The products of [`products_of_state`], and their directional derivative along the tangent vector in group `at`.
+#[inline(always)]
+fn products_of_state_and_tangent<V: Lane>(rows: &[V], row: usize) -> ([V; N], [V; N]) {
+    let mut state = [V::splat(0.0); N];
+    let mut tangent = [V::splat(0.0); N];
+    for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
+        let (x, y) = (&x[..2 * GROUP], &y[..2 * GROUP]);
+        let (omega, d_omega) = (&y[OMEGA..GROUP], &y[GROUP + OMEGA..]);
+        add_products(&mut state, x, omega);
+        add_products(&mut tangent, x, d_omega);
+        add_products(&mut tangent, &x[GROUP..], omega);
+    }
+    (state, tangent)
+}
+
+#[inline(always)]
+fn products_of_tangent<V: Lane>(rows: &[V], row: usize, at: usize) -> [V; N] {
+    let mut tangent = [V::splat(0.0); N];
+    for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
+        add_products(&mut tangent, x, &y[at + OMEGA..at + GROUP]);
+        add_products(&mut tangent, &x[at..at + GROUP], &y[OMEGA..GROUP]);
+    }
+    tangent
+}

@@ -1,0 +1,195 @@
+"""The one place where arrays become labelled datasets and files, and files become runs again.
+
+A dataset carries everything that its run depended on: the parameters of the field, the method, the seed, the starts and
+the version of liepoisson.  `rerun` repeats a run from the file alone and gives the same bits.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson import _core
+from liepoisson.errors import DamagedFileError, OutputError
+from liepoisson.field import TopField
+from liepoisson.numeric.integrate import Orbit, integrate
+from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
+from liepoisson.numeric.methods import Taylor
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from xarray import Dataset
+
+COMPONENTS = tuple(f"{vector}{i}" for vector in ("l", "alpha", "beta") for i in (1, 2, 3))
+_FORMAT = "liepoisson/1"
+_TIME = {"long_name": "time", "units": "dimensionless"}
+
+
+def orbit_dataset(orbit: Orbit) -> Dataset:
+    """An orbit with labelled axes."""
+    import xarray as xr
+
+    variables: dict[str, Any] = {
+        "state": (("trajectory", "time", "component"), orbit.state, {"long_name": "state", "units": "dimensionless"}),
+        "tangent": (("trajectory", "time", "vector", "component"), orbit.tangent, {"long_name": "tangent vectors"}),
+        **_ends(orbit),
+    }
+    coordinates = {"time": ("time", orbit.time, _TIME), "component": list(COMPONENTS)}
+    attributes = _provenance(orbit, "orbit", {"dense": bool(orbit.series)})
+    return xr.Dataset(variables, coordinates, attributes)
+
+
+def growth_dataset(growth: Growth) -> Dataset:
+    """Finite-time exponents with labelled axes."""
+    import xarray as xr
+
+    exponent = {"long_name": "finite-time largest Lyapunov exponent", "units": "inverse time, dimensionless"}
+    variables: dict[str, Any] = {
+        "exponent": (("trajectory", "time"), growth.exponent, exponent),
+        "initial_state": (("trajectory", "component"), growth.initial_state, {"long_name": "state at time 0"}),
+        **_ends(growth),
+    }
+    coordinates = {
+        "time": ("time", growth.time, _TIME),
+        "component": list(COMPONENTS),
+        "trajectory": np.arange(growth.first, growth.first + len(growth.outcome)),
+    }
+    return xr.Dataset(variables, coordinates, _provenance(growth, "growth", {"seed": growth.seed, "first": growth.first}))
+
+
+def _ends(result: Orbit | Growth) -> dict[str, Any]:
+    return {
+        "outcome": ("trajectory", result.outcome.astype(object), {"long_name": "how the trajectory ended"}),
+        "end_time": ("trajectory", result.end_time, {"long_name": "time reached"}),
+        "n_steps": ("trajectory", result.n_steps, {"long_name": "accepted steps"}),
+        "final_state": (("trajectory", "component"), result.final_state, {"long_name": "last good state"}),
+    }
+
+
+def _provenance(result: Orbit | Growth, kind: str, run: dict[str, Any]) -> dict[str, Any]:
+    field, method = result.field, result.method
+    # json writes a float with the digits that give the same float back
+    return {
+        "format": _FORMAT,
+        "kind": kind,
+        "system": result.system,
+        "field": json.dumps({"kind": "top", "inertia": field.inertia, "a": field.a, "b": field.b, "epsilon": field.epsilon}),
+        "method": json.dumps({"name": "taylor", "tol": method.tol, "order": method.order, "max_steps": method.max_steps}),
+        "order": result.order,
+        "kernel": result.kernel,
+        "run": json.dumps(run),
+        "version": _core.__version__,
+    }
+
+
+def save(dataset: Dataset, path: str | Path) -> Path:
+    """Writes a dataset to a NetCDF file, whole or not at all.
+
+    Raises:
+        OutputError: The file can not be written; an older file of that name is left as it was.
+    """
+    path = Path(path)
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
+        os.close(handle)
+    except OSError as error:
+        raise OutputError(f"{path}: can not be written ({error.strerror}); choose a folder that can be") from error
+    temporary = Path(name)
+    try:
+        dataset.to_netcdf(temporary, engine="h5netcdf")
+        temporary.chmod(0o644)
+        temporary.replace(path)
+    # HDF5 reports a full disk as RuntimeError
+    except (OSError, RuntimeError) as error:
+        raise OutputError(f"{path}: can not be written ({error}); is the disk full?") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+    return path
+
+
+def load(path: str | Path) -> Dataset:
+    """Reads a dataset that liepoisson has written, into memory.
+
+    Raises:
+        DamagedFileError: There is no such file, or it is not a whole file of ours.
+    """
+    import xarray as xr
+
+    path = Path(path)
+    if not path.is_file():
+        raise DamagedFileError(f"{path}: wanted a file written by liepoisson; there is none of this name")
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as file:
+            dataset = file.load()
+    except Exception as error:  # whatever HDF5 and its wrappers raise on a truncated or foreign file
+        raise DamagedFileError(f"{path}: can not be read as NetCDF ({error}); it may be truncated: make it again") from error
+    if dataset.attrs.get("format") != _FORMAT:
+        raise DamagedFileError(f"{path}: wanted a file written by liepoisson (format {_FORMAT!r}); got another kind")
+    return dataset
+
+
+class _Recorded:
+    """A system known by the field that a file records."""
+
+    def __init__(self, name: str, field: TopField) -> None:
+        self.name = name
+        self._field = field
+
+    def field(self) -> TopField:
+        return self._field
+
+
+def rerun(
+    source: str | Path | Dataset, *, threads: int | None = None, progress: Callable[[float], Any] | None = None
+) -> Orbit | Growth:
+    """Repeats the run that made a file (or a dataset), from what it records alone.
+
+    The result has the same bits as the original on any processor, with the same version of liepoisson.
+
+    Raises:
+        DamagedFileError: The file lacks what the run depended on.
+    """
+    dataset = load(source) if isinstance(source, (str, Path)) else source
+    try:
+        attributes = dataset.attrs
+        parameters = json.loads(attributes["field"])
+        field = TopField(
+            inertia=tuple(parameters["inertia"]),
+            a=tuple(parameters["a"]),
+            b=tuple(parameters["b"]),
+            epsilon=parameters["epsilon"],
+        )
+        chosen = json.loads(attributes["method"])
+        method = Taylor(tol=chosen["tol"], order=chosen["order"], max_steps=chosen["max_steps"])
+        system, run = _Recorded(attributes["system"], field), json.loads(attributes["run"])
+        times = dataset["time"].to_numpy()
+        if attributes["kind"] == "growth":
+            return lyapunov_exponent(
+                system,
+                dataset["initial_state"].to_numpy(),
+                times=times,
+                seed=run["seed"],
+                first=run["first"],
+                method=method,
+                threads=threads,
+                progress=progress,
+            )
+        return integrate(
+            system,
+            dataset["state"].to_numpy()[:, 0],
+            t=times,
+            tangents=dataset["tangent"].to_numpy()[:, 0] if dataset.sizes["vector"] else None,
+            method=method,
+            dense=run["dense"],
+            threads=threads,
+            progress=progress,
+        )
+    except (KeyError, TypeError, json.JSONDecodeError) as error:
+        raise DamagedFileError(f"the file does not record a run that can be repeated: {error!r} is missing or altered") from error

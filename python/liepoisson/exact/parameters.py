@@ -1,0 +1,209 @@
+"""Exact parameters: how the numbers and names that a caller gives are read, and a few questions about them.
+
+A parameter is a `Fraction` when it is a rational number, and a SymPy expression when it is anything else (a name kept
+symbolic, a square root).  SymPy is imported only for the latter.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from fractions import Fraction
+from numbers import Integral, Rational, Real
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+from liepoisson.errors import ParameterError, ShapeError
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+Parameter: TypeAlias = "int | float | Fraction | str | Expr"
+"""What a caller may write for a parameter."""
+
+Exact: TypeAlias = "Fraction | Expr"
+"""What a parameter is read as."""
+
+Column: TypeAlias = Any
+"""A SymPy column of three expressions (Matrix, 3 x 1); SymPy's annotations of its entries are too loose to be used."""
+
+# A bounded exponent: Fraction("1e999999999") would fill the memory with digits.
+_NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?)")
+_MAX_CHARACTERS = 200
+_NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
+
+
+def read_parameter(value: object, name: str) -> Exact:
+    """Read one parameter exactly.
+
+    A float is read as the decimal it prints as (0.1 is 1/10); a string is a number ("1/3", "0.25") or an identifier,
+    which stays symbolic.  No string is ever evaluated as code.
+
+    Args:
+        value: int, Fraction, float, NumPy scalar, string or SymPy expression.
+        name: What to call the parameter in an error message.
+
+    Returns:
+        A Fraction for a rational number, else a SymPy expression.
+
+    Raises:
+        ParameterError: not a number or name, or a number that is not finite and real.
+    """
+    if isinstance(value, str):
+        return _read_string(value, name)
+    if isinstance(value, bool):
+        raise _not_a_parameter(value, name)
+    if isinstance(value, Integral):
+        return Fraction(int(value))
+    if isinstance(value, Rational):
+        return Fraction(int(value.numerator), int(value.denominator))
+    if isinstance(value, (float, Real)):
+        return _read_float(value, name)
+    if _is_sympy(value):
+        return _read_expression(value, name)
+    raise _not_a_parameter(value, name)
+
+
+def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exact, Exact]:
+    """Read three parameters, for example the moments of inertia.
+
+    Args:
+        values: A sequence of 3 parameters (list, tuple, array, SymPy Matrix).
+        name: What to call the vector in an error message.
+        components: What its components are, for example "(I1, I2, I3)".
+
+    Raises:
+        ShapeError: not a sequence of 3 scalars.
+        ParameterError: a component that is not an exact finite real parameter.
+    """
+    items = None if isinstance(values, (str, bytes)) else _listed(values)
+    if items is None:
+        raise ShapeError(f"{name} must be 3 numbers {components}; got {values!r}. Write for example {name}=(1, 1, 2).")
+    if len(items) != 3 or any(_listed(item) is not None for item in items if not isinstance(item, str)):
+        got = f"shape {_shape(values, items)}"
+        raise ShapeError(f"{name} must be 3 numbers {components}; got {got}. Give exactly three components.")
+    first, second, third = (read_parameter(item, f"{name}[{k}]") for k, item in enumerate(items))
+    return first, second, third
+
+
+def to_sympy(value: Exact) -> Expr:
+    """The parameter as a SymPy expression."""
+    from sympy import Rational as SympyRational
+
+    if isinstance(value, Fraction):
+        return SympyRational(value.numerator, value.denominator)
+    return value
+
+
+def is_zero(value: Exact) -> bool:
+    """Whether the parameter vanishes identically (a free symbol does not)."""
+    if isinstance(value, Fraction):
+        return value == 0
+    from sympy import simplify
+
+    return bool(value.is_zero) or bool(value.expand() == 0) or bool(simplify(value) == 0)
+
+
+def is_negative(value: Exact) -> bool:
+    """Whether the parameter is known to be negative."""
+    return value < 0 if isinstance(value, Fraction) else value.is_negative is True
+
+
+def exceeds_sum(value: Exact, first: Exact, second: Exact) -> bool:
+    """Whether the parameter is known to exceed the sum of the two others (False when symbols leave it open)."""
+    if isinstance(value, Fraction) and isinstance(first, Fraction) and isinstance(second, Fraction):
+        return value > first + second
+    return (to_sympy(value) - to_sympy(first) - to_sympy(second)).is_positive is True
+
+
+def symbols_of(value: Exact) -> set[str]:
+    """Names of the free symbols in the parameter; empty for a number."""
+    return set() if isinstance(value, Fraction) else {str(symbol) for symbol in value.free_symbols}
+
+
+def as_float(value: Exact, name: str) -> float:
+    """The nearest double.
+
+    Raises:
+        ParameterError: the parameter is symbolic (the message names it) or too large for a double.
+    """
+    if free := symbols_of(value):
+        raise ParameterError(
+            f"{name} must be a number for numerical work; got {value} with the free symbol "
+            f"{', '.join(sorted(free))}. Give it a value."
+        )
+    try:
+        number = float(value)
+    except OverflowError:
+        number = math.inf
+    if not math.isfinite(number):
+        raise ParameterError(f"{name} must fit into a double (below 1.8e308); got a larger number. Rescale the system.")
+    return number
+
+
+def display(value: Exact) -> str:
+    """The parameter as text, as short as possible."""
+    return str(value)
+
+
+def _read_string(text: str, name: str) -> Exact:
+    stripped = text.strip()
+    if _NAME.fullmatch(stripped) and stripped.lower() not in {"nan", "inf", "infinity"}:
+        from sympy import Symbol
+
+        return Symbol(stripped)
+    if len(stripped) > _MAX_CHARACTERS or not _NUMBER.fullmatch(stripped):
+        raise _not_a_parameter(text, name)
+    try:
+        return Fraction(stripped)
+    except ZeroDivisionError:
+        raise ParameterError(f"{name} must be a finite number; got {text!r}. Use a nonzero denominator.") from None
+
+
+def _read_float(value: float | Real, name: str) -> Fraction:
+    number = float(value)
+    if not math.isfinite(number):
+        raise ParameterError(f"{name} must be a finite number; got {number}. Check the calculation it comes from.")
+    # float(float32(0.1)) prints 17 digits; str() of the NumPy scalar prints the shortest ones of its own type.
+    return Fraction(repr(value) if type(value) is float else str(value))
+
+
+def _read_expression(value: Any, name: str) -> Exact:
+    from sympy import Expr, Float, nan
+    from sympy import Rational as SympyRational
+
+    if isinstance(value, Float):
+        return _read_float(float(value), name)
+    if isinstance(value, SympyRational) and value.is_finite:
+        return Fraction(int(value.p), int(value.q))
+    if not isinstance(value, Expr) or value.has(nan) or value.is_finite is False or value.is_real is False:
+        raise ParameterError(f"{name} must be a finite real number or name; got {value}. Check the expression.")
+    return value
+
+
+def _is_sympy(value: object) -> bool:
+    return type(value).__module__.partition(".")[0] == "sympy"
+
+
+def _not_a_parameter(value: object, name: str) -> ParameterError:
+    shown = repr(value)
+    shown = shown if len(shown) <= 60 else shown[:57] + "..."
+    return ParameterError(
+        f"{name} must be a number or a name; got {shown} of type {type(value).__name__}. "
+        'Write for example 2, 0.5, Fraction(1, 3), "1/3" or "epsilon".'
+    )
+
+
+def _listed(values: object) -> list[object] | None:
+    """The items of a sequence, or None if `values` is not one."""
+    if hasattr(values, "__len__") and hasattr(values, "__iter__"):
+        return list(cast("Sequence[object]", values))
+    return None
+
+
+def _shape(values: object, items: list[object]) -> tuple[int, ...]:
+    shape = getattr(values, "shape", None)
+    if isinstance(shape, tuple):
+        return cast("tuple[int, ...]", shape)
+    inner = _listed(items[0]) if items and not isinstance(items[0], str) else None
+    return (len(items),) if inner is None else (len(items), len(inner))

@@ -1,0 +1,582 @@
+r"""What an ensemble of finite-time exponents says about its long-time limit, with error bars.
+
+Every estimate here is linear in the curves: least squares on the ensemble mean is the mean of the least-squares
+coefficients of the members.  A member therefore enters only through a few numbers, and an ensemble of any size
+can be reduced piece by piece (`EnsembleReduction`) and resampled at the cost of resampling those few numbers.
+
+References: the asymptotic form is that of Tang and Boozer, Physica D 95, 283 (1996); the bootstrap over members
+is Efron's, Ann. Statist. 7, 1 (1979).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from statistics import NormalDist
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.errors import ParameterError, ShapeError
+
+FloatArray: TypeAlias = NDArray[np.float64]
+Window: TypeAlias = tuple[float, float]
+
+# Replicates drawn at a time: 32 x 20,000 counts of 8 bytes are 5 MB, and larger blocks were not faster.
+_REPLICATES_AT_A_TIME = 32
+# A law of three coefficients needs more samples than that, or its residual says nothing.
+_MIN_TIMES = 5
+
+
+class Estimate(NamedTuple):
+    """A number with its standard error and its confidence interval [low, high]."""
+
+    value: float
+    standard_error: float
+    low: float
+    high: float
+
+    def __format__(self, spec: str) -> str:
+        """Read as `0.1236 ± 0.0005`: the error to two significant digits, the value to the same place."""
+        if spec:
+            return f"{self.value:{spec}} ± {self.standard_error:{spec}}"
+        if not (math.isfinite(self.standard_error) and self.standard_error > 0):
+            return f"{self.value:.6g} ± {self.standard_error:.2g}"
+        places = max(0, 1 - math.floor(math.log10(self.standard_error)))
+        return f"{self.value:.{places}f} ± {self.standard_error:.{places}f}"
+
+    def contains(self, number: float) -> bool:
+        """Whether `number` lies in the confidence interval."""
+        return self.low <= number <= self.high
+
+
+@dataclass(frozen=True)
+class _Law:
+    r"""A law $t^p\,\langle\lambda(t)\rangle = \sum_k c_k f_k(t)$, linear in its coefficients $c_k$."""
+
+    names: tuple[str, ...]
+    columns: tuple[Callable[[FloatArray], FloatArray], ...]
+    power: int = 0
+
+    def design(self, time: FloatArray) -> FloatArray:
+        """The matrix f_k(t_j), shape (time, coefficient)."""
+        return np.stack([column(time) for column in self.columns], axis=1)
+
+
+def _one(time: FloatArray) -> FloatArray:
+    return np.ones_like(time)
+
+
+def _same(time: FloatArray) -> FloatArray:
+    return time
+
+
+def _inverse_root(time: FloatArray) -> FloatArray:
+    return 1.0 / np.sqrt(time)
+
+
+def _inverse(time: FloatArray) -> FloatArray:
+    return 1.0 / time
+
+
+_FINITE_TIME = _Law(("lambda", "c1", "c0"), (_one, _inverse_root, _inverse))
+_LOGARITHM = _Law(("A", "B"), (_one, np.log), power=1)
+_LOGARITHM_AND_LINE = _Law(("A", "B", "D"), (_one, np.log, _same), power=1)
+
+
+@dataclass(frozen=True)
+class Resampling:
+    """How the errors of an estimate were made: by resampling whole members, with replacement.
+
+    Attributes:
+        n_bootstrap: Number of replicates.
+        confidence: Coverage of the (percentile) intervals, between 0 and 1.
+        seed: Draws the replicates.
+    """
+
+    n_bootstrap: int = 1000
+    confidence: float = 0.95
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.n_bootstrap < 2:
+            raise ParameterError(f"n_bootstrap must be at least 2; got {self.n_bootstrap}. Try 1000.")
+        if self.seed < 0:
+            raise ParameterError(f"seed must be an integer >= 0; got {self.seed}.")
+        _check_confidence(self.confidence)
+
+
+@dataclass(frozen=True)
+class FiniteTimeFit:
+    r"""Fit of the ensemble mean to $\langle\lambda(t)\rangle = \lambda + c_1/\sqrt t + c_0/t$.
+
+    Attributes:
+        estimates: `lambda`, `c1` and `c0`, each with standard error and confidence interval.
+        window: First and last time used.
+        n_times: Sample times inside the window.
+        n_members: Members averaged.
+        n_excluded: Members left out because they did not finish.
+        rms_residual: Root mean square of mean curve minus fit over the window.
+        resampling: How the errors were made.
+    """
+
+    estimates: dict[str, Estimate]
+    window: Window
+    n_times: int
+    n_members: int
+    n_excluded: int
+    rms_residual: float
+    resampling: Resampling
+
+    @property
+    def lambda_(self) -> float:
+        r"""The limit $\lambda$ of the mean finite-time exponent, in inverse time."""
+        return self.estimates["lambda"].value
+
+    @property
+    def c1(self) -> float:
+        r"""The coefficient of $1/\sqrt t$."""
+        return self.estimates["c1"].value
+
+    @property
+    def c0(self) -> float:
+        r"""The coefficient of $1/t$."""
+        return self.estimates["c0"].value
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Bootstrap standard error of each coefficient."""
+        return {name: estimate.standard_error for name, estimate in self.estimates.items()}
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Bootstrap percentile interval of each coefficient."""
+        return {name: (estimate.low, estimate.high) for name, estimate in self.estimates.items()}
+
+    def curve(self, time: ArrayLike) -> FloatArray:
+        """The fitted law at the given times (> 0), in inverse time."""
+        t = np.asarray(time, dtype=np.float64)
+        return self.lambda_ + self.c1 / np.sqrt(t) + self.c0 / t
+
+    def __str__(self) -> str:
+        low, high = self.window
+        terms = ", ".join(f"{name} = {estimate}" for name, estimate in self.estimates.items())
+        left_out = f", {self.n_excluded} left out" if self.n_excluded else ""
+        return f"{terms}  (t in [{low:g}, {high:g}], {self.n_members} members{left_out})"
+
+
+@dataclass(frozen=True)
+class LogFit:
+    r"""Fit of the ensemble mean to $t\,\langle\lambda(t)\rangle = A + B\ln t$, and the same with a term $D\,t$.
+
+    A regular system has tangent vectors that grow like a power of time, so $B$ is that power and $D = 0$;
+    $D$ is the part of the exponent that does not go to zero.
+
+    Attributes:
+        estimates: `A` and `B` of the fit without the linear term.
+        with_linear_term: `A`, `B` and `D` of the fit with it.
+        window: First and last time used.
+        n_times: Sample times inside the window.
+        n_members: Members averaged.
+        n_excluded: Members left out because they did not finish.
+        rms_residual: Root mean square of t times the mean curve minus the fit without linear term.
+        resampling: How the errors were made.
+    """
+
+    estimates: dict[str, Estimate]
+    with_linear_term: dict[str, Estimate]
+    window: Window
+    n_times: int
+    n_members: int
+    n_excluded: int
+    rms_residual: float
+    resampling: Resampling
+
+    @property
+    def A(self) -> float:
+        """The constant of the fit without the linear term."""
+        return self.estimates["A"].value
+
+    @property
+    def B(self) -> float:
+        """The power of time with which tangent vectors grow."""
+        return self.estimates["B"].value
+
+    @property
+    def D(self) -> float:
+        """The coefficient of t, in inverse time: the floor below which the exponent would not fall."""
+        return self.with_linear_term["D"].value
+
+    @property
+    def linear_term_is_zero(self) -> bool:
+        """Whether the confidence interval of D contains zero."""
+        return self.with_linear_term["D"].contains(0.0)
+
+    def curve(self, time: ArrayLike) -> FloatArray:
+        """The fitted mean exponent (A + B ln t)/t at the given times (> 0), in inverse time."""
+        t = np.asarray(time, dtype=np.float64)
+        return (self.A + self.B * np.log(t)) / t
+
+    def __str__(self) -> str:
+        low, high = self.window
+        D = self.with_linear_term["D"]
+        verdict = "zero within its error" if self.linear_term_is_zero else "not zero within its error"
+        return (
+            f"A = {self.estimates['A']}, B = {self.estimates['B']}; linear term D = {D.value:.1e} ± "
+            f"{D.standard_error:.1e}, {verdict}  (t in [{low:g}, {high:g}], {self.n_members} members)"
+        )
+
+
+@dataclass(frozen=True)
+class MeanCurve:
+    r"""The ensemble mean with a pointwise confidence band, $\bar\lambda(t) \pm z\,s(t)/\sqrt n$.
+
+    The band is that of the normal distribution ($z = 1.96$ at 95%), good from some tens of members on.  It holds
+    time by time; values at different times are correlated, because each member keeps its own exponent.
+
+    Attributes:
+        time: Sample times, shape (time,).
+        mean: Mean exponent, shape (time,), in inverse time.
+        standard_error: Of the mean, shape (time,).
+        low: Lower edge of the band, shape (time,).
+        high: Upper edge of the band, shape (time,).
+        confidence: Pointwise coverage of the band.
+        n_members: Members averaged.
+        n_excluded: Members left out because they did not finish.
+    """
+
+    time: FloatArray
+    mean: FloatArray
+    standard_error: FloatArray
+    low: FloatArray
+    high: FloatArray
+    confidence: float
+    n_members: int
+    n_excluded: int
+
+    def at(self, time: float) -> Estimate:
+        """The mean at one of the sample times, or linearly between two of them."""
+        if not self.time[0] <= time <= self.time[-1]:
+            raise ParameterError(f"time must lie in [{self.time[0]:g}, {self.time[-1]:g}]; got {time:g}.")
+        columns = (self.mean, self.standard_error, self.low, self.high)
+        return Estimate(*(float(np.interp(time, self.time, column)) for column in columns))
+
+
+class EnsembleReduction:
+    """Growth curves of an ensemble, reduced as they come to what the fits need.
+
+    Give the windows first, then the curves in pieces of any size, then ask for the fits.  What is kept is the
+    running mean and variance at each time and three numbers per member and window: for 20,000 members and 20
+    windows 10 MB, whatever the number of sample times.
+
+    Args:
+        time: Sample times, shape (time,), positive and increasing.
+        windows: Windows of `finite_time_fits`.
+        log_windows: Windows of `log_fits`.
+
+    Raises:
+        ShapeError: `time` is not one-dimensional.
+        ParameterError: times not positive, finite and increasing, or a window with too few of them.
+    """
+
+    def __init__(self, time: ArrayLike, *, windows: Sequence[Window] = (), log_windows: Sequence[Window] = ()) -> None:
+        self.time = _checked_time(time)
+        self.windows = tuple(_checked_window(window) for window in windows)
+        self.log_windows = tuple(_checked_window(window) for window in log_windows)
+        requests = [(_FINITE_TIME, window) for window in self.windows]
+        for window in self.log_windows:
+            requests += [(_LOGARITHM, window), (_LOGARITHM_AND_LINE, window)]
+        projectors = [_projector(law, window, self.time) for law, window in requests]
+        self._projector = np.concatenate([np.zeros((0, self.time.size)), *projectors])
+        self._coefficients: list[FloatArray] = []
+        self._mean = np.zeros(self.time.size)
+        self._squares = np.zeros(self.time.size)
+        self.n_members = 0
+        self.n_excluded = 0
+
+    def add(self, exponent: ArrayLike) -> None:
+        """Take in the curves of some members, shape (trajectory, time).
+
+        A member with a value that is not finite did not finish: it is left out of everything and counted.
+
+        Raises:
+            ShapeError: the last axis does not match the sample times.
+        """
+        curves = np.asarray(exponent, dtype=np.float64)
+        if curves.ndim != 2 or curves.shape[1] != self.time.size:
+            raise ShapeError(
+                f"exponent must have shape (trajectory, time) with {self.time.size} times; got {curves.shape}. "
+                "Transpose it?"
+            )
+        finished = np.isfinite(curves).all(axis=1)
+        self.n_excluded += int(np.count_nonzero(~finished))
+        if not finished.all():
+            curves = curves[finished]
+        if curves.shape[0] == 0:
+            return
+        self._coefficients.append(curves @ self._projector.T)
+        self._merge_moments(curves)
+
+    def _merge_moments(self, curves: FloatArray) -> None:
+        # Chan, Golub and LeVeque, Amer. Statist. 37, 242 (1983): moments of two samples merged without cancellation.
+        n_new, n_old = curves.shape[0], self.n_members
+        mean = curves.mean(axis=0)
+        squares = np.square(curves - mean).sum(axis=0)
+        difference = mean - self._mean
+        n = n_old + n_new
+        self._mean = self._mean + difference * (n_new / n)
+        self._squares = self._squares + squares + np.square(difference) * (n_old * n_new / n)
+        self.n_members = n
+
+    def mean_curve(self, *, confidence: float = 0.95) -> MeanCurve:
+        """The mean of all members taken in so far, with its pointwise confidence band.
+
+        Raises:
+            ParameterError: fewer than two members finished, or a confidence outside (0, 1).
+        """
+        _check_confidence(confidence)
+        self._require_members()
+        standard_error = np.sqrt(self._squares / (self.n_members - 1) / self.n_members)
+        half_width = NormalDist().inv_cdf(0.5 + confidence / 2) * standard_error
+        low, high = self._mean - half_width, self._mean + half_width
+        return MeanCurve(
+            self.time, self._mean.copy(), standard_error, low, high, confidence, self.n_members, self.n_excluded
+        )
+
+    def finite_time_fits(self, resampling: Resampling | None = None) -> tuple[FiniteTimeFit, ...]:
+        """One fit per window, all from the same bootstrap replicates, so that their differences are meaningful.
+
+        Raises:
+            ParameterError: fewer than two members finished.
+        """
+        resampling = resampling or Resampling()
+        n_coefficients = len(_FINITE_TIME.names)
+        columns = self._estimates(slice(0, n_coefficients * len(self.windows)), resampling)
+        return tuple(
+            FiniteTimeFit(
+                dict(zip(_FINITE_TIME.names, columns[n_coefficients * k :], strict=False)),
+                window,
+                *self._fit_facts(_FINITE_TIME, window),
+                resampling,
+            )
+            for k, window in enumerate(self.windows)
+        )
+
+    def log_fits(self, resampling: Resampling | None = None) -> tuple[LogFit, ...]:
+        """One logarithmic fit, without and with a linear term, per logarithmic window.
+
+        Raises:
+            ParameterError: fewer than two members finished.
+        """
+        resampling = resampling or Resampling()
+        columns = self._estimates(slice(len(_FINITE_TIME.names) * len(self.windows), None), resampling)
+        n_plain, n_linear = len(_LOGARITHM.names), len(_LOGARITHM_AND_LINE.names)
+        fits: list[LogFit] = []
+        for k, window in enumerate(self.log_windows):
+            start = (n_plain + n_linear) * k
+            plain = dict(zip(_LOGARITHM.names, columns[start:], strict=False))
+            linear = dict(zip(_LOGARITHM_AND_LINE.names, columns[start + n_plain :], strict=False))
+            fits.append(LogFit(plain, linear, window, *self._fit_facts(_LOGARITHM, window), resampling))
+        return tuple(fits)
+
+    def _estimates(self, columns: slice, resampling: Resampling) -> list[Estimate]:
+        """Value, standard error and percentile interval of each coefficient in `columns`."""
+        self._require_members()
+        coefficients = np.concatenate([block[:, columns] for block in self._coefficients])
+        if coefficients.shape[1] == 0:
+            return []
+        replicates = _bootstrap_means(coefficients, resampling)
+        tail = (1 - resampling.confidence) / 2
+        low, high = np.quantile(replicates, [tail, 1 - tail], axis=0)
+        errors = replicates.std(axis=0, ddof=1)
+        table = np.stack([coefficients.mean(axis=0), errors, low, high], axis=1)
+        return [Estimate(*map(float, row)) for row in table]
+
+    def _fit_facts(self, law: _Law, window: Window) -> tuple[int, int, int, float]:
+        """Number of times, of members and of members left out, and the residual of the mean curve."""
+        inside = _inside(window, self.time)
+        target = self._mean[inside] * self.time[inside] ** law.power
+        design = law.design(self.time[inside])
+        residual = target - design @ (_projector(law, window, self.time) @ self._mean)
+        rms = float(np.sqrt(np.mean(np.square(residual))))
+        return int(np.count_nonzero(inside)), self.n_members, self.n_excluded, rms
+
+    def _require_members(self) -> None:
+        if self.n_members < 2:
+            raise ParameterError(
+                f"an average with an error needs at least 2 members that finished; got {self.n_members} "
+                f"({self.n_excluded} did not finish). Look at their outcomes, or take more members."
+            )
+
+
+def finite_time_fit(
+    time: ArrayLike,
+    exponent: ArrayLike,
+    *,
+    window: Window = (20.0, 200.0),
+    n_bootstrap: int = 1000,
+    seed: int = 0,
+    confidence: float = 0.95,
+) -> FiniteTimeFit:
+    r"""Fit of the mean finite-time exponent to $\lambda + c_1/\sqrt t + c_0/t$, with bootstrap errors over members.
+
+    Unweighted least squares on the sample times inside the window.  The result depends on the window (the law is
+    asymptotic) and on the ensemble (a mean over regular and chaotic orbits of many energies): quote both, and see
+    `window_scan`.  The errors are statistical only.
+
+    Args:
+        time: Sample times, shape (time,), positive and increasing.
+        exponent: Finite-time exponents, shape (trajectory, time), in inverse time.  Members with a value that is
+            not finite are left out and counted.
+        window: First and last time used; it must hold at least 5 sample times.
+        n_bootstrap: Number of bootstrap replicates.
+        seed: Draws the replicates.
+        confidence: Coverage of the intervals.
+
+    Returns:
+        The coefficients with standard errors and percentile intervals.
+
+    Raises:
+        ShapeError: `exponent` is not (trajectory, time).
+        ParameterError: bad times or window, or fewer than two members that finished.
+
+    References: Tang and Boozer, Physica D 95, 283 (1996); Thiffeault and Morrison (2001), figure of the exponents.
+    """
+    return window_scan(time, exponent, windows=[window], n_bootstrap=n_bootstrap, seed=seed, confidence=confidence)[0]
+
+
+def window_scan(
+    time: ArrayLike,
+    exponent: ArrayLike,
+    *,
+    windows: Sequence[Window] | None = None,
+    n_bootstrap: int = 1000,
+    seed: int = 0,
+    confidence: float = 0.95,
+) -> tuple[FiniteTimeFit, ...]:
+    """`finite_time_fit` over many windows, by default over `window_grid`; all share the bootstrap replicates.
+
+    Raises:
+        ShapeError: `exponent` is not (trajectory, time).
+        ParameterError: bad times or window, or fewer than two members that finished.
+    """
+    reduction = EnsembleReduction(time, windows=window_grid(time) if windows is None else windows)
+    reduction.add(exponent)
+    return reduction.finite_time_fits(Resampling(n_bootstrap, confidence, seed))
+
+
+def log_fit(
+    time: ArrayLike,
+    exponent: ArrayLike,
+    *,
+    window: Window = (50.0, 1000.0),
+    n_bootstrap: int = 1000,
+    seed: int = 0,
+    confidence: float = 0.95,
+) -> LogFit:
+    r"""Fit of the mean exponent to $t\,\langle\lambda(t)\rangle = A + B\ln t$, and to the same plus $D\,t$.
+
+    Arguments and errors are those of `finite_time_fit`.  Whether D vanishes within its error is the test for a
+    floor below which the exponent does not fall.
+
+    Raises:
+        ShapeError: `exponent` is not (trajectory, time).
+        ParameterError: bad times or window, or fewer than two members that finished.
+    """
+    reduction = EnsembleReduction(time, log_windows=[window])
+    reduction.add(exponent)
+    return reduction.log_fits(Resampling(n_bootstrap, confidence, seed))[0]
+
+
+def mean_curve(time: ArrayLike, exponent: ArrayLike, *, confidence: float = 0.95) -> MeanCurve:
+    """Ensemble mean of the exponents (trajectory, time) with a pointwise confidence band.
+
+    Raises:
+        ShapeError: `exponent` is not (trajectory, time).
+        ParameterError: bad times, or fewer than two members that finished.
+    """
+    reduction = EnsembleReduction(time)
+    reduction.add(exponent)
+    return reduction.mean_curve(confidence=confidence)
+
+
+def window_grid(
+    time: ArrayLike,
+    *,
+    starts: Sequence[float] = (5, 10, 20, 30, 50, 70, 100),
+    ends: Sequence[float] = (100, 200, 500, 1000),
+) -> tuple[Window, ...]:
+    """The windows [start, end] inside the sample times whose end is at least twice their start.
+
+    Raises:
+        ParameterError: no such window.
+    """
+    t = _checked_time(time)
+    grid = [(float(start), float(end)) for end in ends for start in starts if 2 * start <= end <= t[-1]]
+    windows = tuple(window for window in grid if np.count_nonzero(_inside(window, t)) >= _MIN_TIMES)
+    if not windows:
+        raise ParameterError(
+            f"no window with starts {list(starts)} and ends {list(ends)} holds {_MIN_TIMES} of the sample times "
+            f"{t[0]:g} .. {t[-1]:g}. Give `windows` yourself, or sample longer."
+        )
+    return windows
+
+
+def _bootstrap_means(values: FloatArray, resampling: Resampling) -> FloatArray:
+    """Means of members drawn with replacement; `values` is (trajectory, quantity), result (replicate, quantity)."""
+    n = values.shape[0]
+    generator = np.random.default_rng(np.random.SeedSequence(resampling.seed))
+    blocks: list[FloatArray] = []
+    for start in range(0, resampling.n_bootstrap, _REPLICATES_AT_A_TIME):
+        size = min(_REPLICATES_AT_A_TIME, resampling.n_bootstrap - start)
+        draws = generator.integers(0, n, size=(size, n), dtype=np.int64)
+        draws += np.arange(size, dtype=np.int64)[:, np.newaxis] * n
+        counts = np.bincount(draws.ravel(), minlength=size * n).reshape(size, n)
+        blocks.append(counts.astype(np.float64) @ values / n)
+    return np.concatenate(blocks)
+
+
+def _projector(law: _Law, window: Window, time: FloatArray) -> FloatArray:
+    """The matrix, shape (coefficient, time), that takes a curve to its least-squares coefficients."""
+    inside = _inside(window, time)
+    n_times = int(np.count_nonzero(inside))
+    if n_times < _MIN_TIMES:
+        raise ParameterError(
+            f"the window [{window[0]:g}, {window[1]:g}] must hold at least {_MIN_TIMES} sample times; it holds "
+            f"{n_times} of {time.size} between {time[0]:g} and {time[-1]:g}. Widen it, or sample longer or more often."
+        )
+    design = law.design(time[inside])
+    scale = np.linalg.norm(design, axis=0)
+    projector = np.zeros((len(law.names), time.size))
+    # Columns of unit length keep the pseudo-inverse well conditioned although 1 and t differ by a factor 1000.
+    projector[:, inside] = np.linalg.pinv(design / scale) / scale[:, np.newaxis]
+    return projector * time**law.power
+
+
+def _inside(window: Window, time: FloatArray) -> NDArray[np.bool_]:
+    return (time >= window[0]) & (time <= window[1])
+
+
+def _checked_time(time: ArrayLike) -> FloatArray:
+    t = np.asarray(time, dtype=np.float64)
+    if t.ndim != 1 or t.size == 0:
+        raise ShapeError(f"time must have shape (time,) with at least one entry; got {t.shape}.")
+    if not np.isfinite(t).all() or t[0] <= 0 or (np.diff(t) <= 0).any():
+        raise ParameterError(
+            f"time must be finite, positive and strictly increasing; got {t.size} values from {t[0]:g} to {t[-1]:g}. "
+            "Leave out t = 0, where a finite-time exponent is not defined."
+        )
+    return t
+
+
+def _checked_window(window: Sequence[float]) -> Window:
+    if len(window) != 2 or not all(math.isfinite(edge) for edge in window) or not 0 < window[0] < window[1]:
+        raise ParameterError(f"a window must be (start, end) with 0 < start < end; got {tuple(window)}.")
+    return float(window[0]), float(window[1])
+
+
+def _check_confidence(confidence: float) -> None:
+    if not 0 < confidence < 1:
+        raise ParameterError(f"confidence must lie between 0 and 1, such as 0.95; got {confidence}.")

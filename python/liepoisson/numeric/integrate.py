@@ -1,0 +1,186 @@
+"""Trajectories with dense output, forwards and backwards in time, with any number of tangent vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson import _core
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.field import TopField
+from liepoisson.numeric._checks import Array, HasField, as_states, as_threads, as_times, core_parameters, outcome_names
+from liepoisson.numeric.methods import Taylor
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+
+@dataclass(frozen=True)
+class Orbit:
+    """Trajectories at given times.
+
+    Attributes:
+        system: Name of the system.
+        field: Its vector field.
+        method: How it was integrated.
+        time: Times, shape (time,); the first is that of the initial states.
+        state: States, shape (trajectory, time, component); NaN from where a trajectory failed.
+        tangent: Tangent vectors, shape (trajectory, time, tangent, component).
+        outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite", "max steps".
+        end_time: Time that each trajectory reached, shape (trajectory,).
+        n_steps: Accepted steps of each trajectory.
+        final_state: Last good state of each trajectory, shape (trajectory, component).
+        order: Order of the Taylor series.
+        kernel: Instruction set used.
+        series: Dense output of each trajectory, if it was asked for: starts of the steps, shape (step,), and
+            coefficients, shape (step, order, component).
+    """
+
+    system: str
+    field: TopField
+    method: Taylor
+    time: Array
+    state: Array
+    tangent: Array
+    outcome: NDArray[np.str_]
+    end_time: Array
+    n_steps: NDArray[np.int64]
+    final_state: Array
+    order: int
+    kernel: str
+    series: tuple[tuple[Array, Array], ...] = ()
+
+    def at(self, t: ArrayLike) -> Array:
+        """States at any times between the first and the last, from the power series of the steps.
+
+        Args:
+            t: Times, any shape, within the run.
+
+        Returns:
+            States, shape (trajectory, *shape of t, component), as accurate as the steps; NaN beyond where a trajectory
+            failed.
+
+        Raises:
+            ParameterError: The run was made without `dense=True`, or a time lies outside it.
+        """
+        if not self.series:
+            raise ParameterError("at(t): wanted a run with dense output; got one without; try integrate(..., dense=True)")
+        times = np.asarray(t, dtype=np.float64)
+        low, high = min(self.time[0], self.time[-1]), max(self.time[0], self.time[-1])
+        if not ((times >= low) & (times <= high)).all():
+            raise ParameterError(f"at(t): wanted times from {low} to {high}; got {times.min()} to {times.max()}")
+        values = np.stack([self._evaluate(k, times.ravel()) for k in range(len(self.series))])
+        return values.reshape(len(self.series), *times.shape, self.state.shape[-1])
+
+    def _evaluate(self, trajectory: int, times: Array) -> Array:
+        starts, coefficients = self.series[trajectory]
+        direction = np.sign(self.time[-1] - self.time[0])
+        values = np.full((len(times), coefficients.shape[-1]), np.nan)
+        reached = direction * times <= direction * self.end_time[trajectory]
+        if not len(starts) or not reached.any():
+            return values
+        step = np.searchsorted(direction * starts, direction * times[reached], side="right") - 1
+        step = np.maximum(step, 0)
+        tau = (times[reached] - starts[step])[:, None]
+        value = coefficients[step, -1]
+        for k in range(coefficients.shape[1] - 2, -1, -1):
+            value = value * tau + coefficients[step, k]
+        values[reached] = value
+        return values
+
+    @property
+    def dataset(self) -> Dataset:
+        """The same as a labelled xarray Dataset, whose attributes suffice to run it again."""
+        from liepoisson.dataset import orbit_dataset
+
+        return orbit_dataset(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Writes the dataset to a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run."""
+        from liepoisson.dataset import save
+
+        return save(self.dataset, path)
+
+
+def integrate(
+    system: HasField,
+    x0: ArrayLike,
+    *,
+    t: ArrayLike,
+    tangents: ArrayLike | None = None,
+    method: Taylor | None = None,
+    dense: bool = False,
+    threads: int | None = None,
+    progress: Callable[[float], Any] | None = None,
+) -> Orbit:
+    r"""Trajectories $\dot x = J(x)\nabla H(x)$ and their tangent vectors $\dot v = D(J\nabla H)(x)\,v$.
+
+    Args:
+        system: What is integrated.
+        x0: States at time `t[0]`, shape (9,) or (trajectory, 9), dimensionless.
+        t: Times at which states are wanted, strictly monotone, shape (time,); decreasing times run backwards.
+        tangents: Tangent vectors at `t[0]`, shape (tangent, 9) for all trajectories or (trajectory, tangent, 9).
+        method: How; by default `Taylor()`, to round-off.
+        dense: Keep the power series of every step, so that `orbit.at(t)` answers for any time.
+        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        progress: Called a few times a second with the fraction that is done.
+
+    Returns:
+        Orbit; a trajectory that fails is an outcome in it, not an error.
+
+    Raises:
+        ShapeError: An array has another shape than stated.
+        ParameterError: Numbers that are not finite, times that are not monotone.
+        KeyboardInterrupt: Ctrl-C.
+    """
+    method = method or Taylor()
+    field = system.field()
+    n = field.n_components
+    states, times = as_states(x0, n), as_times(t, "t", least=2)
+    vectors = _as_tangents(tangents, len(states), n)
+    raw = _core.orbits_of_top(
+        core_parameters(field),
+        method.parameters,
+        states.ravel(),
+        vectors.ravel(),
+        vectors.shape[1],
+        times,
+        as_threads(threads),
+        dense,
+        progress,
+    )
+    return Orbit(
+        system=system.name,
+        field=field,
+        method=method,
+        time=times,
+        state=raw["state"].reshape(len(states), len(times), n),
+        tangent=raw["tangent"].reshape(len(states), len(times), vectors.shape[1], n),
+        outcome=outcome_names(raw["outcome"]),
+        end_time=raw["end_time"],
+        n_steps=raw["n_steps"],
+        final_state=raw["final_state"].reshape(len(states), n),
+        order=raw["order"],
+        kernel=raw["kernel"],
+        series=tuple((starts, c.reshape(len(starts), raw["order"] + 1, n)) for starts, c in raw["series"]),
+    )
+
+
+def _as_tangents(tangents: ArrayLike | None, n_trajectories: int, n: int) -> Array:
+    if tangents is None:
+        return np.empty((n_trajectories, 0, n))
+    vectors = np.asarray(tangents, dtype=np.float64)
+    if vectors.ndim == 2:
+        vectors = np.broadcast_to(vectors, (n_trajectories, *vectors.shape))
+    if vectors.ndim != 3 or vectors.shape[0] != n_trajectories or vectors.shape[2] != n:
+        raise ShapeError(
+            f"tangents must have shape (tangent, {n}) or ({n_trajectories}, tangent, {n}); got shape {vectors.shape}"
+        )
+    if not np.isfinite(vectors).all():
+        raise ParameterError("tangents: wanted finite numbers; got a NaN or an infinity; drop these vectors")
+    return np.ascontiguousarray(vectors)

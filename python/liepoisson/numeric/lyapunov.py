@@ -1,0 +1,165 @@
+"""The largest Lyapunov exponent along each trajectory, as a function of time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson import _core
+from liepoisson.errors import ParameterError
+from liepoisson.field import TopField
+from liepoisson.numeric._checks import Array, HasField, as_states, as_threads, as_times, core_parameters, outcome_names
+from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.sampling import sample_tangents
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+N_TIMES = 200
+
+
+@dataclass(frozen=True)
+class Growth:
+    """Finite-time Lyapunov exponents.
+
+    Attributes:
+        system: Name of the system.
+        field: Its vector field.
+        method: How it was integrated.
+        seed: Seed of the tangent vectors.
+        first: Number of the first member.
+        time: Times, shape (time,).
+        exponent: Finite-time exponents, in inverse time, shape (trajectory, time); NaN from where a trajectory failed.
+        outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite", "max steps".
+        end_time: Time that each trajectory reached, shape (trajectory,).
+        n_steps: Accepted steps of each trajectory.
+        initial_state: Shape (trajectory, component).
+        final_state: Last good state, shape (trajectory, component).
+        order: Order of the Taylor series.
+        kernel: Instruction set used.
+    """
+
+    system: str
+    field: TopField
+    method: Taylor
+    seed: int
+    first: int
+    time: Array
+    exponent: Array
+    outcome: NDArray[np.str_]
+    end_time: Array
+    n_steps: NDArray[np.int64]
+    initial_state: Array
+    final_state: Array
+    order: int
+    kernel: str
+
+    @property
+    def dataset(self) -> Dataset:
+        """The same as a labelled xarray Dataset, whose attributes suffice to run it again."""
+        from liepoisson.dataset import growth_dataset
+
+        return growth_dataset(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Writes the dataset to a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run."""
+        from liepoisson.dataset import save
+
+        return save(self.dataset, path)
+
+
+def lyapunov_exponent(
+    system: HasField,
+    x0: ArrayLike,
+    *,
+    t_end: float | None = None,
+    times: ArrayLike | None = None,
+    seed: int = 0,
+    first: int = 0,
+    method: Taylor | None = None,
+    threads: int | None = None,
+    progress: Callable[[float], Any] | None = None,
+) -> Growth:
+    r"""Largest Lyapunov exponent along each trajectory, as a function of time.
+
+    $\lambda(t) = t^{-1}\ln(|v(t)|/|v(0)|)$ for one tangent vector $v$, drawn uniformly from the unit sphere of the state
+    space.  The vector is only ever rescaled by exact powers of two, so there is no interval of renormalisation to choose.
+
+    $\lambda(t)$ is a finite-time value, biased upwards: it falls like $\ln t/t$ on a regular orbit, and on a chaotic one
+    approaches its limit like $1/\sqrt t$ or more slowly; `finite_time_fit` estimates the limit of an ensemble.
+
+    Args:
+        system: The system.
+        x0: States at time 0, shape (9,) or (trajectory, 9), dimensionless.
+        t_end: Last time, positive, in units of the system's own time; the exponent is then given at 200 times spaced
+            evenly in the logarithm, from `t_end`/1000 on.
+        times: The times themselves, positive and increasing, shape (time,), instead of `t_end`.
+        seed: Draws the tangent vectors.
+        first: Number of the first member, so that an ensemble can be computed in pieces: member k has the same tangent
+            vector in whichever piece it is.
+        method: How; by default `Taylor(tol=1e-13)`.
+        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        progress: Called a few times a second with the fraction that is done.
+
+    Returns:
+        Growth; a trajectory that fails is an outcome in it, not an error.
+
+    Raises:
+        ShapeError: An array has another shape than stated.
+        ParameterError: Numbers that are not finite, a time that is not positive, or both or neither of `t_end`, `times`.
+        KeyboardInterrupt: Ctrl-C.
+
+    References:
+        Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
+    """
+    method = method or Taylor(tol=1e-13)
+    field = system.field()
+    n = field.n_components
+    states, wanted = as_states(x0, n), _as_exponent_times(t_end, times)
+    tangents = sample_tangents(n, len(states), seed=seed, first=first)
+    raw = _core.growth_of_top(
+        core_parameters(field),
+        method.parameters,
+        states.ravel(),
+        tangents.ravel(),
+        np.concatenate([[0.0], wanted]),
+        as_threads(threads),
+        progress,
+    )
+    return Growth(
+        system=system.name,
+        field=field,
+        method=method,
+        seed=seed,
+        first=first,
+        time=wanted,
+        exponent=raw["exponent"].reshape(len(states), len(wanted)),
+        outcome=outcome_names(raw["outcome"]),
+        end_time=raw["end_time"],
+        n_steps=raw["n_steps"],
+        initial_state=states,
+        final_state=raw["final_state"].reshape(len(states), n),
+        order=raw["order"],
+        kernel=raw["kernel"],
+    )
+
+
+def _as_exponent_times(t_end: float | None, times: ArrayLike | None) -> Array:
+    if (t_end is None) == (times is None):
+        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1_000")
+    if times is None:
+        end = float(t_end)  # pyright: ignore[reportArgumentType]  # one of the two is given
+        if not 0.0 < end < np.inf:
+            raise ParameterError(f"t_end: wanted a positive finite time; got {end}; an exponent over negative time has no meaning")
+        wanted = np.geomspace(end / 1000.0, end, N_TIMES)
+        wanted[-1] = end
+        return wanted
+    wanted = as_times(times, "times", least=1)
+    if wanted[0] <= 0.0 or wanted[-1] <= 0.0 or (len(wanted) > 1 and wanted[1] < wanted[0]):
+        raise ParameterError(f"times: wanted positive increasing times; got {wanted[0]} to {wanted[-1]}; time starts at 0")
+    return wanted

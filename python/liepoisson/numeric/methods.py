@@ -1,0 +1,53 @@
+"""Methods of integration, as data."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from liepoisson.errors import ParameterError
+
+ROUND_OFF = 2.0**-53
+MAX_ORDER = 64
+
+
+@dataclass(frozen=True)
+class Taylor:
+    r"""The adaptive Taylor method.
+
+    Each step expands the solution in powers of time, $x(t+\tau) = \sum_{k\le N} x_k\tau^k$, and is as long as
+    $\|x_k\|\,|\tau|^k \le \mathrm{tol}\,\|x_0\|$ allows for $k = N-1, N$, where $\|\cdot\|$ is the sum of the absolute
+    values of the components of the state.  Tangent vectors have no say in the step, so a trajectory is the same with
+    and without them.
+
+    Args:
+        tol: Relative size of the last retained terms, from 1.1e-16 to 0.1.  The local error is smaller by about
+            $h/\rho$, the step over the radius of convergence (about 0.15).
+        order: $N$, from 2 to 64; by default the cheapest for `tol`.
+        max_steps: Most steps that one trajectory may take; one that needs more ends with the outcome "max steps".
+
+    Raises:
+        ParameterError: A value outside its range.
+
+    References:
+        Jorba and Zou, Experimental Mathematics 14 (2005) 99.
+    """
+
+    tol: float = 1e-15
+    order: int | None = None
+    max_steps: int = 100_000_000
+
+    def __post_init__(self) -> None:
+        """Checks the ranges."""
+        if not ROUND_OFF <= self.tol <= 0.1:
+            raise ParameterError(f"tol: wanted a number from 1.1e-16 to 0.1; got {self.tol!r}; try 1e-15")
+        if self.order is not None and not 2 <= self.order <= MAX_ORDER:
+            raise ParameterError(
+                f"order: wanted a whole number from 2 to {MAX_ORDER}; got {self.order!r}; leave it out to have it chosen"
+            )
+        if self.max_steps < 1:
+            raise ParameterError(f"max_steps: wanted a positive whole number; got {self.max_steps!r}; try 1_000_000")
+
+    @property
+    def parameters(self) -> tuple[float, int | None, int]:
+        """What the core takes."""
+        return float(self.tol), self.order, int(self.max_steps)

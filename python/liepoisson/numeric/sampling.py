@@ -1,0 +1,95 @@
+"""Random starts and tangent vectors: named ensembles, one stream of numbers per block of members."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.numeric._checks import HasField
+
+BLOCK = 256
+"""Members that share a stream; a member's numbers depend on the seed and on its own number only."""
+
+_STATES, _TANGENTS = 0, 1
+
+
+def _unit_vectors(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    vectors = rng.standard_normal((BLOCK, n // 3, 3))
+    return (vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)).reshape(BLOCK, n)
+
+
+def _cube(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    return rng.uniform(-1.0, 1.0, (BLOCK, n))
+
+
+def _gaussian(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    return rng.standard_normal((BLOCK, n))
+
+
+def _unit_tangent(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+    vectors = rng.standard_normal((BLOCK, n))
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+ENSEMBLES: dict[str, Callable[[np.random.Generator, int], NDArray[np.float64]]] = {
+    "unit-vectors": _unit_vectors,
+    "cube": _cube,
+    "gaussian": _gaussian,
+}
+
+
+def sample_states(
+    system: HasField, n: int, *, seed: int, ensemble: str = "unit-vectors", first: int = 0
+) -> NDArray[np.float64]:
+    r"""Random initial states.
+
+    Ensembles, for a state made of 3-vectors such as $(\ell, \alpha, \beta)$:
+
+    - `"unit-vectors"`: each vector independent and uniform on the unit sphere (so $C_3 = |\beta|^2 = 1$);
+    - `"cube"`: each component independent and uniform in $[-1, 1]$;
+    - `"gaussian"`: each component independent and normal with mean 0 and variance 1.
+
+    None of them fixes the energy or the Casimirs: averages over them mix leaves and energies.
+
+    Args:
+        system: The system whose states are wanted; its dimension is used.
+        n: Number of states.
+        seed: Root of the random numbers (numpy's `SeedSequence`).
+        ensemble: One of the names above.
+        first: Number of the first member: members `first .. first + n - 1` of one infinite ensemble.
+
+    Returns:
+        States, shape (trajectory, component), dimensionless.  A member is the same whatever `n` and `first`.
+
+    Raises:
+        UnknownNameError: No such ensemble.
+        ParameterError: `n` or `first` negative, or a negative seed.
+    """
+    if ensemble not in ENSEMBLES:
+        raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {ensemble!r}")
+    return _draw(ENSEMBLES[ensemble], system.field().n_components, n, seed, first, _STATES)
+
+
+def sample_tangents(n_components: int, n: int, *, seed: int, first: int = 0) -> NDArray[np.float64]:
+    """Random tangent vectors, uniform on the unit sphere of the state space, shape (trajectory, component)."""
+    return _draw(_unit_tangent, n_components, n, seed, first, _TANGENTS)
+
+
+def _draw(
+    draw: Callable[[np.random.Generator, int], NDArray[np.float64]],
+    n_components: int,
+    n: int,
+    seed: int,
+    first: int,
+    purpose: int,
+) -> NDArray[np.float64]:
+    if n < 0 or first < 0 or seed < 0:
+        raise ParameterError(f"n, first and seed: wanted whole numbers >= 0; got n={n}, first={first}, seed={seed}")
+    blocks = range(first // BLOCK, -(-(first + n) // BLOCK))
+    streams = (np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(purpose, block))) for block in blocks)
+    rows = [draw(stream, n_components) for stream in streams]
+    start = first - blocks.start * BLOCK
+    return np.concatenate([np.empty((0, n_components)), *rows])[start : start + n]

@@ -1,0 +1,204 @@
+r"""Figures of finite-time Lyapunov exponents: convergence of an ensemble, distribution, dependence on the fit window."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.errors import ShapeError
+from liepoisson.numeric.finite_time_fit import FiniteTimeFit, LogFit, MeanCurve, mean_curve
+from liepoisson.plot.style import INK, MUTED, axes_or_new, house_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FloatArray: TypeAlias = NDArray[np.float64]
+
+
+class GrowthLike(Protocol):
+    """What `lyapunov_exponent` returns, or the Dataset of it: `time` (time,) and `exponent` (trajectory, time)."""
+
+    @property
+    def time(self) -> Any: ...  # noqa: D102
+    @property
+    def exponent(self) -> Any: ...  # noqa: D102
+
+
+def convergence(
+    growth: GrowthLike | MeanCurve,
+    *,
+    fit: FiniteTimeFit | LogFit | None = None,
+    label: str | None = None,
+    colour: str | None = None,
+    confidence: float = 0.95,
+    ax: Axes | None = None,
+) -> Axes:
+    r"""Mean finite-time exponent of an ensemble against time, with its confidence band and a fit.
+
+    The dark band is the confidence of the mean; for thousands of members it is about as wide as the line.  When
+    the curves of all members are given, a light band holds the middle 90% of them.  A fit is drawn solid inside
+    its window and dotted outside.
+
+    Args:
+        growth: Result of `lyapunov_exponent`, or a `MeanCurve`.
+        fit: Result of `finite_time_fit` or `log_fit` for the same ensemble.
+        label: Name of the ensemble in the legend.
+        colour: Of the curve, by default the next of the cycle.
+        confidence: Pointwise coverage of the dark band.
+        ax: Axes to draw into, by default those of a new figure.
+
+    Returns:
+        The axes, with a logarithmic time axis.
+
+    Raises:
+        ShapeError: exponents not (trajectory, time).
+        ParameterError: fewer than two members finished.
+    """
+    with house_style():
+        ax = axes_or_new(ax)
+        curve = growth if isinstance(growth, MeanCurve) else _mean_of(growth, confidence)
+        (line,) = ax.plot(curve.time, curve.mean, color=colour, label=label, zorder=3)
+        colour = str(line.get_color())
+        if not isinstance(growth, MeanCurve):
+            low, high = np.nanquantile(np.asarray(growth.exponent, np.float64), [0.05, 0.95], axis=0)
+            ax.fill_between(curve.time, low, high, color=colour, alpha=0.10, linewidth=0, zorder=1)
+        ax.fill_between(curve.time, curve.low, curve.high, color=colour, alpha=0.35, linewidth=0, zorder=2)
+        if fit is not None:
+            draw_fit(ax, fit, curve.time)
+        ax.set_xscale("log")
+        time_axis(ax, curve.time[0], curve.time[-1])
+        ax.set_ylabel(r"$\langle\lambda(t)\rangle$")
+        if label is not None or fit is not None:
+            ax.legend()
+    return ax
+
+
+def _mean_of(growth: GrowthLike, confidence: float) -> MeanCurve:
+    return mean_curve(np.asarray(growth.time), np.asarray(growth.exponent), confidence=confidence)
+
+
+def draw_fit(ax: Axes, fit: FiniteTimeFit | LogFit, time: FloatArray, *, colour: str = INK) -> None:
+    """A fitted law: solid inside its window, dotted where it is continued."""
+    low, high = fit.window
+    inside = np.geomspace(low, high, 200)
+    law = fit_formula(fit)
+    ax.plot(inside, fit.curve(inside), color=colour, linewidth=0.9, zorder=4, label=law)
+    for start, end in ((max(time[0], low / 4), low), (high, time[-1])):
+        if end > start:
+            outside = np.geomspace(start, end, 100)
+            ax.plot(outside, fit.curve(outside), color=colour, linewidth=0.9, linestyle=(0, (1, 2)), zorder=4)
+
+
+def fit_formula(fit: FiniteTimeFit | LogFit) -> str:
+    """The fitted law with its numbers, as mathematical text for a legend."""
+    if isinstance(fit, LogFit):
+        return rf"fit $({fit.A:.2f} + {fit.B:.3f}\,\ln t)/t$"
+    return rf"fit ${fit.lambda_:.4f} {fit.c1:+.3f}/\sqrt{{t}} {fit.c0:+.2f}/t$"
+
+
+def time_axis(ax: Axes, first: float, last: float) -> None:
+    """Label a logarithmic time axis with plain numbers."""
+    from matplotlib.ticker import FuncFormatter, NullFormatter
+
+    ax.set_xlim(first, last)
+    ax.set_xlabel(r"$t$")
+    ax.xaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    ax.xaxis.set_minor_formatter(NullFormatter())
+
+
+def exponent_distribution(
+    exponents: ArrayLike,
+    *,
+    label: str | None = None,
+    colour: str | None = None,
+    bins: int | Sequence[float] = 80,
+    filled: bool = True,
+    ax: Axes | None = None,
+) -> Axes:
+    r"""Probability density of the exponents of the members at one time.
+
+    An ensemble of random starts mixes regular and chaotic orbits of many energies: its mean is not one exponent.
+
+    Args:
+        exponents: One exponent per member, shape (trajectory,), in inverse time; those not finite are left out.
+        label: Name in the legend.
+        colour: Of the histogram.
+        bins: Number of bins, or their edges.
+        filled: Whether to shade the area under the outline.
+        ax: Axes to draw into, by default those of a new figure.
+
+    Raises:
+        ShapeError: not one number per member.
+    """
+    values = np.asarray(exponents, dtype=np.float64)
+    if values.ndim != 1:
+        raise ShapeError(
+            f"exponents must have shape (trajectory,), one number per member; got {values.shape}. "
+            "Take the last time, exponent[:, -1]?"
+        )
+    values = values[np.isfinite(values)]
+    with house_style():
+        ax = axes_or_new(ax)
+        density, edges = np.histogram(values, bins=bins, density=True)
+        outline = np.concatenate([[0.0], np.repeat(density, 2), [0.0]])
+        (line,) = ax.plot(np.repeat(edges, 2), outline, color=colour, linewidth=1.2, label=label, zorder=3)
+        if filled:
+            ax.fill_between(np.repeat(edges, 2), outline, color=line.get_color(), alpha=0.13, linewidth=0, zorder=2)
+        ax.set_xlabel(r"$\lambda$")
+        ax.set_ylabel("probability density")
+        ax.set_ylim(bottom=0)
+        if label is not None:
+            ax.legend()
+    return ax
+
+
+def window_scan(
+    fits: Sequence[FiniteTimeFit],
+    *,
+    reference: float | None = None,
+    reference_label: str = "as printed",
+    ax: Axes | None = None,
+) -> Axes:
+    r"""The fitted $\lambda$ against the start of the window, one line per end of the window, with error bars.
+
+    Args:
+        fits: Result of `liepoisson.window_scan`.
+        reference: A value to compare with, drawn as a horizontal line.
+        reference_label: Its name in the legend.
+        ax: Axes to draw into, by default those of a new figure.
+    """
+    ends = sorted({fit.window[1] for fit in fits})
+    with house_style():
+        ax = axes_or_new(ax)
+        if reference is not None:
+            ax.axhline(reference, color=MUTED, linewidth=1.0, linestyle=(0, (5, 3)), label=reference_label, zorder=1)
+        for k, end in enumerate(ends):
+            line = sorted((fit for fit in fits if fit.window[1] == end), key=lambda fit: fit.window[0])
+            # Shifted a little sideways, so that error bars of different ends stay apart.
+            starts = np.array([fit.window[0] for fit in line]) * 1.025 ** (k - (len(ends) - 1) / 2)
+            values = np.array([fit.lambda_ for fit in line])
+            bars = np.array([fit.intervals["lambda"] for fit in line]).T
+            ax.errorbar(
+                starts,
+                values,
+                yerr=np.abs(bars - values),
+                marker="o",
+                markersize=3.6,
+                linewidth=0.9,
+                elinewidth=0.9,
+                capsize=0,
+                label=f"to $t = {end:g}$",
+                zorder=3,
+            )
+        starts = sorted({fit.window[0] for fit in fits})
+        ax.set_xscale("log")
+        time_axis(ax, 0.85 * starts[0], 1.18 * starts[-1])
+        ax.set_xticks(starts, minor=False)
+        ax.minorticks_off()
+        ax.set_xlabel("start of the window")
+        ax.set_ylabel(r"fitted $\lambda$")
+        ax.legend()
+    return ax

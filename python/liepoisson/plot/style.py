@@ -1,0 +1,113 @@
+"""The house style of figures: serif, vector output, the colours of the vectors; applied in a context, never at import."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+# The colours of the vectors, the same in every figure of the project and in the browser.
+ANGULAR_MOMENTUM = "#d1571b"
+FIRST_FIELD = "#1668b8"
+SECOND_FIELD = "#0b8f5f"
+CENTRE_OF_MASS = "#b8860b"
+INK = "#1d2433"
+MUTED = "#6b7280"
+GRID = "#e4e1d8"
+# For curves that are no vectors, in the order in which they are drawn.
+SEQUENCE = (ANGULAR_MOMENTUM, FIRST_FIELD, SECOND_FIELD, CENTRE_OF_MASS, "#7a4fa3", "#4b5563")
+
+FORMATS = ("png", "svg", "pdf")
+
+# Families by name and not "serif": the generic name would be looked up when the figure is drawn, outside the context.
+_SETTINGS: dict[str, Any] = {
+    "font.family": ["STIXGeneral", "DejaVu Serif"],
+    "mathtext.fontset": "stix",
+    "font.size": 10.5,
+    "axes.labelsize": 11.5,
+    "axes.titlesize": 11.5,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 8,
+    "axes.edgecolor": INK,
+    "axes.labelcolor": INK,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.axisbelow": True,
+    "axes.grid": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.6,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "xtick.direction": "out",
+    "ytick.direction": "out",
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "xtick.minor.width": 0.5,
+    "ytick.minor.width": 0.5,
+    "lines.linewidth": 1.4,
+    "lines.solid_capstyle": "round",
+    "legend.frameon": False,
+    "legend.fontsize": 9.5,
+    "legend.handlelength": 2.2,
+    "legend.borderaxespad": 0.2,
+    "figure.facecolor": "white",
+    "figure.dpi": 110,
+    "figure.constrained_layout.use": True,
+    "savefig.dpi": 220,
+    "pdf.fonttype": 42,
+    "svg.fonttype": "path",
+    "svg.hashsalt": "liepoisson",
+}
+
+
+@contextmanager
+def house_style() -> Iterator[None]:
+    """Matplotlib in the house style inside a `with` block; settings outside stay as they were."""
+    import matplotlib as mpl
+    from cycler import cycler
+
+    with mpl.rc_context({**_SETTINGS, "axes.prop_cycle": cycler(color=SEQUENCE)}):
+        yield
+
+
+def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> Axes:
+    """The given axes, or those of a new figure of the given size in inches, known to pyplot."""
+    if ax is not None:
+        return ax
+    import matplotlib.pyplot as plt
+
+    return plt.figure(figsize=(width, height)).add_subplot()
+
+
+def new_figure(width: float, height: float) -> Figure:
+    """An empty figure, in inches, that no window system knows of: it is freed when it goes out of scope."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(width, height))
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def save_figure(figure: Figure, stem: Path) -> tuple[Path, ...]:
+    """Write a figure as `stem`.png, .svg and .pdf; the same figure gives the same bytes.
+
+    Raises:
+        OSError: a file could not be written.
+    """
+    paths: list[Path] = []
+    with house_style():
+        for extension in FORMATS:
+            path = stem.with_suffix(f".{extension}")
+            # A date in the file would make every run differ.
+            no_date = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension, {})
+            figure.savefig(path, format=extension, metadata=no_date)
+            paths.append(path)
+    return tuple(paths)

@@ -1,0 +1,271 @@
+"""Where finished work is kept, so that an interrupted study goes on from what it has.
+
+A run is computed in pieces; each finished piece is one file `pieces/<run>/<first>-<last>.npz`, written under another
+name and then renamed, with a fingerprint of everything that determines its numbers and a checksum of them.  When all
+pieces of a run are there they are joined into `data/<run>.nc` (readable by `liepoisson.load`), recorded in
+`data/manifest.json`, and the pieces are removed.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import errno
+import hashlib
+import io
+import json
+import os
+import shutil
+import zipfile
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson import __version__
+from liepoisson.errors import DamagedFileError, OutputError, ParameterError
+from liepoisson.studies.twisted_top.runs import Run
+
+if TYPE_CHECKING:
+    from liepoisson.numeric.lyapunov import Growth
+
+AnyArray: TypeAlias = NDArray[Any]
+
+# What a piece holds per member; everything else about it follows from the run.
+MEMBER_ARRAYS = ("exponent", "outcome", "end_time", "n_steps", "initial_state", "final_state")
+
+_ADVICE = {
+    errno.ENOSPC: "Free some space, or choose another folder with --out; what is finished is kept.",
+    errno.EDQUOT: "Free some space, or choose another folder with --out; what is finished is kept.",
+    errno.EFBIG: "The file-size limit is too low (ulimit -f), or choose another folder with --out; "
+    "what is finished is kept.",
+    errno.ENOTDIR: "A part of the path is a file; choose another folder with --out.",
+    errno.EEXIST: "There is a file where a folder is wanted; choose another folder with --out.",
+    errno.EACCES: "No permission to write there; choose another folder with --out.",
+    errno.EROFS: "The file system is read-only; choose another folder with --out.",
+}
+
+
+@contextmanager
+def writing(path: Path) -> Iterator[None]:
+    """Turn a failure of the file system inside the block into an `OutputError` that says what to try."""
+    try:
+        yield
+    except OutputError:
+        raise
+    except OSError as error:
+        advice = _ADVICE.get(error.errno or 0, "Choose another folder with --out; what is finished is kept.")
+        raise OutputError(f"could not write {path}: {error.strerror or error}. {advice}") from error
+
+
+def write_atomically(path: Path, content: bytes) -> None:
+    """Write a file so that it is either whole or not there.
+
+    Raises:
+        OutputError: it could not be written.
+    """
+    partial = path.with_name(path.name + ".partial")
+    with writing(path):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            with partial.open("wb") as stream:
+                stream.write(content)
+                stream.flush()
+                os.fsync(stream.fileno())
+            partial.replace(path)
+        except BaseException:
+            partial.unlink(missing_ok=True)
+            raise
+
+
+def write_json(path: Path, content: Mapping[str, object]) -> None:
+    """Write plain data as indented JSON, atomically.
+
+    Raises:
+        OutputError: it could not be written.
+    """
+    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
+    write_atomically(path, (text + "\n").encode())
+
+
+def fingerprint(run: Run) -> dict[str, object]:
+    """Everything that determines the numbers of a run, as plain data; not the number of members."""
+    return {
+        "run": run.name,
+        "inertia": [str(moment) for moment in run.inertia],
+        "epsilon": run.epsilon,
+        "ensemble": run.ensemble,
+        "seed": run.seed,
+        "tolerance": run.tolerance,
+        "end_time": run.end_time,
+        "times": hashlib.sha256(run.time.tobytes()).hexdigest()[:16],
+        "version": __version__,
+    }
+
+
+class RunStore:
+    """The files of one run in the output folder `out`."""
+
+    def __init__(self, out: Path, run: Run) -> None:
+        self.run = run
+        self.folder = out / "pieces" / run.name
+        self.data = out / "data" / f"{run.name}.nc"
+        self._manifest = out / "data" / "manifest.json"
+
+    def piece_path(self, first: int, count: int) -> Path:
+        """File of the piece with members first .. first + count - 1."""
+        return self.folder / f"{first:06d}-{first + count - 1:06d}.npz"
+
+    def missing_pieces(self) -> list[tuple[int, int]]:
+        """(first, count) of the pieces that have no file yet; none when the whole run is there."""
+        if self.is_complete():
+            return []
+        return [piece for piece in self.run.pieces() if not self.piece_path(*piece).exists()]
+
+    def save_piece(self, growth: Growth, seconds: float) -> None:
+        """Store the curves of some members.
+
+        Raises:
+            OutputError: the file could not be written.
+        """
+        arrays = {name: np.asarray(getattr(growth, name)) for name in MEMBER_ARRAYS}
+        facts = {
+            "fingerprint": fingerprint(self.run),
+            "sha256": _digest(arrays),
+            "seconds": seconds,
+            "order": growth.order,
+            "kernel": growth.kernel,
+        }
+        content = io.BytesIO()
+        np.savez(content, allow_pickle=False, facts=np.array(json.dumps(facts)), **arrays)
+        write_atomically(self.piece_path(growth.first, len(growth.exponent)), content.getvalue())
+
+    def load_piece(self, first: int, count: int) -> tuple[dict[str, AnyArray], dict[str, Any]]:
+        """The arrays of a stored piece and the facts about it, checked.
+
+        Raises:
+            DamagedFileError: the file is truncated or altered.
+            ParameterError: it belongs to a study with other options.
+        """
+        path = self.piece_path(first, count)
+        try:
+            with np.load(path, allow_pickle=False) as archive:
+                facts: dict[str, Any] = json.loads(str(archive["facts"]))
+                arrays: dict[str, AnyArray] = {name: archive[name] for name in MEMBER_ARRAYS}
+            damaged = facts["sha256"] != _digest(arrays) or len(arrays["exponent"]) != count
+            stored = facts["fingerprint"]
+        # A damaged archive may fail in any of these ways, depending on which bytes were hit.
+        except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, NotImplementedError) as error:
+            raise _damaged(path, f"it can not be read ({error})") from error
+        if damaged:
+            raise _damaged(path, "its checksum does not match its numbers")
+        _check_fingerprint(path, stored, fingerprint(self.run))
+        return arrays, facts
+
+    def is_complete(self) -> bool:
+        """Whether the joined data of the whole run are stored.
+
+        Raises:
+            DamagedFileError: the manifest can not be read.
+            ParameterError: they belong to a study with other options.
+        """
+        record = self._read_manifest().get(self.run.name)
+        if record is None or not self.data.exists():
+            return False
+        wanted = {**fingerprint(self.run), "members": self.run.members}
+        _check_fingerprint(self.data, record["fingerprint"], wanted)
+        return True
+
+    def save_whole(self, growth: Growth, seconds: float) -> None:
+        """Write the joined run as NetCDF, record it, and remove its pieces.
+
+        Raises:
+            OutputError: a file could not be written.
+        """
+        partial = self.data.with_name(f".{self.run.name}.partial.nc")
+        with writing(self.data):
+            self.data.parent.mkdir(parents=True, exist_ok=True)
+            try:
+                growth.save(partial)
+                checksum = _file_digest(partial)
+                partial.replace(self.data)
+            finally:
+                partial.unlink(missing_ok=True)
+        record = {
+            "fingerprint": {**fingerprint(self.run), "members": self.run.members},
+            "sha256": checksum,
+            "seconds": seconds,
+        }
+        write_json(self._manifest, {**self._read_manifest(), self.run.name: record})
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def load_whole(self) -> tuple[Growth, float]:
+        """The joined run and the seconds it took, checked.
+
+        Raises:
+            DamagedFileError: the file was altered.
+        """
+        from liepoisson.dataset import load
+
+        record = self._read_manifest()[self.run.name]
+        if _file_digest(self.data) != record["sha256"]:
+            raise _damaged(self.data, "its checksum does not match the one in manifest.json")
+        return load(self.data), float(record["seconds"])
+
+    def _read_manifest(self) -> dict[str, Any]:
+        if not self._manifest.exists():
+            return {}
+        try:
+            return json.loads(self._manifest.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise _damaged(self._manifest, f"it can not be read ({error})") from error
+
+
+def join(growth: Growth, pieces: Mapping[str, AnyArray]) -> Growth:
+    """A growth of all members: the facts of `growth`, which is any piece, with the joined arrays."""
+    return dataclasses.replace(growth, first=0, **pieces)
+
+
+def discard(out: Path) -> None:
+    """Remove the stored work of a study, and nothing else in its folder.
+
+    Raises:
+        OutputError: it could not be removed.
+    """
+    with writing(out):
+        for folder in (out / "pieces", out / "data"):
+            if folder.exists():
+                shutil.rmtree(folder)
+
+
+def _digest(arrays: Mapping[str, AnyArray]) -> str:
+    total = hashlib.sha256()
+    for name in sorted(arrays):
+        array = np.ascontiguousarray(arrays[name])
+        total.update(f"{name} {array.dtype.str} {array.shape}".encode())
+        total.update(array.tobytes())
+    return total.hexdigest()
+
+
+def _file_digest(path: Path) -> str:
+    with path.open("rb") as stream:
+        return hashlib.file_digest(stream, "sha256").hexdigest()
+
+
+def _damaged(path: Path, reason: str) -> DamagedFileError:
+    return DamagedFileError(
+        f"{path} is damaged: {reason}. Remove this file and run the same command again (only its part is computed "
+        "anew), or start over with --fresh."
+    )
+
+
+def _check_fingerprint(path: Path, stored: Mapping[str, object], wanted: Mapping[str, object]) -> None:
+    if stored == wanted:
+        return
+    differences = [f"{key} {stored.get(key)} instead of {wanted[key]}" for key in wanted if stored.get(key) != wanted[key]]
+    raise ParameterError(
+        f"{path} holds work of a study with other options: {', '.join(differences)}. Use the same options to go on "
+        "with it, choose another folder with --out, or discard it with --fresh."
+    )
