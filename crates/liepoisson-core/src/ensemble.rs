@@ -5,6 +5,8 @@ use crate::field::Field;
 use crate::lanes::{Lane, Simd, Task, dispatch};
 use crate::method::{Block, Taylor};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Condvar, Mutex};
+use std::time::Duration;
 
 /// How a trajectory ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -167,8 +169,8 @@ impl<F: Field> Ensemble<'_, F> {
     /// Integrates every member on `threads` threads.
     ///
     /// The result for a member has the same bits for any number of threads and any instruction set. `observer` makes
-    /// the observer of one worker, given the number of its lanes; `watch` runs on the calling thread meanwhile and
-    /// returns when it has seen `true` from its argument (all workers have ended).
+    /// the observer of one worker, given the number of its lanes. `watch` runs on the calling thread meanwhile: the
+    /// function that it is given waits for the workers, at most so long, and says whether they have all ended.
     ///
     /// # Errors
     /// See [`Ensemble::check`].
@@ -178,23 +180,59 @@ impl<F: Field> Ensemble<'_, F> {
         simd: Simd,
         control: &Control,
         observer: impl Fn(usize) -> O + Sync,
-        watch: impl FnOnce(&dyn Fn() -> bool),
+        watch: impl FnOnce(&dyn Fn(Duration) -> bool),
     ) -> Result<(), Error> {
         self.check()?;
         let threads = threads.clamp(1, self.n_members().max(1));
-        // A register that is mostly empty is not faster than scalars, and takes more memory.
-        let simd = if self.n_members() <= threads { Simd::Scalar } else { simd };
-        let queue = AtomicUsize::new(0);
+        let share = self.n_members().div_ceil(threads);
+        let (queue, running) = (AtomicUsize::new(0), Running::new(threads));
         std::thread::scope(|scope| {
-            let workers: Vec<_> = (0..threads)
-                .map(|_| {
-                    let (queue, observer) = (&queue, &observer);
-                    scope.spawn(move || dispatch(simd, Worker { ensemble: self, queue, control, observer }))
-                })
-                .collect();
-            watch(&|| workers.iter().all(|worker| worker.is_finished()));
+            for _ in 0..threads {
+                let (queue, running, observer) = (&queue, &running, &observer);
+                scope.spawn(move || {
+                    let _counted = running.guard();
+                    dispatch(simd, Worker { ensemble: self, share, queue, control, observer });
+                });
+            }
+            watch(&|at_most| running.wait(at_most));
         });
         Ok(())
+    }
+}
+
+/// Workers that have not ended yet.
+struct Running {
+    count: Mutex<usize>,
+    all_ended: Condvar,
+}
+
+impl Running {
+    fn new(count: usize) -> Running {
+        Running { count: Mutex::new(count), all_ended: Condvar::new() }
+    }
+
+    /// Counts one worker down when dropped, also when it panics.
+    fn guard(&self) -> impl Drop + '_ {
+        struct Guard<'r>(&'r Running);
+        impl Drop for Guard<'_> {
+            fn drop(&mut self) {
+                let mut count = self.0.count.lock().expect("nobody panics while counting");
+                *count -= 1;
+                if *count == 0 {
+                    self.0.all_ended.notify_all();
+                }
+            }
+        }
+        Guard(self)
+    }
+
+    fn wait(&self, at_most: Duration) -> bool {
+        let count = self.count.lock().expect("nobody panics while counting");
+        let (count, _) = self
+            .all_ended
+            .wait_timeout_while(count, at_most, |count| *count > 0)
+            .expect("nobody panics while counting");
+        *count == 0
     }
 }
 
@@ -206,6 +244,8 @@ const STEPS_PER_REPORT: usize = 64;
 
 struct Worker<'w, F, M> {
     ensemble: &'w Ensemble<'w, F>,
+    /// Members that fall to one worker, about.
+    share: usize,
     queue: &'w AtomicUsize,
     control: &'w Control,
     observer: &'w M,
@@ -231,11 +271,13 @@ impl<F: Field, O: Observer, M: Fn(usize) -> O + Sync> Task for Worker<'_, F, M> 
     #[inline(always)]
     fn run<V: Lane>(self) {
         let ensemble = self.ensemble;
-        let mut observer = (self.observer)(BLOCKS * V::WIDTH);
-        let mut blocks: [Block<F, V>; BLOCKS] =
-            std::array::from_fn(|_| Block::new(ensemble.field, ensemble.method, ensemble.n_tangents));
-        let mut seats: Vec<Seat> = (0..BLOCKS * V::WIDTH).map(|_| Seat::empty(ensemble.n_tangents)).collect();
-        let mut sizes = vec![0.0; BLOCKS * V::WIDTH];
+        let n_blocks = if self.share <= V::WIDTH { 1 } else { BLOCKS };
+        let n_seats = n_blocks * V::WIDTH;
+        let mut observer = (self.observer)(n_seats);
+        let mut blocks: Vec<Block<F, V>> =
+            (0..n_blocks).map(|_| Block::new(ensemble.field, ensemble.method, ensemble.n_tangents)).collect();
+        let mut seats: Vec<Seat> = (0..n_seats).map(|_| Seat::empty(ensemble.n_tangents)).collect();
+        let mut sizes = vec![0.0; n_seats];
         let mut steps = 0;
         while self.fill_seats(&mut blocks, &mut seats, &mut observer) {
             for k in 0..ensemble.method.order() {

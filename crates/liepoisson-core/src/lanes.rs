@@ -6,8 +6,32 @@
 
 use crate::error::Error;
 
+/// A vector of space in one register, with a fourth number beside its three components.
+///
+/// For one trajectory alone: the components of a vector, instead of trajectories, fill the register.
+pub trait Triple: Copy {
+    /// The first four of `numbers`.
+    fn load(numbers: &[f64]) -> Self;
+    /// Writes all four numbers to the front of `numbers`.
+    fn store(self, numbers: &mut [f64]);
+    /// The same number four times.
+    fn splat(x: f64) -> Self;
+    /// `self + other`.
+    fn add(self, other: Self) -> Self;
+    /// `self - other`.
+    fn sub(self, other: Self) -> Self;
+    /// `self * other`, component by component.
+    fn mul(self, other: Self) -> Self;
+    /// `self * factor + addend`, component by component, rounded once.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `(2, 3, 1)` of `(1, 2, 3)`; the fourth number stays.
+    fn rotate(self) -> Self;
+}
+
 /// A register of `WIDTH` double-precision numbers, one per trajectory.
 pub trait Lane: Copy + Send + Sync {
+    /// Three components in a register, where the code for these lanes may use one.
+    type Triple: Triple;
     /// Number of trajectories that the register holds.
     const WIDTH: usize;
     /// Number of such registers that the processor has: what a kernel may keep at hand.
@@ -34,9 +58,15 @@ pub trait Lane: Copy + Send + Sync {
     /// The lanes as numbers that can be changed.
     #[inline(always)]
     fn as_scalars_mut(&mut self) -> &mut [f64] {
-        // SAFETY: every implementor is `repr(transparent)` or a primitive made of exactly WIDTH f64.
-        unsafe { std::slice::from_raw_parts_mut(std::ptr::from_mut(self).cast(), Self::WIDTH) }
+        as_scalars_mut(std::slice::from_mut(self))
     }
+}
+
+/// The numbers in a slice of registers, to be changed.
+#[inline(always)]
+pub fn as_scalars_mut<V: Lane>(registers: &mut [V]) -> &mut [f64] {
+    // SAFETY: as for `as_scalars`.
+    unsafe { std::slice::from_raw_parts_mut(registers.as_mut_ptr().cast(), registers.len() * V::WIDTH) }
 }
 
 /// The numbers in a slice of registers: register by register, lane by lane.
@@ -46,7 +76,47 @@ pub fn as_scalars<V: Lane>(registers: &[V]) -> &[f64] {
     unsafe { std::slice::from_raw_parts(registers.as_ptr().cast(), registers.len() * V::WIDTH) }
 }
 
+impl Triple for [f64; 4] {
+    #[inline(always)]
+    fn load(numbers: &[f64]) -> Self {
+        [numbers[0], numbers[1], numbers[2], numbers[3]]
+    }
+    #[inline(always)]
+    fn store(self, numbers: &mut [f64]) {
+        numbers[..4].copy_from_slice(&self);
+    }
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        [x; 4]
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        [self[0] + other[0], self[1] + other[1], self[2] + other[2], self[3] + other[3]]
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        [self[0] - other[0], self[1] - other[1], self[2] - other[2], self[3] - other[3]]
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        [self[0] * other[0], self[1] * other[1], self[2] * other[2], self[3] * other[3]]
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        let mut result = addend;
+        for i in 0..4 {
+            result[i] = f64::mul_add(self[i], factor[i], addend[i]);
+        }
+        result
+    }
+    #[inline(always)]
+    fn rotate(self) -> Self {
+        [self[1], self[2], self[0], self[3]]
+    }
+}
+
 impl Lane for f64 {
+    type Triple = [f64; 4];
     const WIDTH: usize = 1;
     const REGISTERS: usize = 16;
     #[inline(always)]
@@ -77,7 +147,7 @@ impl Lane for f64 {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::Lane;
+    use super::{Lane, Triple};
     use std::arch::x86_64::*;
 
     /// Eight trajectories in an AVX-512 register.
@@ -90,12 +160,90 @@ mod x86 {
     #[repr(transparent)]
     pub struct F64x4(__m256d);
 
+    /// One trajectory, on a processor with AVX2.
+    #[derive(Clone, Copy)]
+    #[repr(transparent)]
+    pub struct Single(f64);
+
+    /// Three components and a fourth number in an AVX2 register.
+    #[derive(Clone, Copy)]
+    pub struct Avx2Triple(__m256d);
+
+    // SAFETY (all blocks of this module): its types are private to this crate and are instantiated only behind
+    // `dispatch`, which has checked that the processor has these instructions.
+    #[allow(clippy::undocumented_unsafe_blocks)]
+    impl Triple for Avx2Triple {
+        #[inline(always)]
+        fn load(numbers: &[f64]) -> Self {
+            let numbers: &[f64; 4] = numbers.first_chunk().expect("a triple is stored as four numbers");
+            Self(unsafe { _mm256_loadu_pd(numbers.as_ptr()) })
+        }
+        #[inline(always)]
+        fn store(self, numbers: &mut [f64]) {
+            let numbers: &mut [f64; 4] = numbers.first_chunk_mut().expect("a triple is stored as four numbers");
+            unsafe { _mm256_storeu_pd(numbers.as_mut_ptr(), self.0) }
+        }
+        #[inline(always)]
+        fn splat(x: f64) -> Self {
+            Self(unsafe { _mm256_set1_pd(x) })
+        }
+        #[inline(always)]
+        fn add(self, other: Self) -> Self {
+            Self(unsafe { _mm256_add_pd(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn sub(self, other: Self) -> Self {
+            Self(unsafe { _mm256_sub_pd(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn mul(self, other: Self) -> Self {
+            Self(unsafe { _mm256_mul_pd(self.0, other.0) })
+        }
+        #[inline(always)]
+        fn mul_add(self, factor: Self, addend: Self) -> Self {
+            Self(unsafe { _mm256_fmadd_pd(self.0, factor.0, addend.0) })
+        }
+        #[inline(always)]
+        fn rotate(self) -> Self {
+            Self(unsafe { _mm256_permute4x64_pd::<0b11_00_10_01>(self.0) })
+        }
+    }
+
+    impl Lane for Single {
+        type Triple = Avx2Triple;
+        const WIDTH: usize = 1;
+        const REGISTERS: usize = 16;
+        #[inline(always)]
+        fn splat(x: f64) -> Self {
+            Self(x)
+        }
+        #[inline(always)]
+        fn add(self, other: Self) -> Self {
+            Self(self.0 + other.0)
+        }
+        #[inline(always)]
+        fn mul(self, other: Self) -> Self {
+            Self(self.0 * other.0)
+        }
+        #[inline(always)]
+        fn mul_add(self, factor: Self, addend: Self) -> Self {
+            Self(self.0.mul_add(factor.0, addend.0))
+        }
+        #[inline(always)]
+        fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+            Self((-self.0).mul_add(factor.0, addend.0))
+        }
+        #[inline(always)]
+        fn abs(self) -> Self {
+            Self(self.0.abs())
+        }
+    }
+
     macro_rules! lane {
         ($lane:ident, $width:literal, $registers:literal, $splat:ident, $add:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $andnot:ident) => {
-            // SAFETY (all blocks below): the types are private to this crate and are instantiated only behind
-            // `dispatch`, which has checked that the processor has these instructions.
             #[allow(clippy::undocumented_unsafe_blocks)]
             impl Lane for $lane {
+                type Triple = Avx2Triple;
                 const WIDTH: usize = $width;
                 const REGISTERS: usize = $registers;
                 #[inline(always)]
@@ -245,8 +393,8 @@ pub fn dispatch<T: Task>(simd: Simd, task: T) -> T::Output {
             Simd::Avx512 => unsafe { run_avx512(task) },
             // SAFETY: as above.
             Simd::Avx2 => unsafe { run_avx2(task) },
-            // SAFETY: the guard has just found the instruction.
-            Simd::Scalar if is_x86_feature_detected!("fma") => unsafe { run_fma(task) },
+            // SAFETY: the guard has just found the instructions.
+            Simd::Scalar if Simd::Avx2.is_available() => unsafe { run_single(task) },
             Simd::Scalar => task.run::<f64>(),
         }
     }
@@ -271,7 +419,7 @@ fn run_avx2<T: Task>(task: T) -> T::Output {
 
 /// Scalars with the fused multiply-add instruction; without it the operation is emulated, slowly, with the same bits.
 #[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "fma")]
-fn run_fma<T: Task>(task: T) -> T::Output {
-    task.run::<f64>()
+#[target_feature(enable = "avx2,fma")]
+fn run_single<T: Task>(task: T) -> T::Output {
+    task.run::<x86::Single>()
 }

@@ -1,9 +1,9 @@
 //! Python shell over `liepoisson-core`: arrays in, arrays out, errors translated, the interpreter released meanwhile.
 
-use liepoisson_core::analysis::{lyapunov, orbit};
+use liepoisson_core::analysis::{lyapunov, orbit, orbit::Orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::Top;
+use liepoisson_core::field::{Field, SingleTop, Top};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::Taylor;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -30,23 +30,23 @@ fn taylor_of((tolerance, order, max_steps): TaylorParameters) -> PyResult<Taylor
     Taylor::new(tolerance, order, max_steps).map_err(translate)
 }
 
+/// How often the calling thread looks for Ctrl-C and reports progress.
+const BETWEEN_SIGNALS: Duration = Duration::from_millis(100);
+
 /// Runs `work` with the interpreter released. `work` is handed the control of the run and a loop for the calling thread
 /// that, several times a second, lets Python look for signals and calls `progress` with the fraction that is done.
 fn supervised<R: Send>(
     py: Python<'_>,
     n_members: usize,
     progress: Option<Py<PyAny>>,
-    work: impl Send + FnOnce(&Control, &mut (dyn FnMut(&dyn Fn() -> bool) + Send)) -> Result<R, Error>,
+    work: impl Send + FnOnce(&Control, &mut (dyn FnMut(&dyn Fn(Duration) -> bool) + Send)) -> Result<R, Error>,
 ) -> PyResult<R> {
     let control = Control::default();
     let mut interruption: Option<PyErr> = None;
     let result = py.detach(|| {
-        let mut watch = |ended: &dyn Fn() -> bool| {
-            let mut pause = Duration::from_micros(200);
-            while !ended() {
-                std::thread::sleep(pause);
-                pause = (pause * 2).min(Duration::from_millis(100));
-                if pause < Duration::from_millis(50) || interruption.is_some() {
+        let mut watch = |ended_within: &dyn Fn(Duration) -> bool| {
+            while !ended_within(BETWEEN_SIGNALS) {
+                if interruption.is_some() {
                     continue;
                 }
                 let seen = Python::attach(|py| {
@@ -83,6 +83,56 @@ fn add_summaries(result: &Bound<'_, PyDict>, summaries: &[Summary], n: usize) ->
     Ok(())
 }
 
+/// Which code advances the trajectories.
+#[derive(Clone, Copy)]
+enum Kernel {
+    /// Trajectories side by side in registers: the same bits for any width.
+    Lanes(Simd),
+    /// One trajectory, the components of its vectors side by side: other last bits.
+    Components,
+}
+
+impl Kernel {
+    /// The quicker one; `LIEPOISSON_SIMD` forces lanes of that width, for a single trajectory too.
+    fn choose(n_members: usize, n_tangents: usize) -> PyResult<Kernel> {
+        let simd = Simd::from_environment().map_err(translate)?;
+        let is_forced = std::env::var_os("LIEPOISSON_SIMD").is_some();
+        Ok(if n_members == 1 && n_tangents == 0 && !is_forced { Kernel::Components } else { Kernel::Lanes(simd) })
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Kernel::Lanes(simd) => simd.name(),
+            Kernel::Components => "components",
+        }
+    }
+}
+
+fn run_orbits<F: Field>(
+    py: Python<'_>,
+    ensemble: &Ensemble<'_, F>,
+    threads: usize,
+    simd: Simd,
+    dense: bool,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Orbits> {
+    supervised(py, ensemble.n_members(), progress, |control, watch| {
+        orbit::orbits(ensemble, threads, simd, control, dense, watch)
+    })
+}
+
+/// Leaves the zeros out that [`SingleTop`] keeps behind each vector.
+fn stripped(mut orbits: Orbits) -> Orbits {
+    orbits.states = SingleTop::strip(&orbits.states);
+    for summary in &mut orbits.summaries {
+        summary.state = SingleTop::strip(&summary.state);
+    }
+    for series in &mut orbits.series {
+        series.coefficients = SingleTop::strip(&series.coefficients);
+    }
+    orbits
+}
+
 /// Orbits of a top at `times`; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
 #[pyo3(signature = (top, taylor, states, tangents, n_tangents, times, threads, dense, progress))]
@@ -100,12 +150,19 @@ fn orbits_of_top<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (top, taylor) = (top_of(top)?, taylor_of(taylor)?);
-    let simd = Simd::from_environment().map_err(translate)?;
     let (states, tangents, times) = (states.as_slice()?, tangents.as_slice()?, times.as_slice()?);
-    let ensemble = Ensemble { field: &top, method: taylor, states, tangents, n_tangents, times };
-    let orbits = supervised(py, ensemble.n_members(), progress, |control, watch| {
-        orbit::orbits(&ensemble, threads, simd, control, dense, watch)
-    })?;
+    let kernel = Kernel::choose(states.len() / 9, n_tangents)?;
+    let orbits = match kernel {
+        Kernel::Lanes(simd) => {
+            let ensemble = Ensemble { field: &top, method: taylor, states, tangents, n_tangents, times };
+            run_orbits(py, &ensemble, threads, simd, dense, progress)?
+        }
+        Kernel::Components => {
+            let (field, padded) = (SingleTop::new(top), SingleTop::pad(states));
+            let ensemble = Ensemble { field: &field, method: taylor, states: &padded, tangents, n_tangents, times };
+            stripped(run_orbits(py, &ensemble, 1, Simd::Scalar, dense, progress)?)
+        }
+    };
     let result = PyDict::new(py);
     add_summaries(&result, &orbits.summaries, 9)?;
     result.set_item("state", orbits.states.into_pyarray(py))?;
@@ -113,7 +170,7 @@ fn orbits_of_top<'py>(
     let series =
         orbits.series.into_iter().map(|series| (series.times.into_pyarray(py), series.coefficients.into_pyarray(py)));
     result.set_item("series", series.collect::<Vec<_>>())?;
-    result.set_item("kernel", simd.name())?;
+    result.set_item("kernel", kernel.name())?;
     result.set_item("order", taylor.order())?;
     Ok(result)
 }

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from liepoisson.errors import BracketError, ParameterError
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.parameters import is_zero, to_sympy
+from liepoisson.exact.parameters import Column, is_zero, to_sympy
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -67,7 +67,7 @@ class Bracket:
         return tuple(Symbol(f + b) for f, b in product(self.extension.field_names, self.algebra.basis_names))
 
     @property
-    def fields(self) -> dict[str, Matrix]:
+    def fields(self) -> dict[str, Column]:
         """The coordinates as one column vector per field, by name."""
         from sympy import Matrix
 

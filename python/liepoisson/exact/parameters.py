@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from numbers import Integral, Rational, Real
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
@@ -196,7 +196,7 @@ def _not_a_parameter(value: object, name: str) -> ParameterError:
 
 def _listed(values: object) -> list[object] | None:
     """The items of a sequence, or None if `values` is not one."""
-    if hasattr(values, "__len__") and hasattr(values, "__iter__"):
+    if hasattr(values, "__len__") and hasattr(values, "__getitem__") and not isinstance(values, Mapping):
         return list(cast("Sequence[object]", values))
     return None
 

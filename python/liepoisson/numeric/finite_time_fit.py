@@ -38,10 +38,8 @@ class Estimate(NamedTuple):
     low: float
     high: float
 
-    def __format__(self, spec: str) -> str:
+    def __str__(self) -> str:
         """Read as `0.1236 ± 0.0005`: the error to two significant digits, the value to the same place."""
-        if spec:
-            return f"{self.value:{spec}} ± {self.standard_error:{spec}}"
         if not (math.isfinite(self.standard_error) and self.standard_error > 0):
             return f"{self.value:.6g} ± {self.standard_error:.2g}"
         places = max(0, 1 - math.floor(math.log10(self.standard_error)))
@@ -84,6 +82,8 @@ def _inverse(time: FloatArray) -> FloatArray:
 _FINITE_TIME = _Law(("lambda", "c1", "c0"), (_one, _inverse_root, _inverse))
 _LOGARITHM = _Law(("A", "B"), (_one, np.log), power=1)
 _LOGARITHM_AND_LINE = _Law(("A", "B", "D"), (_one, np.log, _same), power=1)
+_LOGARITHM_LINE_AND_NEXT = _Law(("A", "B", "D", "E"), (_one, np.log, _same, _inverse), power=1)
+_LOG_LAWS = (_LOGARITHM, _LOGARITHM_AND_LINE, _LOGARITHM_LINE_AND_NEXT)
 
 
 @dataclass(frozen=True)
@@ -169,14 +169,17 @@ class FiniteTimeFit:
 
 @dataclass(frozen=True)
 class LogFit:
-    r"""Fit of the ensemble mean to $t\,\langle\lambda(t)\rangle = A + B\ln t$, and the same with a term $D\,t$.
+    r"""Fit of the ensemble mean to $t\,\langle\lambda(t)\rangle = A + B\ln t$, alone and with further terms.
 
-    A regular system has tangent vectors that grow like a power of time, so $B$ is that power and $D = 0$;
-    $D$ is the part of the exponent that does not go to zero.
+    A regular system has tangent vectors that grow like a power of time, so $B$ is that power; a term $D\,t$ is a
+    floor, the part of the exponent that does not go to zero.  The law is asymptotic: where tangents grow as
+    $|u + w\,t|$ the next term is $E/t$, and if the window starts so early that it matters, a fit without it bends
+    $D$ away from zero by many of its statistical errors.  So the floor is fitted with and without that term.
 
     Attributes:
-        estimates: `A` and `B` of the fit without the linear term.
-        with_linear_term: `A`, `B` and `D` of the fit with it.
+        estimates: `A` and `B` of the plain fit.
+        with_linear_term: `A`, `B` and `D` of the fit to $A + B\ln t + D\,t$.
+        with_next_term: `A`, `B`, `D` and `E` of the fit to $A + B\ln t + D\,t + E/t$.
         window: First and last time used.
         n_times: Sample times inside the window.
         n_members: Members averaged.
@@ -187,6 +190,7 @@ class LogFit:
 
     estimates: dict[str, Estimate]
     with_linear_term: dict[str, Estimate]
+    with_next_term: dict[str, Estimate]
     window: Window
     n_times: int
     n_members: int
@@ -206,13 +210,23 @@ class LogFit:
 
     @property
     def D(self) -> float:
-        """The coefficient of t, in inverse time: the floor below which the exponent would not fall."""
+        """The coefficient of t when only the linear term is added, in inverse time."""
         return self.with_linear_term["D"].value
 
     @property
+    def floor(self) -> Estimate:
+        """The coefficient of t when the next term of the regular law is allowed for, in inverse time."""
+        return self.with_next_term["D"]
+
+    @property
     def linear_term_is_zero(self) -> bool:
-        """Whether the confidence interval of D contains zero."""
+        """Whether the confidence interval of D contains zero when only the linear term is added."""
         return self.with_linear_term["D"].contains(0.0)
+
+    @property
+    def floor_is_zero(self) -> bool:
+        """Whether the confidence interval of the floor contains zero."""
+        return self.floor.contains(0.0)
 
     def curve(self, time: ArrayLike) -> FloatArray:
         """The fitted mean exponent (A + B ln t)/t at the given times (> 0), in inverse time."""
@@ -221,11 +235,13 @@ class LogFit:
 
     def __str__(self) -> str:
         low, high = self.window
-        D = self.with_linear_term["D"]
-        verdict = "zero within its error" if self.linear_term_is_zero else "not zero within its error"
+        floors = ", ".join(
+            f"{name} D = {D.value:.1e} ± {D.standard_error:.1e}, {'' if D.contains(0.0) else 'not '}zero within its error"
+            for name, D in (("linear term", self.with_linear_term["D"]), ("with E/t", self.floor))
+        )
         return (
-            f"A = {self.estimates['A']}, B = {self.estimates['B']}; linear term D = {D.value:.1e} ± "
-            f"{D.standard_error:.1e}, {verdict}  (t in [{low:g}, {high:g}], {self.n_members} members)"
+            f"A = {self.estimates['A']}, B = {self.estimates['B']}; {floors}  "
+            f"(t in [{low:g}, {high:g}], {self.n_members} members)"
         )
 
 
@@ -286,8 +302,7 @@ class EnsembleReduction:
         self.windows = tuple(_checked_window(window) for window in windows)
         self.log_windows = tuple(_checked_window(window) for window in log_windows)
         requests = [(_FINITE_TIME, window) for window in self.windows]
-        for window in self.log_windows:
-            requests += [(_LOGARITHM, window), (_LOGARITHM_AND_LINE, window)]
+        requests += [(law, window) for window in self.log_windows for law in _LOG_LAWS]
         projectors = [_projector(law, window, self.time) for law, window in requests]
         self._projector = np.concatenate([np.zeros((0, self.time.size)), *projectors])
         self._coefficients: list[FloatArray] = []
@@ -365,20 +380,23 @@ class EnsembleReduction:
         )
 
     def log_fits(self, resampling: Resampling | None = None) -> tuple[LogFit, ...]:
-        """One logarithmic fit, without and with a linear term, per logarithmic window.
+        """One logarithmic fit, plain and with further terms, per logarithmic window.
 
         Raises:
             ParameterError: fewer than two members finished.
         """
         resampling = resampling or Resampling()
         columns = self._estimates(slice(len(_FINITE_TIME.names) * len(self.windows), None), resampling)
-        n_plain, n_linear = len(_LOGARITHM.names), len(_LOGARITHM_AND_LINE.names)
         fits: list[LogFit] = []
-        for k, window in enumerate(self.log_windows):
-            start = (n_plain + n_linear) * k
-            plain = dict(zip(_LOGARITHM.names, columns[start:], strict=False))
-            linear = dict(zip(_LOGARITHM_AND_LINE.names, columns[start + n_plain :], strict=False))
-            fits.append(LogFit(plain, linear, window, *self._fit_facts(_LOGARITHM, window), resampling))
+        start = 0
+        for window in self.log_windows:
+            estimates: list[dict[str, Estimate]] = []
+            for law in _LOG_LAWS:
+                estimates.append(dict(zip(law.names, columns[start:], strict=False)))
+                start += len(law.names)
+            plain, with_line, with_next = estimates
+            facts = self._fit_facts(_LOGARITHM, window)
+            fits.append(LogFit(plain, with_line, with_next, window, *facts, resampling))
         return tuple(fits)
 
     def _estimates(self, columns: slice, resampling: Resampling) -> list[Estimate]:
@@ -476,10 +494,10 @@ def log_fit(
     seed: int = 0,
     confidence: float = 0.95,
 ) -> LogFit:
-    r"""Fit of the mean exponent to $t\,\langle\lambda(t)\rangle = A + B\ln t$, and to the same plus $D\,t$.
+    r"""Fit of the mean exponent to $t\,\langle\lambda(t)\rangle = A + B\ln t$, plain and with a linear term.
 
-    Arguments and errors are those of `finite_time_fit`.  Whether D vanishes within its error is the test for a
-    floor below which the exponent does not fall.
+    Arguments and errors are those of `finite_time_fit`.  Whether the linear term vanishes within its error is the
+    test for a floor below which the exponent does not fall; see `LogFit` for what spoils it.
 
     Raises:
         ShapeError: `exponent` is not (trajectory, time).

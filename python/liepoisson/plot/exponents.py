@@ -1,4 +1,4 @@
-r"""Figures of finite-time Lyapunov exponents: convergence of an ensemble, distribution, dependence on the fit window."""
+r"""Figures of finite-time exponents: convergence of an ensemble, distribution, dependence on the fit window."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""The house style of figures: serif, vector output, the colours of the vectors; applied in a context, never at import."""
+"""The house style of figures: serif, vector output, the colours of the vectors; applied in a context only."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,11 +16,12 @@ ANGULAR_MOMENTUM = "#d1571b"
 FIRST_FIELD = "#1668b8"
 SECOND_FIELD = "#0b8f5f"
 CENTRE_OF_MASS = "#b8860b"
+VIOLET = "#7a4fa3"
 INK = "#1d2433"
 MUTED = "#6b7280"
 GRID = "#e4e1d8"
 # For curves that are no vectors, in the order in which they are drawn.
-SEQUENCE = (ANGULAR_MOMENTUM, FIRST_FIELD, SECOND_FIELD, CENTRE_OF_MASS, "#7a4fa3", "#4b5563")
+SEQUENCE = (ANGULAR_MOMENTUM, FIRST_FIELD, SECOND_FIELD, CENTRE_OF_MASS, VIOLET, "#4b5563")
 
 FORMATS = ("png", "svg", "pdf")
 
@@ -68,12 +69,13 @@ _SETTINGS: dict[str, Any] = {
 
 
 @contextmanager
-def house_style() -> Iterator[None]:
+def house_style() -> Generator[None]:
     """Matplotlib in the house style inside a `with` block; settings outside stay as they were."""
     import matplotlib as mpl
     from cycler import cycler
 
-    with mpl.rc_context({**_SETTINGS, "axes.prop_cycle": cycler(color=SEQUENCE)}):
+    settings: dict[Any, Any] = {**_SETTINGS, "axes.prop_cycle": cycler(color=SEQUENCE)}
+    with mpl.rc_context(settings):
         yield
 
 
@@ -104,6 +106,9 @@ def save_figure(figure: Figure, stem: Path) -> tuple[Path, ...]:
     """
     paths: list[Path] = []
     with house_style():
+        figure.draw_without_rendering()
+        # Laid out once; each format would lay it out anew.
+        figure.set_layout_engine("none")
         for extension in FORMATS:
             path = stem.with_suffix(f".{extension}")
             # A date in the file would make every run differ.

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::lanes::{Lane, Simd};
 use std::sync::Mutex;
+use std::time::Duration;
 
 /// Growth of one tangent vector per trajectory.
 pub struct Growth {
@@ -29,7 +30,7 @@ pub fn growth<F: Field>(
     threads: usize,
     simd: Simd,
     control: &Control,
-    watch: impl FnOnce(&dyn Fn() -> bool),
+    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
 ) -> Result<Growth, Error> {
     ensemble.check()?;
     let (n, members, n_times) = (ensemble.field.n_components(), ensemble.n_members(), ensemble.times.len() - 1);

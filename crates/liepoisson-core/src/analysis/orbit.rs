@@ -5,6 +5,7 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::lanes::{Lane, Simd};
 use std::sync::Mutex;
+use std::time::Duration;
 
 /// States at the times of an ensemble. What a trajectory did not reach is NaN; its outcome says why.
 pub struct Orbits {
@@ -37,7 +38,7 @@ pub fn orbits<F: Field>(
     simd: Simd,
     control: &Control,
     dense: bool,
-    watch: impl FnOnce(&dyn Fn() -> bool),
+    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
 ) -> Result<Orbits, Error> {
     let (n, n_times, n_tangents) = (ensemble.field.n_components(), ensemble.times.len(), ensemble.n_tangents);
     let members = ensemble.n_members();

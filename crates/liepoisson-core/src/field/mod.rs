@@ -1,7 +1,9 @@
 //! What is integrated: vector fields, asked for their power series.
 
+mod single_top;
 mod top;
 
+pub use single_top::SingleTop;
 pub use top::Top;
 
 use crate::lanes::Lane;

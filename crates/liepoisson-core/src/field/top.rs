@@ -23,14 +23,14 @@ const OMEGA: usize = 9;
 /// Thiffeault and Morrison, *The twisted top* (2001), the three equations of motion of its section 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Top {
-    a: [f64; 3],
-    b: [f64; 3],
+    pub(super) a: [f64; 3],
+    pub(super) b: [f64; 3],
     /// epsilon a
-    twist: [f64; 3],
-    inverse_inertia: [f64; 3],
+    pub(super) twist: [f64; 3],
+    pub(super) inverse_inertia: [f64; 3],
     /// `(l x omega)_1 = (1 - I3/I2) l2 omega3` and cyclically: one product instead of two, and exactly zero for
     /// equal moments, so that a symmetric top keeps `l3` exactly.
-    asymmetry: [f64; 3],
+    pub(super) asymmetry: [f64; 3],
 }
 
 impl Top {

@@ -99,49 +99,52 @@ impl<'f, F: Field, V: Lane> Block<'f, F, V> {
         self.field.extend(&mut self.rows, self.n_tangents, k);
     }
 
-    /// For each lane the longest step for which each of the last two terms of the state's series stays below the
-    /// tolerance; NaN where the state, a tangent vector, or their series are not finite. Tangent vectors have no other
-    /// say: a trajectory is the same with and without them.
+    /// For each lane the longest step for which each of the last two terms of the series of the state, and of every
+    /// tangent vector, stays below the tolerance; NaN where one of them is not finite.
+    ///
+    /// Tangent vectors have a say because the state alone does not see the linear flow about it: at an equilibrium its
+    /// own series allows any step.
     #[inline(always)]
     pub fn step_sizes(&self, sizes: &mut [f64]) {
         let order = self.method.order;
-        let (size, last, before) = (self.norm(0, 0), self.norm(order, 0), self.norm(order - 1, 0));
-        // Each coefficient enters the next, so the first and the highest tell of all; zero times infinity is NaN.
-        let mut all = size.add(last);
-        for group in 1..=self.n_tangents {
-            all = all.add(self.norm(0, group)).add(self.norm(order, group));
+        sizes.fill(f64::INFINITY);
+        for group in 0..=self.n_tangents {
+            let (size, last, before) = (self.norm(0, group), self.norm(order, group), self.norm(order - 1, group));
+            // Each coefficient enters the next, so the first and the highest tell of all; zero times infinity is NaN.
+            let defect = size.add(last).mul(V::splat(0.0));
+            let (size, last, before) = (size.as_scalars(), last.as_scalars(), before.as_scalars());
+            for lane in 0..V::WIDTH {
+                let allowed = log2_estimate(self.method.tolerance * size[lane]);
+                let by_last = (allowed - log2_estimate(last[lane])) / order as f64;
+                let by_before = (allowed - log2_estimate(before[lane])) / (order - 1) as f64;
+                sizes[lane] = (if by_last < sizes[lane] { by_last } else { sizes[lane] }) + defect.as_scalars()[lane];
+                sizes[lane] = if by_before < sizes[lane] { by_before } else { sizes[lane] };
+            }
         }
-        let defect = all.mul(V::splat(0.0));
-        let (size, last, before) = (size.as_scalars(), last.as_scalars(), before.as_scalars());
-        for lane in 0..V::WIDTH {
-            let allowed = log2_estimate(self.method.tolerance * size[lane]);
-            let by_last = (allowed - log2_estimate(last[lane])) / order as f64;
-            let by_before = (allowed - log2_estimate(before[lane])) / (order - 1) as f64;
-            sizes[lane] =
-                exp2_estimate(if by_last < by_before { by_last } else { by_before }) + defect.as_scalars()[lane];
+        for size in sizes {
+            *size = exp2_estimate(*size);
         }
     }
 
     /// Advances every lane by its own step: Horner's rule, several components at once to hide the latency of each.
     #[inline(always)]
     pub fn advance(&mut self, step: V) {
-        const TOGETHER: usize = 9;
         let (components, group) = (self.field.n_components(), self.field.group());
         for first in (0..self.row).step_by(group) {
-            let mut i = first;
-            while i + TOGETHER <= first + components {
-                self.advance_components::<TOGETHER>(i, step);
-                i += TOGETHER;
-            }
-            while i < first + components {
-                self.advance_components::<1>(i, step);
-                i += 1;
+            let (mut i, end) = (first, first + components);
+            while i < end {
+                i += match end - i {
+                    12.. => self.advance_components::<12>(i, step),
+                    9.. => self.advance_components::<9>(i, step),
+                    4.. => self.advance_components::<4>(i, step),
+                    _ => self.advance_components::<1>(i, step),
+                };
             }
         }
     }
 
     #[inline(always)]
-    fn advance_components<const M: usize>(&mut self, first: usize, step: V) {
+    fn advance_components<const M: usize>(&mut self, first: usize, step: V) -> usize {
         let mut value = [V::splat(0.0); M];
         value.copy_from_slice(&self.rows[self.method.order * self.row + first..][..M]);
         for k in (0..self.method.order).rev() {
@@ -151,6 +154,7 @@ impl<'f, F: Field, V: Lane> Block<'f, F, V> {
             }
         }
         self.rows[first..first + M].copy_from_slice(&value);
+        M
     }
 
     /// Multiplies a tangent vector of one lane by a power of two, which rounds nothing.
@@ -201,7 +205,7 @@ fn log2_estimate(x: f64) -> f64 {
     exponent as f64 + TWO_OVER_LN_2 * s * (1.0 + s2 * (1.0 / 3.0 + s2 * (1.0 / 5.0 + s2 * (1.0 / 7.0))))
 }
 
-/// `2^y` to 2e-5, for `y` clipped to [-1000, 1000].
+/// `2^y` to 2e-5, for `y` clipped to [-1000, 1000]; NaN for NaN.
 #[inline(always)]
 fn exp2_estimate(y: f64) -> f64 {
     let y = y.clamp(-1000.0, 1000.0) + 1000.0;

@@ -8,7 +8,6 @@ pieces of a run are there they are joined into `data/<run>.nc` (readable by `lie
 
 from __future__ import annotations
 
-import dataclasses
 import errno
 import hashlib
 import io
@@ -16,8 +15,8 @@ import json
 import os
 import shutil
 import zipfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Generator, Mapping, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -29,6 +28,8 @@ from liepoisson.errors import DamagedFileError, OutputError, ParameterError
 from liepoisson.studies.twisted_top.runs import Run
 
 if TYPE_CHECKING:
+    from xarray import Dataset
+
     from liepoisson.numeric.lyapunov import Growth
 
 AnyArray: TypeAlias = NDArray[Any]
@@ -49,7 +50,7 @@ _ADVICE = {
 
 
 @contextmanager
-def writing(path: Path) -> Iterator[None]:
+def writing(path: Path) -> Generator[None]:
     """Turn a failure of the file system inside the block into an `OutputError` that says what to try."""
     try:
         yield
@@ -119,10 +120,23 @@ class RunStore:
         return self.folder / f"{first:06d}-{first + count - 1:06d}.npz"
 
     def missing_pieces(self) -> list[tuple[int, int]]:
-        """(first, count) of the pieces that have no file yet; none when the whole run is there."""
+        """(first, count) of the pieces that have no file yet; none when the whole run is there.
+
+        Raises:
+            DamagedFileError: a stored file can not be read.
+            ParameterError: a stored file belongs to a study with other options.
+        """
         if self.is_complete():
             return []
-        return [piece for piece in self.run.pieces() if not self.piece_path(*piece).exists()]
+        missing: list[tuple[int, int]] = []
+        for first, count in self.run.pieces():
+            path = self.piece_path(first, count)
+            if path.exists():
+                # Before anything new is computed and stored beside it.
+                self._read_piece(path, ())
+            else:
+                missing.append((first, count))
+        return missing
 
     def save_piece(self, growth: Growth, seconds: float) -> None:
         """Store the curves of some members.
@@ -150,17 +164,21 @@ class RunStore:
             ParameterError: it belongs to a study with other options.
         """
         path = self.piece_path(first, count)
+        arrays, facts = self._read_piece(path, MEMBER_ARRAYS)
+        if facts["sha256"] != _digest(arrays) or len(arrays["exponent"]) != count:
+            raise _damaged(path, "its checksum does not match its numbers")
+        return arrays, facts
+
+    def _read_piece(self, path: Path, names: Sequence[str]) -> tuple[dict[str, AnyArray], dict[str, Any]]:
+        """The arrays called `names` in a piece and the facts about it, which must be those of this run."""
         try:
             with np.load(path, allow_pickle=False) as archive:
                 facts: dict[str, Any] = json.loads(str(archive["facts"]))
-                arrays: dict[str, AnyArray] = {name: archive[name] for name in MEMBER_ARRAYS}
-            damaged = facts["sha256"] != _digest(arrays) or len(arrays["exponent"]) != count
-            stored = facts["fingerprint"]
+                arrays: dict[str, AnyArray] = {name: archive[name] for name in names}
+            stored, _ = facts["fingerprint"], facts["sha256"]
         # A damaged archive may fail in any of these ways, depending on which bytes were hit.
         except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, NotImplementedError) as error:
             raise _damaged(path, f"it can not be read ({error})") from error
-        if damaged:
-            raise _damaged(path, "its checksum does not match its numbers")
         _check_fingerprint(path, stored, fingerprint(self.run))
         return arrays, facts
 
@@ -184,25 +202,21 @@ class RunStore:
         Raises:
             OutputError: a file could not be written.
         """
-        partial = self.data.with_name(f".{self.run.name}.partial.nc")
         with writing(self.data):
-            self.data.parent.mkdir(parents=True, exist_ok=True)
-            try:
-                growth.save(partial)
-                checksum = _file_digest(partial)
-                partial.replace(self.data)
-            finally:
-                partial.unlink(missing_ok=True)
+            growth.save(self.data)
         record = {
             "fingerprint": {**fingerprint(self.run), "members": self.run.members},
-            "sha256": checksum,
+            "sha256": _file_digest(self.data),
             "seconds": seconds,
         }
         write_json(self._manifest, {**self._read_manifest(), self.run.name: record})
         shutil.rmtree(self.folder, ignore_errors=True)
+        with suppress(OSError):
+            # Gone with the last run; pieces of other runs keep it.
+            self.folder.parent.rmdir()
 
-    def load_whole(self) -> tuple[Growth, float]:
-        """The joined run and the seconds it took, checked.
+    def load_whole(self) -> tuple[Dataset, float]:
+        """The joined run and the seconds that its integration took, checked.
 
         Raises:
             DamagedFileError: the file was altered.
@@ -221,11 +235,6 @@ class RunStore:
             return json.loads(self._manifest.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
             raise _damaged(self._manifest, f"it can not be read ({error})") from error
-
-
-def join(growth: Growth, pieces: Mapping[str, AnyArray]) -> Growth:
-    """A growth of all members: the facts of `growth`, which is any piece, with the joined arrays."""
-    return dataclasses.replace(growth, first=0, **pieces)
 
 
 def discard(out: Path) -> None:
@@ -264,7 +273,9 @@ def _damaged(path: Path, reason: str) -> DamagedFileError:
 def _check_fingerprint(path: Path, stored: Mapping[str, object], wanted: Mapping[str, object]) -> None:
     if stored == wanted:
         return
-    differences = [f"{key} {stored.get(key)} instead of {wanted[key]}" for key in wanted if stored.get(key) != wanted[key]]
+    differences = [
+        f"{key} {stored.get(key)} instead of {wanted[key]}" for key in wanted if stored.get(key) != wanted[key]
+    ]
     raise ParameterError(
         f"{path} holds work of a study with other options: {', '.join(differences)}. Use the same options to go on "
         "with it, choose another folder with --out, or discard it with --fresh."

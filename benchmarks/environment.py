@@ -1,0 +1,63 @@
+"""On what was it measured?  The peer's own environment, the core that is used, the facts that go with the numbers."""
+
+from __future__ import annotations
+
+import os
+import platform
+import subprocess
+import sys
+import venv
+from pathlib import Path
+from typing import Any
+
+import measure
+
+FLAGS = ("avx", "avx2", "fma", "avx512f", "avx512dq", "avx512vl")
+"""Processor flags that decide which kernels either side may use."""
+
+
+def ensure_peer() -> None:
+    """Make benchmarks/.venv with the pinned peer, unless it is there and matches requirements.txt."""
+    requirements = measure.HERE / "requirements.txt"
+    stamp = measure.HERE / ".venv" / "installed.txt"
+    if stamp.exists() and stamp.read_text() == requirements.read_text():
+        return
+    venv.create(measure.HERE / ".venv", clear=True, symlinks=True, with_pip=True)
+    python = str(measure.PYTHON["heyoka"])
+    subprocess.run([python, "-m", "pip", "install", "--quiet", "-r", str(requirements)], check=True)
+    stamp.write_text(requirements.read_text())
+
+
+def pin(core: int | None) -> int:
+    """Keep this process and all that it starts on one core, by default the last that it may use.
+
+    Raises:
+        RuntimeError: The system cannot pin processes (Linux can).
+    """
+    if not hasattr(os, "sched_setaffinity"):
+        raise RuntimeError("the benchmark pins processes to one core, which needs Linux")
+    chosen = max(os.sched_getaffinity(0)) if core is None else core
+    os.sched_setaffinity(0, {chosen})
+    return chosen
+
+
+def _processor() -> dict[str, Any]:
+    first = Path("/proc/cpuinfo").read_text().split("\n\n", maxsplit=1)[0].splitlines()
+    lines = {key.strip(): value.strip() for key, _, value in (line.partition(":") for line in first)}
+    flags = set(lines.get("flags", "").split())
+    names = ("vendor_id", "cpu family", "model", "model name", "cache size")
+    return {name: lines.get(name, "unknown") for name in names} | {"flags": [f for f in FLAGS if f in flags]}
+
+
+def facts(core: int) -> dict[str, Any]:
+    """Machine, versions, and the kernels of liepoisson that this processor has."""
+    return {
+        "processor": _processor(),
+        "cores": os.cpu_count(),
+        "pinned_to": core,
+        "system": platform.platform(),
+        "python": sys.version.split()[0],
+        "load_at_start": os.getloadavg()[0],
+        "heyoka": measure.call("heyoka", {"task": "versions"})[0],
+        "liepoisson": measure.call("liepoisson", {"task": "versions"})[0],
+    }

@@ -1,0 +1,104 @@
+"""How long does each side take?  Fresh processes of all contenders, in turn, on the one core this process is pinned to.
+
+Machines that are shared change speed by tens of per cent within seconds, and heyoka itself differs between processes
+with where its buffers happen to lie.  So contenders take turns, each time in a new process, and three ratios are made:
+of the best times, of the medians, and the median of the ratios of neighbours in time, which is the steadiest.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+HERE = Path(__file__).resolve().parent
+PYTHON = {"heyoka": HERE / ".venv" / "bin" / "python", "liepoisson": Path(sys.executable)}
+
+
+@dataclass(frozen=True)
+class Contender:
+    """One side with one setting.
+
+    Attributes:
+        name: What the table calls it.
+        side: "heyoka" or "liepoisson".
+        request: What its worker is asked.
+        setting: Its tolerance and errors, for the table.
+        simd: Kernel that liepoisson is told to use; by default the widest.
+    """
+
+    name: str
+    side: str
+    request: dict[str, Any]
+    setting: dict[str, Any] = field(default_factory=dict)
+    simd: str | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """One question of the benchmark and those who answer it."""
+
+    title: str
+    contenders: list[Contender]
+    work: float
+    """Trajectories times time of one run, for the rate."""
+    wall: bool = False
+    """Time the whole process, from its start to its end, and not the run alone."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """One contender's times, in seconds, one per process, in the order in which the processes ran; and its answers."""
+
+    contender: Contender
+    seconds: list[float]
+    answers: list[dict[str, Any]]
+
+
+def call(side: str, request: dict[str, Any], simd: str | None = None) -> tuple[dict[str, Any], float]:
+    """Ask a worker in a fresh process; its answer, and the seconds from starting it to its end.
+
+    Raises:
+        RuntimeError: The worker failed; the message is what it wrote.
+    """
+    environment = {key: value for key, value in os.environ.items() if key != "LIEPOISSON_SIMD"}
+    if simd is not None:
+        environment["LIEPOISSON_SIMD"] = simd
+    command = [str(PYTHON[side]), str(HERE / f"{side}_worker.py"), json.dumps(request)]
+    begin = time.perf_counter()
+    process = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    wall = time.perf_counter() - begin
+    if process.returncode != 0:
+        raise RuntimeError(f"{side} worker failed on {request}:\n{process.stderr}")
+    return json.loads(process.stdout), wall
+
+
+def run_row(row: Row, rounds: int) -> list[Measured]:
+    """Let all contenders of a row take turns, `rounds` times; each round begins with another one."""
+    measured = [Measured(contender, [], []) for contender in row.contenders]
+    for first in range(rounds):
+        for k in range(len(measured)):
+            one = measured[(first + k) % len(measured)]
+            answer, wall = call(one.contender.side, one.contender.request, one.contender.simd)
+            if one.contender.simd not in (None, answer.get("kernel")):
+                raise RuntimeError(f"asked for {one.contender.simd}, ran {answer.get('kernel')}")
+            one.seconds.append(wall if row.wall else min(answer["seconds"]))
+            one.answers.append(answer)
+    return measured
+
+
+def ratios(peer: Measured, ours: Measured) -> tuple[float, float, float]:
+    """How many times faster than the peer: by best times, by medians, and the median over rounds."""
+    theirs, mine = np.array(peer.seconds), np.array(ours.seconds)
+    return (
+        float(theirs.min() / mine.min()),
+        float(np.median(theirs) / np.median(mine)),
+        float(np.median(theirs / mine)),
+    )

@@ -1,0 +1,235 @@
+//! Ensembles: the same bits whatever the threads and lanes, one outcome per trajectory, no poisoned neighbours.
+
+mod common;
+
+use common::*;
+use liepoisson_core::analysis::lyapunov::growth;
+use liepoisson_core::analysis::orbit::orbits;
+use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
+use liepoisson_core::error::Error;
+use liepoisson_core::lanes::Simd;
+use liepoisson_core::method::Taylor;
+use proptest::prelude::*;
+
+/// Bits, so that NaN equals NaN.
+fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    /// Every SIMD kernel against the plain loop, on ensembles in which some members fail in various ways.
+    #[test]
+    fn bits_do_not_depend_on_lanes_or_threads(
+        p in parameters(), members in 1..40_usize, scale in prop_oneof![Just(1.0), Just(1e-30), Just(30.0)],
+        bad in proptest::collection::vec((0..40_usize, prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(1e300), Just(0.0)]), 0..4),
+    ) {
+        let top = p.top();
+        let mut states: Vec<f64> = starts(members).iter().map(|x| x * scale).collect();
+        let tangents: Vec<f64> = starts(2 * members).iter().rev().copied().collect();
+        for (member, value) in bad {
+            states[(member % members) * 9 + member % 9] = value;
+        }
+        let ensemble = Ensemble {
+            field: &top, method: Taylor::new(1e-12, None, 2_000).unwrap(), states: &states, tangents: &tangents,
+            n_tangents: 2, times: &[0.0, 0.7, 4.0],
+        };
+        let results: Vec<_> = Simd::ALL
+            .into_iter()
+            .filter(|simd| simd.is_available())
+            .flat_map(|simd| [1, 3].map(|threads| (simd, threads)))
+            .map(|(simd, threads)| {
+                let orbits = orbits(&ensemble, threads, simd, &Control::default(), true, |_| ()).unwrap();
+                let growth = growth(&ensemble, threads, simd, &Control::default(), |_| ()).unwrap();
+                (orbits, growth)
+            })
+            .collect();
+        let (first, first_growth) = &results[0];
+        for (other, other_growth) in &results[1..] {
+            prop_assert_eq!(bits(&first.states), bits(&other.states));
+            prop_assert_eq!(bits(&first.tangents), bits(&other.tangents));
+            prop_assert_eq!(bits(&first_growth.exponents), bits(&other_growth.exponents));
+            for (a, b) in first.summaries.iter().zip(&other.summaries) {
+                prop_assert_eq!((a.outcome, a.n_steps, a.time.to_bits()), (b.outcome, b.n_steps, b.time.to_bits()));
+            }
+            for (a, b) in first.series.iter().zip(&other.series) {
+                prop_assert_eq!(bits(&a.coefficients), bits(&b.coefficients));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_member_is_the_same_alone_and_in_company() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let states = starts(50);
+    let all = run(&top, taylor(1e-14), &states, &[], &[0.0, 20.0], Simd::widest());
+    for member in [0, 17, 49] {
+        let alone = run(&top, taylor(1e-14), &states[9 * member..9 * member + 9], &[], &[0.0, 20.0], Simd::widest());
+        assert_eq!(alone.states, all.states[18 * member..18 * member + 18]);
+    }
+}
+
+#[test]
+fn failing_members_have_outcomes_and_do_not_touch_their_neighbours() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let good = starts(20);
+    let mut states = good.clone();
+    states[9 * 3] = f64::NAN;
+    states[9 * 4 + 1] = f64::INFINITY;
+    states[9 * 5 + 2] = 1e200; // its products overflow
+    let mut zero_growth = vec![0.0; 180];
+    zero_growth.fill(0.5);
+    let times = [0.0, 1.0, 10.0];
+    let orbits = run(&top, taylor(1e-12), &states, &zero_growth, &times, Simd::widest());
+    let reference = run(&top, taylor(1e-12), &good, &zero_growth, &times, Simd::widest());
+    for member in 0..20 {
+        let (summary, rows) = (&orbits.summaries[member], &orbits.states[27 * member..27 * member + 27]);
+        if (3..=5).contains(&member) {
+            assert_eq!((summary.outcome, summary.time, summary.n_steps), (Outcome::NotFinite, 0.0, 0));
+            assert!(rows[18..].iter().all(|x| x.is_nan()));
+            // the last state is the one that came
+            assert_eq!(bits(&summary.state), bits(&states[9 * member..9 * member + 9]));
+        } else {
+            assert_eq!(summary.outcome, Outcome::Finished);
+            assert_eq!(rows, &reference.states[27 * member..27 * member + 27]);
+        }
+    }
+}
+
+#[test]
+fn a_budget_of_steps_ends_a_trajectory_at_its_last_good_state() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let states = starts(9);
+    let method = Taylor::new(1e-12, None, 10).unwrap();
+    let orbits = run(&top, method, &states, &[], &[0.0, 1.0, 1e6], Simd::widest());
+    for (member, summary) in orbits.summaries.iter().enumerate() {
+        assert_eq!((summary.outcome, summary.n_steps), (Outcome::MaxSteps, 10));
+        assert!(summary.time > 1.0 && summary.time < 100.0);
+        // the state at the time reached is on the orbit
+        let to_there = run(&top, taylor(1e-12), &states[9 * member..][..9], &[], &[0.0, summary.time], Simd::Scalar);
+        assert!(distance(&to_there.states[9..], &summary.state) < 1e-9);
+    }
+}
+
+#[test]
+fn an_equilibrium_takes_one_step() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let hanging = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0]; // alpha along a, at rest
+    let orbits = run(&top, taylor(1e-15), &hanging, &[], &[0.0, 1e9], Simd::Scalar);
+    assert_eq!(orbits.states[9..], hanging);
+    assert_eq!(orbits.summaries[0].n_steps, 1);
+}
+
+#[test]
+fn cancelling_ends_a_run_soon_and_says_so() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let states = starts(40);
+    let method = Taylor::new(1e-15, None, u64::MAX).unwrap();
+    let ensemble = Ensemble { field: &top, method, states: &states, tangents: &[], n_tangents: 0, times: &[0.0, 1e12] };
+    let control = Control::default();
+    let orbits = orbits(&ensemble, 2, Simd::widest(), &control, false, |_| control.cancel()).unwrap();
+    assert!(orbits.summaries.iter().all(|summary| summary.outcome == Outcome::Cancelled));
+    assert!(control.done() < 40.0);
+}
+
+#[test]
+fn progress_counts_every_member_once() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let mut states = starts(33);
+    states[0] = f64::NAN; // a failed member counts as done
+    let ensemble = Ensemble {
+        field: &top,
+        method: taylor(1e-12),
+        states: &states,
+        tangents: &[],
+        n_tangents: 0,
+        times: &[5.0, -40.0],
+    };
+    let control = Control::default();
+    orbits(&ensemble, 2, Simd::widest(), &control, false, |_| ()).unwrap();
+    assert!((control.done() - 33.0).abs() < 1e-6, "{}", control.done());
+}
+
+#[test]
+fn parts_that_do_not_fit_are_refused() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let (states, method) = (starts(2), taylor(1e-12));
+    let check = |states: &[f64], tangents: &[f64], times: &[f64]| {
+        Ensemble { field: &top, method, states, tangents, n_tangents: 1, times }.check()
+    };
+    assert_eq!(check(&states, &states, &[0.0, 1.0]), Ok(()));
+    assert!(matches!(check(&states[1..], &states, &[0.0, 1.0]), Err(Error::Length { name: "states", .. })));
+    assert!(matches!(check(&states, &states[9..], &[0.0, 1.0]), Err(Error::Length { name: "tangents", .. })));
+    assert_eq!(check(&states, &states, &[0.0]), Err(Error::Times { index: 1 }));
+    assert_eq!(check(&states, &states, &[0.0, 2.0, 1.0]), Err(Error::Times { index: 2 }));
+    assert_eq!(check(&states, &states, &[0.0, f64::NAN]), Err(Error::Times { index: 1 }));
+    assert_eq!(check(&states, &states, &[0.0, 0.0]), Err(Error::Times { index: 1 }));
+}
+
+#[test]
+fn a_zero_tangent_vector_is_refused() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let (states, mut tangents) = (starts(3), starts(3));
+    tangents[9..18].fill(0.0);
+    let ensemble = Ensemble {
+        field: &top,
+        method: taylor(1e-12),
+        states: &states,
+        tangents: &tangents,
+        n_tangents: 1,
+        times: &[0.0, 1.0],
+    };
+    let refused = growth(&ensemble, 1, Simd::Scalar, &Control::default(), |_| ()).err();
+    assert_eq!(refused, Some(Error::TangentVector { member: 1 }));
+}
+
+#[test]
+fn exponent_is_the_logarithm_of_the_growth_of_the_tangent_vector() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let (states, tangents) = (starts(6), starts(6));
+    let times = [0.0, 3.0, 400.0];
+    let ensemble = Ensemble {
+        field: &top,
+        method: taylor(1e-13),
+        states: &states,
+        tangents: &tangents,
+        n_tangents: 1,
+        times: &times,
+    };
+    let growth = growth(&ensemble, 1, Simd::Scalar, &Control::default(), |_| ()).unwrap();
+    let orbits = run(&top, taylor(1e-13), &states, &tangents, &times, Simd::Scalar);
+    let norm = |v: &[f64]| v.iter().map(|c| c * c).sum::<f64>().sqrt();
+    for member in 0..6 {
+        for index in [1, 2] {
+            let end = &orbits.tangents[27 * member + 9 * index..][..9];
+            let expected = (norm(end) / norm(&tangents[9 * member..][..9])).ln() / times[index];
+            let exponent = growth.exponents[2 * member + index - 1];
+            assert!((exponent - expected).abs() < 1e-14, "{exponent} {expected}");
+        }
+    }
+}
+
+/// Growth by exp(800 sqrt 2) overflows no number: powers of two are taken out, and counted anew for each member.
+#[test]
+fn growth_beyond_the_largest_number_is_followed() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let unstable = [0.0, 0.0, 0.0, -2.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let members = 40; // more than there are lanes, so that seats are taken again
+    let (states, tangents) = (unstable.repeat(members), [[0.0, 0.0, 1.0], [0.0; 3], [0.0; 3]].concat().repeat(members));
+    let ensemble = Ensemble {
+        field: &top,
+        method: taylor(1e-15),
+        states: &states,
+        tangents: &tangents,
+        n_tangents: 1,
+        times: &[0.0, 800.0],
+    };
+    let growth = growth(&ensemble, 1, Simd::widest(), &Control::default(), |_| ()).unwrap();
+    // l3 = cosh(t sqrt 2), alpha2 = -sqrt 2 sinh(t sqrt 2): |v| = exp(t sqrt 2) sqrt(3) / 2
+    let expected = 2.0_f64.sqrt() + (3.0_f64.sqrt() / 2.0).ln() / 800.0;
+    for exponent in growth.exponents {
+        assert!((exponent - expected).abs() < 1e-13, "{exponent} {expected}");
+    }
+}

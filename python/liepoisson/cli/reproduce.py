@@ -1,0 +1,58 @@
+"""The command `liepoisson reproduce`: a paper, computed again."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from liepoisson.cli.progress import progress_bar
+from liepoisson.studies import STUDIES, check_study
+
+INTERRUPTED = 130
+QUICK_MEMBERS, QUICK_END_TIME = 1000, 200.0
+
+
+def reproduce(
+    study: Annotated[str, typer.Argument(help=f"Which paper: {', '.join(STUDIES)}.")],
+    *,
+    members: Annotated[int | None, typer.Option(help="Random starts per ensemble.  [default: 20000]")] = None,
+    end_time: Annotated[float | None, typer.Option(help="Time of the main runs.  [default: 1000]")] = None,
+    seed: Annotated[int, typer.Option(help="Seed of starts and tangent vectors.")] = 0,
+    threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
+    out: Annotated[Path | None, typer.Option(help="Output folder.  [default: results/STUDY]")] = None,
+    quick: Annotated[
+        bool,
+        typer.Option("--quick", help=f"{QUICK_MEMBERS} members to t = {QUICK_END_TIME:g}: seconds, coarse errors."),
+    ] = False,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Discard stored work in the output folder first.")] = False,
+) -> None:
+    """Compute a paper again: figures, fits with error bars, and a verdict on each of its claims.
+
+    Finished work is stored as it comes; after an interruption the same command goes on from there.
+    """
+    from liepoisson.studies.twisted_top.runs import Settings
+    from liepoisson.studies.twisted_top.study import reproduce as run_study
+    from liepoisson.studies.twisted_top.study import summary
+
+    name = check_study(study)
+    folder = out or Path("results") / (f"{name}-quick" if quick else name)
+    default = Settings(QUICK_MEMBERS, QUICK_END_TIME) if quick else Settings()
+    settings = Settings(
+        members=default.members if members is None else members,
+        end_time=default.end_time if end_time is None else end_time,
+        seed=seed,
+        threads=threads,
+    )
+    try:
+        with progress_bar() as progress:
+            result = run_study(settings, folder, fresh=fresh, progress=progress)
+    except KeyboardInterrupt:
+        print(
+            f"interrupted; finished pieces are kept in {folder / 'pieces'}. Run the same command again to go on.",
+            file=sys.stderr,
+        )
+        raise typer.Exit(INTERRUPTED) from None
+    print(summary(result))

@@ -1,0 +1,203 @@
+"""Claims of the discussion that are settled, or partly settled, in exact arithmetic."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from liepoisson.studies.twisted_top.claims.common import complete_integrability
+from liepoisson.studies.twisted_top.claims.evidence import Evidence
+from liepoisson.studies.twisted_top.claims.integral_search import independent_products, nullity
+from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
+from liepoisson.studies.twisted_top.claims.phase_space import SymbolicTop, symbolic_top
+
+CENTRE_OF_MASS = (-1, 0, 0)
+AS_PRINTED = (1, 1, 2)
+KOVALEVSKAYA = (2, 2, 1)
+# Every polynomial of degree d in (l, alpha) has weight at most 2d, in (l, alpha, beta) at most 3d.
+HEAVY_WEIGHT, TWISTED_WEIGHT = 10, 12
+HEAVY_WEIGHTS = (1, 1, 1, 2, 2, 2)
+TWISTED_WEIGHTS = (*HEAVY_WEIGHTS, 3, 3, 3)
+
+
+def kovalevskaya_quartic(top: SymbolicTop) -> Any:
+    """Kovalevskaya's integral for I = (2k, 2k, k), a = (a1, a2, 0), b = 0."""
+    _, alpha, _ = top.vectors
+    omega, kappa, (a1, a2, _) = top.omega, top.inertia[2], top.a
+    real = omega[0] ** 2 - omega[1] ** 2 - (a1 * alpha[0] - a2 * alpha[1]) / kappa
+    imaginary = 2 * omega[0] * omega[1] - (a1 * alpha[1] + a2 * alpha[0]) / kappa
+    return real**2 + imaginary**2
+
+
+def kovalevskaya_inertia(context: Context) -> Verdict:
+    """The quartic needs I1 = I2 = 2 I3; with the inertia as printed there is none."""
+    from sympy import Symbol
+
+    evidence = Evidence()
+    kappa = Symbol("kappa", positive=True)
+    general = symbolic_top(context, inertia=(2 * kappa, 2 * kappa, kappa), a=("a1", "a2", 0), b=(0, 0, 0), epsilon=0)
+    evidence.zero(
+        "I = (2κ, 2κ, κ), a = (a₁, a₂, 0): Kovalevskaya's quartic K is constant",
+        general.rate(kovalevskaya_quartic(general)),
+    )
+    for inertia, extra in ((KOVALEVSKAYA, 1), (AS_PRINTED, 0)):
+        top = symbolic_top(context, inertia=inertia, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
+        found, known = _heavy_counts(top, 4)
+        evidence.equal(f"I = {inertia}: integrals of weight 4 beyond H², |α|²", found - known, extra)
+    top = symbolic_top(context, inertia=AS_PRINTED, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
+    counts = [_heavy_counts(top, weight) for weight in range(1, HEAVY_WEIGHT + 1)]
+    evidence.equal(
+        f"I = {AS_PRINTED}: integrals of weight ≤ {HEAVY_WEIGHT} beyond the polynomials in H, l·α, |α|²",
+        sum(found - known for found, known in counts),
+        0,
+    )
+    evidence.note(
+        "Weights: l 1, α 2; so in particular no polynomial of degree ≤ 5 in (l, α). Exact (ranks modulo 2⁶¹ − 1"
+    )
+    evidence.note("bound the number of integrals from above, the known ones from below).")
+    evidence.data = {"counts_as_printed": counts}
+    return evidence.conclude("misprint", "Kovalevskaya's condition is I₁ = I₂ = 2I₃ (with a₃ = 0), not I₃ = 2I₁.")
+
+
+def kovalevskaya_integrable(context: Context) -> Verdict:
+    """H, K and l.alpha for the ordinary top."""
+    evidence = Evidence()
+    top = symbolic_top(context, inertia=KOVALEVSKAYA, a=("a1", "a2", 0), b=(0, 0, 0), epsilon=0)
+    l, alpha, _ = top.vectors
+    integrals = {"H": top.hamiltonian, "l·α": l.dot(alpha), "K": kovalevskaya_quartic(top)}
+    complete_integrability(evidence, top, integrals)
+    return evidence.conclude("holds with a condition", "True for I₁ = I₂ = 2I₃; see the claim on the printed inertia.")
+
+
+def no_polynomial_integral(evidence: Evidence, context: Context) -> None:
+    """State how the quartic is lost, and that no polynomial integral of low weight replaces it."""
+    top = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=1)
+    evidence.nonzero("ε = 1: dK/dt is not zero", top.rate(kovalevskaya_quartic(top)))
+    C1, C2, C3 = top.casimirs
+    known = {"H": (top.hamiltonian, 2), "C₁": (C1, 4), "C₂": (C2, 5), "C₃": (C3, 6)}
+    variables = top.bracket.variables
+    equations = top.bracket.vector_field(top.hamiltonian)
+    excess = 0
+    for weight in range(1, TWISTED_WEIGHT + 1):
+        found = nullity(equations, variables, TWISTED_WEIGHTS, weight)
+        excess += found - len(independent_products(known, variables, weight))
+    evidence.equal(
+        f"integrals of weight ≤ {TWISTED_WEIGHT} beyond the polynomials in H, C₁, C₂, C₃ (exact; weights l 1, α 2, "
+        f"β 3, in particular of degree ≤ {TWISTED_WEIGHT // 3})",
+        excess,
+        0,
+    )
+
+
+def nearby_integrable_case(context: Context) -> Verdict:
+    """What is known here about integrable neighbours."""
+    evidence = Evidence()
+    evidence.note("I = (2, 2, 1), a = (−1, 0, 0), b = 0, ε = 1:")
+    no_polynomial_integral(evidence, context)
+    evidence.note("Other parameters and integrals that are not polynomial are not examined here.")
+    return evidence.conclude(
+        "not settled",
+        "At the Kovalevskaya values themselves there is no further polynomial integral of degree ≤ 4; whether changed "
+        "parameters give an integrable case is not decided by what is computed here.",
+    )
+
+
+def homoclinic_orbits(context: Context) -> Verdict:
+    """An elementary family of homoclinic orbits, for any inertia."""
+    from sympy import Symbol, symbols
+
+    evidence = Evidence()
+    top = symbolic_top(context, a=("a1", 0, 0), b=(0, 0, "b3"))
+    l, alpha, beta = top.vectors
+    a1, epsilon, moment = top.a[0], top.epsilon, top.inertia[2]
+    plane = {l[0]: 0, l[1]: 0, alpha[2]: 0, beta[0]: 0, beta[1]: 0}
+    z, x, y, B = l[2], alpha[0], alpha[1], beta[2]
+    off_plane = [top.rate(component).subs(plane) for component in (*plane, B)]
+    evidence.zero(
+        "a = (a₁, 0, 0), b = (0, 0, b₃): l = (0, 0, z), α = (x, y, 0), β = (0, 0, B) is invariant, B constant",
+        off_plane,
+    )
+    rates = [top.rate(component).subs(plane) for component in (z, x, y)]
+    wanted = (-a1 * y, y * z / moment, -x * z / moment + epsilon * B * a1)
+    evidence.zero(
+        "dz/dt = −a₁y, dx/dt = yz/I₃, dy/dt = −xz/I₃ + εBa₁", [r - v for r, v in zip(rates, wanted, strict=True)]
+    )
+    # With c = cosh(k t) and s = sinh(k t), c^2 = 1 + s^2; m = sqrt(a1 d I3), so that a1 d = m^2/I3.
+    c, s, z0, m = symbols("c s z0 m")
+    k = Symbol("k")
+    k_squared = (m**2 - z0**2) / moment**2
+    d = m**2 / (a1 * moment)
+    strength = d * z0 / (moment * a1)  # epsilon B at the saddle, from x z = epsilon B a1 I3
+    zt = z0 + 2 * k_squared * moment**2 / (z0 + m * c)
+    yt = -_rate(zt, c, s, k) / a1
+    xt = (z0**2 / (2 * moment) + a1 * d - zt**2 / (2 * moment)) / a1
+    residuals = (
+        _rate(xt, c, s, k) - yt * zt / moment,
+        _rate(yt, c, s, k) + xt * zt / moment - strength * a1,
+    )
+    evidence.zero(
+        "z = z₀ + 2k²I₃²/(z₀ ± m cosh kt), x = (z₀²/2I₃ + a₁d − z²/2I₃)/a₁, y = −(dz/dt)/a₁ solves them, where "
+        "d = εBI₃a₁/z₀, m² = a₁dI₃, k² = (m² − z₀²)/I₃² > 0",
+        [_hyperbolic(residual, c, s, k, k_squared) for residual in residuals],
+    )
+    evidence.note(
+        "For t → ±∞ it tends to the saddle z = z₀, x = d, y = 0. (Either sign of m; for B = 0, z = 2I₃k sech kt.)"
+    )
+    return evidence.conclude(
+        "holds with a condition",
+        "Not of all of them: a = (a₁, 0, 0), b = (0, 0, b₃) has, for any inertia, an invariant plane motion with "
+        "elementary homoclinic orbits, z = z₀ + 2k²I₃²/(z₀ ± m cosh kt). Others are not examined here.",
+    )
+
+
+def _rate(f: Any, c: Any, s: Any, k: Any) -> Any:
+    """Time derivative of a function of c = cosh kt, s = sinh kt."""
+    return k * (f.diff(c) * s + f.diff(s) * c)
+
+
+def _hyperbolic(expression: Any, c: Any, s: Any, k: Any, k_squared: Any) -> Any:
+    """The numerator with s^2 = c^2 - 1 and the known k^2 inserted."""
+    from sympy import Poly, fraction, together
+
+    numerator, _ = fraction(together(expression))
+    terms = Poly(numerator.expand(), s, k).terms()
+    return sum(f * (c**2 - 1) ** (i // 2) * s ** (i % 2) * k_squared ** (j // 2) * k ** (j % 2) for (i, j), f in terms)
+
+
+def _heavy_counts(top: SymbolicTop, weight: int) -> tuple[int, int]:
+    """Integrals of the heavy top (l, alpha) of one weight: how many, and how many from H, l.alpha, |alpha|^2."""
+    l, alpha, _ = top.vectors
+    variables = top.bracket.variables[:6]
+    equations = top.bracket.vector_field(top.hamiltonian)[:6]
+    known = {"H": (top.hamiltonian, 2), "l·α": (l.dot(alpha), 3), "|α|²": (alpha.dot(alpha), 4)}
+    found = nullity(equations, variables, HEAVY_WEIGHTS, weight)
+    return found, len(independent_products(known, variables, weight))
+
+
+_DISCUSSION = "Section 5, Discussion"
+
+CLAIMS: tuple[Claim, ...] = (
+    Claim(
+        "kovalevskaya-inertia",
+        f"{_DISCUSSION}, second paragraph",
+        "The Kovalevskaya case has I₁ = I₂, I₃ = 2I₁ and a₃ = 0.",
+        kovalevskaya_inertia,
+    ),
+    Claim(
+        "kovalevskaya-integrable",
+        f"{_DISCUSSION}, second paragraph",
+        "The Kovalevskaya case of the uncharged heavy top is integrable.",
+        kovalevskaya_integrable,
+    ),
+    Claim(
+        "nearby-integrable-case",
+        f"{_DISCUSSION}, third paragraph",
+        "An integrable twisted top with parameters close to the Kovalevskaya values is not ruled out; none was found.",
+        nearby_integrable_case,
+    ),
+    Claim(
+        "homoclinic-orbits",
+        f"{_DISCUSSION}, fourth paragraph",
+        "A Melnikov analysis is hindered by the complicated form of the homoclinic orbits.",
+        homoclinic_orbits,
+    ),
+)

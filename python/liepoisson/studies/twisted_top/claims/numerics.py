@@ -1,0 +1,341 @@
+"""Claims of the discussion and of the figure that are judged by the measurements of the numerical study.
+
+The keys of the measurements are those of `liepoisson.studies.twisted_top.measurements`; which ones are read is said in
+the docstring of each check.  A check whose runs are missing returns "not run".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from functools import wraps
+from typing import Any
+
+from liepoisson.studies.twisted_top.claims.discussion import no_polynomial_integral
+from liepoisson.studies.twisted_top.claims.evidence import Evidence
+from liepoisson.studies.twisted_top.claims.model import Claim, Context, Ruling, Verdict
+
+ENSEMBLES = ("unit-vectors", "cube", "gaussian")
+PRINTED = {"lambda": 0.122, "c1": 0.113, "c0": 0.497}
+# A measured number differs from a stated one when it lies beyond so many standard errors.
+SIGNIFICANT = 3.0
+# How near the slope of t <lambda(t)> over ln t must be to one (issue of the study, fixed before the runs).
+SLOPE_TOLERANCE = 0.02
+
+
+class _NotMeasuredError(Exception):
+    """A number that the check needs is not among the measurements."""
+
+
+def measured(check: Callable[[Mapping[str, Any], Context], Verdict]) -> Callable[[Context], Verdict]:
+    """Turn a check of measured runs into a check of a context, "not run" when runs or numbers are missing."""
+
+    @wraps(check)
+    def judge(context: Context) -> Verdict:
+        runs: Mapping[str, Any] = (context.measurements or {}).get("runs", {})
+        try:
+            return check(runs, context)
+        except _NotMeasuredError as missing:
+            text = f"  Needs the measurements of the numerical study; missing: {missing}."
+            return Verdict("not run", "numerical", text)
+
+    return judge
+
+
+@measured
+def chaotic(runs: Mapping[str, Any], context: Context) -> Verdict:
+    """Whether the fitted exponent is positive: `fit.lambda` of the twisted runs of all ensembles."""
+    del context
+    lines: list[str] = []
+    data: dict[str, Any] = {}
+    positive = True
+    for name in _names("twisted"):
+        fit = _entry(runs, name, "fit")
+        value, error = _number(fit, name, "lambda")
+        positive &= value > SIGNIFICANT * error
+        mark = "✓" if value > SIGNIFICANT * error else "✗"
+        lines.append(f"{mark} {name}: λ = {_pm(value, error)} ({_how(runs, name, fit)})")
+        data[name] = {"lambda": value, "standard_error": error}
+    verdict: Ruling = "holds" if positive else "not settled"
+    correct = "" if positive else f"λ is not {SIGNIFICANT:g} standard errors above zero in every ensemble."
+    return Verdict(verdict, "numerical", "\n".join(lines), correct, data)
+
+
+@measured
+def exponent_value(runs: Mapping[str, Any], context: Context) -> Verdict:
+    """Whether 0.122 is reproduced: `fit.lambda` and `windows` of the twisted runs."""
+    del context
+    printed = PRINTED["lambda"]
+    lines: list[str] = []
+    agree: list[bool] = []
+    scanned: list[float] = []
+    data: dict[str, Any] = {"printed": printed}
+    for name in _names("twisted"):
+        fit = _entry(runs, name, "fit")
+        value, error = _number(fit, name, "lambda")
+        agree.append(abs(value - printed) <= SIGNIFICANT * error)
+        values = [_number(window, name, "lambda")[0] for window in (fit, *_entry(runs, name, "windows"))]
+        scanned += values
+        lines.append(
+            f"{'✓' if agree[-1] else '✗'} {name}: λ = {_pm(value, error)} ({_how(runs, name, fit)}), "
+            f"{min(values):.4f} to {max(values):.4f} over {len(values)} windows"
+        )
+        data[name] = {"lambda": value, "standard_error": error, "windows": [min(values), max(values)]}
+    if all(agree):
+        return Verdict("holds", "numerical", "\n".join(lines), "", data)
+    inside = min(scanned) <= printed <= max(scanned)
+    correct = (
+        f"The fitted λ depends on the ensemble of starts and on the window of the fit, which the paper does not state; "
+        f"over those tried it ranges from {min(scanned):.3f} to {max(scanned):.3f}, and 0.122 is "
+        f"{'inside' if inside else 'outside'} this range."
+    )
+    return Verdict("holds with a condition" if inside else "wrong", "numerical", "\n".join(lines), correct, data)
+
+
+@measured
+def printed_fit(runs: Mapping[str, Any], context: Context) -> Verdict:
+    """Whether all three printed coefficients are reproduced: `fit` and `windows` of the twisted runs."""
+    del context
+    lines: list[str] = []
+    best: tuple[float, str] | None = None
+    data: dict[str, Any] = {"printed": PRINTED}
+    for name in _names("twisted"):
+        fit = _entry(runs, name, "fit")
+        numbers = {key: _number(fit, name, key) for key in PRINTED}
+        shown = ", ".join(
+            f"{label} = {_pm(*numbers[key])}" for key, label in zip(PRINTED, ("λ", "c₁", "c₀"), strict=True)
+        )
+        worst, label = min(_deviations(runs, name))
+        lines.append(
+            f"  {name}: {shown} ({_how(runs, name, fit)}); nearest window {label}, off by {worst:.1f} standard errors"
+        )
+        data[name] = {key: list(value) for key, value in numbers.items()} | {"nearest": [label, worst]}
+        best = min(best or (worst, label), (worst, f"{name}, {label}"))
+    assert best is not None
+    if best[0] <= SIGNIFICANT:
+        where = f"All three coefficients agree within {SIGNIFICANT:g} standard errors for {best[1]}."
+        return Verdict("holds with a condition", "numerical", "\n".join(lines), where, data)
+    correct = (
+        "The paper states neither the ensemble of starts nor the window of the fit, and the coefficients depend on "
+        f"both; none that was tried gives all three (nearest: {best[1]}, off by {best[0]:.1f} standard errors)."
+    )
+    return Verdict("not settled", "numerical", "\n".join(lines), correct, data)
+
+
+@measured
+def ordinary_vanishes(runs: Mapping[str, Any], context: Context) -> Verdict:
+    """Whether the ordinary top's exponent falls like ln t / t without a floor: `log_fit` of the ordinary runs."""
+    del context
+    lines: list[str] = []
+    data: dict[str, Any] = {}
+    holds = True
+    for name in _names("ordinary"):
+        fit = _entry(runs, name, "log_fit")
+        A, B = _number(fit, name, "A"), _number(fit, name, "B")
+        D = _number(_field(fit, name, "with_linear_term"), name, "D")
+        good = abs(B[0] - 1) <= SLOPE_TOLERANCE and abs(D[0]) <= SIGNIFICANT * D[1]
+        holds &= good
+        lines.append(
+            f"{'✓' if good else '✗'} {name}: t⟨λ⟩ = {_pm(*A)} + ({_pm(*B)}) ln t, added linear term {_pm(*D)} "
+            f"({_how(runs, name, fit)})"
+        )
+        data[name] = {"A": list(A), "B": list(B), "D": list(D)}
+    verdict: Ruling = "holds" if holds else "not settled"
+    correct = "" if holds else "The logarithmic law with slope 1 and no linear term is not confirmed by these runs."
+    return Verdict(verdict, "numerical", "\n".join(lines), correct, data)
+
+
+@measured
+def dashed_curve_inertia(runs: Mapping[str, Any], context: Context) -> Verdict:
+    """Which inertia the dashed curve can belong to: `mean_at.200` of the ordinary runs, as printed and (2, 2, 1)."""
+    del context
+    printed, right = "ordinary-as-printed-unit-vectors", "ordinary-unit-vectors"
+    values = {name: _number(_entry(runs, name, "mean_at"), name, "200") for name in (printed, right)}
+    lines = [f"  {name}: ⟨λ⟩ at t = 200 is {_pm(*value)} ({_who(runs, name)})" for name, value in values.items()]
+    fit = _entry(runs, printed, "fit")
+    floor, error = _number(fit, printed, "lambda")
+    lines.append(f"  {printed}: fitted λ = {_pm(floor, error)} ({_how(runs, printed, fit)})")
+    chaotic_as_printed = floor > SIGNIFICANT * error and values[printed][0] > 2 * values[right][0]
+    lines.append(
+        f"{'✓' if chaotic_as_printed else '✗'} the ordinary top with the printed inertia keeps a positive exponent"
+    )
+    data = {name: list(value) for name, value in values.items()} | {"lambda_as_printed": [floor, error]}
+    if not chaotic_as_printed:
+        return Verdict("not settled", "numerical", "\n".join(lines), "These runs do not tell the two apart.", data)
+    correct = (
+        f"With I = (1, 1, 2) as printed the ordinary top has ⟨λ⟩ = {values[printed][0]:.3f} at t = 200 and is chaotic; "
+        f"only I₁ = I₂ = 2I₃ (here {values[right][0]:.3f}) can give the dashed curve."
+    )
+    return Verdict("misprint", "numerical", "\n".join(lines), correct, data)
+
+
+@measured
+def parameters_fix_exponent(runs: Mapping[str, Any], context: Context) -> Verdict:
+    """Whether ratios of inertia suffice: `fit.lambda` of the twisted runs with (2, 2, 1) and (1, 1, 1/2)."""
+    del context
+    lines: list[str] = []
+    data: dict[str, Any] = {}
+    differ = False
+    for ensemble in ("unit-vectors", "cube"):
+        pair = [
+            _number(_entry(runs, f"{top}-{ensemble}", "fit"), top, "lambda") for top in ("twisted", "twisted-halved")
+        ]
+        gap, error = pair[1][0] - pair[0][0], (pair[0][1] ** 2 + pair[1][1] ** 2) ** 0.5
+        differ |= abs(gap) > SIGNIFICANT * error
+        lines.append(f"  {ensemble}: λ = {_pm(*pair[0])} for I = (2, 2, 1), {_pm(*pair[1])} for I = (1, 1, 1/2)")
+        data[ensemble] = {"(2, 2, 1)": list(pair[0]), "(1, 1, 1/2)": list(pair[1]), "difference": [gap, error]}
+    if not differ:
+        return Verdict(
+            "not settled", "numerical", "\n".join(lines), "These runs do not tell the two scalings apart.", data
+        )
+    correct = (
+        "The text gives ratios of inertia only. The two scalings differ by a scaling of state and time, so the same "
+        "starts give different exponents: the inertia itself, the starts and the window have to be stated."
+    )
+    return Verdict("wrong", "numerical", "\n".join(lines), correct, data)
+
+
+@measured
+def single_exponent(runs: Mapping[str, Any], context: Context) -> Verdict:
+    """Whether the average is one exponent: `by_energy` of the twisted run."""
+    del context
+    name = "twisted-unit-vectors"
+    groups = _entry(runs, name, "by_energy")
+    if len(groups) < 2:
+        raise _NotMeasuredError(f"{name}: groups of energy")
+    lines = [
+        f"  H from {g['low']:+.3f} to {g['high']:+.3f}: mean final exponent {_pm(g['mean'], g['standard_error'])}"
+        for g in groups
+    ]
+    low, high = min(groups, key=lambda g: g["mean"]), max(groups, key=lambda g: g["mean"])
+    gap, error = high["mean"] - low["mean"], (low["standard_error"] ** 2 + high["standard_error"] ** 2) ** 0.5
+    differ = gap > SIGNIFICANT * error
+    lines.append(
+        f"{'✓' if differ else '✗'} largest and smallest group differ by {_pm(gap, error)} ({_who(runs, name)})"
+    )
+    data = {"groups": list(groups), "difference": [gap, error]}
+    if not differ:
+        return Verdict("holds", "numerical", "\n".join(lines), "", data)
+    correct = (
+        "The average over random starts mixes energies and leaves (and regular islands with the chaotic sea), whose "
+        "exponents differ: it is a mean of exponents, not the exponent of an orbit."
+    )
+    return Verdict("holds with a condition", "numerical", "\n".join(lines), correct, data)
+
+
+@measured
+def not_integrable(runs: Mapping[str, Any], context: Context) -> Verdict:
+    """Whether the twist destroys integrability: `fit.lambda` of the twisted run, with the exact count of integrals."""
+    name = "twisted-unit-vectors"
+    fit = _entry(runs, name, "fit")
+    value, error = _number(fit, name, "lambda")
+    positive = value > SIGNIFICANT * error
+    evidence = Evidence()
+    no_polynomial_integral(evidence, context)
+    exact = evidence.conclude("holds")
+    line = f"{'✓' if positive else '✗'} numerical: λ = {_pm(value, error)} ({_how(runs, name, fit)})"
+    certificate = f"{exact.certificate}\n{line}\n  A proof of non-integrability is not part of this check."
+    holds = positive and exact.verdict == "holds"
+    correct = "" if holds else exact.correct_statement or "The exponent is not significantly positive."
+    return Verdict("holds" if holds else "not settled", "numerical", certificate, correct, {"lambda": [value, error]})
+
+
+def _names(top: str) -> list[str]:
+    return [f"{top}-{ensemble}" for ensemble in ENSEMBLES]
+
+
+def _field(entry: Any, run: str, key: str) -> Any:
+    try:
+        return entry[key]
+    except (KeyError, TypeError):
+        raise _NotMeasuredError(f"{key} of {run}") from None
+
+
+def _entry(runs: Mapping[str, Any], run: str, key: str) -> Any:
+    if run not in runs:
+        raise _NotMeasuredError(f"run {run}")
+    return _field(runs[run], run, key)
+
+
+def _number(entry: Any, run: str, key: str) -> tuple[float, float]:
+    """Value and standard error of an estimate."""
+    estimate = _field(entry, run, key)
+    return float(_field(estimate, run, "value")), float(_field(estimate, run, "standard_error"))
+
+
+def _deviations(runs: Mapping[str, Any], name: str) -> Iterator[tuple[float, str]]:
+    """For each window, the largest deviation from the printed coefficients in standard errors."""
+    for fit in (_entry(runs, name, "fit"), *_entry(runs, name, "windows")):
+        numbers = [(*_number(fit, name, key), printed) for key, printed in PRINTED.items()]
+        worst = max(abs(value - printed) / error if error > 0 else float("inf") for value, error, printed in numbers)
+        first, last = _field(fit, name, "window")
+        yield worst, f"[{first:g}, {last:g}]"
+
+
+def _who(runs: Mapping[str, Any], run: str) -> str:
+    return f"{_entry(runs, run, 'n_averaged')} starts"
+
+
+def _how(runs: Mapping[str, Any], run: str, fit: Any) -> str:
+    first, last = _field(fit, run, "window")
+    return f"{_who(runs, run)}, t from {first:g} to {last:g}"
+
+
+def _pm(value: float, error: float) -> str:
+    """Value and error, both to the place of the error's second digit."""
+    from liepoisson.numeric.finite_time_fit import Estimate
+
+    return f"{Estimate(value, error, value, value)}"
+
+
+_DISCUSSION, _FIGURE = "Section 5, Discussion", "Figure 1"
+
+CLAIMS: tuple[Claim, ...] = (
+    Claim(
+        "twisted-kovalevskaya-chaotic",
+        f"{_DISCUSSION}, third paragraph, and abstract",
+        "The largest Lyapunov exponent of the twisted Kovalevskaya top is positive: the top is chaotic.",
+        chaotic,
+    ),
+    Claim(
+        "lyapunov-exponent-value",
+        f"{_DISCUSSION}, third paragraph",
+        "The Lyapunov exponent is λ ≃ 0.122.",
+        exponent_value,
+    ),
+    Claim(
+        "printed-fit",
+        f"{_FIGURE}, caption",
+        "The averaged exponent follows 0.497/t + 0.113/√t + 0.122.",
+        printed_fit,
+    ),
+    Claim(
+        "ordinary-exponent-vanishes",
+        f"{_DISCUSSION}, third paragraph, and {_FIGURE}, dashed line",
+        "The exponent of the ordinary Kovalevskaya top goes to zero.",
+        ordinary_vanishes,
+    ),
+    Claim(
+        "dashed-curve-inertia",
+        f"{_FIGURE}, dashed line, with the inertia of Section 5",
+        "The dashed curve is that of the ordinary top with I₁ = I₂, I₃ = 2I₁.",
+        dashed_curve_inertia,
+    ),
+    Claim(
+        "parameters-fix-exponent",
+        f"{_DISCUSSION}, second and third paragraphs",
+        "Ratios of inertia, a = (−1, 0, 0) and ε = 1 determine the exponent.",
+        parameters_fix_exponent,
+    ),
+    Claim(
+        "single-exponent",
+        f"{_DISCUSSION}, third paragraph",
+        "The average over random initial conditions gives the Lyapunov exponent of the top.",
+        single_exponent,
+    ),
+    Claim(
+        "deformation-breaks-integrability",
+        f"{_DISCUSSION}, third paragraph",
+        "Integrability does not always survive the deformation: the twisted Kovalevskaya top is not integrable.",
+        not_integrable,
+    ),
+)

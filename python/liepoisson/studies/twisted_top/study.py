@@ -1,0 +1,138 @@
+"""The whole study: integrate or resume, reduce, judge the claims, draw, report."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS, draw_all
+from liepoisson.studies.twisted_top.integration import Progress, Tracker, complete
+from liepoisson.studies.twisted_top.measurements import PRINTED, RunResult, measurements, produced_by, reduce_run
+from liepoisson.studies.twisted_top.runs import ENSEMBLES, Settings, plan
+from liepoisson.studies.twisted_top.store import RunStore, discard, write_json, writing
+
+
+@dataclass(frozen=True)
+class StudyResult:
+    """What the study found.
+
+    Attributes:
+        settings: The options it ran with.
+        out: The output folder.
+        results: Every run, reduced, by name.
+        measurements: The numbers, in the schema of `measurements`.
+        claims: The table of claims, in the schema of `claims`.
+        seconds: Wall time of this invocation.
+    """
+
+    settings: Settings
+    out: Path
+    results: dict[str, RunResult]
+    measurements: dict[str, Any]
+    claims: dict[str, Any]
+    seconds: float
+
+
+def reproduce(
+    settings: Settings, out: Path, *, fresh: bool = False, progress: Progress | None = None
+) -> StudyResult:
+    """Run the study and write figures, data, `measurements.json`, `claims.json` and `report.html` into `out`.
+
+    Finished pieces are stored as they come: after an interruption the same call goes on from there.
+
+    Args:
+        settings: Members, end time, seed, threads.
+        out: Output folder, made if it does not exist.
+        fresh: Discard what is stored there first.
+        progress: Hears how far the study is.
+
+    Raises:
+        OutputError: a file could not be written; what is finished is kept.
+        DamagedFileError: a stored file is truncated or altered.
+        ParameterError: `out` holds the work of a study with other options.
+        KeyboardInterrupt: Ctrl-C; what is finished is kept.
+    """
+    started = time.perf_counter()
+    if fresh:
+        discard(out)
+    with writing(out):
+        out.mkdir(parents=True, exist_ok=True)
+    stores = [RunStore(out, run) for run in plan(settings)]
+    tracker = Tracker(stores, progress)
+    results = run_all(stores, settings.threads, tracker)
+    numbers = measurements(list(results.values()), settings)
+    write_json(out / "measurements.json", numbers)
+    tracker.tell("judging the claims")
+    claims = _judge(numbers, settings)
+    write_json(out / "claims.json", claims)
+    with writing(out):
+        figures = draw_all(results, out, tracker.tell)
+    tracker.tell("writing the report")
+    study = StudyResult(settings, out, results, numbers, claims, time.perf_counter() - started)
+    _write_report(study, figures)
+    return study
+
+
+def run_all(stores: Sequence[RunStore], threads: int | None, tracker: Tracker) -> dict[str, RunResult]:
+    """Integrate, or read, and reduce every run; one at a time, because its curves fill the memory of the study."""
+    results: dict[str, RunResult] = {}
+    for store in stores:
+        members = complete(store, threads, tracker)
+        tracker.tell(f"{store.run.name}: fits")
+        results[store.run.name] = reduce_run(store.run, members)
+    return results
+
+
+def _judge(numbers: dict[str, Any], settings: Settings) -> dict[str, Any]:
+    from liepoisson.studies.twisted_top.claims import Context, claims_to_json, evaluate_claims
+
+    return claims_to_json(evaluate_claims(Context(measurements=numbers)), produced_by(settings))
+
+
+def _write_report(study: StudyResult, figures: dict[str, Path]) -> None:
+    from liepoisson.studies.twisted_top.report import render
+    from liepoisson.studies.twisted_top.store import write_atomically
+
+    write_atomically(study.out / "report.html", render(study, figures).encode())
+
+
+def summary(study: StudyResult) -> str:
+    """The main results as a short table of plain text."""
+    settings = study.settings
+    window = study.results["twisted-unit-vectors"].fit.window
+    log_window = study.results["ordinary-unit-vectors"].log_fit.window
+    lines = [
+        f"The twisted top: {settings.members} starts per ensemble, to t = {settings.end_time:g}, seed {settings.seed}",
+        "",
+        f"twisted:  <lambda(t)> = lambda + c1/sqrt(t) + c0/t over t in [{window[0]:g}, {window[1]:g}]",
+        *(_fit_line(study.results[f"twisted-{name}"]) for name in ENSEMBLES),
+        f"  {'as printed':<14}{PRINTED['lambda']:<22}{PRINTED['c1']:<20}{PRINTED['c0']}",
+        f"ordinary: t <lambda(t)> = A + B ln t over t in [{log_window[0]:g}, {log_window[1]:g}]; floor D from D t + E/t",
+        *(_log_line(study.results[f"ordinary-{name}"]) for name in ENSEMBLES),
+        "",
+        f"claims of the paper: {verdict_counts(study.claims)}",
+        f"report: {study.out / 'report.html'}",
+    ]
+    return "\n".join(lines)
+
+
+def _fit_line(result: RunResult) -> str:
+    texts = [str(estimate) for estimate in result.fit.estimates.values()]
+    return f"  {ENSEMBLE_LABELS[result.run.ensemble]:<14}{texts[0]:<22}{texts[1]:<20}{texts[2]}"
+
+
+def _log_line(result: RunResult) -> str:
+    fit = result.log_fit
+    power, floor = fit.estimates["B"], fit.floor
+    name = ENSEMBLE_LABELS[result.run.ensemble]
+    return f"  {name:<14}B = {power!s:<18}D = {floor.value:.1e} ± {floor.standard_error:.1e}"
+
+
+def verdict_counts(claims: dict[str, Any]) -> str:
+    """How many claims got which verdict, as text."""
+    counts = Counter(str(claim["verdict"]) for claim in claims["claims"])
+    return ", ".join(f"{number} {verdict}" for verdict, number in counts.most_common())

@@ -1,0 +1,118 @@
+import pytest
+import sympy as sp
+
+from liepoisson.errors import BracketError, ParameterError
+from liepoisson.exact.bracket import Bracket
+from liepoisson.exact.extension import Extension, leibniz, semidirect
+from liepoisson.exact.lie_algebra import LieAlgebra, so
+
+EPSILON = sp.Symbol("epsilon")
+
+
+def hat(u):
+    """The matrix of v -> u x v."""
+    return sp.Matrix([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
+
+
+def test_the_coordinates_are_l_alpha_beta():
+    bracket = so(3) @ leibniz(3, "epsilon")
+    assert [str(v) for v in bracket.variables] == [f + i for f in ("l", "alpha", "beta") for i in "123"]
+    assert list(bracket.fields) == ["l", "alpha", "beta"]
+    assert bracket.fields["alpha"] == sp.Matrix(sp.symbols("alpha1:4"))
+
+
+def test_the_poisson_tensor_of_the_twisted_top():
+    bracket = so(3) @ leibniz(3, "epsilon")
+    l, alpha, beta = (hat(v) for v in bracket.fields.values())
+    zero = sp.zeros(3, 3)
+    expected = sp.Matrix(sp.BlockMatrix([[l, alpha, beta], [alpha, EPSILON * beta, zero], [beta, zero, zero]]))
+    assert bracket.poisson_tensor() == expected
+
+
+def test_the_bracket_is_the_formula_of_the_paper():
+    bracket = so(3) @ leibniz(3, "epsilon")
+    l, alpha, beta = bracket.fields.values()
+    f = l[0] * alpha[1] + beta[2] ** 2 * l[2] + alpha[0] * alpha[2]
+    g = l[1] ** 2 + alpha[2] * beta[0] + alpha[1] * l[2]
+
+    def gradient(h, v):
+        return sp.Matrix([h.diff(component) for component in v])
+
+    f_l, f_a, f_b = (gradient(f, v) for v in (l, alpha, beta))
+    g_l, g_a, g_b = (gradient(g, v) for v in (l, alpha, beta))
+    semi = -l.dot(f_l.cross(g_l)) - alpha.dot(f_l.cross(g_a) + f_a.cross(g_l))
+    semi -= beta.dot(f_l.cross(g_b) + f_b.cross(g_l))
+    assert sp.expand(bracket(f, g) - semi + EPSILON * beta.dot(f_a.cross(g_a))) == 0
+    assert sp.expand((so(3) @ semidirect(3))(f, g) - semi) == 0
+
+
+def test_casimirs_of_the_leibniz_bracket_in_the_order_of_the_paper():
+    bracket = so(3) @ leibniz(3, "epsilon")
+    l, alpha, beta = bracket.fields.values()
+    expected = [alpha.dot(alpha) + 2 * EPSILON * l.dot(beta), alpha.dot(beta), beta.dot(beta)]
+    assert [sp.expand(c) for c in bracket.casimirs()] == [sp.expand(c) for c in expected]
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 4])
+def test_casimirs_of_leibniz_extensions_are_the_convolutions(n):
+    bracket = so(3) @ leibniz(n)
+    x = list(bracket.fields.values())
+    expected = [sum(x[i].dot(x[n - 1 + k - i]) for i in range(n) if n - 1 + k - i < n) for k in range(n)]
+    found = bracket.casimirs()
+    assert len(found) == n
+    span = [sp.Poly(c, *bracket.variables) for c in found + expected]
+    monomials = sorted({m for p in span for m in p.monoms()})
+    assert sp.Matrix([[p.coeff_monomial(m) for m in monomials] for p in span]).rank() == n
+
+
+def test_linear_casimirs_are_the_centre():
+    # Heisenberg: [e0, e1] = e2, whose centre is e2.
+    c = [[[0] * 3 for _ in range(3)] for _ in range(3)]
+    c[0][1][2], c[1][0][2] = 1, -1
+    bracket = LieAlgebra(c, "heisenberg") @ leibniz(1)
+    x3 = bracket.variables[2]
+    assert bracket.casimirs() == [x3, x3**2]
+
+
+def test_the_abelian_bracket_keeps_everything():
+    abelian = LieAlgebra([[[0]]], "R") @ leibniz(2)
+    assert abelian.casimirs()[:2] == list(abelian.variables)
+
+
+def test_jacobi_residuals_list_all_84_triples():
+    residuals = (so(3) @ leibniz(3, "epsilon")).jacobi_residuals()
+    assert len(residuals) == 84
+    assert set(residuals.values()) == {0}
+
+
+def test_jacobi_residuals_agree_with_nested_brackets():
+    W = [[list(row) for row in plane] for plane in leibniz(3, 2).tensor]
+    W[2][0][2], W[2][2][0] = -W[2][0][2], -W[2][2][0]
+    wrong = Bracket(so(3), Extension(W, check=False))
+    residuals = wrong.jacobi_residuals()
+    assert any(value != 0 for value in residuals.values())
+    for (u, v, w), value in residuals.items():
+        nested = wrong(wrong(u, v), w) + wrong(wrong(v, w), u) + wrong(wrong(w, u), v)
+        assert sp.expand(nested - value) == 0
+
+
+def test_a_parameter_may_not_have_the_name_of_a_coordinate():
+    with pytest.raises(BracketError, match=r"\['l1'\] name both"):
+        so(3) @ leibniz(3, "l1")
+
+
+def test_a_string_is_not_a_function():
+    bracket = so(3) @ leibniz(3)
+    with pytest.raises(ParameterError, match="must be a SymPy expression; got 'l1'"):
+        bracket("l1", bracket.variables[0])
+
+
+def test_equal_coordinate_names_are_refused():
+    with pytest.raises(BracketError, match="distinct names"):
+        so(3) @ Extension(leibniz(2).tensor, field_names=("x", "x"))
+
+
+def test_the_tensor_that_is_handed_out_is_a_copy():
+    bracket = so(3) @ leibniz(3)
+    bracket.poisson_tensor()[0, 1] = 17
+    assert bracket.poisson_tensor()[0, 1] != 17

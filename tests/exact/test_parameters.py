@@ -1,0 +1,80 @@
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.parameters import as_float, exceeds_sum, is_negative, is_zero, read_parameter, read_vector
+
+# Text that would fill the memory, and things that are not real numbers.
+HARMFUL = ("9" * 300, "1e999999999", None, True, 1j, sp.nan, sp.oo, sp.I, [1], object(), sp.Matrix([1]))
+
+
+@pytest.mark.parametrize(
+    ("given", "read"),
+    [
+        (2, Fraction(2)),
+        (np.int64(-3), Fraction(-3)),
+        (0.1, Fraction(1, 10)),
+        (np.float64(0.1), Fraction(1, 10)),
+        (np.float32(0.1), Fraction(1, 10)),
+        (1e-3, Fraction(1, 1000)),
+        (Fraction(2, 3), Fraction(2, 3)),
+        ("1/3", Fraction(1, 3)),
+        (" -0.25 ", Fraction(-1, 4)),
+        ("1e2", Fraction(100)),
+        (sp.Rational(5, 7), Fraction(5, 7)),
+        (sp.Integer(4), Fraction(4)),
+        (sp.Float("0.1"), Fraction(1, 10)),
+        ("epsilon", sp.Symbol("epsilon")),
+        (sp.sqrt(2), sp.sqrt(2)),
+    ],
+)
+def test_parameters_are_read_exactly(given, read):
+    result = read_parameter(given, "p")
+    assert result == read
+    assert isinstance(result, Fraction if isinstance(read, Fraction) else sp.Expr)
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [float("nan"), float("inf"), np.float64("-inf"), "nan", "inf", "1/0", "", "2*x", "__import__('os')", *HARMFUL],
+)
+def test_what_is_not_a_finite_number_or_name_is_refused(bad):
+    with pytest.raises(ParameterError, match=r"^mass must be .*got"):
+        read_parameter(bad, "mass")
+
+
+@pytest.mark.parametrize(
+    "bad", [(1, 2), (1, 2, 3, 4), [], 5, "abc", None, {1: 2, 2: 3, 3: 4}, np.eye(3), [[1], [2], [3]]]
+)
+def test_a_vector_has_three_components(bad):
+    with pytest.raises(ShapeError, match=r"a must be 3 numbers \(a1, a2, a3\); got"):
+        read_vector(bad, "a", "(a1, a2, a3)")
+
+
+def test_sequences_of_every_kind_are_vectors():
+    expected = (Fraction(1), Fraction(1, 2), Fraction(3))
+    for given in ([1, 0.5, 3], (1, "1/2", 3), np.array([1, 0.5, 3]), sp.Matrix([1, sp.Rational(1, 2), 3])):
+        assert read_vector(given, "a", "(a1, a2, a3)") == expected
+
+
+def test_questions_about_symbols_are_answered_only_when_decided():
+    x, y = sp.symbols("x y")
+    assert is_zero((x + 1) ** 2 - x**2 - 2 * x - 1)
+    assert is_zero(sp.sqrt(2) ** 2 - 2)
+    assert not is_zero(x)
+    assert not is_negative(x)
+    assert is_negative(-sp.sqrt(2))
+    assert exceeds_sum(x + y + 1, x, y)
+    assert not exceeds_sum(x, y, y)
+    assert exceeds_sum(Fraction(3), Fraction(1), Fraction(1))
+
+
+def test_a_symbolic_parameter_has_no_float_and_is_named():
+    with pytest.raises(ParameterError, match=r"epsilon must be a number.*free symbol kappa"):
+        as_float(2 * sp.Symbol("kappa"), "epsilon")
+    with pytest.raises(ParameterError, match="double"):
+        as_float(Fraction(10) ** 400, "a[0]")
+    assert as_float(sp.sqrt(2), "a[0]") == np.sqrt(2)

@@ -1,0 +1,140 @@
+import numpy as np
+import pytest
+import sympy as sp
+
+from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
+from liepoisson.exact.extension import Extension, leibniz, semidirect
+from liepoisson.exact.lie_algebra import so
+from liepoisson.exact.system import System
+from liepoisson.field import TopField
+from liepoisson.tops import Top
+
+
+def typed_by_hand(parameters=None):
+    """The twisted top as a user types it, with a tilted a and a charge."""
+    inertia, a, b = sp.Matrix([2, 3, sp.Rational(5, 2)]), sp.Matrix([1, -2, 3]), sp.Matrix(sp.symbols("b1:4"))
+
+    def hamiltonian(l, alpha, beta):
+        return sum(l[i] ** 2 / (2 * inertia[i]) for i in range(3)) + a.dot(alpha) + b.dot(beta)
+
+    return System(so(3) @ leibniz(3, "epsilon"), hamiltonian, parameters, name="by hand")
+
+
+VALUES = {"b1": "1/2", "b2": 0, "b3": 4, "epsilon": 0.3}
+
+
+def test_a_system_typed_by_hand_matches_the_top():
+    top = Top(inertia=(2, 3, "5/2"), a=(1, -2, 3), b=("1/2", 0, 4), epsilon="3/10")
+    system = typed_by_hand(VALUES)
+    assert system.field() == top.field() == TopField((2.0, 3.0, 2.5), (1.0, -2.0, 3.0), (0.5, 0.0, 4.0), 0.3)
+    assert system.top_parameters == top.top_parameters
+    assert system.equations == top.equations
+    assert system.invariants == top.invariants
+
+
+def test_the_hamiltonian_may_be_an_expression_in_the_variables():
+    bracket = so(3) @ leibniz(3, 1)
+    l, alpha, _ = bracket.fields.values()
+    system = System(bracket, l[0] ** 2 / 4 + l[1] ** 2 / 4 + l[2] ** 2 / 2 - alpha[0])
+    assert system.field() == Top.twisted_kovalevskaya().field()
+
+
+def test_symbols_are_matched_too_and_then_named():
+    system = typed_by_hand()
+    parameters = system.top_parameters
+    assert parameters is not None
+    assert parameters.epsilon == sp.Symbol("epsilon")
+    with pytest.raises(ParameterError, match=r"b\[0\] must be a number.*free symbol b1"):
+        system.field()
+    with pytest.raises(ParameterError, match="b1, b2, b3, epsilon has none"):
+        system.vector_field(np.zeros(9))
+
+
+@pytest.mark.parametrize("epsilon", [0, 1, -2])
+def test_without_a_the_strength_is_read_from_the_bracket(epsilon):
+    system = System(so(3) @ leibniz(3, epsilon), lambda l, alpha, beta: l.dot(l) / 2 + beta[0])
+    assert system.field() == Top(inertia=(1, 1, 1), b=(1, 0, 0), epsilon=epsilon).field()
+
+
+@pytest.mark.parametrize(
+    "hamiltonian",
+    [
+        lambda l, alpha, beta: l.dot(l) / 2 + alpha.dot(alpha),
+        lambda l, alpha, beta: l.dot(l) / 2 + l[0] * l[1] / 3,
+        lambda l, alpha, beta: l.dot(l) / 2 + l[2],
+        lambda l, alpha, beta: l.dot(l) / 2 + sp.sqrt(1 + alpha[0] ** 2),
+        lambda l, alpha, beta: (l[0] ** 2 + l[1] ** 2) / 2 + alpha[0],
+    ],
+)
+def test_other_hamiltonians_have_no_kernel(hamiltonian):
+    system = System(so(3) @ leibniz(3), hamiltonian, name="other")
+    assert system.top_parameters is None
+    with pytest.raises(UnsupportedFieldError, match="'other' are not those of a top"):
+        system.field()
+
+
+def test_other_brackets_have_no_kernel():
+    W = [[list(row) for row in plane] for plane in leibniz(3).tensor]
+    W[2][1][2], W[2][2][1] = 1, 1
+    for extension in (Extension(W, check=False), leibniz(2), leibniz(4)):
+        system = System(so(3) @ extension, lambda l, *fields: l.dot(l) / 2 + fields[0][0])
+        assert system.top_parameters is None
+
+
+def test_invariants_of_a_general_system_are_h_and_the_casimirs():
+    system = System(so(3) @ leibniz(2), lambda l, alpha: l.dot(l) / 2 + alpha[0] ** 3)
+    l, alpha = system.bracket.fields.values()
+    assert system.invariants == {
+        "H": system.hamiltonian,
+        "C1": l.dot(alpha),
+        "C2": alpha.dot(alpha),
+    }
+
+
+@pytest.mark.parametrize("bad", ["l1**2", 3, None, sp.Matrix([1])])
+def test_a_hamiltonian_is_an_expression_or_a_function(bad):
+    with pytest.raises(ParameterError, match="the Hamiltonian must be"):
+        System(so(3) @ leibniz(3), bad)
+
+
+def test_a_hamiltonian_function_returns_an_expression():
+    system = System(so(3) @ leibniz(3), lambda l, alpha, beta: "l1**2")
+    with pytest.raises(ParameterError, match=r"must return a SymPy expression; got str"):
+        _ = system.hamiltonian
+
+
+def test_numeric_functions_are_vectorised():
+    system = typed_by_hand(VALUES)
+    x = np.random.default_rng(1).normal(size=(4, 5, 9))
+    derivative = system.vector_field(x)
+    values = system.invariant_values(x)
+    assert derivative.shape == (4, 5, 9)
+    assert set(values) == set(system.invariants)
+    for name, expression in system.invariants.items():
+        assert values[name].shape == (4, 5)
+        point = dict(zip(system.variables, x[2, 3], strict=True))
+        assert values[name][2, 3] == pytest.approx(float(expression.subs(point)), rel=1e-13)
+    np.testing.assert_array_equal(system.vector_field(x[2, 3]), derivative[2, 3])
+    assert system.vector_field(np.zeros((0, 9))).shape == (0, 9)
+
+
+def test_a_constant_component_is_broadcast():
+    system = System(so(3) @ semidirect(3), lambda l, alpha, beta: beta[0])
+    assert system.vector_field(np.ones((7, 9))).shape == (7, 9)
+
+
+@pytest.mark.parametrize(("shape", "hint"), [((9, 128), " Transpose it?"), ((3,), ""), ((), "")])
+def test_the_last_axis_is_the_state(shape, hint):
+    message = f"x must end in 9 components (l, alpha, beta); got shape {shape}.{hint}"
+    for call in (typed_by_hand(VALUES).vector_field, typed_by_hand(VALUES).invariant_values):
+        with pytest.raises(ShapeError) as caught:
+            call(np.zeros(shape))
+        assert str(caught.value) == message
+
+
+def test_describe_shows_the_equations():
+    text = typed_by_hand(VALUES).describe()
+    assert "I = (2, 3, 5/2), a = (1, -2, 3), b = (1/2, 0, 4), epsilon = 3/10" in text
+    assert "alpha' = alpha × omega + epsilon beta × a" in text
+    other = System(so(3) @ leibniz(1), lambda l: l[0] * l[1])
+    assert "l1' = l1*l3" in other.describe().replace("-", "")

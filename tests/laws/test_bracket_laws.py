@@ -1,0 +1,250 @@
+"""Laws of Lie-Poisson brackets and tops, at random rational points and parameters, in exact arithmetic."""
+
+from fractions import Fraction
+from itertools import product
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from liepoisson.exact.bracket import Bracket
+from liepoisson.exact.extension import Extension, leibniz, semidirect
+from liepoisson.exact.lie_algebra import LieAlgebra, so
+from liepoisson.tops import Top
+
+exactly = settings(deadline=None, max_examples=20, derandomize=True)
+
+rational = st.fractions(min_value=-3, max_value=3, max_denominator=7)
+positive = st.fractions(min_value=Fraction(1, 7), max_value=3, max_denominator=7)
+vector = st.tuples(rational, rational, rational)
+
+
+def structure(n, entries):
+    c = [[[0] * n for _ in range(n)] for _ in range(n)]
+    for (i, j, k), value in entries.items():
+        c[i][j][k], c[j][i][k] = value, -value
+    return c
+
+
+def so21():
+    return LieAlgebra(structure(3, {(0, 1, 2): -1, (1, 2, 0): 1, (2, 0, 1): 1}), "so(2,1)")
+
+
+def se3():
+    """Rotations e0..e2 and translations e3..e5."""
+    entries = {}
+    for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
+        entries |= {(i, j, k): 1, (i, j + 3, k + 3): 1, (j, i + 3, k + 3): -1}
+    return LieAlgebra(structure(6, entries), "se(3)")
+
+
+BRACKETS = {
+    "twisted": so(3) @ leibniz(3, "epsilon"),
+    "charged": so(3) @ semidirect(3),
+    "heavy": so(3) @ leibniz(2),
+    "order four": so(3) @ leibniz(4),
+    "so(2,1)": so21() @ leibniz(3, "epsilon"),
+    "se(3)": se3() @ leibniz(2),
+}
+named = st.sampled_from(sorted(BRACKETS))
+
+
+@st.composite
+def bracket_and_polynomials(draw):
+    """A bracket and three polynomials with three terms of degree at most two."""
+    bracket = BRACKETS[draw(named)]
+    variable = st.sampled_from((sp.S.One, *bracket.variables))
+    term = st.tuples(rational, variable, variable)
+    return bracket, *(
+        sum(
+            (
+                sp.Rational(c.numerator, c.denominator) * u * v
+                for c, u, v in draw(st.lists(term, min_size=1, max_size=3))
+            )
+        )
+        for _ in range(3)
+    )
+
+
+@exactly
+@given(bracket_and_polynomials())
+def test_brackets_are_antisymmetric(drawn):
+    bracket, f, g, _ = drawn
+    assert sp.expand(bracket(f, g) + bracket(g, f)) == 0
+
+
+@exactly
+@given(bracket_and_polynomials())
+def test_brackets_obey_the_leibniz_rule(drawn):
+    bracket, f, g, h = drawn
+    assert sp.expand(bracket(f * g, h) - f * bracket(g, h) - bracket(f, h) * g) == 0
+
+
+@exactly
+@given(bracket_and_polynomials())
+def test_brackets_obey_the_jacobi_identity(drawn):
+    bracket, f, g, h = drawn
+    cyclic = bracket(bracket(f, g), h) + bracket(bracket(g, h), f) + bracket(bracket(h, f), g)
+    assert sp.expand(cyclic) == 0
+
+
+@pytest.mark.parametrize("name", BRACKETS)
+def test_all_triples_of_coordinates_obey_jacobi(name):
+    assert set(BRACKETS[name].jacobi_residuals().values()) == {0}
+
+
+@pytest.mark.parametrize("name", BRACKETS)
+def test_casimir_gradients_are_null_vectors(name):
+    bracket = BRACKETS[name]
+    found = bracket.casimirs()
+    assert found
+    for casimir in found:
+        assert set(bracket.vector_field(casimir)) == {0}
+
+
+@pytest.mark.parametrize("name", BRACKETS)
+def test_the_poisson_tensor_is_antisymmetric(name):
+    J = BRACKETS[name].poisson_tensor()
+    assert (J + J.T).is_zero_matrix
+
+
+# Negative controls.  so(3) alone would not do: every three-dimensional diagonal bracket obeys Jacobi.
+
+
+def flipped(*entries):
+    """The Leibniz bracket with the sign of some entries W[lam][mu][nu] flipped."""
+    W = [[list(row) for row in plane] for plane in leibniz(3, "epsilon").tensor]
+    for lam, mu, nu in entries:
+        W[lam][mu][nu] = -W[lam][mu][nu]
+    return Bracket(so(3), Extension(W, check=False))
+
+
+@pytest.mark.parametrize(
+    "entries",
+    [[(0, 0, 0)], [(1, 0, 1), (1, 1, 0)], [(2, 0, 2), (2, 2, 0)], [(1, 0, 1)], [(1, 1, 0)], [(2, 0, 2)], [(2, 2, 0)]],
+)
+def test_a_flipped_sign_breaks_jacobi_or_antisymmetry(entries):
+    bracket = flipped(*entries)
+    J = bracket.poisson_tensor()
+    assert not (J + J.T).is_zero_matrix or any(value != 0 for value in bracket.jacobi_residuals().values())
+
+
+def test_a_flipped_cocycle_changes_the_casimirs():
+    # epsilon -> -epsilon is again a Leibniz bracket (beta -> -beta), so Jacobi holds; the Casimir C1 does not.
+    bracket, right = flipped((2, 1, 1)), BRACKETS["twisted"]
+    assert set(bracket.jacobi_residuals().values()) == {0}
+    assert any(value != 0 for value in bracket.vector_field(right.casimirs()[0]))
+
+
+def test_jacobi_fails_for_random_structure_constants():
+    rng = np.random.default_rng(3)
+    for n in (5, 6):
+        pairs = [(i, j, k) for i, j, k in product(range(n), repeat=3) if i < j]
+        c = structure(n, {entry: int(rng.integers(-2, 3)) for entry in pairs})
+        bracket = LieAlgebra(c, check=False) @ leibniz(1)
+        assert any(value != 0 for value in bracket.jacobi_residuals().values())
+
+
+def test_jacobi_fails_for_se3_with_a_flipped_sign():
+    c = [[list(row) for row in plane] for plane in se3().structure_constants]
+    c[0][4][5], c[4][0][5] = -c[0][4][5], -c[4][0][5]
+    bracket = LieAlgebra(c, check=False) @ leibniz(1)
+    assert any(value != 0 for value in bracket.jacobi_residuals().values())
+
+
+# Tops.
+
+
+def hand_written_field(x, inertia, a, b, epsilon):
+    """The equations of the paper with NumPy cross products."""
+    l, alpha, beta = x[..., :3], x[..., 3:6], x[..., 6:]
+    omega = l / inertia
+    dl = np.cross(l, omega) + np.cross(alpha, a) + np.cross(beta, b)
+    dalpha = np.cross(alpha, omega) + epsilon * np.cross(beta, a)
+    return np.concatenate([dl, dalpha, np.cross(beta, omega)], axis=-1)
+
+
+tops = st.builds(
+    lambda inertia, a, b, epsilon: Top(inertia=inertia, a=a, b=b, epsilon=epsilon),
+    inertia=st.tuples(positive, positive, positive).filter(lambda i: 2 * max(i) <= sum(i)),
+    a=vector,
+    b=vector,
+    epsilon=rational,
+)
+
+
+@exactly
+@given(tops, st.lists(rational, min_size=9, max_size=9))
+def test_hand_written_field_is_j_grad_h_is_the_symbolic_field(top, point):
+    x = np.array([float(value) for value in point])
+    at = {v: sp.Rational(p.numerator, p.denominator) for v, p in zip(top.variables, point, strict=True)}
+    gradient = sp.Matrix([top.hamiltonian.diff(v) for v in top.variables])
+    exact = (top.bracket.poisson_tensor() * gradient).subs(at)
+    assert list(exact) == [value.subs(at) for value in top.equations.values()]
+    plain = top.field()
+    numbers = [np.array(v) for v in (plain.inertia, plain.a, plain.b)]
+    # At most six products of numbers below 3 * 3 * 7, each rounded a few times.
+    bound = 1e-13
+    for computed in (hand_written_field(x, *numbers, plain.epsilon), top.vector_field(x)):
+        np.testing.assert_allclose(computed, np.array(exact, dtype=float)[:, 0], rtol=0, atol=bound)
+
+
+@exactly
+@given(tops)
+def test_matching_finds_the_parameters_again(top):
+    from liepoisson.exact.system import System
+
+    again = System(top.bracket, top.hamiltonian)
+    assert again.top_parameters == top.top_parameters
+    assert again.field() == top.field()
+
+
+@exactly
+@given(tops)
+def test_energy_and_casimirs_are_constant(top):
+    for name in ("H", "C1", "C2", "C3"):
+        assert top.bracket(top.invariants[name], top.hamiltonian) == 0
+
+
+@exactly
+@given(tops)
+def test_no_twist_is_the_charged_heavy_top(top):
+    twisted = Top(inertia=top.inertia, a=top.a, b=top.b, epsilon="epsilon")
+    charged = Top.charged_heavy(top.inertia, top.a, top.b)
+    assert [e.subs("epsilon", 0) for e in twisted.equations.values()] == list(charged.equations.values())
+    assert [e.subs("epsilon", 0) for e in twisted.bracket.casimirs()] == (so(3) @ semidirect(3)).casimirs()
+
+
+def pulled_back(bracket, images):
+    """D Phi J D Phi^T - J o Phi for the map Phi given by its images."""
+    phi = sp.Matrix(images)
+    D = phi.jacobian(sp.Matrix(bracket.variables))
+    J = bracket.poisson_tensor()
+    return (D * J * D.T - J.subs(dict(zip(bracket.variables, images, strict=True)), simultaneous=True)).expand()
+
+
+def test_adding_beta_to_alpha_is_a_poisson_map():
+    bracket = BRACKETS["twisted"]
+    l, alpha, beta = bracket.fields.values()
+    images = [*l, *(alpha + sp.Symbol("d") * beta), *beta]
+    assert pulled_back(bracket, images) == sp.zeros(9, 9)
+    assert pulled_back(bracket, [*(l + sp.Symbol("d") * alpha), *alpha, *beta]) != sp.zeros(9, 9)
+
+
+def test_scaling_the_fields_scales_epsilon():
+    s, u, epsilon = sp.symbols("s u epsilon")
+    scaled = so(3) @ leibniz(3, epsilon * s**2 / u)
+    l, alpha, beta = scaled.fields.values()
+    images = [*l, *(s * alpha), *(u * beta)]
+    phi = sp.Matrix(images)
+    D = phi.jacobian(sp.Matrix(scaled.variables))
+    target = (
+        BRACKETS["twisted"].poisson_tensor().subs(dict(zip(scaled.variables, images, strict=True)), simultaneous=True)
+    )
+    source = (so(3) @ leibniz(3, "epsilon")).poisson_tensor()
+    # (l, alpha, beta) with epsilon goes to (l, s alpha, u beta) with epsilon s^2 / u.
+    scaled_target = target.subs(epsilon, epsilon * s**2 / u)
+    assert (D * source * D.T - scaled_target).applyfunc(sp.simplify) == sp.zeros(9, 9)
+    assert (D * source * D.T - target).applyfunc(sp.simplify) != sp.zeros(9, 9)

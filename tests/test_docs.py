@@ -1,0 +1,195 @@
+"""The documents tell the truth: their Python runs and prints what they show; what they link to and name exists."""
+
+import contextlib
+import dataclasses
+import inspect
+import io
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+import liepoisson as lp
+
+ROOT = Path(__file__).parent.parent
+GUIDE = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+DOCUMENTS = [*GUIDE, *(ROOT / name for name in ("ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md"))]
+
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
+LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
+SPAN = re.compile(r"`([^`\n]+)`")
+
+
+class Block(NamedTuple):
+    """A fenced block of a document, and the line where its content begins."""
+
+    language: str
+    content: str
+    line: int
+    follows_directly: bool
+
+
+def blocks(document: Path) -> Iterator[Block]:
+    text, end = document.read_text(encoding="utf-8"), 0
+    for match in FENCE.finditer(text):
+        yield Block(match[1], match[2], text.count("\n", 0, match.start(2)), not text[end : match.start()].strip())
+        end = match.end()
+
+
+def prose(document: Path) -> str:
+    return FENCE.sub("", document.read_text(encoding="utf-8"))
+
+
+def named(documents: list[Path]) -> list[object]:
+    return [pytest.param(document, id=str(document.relative_to(ROOT))) for document in documents]
+
+
+def difference(shown: str, printed: str) -> str | None:
+    """What is wrong with a shown output, or None.
+
+    Words and whole numbers must be the same; a run of blanks stands for any other, `...` for anything.  A decimal may
+    differ by one unit in its last digit, and one with an error, `value ± error`, by four errors: on a machine whose C
+    library rounds one starting value differently, chaos makes of it another realisation of the same mean.
+    """
+    pattern, numbers = "", []
+    for piece in re.split(r"(\.\.\.|\s+|" + NUMBER.pattern + ")", shown.strip()):
+        if NUMBER.fullmatch(piece):
+            numbers.append(piece)
+            pattern += rf"({NUMBER.pattern})"
+        else:
+            pattern += ".*" if piece == "..." else r"\s+" if piece.isspace() else re.escape(piece)
+    match = re.fullmatch(pattern, printed.strip(), re.DOTALL)
+    if match is None:
+        return "the words or the layout differ"
+    errors = dict(re.findall(rf"({NUMBER.pattern}) ± ({NUMBER.pattern})", shown))
+    for wanted, got in zip(numbers, match.groups(), strict=True):
+        if abs(float(wanted) - float(got)) > max(1.001 * last_place(wanted), 4 * float(errors.get(wanted, 0))):
+            return f"{wanted} is shown, {got} printed"
+    return None
+
+
+def last_place(number: str) -> float:
+    """The unit of the last digit of a decimal; 0 for a whole number, which is a count."""
+    mantissa, _, power = number.partition("e")
+    decimals = len(mantissa.partition(".")[2])
+    return 10.0 ** (int(power or 0) - decimals) if decimals or power else 0.0
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("document", named(GUIDE))
+def test_python_blocks_run_and_print_what_is_shown(document, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("MPLBACKEND", "Agg")
+    monkeypatch.delenv("LIEPOISSON_SIMD", raising=False)
+    namespace: dict[str, object] = {"__name__": "__document__"}
+    printed = None
+    for block in blocks(document):
+        if block.language == "python":
+            code = compile("\n" * block.line + block.content, str(document), "exec")
+            with contextlib.redirect_stdout(io.StringIO()) as output:
+                exec(code, namespace)
+            printed = output.getvalue()
+        elif block.language == "text" and block.follows_directly and printed is not None:
+            wrong = difference(block.content, printed)
+            assert wrong is None, f"{document.name}:{block.line}: {wrong}\nshown:\n{block.content}\nprinted:\n{printed}"
+            printed = None
+        else:
+            printed = None
+
+
+@pytest.mark.parametrize("document", named(DOCUMENTS))
+def test_relative_links_resolve(document):
+    for target in LINK.findall(SPAN.sub("", prose(document))):
+        if re.match(r"\w+:", target):
+            continue
+        path, _, heading = target.partition("#")
+        file = (document.parent / path).resolve() if path else document
+        assert file.exists(), f"{document.name} links to {target}, which does not exist"
+        if heading:
+            assert heading in headings(file), f"{document.name} links to {target}; {file.name} has no such heading"
+
+
+def headings(document: Path) -> set[str]:
+    """The anchors that GitHub gives to the headings of a document."""
+    titles = re.findall(r"^#+ (.+)$", prose(document), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+
+
+@pytest.mark.parametrize("document", named(DOCUMENTS))
+def test_public_names_exist(document):
+    for dotted in re.findall(r"\blp((?:\.\w+)+)", " ".join(SPAN.findall(prose(document)))):
+        here: object = lp
+        for name in dotted.strip(".").split("."):
+            here = attribute(here, name, f"{document.name}: lp{dotted} does not exist")
+
+
+def attribute(owner: object, name: str, message: str) -> object:
+    """A member of a module or class; a field or an argument counts, which the class object itself does not hold."""
+    if hasattr(owner, name):
+        return getattr(owner, name)
+    fields = {field.name for field in dataclasses.fields(owner)} if dataclasses.is_dataclass(owner) else set()
+    arguments = set(inspect.signature(owner).parameters) if inspect.isclass(owner) else set()
+    assert name in fields | arguments, message
+    return None
+
+
+@pytest.mark.parametrize("document", named(DOCUMENTS))
+def test_names_of_the_core_exist(document):
+    sources = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "crates").rglob("*.rs"))
+    for span in SPAN.findall(prose(document)):
+        for path in re.findall(r"\w+(?:::\w+)+", span):
+            for name in path.split("::"):
+                assert re.search(rf"\b{name}\b", sources), f"{document.name}: no {name} of `{span}` in crates/"
+
+
+@pytest.mark.parametrize("document", named(DOCUMENTS))
+def test_recipes_exist(document):
+    recipes = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    shell = [block.content for block in blocks(document) if block.language == "sh"]
+    for recipe in re.findall(r"\bmake ([a-z][a-z-]*)", "\n".join([*shell, *SPAN.findall(prose(document))])):
+        assert recipe in recipes, f"{document.name}: the Makefile has no recipe {recipe!r}"
+
+
+@pytest.mark.parametrize("document", named(DOCUMENTS))
+def test_options_of_the_command_line_exist(document):
+    from typer.main import get_command
+
+    from liepoisson.cli.main import application
+
+    known = {"liepoisson", "twisted-top", "help"}
+    command = get_command(application())
+    for part in (command, *command.commands.values()):
+        known |= {part.name, *(option for parameter in part.params for option in parameter.opts)}
+    shell = "\n".join(block.content for block in blocks(document) if block.language == "sh")
+    for line in [*shell.splitlines(), *SPAN.findall(prose(document))]:
+        if re.match(r"\S*liepoisson (reproduce|--)", line):
+            words = re.findall(r"(?<= )(?:--[a-z-]+|reproduce)", line)
+            assert set(words) <= known, f"{document.name}: {line!r} uses what the command line does not know"
+
+
+def test_versions_agree():
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert f"\nversion: {lp.__version__}\n" in citation
+    assert f"## {lp.__version__}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("shown", "printed", "agree"),
+    [
+        ("lambda = 0.126 ± 0.002", "lambda = 0.122 ± 0.003", True),
+        ("lambda = 0.126 ± 0.002", "lambda = 0.140 ± 0.002", False),
+        ("lambda = 0.126 ± 0.002", "lambda = 0.126 ± 0.004", False),
+        ("lambda = 0.126", "lambda = 0.128", False),
+        ("lambda = 0.126", "mu = 0.126", False),
+        ("18 steps", "19 steps", False),
+        ("first\n...\nlast", "first\nmore\nlast", True),
+        ("l3/2 + alpha2", "l3/3 + alpha2", False),
+        ("1.5e-10", "1.6e-10", True),
+        ("1.5e-10", "1.5e-09", False),
+    ],
+)
+def test_outputs_are_compared_as_stated(shown, printed, agree):
+    assert (difference(shown, printed) is None) is agree
