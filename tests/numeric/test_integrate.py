@@ -1,0 +1,219 @@
+"""Trajectories: against independent integrators, reversal, dense output, bad input, interruption."""
+
+import signal
+import threading
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from mpmath import mp, mpf
+from scipy.integrate import solve_ivp
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError, ShapeError
+
+TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.3, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
+NAMED = {
+    "free rigid body": lp.Top.free_rigid_body(inertia=(3, 2, 1)),
+    "Lagrange": lp.Top.lagrange(),
+    "Kovalevskaya": lp.Top.kovalevskaya(),
+    "twisted Lagrange": lp.Top.twisted_lagrange(),
+    "twisted Kovalevskaya": lp.Top.twisted_kovalevskaya(),
+    "general": TOP,
+}
+
+
+@pytest.mark.parametrize("top", NAMED.values(), ids=NAMED.keys())
+def test_orbit_agrees_with_an_independent_integrator(top):
+    """SciPy's DOP853 at rtol 1e-13 on the symbolic field; its own error at t=10 is a few 1e-13."""
+    x0 = lp.sample_states(top, 3, seed=11)
+    orbit = lp.integrate(top, x0, t=[0, 4, 10])
+    for k in range(3):
+        reference = solve_ivp(
+            lambda _, x: top.vector_field(x), (0, 10), x0[k], method="DOP853", rtol=1e-13, atol=1e-13, t_eval=[4, 10]
+        )
+        assert np.abs(orbit.state[k, 1:] - reference.y.T).max() < 1e-11
+
+
+def _taylor_in_40_digits(top, x0, v0, t_end, steps):
+    """State and tangent vector by a plain Taylor series of order 30 in 40-digit arithmetic, from J grad H written out."""
+    mp.dps = 40
+    inertia, a, b, epsilon = ([mpf(float(c)) for c in u] for u in (top.inertia, top.a, top.b, [top.epsilon]))
+
+    def cross(u, v):
+        return [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+
+    def product(x, y):  # the symmetric bilinear part of the field, as B(x, y) with f(x) = B(x, x) + A x
+        omega = [y[i] / inertia[i] for i in range(3)]
+        return cross(x[:3], omega) + cross(x[3:6], omega) + cross(x[6:], omega)
+
+    def linear(x):
+        torque = [p + q for p, q in zip(cross(x[3:6], a), cross(x[6:], b), strict=True)]
+        return torque + [epsilon[0] * c for c in cross(x[6:], a)] + [mpf(0)] * 3
+
+    h = mpf(t_end) / steps
+    x, v = [mpf(float(c)) for c in x0], [mpf(float(c)) for c in v0]
+    for _ in range(steps):
+        xs, vs = [x], [v]
+        for k in range(30):
+            dx, dv = linear(xs[k]), linear(vs[k])
+            for j in range(k + 1):
+                dx = [p + q for p, q in zip(dx, product(xs[j], xs[k - j]), strict=True)]
+                both = zip(dv, product(vs[j], xs[k - j]), product(xs[j], vs[k - j]), strict=True)
+                dv = [p + q + r for p, q, r in both]
+            xs.append([c / (k + 1) for c in dx])
+            vs.append([c / (k + 1) for c in dv])
+        x = [sum(c[i] * h**k for k, c in enumerate(xs)) for i in range(9)]
+        v = [sum(c[i] * h**k for k, c in enumerate(vs)) for i in range(9)]
+    return np.array([float(c) for c in x]), np.array([float(c) for c in v])
+
+
+@pytest.mark.thorough
+def test_state_and_tangent_vector_agree_with_a_40_digit_reference():
+    """Independent series in 40 digits, 60 steps of 0.05; truncation below 1e-25."""
+    x0 = lp.sample_states(TOP, 1, seed=5)[0]
+    v0 = np.arange(1.0, 10.0) / 10
+    x, v = _taylor_in_40_digits(TOP, x0, v0, 3.0, 60)
+    orbit = lp.integrate(TOP, x0, t=[0, 3], tangents=[v0])
+    assert np.abs(orbit.state[0, 1] - x).max() < 5e-15 * np.abs(x).max() * 3
+    assert np.abs(orbit.tangent[0, 1, 0] - v).max() < 5e-15 * np.abs(v).max() * 3
+    single = lp.integrate(TOP, x0, t=[0, 3])
+    assert single.kernel == "components"
+    assert np.abs(single.state[0, 1] - x).max() < 5e-15 * np.abs(x).max() * 3
+
+
+def test_state_at_the_first_time_is_the_start_itself():
+    x0 = lp.sample_states(TOP, 20, seed=2)
+    orbit = lp.integrate(TOP, x0, t=[3, 2, -1])
+    assert np.array_equal(orbit.state[:, 0], x0)
+    assert (orbit.outcome == "finished").all()
+    assert np.array_equal(orbit.end_time, np.full(20, -1.0))
+    assert np.array_equal(orbit.final_state, orbit.state[:, -1])
+
+
+def test_running_backwards_undoes_running_forwards():
+    x0 = lp.sample_states(TOP, 50, seed=3)
+    forth = lp.integrate(TOP, x0, t=[0, 8])
+    back = lp.integrate(TOP, forth.state[:, 1], t=[8, 0])
+    # round-off times the growth of tangent vectors over 8 time units; measured 2e-14
+    assert np.abs(back.state[:, 1] - x0).max() < 1e-12
+
+
+@settings(max_examples=20)
+@given(st.lists(st.floats(-2.0, 7.0), min_size=1, max_size=20))
+def test_dense_output_is_the_orbit(times):
+    """at(t) answers to round-off for any time, forwards and backwards."""
+    x0 = lp.sample_states(TOP, 2, seed=4)
+    wanted = np.unique(np.round(times, 6))
+    for direction in (1, -1):
+        orbit = lp.integrate(TOP, x0, t=np.array([-2.0, 7.0])[::direction], dense=True)
+        grid = np.unique(np.concatenate([[-2.0, 7.0], wanted]))[::direction]
+        direct = lp.integrate(TOP, x0, t=grid).state
+        assert np.abs(orbit.at(grid) - direct).max() < 1e-14
+        assert orbit.at(wanted).shape == (2, len(wanted), 9)
+        assert np.array_equal(orbit.at(float(wanted[0])), orbit.at(wanted)[:, 0])
+
+
+def test_dense_output_refuses_what_it_does_not_have():
+    x0 = lp.sample_states(TOP, 1, seed=4)
+    with pytest.raises(ParameterError, match="dense=True"):
+        lp.integrate(TOP, x0, t=[0, 1]).at(0.5)
+    with pytest.raises(ParameterError, match="from 0.0 to 1.0"):
+        lp.integrate(TOP, x0, t=[0, 1], dense=True).at([0.5, 1.5])
+    with pytest.raises(ParameterError, match="from 0.0 to 1.0"):
+        lp.integrate(TOP, x0, t=[0, 1], dense=True).at(np.nan)
+
+
+def test_casimirs_and_invariants_of_every_named_top_are_kept():
+    for name, top in NAMED.items():
+        orbit = lp.integrate(top, lp.sample_states(top, 30, seed=6), t=[0, 50])
+        start, end = top.invariant_values(orbit.state[:, 0]), top.invariant_values(orbit.state[:, 1])
+        for invariant in start:
+            drift = np.abs(end[invariant] - start[invariant]) / (1 + np.abs(start[invariant]))
+            # measured: at most 7e-15 over these tops and starts
+            assert drift.max() < 1e-13, f"{name}: {invariant} drifts by {drift.max():.1e}, bound 1e-13"
+
+
+def test_energy_error_does_not_grow_with_a_trend():
+    """Brouwer's law: after 64 times as long the RMS error of H is at most about 8 times as large; 3 times that is allowed."""
+    top = lp.Top.twisted_kovalevskaya()
+    orbit = lp.integrate(top, lp.sample_states(top, 64, seed=8), t=[0, 20, 1280])
+    energy = top.invariant_values(orbit.state)["H"]
+    rms = np.sqrt(np.mean((energy - energy[:, :1]) ** 2, axis=0))
+    assert rms[2] < 3 * 8 * rms[1]
+    assert rms[2] < 5e-14  # measured 8e-15
+
+
+@pytest.mark.parametrize(
+    ("x0", "message"),
+    [
+        (np.zeros((9, 128)), r"got shape \(9, 128\). Transpose it\?"),
+        (np.zeros(8), r"must have shape \(9,\) or \(trajectory, 9\); got shape \(8,\)"),
+        (np.zeros((2, 3, 9)), r"got shape \(2, 3, 9\)"),
+        ("nine", "wanted an array of numbers"),
+    ],
+)
+def test_wrong_shapes_are_refused(x0, message):
+    with pytest.raises(ShapeError, match=message):
+        lp.integrate(TOP, x0, t=[0, 1])
+
+
+def test_numbers_that_are_not_finite_are_refused():
+    x0 = lp.sample_states(TOP, 4, seed=1)
+    x0[2, 5] = np.nan
+    with pytest.raises(ParameterError, match="trajectory 2 of 4 has a NaN"):
+        lp.integrate(TOP, x0, t=[0, 1])
+    for times in ([0, 0], [0, 1, 0.5], [0, np.inf]):
+        with pytest.raises(ParameterError, match="strictly increasing or strictly decreasing"):
+            lp.integrate(TOP, x0[:1], t=times)
+    with pytest.raises(ShapeError, match="2 or more times"):
+        lp.integrate(TOP, x0[:1], t=[0])
+    with pytest.raises(ShapeError, match=r"tangents must have shape \(tangent, 9\) or \(1, tangent, 9\)"):
+        lp.integrate(TOP, x0[:1], t=[0, 1], tangents=np.zeros(9))
+    with pytest.raises(ParameterError, match="threads"):
+        lp.integrate(TOP, x0[:1], t=[0, 1], threads=0)
+
+
+def test_a_trajectory_that_fails_is_an_outcome():
+    x0 = lp.sample_states(TOP, 3, seed=1)
+    x0[1] *= 1e200
+    orbit = lp.integrate(TOP, x0, t=[0, 1, 2], dense=True)
+    assert list(orbit.outcome) == ["finished", "not finite", "finished"]
+    assert np.isnan(orbit.state[1]).all()
+    assert np.array_equal(orbit.final_state[1], x0[1])
+    assert np.isnan(orbit.at([0.5])[1]).all()
+    assert np.isfinite(orbit.at([0.5])[[0, 2]]).all()
+    few = lp.integrate(TOP, x0[:1], t=[0, 1, 1e6], method=lp.Taylor(max_steps=50))
+    assert few.outcome[0] == "max steps"
+    assert np.isfinite(few.state[0, 1]).all()
+    assert np.isnan(few.state[0, 2]).all()
+    assert few.n_steps[0] == 50
+
+
+def test_no_trajectories_give_an_empty_orbit():
+    orbit = lp.integrate(TOP, np.empty((0, 9)), t=[0, 1])
+    assert orbit.state.shape == (0, 2, 9)
+
+
+def test_ctrl_c_stops_a_long_run_soon():
+    x0 = lp.sample_states(TOP, 8, seed=1)
+    timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        lp.integrate(TOP, x0, t=[0, 1e12])
+    timer.join()
+
+
+def test_progress_rises_to_at_most_one_and_its_errors_stop_the_run():
+    x0 = lp.sample_states(TOP, 8, seed=1)
+    seen = []
+    lp.integrate(TOP, x0, t=[0, 2e5], progress=seen.append)
+    assert seen == sorted(seen)
+    assert all(0 <= fraction <= 1 for fraction in seen)
+
+    def refuse(fraction):
+        raise RuntimeError("no")
+
+    with pytest.raises(RuntimeError, match="no"):
+        lp.integrate(TOP, x0, t=[0, 1e12], progress=refuse)

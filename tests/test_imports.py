@@ -1,0 +1,35 @@
+"""Importing is light: heavy libraries load when they are used."""
+
+import subprocess
+import sys
+
+import pytest
+
+import liepoisson as lp
+
+
+def loaded(program):
+    heavy = ("sympy", "xarray", "matplotlib", "typer", "rich", "jinja2", "h5py", "pandas", "scipy")
+    code = f"import sys\n{program}\nprint(*[name for name in {heavy!r} if name in sys.modules])"
+    return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+
+
+def test_an_exponent_needs_numpy_only():
+    program = """
+import liepoisson as lp
+top = lp.Top.twisted_kovalevskaya()
+growth = lp.lyapunov_exponent(top, lp.sample_states(top, 2, seed=1), t_end=1)
+orbit = lp.integrate(top, growth.final_state, t=[0, 1], dense=True).at(0.5)
+"""
+    assert loaded(program) == []
+
+
+def test_every_public_name_loads():
+    for name in lp.__all__:
+        assert getattr(lp, name) is not None
+    assert dir(lp) == lp.__all__
+
+
+def test_an_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="no attribute 'bogus'"):
+        lp.bogus  # noqa: B018

@@ -1,0 +1,53 @@
+"""Every instruction set of this processor, chosen by the environment: the same bits, and honest names."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+
+from liepoisson import _core
+
+PROGRAM = """
+import hashlib, numpy as np, liepoisson as lp
+top = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.3, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
+x0 = lp.sample_states(top, 37, seed=1)
+growth = lp.lyapunov_exponent(top, x0, t_end=30, threads=THREADS)
+orbit = lp.integrate(top, x0, t=[0, 5], tangents=np.eye(9)[:3], threads=THREADS)
+single = lp.integrate(top, x0[0], t=[0, 5], threads=THREADS)
+print(growth.kernel, single.kernel, *(hashlib.sha256(a.tobytes()).hexdigest() for a in (growth.exponent, orbit.state, orbit.tangent)))
+"""
+
+
+def run(simd, threads):
+    environment = (
+        {**os.environ, "LIEPOISSON_SIMD": simd}
+        if simd
+        else {k: v for k, v in os.environ.items() if k != "LIEPOISSON_SIMD"}
+    )
+    return subprocess.run(
+        [sys.executable, "-c", PROGRAM.replace("THREADS", str(threads))],
+        env=environment, capture_output=True, text=True, check=False,
+    )  # fmt: skip
+
+
+def test_bits_do_not_depend_on_the_instruction_set_or_the_threads():
+    widest, single, *expected = run("", 1).stdout.split()
+    assert widest == _core.available_simd()[0]
+    assert single == "components"
+    for simd in _core.available_simd():
+        for threads in (1, 2):
+            kernel, forced, *hashes = run(simd, threads).stdout.split()
+            assert (kernel, forced) == (simd, simd)
+            assert hashes == expected
+
+
+def test_all_paths_of_this_processor_are_known():
+    assert _core.available_simd()[-1] == "scalar"
+
+
+@pytest.mark.parametrize("name", ["AVX512", "neon", "fast"])
+def test_an_unknown_instruction_set_is_refused(name):
+    result = run(name, 1)
+    assert result.returncode != 0
+    assert f'wanted avx512, avx2 or scalar, on a processor that has it; got "{name}"' in result.stderr
