@@ -15,7 +15,8 @@ x0 = lp.sample_states(top, 37, seed=1)
 growth = lp.lyapunov_exponent(top, x0, t_end=30, threads=THREADS)
 orbit = lp.integrate(top, x0, t=[0, 5], tangents=np.eye(9)[:3], threads=THREADS)
 single = lp.integrate(top, x0[0], t=[0, 5], threads=THREADS)
-print(growth.kernel, single.kernel, *(hashlib.sha256(a.tobytes()).hexdigest() for a in (growth.exponent, orbit.state, orbit.tangent)))
+results = (growth.exponent, orbit.state, orbit.tangent)
+print(growth.kernel, single.kernel, *(hashlib.sha256(array.tobytes()).hexdigest() for array in results))
 """
 
 

@@ -8,6 +8,8 @@ from numpy.typing import NDArray
 
 from liepoisson.field import Vector3
 
+__all__ = ["__version__", "available_simd", "growth_of_top", "orbits_of_top", "outcomes", "simd"]
+
 __version__: str
 
 _Array = NDArray[np.float64]

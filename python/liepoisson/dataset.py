@@ -60,7 +60,9 @@ def growth_dataset(growth: Growth) -> Dataset:
         "component": list(COMPONENTS),
         "trajectory": np.arange(growth.first, growth.first + len(growth.outcome)),
     }
-    return xr.Dataset(variables, coordinates, _provenance(growth, "growth", {"seed": growth.seed, "first": growth.first}))
+    return xr.Dataset(
+        variables, coordinates, _provenance(growth, "growth", {"seed": growth.seed, "first": growth.first})
+    )
 
 
 def _ends(result: Orbit | Growth) -> dict[str, Any]:
@@ -74,13 +76,15 @@ def _ends(result: Orbit | Growth) -> dict[str, Any]:
 
 def _provenance(result: Orbit | Growth, kind: str, run: dict[str, Any]) -> dict[str, Any]:
     field, method = result.field, result.method
+    top = {"kind": "top", "inertia": field.inertia, "a": field.a, "b": field.b, "epsilon": field.epsilon}
+    taylor = {"name": "taylor", "tol": method.tol, "order": method.order, "max_steps": method.max_steps}
     # json writes a float with the digits that give the same float back
     return {
         "format": _FORMAT,
         "kind": kind,
         "system": result.system,
-        "field": json.dumps({"kind": "top", "inertia": field.inertia, "a": field.a, "b": field.b, "epsilon": field.epsilon}),
-        "method": json.dumps({"name": "taylor", "tol": method.tol, "order": method.order, "max_steps": method.max_steps}),
+        "field": json.dumps(top),
+        "method": json.dumps(taylor),
         "order": result.order,
         "kernel": result.kernel,
         "run": json.dumps(run),
@@ -129,7 +133,9 @@ def load(path: str | Path) -> Dataset:
         with xr.open_dataset(path, engine="h5netcdf") as file:
             dataset = file.load()
     except Exception as error:  # whatever HDF5 and its wrappers raise on a truncated or foreign file
-        raise DamagedFileError(f"{path}: can not be read as NetCDF ({error}); it may be truncated: make it again") from error
+        raise DamagedFileError(
+            f"{path}: can not be read as NetCDF ({error}); it may be truncated: make it again"
+        ) from error
     if dataset.attrs.get("format") != _FORMAT:
         raise DamagedFileError(f"{path}: wanted a file written by liepoisson (format {_FORMAT!r}); got another kind")
     return dataset
@@ -192,4 +198,6 @@ def rerun(
             progress=progress,
         )
     except (KeyError, TypeError, json.JSONDecodeError) as error:
-        raise DamagedFileError(f"the file does not record a run that can be repeated: {error!r} is missing or altered") from error
+        raise DamagedFileError(
+            f"the file does not record a run that can be repeated: {error!r} is missing or altered"
+        ) from error

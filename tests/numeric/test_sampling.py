@@ -27,7 +27,7 @@ def test_no_two_members_are_equal_and_states_differ_from_tangents():
 
 
 def test_unit_vectors_are_unit_and_uniform():
-    """z uniform in [-1,1]: mean 0 +- 1/sqrt(3n), mean square 1/3 +- sqrt(4/45/n); 5 sigma, error probability 1e-6 each."""
+    """z uniform in [-1,1]: mean 0 +- 1/sqrt(3n), mean square 1/3 +- sqrt(4/45/n); 5 sigma: 1e-6 to be wrong, each."""
     n = 40_000
     vectors = lp.sample_states(TOP, n, seed=2).reshape(n, 3, 3)
     assert np.abs(np.linalg.norm(vectors, axis=-1) - 1).max() < 1e-15

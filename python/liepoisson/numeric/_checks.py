@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import TopField
+from liepoisson.field import TopField, Vector3
 
 Array = NDArray[np.float64]
 
@@ -29,7 +29,7 @@ class HasField(Protocol):
         ...
 
 
-def core_parameters(field: TopField) -> tuple[tuple[float, float, float], ...] | tuple[object, ...]:
+def core_parameters(field: TopField) -> tuple[Vector3, Vector3, Vector3, float]:
     """The parameters of a top as the core takes them."""
     return field.inertia, field.a, field.b, field.epsilon
 
@@ -46,8 +46,8 @@ def as_states(x0: ArrayLike, n_components: int, name: str = "x0") -> Array:
     bad = ~np.isfinite(states).all(axis=1)
     if bad.any():
         raise ParameterError(
-            f"{name}: wanted finite numbers; trajectory {int(np.argmax(bad))} of {len(states)} has a NaN or an infinity "
-            f"({int(bad.sum())} such in all); drop these rows"
+            f"{name}: wanted finite numbers; trajectory {int(np.argmax(bad))} of {len(states)} has a NaN or an "
+            f"infinity ({int(bad.sum())} such in all); drop these rows"
         )
     return np.ascontiguousarray(states)
 
@@ -71,7 +71,9 @@ def as_threads(threads: int | None) -> int:
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     if threads < 1:
-        raise ParameterError(f"threads: wanted a positive whole number; got {threads}; leave it out to use all processors")
+        raise ParameterError(
+            f"threads: wanted a positive whole number; got {threads}; leave it out to use all processors"
+        )
     return int(threads)
 
 

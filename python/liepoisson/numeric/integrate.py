@@ -31,7 +31,8 @@ class Orbit:
         time: Times, shape (time,); the first is that of the initial states.
         state: States, shape (trajectory, time, component); NaN from where a trajectory failed.
         tangent: Tangent vectors, shape (trajectory, time, tangent, component).
-        outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite", "max steps".
+        outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite",
+            "max steps".
         end_time: Time that each trajectory reached, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
         final_state: Last good state of each trajectory, shape (trajectory, component).
@@ -69,7 +70,9 @@ class Orbit:
             ParameterError: The run was made without `dense=True`, or a time lies outside it.
         """
         if not self.series:
-            raise ParameterError("at(t): wanted a run with dense output; got one without; try integrate(..., dense=True)")
+            raise ParameterError(
+                "at(t): wanted a run with dense output; got one without; try integrate(..., dense=True)"
+            )
         times = np.asarray(t, dtype=np.float64)
         low, high = min(self.time[0], self.time[-1]), max(self.time[0], self.time[-1])
         if not ((times >= low) & (times <= high)).all():

@@ -35,7 +35,8 @@ class Growth:
         first: Number of the first member.
         time: Times, shape (time,).
         exponent: Finite-time exponents, in inverse time, shape (trajectory, time); NaN from where a trajectory failed.
-        outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite", "max steps".
+        outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite",
+            "max steps".
         end_time: Time that each trajectory reached, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
         initial_state: Shape (trajectory, component).
@@ -87,17 +88,18 @@ def lyapunov_exponent(
 ) -> Growth:
     r"""Largest Lyapunov exponent along each trajectory, as a function of time.
 
-    $\lambda(t) = t^{-1}\ln(|v(t)|/|v(0)|)$ for one tangent vector $v$, drawn uniformly from the unit sphere of the state
-    space.  The vector is only ever rescaled by exact powers of two, so there is no interval of renormalisation to choose.
+    $\lambda(t) = t^{-1}\ln(|v(t)|/|v(0)|)$ for one tangent vector $v$, drawn uniformly from the unit sphere of the
+    state space.  The vector is only ever rescaled by exact powers of two, so there is no interval of renormalisation
+    to choose.
 
-    $\lambda(t)$ is a finite-time value, biased upwards: it falls like $\ln t/t$ on a regular orbit, and on a chaotic one
-    approaches its limit like $1/\sqrt t$ or more slowly; `finite_time_fit` estimates the limit of an ensemble.
+    $\lambda(t)$ is a finite-time value, biased upwards: it falls like $\ln t/t$ on a regular orbit, and on a chaotic
+    one approaches its limit like $1/\sqrt t$ or more slowly; `finite_time_fit` estimates the limit of an ensemble.
 
     Args:
         system: The system.
         x0: States at time 0, shape (9,) or (trajectory, 9), dimensionless.
-        t_end: Last time, positive, in units of the system's own time; the exponent is then given at 200 times spaced
-            evenly in the logarithm, from `t_end`/1000 on.
+        t_end: Last time, positive, in units of the system's own time; the exponent is then given at 200 times
+            spaced evenly in the logarithm, from `t_end`/1000 on.
         times: The times themselves, positive and increasing, shape (time,), instead of `t_end`.
         seed: Draws the tangent vectors.
         first: Number of the first member, so that an ensemble can be computed in pieces: member k has the same tangent
@@ -111,7 +113,7 @@ def lyapunov_exponent(
 
     Raises:
         ShapeError: An array has another shape than stated.
-        ParameterError: Numbers that are not finite, a time that is not positive, or both or neither of `t_end`, `times`.
+        ParameterError: Numbers that are not finite, a time that is not positive, both or neither of `t_end`, `times`.
         KeyboardInterrupt: Ctrl-C.
 
     References:
@@ -155,11 +157,13 @@ def _as_exponent_times(t_end: float | None, times: ArrayLike | None) -> Array:
     if times is None:
         end = float(t_end)  # pyright: ignore[reportArgumentType]  # one of the two is given
         if not 0.0 < end < np.inf:
-            raise ParameterError(f"t_end: wanted a positive finite time; got {end}; an exponent over negative time has no meaning")
+            raise ParameterError(f"t_end: wanted a positive finite time; got {end}; an exponent needs t_end > 0")
         wanted = np.geomspace(end / 1000.0, end, N_TIMES)
         wanted[-1] = end
         return wanted
     wanted = as_times(times, "times", least=1)
     if wanted[0] <= 0.0 or wanted[-1] <= 0.0 or (len(wanted) > 1 and wanted[1] < wanted[0]):
-        raise ParameterError(f"times: wanted positive increasing times; got {wanted[0]} to {wanted[-1]}; time starts at 0")
+        raise ParameterError(
+            f"times: wanted positive increasing times; got {wanted[0]} to {wanted[-1]}; time starts at 0"
+        )
     return wanted

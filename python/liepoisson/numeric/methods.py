@@ -16,8 +16,8 @@ class Taylor:
 
     Each step expands the solution in powers of time, $x(t+\tau) = \sum_{k\le N} x_k\tau^k$, and is as long as
     $\|x_k\|\,|\tau|^k \le \mathrm{tol}\,\|x_0\|$ allows for $k = N-1, N$, where $\|\cdot\|$ is the sum of the absolute
-    values of the components of the state.  Tangent vectors have no say in the step, so a trajectory is the same with
-    and without them.
+    values of the components of the state; likewise for each tangent vector, so a trajectory with tangent vectors
+    takes other steps than one without, and agrees with it to the accuracy of the method.
 
     Args:
         tol: Relative size of the last retained terms, from 1.1e-16 to 0.1.  The local error is smaller by about
@@ -42,7 +42,7 @@ class Taylor:
             raise ParameterError(f"tol: wanted a number from 1.1e-16 to 0.1; got {self.tol!r}; try 1e-15")
         if self.order is not None and not 2 <= self.order <= MAX_ORDER:
             raise ParameterError(
-                f"order: wanted a whole number from 2 to {MAX_ORDER}; got {self.order!r}; leave it out to have it chosen"
+                f"order: wanted a whole number from 2 to {MAX_ORDER}; got {self.order!r}; leave it out to be chosen"
             )
         if self.max_steps < 1:
             raise ParameterError(f"max_steps: wanted a positive whole number; got {self.max_steps!r}; try 1_000_000")

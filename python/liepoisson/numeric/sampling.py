@@ -70,12 +70,12 @@ def sample_states(
     """
     if ensemble not in ENSEMBLES:
         raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {ensemble!r}")
-    return _draw(ENSEMBLES[ensemble], system.field().n_components, n, seed, first, _STATES)
+    return _draw(ENSEMBLES[ensemble], system.field().n_components, n, seed, first=first, purpose=_STATES)
 
 
 def sample_tangents(n_components: int, n: int, *, seed: int, first: int = 0) -> NDArray[np.float64]:
     """Random tangent vectors, uniform on the unit sphere of the state space, shape (trajectory, component)."""
-    return _draw(_unit_tangent, n_components, n, seed, first, _TANGENTS)
+    return _draw(_unit_tangent, n_components, n, seed, first=first, purpose=_TANGENTS)
 
 
 def _draw(
@@ -83,6 +83,7 @@ def _draw(
     n_components: int,
     n: int,
     seed: int,
+    *,
     first: int,
     purpose: int,
 ) -> NDArray[np.float64]:

@@ -67,7 +67,9 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "results": results,
         "main": main,
         "ordinary": ordinary,
-        "ensembles": [(ENSEMBLE_LABELS[name], results[f"twisted-{name}"], results[f"ordinary-{name}"]) for name in ENSEMBLES],
+        "ensembles": [
+            (ENSEMBLE_LABELS[name], results[f"twisted-{name}"], results[f"ordinary-{name}"]) for name in ENSEMBLES
+        ],
         "readings": [
             results[name]
             for name in ("twisted-unit-vectors", "twisted-halved-unit-vectors", "twisted-cube", "twisted-halved-cube")

@@ -61,7 +61,7 @@ def writing(path: Path) -> Generator[None]:
         raise OutputError(f"could not write {path}: {error.strerror or error}. {advice}") from error
 
 
-def write_atomically(path: Path, content: bytes) -> None:
+def write_atomically(path: Path, content: bytes | memoryview) -> None:
     """Write a file so that it is either whole or not there.
 
     Raises:
@@ -172,7 +172,8 @@ class RunStore:
     def _read_piece(self, path: Path, names: Sequence[str]) -> tuple[dict[str, AnyArray], dict[str, Any]]:
         """The arrays called `names` in a piece and the facts about it, which must be those of this run."""
         try:
-            with np.load(path, allow_pickle=False) as archive:
+            # Opened here: numpy would leave a damaged archive open.
+            with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
                 facts: dict[str, Any] = json.loads(str(archive["facts"]))
                 arrays: dict[str, AnyArray] = {name: archive[name] for name in names}
             stored, _ = facts["fingerprint"], facts["sha256"]
@@ -202,11 +203,12 @@ class RunStore:
         Raises:
             OutputError: a file could not be written.
         """
-        with writing(self.data):
-            growth.save(self.data)
+        # Made in memory: HDF5 does not survive a disk that fills up under a file it has open.
+        content = growth.dataset.to_netcdf(engine="h5netcdf")
+        write_atomically(self.data, content)
         record = {
             "fingerprint": {**fingerprint(self.run), "members": self.run.members},
-            "sha256": _file_digest(self.data),
+            "sha256": hashlib.sha256(content).hexdigest(),
             "seconds": seconds,
         }
         write_json(self._manifest, {**self._read_manifest(), self.run.name: record})

@@ -37,9 +37,7 @@ class StudyResult:
     seconds: float
 
 
-def reproduce(
-    settings: Settings, out: Path, *, fresh: bool = False, progress: Progress | None = None
-) -> StudyResult:
+def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: Progress | None = None) -> StudyResult:
     """Run the study and write figures, data, `measurements.json`, `claims.json` and `report.html` into `out`.
 
     Finished pieces are stored as they come: after an interruption the same call goes on from there.

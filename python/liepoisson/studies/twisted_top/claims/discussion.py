@@ -54,7 +54,7 @@ def kovalevskaya_inertia(context: Context) -> Verdict:
         "Weights: l 1, α 2; so in particular no polynomial of degree ≤ 5 in (l, α). Exact (ranks modulo 2⁶¹ − 1"
     )
     evidence.note("bound the number of integrals from above, the known ones from below).")
-    evidence.data = {"counts_as_printed": counts}
+    evidence.data = {"found_and_known_by_weight": [list(pair) for pair in counts]}
     return evidence.conclude("misprint", "Kovalevskaya's condition is I₁ = I₂ = 2I₃ (with a₃ = 0), not I₃ = 2I₁.")
 
 

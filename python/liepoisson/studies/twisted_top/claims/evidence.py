@@ -33,7 +33,7 @@ def show(expression: object) -> str:
         text = re.sub(rf"(?<![A-Za-z]){name}(?![a-z])", letter, text)
     text = re.sub(r"\*\*\(?(-?\d+)\)?(?!/)", lambda match: match[1].translate(_SUPERSCRIPTS), text)
     text = re.sub(r"(?<=[A-Za-zα-ω])(\d+)", lambda match: match[1].translate(_SUBSCRIPTS), text)
-    text = text.replace("**", "^").replace("*", "·").replace(" - ", " − ")
+    text = text.replace("**", "^").replace("*", "·").replace("-", "−")
     return text if len(text) <= _LONGEST else text[: _LONGEST - 2] + " …"
 
 
@@ -57,7 +57,7 @@ class Evidence:
             residual: An expression, a matrix or an iterable of expressions.
         """
         left = [value for value in _entries(residual) if not _vanishes(value)]
-        return self._record(what, not left, f"residual {show(left[0].factor())}" if left else "")
+        return self._record(what, not left, f"residual {show(_readable(left[0]))}" if left else "")
 
     def nonzero(self, what: str, value: Any) -> bool:
         """State that `what` holds because `value` (or one entry of it) does not vanish identically."""
@@ -101,6 +101,11 @@ def _entries(value: Any) -> Iterable[Any]:
     return (
         [sympify(v, strict=True) for v in value] if isinstance(value, (list, tuple)) else [sympify(value, strict=True)]
     )
+
+
+def _readable(value: Any) -> Any:
+    """Factored when that is quick; a large expression is cut by `show` anyway."""
+    return value.factor() if value.count_ops() < 100 else value
 
 
 def _vanishes(value: Any) -> bool:

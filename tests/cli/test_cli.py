@@ -1,0 +1,208 @@
+"""The command line as a person meets it: exit codes, plain messages, nothing but results on standard output."""
+
+from __future__ import annotations
+
+import os
+import pty
+import resource
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+import liepoisson
+
+MAIN = "from liepoisson.cli import main; main()"
+SMALL_PIECES = "import liepoisson.studies.twisted_top.runs as runs; runs.PIECE_SIZE = 50; "
+STUDY = ("reproduce", "twisted-top")
+
+
+def run(*arguments, code=MAIN, **options):
+    return subprocess.run(
+        [sys.executable, "-c", code, *map(str, arguments)], check=False, capture_output=True, text=True, **options
+    )
+
+
+def refusal(done):
+    """The message of a refused call: exit code 2, nothing on standard output, a few lines and no traceback."""
+    assert done.returncode == 2, (done.returncode, done.stdout, done.stderr)
+    assert done.stdout == ""
+    assert "Traceback" not in done.stderr
+    assert 1 <= len(done.stderr.strip().splitlines()) <= 6
+    return done.stderr
+
+
+def test_version_is_printed():
+    done = run("--version")
+    assert (done.returncode, done.stdout) == (0, f"liepoisson {liepoisson.__version__}\n")
+
+
+def test_help_lists_commands_and_options():
+    assert "reproduce" in run("--help").stdout
+    text = run("reproduce", "--help").stdout
+    for option in ("--members", "--end-time", "--seed", "--threads", "--out", "--quick", "--fresh"):
+        assert option in text
+
+
+def test_a_refusal_needs_no_heavy_imports():
+    code = (
+        "import sys, atexit\n"
+        "heavy = ('sympy', 'xarray', 'matplotlib', 'jinja2')\n"
+        "atexit.register(lambda: print([name for name in heavy if name in sys.modules], file=sys.stderr))\n" + MAIN
+    )
+    assert run("--version", code=code).stderr.strip() == "[]"
+    assert run("reproduce", "tops", code=code).stderr.strip().endswith("[]")
+
+
+def test_unknown_study_is_refused_with_a_suggestion():
+    message = refusal(run("reproduce", "twistedtop"))
+    assert "no study 'twistedtop'" in message
+    assert "twisted-top" in message
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        (("--members", "1"), "members must be at least 2"),
+        (("--members", "-5"), "members"),
+        (("--members", "many"), "Invalid value for '--members'"),
+        (("--end-time", "0"), "end time must be finite and at least 60"),
+        (("--end-time=-100",), "end time"),
+        (("--end-time", "nan"), "end time must be finite"),
+        (("--seed", "-1"), "seed"),
+        (("--threads", "0"), "threads must be at least 1"),
+        (("--member", "5"), "--member"),
+    ],
+)
+def test_bad_numbers_are_refused(tmp_path, options, words):
+    message = refusal(run(*STUDY, *options, "--out", tmp_path / "out"))
+    assert words in message
+    assert not (tmp_path / "out").exists()
+
+
+def test_output_below_a_file_is_refused(tmp_path):
+    (tmp_path / "file").write_text("")
+    for out in (tmp_path / "file", tmp_path / "file" / "out"):
+        message = refusal(run(*STUDY, "--quick", "--out", out))
+        assert str(out) in message
+        assert "choose another folder" in message
+
+
+def test_output_folder_inside_a_device_without_room_is_refused():
+    message = refusal(run(*STUDY, "--quick", "--out", "/proc/liepoisson"))
+    assert "/proc/liepoisson" in message
+
+
+def limit_file_size(size):
+    def apply():
+        # Without this the process would be killed by the signal instead of seeing the error of a full disk.
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+
+    return apply
+
+
+def test_disk_that_fills_up_at_the_first_piece_is_an_error_with_advice(tmp_path):
+    done = run(*STUDY, "--members", 500, "--end-time", 60, "--out", tmp_path, preexec_fn=limit_file_size(50_000))
+    message = refusal(done)
+    assert "could not write" in message
+    assert "000000-000499.npz" in message
+    assert "--out" in message
+    assert list((tmp_path / "pieces" / "twisted-unit-vectors").iterdir()) == [], "no half-written file is left"
+
+
+def test_disk_that_fills_up_later_keeps_what_is_finished(tmp_path):
+    arguments = (*STUDY, "--members", 500, "--end-time", 60, "--out", tmp_path)
+    message = refusal(run(*arguments, code=SMALL_PIECES + MAIN, preexec_fn=limit_file_size(200_000)))
+    assert "twisted-unit-vectors.nc" in message
+    pieces = sorted((tmp_path / "pieces" / "twisted-unit-vectors").iterdir())
+    assert len(pieces) == 10
+    assert [path.name for path in (tmp_path / "data").iterdir()] == []
+
+
+def wait_for_piece(process, folder: Path):
+    until = time.monotonic() + 120
+    while not (folder.exists() and list(folder.glob("*.npz"))):
+        assert process.poll() is None, process.communicate()
+        assert time.monotonic() < until
+        time.sleep(0.02)
+
+
+def test_control_c_stops_cleanly_and_says_how_to_go_on(tmp_path):
+    process = subprocess.Popen(
+        [sys.executable, "-c", SMALL_PIECES + MAIN, *STUDY, "--out", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    folder = tmp_path / "pieces" / "twisted-unit-vectors"
+    wait_for_piece(process, folder)
+    process.send_signal(signal.SIGINT)
+    started = time.monotonic()
+    out, err = process.communicate(timeout=60)
+    assert time.monotonic() - started < 20
+    assert process.returncode == 130
+    assert out == ""
+    assert "Traceback" not in err
+    assert "Run the same command again" in err
+    names = [path.name for path in folder.iterdir()]
+    assert names
+    assert all(name.endswith(".npz") for name in names)
+
+
+def test_damaged_piece_is_refused_by_name(tmp_path):
+    folder = tmp_path / "pieces" / "twisted-unit-vectors"
+    folder.mkdir(parents=True)
+    (folder / "000000-000099.npz").write_bytes(b"not an archive")
+    message = refusal(run(*STUDY, "--members", 100, "--end-time", 60, "--out", tmp_path))
+    assert str(folder / "000000-000099.npz") in message
+    assert "--fresh" in message
+
+
+def test_quick_study_prints_a_table_and_is_silent_without_a_terminal(tmp_path):
+    done = run(*STUDY, "--quick", "--members", 100, "--out", tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert done.stderr == ""
+    assert done.stdout.startswith("The twisted top: 100 starts per ensemble, to t = 200, seed 0")
+    assert "as printed" in done.stdout
+    assert "claims of the paper:" in done.stdout
+    assert (tmp_path / "report.html").exists()
+    # Another seed in the same folder would mix two studies.
+    assert "other options: seed 0 instead of 1" in refusal(
+        run(*STUDY, "--quick", "--members", 100, "--seed", 1, "--out", tmp_path)
+    )
+
+
+def test_progress_is_shown_on_a_terminal(tmp_path):
+    master, slave = pty.openpty()
+    process = subprocess.Popen(
+        [sys.executable, "-c", MAIN, *STUDY, "--members", "4000", "--out", str(tmp_path)],
+        stdout=subprocess.PIPE,
+        stderr=slave,
+        env={**os.environ, "TERM": "xterm", "COLUMNS": "140"},
+    )
+    os.close(slave)
+    wait_for_piece(process, tmp_path / "pieces" / "twisted-unit-vectors")
+    time.sleep(1.5)
+    process.send_signal(signal.SIGINT)
+    shown = b""
+    while True:
+        try:
+            block = os.read(master, 65536)
+        except OSError:  # how Linux reports that the other side is closed
+            break
+        if not block:
+            break
+        shown += block
+    os.close(master)
+    assert process.wait() == 130
+    assert process.stdout is not None
+    assert process.stdout.read() == b""
+    process.stdout.close()
+    text = shown.decode()
+    assert "twisted-unit-vectors" in text
+    assert "%" in text
+    assert "M/s" in text
