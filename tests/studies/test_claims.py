@@ -13,6 +13,7 @@ from liepoisson.exact.lie_algebra import so
 from liepoisson.studies.twisted_top.claims import CLAIMS, Claim, Context, Verdict, claims_to_json, evaluate_claims
 from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
 from liepoisson.studies.twisted_top.claims.integral_search import independent_products, monomials_of_weight, nullity
+from liepoisson.studies.twisted_top.claims.numerics import _heterogeneity
 
 HOLDS, CONDITION, WRONG, MISPRINT, OPEN = "holds", "holds with a condition", "wrong", "misprint", "not settled"
 
@@ -298,7 +299,7 @@ def run(lam, mean_200, windows=(), log=(-1.2, 1.0, 0.0), groups=((-1, 0, 0.1), (
         "fit": fit(lam),
         "windows": [fit(value, window=(5, 100)) for value in windows],
         "mean_at": {"200": estimate(mean_200, 0.001)},
-        "log_fit": {"window": [50, 1000], "A": A, "B": B, "with_linear_term": {"A": A, "B": B, "D": D}},
+        "log_fit": {"window": [50, 1000], "A": A, "B": B, "with_next_term": {"A": A, "B": B, "D": D}},
         "by_energy": [{"low": a, "high": b, "members": 500, "mean": m, "standard_error": 0.002} for a, b, m in groups],
     }
 
@@ -326,7 +327,7 @@ def changed(path, value):
 
 
 LAMBDA = ("twisted-unit-vectors", "fit", "lambda")
-LINEAR = ("ordinary-cube", "log_fit", "with_linear_term", "D")
+FLOOR = ("ordinary-cube", "log_fit", "with_next_term", "D")
 
 
 @pytest.mark.parametrize(
@@ -339,7 +340,7 @@ LINEAR = ("ordinary-cube", "log_fit", "with_linear_term", "D")
         ("printed-fit", measurements(), OPEN),
         ("printed-fit", changed(("twisted-cube", "fit"), fit(0.1221, 0.112, 0.49)), CONDITION),
         ("ordinary-exponent-vanishes", measurements(), HOLDS),
-        ("ordinary-exponent-vanishes", changed(LINEAR, estimate(0.001, 1e-5)), OPEN),
+        ("ordinary-exponent-vanishes", changed(FLOOR, estimate(0.001, 1e-5)), OPEN),
         ("ordinary-exponent-vanishes", changed(("ordinary-cube", "log_fit", "B"), estimate(1.1, 0.01)), OPEN),
         ("dashed-curve-inertia", measurements(), MISPRINT),
         ("dashed-curve-inertia", changed(("ordinary-as-printed-unit-vectors",), run(0.0, 0.02)), OPEN),
@@ -382,6 +383,15 @@ def test_two_scalings_that_agree_leave_the_claim_open():
     for name in ("unit-vectors", "cube"):
         made_up["runs"][f"twisted-halved-{name}"]["fit"] = fit(0.1255)
     assert judge("parameters-fix-exponent", made_up).verdict == OPEN
+
+
+def test_groups_of_energy_are_compared_by_chi_squared():
+    chi_squared, sigmas = _heterogeneity([(0.1, 0.01), (0.1, 0.02), (0.1, 0.03)])
+    assert chi_squared == pytest.approx(0)
+    assert sigmas < 0
+    # Seven degrees of freedom: 18.48 is exceeded with probability 0.01, 2.326 standard deviations.
+    step = np.sqrt(18.475 / 8)
+    assert _heterogeneity([(sign * step, 1.0) for sign in (1, -1) * 4]) == pytest.approx((18.475, 2.326), abs=0.02)
 
 
 def test_certificates_print_the_measured_numbers():

@@ -1,6 +1,7 @@
 //! How many units of trajectory time a second? `cargo run --release --example rate -- [tolerance] [order] [members] [t_end]`
 //!
-//! Twisted Kovalevskaya top with one tangent vector, one thread, every instruction set of this processor.
+//! Twisted Kovalevskaya top with one tangent vector, one thread, every instruction set of this processor (or the one in
+//! `LIEPOISSON_SIMD`). Order 0 stands for the one that the tolerance asks for.
 
 use liepoisson_core::analysis::lyapunov;
 use liepoisson_core::ensemble::{Control, Ensemble};
@@ -28,7 +29,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let method = Taylor::new(tolerance, order, u64::MAX)?;
     let ensemble =
         Ensemble { field: &top, method, states: &states, tangents: &tangents, n_tangents: 1, times: &[0.0, t_end] };
+    let forced = std::env::var_os("LIEPOISSON_SIMD").is_some();
     for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+        if forced && simd != Simd::from_environment()? {
+            continue;
+        }
         let start = Instant::now();
         let growth = lyapunov::growth(&ensemble, 1, simd, &Control::default(), |_| ())?;
         let seconds = start.elapsed().as_secs_f64();

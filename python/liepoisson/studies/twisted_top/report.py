@@ -53,7 +53,9 @@ def render(study: StudyResult, figures: Mapping[str, Path]) -> str:
         interval=interval,
         count=with_spaces,
     )
-    template = environment.from_string(files(__package__).joinpath("report.html.j2").read_text(encoding="utf-8"))
+    template = environment.from_string(
+        files("liepoisson.studies.twisted_top").joinpath("report.html.j2").read_text(encoding="utf-8")
+    )
     return template.render(_context(study, figures))
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from liepoisson.numeric.finite_time_fit import Estimate
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS, draw_all
 from liepoisson.studies.twisted_top.integration import Progress, Tracker, complete
 from liepoisson.studies.twisted_top.measurements import PRINTED, RunResult, measurements, produced_by, reduce_run
@@ -109,7 +110,8 @@ def summary(study: StudyResult) -> str:
         f"twisted:  <lambda(t)> = lambda + c1/sqrt(t) + c0/t over t in [{window[0]:g}, {window[1]:g}]",
         *(_fit_line(study.results[f"twisted-{name}"]) for name in ENSEMBLES),
         f"  {'as printed':<14}{PRINTED['lambda']:<22}{PRINTED['c1']:<20}{PRINTED['c0']}",
-        f"ordinary: t <lambda(t)> = A + B ln t over t in [{log_window[0]:g}, {log_window[1]:g}]; floor D from D t + E/t",
+        f"ordinary: t <lambda(t)> = A + B ln t over t in [{log_window[0]:g}, {log_window[1]:g}]",
+        f"  {'':<14}{'B':<22}{'D':<24}D with a term E/t beside it",
         *(_log_line(study.results[f"ordinary-{name}"]) for name in ENSEMBLES),
         "",
         f"claims of the paper: {verdict_counts(study.claims)}",
@@ -125,9 +127,12 @@ def _fit_line(result: RunResult) -> str:
 
 def _log_line(result: RunResult) -> str:
     fit = result.log_fit
-    power, floor = fit.estimates["B"], fit.floor
-    name = ENSEMBLE_LABELS[result.run.ensemble]
-    return f"  {name:<14}B = {power!s:<18}D = {floor.value:.1e} ± {floor.standard_error:.1e}"
+    name, power = ENSEMBLE_LABELS[result.run.ensemble], fit.estimates["B"]
+    return f"  {name:<14}{power!s:<22}{_small(fit.with_linear_term['D']):<24}{_small(fit.floor)}"
+
+
+def _small(estimate: Estimate) -> str:
+    return f"{estimate.value:.1e} ± {estimate.standard_error:.1e}"
 
 
 def verdict_counts(claims: dict[str, Any]) -> str:

@@ -8,7 +8,7 @@ The numerical claims read these keys of `Context.measurements`, in the schema of
 `liepoisson.studies.twisted_top.measurements` (an estimate has `value` and `standard_error`):
 
     runs.twisted-<ensemble>    fit.lambda, fit.c1, fit.c0, fit.window, windows[], n_averaged      (three ensembles)
-    runs.ordinary-<ensemble>   log_fit.A, log_fit.B, log_fit.with_linear_term.D, log_fit.window, n_averaged
+    runs.ordinary-<ensemble>   log_fit.A, log_fit.B, log_fit.with_next_term.D, log_fit.window, n_averaged
     runs.ordinary-unit-vectors, runs.ordinary-as-printed-unit-vectors    mean_at.200, fit.lambda
     runs.twisted-halved-unit-vectors, runs.twisted-halved-cube           fit.lambda
     runs.twisted-unit-vectors  by_energy[]: low, high, mean, standard_error

@@ -105,7 +105,7 @@ class CanonicalChart:
     r"""The paper's map (q, p) -> (l, alpha, beta) on a leaf, for a choice of the two space-fixed unit vectors.
 
     $\beta = w A \hat e_\parallel$, $\alpha = A(v \hat e_\parallel + r \hat e_\perp)$ with
-    $r = \sqrt{\eta - 2\epsilon\,\ell\cdot\beta}$.  r is kept as a symbol; its square and derivatives are known.
+    $r = \sqrt{\eta - 2\epsilon\,\ell\cdot\beta}$.  r is kept as a symbol, and its square is inserted when reducing.
 
     Attributes:
         parallel: The unit vector along beta, in space.
@@ -161,7 +161,6 @@ class CanonicalChart:
 
         r = self.constants[3]
         numerator, denominator = fraction(together(expression))
-        # The denominators that occur are r and functions of the angles; multiplying by r leaves zero zero.
         terms = Poly(expand(numerator), r).terms()
         inserted = sum(c * self.r_squared ** (k // 2) * r ** (k % 2) for (k,), c in terms)
         return self.angles.reduce(inserted / denominator)

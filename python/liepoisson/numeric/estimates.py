@@ -1,0 +1,243 @@
+"""Estimates with their errors, and the fits that `finite_time_fit` returns."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.errors import ParameterError
+
+FloatArray: TypeAlias = NDArray[np.float64]
+Window: TypeAlias = tuple[float, float]
+
+
+class Estimate(NamedTuple):
+    """A number with its standard error and its confidence interval [low, high]."""
+
+    value: float
+    standard_error: float
+    low: float
+    high: float
+
+    def __str__(self) -> str:
+        """Read as `0.1236 ± 0.0005`: the error to two significant digits, the value to the same place."""
+        if not (math.isfinite(self.standard_error) and self.standard_error > 0):
+            return f"{self.value:.6g} ± {self.standard_error:.2g}"
+        places = max(0, 1 - math.floor(math.log10(self.standard_error)))
+        return f"{self.value:.{places}f} ± {self.standard_error:.{places}f}"
+
+    def contains(self, number: float) -> bool:
+        """Whether `number` lies in the confidence interval."""
+        return self.low <= number <= self.high
+
+
+@dataclass(frozen=True)
+class Resampling:
+    """How the errors of an estimate were made: by resampling whole members, with replacement.
+
+    Attributes:
+        n_bootstrap: Number of replicates.
+        confidence: Coverage of the (percentile) intervals, between 0 and 1.
+        seed: Draws the replicates.
+    """
+
+    n_bootstrap: int = 1000
+    confidence: float = 0.95
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.n_bootstrap < 2:
+            raise ParameterError(f"n_bootstrap must be at least 2; got {self.n_bootstrap}. Try 1000.")
+        if self.seed < 0:
+            raise ParameterError(f"seed must be an integer >= 0; got {self.seed}.")
+        check_confidence(self.confidence)
+
+
+@dataclass(frozen=True)
+class FiniteTimeFit:
+    r"""Fit of the ensemble mean to $\langle\lambda(t)\rangle = \lambda + c_1/\sqrt t + c_0/t$.
+
+    Attributes:
+        estimates: `lambda`, `c1` and `c0`, each with standard error and confidence interval.
+        window: First and last time used.
+        n_times: Sample times inside the window.
+        n_members: Members averaged.
+        n_excluded: Members left out because they did not finish.
+        rms_residual: Root mean square of mean curve minus fit over the window.
+        resampling: How the errors were made.
+    """
+
+    estimates: dict[str, Estimate]
+    window: Window
+    n_times: int
+    n_members: int
+    n_excluded: int
+    rms_residual: float
+    resampling: Resampling
+
+    @property
+    def lambda_(self) -> float:
+        r"""The limit $\lambda$ of the mean finite-time exponent, in inverse time."""
+        return self.estimates["lambda"].value
+
+    @property
+    def c1(self) -> float:
+        r"""The coefficient of $1/\sqrt t$."""
+        return self.estimates["c1"].value
+
+    @property
+    def c0(self) -> float:
+        r"""The coefficient of $1/t$."""
+        return self.estimates["c0"].value
+
+    @property
+    def standard_errors(self) -> dict[str, float]:
+        """Bootstrap standard error of each coefficient."""
+        return {name: estimate.standard_error for name, estimate in self.estimates.items()}
+
+    @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Bootstrap percentile interval of each coefficient."""
+        return {name: (estimate.low, estimate.high) for name, estimate in self.estimates.items()}
+
+    def curve(self, time: ArrayLike) -> FloatArray:
+        """The fitted law at the given times (> 0), in inverse time."""
+        t = np.asarray(time, dtype=np.float64)
+        return self.lambda_ + self.c1 / np.sqrt(t) + self.c0 / t
+
+    def __str__(self) -> str:
+        low, high = self.window
+        terms = ", ".join(f"{name} = {estimate}" for name, estimate in self.estimates.items())
+        left_out = f", {self.n_excluded} left out" if self.n_excluded else ""
+        return f"{terms}  (t in [{low:g}, {high:g}], {self.n_members} members{left_out})"
+
+
+@dataclass(frozen=True)
+class LogFit:
+    r"""Fit of the ensemble mean to $t\,\langle\lambda(t)\rangle = A + B\ln t$, alone and with further terms.
+
+    A regular system has tangent vectors that grow like a power of time, so $B$ is that power; a term $D\,t$ is a
+    floor, the part of the exponent that does not go to zero.  The law is asymptotic: where tangents grow as
+    $|u + w\,t|$ the next term is $E/t$, and if the window starts so early that it matters, a fit without it bends
+    $D$ away from zero by many of its statistical errors.  So the floor is fitted with and without that term.
+
+    Attributes:
+        estimates: `A` and `B` of the plain fit.
+        with_linear_term: `A`, `B` and `D` of the fit to $A + B\ln t + D\,t$.
+        with_next_term: `A`, `B`, `D` and `E` of the fit to $A + B\ln t + D\,t + E/t$.
+        window: First and last time used.
+        n_times: Sample times inside the window.
+        n_members: Members averaged.
+        n_excluded: Members left out because they did not finish.
+        rms_residual: Root mean square of t times the mean curve minus the fit without linear term.
+        resampling: How the errors were made.
+    """
+
+    estimates: dict[str, Estimate]
+    with_linear_term: dict[str, Estimate]
+    with_next_term: dict[str, Estimate]
+    window: Window
+    n_times: int
+    n_members: int
+    n_excluded: int
+    rms_residual: float
+    resampling: Resampling
+
+    @property
+    def A(self) -> float:
+        """The constant of the fit without the linear term."""
+        return self.estimates["A"].value
+
+    @property
+    def B(self) -> float:
+        """The power of time with which tangent vectors grow."""
+        return self.estimates["B"].value
+
+    @property
+    def D(self) -> float:
+        """The coefficient of t when only the linear term is added, in inverse time."""
+        return self.with_linear_term["D"].value
+
+    @property
+    def floor(self) -> Estimate:
+        """The coefficient of t when the next term of the regular law is allowed for, in inverse time."""
+        return self.with_next_term["D"]
+
+    @property
+    def linear_term_is_zero(self) -> bool:
+        """Whether the confidence interval of D contains zero when only the linear term is added."""
+        return self.with_linear_term["D"].contains(0.0)
+
+    @property
+    def floor_is_zero(self) -> bool:
+        """Whether the confidence interval of the floor contains zero."""
+        return self.floor.contains(0.0)
+
+    def curve(self, time: ArrayLike) -> FloatArray:
+        """The fitted mean exponent (A + B ln t)/t at the given times (> 0), in inverse time."""
+        t = np.asarray(time, dtype=np.float64)
+        return (self.A + self.B * np.log(t)) / t
+
+    def __str__(self) -> str:
+        low, high = self.window
+        floors = ", ".join(
+            f"{name} D = {D.value:.1e} ± {D.standard_error:.1e}, {_zero_or_not(D)}"
+            for name, D in (("linear term", self.with_linear_term["D"]), ("with E/t", self.floor))
+        )
+        return (
+            f"A = {self.estimates['A']}, B = {self.estimates['B']}; {floors}  "
+            f"(t in [{low:g}, {high:g}], {self.n_members} members)"
+        )
+
+
+def _zero_or_not(estimate: Estimate) -> str:
+    return "zero within its error" if estimate.contains(0.0) else "not zero within its error"
+
+
+@dataclass(frozen=True)
+class MeanCurve:
+    r"""The ensemble mean with a pointwise confidence band, $\bar\lambda(t) \pm z\,s(t)/\sqrt n$.
+
+    The band is that of the normal distribution ($z = 1.96$ at 95%), good from some tens of members on.  It holds
+    time by time; values at different times are correlated, because each member keeps its own exponent.
+
+    Attributes:
+        time: Sample times, shape (time,).
+        mean: Mean exponent, shape (time,), in inverse time.
+        standard_error: Of the mean, shape (time,).
+        low: Lower edge of the band, shape (time,).
+        high: Upper edge of the band, shape (time,).
+        confidence: Pointwise coverage of the band.
+        n_members: Members averaged.
+        n_excluded: Members left out because they did not finish.
+    """
+
+    time: FloatArray
+    mean: FloatArray
+    standard_error: FloatArray
+    low: FloatArray
+    high: FloatArray
+    confidence: float
+    n_members: int
+    n_excluded: int
+
+    def at(self, time: float) -> Estimate:
+        """The mean at one of the sample times, or linearly between two of them."""
+        if not self.time[0] <= time <= self.time[-1]:
+            raise ParameterError(f"time must lie in [{self.time[0]:g}, {self.time[-1]:g}]; got {time:g}.")
+        columns = (self.mean, self.standard_error, self.low, self.high)
+        return Estimate(*(float(np.interp(time, self.time, column)) for column in columns))
+
+
+def check_confidence(confidence: float) -> None:
+    """Refuse a coverage outside (0, 1).
+
+    Raises:
+        ParameterError: it is outside.
+    """
+    if not 0 < confidence < 1:
+        raise ParameterError(f"confidence must lie between 0 and 1, such as 0.95; got {confidence}.")
