@@ -15,7 +15,9 @@ x0 = lp.sample_states(top, 37, seed=1)
 growth = lp.lyapunov_exponent(top, x0, t_end=30, threads=THREADS)
 orbit = lp.integrate(top, x0, t=[0, 5], tangents=np.eye(9)[:3], threads=THREADS)
 single = lp.integrate(top, x0[0], t=[0, 5], threads=THREADS)
-results = (growth.exponent, orbit.state, orbit.tangent)
+alone = lp.integrate(top, x0[0], t=[0, 5], kernel="lanes", threads=THREADS)
+assert np.array_equal(alone.state[0], lp.integrate(top, x0, t=[0, 5]).state[0])
+results = (growth.exponent, orbit.state, orbit.tangent, single.state)
 print(growth.kernel, single.kernel, *(hashlib.sha256(array.tobytes()).hexdigest() for array in results))
 """
 
@@ -38,8 +40,8 @@ def test_bits_do_not_depend_on_the_instruction_set_or_the_threads():
     assert single == "components"
     for simd in _core.available_simd():
         for threads in (1, 2):
-            kernel, forced, *hashes = run(simd, threads).stdout.split()
-            assert (kernel, forced) == (simd, simd)
+            kernel, single, *hashes = run(simd, threads).stdout.split()
+            assert (kernel, single) == (simd, "components")
             assert hashes == expected
 
 
@@ -51,4 +53,5 @@ def test_all_paths_of_this_processor_are_known():
 def test_an_unknown_instruction_set_is_refused(name):
     result = run(name, 1)
     assert result.returncode != 0
+    assert "ParameterError" in result.stderr
     assert f'wanted avx512, avx2 or scalar, on a processor that has it; got "{name}"' in result.stderr

@@ -38,6 +38,8 @@ CASES = {
     "twisted Lagrange": (Top.twisted_lagrange(), {"l3", "P"}),
     "charged twisted Lagrange": (Top.twisted_lagrange(b3=2, epsilon=3), {"l3", "P'"}),
     "twisted Kovalevskaya": (Top.twisted_kovalevskaya(), set()),
+    "twisted spherical, two fields": (Top(inertia=(3, 3, 3), a=(1, 2, -1), b=(0, 1, 4), epsilon=1), set()),
+    "twisted two-field Kovalevskaya": (Top(inertia=(2, 2, 1), a=(1, 0, 0), b=(0, 1, 0), epsilon=1), set()),
     "twisted Kovalevskaya, symbolic": (Top.kovalevskaya("epsilon"), set()),
 }
 

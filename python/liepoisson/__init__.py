@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.extension import Extension, leibniz, semidirect
     from liepoisson.exact.lie_algebra import LieAlgebra, so
     from liepoisson.exact.system import System
-    from liepoisson.numeric.finite_time_fit import FiniteTimeFit, finite_time_fit, window_scan
+    from liepoisson.numeric.finite_time_fit import FiniteTimeFit, finite_time_fit, log_fit, mean_curve, window_scan
     from liepoisson.numeric.integrate import Orbit, integrate
     from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
     from liepoisson.numeric.methods import Taylor
@@ -41,7 +41,9 @@ __all__ = [
     "integrate",
     "leibniz",
     "load",
+    "log_fit",
     "lyapunov_exponent",
+    "mean_curve",
     "plot",
     "rerun",
     "sample_states",
@@ -64,7 +66,9 @@ _HOME = {
     "integrate": "numeric.integrate",
     "leibniz": "exact.extension",
     "load": "dataset",
+    "log_fit": "numeric.finite_time_fit",
     "lyapunov_exponent": "numeric.lyapunov",
+    "mean_curve": "numeric.finite_time_fit",
     "rerun": "dataset",
     "sample_states": "numeric.sampling",
     "semidirect": "exact.extension",

@@ -41,6 +41,7 @@ def orbits_of_top(
     times: _Array,
     threads: int,
     dense: bool,
+    components: bool,
     progress: Callable[[float], object] | None,
 ) -> _Orbits: ...
 def growth_of_top(

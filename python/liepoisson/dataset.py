@@ -53,6 +53,7 @@ def growth_dataset(growth: Growth) -> Dataset:
     variables: dict[str, Any] = {
         "exponent": (("trajectory", "time"), growth.exponent, exponent),
         "initial_state": (("trajectory", "component"), growth.initial_state, {"long_name": "state at time 0"}),
+        "initial_tangent": (("trajectory", "component"), growth.initial_tangent, {"long_name": "tangent at time 0"}),
         **_ends(growth),
     }
     coordinates = {
@@ -157,7 +158,8 @@ def rerun(
 ) -> Orbit | Growth:
     """Repeats the run that made a file (or a dataset), from what it records alone.
 
-    The result has the same bits as the original on any processor, with the same version of liepoisson.
+    The result has the same bits as the original on any processor, with the same version of liepoisson: starts, tangent
+    vectors and times come from the file, and the core computes them all with operations that IEEE 754 rounds correctly.
 
     Raises:
         DamagedFileError: The file lacks what the run depended on.
@@ -181,6 +183,7 @@ def rerun(
                 system,
                 dataset["initial_state"].to_numpy(),
                 times=times,
+                tangents=dataset["initial_tangent"].to_numpy(),
                 seed=run["seed"],
                 first=run["first"],
                 method=method,
@@ -194,6 +197,7 @@ def rerun(
             tangents=dataset["tangent"].to_numpy()[:, 0] if dataset.sizes["vector"] else None,
             method=method,
             dense=run["dense"],
+            kernel="components" if attributes["kernel"] == "components" else "lanes",
             threads=threads,
             progress=progress,
         )

@@ -191,6 +191,22 @@ def test_a_trajectory_that_fails_is_an_outcome():
     assert few.n_steps[0] == 50
 
 
+def test_a_kernel_that_does_not_apply_is_refused():
+    x0 = lp.sample_states(TOP, 2, seed=1)
+    with pytest.raises(ParameterError, match="for 2 trajectories with 0 tangent vectors"):
+        lp.integrate(TOP, x0, t=[0, 1], kernel="components")
+    with pytest.raises(ParameterError, match="for 1 trajectories with 9 tangent vectors"):
+        lp.integrate(TOP, x0[0], t=[0, 1], tangents=np.eye(9), kernel="components")
+    with pytest.raises(ParameterError, match="got 'fast'"):
+        lp.integrate(TOP, x0[0], t=[0, 1], kernel="fast")
+
+
+def test_a_zero_tangent_vector_does_not_shorten_the_steps():
+    x0 = lp.sample_states(TOP, 1, seed=1)
+    steps = [lp.integrate(TOP, x0, t=[0, 50], tangents=v, kernel="lanes").n_steps[0] for v in (None, np.zeros((1, 9)))]
+    assert steps[0] == steps[1]
+
+
 def test_no_trajectories_give_an_empty_orbit():
     orbit = lp.integrate(TOP, np.empty((0, 9)), t=[0, 1])
     assert orbit.state.shape == (0, 2, 9)

@@ -25,6 +25,7 @@ def test_exponent_is_the_growth_of_the_tangent_vector_of_integrate():
     x0 = lp.sample_states(TOP, 5, seed=3)
     growth = lp.lyapunov_exponent(TOP, x0, times=[1, 7.5, 30], seed=9)
     v0 = sample_tangents(9, 5, seed=9)
+    assert np.array_equal(growth.initial_tangent, v0)
     orbit = lp.integrate(TOP, x0, t=[0, 1, 7.5, 30], tangents=v0[:, None], method=lp.Taylor(tol=1e-13))
     expected = np.log(np.linalg.norm(orbit.tangent[:, 1:, 0], axis=-1)) / growth.time
     assert np.abs(growth.exponent - expected).max() < 1e-14
@@ -41,6 +42,18 @@ def test_other_seeds_give_other_tangent_vectors():
     x0 = lp.sample_states(TOP, 4, seed=3)
     one, two = (lp.lyapunov_exponent(TOP, x0, t_end=5, seed=seed).exponent for seed in (1, 2))
     assert (one != two).all()
+
+
+def test_given_tangent_vectors_are_used_and_zero_is_refused():
+    x0 = lp.sample_states(TOP, 4, seed=3)
+    drawn = lp.lyapunov_exponent(TOP, x0, t_end=5, seed=1)
+    given = lp.lyapunov_exponent(TOP, x0, t_end=5, seed=2, tangents=drawn.initial_tangent)
+    assert np.array_equal(given.exponent, drawn.exponent)
+    # only the direction counts: a power of two leaves every bit but those of the logarithms
+    longer = lp.lyapunov_exponent(TOP, x0, t_end=5, tangents=8 * drawn.initial_tangent)
+    assert np.abs(longer.exponent - drawn.exponent)[:, -1].max() < 1e-15
+    with pytest.raises(ParameterError, match="tangent vector of member 0"):
+        lp.lyapunov_exponent(TOP, x0, t_end=5, tangents=np.zeros(9))
 
 
 def test_default_times_end_exactly_at_t_end():

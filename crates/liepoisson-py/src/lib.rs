@@ -7,13 +7,19 @@ use liepoisson_core::field::{Field, SingleTop, Top};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::Taylor;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
-use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::time::Duration;
 
+/// A refusal of the core as `liepoisson.errors.ParameterError`.
 fn translate(error: Error) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    Python::attach(|py| {
+        let refusal = py.import("liepoisson.errors").and_then(|errors| errors.getattr("ParameterError"));
+        match refusal.and_then(|class| class.call1((error.to_string(),))) {
+            Ok(refusal) => PyErr::from_value(refusal),
+            Err(failure) => failure,
+        }
+    })
 }
 
 /// Parameters of the charged or twisted top: `(inertia, a, b, epsilon)`.
@@ -93,11 +99,9 @@ enum Kernel {
 }
 
 impl Kernel {
-    /// The quicker one; `LIEPOISSON_SIMD` forces lanes of that width, for a single trajectory too.
-    fn choose(n_members: usize, n_tangents: usize) -> PyResult<Kernel> {
+    fn choose(components: bool) -> PyResult<Kernel> {
         let simd = Simd::from_environment().map_err(translate)?;
-        let is_forced = std::env::var_os("LIEPOISSON_SIMD").is_some();
-        Ok(if n_members == 1 && n_tangents == 0 && !is_forced { Kernel::Components } else { Kernel::Lanes(simd) })
+        Ok(if components { Kernel::Components } else { Kernel::Lanes(simd) })
     }
 
     fn name(self) -> &'static str {
@@ -135,7 +139,7 @@ fn stripped(mut orbits: Orbits) -> Orbits {
 
 /// Orbits of a top at `times`; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
-#[pyo3(signature = (top, taylor, states, tangents, n_tangents, times, threads, dense, progress))]
+#[pyo3(signature = (top, taylor, states, tangents, n_tangents, times, threads, dense, components, progress))]
 #[allow(clippy::too_many_arguments)] // a function of the shell takes what the Python side has checked, flat
 fn orbits_of_top<'py>(
     py: Python<'py>,
@@ -147,11 +151,12 @@ fn orbits_of_top<'py>(
     times: PyReadonlyArray1<'py, f64>,
     threads: usize,
     dense: bool,
+    components: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (top, taylor) = (top_of(top)?, taylor_of(taylor)?);
     let (states, tangents, times) = (states.as_slice()?, tangents.as_slice()?, times.as_slice()?);
-    let kernel = Kernel::choose(states.len() / 9, n_tangents)?;
+    let kernel = Kernel::choose(components)?;
     let orbits = match kernel {
         Kernel::Lanes(simd) => {
             let ensemble = Ensemble { field: &top, method: taylor, states, tangents, n_tangents, times };

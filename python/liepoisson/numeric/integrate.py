@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -37,7 +37,8 @@ class Orbit:
         n_steps: Accepted steps of each trajectory.
         final_state: Last good state of each trajectory, shape (trajectory, component).
         order: Order of the Taylor series.
-        kernel: Instruction set used.
+        kernel: The code that advanced the trajectories: the instruction set of the kernel for many ("avx512", "avx2",
+            "scalar": the same bits), or "components", the kernel for one trajectory (other last bits).
         series: Dense output of each trajectory, if it was asked for: starts of the steps, shape (step,), and
             coefficients, shape (step, order, component).
     """
@@ -118,6 +119,7 @@ def integrate(
     tangents: ArrayLike | None = None,
     method: Taylor | None = None,
     dense: bool = False,
+    kernel: Literal["lanes", "components"] | None = None,
     threads: int | None = None,
     progress: Callable[[float], Any] | None = None,
 ) -> Orbit:
@@ -130,6 +132,9 @@ def integrate(
         tangents: Tangent vectors at `t[0]`, shape (tangent, 9) for all trajectories or (trajectory, tangent, 9).
         method: How; by default `Taylor()`, to round-off.
         dense: Keep the power series of every step, so that `orbit.at(t)` answers for any time.
+        kernel: "lanes" advances trajectories side by side in registers, "components" one trajectory without tangent
+            vectors, with the components of its vectors side by side, which is quicker and rounds differently.  By
+            default "components" for one trajectory without tangent vectors, else "lanes".
         threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
         progress: Called a few times a second with the fraction that is done.
 
@@ -138,7 +143,7 @@ def integrate(
 
     Raises:
         ShapeError: An array has another shape than stated.
-        ParameterError: Numbers that are not finite, times that are not monotone.
+        ParameterError: Numbers that are not finite, times that are not monotone, a kernel that does not apply.
         KeyboardInterrupt: Ctrl-C.
     """
     method = method or Taylor()
@@ -146,6 +151,12 @@ def integrate(
     n = field.n_components
     states, times = as_states(x0, n), as_times(t, "t", least=2)
     vectors = _as_tangents(tangents, len(states), n)
+    alone = len(states) == 1 and vectors.shape[1] == 0
+    if kernel not in (None, "lanes", "components") or (kernel == "components" and not alone):
+        raise ParameterError(
+            f'kernel: wanted "lanes", or "components" for one trajectory without tangent vectors; got {kernel!r} for '
+            f"{len(states)} trajectories with {vectors.shape[1]} tangent vectors; leave it out to have it chosen"
+        )
     raw = _core.orbits_of_top(
         core_parameters(field),
         method.parameters,
@@ -155,6 +166,7 @@ def integrate(
         times,
         as_threads(threads),
         dense,
+        alone if kernel is None else kernel == "components",
         progress,
     )
     return Orbit(

@@ -40,6 +40,7 @@ class Growth:
         end_time: Time that each trajectory reached, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
         initial_state: Shape (trajectory, component).
+        initial_tangent: Shape (trajectory, component).
         final_state: Last good state, shape (trajectory, component).
         order: Order of the Taylor series.
         kernel: Instruction set used.
@@ -56,6 +57,7 @@ class Growth:
     end_time: Array
     n_steps: NDArray[np.int64]
     initial_state: Array
+    initial_tangent: Array
     final_state: Array
     order: int
     kernel: str
@@ -80,6 +82,7 @@ def lyapunov_exponent(
     *,
     t_end: float | None = None,
     times: ArrayLike | None = None,
+    tangents: ArrayLike | None = None,
     seed: int = 0,
     first: int = 0,
     method: Taylor | None = None,
@@ -88,9 +91,9 @@ def lyapunov_exponent(
 ) -> Growth:
     r"""Largest Lyapunov exponent along each trajectory, as a function of time.
 
-    $\lambda(t) = t^{-1}\ln(|v(t)|/|v(0)|)$ for one tangent vector $v$, drawn uniformly from the unit sphere of the
-    state space.  The vector is only ever rescaled by exact powers of two, so there is no interval of renormalisation
-    to choose.
+    $\lambda(t) = t^{-1}\ln(|v(t)|/|v(0)|)$ for one tangent vector $v$, by default drawn uniformly from the unit
+    sphere of the state space.  The vector is only ever rescaled by exact powers of two, so there is no interval of
+    renormalisation to choose.
 
     $\lambda(t)$ is a finite-time value, biased upwards: it falls like $\ln t/t$ on a regular orbit, and on a chaotic
     one approaches its limit like $1/\sqrt t$ or more slowly; `finite_time_fit` estimates the limit of an ensemble.
@@ -101,6 +104,7 @@ def lyapunov_exponent(
         t_end: Last time, positive, in units of the system's own time; the exponent is then given at 200 times
             spaced evenly in the logarithm, from `t_end`/1000 on.
         times: The times themselves, positive and increasing, shape (time,), instead of `t_end`.
+        tangents: Tangent vectors at time 0, shape (9,) or (trajectory, 9), not zero, instead of random ones.
         seed: Draws the tangent vectors.
         first: Number of the first member, so that an ensemble can be computed in pieces: member k has the same tangent
             vector in whichever piece it is.
@@ -113,7 +117,8 @@ def lyapunov_exponent(
 
     Raises:
         ShapeError: An array has another shape than stated.
-        ParameterError: Numbers that are not finite, a time that is not positive, both or neither of `t_end`, `times`.
+        ParameterError: Numbers that are not finite, a time that is not positive, both or neither of `t_end` and
+            `times`, a tangent vector that is zero.
         KeyboardInterrupt: Ctrl-C.
 
     References:
@@ -123,12 +128,15 @@ def lyapunov_exponent(
     field = system.field()
     n = field.n_components
     states, wanted = as_states(x0, n), _as_exponent_times(t_end, times)
-    tangents = sample_tangents(n, len(states), seed=seed, first=first)
+    if tangents is None:
+        vectors = sample_tangents(n, len(states), seed=seed, first=first)
+    else:
+        vectors = np.ascontiguousarray(np.broadcast_to(as_states(tangents, n, "tangents"), states.shape))
     raw = _core.growth_of_top(
         core_parameters(field),
         method.parameters,
         states.ravel(),
-        tangents.ravel(),
+        vectors.ravel(),
         np.concatenate([[0.0], wanted]),
         as_threads(threads),
         progress,
@@ -145,6 +153,7 @@ def lyapunov_exponent(
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
         initial_state=states,
+        initial_tangent=vectors,
         final_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],

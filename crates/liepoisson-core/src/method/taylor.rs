@@ -115,8 +115,10 @@ impl<'f, F: Field, V: Lane> Block<'f, F, V> {
             let (size, last, before) = (size.as_scalars(), last.as_scalars(), before.as_scalars());
             for lane in 0..V::WIDTH {
                 let allowed = log2_estimate(self.method.tolerance * size[lane]);
-                let by_last = (allowed - log2_estimate(last[lane])) / order as f64;
-                let by_before = (allowed - log2_estimate(before[lane])) / (order - 1) as f64;
+                let longest = |term: f64, power: usize| {
+                    if term > 0.0 { (allowed - log2_estimate(term)) / power as f64 } else { f64::INFINITY }
+                };
+                let (by_last, by_before) = (longest(last[lane], order), longest(before[lane], order - 1));
                 sizes[lane] = (if by_last < sizes[lane] { by_last } else { sizes[lane] }) + defect.as_scalars()[lane];
                 sizes[lane] = if by_before < sizes[lane] { by_before } else { sizes[lane] };
             }

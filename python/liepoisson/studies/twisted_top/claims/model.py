@@ -102,7 +102,7 @@ def claims_to_json(results: Iterable[ClaimResult], produced_by: Mapping[str, Any
     """
     return {
         "schema_version": SCHEMA_VERSION,
-        "paper": "J.-L. Thiffeault and P. J. Morrison, The twisted top, Physics Letters A 283 (2001) 335",
+        "paper": "J.-L. Thiffeault and P. J. Morrison, The twisted top, Physics Letters A 283 (2001) 335, arXiv:nlin/0101042",
         "claims": [_entry(result, produced_by) for result in results],
     }
 
