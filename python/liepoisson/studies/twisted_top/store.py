@@ -8,6 +8,7 @@ pieces of a run are there they are joined into `data/<run>.nc` (readable by `lie
 
 from __future__ import annotations
 
+import dataclasses
 import errno
 import hashlib
 import io
@@ -25,17 +26,17 @@ from numpy.typing import NDArray
 
 from liepoisson import __version__
 from liepoisson.errors import DamagedFileError, OutputError, ParameterError
+from liepoisson.numeric.lyapunov import Growth
 from liepoisson.studies.twisted_top.runs import Run
 
 if TYPE_CHECKING:
     from xarray import Dataset
 
-    from liepoisson.numeric.lyapunov import Growth
-
 AnyArray: TypeAlias = NDArray[Any]
 
-# What a piece holds per member; everything else about it follows from the run.
-MEMBER_ARRAYS = ("exponent", "outcome", "end_time", "n_steps", "initial_state", "final_state")
+# What a growth says of the whole ensemble; the rest of it is one array each with a row per member.
+_OF_THE_WHOLE = {"system", "field", "method", "seed", "first", "time", "order", "kernel"}
+MEMBER_ARRAYS = tuple(field.name for field in dataclasses.fields(Growth) if field.name not in _OF_THE_WHOLE)
 
 _ADVICE = {
     errno.ENOSPC: "Free some space, or choose another folder with --out; what is finished is kept.",

@@ -1,9 +1,8 @@
 """The claims of the paper, each with a computed verdict.
 
-J.-L. Thiffeault and P. J. Morrison, "The twisted top", Physics Letters A 283 (2001) 335,
-arXiv:nlin/0101042.  `evaluate_claims` checks all
-of them anew: exact ones by SymPy on the bracket of the context (identities with symbolic parameters, exact
-counterexamples, ranks at rational points), numerical ones by the measurements of the study.
+J.-L. Thiffeault and P. J. Morrison, "The twisted top", Physics Letters A 283 (2001) 335, arXiv:nlin/0101042.
+`evaluate_claims` checks all of them anew: exact ones by SymPy on the bracket of the context (identities with symbolic
+parameters, exact counterexamples, ranks at rational points), numerical ones by the measurements of the study.
 
 The numerical claims read these keys of `Context.measurements`, in the schema of
 `liepoisson.studies.twisted_top.measurements` (an estimate has `value` and `standard_error`):

@@ -17,6 +17,7 @@ Ruling: TypeAlias = Literal["holds", "holds with a condition", "misprint", "wron
 Method: TypeAlias = Literal["exact", "numerical"]
 
 SCHEMA_VERSION = 1
+PAPER = "J.-L. Thiffeault and P. J. Morrison, The twisted top, Physics Letters A 283 (2001) 335, arXiv:nlin/0101042"
 
 
 @dataclass(frozen=True)
@@ -102,7 +103,7 @@ def claims_to_json(results: Iterable[ClaimResult], produced_by: Mapping[str, Any
     """
     return {
         "schema_version": SCHEMA_VERSION,
-        "paper": "J.-L. Thiffeault and P. J. Morrison, The twisted top, Physics Letters A 283 (2001) 335, arXiv:nlin/0101042",
+        "paper": PAPER,
         "claims": [_entry(result, produced_by) for result in results],
     }
 
