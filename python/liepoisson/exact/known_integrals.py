@@ -73,7 +73,7 @@ def _axisymmetric(top: TopParameters, l: Column, alpha: Column, beta: Column) ->
             continue
         found[f"l{k + 1}"] = l[k]
         inertia, a_k, b_k, eps = (to_sympy(v) for v in (top.inertia[i], top.a[k], top.b[k], top.epsilon))
-        if is_zero(top.a[k]):
+        if is_zero(top.a[k]) or is_zero(top.epsilon):  # without twist these are l.alpha and l.gamma, there already
             continue
         if is_zero(top.b[k]):
             found["P"] = l.dot(alpha) + eps * inertia * a_k * beta[k]
@@ -129,7 +129,10 @@ def _spherical(top: TopParameters, l: Column, alpha: Column, beta: Column) -> In
         name = "P" if ratio == 0 else "P'"
         if _along_an_axis(top):  # l_k and P are there already, as those of the symmetric top
             return {}
-        return {"l.a": l.dot(a), name: l.dot(alpha + ratio * beta) + eps * moment * a.dot(beta)}
+        found = {"l.a": l.dot(a)}
+        if not is_zero(top.epsilon):  # without twist it is l.alpha or l.gamma, there already
+            found[name] = l.dot(alpha + ratio * beta) + eps * moment * a.dot(beta)
+        return found
     if not is_zero(top.epsilon):
         return {}
     M = alpha * a.T + beta * b.T
