@@ -131,13 +131,33 @@ def wait_for_piece(process, folder: Path):
         time.sleep(0.02)
 
 
-def test_control_c_stops_cleanly_and_says_how_to_go_on(tmp_path):
-    process = subprocess.Popen(
-        [sys.executable, "-c", SMALL_PIECES + MAIN, *STUDY, "--out", str(tmp_path)],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+def hear_control_c():
+    # A background job of a shell ignores Ctrl-C, and its children inherit that.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+@pytest.fixture
+def start():
+    """Starts a study in a process of its own, which does not outlive the test."""
+    processes = []
+
+    def popen(*arguments, code=MAIN, **options):
+        command = [sys.executable, "-c", code, *STUDY, *map(str, arguments)]
+        # Tests start processes from one thread, so code between fork and exec is safe.
+        options |= {"preexec_fn": hear_control_c, "stdout": subprocess.PIPE}
+        processes.append(subprocess.Popen(command, **options))
+        return processes[-1]
+
+    yield popen
+    for process in processes:
+        if process.poll() is None:
+            process.kill()
+            process.communicate()
+
+
+@pytest.mark.thorough
+def test_control_c_stops_cleanly_and_says_how_to_go_on(start, tmp_path):
+    process = start("--out", tmp_path, code=SMALL_PIECES + MAIN, stderr=subprocess.PIPE, text=True)
     folder = tmp_path / "pieces" / "twisted-unit-vectors"
     wait_for_piece(process, folder)
     process.send_signal(signal.SIGINT)
@@ -162,6 +182,7 @@ def test_damaged_piece_is_refused_by_name(tmp_path):
     assert "--fresh" in message
 
 
+@pytest.mark.thorough
 def test_quick_study_prints_a_table_and_is_silent_without_a_terminal(tmp_path):
     done = run(*STUDY, "--quick", "--members", 100, "--out", tmp_path)
     assert done.returncode == 0, done.stderr
@@ -176,14 +197,11 @@ def test_quick_study_prints_a_table_and_is_silent_without_a_terminal(tmp_path):
     )
 
 
-def test_progress_is_shown_on_a_terminal(tmp_path):
+@pytest.mark.thorough
+def test_progress_is_shown_on_a_terminal(start, tmp_path):
     master, slave = pty.openpty()
-    process = subprocess.Popen(
-        [sys.executable, "-c", MAIN, *STUDY, "--members", "4000", "--out", str(tmp_path)],
-        stdout=subprocess.PIPE,
-        stderr=slave,
-        env={**os.environ, "TERM": "xterm", "COLUMNS": "140"},
-    )
+    environment = {**os.environ, "TERM": "xterm", "COLUMNS": "140"}
+    process = start("--members", 4000, "--out", tmp_path, stderr=slave, env=environment)
     os.close(slave)
     wait_for_piece(process, tmp_path / "pieces" / "twisted-unit-vectors")
     time.sleep(1.5)
@@ -198,10 +216,8 @@ def test_progress_is_shown_on_a_terminal(tmp_path):
             break
         shown += block
     os.close(master)
-    assert process.wait() == 130
-    assert process.stdout is not None
-    assert process.stdout.read() == b""
-    process.stdout.close()
+    assert process.communicate()[0] == b""
+    assert process.returncode == 130
     text = shown.decode()
     assert "twisted-unit-vectors" in text
     assert "%" in text

@@ -38,6 +38,8 @@ def test_fit_is_exact_for_a_curve_that_obeys_the_law():
     assert fit.c1 == pytest.approx(0.11, abs=1e-12)
     assert fit.c0 == pytest.approx(0.5, abs=1e-11)
     assert max(fit.standard_errors.values()) < 1e-12
+    for estimate in fit.estimates.values():
+        np.testing.assert_allclose([estimate.low, estimate.high], estimate.value, rtol=1e-10)
     assert fit.rms_residual < 1e-14
     np.testing.assert_allclose(fit.curve(TIME), curve, rtol=1e-12)
 

@@ -6,7 +6,6 @@ import dataclasses
 import json
 import re
 import shutil
-import signal
 import subprocess
 import sys
 import time
@@ -223,7 +222,7 @@ def test_damaged_manifest_is_named(tmp_path):
         integrate(tmp_path, SMALL, "twisted-cube")
 
 
-@pytest.mark.parametrize("change", [{"seed": 1}, {"end_time": 70.0}, {"tolerance": 1e-10}])
+@pytest.mark.parametrize("change", [{"seed": 1}, {"end_time": 70.0}, {"tolerance": 1e-12}])
 def test_work_with_other_options_is_neither_used_nor_overwritten(tmp_path, monkeypatch, change):
     store = stored_piece(tmp_path, monkeypatch)
     other = dataclasses.replace(SMALL, **change)
@@ -251,6 +250,7 @@ def test_output_below_a_file_is_refused(tmp_path):
         reproduce(SMALL, tmp_path / "file")
 
 
+@pytest.mark.thorough
 def test_study_killed_without_warning_resumes(tmp_path):
     code = (
         "from pathlib import Path; import sys\n"
@@ -261,12 +261,14 @@ def test_study_killed_without_warning_resumes(tmp_path):
     process = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)])
     folder = tmp_path / "pieces" / "twisted-unit-vectors"
     until = time.monotonic() + 60
-    while not (folder.exists() and len(list(folder.glob("*.npz"))) >= 3):
-        assert process.poll() is None
-        assert time.monotonic() < until
-        time.sleep(0.01)
-    process.send_signal(signal.SIGKILL)
-    process.wait()
+    try:
+        while not (folder.exists() and len(list(folder.glob("*.npz"))) >= 3):
+            assert process.poll() is None
+            assert time.monotonic() < until
+            time.sleep(0.01)
+    finally:
+        process.kill()
+        process.wait()
     kept = len(list(folder.glob("*.npz")))
     assert kept < 300, "killed too late for this test"
     settings = Settings(members=3000, end_time=60.0)
@@ -286,6 +288,7 @@ def test_study_killed_without_warning_resumes(tmp_path):
 # What it finds, at small size
 
 
+@pytest.mark.thorough
 def test_fitted_exponent_of_the_twisted_top_agrees_with_the_anchors(tmp_path):
     settings = Settings(members=3000, end_time=200.0, seed=11)
     for ensemble, (anchor, anchor_error) in ANCHORS.items():
@@ -297,6 +300,7 @@ def test_fitted_exponent_of_the_twisted_top_agrees_with_the_anchors(tmp_path):
         assert estimate.standard_error < 0.0025
 
 
+@pytest.mark.thorough
 def test_ordinary_top_is_regular_and_the_printed_inertia_is_not(tmp_path):
     settings = Settings(members=3000, end_time=200.0, seed=12)
     ordinary = one_run(settings, "ordinary-unit-vectors")
@@ -344,6 +348,7 @@ def study(tmp_path_factory):
     return result, heard
 
 
+@pytest.mark.thorough
 def test_study_writes_figures_data_numbers_and_report(study):
     result, _ = study
     out = result.out
@@ -359,6 +364,7 @@ def test_study_writes_figures_data_numbers_and_report(study):
     assert all(claim["verdict"] != "not run" for claim in claims["claims"])
 
 
+@pytest.mark.thorough
 def test_measurements_follow_their_schema(study):
     numbers = study[0].measurements
     assert set(numbers) == {"schema_version", "produced_by", "printed", "runs"}
@@ -375,6 +381,7 @@ def test_measurements_follow_their_schema(study):
     assert numbers["produced_by"]["command"] == "liepoisson reproduce twisted-top --members 50 --end-time 200"
 
 
+@pytest.mark.thorough
 def test_progress_reaches_the_end_and_names_what_is_done(study):
     _, heard = study
     done = [entry[1] for entry in heard]
@@ -384,6 +391,7 @@ def test_progress_reaches_the_end_and_names_what_is_done(study):
     assert {"judging the claims", "drawing lyapunov", "writing the report"} <= {entry[0] for entry in heard}
 
 
+@pytest.mark.thorough
 def test_report_is_self_contained_and_holds_every_claim(study):
     result, _ = study
     page = (result.out / "report.html").read_text(encoding="utf-8")
@@ -398,6 +406,7 @@ def test_report_is_self_contained_and_holds_every_claim(study):
     assert not re.search(r"\b(nan|inf|None)\b", re.sub(r'"data:[^"]*"', "", page))
 
 
+@pytest.mark.thorough
 def test_summary_is_short_and_names_the_report(study):
     text = summary(study[0])
     assert len(text.splitlines()) < 20
@@ -406,6 +415,7 @@ def test_summary_is_short_and_names_the_report(study):
     assert str(study[0].out / "report.html") in text
 
 
+@pytest.mark.thorough
 def test_second_call_gives_the_same_numbers_without_integrating(study, monkeypatch):
     first, _ = study
     monkeypatch.setattr(integration, "_integrate_piece", None)
@@ -414,6 +424,7 @@ def test_second_call_gives_the_same_numbers_without_integrating(study, monkeypat
     assert measurements(list(results.values()), SHORT) == first.measurements
 
 
+@pytest.mark.thorough
 def test_fits_change_with_the_data(study, tmp_path):
     # Against a result that would not come from the curves at all.
     settings = dataclasses.replace(SHORT, seed=5)

@@ -184,14 +184,13 @@ impl<F: Field> Ensemble<'_, F> {
     ) -> Result<(), Error> {
         self.check()?;
         let threads = threads.clamp(1, self.n_members().max(1));
-        let share = self.n_members().div_ceil(threads);
         let (queue, running) = (AtomicUsize::new(0), Running::new(threads));
         std::thread::scope(|scope| {
             for _ in 0..threads {
                 let (queue, running, observer) = (&queue, &running, &observer);
                 scope.spawn(move || {
                     let _counted = running.guard();
-                    dispatch(simd, Worker { ensemble: self, share, queue, control, observer });
+                    dispatch(simd, Worker { ensemble: self, queue, control, observer });
                 });
             }
             watch(&|at_most| running.wait(at_most));
@@ -236,16 +235,11 @@ impl Running {
     }
 }
 
-/// Registers side by side in one worker: one expands its series while another waits for its last products.
-const BLOCKS: usize = 2;
-
 /// Steps between two looks at the flag of cancellation and two reports of progress.
 const STEPS_PER_REPORT: usize = 64;
 
 struct Worker<'w, F, M> {
     ensemble: &'w Ensemble<'w, F>,
-    /// Members that fall to one worker, about.
-    share: usize,
     queue: &'w AtomicUsize,
     control: &'w Control,
     observer: &'w M,
@@ -271,33 +265,24 @@ impl<F: Field, O: Observer, M: Fn(usize) -> O + Sync> Task for Worker<'_, F, M> 
     #[inline(always)]
     fn run<V: Lane>(self) {
         let ensemble = self.ensemble;
-        let n_blocks = if self.share <= V::WIDTH { 1 } else { BLOCKS };
-        let n_seats = n_blocks * V::WIDTH;
-        let mut observer = (self.observer)(n_seats);
-        let mut blocks: Vec<Block<F, V>> =
-            (0..n_blocks).map(|_| Block::new(ensemble.field, ensemble.method, ensemble.n_tangents)).collect();
-        let mut seats: Vec<Seat> = (0..n_seats).map(|_| Seat::empty(ensemble.n_tangents)).collect();
-        let mut sizes = vec![0.0; n_seats];
+        let mut observer = (self.observer)(V::WIDTH);
+        let mut block = Block::<F, V>::new(ensemble.field, ensemble.method, ensemble.n_tangents);
+        let mut seats: Vec<Seat> = (0..V::WIDTH).map(|_| Seat::empty(ensemble.n_tangents)).collect();
+        let mut sizes = vec![0.0; V::WIDTH];
         let mut steps = 0;
-        while self.fill_seats(&mut blocks, &mut seats, &mut observer) {
+        while self.fill_seats(&mut block, &mut seats, &mut observer) {
             for k in 0..ensemble.method.order() {
-                for block in &mut blocks {
-                    block.extend(k);
-                }
+                block.extend(k);
             }
-            for (b, block) in blocks.iter_mut().enumerate() {
-                let lanes = b * V::WIDTH..(b + 1) * V::WIDTH;
-                let (seats, sizes) = (&mut seats[lanes.clone()], &mut sizes[lanes.clone()]);
-                block.step_sizes(sizes);
-                for lane in 0..V::WIDTH {
-                    sizes[lane] = self.decide(block, lane, lanes.start, &mut seats[lane], sizes[lane], &mut observer);
-                }
-                let mut step = V::splat(0.0);
-                step.as_scalars_mut().copy_from_slice(sizes);
-                block.advance(step);
-                self.rescale_tangents(block, seats);
-                self.dismiss_finished(block, lanes.start, seats, &mut observer);
+            block.step_sizes(&mut sizes);
+            for lane in 0..V::WIDTH {
+                sizes[lane] = self.decide(&mut block, lane, &mut seats[lane], sizes[lane], &mut observer);
             }
+            let mut step = V::splat(0.0);
+            step.as_scalars_mut().copy_from_slice(&sizes);
+            block.advance(step);
+            self.rescale_tangents(&mut block, &mut seats);
+            self.dismiss_finished(&mut block, &mut seats, &mut observer);
             steps += 1;
             if steps % STEPS_PER_REPORT == 0 {
                 for seat in seats.iter_mut().filter(|seat| seat.occupied) {
@@ -308,9 +293,8 @@ impl<F: Field, O: Observer, M: Fn(usize) -> O + Sync> Task for Worker<'_, F, M> 
                 }
             }
         }
-        for (index, seat) in seats.iter_mut().enumerate().filter(|(_, seat)| seat.occupied) {
-            let (block, lane) = (&mut blocks[index / V::WIDTH], index % V::WIDTH);
-            self.dismiss(block, lane, index, seat, Outcome::Cancelled, &mut observer);
+        for (lane, seat) in seats.iter_mut().enumerate().filter(|(_, seat)| seat.occupied) {
+            self.dismiss(&mut block, lane, seat, Outcome::Cancelled, &mut observer);
         }
     }
 }
@@ -318,20 +302,14 @@ impl<F: Field, O: Observer, M: Fn(usize) -> O + Sync> Task for Worker<'_, F, M> 
 impl<F: Field, M> Worker<'_, F, M> {
     /// Gives every empty seat the next member in the queue; false when nobody is left.
     #[inline(always)]
-    fn fill_seats<V: Lane, O: Observer>(
-        &self,
-        blocks: &mut [Block<F, V>],
-        seats: &mut [Seat],
-        observer: &mut O,
-    ) -> bool {
+    fn fill_seats<V: Lane, O: Observer>(&self, block: &mut Block<F, V>, seats: &mut [Seat], observer: &mut O) -> bool {
         let ensemble = self.ensemble;
         let (n, n_tangents) = (ensemble.field.n_components(), ensemble.n_tangents);
         let mut any = false;
-        for (index, seat) in seats.iter_mut().enumerate() {
+        for (lane, seat) in seats.iter_mut().enumerate() {
             if !seat.occupied && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
                 let member = self.queue.fetch_add(1, Ordering::Relaxed);
                 if member < ensemble.n_members() {
-                    let (block, lane) = (&mut blocks[index / V::WIDTH], index % V::WIDTH);
                     for i in 0..n {
                         block.set(lane, 0, i, ensemble.states[member * n + i]);
                     }
@@ -341,7 +319,7 @@ impl<F: Field, M> Worker<'_, F, M> {
                         }
                     }
                     seat.take(member, ensemble.times[0]);
-                    observer.begin(index, member);
+                    observer.begin(lane, member);
                 }
             }
             any |= seat.occupied;
@@ -356,7 +334,6 @@ impl<F: Field, M> Worker<'_, F, M> {
         &self,
         block: &mut Block<F, V>,
         lane: usize,
-        first: usize,
         seat: &mut Seat,
         longest: f64,
         observer: &mut O,
@@ -370,17 +347,17 @@ impl<F: Field, M> Worker<'_, F, M> {
         let is_last = longest >= remaining.abs();
         let size = if is_last { remaining } else { longest.copysign(remaining) };
         if let Some(outcome) = self.obstacle(seat, longest, size, is_last) {
-            self.dismiss(block, lane, first + lane, seat, outcome, observer);
+            self.dismiss(block, lane, seat, outcome, observer);
             return 0.0;
         }
         let step = Step { block, lane, time: seat.time, size, scales: &seat.scales };
-        observer.step(first + lane, &step);
+        observer.step(lane, &step);
         while seat.next_sample < times.len() {
             let tau = seat.until(times[seat.next_sample]);
             if !is_last && tau.abs() > size.abs() {
                 break;
             }
-            observer.sample(first + lane, seat.next_sample, tau, &step);
+            observer.sample(lane, seat.next_sample, tau, &step);
             seat.next_sample += 1;
         }
         if is_last {
@@ -423,16 +400,10 @@ impl<F: Field, M> Worker<'_, F, M> {
     }
 
     #[inline(always)]
-    fn dismiss_finished<V: Lane, O: Observer>(
-        &self,
-        block: &mut Block<F, V>,
-        first: usize,
-        seats: &mut [Seat],
-        observer: &mut O,
-    ) {
+    fn dismiss_finished<V: Lane, O: Observer>(&self, block: &mut Block<F, V>, seats: &mut [Seat], observer: &mut O) {
         for (lane, seat) in seats.iter_mut().enumerate() {
             if seat.occupied && seat.next_sample == self.ensemble.times.len() {
-                self.dismiss(block, lane, first + lane, seat, Outcome::Finished, observer);
+                self.dismiss(block, lane, seat, Outcome::Finished, observer);
             }
         }
     }
@@ -443,7 +414,6 @@ impl<F: Field, M> Worker<'_, F, M> {
         &self,
         block: &mut Block<F, V>,
         lane: usize,
-        index: usize,
         seat: &mut Seat,
         outcome: Outcome,
         observer: &mut O,
@@ -453,7 +423,7 @@ impl<F: Field, M> Worker<'_, F, M> {
         if outcome != Outcome::Cancelled {
             self.report(seat, true);
         }
-        observer.end(index, seat.member, Summary { outcome, time: seat.time, n_steps: seat.n_steps, state });
+        observer.end(lane, seat.member, Summary { outcome, time: seat.time, n_steps: seat.n_steps, state });
         for group in 0..=self.ensemble.n_tangents {
             for i in 0..n {
                 block.set(lane, group, i, 0.0);

@@ -113,6 +113,7 @@ class EnsembleReduction:
         projectors = [_projector(law, window, self.time) for law, window in requests]
         self._projector = np.concatenate([np.zeros((0, self.time.size)), *projectors])
         self._coefficients: list[FloatArray] = []
+        self._estimated: dict[Resampling, list[Estimate]] = {}
         self._mean = np.zeros(self.time.size)
         self._squares = np.zeros(self.time.size)
         self.n_members = 0
@@ -139,6 +140,7 @@ class EnsembleReduction:
         if curves.shape[0] == 0:
             return
         self._coefficients.append(curves @ self._projector.T)
+        self._estimated.clear()
         self._merge_moments(curves)
 
     def _merge_moments(self, curves: FloatArray) -> None:
@@ -175,7 +177,7 @@ class EnsembleReduction:
         """
         resampling = resampling or Resampling()
         n_coefficients = len(_FINITE_TIME.names)
-        columns = self._estimates(slice(0, n_coefficients * len(self.windows)), resampling)
+        columns = self._estimates(resampling)
         return tuple(
             FiniteTimeFit(
                 dict(zip(_FINITE_TIME.names, columns[n_coefficients * k :], strict=False)),
@@ -193,7 +195,7 @@ class EnsembleReduction:
             ParameterError: fewer than two members finished.
         """
         resampling = resampling or Resampling()
-        columns = self._estimates(slice(len(_FINITE_TIME.names) * len(self.windows), None), resampling)
+        columns = self._estimates(resampling)[len(_FINITE_TIME.names) * len(self.windows) :]
         fits: list[LogFit] = []
         start = 0
         for window in self.log_windows:
@@ -206,18 +208,18 @@ class EnsembleReduction:
             fits.append(LogFit(plain, with_line, with_next, window, *facts, resampling))
         return tuple(fits)
 
-    def _estimates(self, columns: slice, resampling: Resampling) -> list[Estimate]:
-        """Value, standard error and percentile interval of each coefficient in `columns`."""
+    def _estimates(self, resampling: Resampling) -> list[Estimate]:
+        """Value, standard error and percentile interval of every coefficient, in the order of the requests."""
         self._require_members()
-        coefficients = np.concatenate([block[:, columns] for block in self._coefficients])
-        if coefficients.shape[1] == 0:
-            return []
-        replicates = _bootstrap_means(coefficients, resampling)
-        tail = (1 - resampling.confidence) / 2
-        low, high = np.quantile(replicates, [tail, 1 - tail], axis=0)
-        errors = replicates.std(axis=0, ddof=1)
-        table = np.stack([coefficients.mean(axis=0), errors, low, high], axis=1)
-        return [Estimate(*map(float, row)) for row in table]
+        if resampling not in self._estimated:
+            coefficients = np.concatenate(self._coefficients)
+            replicates = _bootstrap_means(coefficients, resampling)
+            tail = (1 - resampling.confidence) / 2
+            low, high = np.quantile(replicates, [tail, 1 - tail], axis=0)
+            errors = replicates.std(axis=0, ddof=1)
+            table = np.stack([coefficients.mean(axis=0), errors, low, high], axis=1)
+            self._estimated[resampling] = [Estimate(*map(float, row)) for row in table]
+        return self._estimated[resampling]
 
     def _fit_facts(self, law: _Law, window: Window) -> tuple[int, int, int, float]:
         """Number of times, of members and of members left out, and the residual of the mean curve."""

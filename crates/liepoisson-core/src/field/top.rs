@@ -95,19 +95,20 @@ impl Field for Top {
         let scale = V::splat(1.0 / (k + 1) as f64);
         // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
         // the same, term by term, so a trajectory has the same bits either way.
-        let (mut derivative, fused_tangent) = if n_tangents > 0 && V::REGISTERS >= 32 {
-            let (state, tangent) = products_of_state_and_tangent(known, row);
-            (state, Some(tangent))
+        let fused = n_tangents > 0 && V::REGISTERS >= 32;
+        if fused {
+            let (mut derivative, mut tangent) = products_of_state_and_tangent(known, row);
+            self.finish(&mut derivative, group_of(known, k * row));
+            store(next, 0, &derivative, scale);
+            self.finish(&mut tangent, group_of(known, k * row + GROUP));
+            store(next, GROUP, &tangent, scale);
         } else {
-            (products_of_state(known, row), None)
-        };
-        self.finish(&mut derivative, group_of(known, k * row));
-        store(next, 0, &derivative, scale);
-        for i in 1..=n_tangents {
-            let mut tangent = match fused_tangent {
-                Some(tangent) if i == 1 => tangent,
-                _ => products_of_tangent(known, row, i * GROUP),
-            };
+            let mut derivative = products_of_state(known, row);
+            self.finish(&mut derivative, group_of(known, k * row));
+            store(next, 0, &derivative, scale);
+        }
+        for i in 1 + usize::from(fused)..=n_tangents {
+            let mut tangent = products_of_tangent(known, row, i * GROUP);
             self.finish(&mut tangent, group_of(known, k * row + i * GROUP));
             store(next, i * GROUP, &tangent, scale);
         }
