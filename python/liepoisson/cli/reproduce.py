@@ -51,7 +51,7 @@ def reproduce(
             result = run_study(settings, folder, fresh=fresh, progress=progress)
     except KeyboardInterrupt:
         print(
-            f"interrupted; finished pieces are kept in {folder / 'pieces'}. Run the same command again to go on.",
+            f"interrupted; what is finished is kept in {folder}. Run the same command again to go on.",
             file=sys.stderr,
         )
         raise typer.Exit(INTERRUPTED) from None
