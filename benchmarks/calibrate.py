@@ -10,8 +10,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import measure
 import numpy as np
+
+import measure
 import problem
 
 if TYPE_CHECKING:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import heyoka as hy  # pyright: ignore[reportMissingImports]  # lives in the peer's environment only
 import numpy as np
+
 import problem
 
 if TYPE_CHECKING:

@@ -13,9 +13,9 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import problem
 
 import liepoisson as lp
+import problem
 
 if TYPE_CHECKING:
     from problem import Array

@@ -16,10 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
+
 import problem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
     from problem import Array
 
     Extended = NDArray[np.longdouble]

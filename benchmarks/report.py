@@ -6,6 +6,7 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
+
 from measure import Measured, Row, ratios
 
 COLUMNS = (

@@ -7,16 +7,15 @@ the version of liepoisson.  `rerun` repeats a run from the file alone and gives 
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liepoisson import _core
-from liepoisson.errors import DamagedFileError, OutputError
+from liepoisson.errors import DamagedFileError
 from liepoisson.field import TopField
+from liepoisson.files import write_atomically
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
 from liepoisson.numeric.methods import Taylor
@@ -93,6 +92,14 @@ def _provenance(result: Orbit | Growth, kind: str, run: dict[str, Any]) -> dict[
     }
 
 
+def netcdf(dataset: Dataset) -> memoryview:
+    """The content of a NetCDF file.
+
+    Made in memory: HDF5 does not survive a disk that fills up under a file that it has open.
+    """
+    return memoryview(dataset.to_netcdf(engine="h5netcdf"))
+
+
 def save(dataset: Dataset, path: str | Path) -> Path:
     """Writes a dataset to a NetCDF file, whole or not at all.
 
@@ -100,22 +107,7 @@ def save(dataset: Dataset, path: str | Path) -> Path:
         OutputError: The file can not be written; an older file of that name is left as it was.
     """
     path = Path(path)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
-        os.close(handle)
-    except OSError as error:
-        raise OutputError(f"{path}: can not be written ({error.strerror}); choose a folder that can be") from error
-    temporary = Path(name)
-    try:
-        dataset.to_netcdf(temporary, engine="h5netcdf")
-        temporary.chmod(0o644)
-        temporary.replace(path)
-    # HDF5 reports a full disk as RuntimeError
-    except (OSError, RuntimeError) as error:
-        raise OutputError(f"{path}: can not be written ({error}); is the disk full?") from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_atomically(path, netcdf(dataset))
     return path
 
 

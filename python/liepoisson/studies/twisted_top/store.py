@@ -9,15 +9,13 @@ pieces of a run are there they are joined into `data/<run>.nc` (readable by `lie
 from __future__ import annotations
 
 import dataclasses
-import errno
 import hashlib
 import io
 import json
-import os
 import shutil
 import zipfile
-from collections.abc import Generator, Mapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -25,7 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson import __version__
-from liepoisson.errors import DamagedFileError, OutputError, ParameterError
+from liepoisson.errors import DamagedFileError, ParameterError
+from liepoisson.files import write_atomically, write_json, writing
 from liepoisson.numeric.lyapunov import Growth
 from liepoisson.studies.twisted_top.runs import Run
 
@@ -37,59 +36,6 @@ AnyArray: TypeAlias = NDArray[Any]
 # What a growth says of the whole ensemble; the rest of it is one array each with a row per member.
 _OF_THE_WHOLE = {"system", "field", "method", "seed", "first", "time", "order", "kernel"}
 MEMBER_ARRAYS = tuple(field.name for field in dataclasses.fields(Growth) if field.name not in _OF_THE_WHOLE)
-
-_ADVICE = {
-    errno.ENOSPC: "Free some space, or choose another folder with --out; what is finished is kept.",
-    errno.EDQUOT: "Free some space, or choose another folder with --out; what is finished is kept.",
-    errno.EFBIG: "The file-size limit is too low (ulimit -f), or choose another folder with --out; "
-    "what is finished is kept.",
-    errno.ENOTDIR: "A part of the path is a file; choose another folder with --out.",
-    errno.EEXIST: "There is a file where a folder is wanted; choose another folder with --out.",
-    errno.EACCES: "No permission to write there; choose another folder with --out.",
-    errno.EROFS: "The file system is read-only; choose another folder with --out.",
-}
-
-
-@contextmanager
-def writing(path: Path) -> Generator[None]:
-    """Turn a failure of the file system inside the block into an `OutputError` that says what to try."""
-    try:
-        yield
-    except OutputError:
-        raise
-    except OSError as error:
-        advice = _ADVICE.get(error.errno or 0, "Choose another folder with --out; what is finished is kept.")
-        raise OutputError(f"could not write {path}: {error.strerror or error}. {advice}") from error
-
-
-def write_atomically(path: Path, content: bytes | memoryview) -> None:
-    """Write a file so that it is either whole or not there.
-
-    Raises:
-        OutputError: it could not be written.
-    """
-    partial = path.with_name(path.name + ".partial")
-    with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with partial.open("wb") as stream:
-                stream.write(content)
-                stream.flush()
-                os.fsync(stream.fileno())
-            partial.replace(path)
-        except BaseException:
-            partial.unlink(missing_ok=True)
-            raise
-
-
-def write_json(path: Path, content: Mapping[str, object]) -> None:
-    """Write plain data as indented JSON, atomically.
-
-    Raises:
-        OutputError: it could not be written.
-    """
-    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    write_atomically(path, (text + "\n").encode())
 
 
 def fingerprint(run: Run) -> dict[str, object]:
@@ -204,8 +150,9 @@ class RunStore:
         Raises:
             OutputError: a file could not be written.
         """
-        # Made in memory: HDF5 does not survive a disk that fills up under a file it has open.
-        content = growth.dataset.to_netcdf(engine="h5netcdf")
+        from liepoisson.dataset import netcdf
+
+        content = netcdf(growth.dataset)
         write_atomically(self.data, content)
         record = {
             "fingerprint": {**fingerprint(self.run), "members": self.run.members},

@@ -9,12 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from liepoisson.files import write_atomically, write_json, writing
 from liepoisson.numeric.finite_time_fit import Estimate
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS, draw_all
 from liepoisson.studies.twisted_top.integration import Progress, Tracker, complete
 from liepoisson.studies.twisted_top.measurements import PRINTED, RunResult, measurements, produced_by, reduce_run
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Settings, plan
-from liepoisson.studies.twisted_top.store import RunStore, discard, write_json, writing
+from liepoisson.studies.twisted_top.store import RunStore, discard
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,6 @@ def _judge(numbers: dict[str, Any], settings: Settings) -> dict[str, Any]:
 
 def _write_report(study: StudyResult, figures: dict[str, Path]) -> None:
     from liepoisson.studies.twisted_top.report import render
-    from liepoisson.studies.twisted_top.store import write_atomically
 
     write_atomically(study.out / "report.html", render(study, figures).encode())
 
