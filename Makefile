@@ -65,7 +65,8 @@ wheel-check: wheel
 	  top = lp.Top.twisted_kovalevskaya(); \
 	  growth = lp.lyapunov_exponent(top, lp.sample_states(top, 16, seed=1), t_end=50); \
 	  assert (growth.outcome == 'finished').all(); print('wheel: 16 trajectories finished')"
-	cd target/wheel-check && env PATH=/usr/bin:/bin bin/liepoisson --version
+	cd target/wheel-check && env PATH=/usr/bin:/bin bin/liepoisson reproduce twisted-top --members 50 --end-time 60 --out study
+	test -s target/wheel-check/study/report.html
 
 tools:
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || \
@@ -87,5 +88,5 @@ $(VENV)/.dev: requirements/dev.txt | $(VENV)/.run
 	touch $@
 
 $(VENV)/.built: $(VENV)/.run $(RUST_SOURCES) pyproject.toml
-	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
+	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	touch $@
