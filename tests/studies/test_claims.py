@@ -15,6 +15,8 @@ from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
 from liepoisson.studies.twisted_top.claims.integral_search import independent_products, monomials_of_weight, nullity
 from liepoisson.studies.twisted_top.claims.numerics import _heterogeneity
 
+pytestmark = pytest.mark.thorough  # all claims take several seconds
+
 HOLDS, CONDITION, WRONG, MISPRINT, OPEN = "holds", "holds with a condition", "wrong", "misprint", "not settled"
 
 EXACT = {
