@@ -58,6 +58,20 @@ fn error_follows_tolerance() {
     }
 }
 
+/// Work counters: steps of 32 trajectories to t = 10, with and without a tangent vector. A change here is a change of
+/// speed; it must be meant.
+#[test]
+fn numbers_of_steps_are_as_recorded() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let (states, times) = (starts(32), [0.0, 10.0]);
+    let steps = |tolerance: f64, tangents: &[f64]| -> u64 {
+        let orbits = run(&top, taylor(tolerance), &states, tangents, &times, Simd::Scalar);
+        orbits.summaries.iter().map(|summary| summary.n_steps).sum()
+    };
+    let counted = [1e-4, 1e-8, 1e-13].map(|tolerance| (steps(tolerance, &[]), steps(tolerance, &starts(32))));
+    assert_eq!(counted, [(677, 840), (756, 884), (883, 998)]);
+}
+
 proptest! {
     #[test]
     fn running_back_returns_to_the_start(p in parameters(), x in vector9()) {
