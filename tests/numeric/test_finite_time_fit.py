@@ -242,3 +242,19 @@ def test_no_windows_and_bad_resampling_are_refused():
         Resampling(confidence=0.0)
     with pytest.raises(ParameterError, match="time must lie in"):
         mean_curve(TIME, synthetic_ensemble(5, seed=0)).at(2000.0)
+
+
+def test_chi_squared_of_the_truth_has_mean_three():
+    """Over 400 ensembles the mean is 3 with deviation sqrt(6/400); 5 sigma, error probability 6e-7."""
+    rng = np.random.default_rng(8)
+    time, truth = np.arange(20.0, 201.0), np.array([0.12, 0.15, 0.4])
+    law = np.stack([np.ones_like(time), time**-0.5, 1 / time])
+    # coefficients of single members with strong correlations
+    mixing = np.array([[0.05, 0.0, 0.0], [-0.4, 0.2, 0.0], [1.0, -1.5, 0.7]])
+    distances = []
+    for _ in range(400):
+        members = (truth + rng.standard_normal((400, 3)) @ mixing.T) @ law
+        fit = finite_time_fit(time, members, n_bootstrap=2)
+        distances.append(fit.chi_squared(truth))
+    # with the covariance estimated from 400 members this is Hotelling's T^2, larger by 3/400 or so
+    assert abs(np.mean(distances) - 3) < 5 * np.sqrt(6 / 400) + 0.05

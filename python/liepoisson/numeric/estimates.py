@@ -69,6 +69,8 @@ class FiniteTimeFit:
         n_excluded: Members left out because they did not finish.
         rms_residual: Root mean square of mean curve minus fit over the window.
         resampling: How the errors were made.
+        covariance: Covariance of `lambda`, `c1`, `c0` from the spread of the members: the three are strongly
+            correlated, so they must not be compared with other values one by one.
     """
 
     estimates: dict[str, Estimate]
@@ -78,6 +80,13 @@ class FiniteTimeFit:
     n_excluded: int
     rms_residual: float
     resampling: Resampling
+    covariance: tuple[tuple[float, ...], ...]
+
+    def chi_squared(self, coefficients: ArrayLike) -> float:
+        r"""$d^T V^{-1} d$ for the distance d to given (lambda, c1, c0): chi squared with 3 degrees of freedom."""
+        values = [self.lambda_, self.c1, self.c0]
+        distance = np.asarray(coefficients, dtype=np.float64) - values
+        return float(distance @ np.linalg.solve(np.array(self.covariance), distance))
 
     @property
     def lambda_(self) -> float:

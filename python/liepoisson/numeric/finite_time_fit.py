@@ -184,6 +184,7 @@ class EnsembleReduction:
                 window,
                 *self._fit_facts(_FINITE_TIME, window),
                 resampling,
+                self._covariance(slice(n_coefficients * k, n_coefficients * (k + 1))),
             )
             for k, window in enumerate(self.windows)
         )
@@ -220,6 +221,12 @@ class EnsembleReduction:
             table = np.stack([coefficients.mean(axis=0), errors, low, high], axis=1)
             self._estimated[resampling] = [Estimate(*map(float, row)) for row in table]
         return self._estimated[resampling]
+
+    def _covariance(self, columns: slice) -> tuple[tuple[float, ...], ...]:
+        """Covariance of the mean of some coefficients over the members."""
+        coefficients = np.concatenate([piece[:, columns] for piece in self._coefficients])
+        covariance = np.cov(coefficients, rowvar=False) / self.n_members
+        return tuple(tuple(map(float, row)) for row in covariance)
 
     def _fit_facts(self, law: _Law, window: Window) -> tuple[int, int, int, float]:
         """Number of times, of members and of members left out, and the residual of the mean curve."""

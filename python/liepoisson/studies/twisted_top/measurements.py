@@ -16,7 +16,8 @@ The schema (version 1).  Every estimate is `{"value", "standard_error", "low", "
         by_energy    mean final exponent in eighths of the ensemble ordered by energy:
                      [{"low", "high", "members", "mean", "standard_error"}, ...]
         fit          finite-time fit over t in [20, 200]: {"window", "n_times", "rms_residual",
-                     "lambda": estimate, "c1": estimate, "c0": estimate}
+                     "lambda": estimate, "c1": estimate, "c0": estimate, "chi_squared_of_printed": of the three
+                     printed coefficients, with the correlations of the fit}
         windows      the same for every window of the scan
         log_fit      t <lambda(t)> = A + B ln t over [50, 1000]: {"window", "n_times", "rms_residual", "A", "B",
                      "with_linear_term": {"A", "B", "D"}, "linear_term_is_zero",
@@ -249,7 +250,8 @@ def _estimates(estimates: dict[str, Estimate]) -> dict[str, dict[str, float]]:
 
 def _fit_entry(fit: FiniteTimeFit) -> dict[str, Any]:
     facts = {"window": list(fit.window), "n_times": fit.n_times, "rms_residual": fit.rms_residual}
-    return {**facts, **_estimates(fit.estimates)}
+    distance = fit.chi_squared(list(PRINTED.values()))
+    return {**facts, **_estimates(fit.estimates), "chi_squared_of_printed": distance}
 
 
 def _log_fit_entry(fit: LogFit) -> dict[str, Any]:

@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 # Growth like t to a power within this of 1 is called regular: the bound fixed for the ordinary top before it was run.
 REGULAR_POWER = 0.02
 
+# The finite-time law does not describe the mean before this time.
+FIRST_WINDOW = 10.0
+
 # Order of the summary, and the colour class of each verdict.
 VERDICTS = {
     "holds": "good",
@@ -79,7 +82,7 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "labels": ENSEMBLE_LABELS,
         "printed": PRINTED,
         "difference": _difference(main.fit),
-        "scan_range": _scan_range([results["twisted-unit-vectors"], results["twisted-cube"]]),
+        "scan_range": _scan_range([results[f"twisted-{name}"] for name in ENSEMBLES]),
         "overshoot": _overshoot(main),
         "energies": by_energy(main),
         "regular_share": _regular_share(results),
@@ -105,6 +108,7 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "regular": abs(ordinary.log_fit.B - 1) < REGULAR_POWER,
         "misprint": _is_misprint(results),
         "floor_sentences": _floor_sentences(ordinary.log_fit),
+        "slope_in_errors": abs(ordinary.log_fit.B - 1) / ordinary.log_fit.estimates["B"].standard_error,
         "log_scan": (ordinary.log_fit, *ordinary.log_scan),
     }
 
@@ -116,10 +120,14 @@ def _difference(fit: FiniteTimeFit) -> dict[str, float]:
 
 
 def _scan_range(results: list[RunResult]) -> dict[str, float]:
-    """Smallest and largest fitted exponent over the windows whose error is below 0.002."""
-    limit = max(0.002, 2 * min(fit.standard_errors["lambda"] for result in results for fit in result.scan))
-    values = [fit.lambda_ for result in results for fit in result.scan if fit.standard_errors["lambda"] <= limit]
-    return {"low": min(values), "high": max(values), "limit": limit}
+    """Smallest and largest fitted exponent over the windows whose error is below 0.002.
+
+    Windows before t = 10 are left out: the law does not describe the early rise of the curve.
+    """
+    fits = [fit for result in results for fit in result.scan if fit.window[0] >= FIRST_WINDOW]
+    limit = max(0.002, 2 * min(fit.standard_errors["lambda"] for fit in fits))
+    values = [fit.lambda_ for fit in fits if fit.standard_errors["lambda"] <= limit]
+    return {"low": min(values), "high": max(values), "limit": limit, "first": FIRST_WINDOW}
 
 
 def _overshoot(result: RunResult) -> dict[str, Any]:

@@ -24,7 +24,7 @@ def poisson_identities(context: Context, epsilon: int | str) -> Evidence:
     evidence.zero("J is antisymmetric", J + J.T)
     residuals = list(bracket.jacobi_residuals().values())
     evidence.zero(f"the cyclic sum vanishes for all {len(residuals)} triples of coordinates", residuals)
-    evidence.note("J is linear in the coordinates, so this is the Jacobi identity for all functions.")
+    evidence.note("The cyclic sum is a derivation in each argument, so this is the Jacobi identity for all functions.")
     evidence.data = {"triples": len(residuals), "nonzero": sum(value != 0 for value in residuals)}
     return evidence
 

@@ -156,7 +156,8 @@ def leaves_are_cotangent(context: Context) -> Verdict:
     return evidence.conclude(
         "wrong",
         "For ε ≠ 0 every leaf with β ≠ 0 is diffeomorphic to S² × R⁴, not to T*SO(3); the collinear states are "
-        "regular points of it. The Euler-angle chart covers the leaf without them, and only where 2ε l·β < η.",
+        "regular points of it. The Euler-angle chart covers the leaf without them (the part 2ε l·β < η) and "
+        "without sin θ = 0.",
     )
 
 

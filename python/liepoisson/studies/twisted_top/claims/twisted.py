@@ -38,6 +38,8 @@ def two_field_extensions(context: Context) -> Verdict:
     evidence.zero(
         "without unit, e₀e₀ = e₁ ([l, l] → α only): Jacobi identity", list(without_unit.jacobi_residuals().values())
     )
+    form = Matrix(_killing_form(without_unit))
+    evidence.zero("without unit: the Killing form K vanishes", form)
     evidence.note("K is invariant under isomorphism, so none of these is the semidirect product.")
     evidence.note("If A has a unit and e₁ is nilpotent, e₁e₁ = c e₁ gives e₁ⁿ = cⁿ⁻¹e₁ = 0, so c = 0: semidirect.")
     evidence.data = {"killing_signatures": signatures}
@@ -137,7 +139,7 @@ def alpha_not_rigid(context: Context) -> Verdict:
 
 def bounded(context: Context) -> Verdict:
     """Joint level sets of H and the Casimirs are bounded, those of H alone are not."""
-    from sympy import Symbol, symbols
+    from sympy import Matrix, Symbol, symbols
 
     evidence = Evidence()
     top = symbolic_top(context)
@@ -160,9 +162,10 @@ def bounded(context: Context) -> Verdict:
         "With w² = C₃: |l|²/(2Imax) ≤ H − a·α − b·β ≤ H + |b|w + |a| √(|C₁| + 2|ε| w |l|), and the right-hand"
     )
     evidence.note("side grows only like |l|^½: l is bounded, hence α, and |β| = w.")
-    s = Symbol("s")
-    far = substitution((*l, *alpha, *beta), (0, 0, 0, s * top.a[1], -s * top.a[0], 0, 0, 0, 0))
-    evidence.zero("the points l = β = 0, α = s(a₂, −a₁, 0) have H = 0 for every s", top.hamiltonian.subs(far))
+    s, c = Symbol("s"), Matrix(symbols("c1:4"))
+    far = substitution((*l, *alpha, *beta), (0, 0, 0, *(s * top.a.cross(c)), 0, 0, 0))
+    evidence.zero("the points l = β = 0, α = s a × c have H = 0 for every s and c", top.hamiltonian.subs(far))
+    evidence.note("(take c not parallel to a; for a = 0 any α will do).")
     return evidence.conclude(
         "holds with a condition",
         "The joint level sets of H and the three Casimirs are bounded (I > 0): with w² = C₃, |l|²/(2Imax) ≤ H + |b|w + "
