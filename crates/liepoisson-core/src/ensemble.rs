@@ -4,6 +4,7 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::lanes::{Lane, Simd, Task, dispatch};
 use crate::method::{Block, Taylor};
+use std::collections::TryReserveError;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
@@ -79,8 +80,11 @@ impl<F: Field, V: Lane> Step<'_, F, V> {
     }
 
     /// Appends the power series of the state about the start of the step.
-    pub fn copy_series(&self, to: &mut Vec<f64>) {
-        self.block.copy_series(self.lane, to);
+    ///
+    /// # Errors
+    /// There is no memory for it.
+    pub fn copy_series(&self, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        self.block.copy_series(self.lane, to)
     }
 }
 
@@ -238,6 +242,9 @@ impl Running {
 /// Steps between two looks at the flag of cancellation and two reports of progress.
 const STEPS_PER_REPORT: usize = 64;
 
+/// Samples within one step between two looks at the flag of cancellation.
+const SAMPLES_PER_LOOK: usize = 4096;
+
 struct Worker<'w, F, M> {
     ensemble: &'w Ensemble<'w, F>,
     queue: &'w AtomicUsize,
@@ -288,7 +295,7 @@ impl<F: Field, O: Observer, M: Fn(usize) -> O + Sync> Task for Worker<'_, F, M> 
                 for seat in seats.iter_mut().filter(|seat| seat.occupied) {
                     self.report(seat, false);
                 }
-                if self.control.cancelled.load(Ordering::Relaxed) {
+                if self.is_cancelled() {
                     break;
                 }
             }
@@ -300,6 +307,10 @@ impl<F: Field, O: Observer, M: Fn(usize) -> O + Sync> Task for Worker<'_, F, M> 
 }
 
 impl<F: Field, M> Worker<'_, F, M> {
+    fn is_cancelled(&self) -> bool {
+        self.control.cancelled.load(Ordering::Relaxed)
+    }
+
     /// Gives every empty seat the next member in the queue; false when nobody is left.
     #[inline(always)]
     fn fill_seats<V: Lane, O: Observer>(&self, block: &mut Block<F, V>, seats: &mut [Seat], observer: &mut O) -> bool {
@@ -307,7 +318,7 @@ impl<F: Field, M> Worker<'_, F, M> {
         let (n, n_tangents) = (ensemble.field.n_components(), ensemble.n_tangents);
         let mut any = false;
         for (lane, seat) in seats.iter_mut().enumerate() {
-            if !seat.occupied && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
+            if !seat.occupied && !self.is_cancelled() && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
                 let member = self.queue.fetch_add(1, Ordering::Relaxed);
                 if member < ensemble.n_members() {
                     for i in 0..n {
@@ -359,6 +370,10 @@ impl<F: Field, M> Worker<'_, F, M> {
             }
             observer.sample(lane, seat.next_sample, tau, &step);
             seat.next_sample += 1;
+            if seat.next_sample.is_multiple_of(SAMPLES_PER_LOOK) && self.is_cancelled() {
+                self.dismiss(block, lane, seat, Outcome::Cancelled, observer);
+                return 0.0;
+            }
         }
         if is_last {
             (seat.time, seat.time_low) = (end, 0.0);

@@ -46,6 +46,11 @@ pub enum Error {
         /// Member of the ensemble that it belongs to.
         member: usize,
     },
+    /// The result, or the dense output on the way to it, does not fit into memory.
+    Memory {
+        /// Bytes that could not be had.
+        bytes: usize,
+    },
     /// `LIEPOISSON_SIMD` names an instruction set that is unknown or that this processor lacks.
     SimdNotAvailable {
         /// What was asked for.
@@ -84,8 +89,14 @@ impl fmt::Display for Error {
             }
             Error::TangentVector { member } => write!(
                 f,
-                "tangent vector of member {member}: wanted finite components that are not all zero; \
+                "tangent vector of member {member}: wanted finite components, not all zero or negligibly small; \
                  leave tangent vectors out to have them drawn from the seed"
+            ),
+            Error::Memory { bytes } => write!(
+                f,
+                "the result: wanted memory for {:.2e} bytes more; there is none; \
+                 ask for fewer trajectories or times at once, or leave dense output out",
+                *bytes as f64
             ),
             Error::SimdNotAvailable { wanted } => write!(
                 f,

@@ -5,11 +5,14 @@ mod common;
 use common::*;
 use liepoisson_core::analysis::lyapunov::growth;
 use liepoisson_core::analysis::orbit::orbits;
-use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
+use liepoisson_core::ensemble::{Control, Ensemble, Observer, Outcome, Step, Summary};
 use liepoisson_core::error::Error;
-use liepoisson_core::lanes::Simd;
+use liepoisson_core::field::Field;
+use liepoisson_core::lanes::{Lane, Simd};
 use liepoisson_core::method::Taylor;
 use proptest::prelude::*;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Bits, so that NaN equals NaN.
 fn bits(values: &[f64]) -> Vec<u64> {
@@ -232,4 +235,59 @@ fn growth_beyond_the_largest_number_is_followed() {
     for exponent in growth.exponents {
         assert!((exponent - expected).abs() < 1e-13, "{exponent} {expected}");
     }
+}
+
+#[test]
+fn length_of_the_initial_tangent_vector_does_not_count() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let states = starts(3);
+    let exponents = |tangents: &[f64]| {
+        let ensemble = Ensemble {
+            field: &top,
+            method: taylor(1e-13),
+            states: &states,
+            tangents,
+            n_tangents: 1,
+            times: &[0.0, 0.1, 9.0],
+        };
+        growth(&ensemble, 1, Simd::Scalar, &Control::default(), |_| ()).unwrap().exponents
+    };
+    let expected = exponents(&states);
+    for scale in [1e-300, 1e-161, 1e160, 1e300] {
+        let scaled: Vec<f64> = states.iter().map(|component| component * scale).collect();
+        assert!(distance(&exponents(&scaled), &expected) < 1e-13, "{scale:e}");
+    }
+}
+
+/// Cancels at the first sample, and counts how many it sees.
+struct Impatient<'c> {
+    control: &'c Control,
+    seen: &'c AtomicUsize,
+    outcomes: &'c Mutex<Vec<Outcome>>,
+}
+
+impl Observer for Impatient<'_> {
+    fn begin(&mut self, _lane: usize, _member: usize) {}
+    fn step<F: Field, V: Lane>(&mut self, _lane: usize, _step: &Step<'_, F, V>) {}
+    fn sample<F: Field, V: Lane>(&mut self, _lane: usize, _index: usize, _tau: f64, _step: &Step<'_, F, V>) {
+        self.control.cancel();
+        self.seen.fetch_add(1, Ordering::Relaxed);
+    }
+    fn end(&mut self, _lane: usize, _member: usize, summary: Summary) {
+        self.outcomes.lock().unwrap().push(summary.outcome);
+    }
+}
+
+#[test]
+fn cancelling_is_seen_between_the_samples_of_one_step_and_seats_nobody() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let hanging = [0.0, 0.0, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0].repeat(3); // one step to any time
+    let times: Vec<f64> = (0..100_000).map(f64::from).collect();
+    let ensemble =
+        Ensemble { field: &top, method: taylor(1e-12), states: &hanging, tangents: &[], n_tangents: 0, times: &times };
+    let (control, seen, outcomes) = (Control::default(), AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let observer = |_| Impatient { control: &control, seen: &seen, outcomes: &outcomes };
+    ensemble.run(1, Simd::Scalar, &control, observer, |_| ()).unwrap();
+    assert!(seen.into_inner() < 10_000);
+    assert_eq!(outcomes.into_inner().unwrap(), [Outcome::Cancelled]);
 }

@@ -1,6 +1,7 @@
 //! The largest Lyapunov exponent of each trajectory as a function of time.
 
 use super::orbit::UNREACHED;
+use super::unreached;
 use crate::ensemble::{Control, Ensemble, Observer, Step, Summary};
 use crate::error::Error;
 use crate::field::Field;
@@ -34,16 +35,26 @@ pub fn growth<F: Field>(
 ) -> Result<Growth, Error> {
     ensemble.check()?;
     let (n, members, n_times) = (ensemble.field.n_components(), ensemble.n_members(), ensemble.times.len() - 1);
+    // Only the direction of a tangent vector counts, so one whose square would leave the range of numbers is brought
+    // near length one by a power of two, exactly.
+    let mut tangents = ensemble.tangents.to_vec();
     let mut initial = Vec::with_capacity(members);
-    for (member, vectors) in ensemble.tangents.chunks_exact(n * ensemble.n_tangents).enumerate() {
+    for (member, vectors) in tangents.chunks_exact_mut(n * ensemble.n_tangents).enumerate() {
+        let largest = vectors[..n].iter().fold(0.0_f64, |largest, component| largest.max(component.abs()));
+        if largest.is_finite() && !(1e-100..1e100).contains(&largest) {
+            let (_, exponent) = libm::frexp(largest);
+            vectors[..n].iter_mut().for_each(|component| *component = libm::scalbn(*component, -exponent));
+        }
         let norm = euclidean_norm(&vectors[..n]);
         if !(norm.is_finite() && norm > 0.0) {
             return Err(Error::TangentVector { member });
         }
         initial.push(libm::log(norm));
     }
-    let growth =
-        Mutex::new(Growth { exponents: vec![f64::NAN; members * n_times], summaries: vec![UNREACHED; members] });
+    let growth = Mutex::new(Growth {
+        exponents: unreached(members.saturating_mul(n_times))?,
+        summaries: vec![UNREACHED; members],
+    });
     let recorder = |lanes| Recorder {
         shared: &growth,
         times: ensemble.times,
@@ -52,6 +63,7 @@ pub fn growth<F: Field>(
         exponents: vec![vec![f64::NAN; n_times]; lanes],
         tangent: vec![0.0; n],
     };
+    let ensemble = Ensemble { tangents: &tangents, ..*ensemble };
     ensemble.run(threads, simd, control, recorder, watch)?;
     Ok(growth.into_inner().expect("no worker panics while it writes"))
 }

@@ -1,10 +1,12 @@
 //! Orbits: states and tangent vectors at given times, and the power series of every step on request.
 
+use super::unreached;
 use crate::ensemble::{Control, Ensemble, Observer, Outcome, Step, Summary};
 use crate::error::Error;
 use crate::field::Field;
 use crate::lanes::{Lane, Simd};
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 /// States at the times of an ensemble. What a trajectory did not reach is NaN; its outcome says why.
@@ -43,9 +45,10 @@ pub fn orbits<F: Field>(
     let (n, n_times, n_tangents) = (ensemble.field.n_components(), ensemble.times.len(), ensemble.n_tangents);
     let members = ensemble.n_members();
     let row = n_times * n;
+    let memory_is_full = AtomicBool::new(false);
     let orbits = Mutex::new(Orbits {
-        states: vec![f64::NAN; members * row],
-        tangents: vec![f64::NAN; members * row * n_tangents],
+        states: unreached(members.saturating_mul(row))?,
+        tangents: unreached(members.saturating_mul(row).saturating_mul(n_tangents))?,
         summaries: vec![UNREACHED; members],
         series: vec![Series::default(); if dense { members } else { 0 }],
     });
@@ -61,15 +64,23 @@ pub fn orbits<F: Field>(
             tangents: vec![vec![f64::NAN; row * n_tangents]; lanes],
             series: vec![Series::default(); lanes],
             dense,
+            control,
+            memory_is_full: &memory_is_full,
         },
         watch,
     )?;
-    Ok(orbits.into_inner().expect("no worker panics while it writes"))
+    if memory_is_full.into_inner() {
+        let steps: u64 = orbits.into_inner().expect(POISONED).summaries.iter().map(|summary| summary.n_steps).sum();
+        return Err(Error::Memory { bytes: steps as usize * (ensemble.method.order() + 1) * n * 8 });
+    }
+    Ok(orbits.into_inner().expect(POISONED))
 }
 
 /// A member that no worker has started, because the run was cancelled.
 pub(crate) const UNREACHED: Summary =
     Summary { outcome: Outcome::Cancelled, time: f64::NAN, n_steps: 0, state: Vec::new() };
+
+const POISONED: &str = "no worker panics while it writes";
 
 struct Recorder<'o> {
     shared: &'o Mutex<Orbits>,
@@ -79,6 +90,9 @@ struct Recorder<'o> {
     tangents: Vec<Vec<f64>>,
     series: Vec<Series>,
     dense: bool,
+    control: &'o Control,
+    /// Set when dense output has used up the memory; the run is then cancelled.
+    memory_is_full: &'o AtomicBool,
 }
 
 impl Observer for Recorder<'_> {
@@ -91,8 +105,14 @@ impl Observer for Recorder<'_> {
     #[inline(always)]
     fn step<F: Field, V: Lane>(&mut self, lane: usize, step: &Step<'_, F, V>) {
         if self.dense {
-            self.series[lane].times.push(step.time);
-            step.copy_series(&mut self.series[lane].coefficients);
+            let Series { times, coefficients } = &mut self.series[lane];
+            if times.try_reserve(1).is_err() || step.copy_series(coefficients).is_err() {
+                self.memory_is_full.store(true, Ordering::Relaxed);
+                self.control.cancel();
+                self.series[lane] = Series::default();
+                return;
+            }
+            times.push(step.time);
         }
     }
 
@@ -112,7 +132,7 @@ impl Observer for Recorder<'_> {
 
     fn end(&mut self, lane: usize, member: usize, summary: Summary) {
         let (states, tangents) = (&self.states[lane], &self.tangents[lane]);
-        let mut shared = self.shared.lock().expect("no worker panics while it writes");
+        let mut shared = self.shared.lock().expect(POISONED);
         shared.states[member * states.len()..(member + 1) * states.len()].copy_from_slice(states);
         shared.tangents[member * tangents.len()..(member + 1) * tangents.len()].copy_from_slice(tangents);
         shared.summaries[member] = summary;

@@ -7,6 +7,7 @@
 use crate::error::Error;
 use crate::field::Field;
 use crate::lanes::{Lane, as_scalars};
+use std::collections::TryReserveError;
 
 const MAX_ORDER: usize = 64;
 
@@ -185,12 +186,17 @@ impl<'f, F: Field, V: Lane> Block<'f, F, V> {
     }
 
     /// Appends the series of one lane's state: order by order, its components.
-    pub fn copy_series(&self, lane: usize, to: &mut Vec<f64>) {
+    ///
+    /// # Errors
+    /// There is no memory for it.
+    pub fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        to.try_reserve((self.method.order + 1) * self.field.n_components())?;
         for k in 0..=self.method.order {
             for i in 0..self.field.n_components() {
                 to.push(self.rows[k * self.row + i].as_scalars()[lane]);
             }
         }
+        Ok(())
     }
 }
 
