@@ -15,7 +15,7 @@ help: ## list the recipes
 reproduce: $(VENV)/.built ## set up, then reproduce the paper: figure, data, claims and report in results/twisted-top
 	$(BIN)/liepoisson reproduce twisted-top --out $(OUT)
 
-test: $(VENV)/.built $(VENV)/.dev test-rust test-python wheel-check ## set up, then run the tests (what CI runs)
+test: $(VENV)/.built $(VENV)/.dev test-rust test-python wheel-check ## set up, then run the tests
 
 test-slow: $(VENV)/.built $(VENV)/.dev ## the anchors at full size (the paper's numbers with 20,000 members)
 	$(BIN)/pytest -m slow

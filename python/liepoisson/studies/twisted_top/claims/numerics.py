@@ -20,7 +20,7 @@ PRINTED = {"lambda": 0.122, "c1": 0.113, "c0": 0.497}
 SIGNIFICANT = 3.0
 # Chi squared with 3 degrees of freedom that is exceeded as seldom as three standard errors (probability 0.0027).
 CHI_SQUARED_3 = 14.16
-# How near the slope of t <lambda(t)> over ln t must be to one (issue of the study, fixed before the runs).
+# How near the slope of t <lambda(t)> over ln t must be to one (fixed before the runs).
 SLOPE_TOLERANCE = 0.02
 
 
