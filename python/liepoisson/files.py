@@ -1,12 +1,13 @@
-"""Writing files whole or not at all, with errors that say what to try."""
+"""Writing files whole or not at all, one process to a folder, with errors that say what to try."""
 
 from __future__ import annotations
 
 import errno
 import json
 import os
+import stat
 from collections.abc import Generator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from liepoisson.errors import OutputError
@@ -20,6 +21,9 @@ _ADVICE = {
     errno.EACCES: "No permission to write there; choose another folder.",
     errno.EROFS: "The file system is read-only; choose another folder.",
 }
+
+# How a file system without locks answers.
+_NO_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL}
 
 
 @contextmanager
@@ -35,23 +39,99 @@ def writing(path: Path) -> Generator[None]:
 
 
 def write_atomically(path: Path, content: bytes | memoryview) -> None:
-    """Write a file so that it is either whole or not there.
+    """Write a file so that it is either whole or not there; a symbolic link stays, what it points to is written.
 
     Raises:
-        OutputError: it could not be written.
+        OutputError: it could not be written, or there is something else than a regular file.
     """
-    partial = path.with_name(path.name + ".partial")
+    target = _target(path)
+    # No other process may write to the same name, not even one on another machine.
+    partial = target.with_name(f"{target.name}.{os.getpid()}-{os.urandom(4).hex()}.partial")
     with writing(path):
-        path.parent.mkdir(parents=True, exist_ok=True)
+        target.parent.mkdir(parents=True, exist_ok=True)
         try:
-            with partial.open("wb") as stream:
+            with partial.open("xb") as stream:
                 stream.write(content)
                 stream.flush()
                 os.fsync(stream.fileno())
-            partial.replace(path)
+            partial.replace(target)
         except BaseException:
             partial.unlink(missing_ok=True)
             raise
+
+
+def _target(path: Path) -> Path:
+    """The regular file that `path` stands for, which need not exist yet."""
+    try:
+        with writing(path):
+            mode = path.stat().st_mode
+    except ValueError as error:
+        raise OutputError(f"could not write {str(path)!r}: not a file name ({error}). Choose another name.") from error
+    except OutputError as error:
+        if not isinstance(error.__cause__, FileNotFoundError):
+            raise
+    else:
+        if stat.S_ISDIR(mode):
+            raise OutputError(f"could not write {path}: wanted a file, got a folder. Add a file name.")
+        if not stat.S_ISREG(mode):
+            raise OutputError(
+                f"could not write {path}: wanted a regular file, got a device, pipe or socket. Choose another name."
+            )
+    return Path(os.path.realpath(path))
+
+
+@contextmanager
+def exclusive(folder: Path) -> Generator[None]:
+    """Make a folder if there is none, and keep other processes from working in it while the block runs.
+
+    The lock is advisory, the file `.lock`; it ends with the process.  Where the system has no such locks there is none.
+
+    Raises:
+        OutputError: another process holds the folder, or it can not be made.
+    """
+    try:
+        with writing(folder):
+            folder.mkdir(parents=True, exist_ok=True)
+            lock = _lock(folder)
+    except ValueError as error:
+        raise OutputError(f"could not write {str(folder)!r}: not a name ({error}). Choose another folder.") from error
+    try:
+        yield
+    finally:
+        if lock is not None:
+            with suppress(OSError):
+                # While it is still locked; a file that says something is not ours.
+                if os.fstat(lock).st_size == 0:
+                    (folder / ".lock").unlink()
+            os.close(lock)
+
+
+def _lock(folder: Path) -> int | None:
+    """A descriptor of the locked file `.lock`; None where files can not be locked."""
+    try:
+        import fcntl
+    except ImportError:
+        return None
+    path = folder / ".lock"
+    while True:
+        lock = os.open(path, os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # Its last holder may have removed it between the two calls: then another process may lock a new one.
+            with suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(lock), path.stat()):
+                    return lock
+        except BlockingIOError as error:
+            os.close(lock)
+            raise OutputError(
+                f"another run is using {folder}: wait for it to end, or choose another folder."
+            ) from error
+        except OSError as error:
+            os.close(lock)
+            if error.errno in _NO_LOCKS:
+                return None
+            raise
+        os.close(lock)
 
 
 def write_json(path: Path, content: Mapping[str, object]) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 import pytest
 
 import liepoisson
+from liepoisson.files import exclusive
 
 MAIN = "from liepoisson.cli import main; main()"
 SMALL_PIECES = "import liepoisson.studies.twisted_top.runs as runs; runs.PIECE_SIZE = 50; "
@@ -72,6 +73,8 @@ def test_unknown_study_is_refused_with_a_suggestion():
         (("--end-time", "0"), "end time must be finite and at least 60"),
         (("--end-time=-100",), "end time"),
         (("--end-time", "nan"), "end time must be finite"),
+        (("--members", "9" * 23), "members must be at most 100000000"),
+        (("--threads", "9" * 23), "threads must be at most 4096"),
         (("--seed", "-1"), "seed"),
         (("--threads", "0"), "threads must be at least 1"),
         (("--member", "5"), "--member"),
@@ -81,6 +84,21 @@ def test_bad_numbers_are_refused(tmp_path, options, words):
     message = refusal(run(*STUDY, *options, "--out", tmp_path / "out"))
     assert words in message
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("out", ["", " "])
+def test_empty_output_folder_is_refused(tmp_path, out):
+    message = refusal(run(*STUDY, "--quick", "--fresh", "--out", out, cwd=tmp_path))
+    assert "--out must name a folder" in message
+    assert "results/twisted-top-quick" in message
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_second_run_in_the_same_folder_is_refused(tmp_path):
+    with exclusive(tmp_path):
+        message = refusal(run(*STUDY, "--quick", "--fresh", "--out", tmp_path))
+    assert f"another run is using {tmp_path}" in message
+    assert "wait for it" in message
 
 
 def test_output_below_a_file_is_refused(tmp_path):
@@ -171,6 +189,14 @@ def test_control_c_stops_cleanly_and_says_how_to_go_on(start, tmp_path):
     names = [path.name for path in folder.iterdir()]
     assert names
     assert all(name.endswith(".npz") for name in names)
+
+
+def test_manifest_of_another_form_is_refused_with_true_advice(tmp_path):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "manifest.json").write_text("[1]")
+    message = refusal(run(*STUDY, "--quick", "--out", tmp_path))
+    assert f"{tmp_path / 'data' / 'manifest.json'} is damaged" in message
+    assert "every finished run is computed anew" in message
 
 
 def test_damaged_piece_is_refused_by_name(tmp_path):

@@ -15,6 +15,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, OutputError, ParameterError, UnknownNameError
+from liepoisson.files import exclusive
 from liepoisson.studies import check_study
 from liepoisson.studies.twisted_top import integration, runs
 from liepoisson.studies.twisted_top.figures import FIGURES
@@ -22,7 +23,7 @@ from liepoisson.studies.twisted_top.integration import Tracker, complete
 from liepoisson.studies.twisted_top.measurements import PRINTED, command, measurements, reduce_run
 from liepoisson.studies.twisted_top.report import moments, power_of_ten, scientific, true_minus
 from liepoisson.studies.twisted_top.runs import Settings, plan, sample_times
-from liepoisson.studies.twisted_top.store import RunStore, discard
+from liepoisson.studies.twisted_top.store import RunStore, discard, fingerprint
 from liepoisson.studies.twisted_top.study import reproduce, run_all, summary
 
 SMALL = Settings(members=50, end_time=60.0)
@@ -83,6 +84,8 @@ def test_pieces_of_a_run_cover_every_member_once():
         ({"end_time": float("inf")}, "finite"),
         ({"seed": -1}, "seed"),
         ({"threads": 0}, "threads"),
+        ({"threads": 4097}, "threads must be at most 4096; got 4097"),
+        ({"members": 10**8 + 1}, "members must be at most 100000000; got 100000001"),
     ],
 )
 def test_bad_settings_are_refused(option, message):
@@ -222,6 +225,70 @@ def test_damaged_manifest_is_named(tmp_path):
         integrate(tmp_path, SMALL, "twisted-cube")
 
 
+RECORD = {"fingerprint": {}, "sha256": "0", "seconds": 1.0}
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        [1],
+        "run",
+        {"run": 5},
+        {"run": {}},
+        {"run": {**RECORD, "fingerprint": 5}},
+        {"run": {**RECORD, "sha256": None}},
+        {"run": {**RECORD, "seconds": "1"}},
+        {"run": {**RECORD, "seconds": 10**400}},
+    ],
+)
+def test_manifest_of_another_form_is_damaged(tmp_path, content):
+    store = RunStore(tmp_path, one_run(SMALL, "twisted-cube"))
+    store.data.parent.mkdir()
+    store.data.write_bytes(b"")
+    path = store.data.with_name("manifest.json")
+    path.write_text(json.dumps(content).replace("run", store.run.name))
+    with pytest.raises(DamagedFileError, match=r"manifest\.json .*every finished run is computed anew"):
+        store.missing_pieces()
+
+
+def test_manifest_nested_without_end_is_damaged(tmp_path):
+    store = RunStore(tmp_path, one_run(SMALL, "twisted-cube"))
+    store.data.parent.mkdir()
+    store.data.with_name("manifest.json").write_text("[" * 200_000)
+    with pytest.raises(DamagedFileError, match=r"manifest\.json"):
+        store.missing_pieces()
+
+
+def test_study_goes_on_after_the_damaged_manifest_is_removed_as_advised(tmp_path):
+    first = integrate(tmp_path, SMALL, "twisted-cube")
+    (tmp_path / "data" / "manifest.json").unlink()
+    np.testing.assert_array_equal(integrate(tmp_path, SMALL, "twisted-cube").exponent, first.exponent)
+
+
+@pytest.mark.parametrize(
+    "change", [{"fingerprint": 5}, {"fingerprint": [1]}, {"sha256": 5}, {"seconds": "x"}, {"order": "x"}, {"kernel": 1}]
+)
+def test_piece_that_says_something_of_another_form_is_damaged(tmp_path, change):
+    store = RunStore(tmp_path, one_run(SMALL, "twisted-cube"))
+    store.folder.mkdir(parents=True)
+    path = store.piece_path(0, 50)
+    facts = {**RECORD, "fingerprint": fingerprint(store.run), "order": 20, "kernel": "scalar"}
+    np.savez(path, facts=np.array(json.dumps(facts)))
+    assert store.missing_pieces() == []
+    np.savez(path, facts=np.array(json.dumps({**facts, **change})))
+    with pytest.raises(DamagedFileError, match=re.escape(str(path))):
+        store.missing_pieces()
+
+
+def test_data_that_are_a_folder_are_damaged(tmp_path):
+    integrate(tmp_path, SMALL, "twisted-cube")
+    path = tmp_path / "data" / "twisted-cube.nc"
+    path.unlink()
+    path.mkdir()
+    with pytest.raises(DamagedFileError, match=re.escape(str(path))):
+        integrate(tmp_path, SMALL, "twisted-cube")
+
+
 @pytest.mark.parametrize("change", [{"seed": 1}, {"end_time": 70.0}, {"tolerance": 1e-12}])
 def test_work_with_other_options_is_neither_used_nor_overwritten(tmp_path, monkeypatch, change):
     store = stored_piece(tmp_path, monkeypatch)
@@ -240,6 +307,50 @@ def test_fresh_discards_stored_work_and_nothing_else(tmp_path):
     discard(tmp_path)
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
     discard(tmp_path / "absent")
+
+
+def test_fresh_leaves_files_of_others_in_data_and_pieces(tmp_path):
+    mine = [
+        "data/mine.nc",
+        "data/twisted-cube.nc.bak",
+        "data/notes/twisted-cube.nc",
+        "pieces/notes.txt",
+        "pieces/twisted-cube/notes.txt",
+        "pieces/twisted-cube/my-000000-000049.npz",
+        "pieces/my-run/000000-000049.npz",
+    ]
+    ours = [
+        "data/twisted-cube.nc",
+        "data/twisted-cube.nc.7-0af3.partial",
+        "data/manifest.json",
+        "data/manifest.json.partial",
+        "pieces/twisted-cube/000000-000049.npz",
+        "pieces/twisted-cube/000050-000099.npz.partial",
+        "pieces/twisted-cube/000050-000099.npz.12-ab34cd56.partial",
+        "pieces/ordinary-cube/99998000-99999999.npz",
+    ]
+    for name in mine + ours:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("")
+    discard(tmp_path)
+    assert sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()) == sorted(mine)
+    assert not (tmp_path / "pieces" / "ordinary-cube").exists()
+
+
+def test_finished_run_leaves_files_of_others_among_its_pieces(tmp_path):
+    notes = tmp_path / "pieces" / "twisted-cube" / "notes.txt"
+    notes.parent.mkdir(parents=True)
+    notes.write_text("mine")
+    integrate(tmp_path, SMALL, "twisted-cube")
+    assert list(notes.parent.iterdir()) == [notes]
+
+
+def test_folder_of_another_run_is_neither_used_nor_discarded(tmp_path):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "twisted-cube.nc").write_text("")
+    with exclusive(tmp_path), pytest.raises(OutputError, match="another run is using"):
+        reproduce(SMALL, tmp_path, fresh=True, progress=lambda *_: pytest.fail("it started"))
+    assert (tmp_path / "data" / "twisted-cube.nc").exists()
 
 
 def test_output_below_a_file_is_refused(tmp_path):

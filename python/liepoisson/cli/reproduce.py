@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from liepoisson.cli.progress import progress_bar
+from liepoisson.errors import ParameterError
 from liepoisson.studies import STUDIES, check_study
 
 INTERRUPTED = 130
@@ -22,7 +23,8 @@ def reproduce(
     end_time: Annotated[float | None, typer.Option(help="Time of the main runs.  [default: 1000]")] = None,
     seed: Annotated[int, typer.Option(help="Seed of starts and tangent vectors.")] = 0,
     threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
-    out: Annotated[Path | None, typer.Option(help="Output folder.  [default: results/STUDY]")] = None,
+    # Text, because an empty one would read as the working folder.
+    out: Annotated[str | None, typer.Option(metavar="PATH", help="Output folder.  [default: results/STUDY]")] = None,
     quick: Annotated[
         bool,
         typer.Option("--quick", help=f"{QUICK_MEMBERS} members to t = {QUICK_END_TIME:g}: seconds, coarse errors."),
@@ -38,7 +40,7 @@ def reproduce(
     from liepoisson.studies.twisted_top.study import summary
 
     name = check_study(study)
-    folder = out or Path("results") / (f"{name}-quick" if quick else name)
+    folder = _folder(out, Path("results") / (f"{name}-quick" if quick else name))
     default = Settings(QUICK_MEMBERS, QUICK_END_TIME) if quick else Settings()
     settings = Settings(
         members=default.members if members is None else members,
@@ -56,3 +58,13 @@ def reproduce(
         )
         raise typer.Exit(INTERRUPTED) from None
     print(summary(result))
+
+
+def _folder(out: str | None, default: Path) -> Path:
+    if out is None:
+        return default
+    if not out.strip():
+        raise ParameterError(
+            f"--out must name a folder; got {out!r}. Leave it out to use {default}, or give . for the working folder."
+        )
+    return Path(out)

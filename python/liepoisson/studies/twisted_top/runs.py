@@ -30,6 +30,9 @@ WINDOW = (20.0, 200.0)
 LOG_WINDOW = (50.0, 1000.0)
 ENSEMBLES = ("unit-vectors", "cube", "gaussian")
 SMALLEST_END_TIME = 60.0
+# Far above any machine; a larger number is a slip of the finger, which would end in an overflow or never.
+MOST_MEMBERS = 10**8
+MOST_THREADS = 4096
 # Measured on 1024 starts of the twisted top: the exponent at t = 20 is then right to 7e-13 (median), the energy at
 # t = 200 to 5e-12.  The statistical errors are eight orders larger.
 TOLERANCE = 1e-10
@@ -48,11 +51,11 @@ class Settings:
     """The options of the study.
 
     Attributes:
-        members: Random starts per ensemble.
+        members: Random starts per ensemble, 2 to 10^8.
         end_time: Time to which the main runs go, in units of the top's own time; at least 60.
         seed: Draws starts and tangent vectors; all runs share it, so tops are compared on the same starts.
         tolerance: Relative tolerance of the Taylor method.
-        threads: Worker threads, None for all cores; the results do not depend on it.
+        threads: Worker threads, 1 to 4096, or None for all cores; the results do not depend on it.
 
     Raises:
         ParameterError: a number outside its domain.
@@ -67,6 +70,10 @@ class Settings:
     def __post_init__(self) -> None:
         if self.members < 2:
             raise ParameterError(f"members must be at least 2, for an error bar; got {self.members}.")
+        if self.members > MOST_MEMBERS:
+            raise ParameterError(
+                f"members must be at most {MOST_MEMBERS}; got {self.members}. Try 20000, as in the report."
+            )
         if not (math.isfinite(self.end_time) and self.end_time >= SMALLEST_END_TIME):
             raise ParameterError(
                 f"end time must be finite and at least {SMALLEST_END_TIME:g}, so that the fits have a window; "
@@ -76,6 +83,10 @@ class Settings:
             raise ParameterError(f"seed must be an integer >= 0; got {self.seed}.")
         if self.threads is not None and self.threads < 1:
             raise ParameterError(f"threads must be at least 1; got {self.threads}. Leave it out to use all cores.")
+        if self.threads is not None and self.threads > MOST_THREADS:
+            raise ParameterError(
+                f"threads must be at most {MOST_THREADS}; got {self.threads}. Leave it out to use all cores."
+            )
 
 
 @dataclass(frozen=True)

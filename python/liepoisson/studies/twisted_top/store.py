@@ -12,7 +12,7 @@ import dataclasses
 import hashlib
 import io
 import json
-import shutil
+import re
 import zipfile
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
@@ -26,7 +26,7 @@ from liepoisson import __version__
 from liepoisson.errors import DamagedFileError, ParameterError
 from liepoisson.files import write_atomically, write_json, writing
 from liepoisson.numeric.lyapunov import Growth
-from liepoisson.studies.twisted_top.runs import Run
+from liepoisson.studies.twisted_top.runs import Run, Settings, plan
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -35,6 +35,12 @@ AnyArray: TypeAlias = NDArray[Any]
 
 # What a growth says of the whole ensemble; the rest of it is one array each with a row per member.
 _OF_THE_WHOLE = {"system", "field", "method", "seed", "first", "time", "order", "kernel"}
+_PIECE = re.compile(r"\d{6,}-\d{6,}\.npz")
+_MANIFEST = re.compile(r"manifest\.json")
+# How text that is no JSON fails; too deeply nested, with a RecursionError.
+_UNREADABLE = (OSError, ValueError, RecursionError)
+# What an interrupted write leaves behind.
+_PARTIAL = re.compile(r"(\.[0-9]+-[0-9a-f]+)?\.partial")
 MEMBER_ARRAYS = tuple(field.name for field in dataclasses.fields(Growth) if field.name not in _OF_THE_WHOLE)
 
 
@@ -123,11 +129,12 @@ class RunStore:
             with path.open("rb") as stream, np.load(stream, allow_pickle=False) as archive:
                 facts: dict[str, Any] = json.loads(str(archive["facts"]))
                 arrays: dict[str, AnyArray] = {name: archive[name] for name in names}
-            stored, _ = facts["fingerprint"], facts["sha256"]
+            if not (_is_record(facts) and isinstance(facts["order"], int) and isinstance(facts["kernel"], str)):
+                raise ValueError("what it says of itself has another form than liepoisson writes")
         # A damaged archive may fail in any of these ways, depending on which bytes were hit.
-        except (OSError, ValueError, KeyError, EOFError, TypeError, zipfile.BadZipFile, NotImplementedError) as error:
+        except (*_UNREADABLE, KeyError, EOFError, TypeError, zipfile.BadZipFile, NotImplementedError) as error:
             raise _damaged(path, f"it can not be read ({error})") from error
-        _check_fingerprint(path, stored, fingerprint(self.run))
+        _check_fingerprint(path, facts["fingerprint"], fingerprint(self.run))
         return arrays, facts
 
     def is_complete(self) -> bool:
@@ -160,8 +167,8 @@ class RunStore:
             "seconds": seconds,
         }
         write_json(self._manifest, {**self._read_manifest(), self.run.name: record})
-        shutil.rmtree(self.folder, ignore_errors=True)
         with suppress(OSError):
+            _remove(self.folder, _PIECE)
             # Gone with the last run; pieces of other runs keep it.
             self.folder.parent.rmdir()
 
@@ -174,7 +181,11 @@ class RunStore:
         from liepoisson.dataset import load
 
         record = self._read_manifest()[self.run.name]
-        if _file_digest(self.data) != record["sha256"]:
+        try:
+            digest = _file_digest(self.data)
+        except OSError as error:
+            raise _damaged(self.data, f"it can not be read ({error})") from error
+        if digest != record["sha256"]:
             raise _damaged(self.data, "its checksum does not match the one in manifest.json")
         return load(self.data), float(record["seconds"])
 
@@ -182,21 +193,43 @@ class RunStore:
         if not self._manifest.exists():
             return {}
         try:
-            return json.loads(self._manifest.read_text(encoding="utf-8"))
-        except (OSError, ValueError) as error:
-            raise _damaged(self._manifest, f"it can not be read ({error})") from error
+            records = json.loads(self._manifest.read_text(encoding="utf-8"))
+            if not (isinstance(records, dict) and all(map(_is_record, records.values()))):
+                raise ValueError("it has another form than liepoisson writes")
+        except _UNREADABLE as error:
+            # Without it no finished run is known to be sound.
+            raise _damaged(self._manifest, f"it can not be read ({error})", "every finished run is") from error
+        return records
 
 
 def discard(out: Path) -> None:
-    """Remove the stored work of a study, and nothing else in its folder.
+    """Remove the stored work of a study, and nothing else in its folder; emptied subfolders go too.
 
     Raises:
         OutputError: it could not be removed.
     """
     with writing(out):
-        for folder in (out / "pieces", out / "data"):
-            if folder.exists():
-                shutil.rmtree(folder)
+        names = [run.name for run in plan(Settings())]
+        for name in names:
+            _remove(out / "pieces" / name, _PIECE)
+            _remove(out / "data", re.compile(re.escape(name) + r"\.nc"))
+        _remove(out / "data", _MANIFEST)
+        with suppress(OSError):
+            (out / "pieces").rmdir()
+
+
+def _remove(folder: Path, pattern: re.Pattern[str]) -> None:
+    """Remove the files of a folder whose whole name fits, with what is left of unfinished ones; then it, if empty."""
+    if not folder.is_dir():
+        return
+    for path in list(folder.iterdir()):
+        match = pattern.match(path.name)
+        rest = path.name[match.end() :] if match else None
+        if rest is not None and (not rest or _PARTIAL.fullmatch(rest)) and (path.is_file() or path.is_symlink()):
+            path.unlink()
+    with suppress(OSError):
+        # Files of others keep it.
+        folder.rmdir()
 
 
 def _digest(arrays: Mapping[str, AnyArray]) -> str:
@@ -213,9 +246,18 @@ def _file_digest(path: Path) -> str:
         return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
-def _damaged(path: Path, reason: str) -> DamagedFileError:
+def _is_record(value: Any) -> bool:
+    """Whether a value read from JSON says what determined some numbers, their checksum, and the time they took."""
+    if not isinstance(value, dict):
+        return False
+    stored, digest, seconds = value.get("fingerprint"), value.get("sha256"), value.get("seconds")
+    is_time = isinstance(seconds, (int, float)) and 0 <= seconds < 1e15
+    return isinstance(stored, dict) and isinstance(digest, str) and is_time
+
+
+def _damaged(path: Path, reason: str, computed_anew: str = "only its part is") -> DamagedFileError:
     return DamagedFileError(
-        f"{path} is damaged: {reason}. Remove this file and run the same command again (only its part is computed "
+        f"{path} is damaged: {reason}. Remove this file and run the same command again ({computed_anew} computed "
         "anew), or start over with --fresh."
     )
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from liepoisson.files import write_atomically, write_json, writing
+from liepoisson.files import exclusive, write_atomically, write_json, writing
 from liepoisson.numeric.finite_time_fit import Estimate
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS, draw_all
 from liepoisson.studies.twisted_top.integration import Progress, Tracker, complete
@@ -51,16 +51,19 @@ def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: P
         progress: Hears how far the study is.
 
     Raises:
-        OutputError: a file could not be written; what is finished is kept.
+        OutputError: a file could not be written, or another run is using `out`; what is finished is kept.
         DamagedFileError: a stored file is truncated or altered.
         ParameterError: `out` holds the work of a study with other options.
         KeyboardInterrupt: Ctrl-C; what is finished is kept.
     """
+    with exclusive(out):
+        if fresh:
+            discard(out)
+        return _reproduce(settings, out, progress)
+
+
+def _reproduce(settings: Settings, out: Path, progress: Progress | None) -> StudyResult:
     started = time.perf_counter()
-    if fresh:
-        discard(out)
-    with writing(out):
-        out.mkdir(parents=True, exist_ok=True)
     stores = [RunStore(out, run) for run in plan(settings)]
     tracker = Tracker(stores, progress)
     results = run_all(stores, settings.threads, tracker)
