@@ -1,5 +1,6 @@
 """Files: labelled, complete, repeatable bit for bit; damaged ones and full disks are refused by name."""
 
+import json
 import os
 import subprocess
 import sys
@@ -9,7 +10,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.dataset import COMPONENTS
-from liepoisson.errors import DamagedFileError, OutputError
+from liepoisson.errors import DamagedFileError, OutputError, ParameterError
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 
@@ -120,3 +121,50 @@ except OutputError as error:
     assert result.returncode == 0
     assert path.read_bytes() == before
     assert list(tmp_path.iterdir()) == [path]
+
+
+def test_a_name_that_no_file_can_have_is_refused():
+    for name in ("x" * 300, "a\0b", 5, None):
+        with pytest.raises(DamagedFileError):
+            lp.load(name)
+    with pytest.raises(DamagedFileError, match="wanted the name of a file; got 5"):
+        lp.rerun(5)
+
+
+@pytest.mark.parametrize(
+    ("attribute", "change"),
+    [
+        ("format", "liepoisson/9"),
+        ("kind", "other"),
+        ("kind", 5),
+        ("run", "[]"),
+        ("method", {"name": "euler"}),
+        ("method", {"tol": "a"}),
+        ("method", "5"),
+        ("field", {"kind": "spinning coin"}),
+        ("field", {"inertia": [1, 2]}),
+        ("field", {"inertia": "abc"}),
+        ("field", {"a": [1, 2, "b"]}),
+        ("field", {"epsilon": None}),
+        ("field", {"epsilon": float("nan")}),
+    ],
+)
+def test_an_altered_record_is_not_rerun(attribute, change):
+    dataset = growth(1).dataset
+    if isinstance(change, dict):
+        change = json.dumps(json.loads(dataset.attrs[attribute]) | change)
+    dataset.attrs[attribute] = change
+    with pytest.raises(DamagedFileError, match="does not record a run"):
+        lp.rerun(dataset)
+
+
+def test_another_version_warns():
+    dataset = growth(1).dataset
+    dataset.attrs["version"] = "0.0.0"
+    with pytest.warns(UserWarning, match=r"made by liepoisson 0\.0\.0"):
+        lp.rerun(dataset)
+
+
+def test_mistakes_of_the_caller_are_not_blamed_on_the_file():
+    with pytest.raises(ParameterError, match="threads"):
+        lp.rerun(growth(1).dataset, threads=0)

@@ -1,3 +1,4 @@
+import pickle
 import subprocess
 import sys
 import warnings
@@ -5,7 +6,7 @@ import warnings
 import pytest
 import sympy as sp
 
-from liepoisson.errors import InertiaWarning, ParameterError, ShapeError
+from liepoisson.errors import BracketError, InertiaWarning, ParameterError, ShapeError
 from liepoisson.exact.known_integrals import known_integrals
 from liepoisson.field import TopField
 from liepoisson.tops import Top
@@ -182,3 +183,31 @@ def test_a_top_needs_no_sympy_until_an_expression_is_asked_for():
         "assert 'sympy' in sys.modules\n"
     )
     subprocess.run([sys.executable, "-W", "error", "-c", code], check=True)
+
+
+@pytest.mark.parametrize(
+    "parameters",
+    [
+        {"inertia": ("l1", 2, 2)},
+        {"inertia": (2, 2, 1), "a": ("alpha1", 0, 0)},
+        {"inertia": (2, 2, 1), "b": (0, 2 * sp.Symbol("beta3", positive=True), 0)},
+        {"inertia": (2, 2, 1), "epsilon": "l2"},
+    ],
+)
+def test_a_parameter_is_not_named_like_a_coordinate(parameters):
+    with pytest.raises(BracketError, match=r"\['(l1|alpha1|beta3|l2)'\] name both"):
+        Top(**parameters)
+
+
+def test_a_function_is_no_parameter():
+    with pytest.raises(ParameterError, match=r"inertia\[0\] must be a finite real number or name; got f\(1\)"):
+        Top(inertia=(sp.Function("f")(1), 1, 1))
+
+
+def test_a_top_can_be_pickled_at_any_time():
+    top = Top(inertia=(2, 3, 4), a=(1, "1/3", 0), epsilon=1)
+    x = [0.1] * 9
+    expected = top.vector_field(x)
+    copy = pickle.loads(pickle.dumps(top))
+    assert (copy.vector_field(x) == expected).all()
+    assert copy.field() == top.field()

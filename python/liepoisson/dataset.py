@@ -7,6 +7,8 @@ the version of liepoisson.  `rerun` repeats a run from the file alone and gives 
 from __future__ import annotations
 
 import json
+import math
+import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,8 +16,9 @@ import numpy as np
 
 from liepoisson import _core
 from liepoisson.errors import DamagedFileError
-from liepoisson.field import TopField
+from liepoisson.field import TopField, Vector3
 from liepoisson.files import write_atomically
+from liepoisson.numeric._checks import shown
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
 from liepoisson.numeric.methods import Taylor
@@ -119,8 +122,12 @@ def load(path: str | Path) -> Dataset:
     """
     import xarray as xr
 
-    path = Path(path)
-    if not path.is_file():
+    try:
+        path = Path(path)
+        found = path.is_file()
+    except (TypeError, ValueError, OSError) as error:  # not a path, or a name that no file can have
+        raise DamagedFileError(f"wanted the name of a file; got {shown(path)} ({error}); look at the name") from error
+    if not found:
         raise DamagedFileError(f"{path}: wanted a file written by liepoisson; there is none of this name")
     try:
         with xr.open_dataset(path, engine="h5netcdf") as file:
@@ -154,46 +161,76 @@ def rerun(
     vectors and times come from the file, and the core computes them all with operations that IEEE 754 rounds correctly.
 
     Raises:
-        DamagedFileError: The file lacks what the run depended on.
+        DamagedFileError: The file lacks what the run depended on, or records it in a way that is not ours.
+
+    Warns:
+        UserWarning: Another version of liepoisson made the file, so the bits may differ.
     """
-    dataset = load(source) if isinstance(source, (str, Path)) else source
+    import xarray as xr
+
+    dataset = source if isinstance(source, xr.Dataset) else load(source)
     try:
-        attributes = dataset.attrs
-        parameters = json.loads(attributes["field"])
-        field = TopField(
-            inertia=tuple(parameters["inertia"]),
-            a=tuple(parameters["a"]),
-            b=tuple(parameters["b"]),
-            epsilon=parameters["epsilon"],
-        )
-        chosen = json.loads(attributes["method"])
-        method = Taylor(tol=chosen["tol"], order=chosen["order"], max_steps=chosen["max_steps"])
-        system, run = _Recorded(attributes["system"], field), json.loads(attributes["run"])
-        times = dataset["time"].to_numpy()
-        if attributes["kind"] == "growth":
-            return lyapunov_exponent(
-                system,
-                dataset["initial_state"].to_numpy(),
-                times=times,
-                tangents=dataset["initial_tangent"].to_numpy(),
-                seed=run["seed"],
-                first=run["first"],
-                method=method,
-                threads=threads,
-                progress=progress,
-            )
-        return integrate(
-            system,
-            dataset["state"].to_numpy()[:, 0],
-            t=times,
-            tangents=dataset["tangent"].to_numpy()[:, 0] if dataset.sizes["vector"] else None,
-            method=method,
-            dense=run["dense"],
-            kernel="components" if attributes["kernel"] == "components" else "lanes",
-            threads=threads,
-            progress=progress,
-        )
-    except (KeyError, TypeError, json.JSONDecodeError) as error:
+        system, method, kind, options = _recorded_run(dataset)
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
         raise DamagedFileError(
-            f"the file does not record a run that can be repeated: {error!r} is missing or altered"
+            f"the file does not record a run that can be repeated: {error!r} is missing or altered; make it again"
         ) from error
+    version = dataset.attrs.get("version")
+    if version != _core.__version__:
+        warnings.warn(
+            f"the file was made by liepoisson {version}, this is {_core.__version__}: the results may differ in their "
+            "last bits",
+            UserWarning,
+            stacklevel=2,
+        )
+    run: Any = lyapunov_exponent if kind == "growth" else integrate
+    return run(system, method=method, threads=threads, progress=progress, **options)
+
+
+def _recorded_run(dataset: Dataset) -> tuple[_Recorded, Taylor, str, dict[str, Any]]:
+    """What a dataset records of its run: system, method, kind and the other arguments."""
+    attributes = dataset.attrs
+    kind, run = attributes["kind"], json.loads(attributes["run"])
+    chosen, parameters = json.loads(attributes["method"]), json.loads(attributes["field"])
+    _expect("format", attributes["format"], _FORMAT)
+    _expect("kind", kind, "growth", "orbit")
+    _expect("method", chosen["name"], "taylor")
+    _expect("kind of field", parameters["kind"], "top")
+    inertia, a, b = (_triple(parameters[name], name) for name in ("inertia", "a", "b"))
+    (epsilon,) = _numbers([parameters["epsilon"]], "epsilon")
+    system = _Recorded(attributes["system"], TopField(inertia=inertia, a=a, b=b, epsilon=epsilon))
+    method = Taylor(tol=chosen["tol"], order=chosen["order"], max_steps=chosen["max_steps"])
+    times = dataset["time"].to_numpy()
+    if kind == "growth":
+        return system, method, kind, {
+            "x0": dataset["initial_state"].to_numpy(),
+            "times": times,
+            "tangents": dataset["initial_tangent"].to_numpy(),
+            "seed": run["seed"],
+            "first": run["first"],
+        }  # fmt: skip
+    return system, method, kind, {
+        "x0": dataset["state"].to_numpy()[:, 0],
+        "t": times,
+        "tangents": dataset["tangent"].to_numpy()[:, 0] if dataset.sizes["vector"] else None,
+        "dense": bool(run["dense"]),
+        "kernel": "components" if attributes["kernel"] == "components" else "lanes",
+    }  # fmt: skip
+
+
+def _expect(name: str, got: object, *wanted: str) -> None:
+    if got not in wanted:
+        raise ValueError(f"{name}: wanted {' or '.join(wanted)}; got {shown(got)}")
+
+
+def _numbers(values: Any, name: str) -> list[float]:
+    if not all(type(value) in (int, float) and math.isfinite(value) for value in values):
+        raise ValueError(f"{name}: wanted finite numbers; got {shown(values)}")
+    return [float(value) for value in values]
+
+
+def _triple(values: Any, name: str) -> Vector3:
+    if not isinstance(values, list) or len(values) != 3:  # pyright: ignore[reportUnknownArgumentType]
+        raise ValueError(f"{name}: wanted three numbers; got {shown(values)}")  # pyright: ignore[reportUnknownArgumentType]
+    first, second, third = _numbers(values, name)
+    return first, second, third

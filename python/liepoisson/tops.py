@@ -35,6 +35,7 @@ class Top(System):
     Raises:
         ShapeError: inertia, a or b does not have three components.
         ParameterError: a parameter is not a finite number or a name, or a moment of inertia is not positive.
+        BracketError: a parameter is named like a coordinate.
 
     Warns:
         InertiaWarning: the moments violate I1 + I2 >= I3, so no rigid body has them (the equations do not need it).
@@ -61,6 +62,7 @@ class Top(System):
         )
         self._top = top
         super().__init__(so(3) @ leibniz(3, top.epsilon), top.hamiltonian, name=name or _default_name(top))
+        self.bracket.check_parameter_names(top.symbols)
 
     @property
     def inertia(self) -> ExactVector:

@@ -1,11 +1,14 @@
 from fractions import Fraction
 from itertools import product
 
+import numpy as np
 import pytest
 import sympy as sp
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.extension import Extension, leibniz, semidirect
+from liepoisson.exact.lie_algebra import so
 
 
 def products(extension):
@@ -66,3 +69,28 @@ def test_wrong_sizes_are_refused():
         leibniz(0)
     with pytest.raises(ShapeError, match="field_names must be 2 names; got 1"):
         Extension(leibniz(2).tensor, field_names=("l",))
+
+
+@pytest.mark.parametrize("n", ["a", 2.5, None, True])
+def test_a_number_of_fields_is_whole(n):
+    with pytest.raises(ParameterError, match="n >= 1"):
+        leibniz(n, 1)
+
+
+@pytest.mark.parametrize("tensor", [None, 5, "abc", [None], [[1]], ["a"], [[None]], np.array(1)])
+def test_a_tensor_has_three_axes(tensor):
+    with pytest.raises((ShapeError, ParameterError), match="W"):
+        Extension(tensor, "x")
+
+
+@pytest.mark.parametrize("names", [5, "l", [1]])
+def test_field_names_are_a_sequence_of_names(names):
+    with pytest.raises(ShapeError, match="field_names must be a sequence"):
+        Extension([[[1]]], field_names=names)
+
+
+def test_a_bracket_is_made_of_an_algebra_and_an_extension():
+    with pytest.raises(ParameterError, match="extension must be of type Extension; got one of type int"):
+        so(3) @ 5
+    with pytest.raises(ParameterError, match="algebra must be of type LieAlgebra"):
+        Bracket(None, leibniz(3, 1))

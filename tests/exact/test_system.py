@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
+from liepoisson.errors import BracketError, ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.exact.extension import Extension, leibniz, semidirect
 from liepoisson.exact.lie_algebra import so
 from liepoisson.exact.system import System
@@ -138,3 +138,38 @@ def test_describe_shows_the_equations():
     assert "alpha' = alpha × omega + epsilon beta × a" in text
     other = System(so(3) @ leibniz(1), lambda l: l[0] * l[1])
     assert "l1' = l1*l3" in other.describe().replace("-", "")
+
+
+@pytest.mark.parametrize("parameters", [{"l1": 5}, {"epsilon": "beta2"}, {"m": "alpha3"}])
+def test_a_parameter_is_not_named_like_a_coordinate(parameters):
+    with pytest.raises(BracketError, match=r"\['(l1|beta2|alpha3)'\] name both"):
+        System(so(3) @ leibniz(3, "epsilon"), lambda l, alpha, beta: l.dot(l), parameters)
+
+
+@pytest.mark.parametrize(
+    "factor", [sp.nan, sp.oo, -sp.oo, sp.zoo, sp.I, sp.sqrt(-2), sp.Integer(-1) ** sp.Rational(1, 3)]
+)
+def test_a_hamiltonian_is_finite_and_real(factor):
+    system = System(so(3) @ leibniz(3, 1), lambda l, alpha, beta: l[0] ** 2 + factor * alpha[0])
+    with pytest.raises(ParameterError, match="must be finite and real"):
+        _ = system.hamiltonian
+
+
+def test_a_parameter_that_makes_the_hamiltonian_infinite_is_refused():
+    system = System(so(3) @ leibniz(3, 1), lambda l, alpha, beta: l.dot(l) / sp.Symbol("m"), {"m": 0})
+    with pytest.raises(ParameterError, match="must be finite and real"):
+        system.field()
+
+
+def test_imaginary_parts_that_cancel_are_no_obstacle():
+    system = System(so(3) @ leibniz(3, 1), lambda l, alpha, beta: (l[0] + sp.I * l[1]) * (l[0] - sp.I * l[1]))
+    assert sp.expand(system.hamiltonian).is_polynomial(*system.variables)
+
+
+def test_arguments_of_the_wrong_type_are_named():
+    bracket = so(3) @ leibniz(3, 1)
+    with pytest.raises(ParameterError, match="the bracket must be of type Bracket; got NoneType"):
+        System(None, lambda l, alpha, beta: l.dot(l))
+    for parameters in (5, ["epsilon"], {1: 2}):
+        with pytest.raises(ParameterError, match="parameters must be a mapping"):
+            System(bracket, lambda l, alpha, beta: l.dot(l), parameters)

@@ -36,23 +36,39 @@ class Bracket:
 
     Raises:
         BracketError: a coordinate and a parameter have the same name.
+        ParameterError: `algebra` is not a LieAlgebra or `extension` not an Extension.
 
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
     """
 
     def __init__(self, algebra: LieAlgebra, extension: Extension) -> None:
+        _check_type(algebra, LieAlgebra, "algebra", "so(3)")
+        _check_type(extension, Extension, "extension", "leibniz(3, epsilon)")
         self.algebra = algebra
         self.extension = extension
-        names = {f"{field}{base}" for field in extension.field_names for base in algebra.basis_names}
+        names = self.coordinate_names
         if len(names) < self.dimension:
             raise BracketError(f"coordinates must have distinct names; got {sorted(names)}. Rename the fields.")
-        if clash := names & self.symbols:
-            raise BracketError(f"{sorted(clash)} name both coordinates and parameters; rename the parameters.")
+        self.check_parameter_names(self.symbols)
 
     @property
     def dimension(self) -> int:
         """Number of coordinates, dim g times dim A."""
         return self.algebra.dimension * self.extension.dimension
+
+    @property
+    def coordinate_names(self) -> set[str]:
+        """Names of the coordinates; asking for them does not import SymPy."""
+        return {f"{field}{base}" for field in self.extension.field_names for base in self.algebra.basis_names}
+
+    def check_parameter_names(self, names: set[str]) -> None:
+        """Refuse parameters that are named like a coordinate: a derivative would take one for the other.
+
+        Raises:
+            BracketError: there is such a name; the message lists them.
+        """
+        if clash := names & self.coordinate_names:
+            raise BracketError(f"{sorted(clash)} name both coordinates and parameters; rename the parameters.")
 
     @property
     def symbols(self) -> set[str]:
@@ -171,3 +187,10 @@ class Bracket:
         matrix = DomainMatrix.from_dict_sympy(len(rows), len(monomials), dict(enumerate(rows.values())))
         vectors = matrix.to_field().nullspace(divide_last=True).to_Matrix().tolist()
         return [sum((v * m for v, m in zip(vector, monomials, strict=True)), S.Zero) for vector in vectors]
+
+
+def _check_type(value: object, wanted: type, name: str, example: str) -> None:
+    if not isinstance(value, wanted):
+        raise ParameterError(
+            f"{name} must be of type {wanted.__name__}; got one of type {type(value).__name__}. Try {example}."
+        )

@@ -8,9 +8,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from itertools import product
+from numbers import Integral
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.exact.lie_algebra import Tensor3, read_tensor, substitute_in_tensor, tensor_symbols
+from liepoisson.exact.lie_algebra import Tensor3, read_names, read_tensor, substitute_in_tensor, tensor_symbols
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter
 
 _FIELD_NAMES = {1: ("l",), 2: ("l", "alpha"), 3: ("l", "alpha", "beta")}
@@ -43,7 +44,7 @@ class Extension:
         self.name = name
         n = len(self.tensor)
         default = _FIELD_NAMES.get(n) or tuple(f"x{i}" for i in range(n))
-        self.field_names: tuple[str, ...] = tuple(field_names or default)
+        self.field_names: tuple[str, ...] = read_names(field_names, "field_names", default)
         if len(self.field_names) != n:
             raise ShapeError(f"field_names must be {n} names; got {len(self.field_names)}. Give one per basis element.")
         if check:
@@ -102,8 +103,8 @@ def semidirect(n: int) -> Extension:
 
 
 def _graded_tensor(n: int, strength: Exact) -> list[list[list[Exact]]]:
-    if n < 1:
-        raise ParameterError(f"an extension needs n >= 1 fields; got n = {n}. Use n = 3 for the twisted top.")
+    if isinstance(n, bool) or not isinstance(n, Integral) or n < 1:  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(f"an extension needs n >= 1 fields; got n = {n!r}. Use n = 3 for the twisted top.")
     zero, one = read_parameter(0, "0"), read_parameter(1, "1")
     return [
         [[(strength if mu and nu else one) if mu + nu == lam else zero for nu in range(n)] for mu in range(n)]

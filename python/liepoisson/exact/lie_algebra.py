@@ -8,7 +8,7 @@ from itertools import combinations, product
 from typing import TYPE_CHECKING, TypeAlias
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, symbols_of, to_sympy
+from liepoisson.exact.parameters import Exact, Parameter, is_zero, listed, read_parameter, symbols_of, to_sympy
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -44,7 +44,7 @@ class LieAlgebra:
         self.structure_constants: Tensor3 = read_tensor(structure_constants, "structure_constants")
         self.name = name
         n = len(self.structure_constants)
-        self.basis_names: tuple[str, ...] = tuple(basis_names or (str(i + 1) for i in range(n)))
+        self.basis_names: tuple[str, ...] = read_names(basis_names, "basis_names", tuple(str(i + 1) for i in range(n)))
         if len(self.basis_names) != n:
             raise ShapeError(f"basis_names must be {n} names; got {len(self.basis_names)}. Give one per basis element.")
         if check:
@@ -99,9 +99,12 @@ def read_tensor(entries: Sequence[Sequence[Sequence[Parameter]]], name: str) -> 
         ShapeError: the tensor is not n x n x n.
         ParameterError: an entry is not exact.
     """
-    n = len(entries)
-    if n == 0 or any(len(plane) != n or any(len(row) != n for row in plane) for plane in entries):
-        raise ShapeError(f"{name} must have shape (n, n, n); its first axis has length {n}. Make every axis that long.")
+    planes = _items(entries)
+    n = len(planes or ())
+    rows = [row for plane in planes or () for row in _items(plane) or (None,)]
+    if n == 0 or len(rows) != n * n or any(len(_items(row) or ()) != n for row in rows):
+        got = f"its first axis has length {n}" if planes else f"got {type(entries).__name__}"
+        raise ShapeError(f"{name} must have shape (n, n, n); {got}. Make every axis that long.")
     read = tuple(
         tuple(tuple(read_parameter(v, f"{name}[{i}][{j}][{k}]") for k, v in enumerate(row)) for j, row in enumerate(p))
         for i, p in enumerate(entries)
@@ -110,6 +113,24 @@ def read_tensor(entries: Sequence[Sequence[Sequence[Parameter]]], name: str) -> 
         return read
     # Fraction and SymPy numbers do not mix under multiplication.
     return tuple(tuple(tuple(to_sympy(value) for value in row) for row in plane) for plane in read)
+
+
+def _items(values: object) -> list[object] | None:
+    return None if isinstance(values, str) else listed(values)
+
+
+def read_names(names: Sequence[str] | None, name: str, default: tuple[str, ...]) -> tuple[str, ...]:
+    """Read a sequence of names, or take the default ones.
+
+    Raises:
+        ShapeError: not a sequence of strings.
+    """
+    if names is None:
+        return default
+    given = listed(names)
+    if given is None or isinstance(names, str) or not all(isinstance(item, str) for item in given):
+        raise ShapeError(f"{name} must be a sequence of names; got {names!r}. Write for example {name}={default!r}.")
+    return tuple(str(item) for item in given)
 
 
 def tensor_symbols(tensor: Tensor3) -> set[str]:

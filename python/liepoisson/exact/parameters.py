@@ -13,6 +13,9 @@ from fractions import Fraction
 from numbers import Integral, Rational, Real
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from liepoisson.errors import ParameterError, ShapeError
 
 if TYPE_CHECKING:
@@ -59,7 +62,7 @@ def read_parameter(value: object, name: str) -> Exact:
         return Fraction(int(value.numerator), int(value.denominator))
     if isinstance(value, (float, Real)):
         return _read_float(value, name)
-    if _is_sympy(value):
+    if is_sympy(value):
         return _read_expression(value, name)
     raise _not_a_parameter(value, name)
 
@@ -76,10 +79,10 @@ def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exac
         ShapeError: not a sequence of 3 scalars.
         ParameterError: a component that is not an exact finite real parameter.
     """
-    items = None if isinstance(values, (str, bytes)) else _listed(values)
+    items = None if isinstance(values, (str, bytes)) else listed(values)
     if items is None:
         raise ShapeError(f"{name} must be 3 numbers {components}; got {values!r}. Write for example {name}=(1, 1, 2).")
-    if len(items) != 3 or any(_listed(item) is not None for item in items if not isinstance(item, str)):
+    if len(items) != 3 or any(listed(item) is not None for item in items if not isinstance(item, str)):
         got = f"shape {_shape(values, items)}"
         raise ShapeError(f"{name} must be 3 numbers {components}; got {got}. Give exactly three components.")
     first, second, third = (read_parameter(item, f"{name}[{k}]") for k, item in enumerate(items))
@@ -136,9 +139,31 @@ def as_float(value: Exact, name: str) -> float:
         number = float(value)
     except OverflowError:
         number = math.inf
+    except TypeError:
+        raise ParameterError(f"{name} must be a real number; got {value}. Give it a value.") from None
     if not math.isfinite(number):
         raise ParameterError(f"{name} must fit into a double (below 1.8e308); got a larger number. Rescale the system.")
     return number
+
+
+def read_states(x: ArrayLike) -> NDArray[np.float64]:
+    """States for numerical evaluation, as an array of doubles of any shape.
+
+    Raises:
+        ParameterError: complex numbers, dates or masked entries, whose meaning a conversion would lose.
+        ShapeError: not an array of numbers at all.
+    """
+    try:
+        given = np.asanyarray(x)
+        masked = isinstance(given, np.ma.MaskedArray)
+        if given.dtype.kind in "SU":
+            raise TypeError("texts")
+        if not masked and given.dtype.kind not in "cmM":
+            return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ShapeError(f"x must be an array of numbers; got {type(x).__name__} ({error}). Give doubles.") from None
+    kind = "a masked array" if masked else f"an array of {given.dtype}"
+    raise ParameterError(f"x must be an array of real numbers; got {kind}. Convert it, or drop what is not a number.")
 
 
 def display(value: Exact) -> str:
@@ -171,18 +196,26 @@ def _read_float(value: float | Real, name: str) -> Fraction:
 def _read_expression(value: Any, name: str) -> Exact:
     from sympy import Expr, Float, nan
     from sympy import Rational as SympyRational
+    from sympy.core.function import AppliedUndef
 
     if isinstance(value, Float):
         return _read_float(float(value), name)
     if isinstance(value, SympyRational) and value.is_finite:
         return Fraction(int(value.p), int(value.q))
-    if not isinstance(value, Expr) or value.has(nan) or value.is_finite is False or value.is_real is False:
+    if (
+        not isinstance(value, Expr)
+        or value.has(nan, AppliedUndef)
+        or value.is_finite is False
+        or value.is_real is False
+    ):
         raise ParameterError(f"{name} must be a finite real number or name; got {value}. Check the expression.")
     return value
 
 
-def _is_sympy(value: object) -> bool:
-    return type(value).__module__.partition(".")[0] == "sympy"
+def is_sympy(value: object) -> bool:
+    """Whether the value is an object of SymPy; asked without importing SymPy."""
+    # An undefined function such as f(1) has a class of its own, without a module: its bases tell.
+    return any(str(base.__module__).partition(".")[0] == "sympy" for base in type(value).__mro__)
 
 
 def _not_a_parameter(value: object, name: str) -> ParameterError:
@@ -194,9 +227,16 @@ def _not_a_parameter(value: object, name: str) -> ParameterError:
     )
 
 
-def _listed(values: object) -> list[object] | None:
+def listed(values: object) -> list[object] | None:
     """The items of a sequence, or None if `values` is not one."""
-    if hasattr(values, "__len__") and hasattr(values, "__getitem__") and not isinstance(values, Mapping):
+    if getattr(values, "ndim", 1) == 0:  # an array without axes has a length to ask for, but none to give
+        return None
+    if (
+        not isinstance(values, type)
+        and hasattr(values, "__len__")
+        and hasattr(values, "__getitem__")
+        and not isinstance(values, Mapping)
+    ):
         return list(cast("Sequence[object]", values))
     return None
 
@@ -205,5 +245,5 @@ def _shape(values: object, items: list[object]) -> tuple[int, ...]:
     shape = getattr(values, "shape", None)
     if isinstance(shape, tuple):
         return cast("tuple[int, ...]", shape)
-    inner = _listed(items[0]) if items and not isinstance(items[0], str) else None
+    inner = listed(items[0]) if items and not isinstance(items[0], str) else None
     return (len(items),) if inner is None else (len(items), len(inner))

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.parameters import Exact, Parameter, read_parameter, to_sympy
+from liepoisson.exact.parameters import Exact, Parameter, is_sympy, read_parameter, read_states, symbols_of, to_sympy
 from liepoisson.field import TopField
 
 if TYPE_CHECKING:
@@ -34,7 +34,9 @@ class System:
         name: How the system is called in texts and files.
 
     Raises:
-        ParameterError: the Hamiltonian is neither an expression nor a function, or a parameter is not exact.
+        ParameterError: the Hamiltonian is neither an expression nor a function, `parameters` is not a mapping from
+            names, or a parameter is not exact.
+        BracketError: a parameter is named like a coordinate.
     """
 
     def __init__(
@@ -45,6 +47,11 @@ class System:
         *,
         name: str | None = None,
     ) -> None:
+        if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ParameterError(
+                f"the bracket must be of type Bracket; got {type(bracket).__name__}. Write for example "
+                "so(3) @ leibniz(3, 1)."
+            )
         if not callable(hamiltonian) and not _is_expression(hamiltonian):
             raise ParameterError(
                 "the Hamiltonian must be a SymPy expression in bracket.variables or a Python function of the field "
@@ -52,7 +59,8 @@ class System:
                 "Write for example lambda l, alpha, beta: l.dot(l) / 2 + alpha[2]."
             )
         self._given_hamiltonian = hamiltonian
-        self.parameters: dict[str, Exact] = {k: read_parameter(v, k) for k, v in (parameters or {}).items()}
+        self.parameters: dict[str, Exact] = _read_values(parameters)
+        bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
         self.bracket: Bracket = bracket.substitute(self.parameters) if self.parameters else bracket
         self.name: str = name or "Lie-Poisson system"
 
@@ -66,7 +74,8 @@ class System:
         """The Hamiltonian as a SymPy expression, with the parameters inserted.
 
         Raises:
-            ParameterError: the given function does not return a SymPy expression.
+            ParameterError: the given function does not return a SymPy expression, or the Hamiltonian is not finite
+                and real.
         """
         given: Any = self._given_hamiltonian
         expression = given(*self.bracket.fields.values()) if not _is_expression(given) else given
@@ -77,7 +86,9 @@ class System:
             )
         from sympy import Symbol
 
-        return expression.subs([(Symbol(name), to_sympy(value)) for name, value in self.parameters.items()])
+        energy = expression.subs([(Symbol(name), to_sympy(value)) for name, value in self.parameters.items()])
+        _check_real(energy)
+        return energy
 
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:
@@ -153,6 +164,10 @@ class System:
 
         return describe(self)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: everything but the compiled functions, which are made again when they are asked for."""
+        return {name: value for name, value in self.__dict__.items() if name != "_numpy_functions"}
+
     def __repr__(self) -> str:
         return f"<System {self.name!r} on {self.bracket!r}>"
 
@@ -162,7 +177,7 @@ class System:
         return match_top(self.bracket, self.equations)
 
     def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
-        states = np.asarray(x, dtype=np.float64)
+        states = read_states(x)
         n = self.bracket.dimension
         if states.ndim == 0 or states.shape[-1] != n:
             fields = ", ".join(self.bracket.extension.field_names)
@@ -192,8 +207,28 @@ class System:
 
 def _is_expression(value: object) -> bool:
     """Whether this is a SymPy expression; asked without importing SymPy for a plain function."""
-    if type(value).__module__.partition(".")[0] != "sympy":
+    if not is_sympy(value):
         return False
     from sympy import Expr
 
     return isinstance(value, Expr)
+
+
+def _read_values(parameters: Mapping[str, Parameter] | None) -> dict[str, Exact]:
+    given = cast("Any", {} if parameters is None else parameters)  # a caller without a type checker may pass anything
+    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in cast("Mapping[object, Any]", given)):
+        raise ParameterError(
+            f'parameters must be a mapping from names to values; got {given!r}. Write for example {{"epsilon": 1}}.'
+        )
+    return {name: read_parameter(value, name) for name, value in cast("Mapping[str, Parameter]", given).items()}
+
+
+def _check_real(energy: Expr) -> None:
+    """Refuse infinities, undefined values and imaginary numbers, of which the equations could not be evaluated."""
+    from sympy import expand, nan, oo, preorder_traversal, zoo
+
+    expanded = expand(energy)
+    if expanded.has(nan, oo, -oo, zoo) or any(
+        part.is_number and part.is_extended_real is False for part in preorder_traversal(expanded)
+    ):
+        raise ParameterError(f"the Hamiltonian must be finite and real; got {energy}. Check its terms.")

@@ -1,10 +1,11 @@
-"""Checks that the functions of the numeric wing share: shapes, finite numbers, threads, outcomes."""
+"""Checks that the functions of the numeric wing share: systems, shapes, numbers, counts, threads, outcomes."""
 
 from __future__ import annotations
 
+import operator
 import os
 from collections.abc import Sequence
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +15,11 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField, Vector3
 
 Array = NDArray[np.float64]
+
+MOST = 2**63 - 1
+"""Largest count: what a signed integer of 64 bits holds."""
+
+_MOST_THREADS = 4096
 
 
 class HasField(Protocol):
@@ -29,6 +35,50 @@ class HasField(Protocol):
         ...
 
 
+def shown(value: object) -> str:
+    """A wrong value as a message quotes it: never long."""
+    try:
+        text = repr(value)
+    except ValueError:  # an integer of thousands of digits has no repr
+        text = "a very large number"
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def as_count(value: Any, name: str, *, least: int = 0, most: int = MOST, hint: str = "") -> int:
+    """A whole number from `least` to `most` as a plain int; NumPy's integers are taken, fractions and booleans not."""
+    try:
+        number = operator.index(value)
+    except TypeError:
+        number = None
+    if number is None or isinstance(value, bool) or not least <= number <= most:
+        wanted = f"a whole number >= {least}" if most >= MOST else f"a whole number from {least} to {most}"
+        if most == MOST:
+            wanted += ", below 2**63"
+        raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; {hint or f'try {name}={least}'}")
+    return number
+
+
+def as_number(value: Any, name: str, wanted: str) -> float:
+    """A real number as a plain float; texts, complex numbers, dates and booleans are refused."""
+    scalar = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
+    numeric = scalar.dtype.kind in "iuf" if isinstance(scalar, np.generic) else not isinstance(scalar, (str, bool))
+    try:
+        if numeric and hasattr(scalar, "__float__") and not isinstance(scalar, (type, np.ndarray)):
+            return float(scalar)
+    except (TypeError, ValueError, OverflowError):
+        pass  # refused below, with all the others
+    raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; give a plain number")
+
+
+def as_field(system: Any) -> TopField:
+    """The vector field of a system."""
+    if isinstance(system, type) or not callable(getattr(system, "field", None)) or not hasattr(system, "name"):
+        raise ParameterError(
+            f"system: wanted a system such as Top.kovalevskaya(); got {shown(system)}; make one, or call its class"
+        )
+    return system.field()
+
+
 def core_parameters(field: TopField) -> tuple[Vector3, Vector3, Vector3, float]:
     """The parameters of a top as the core takes them."""
     return field.inertia, field.a, field.b, field.epsilon
@@ -36,7 +86,7 @@ def core_parameters(field: TopField) -> tuple[Vector3, Vector3, Vector3, float]:
 
 def as_states(x0: ArrayLike, n_components: int, name: str = "x0") -> Array:
     """States as an array of shape (trajectory, component); one state may come without the first axis."""
-    states = _as_array(x0, name)
+    states = as_array(x0, name)
     if states.ndim not in (1, 2) or states.shape[-1] != n_components:
         hint = " Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else ""
         raise ShapeError(
@@ -54,7 +104,7 @@ def as_states(x0: ArrayLike, n_components: int, name: str = "x0") -> Array:
 
 def as_times(t: ArrayLike, name: str, *, least: int) -> Array:
     """Finite, strictly monotone times, at least `least` of them."""
-    times = np.atleast_1d(_as_array(t, name))
+    times = np.atleast_1d(as_array(t, name))
     if times.ndim != 1 or len(times) < least:
         raise ShapeError(f"{name} must have shape (time,) with {least} or more times; got shape {times.shape}")
     steps = np.diff(times)
@@ -70,11 +120,7 @@ def as_threads(threads: int | None) -> int:
     """Number of threads; by default the processors that this process may use."""
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    if threads < 1:
-        raise ParameterError(
-            f"threads: wanted a positive whole number; got {threads}; leave it out to use all processors"
-        )
-    return int(threads)
+    return as_count(threads, "threads", least=1, most=_MOST_THREADS, hint="leave it out to use all processors")
 
 
 def outcome_names(codes: NDArray[np.int8]) -> NDArray[np.str_]:
@@ -82,11 +128,21 @@ def outcome_names(codes: NDArray[np.int8]) -> NDArray[np.str_]:
     return np.array(_core.outcomes())[codes]
 
 
-def _as_array(values: ArrayLike, name: str) -> Array:
+def as_array(values: ArrayLike, name: str) -> Array:
+    """An array of doubles; what would lose its meaning as a double (complex, date, text, mask) is refused."""
     try:
-        return np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError) as error:
-        raise ShapeError(f"{name}: wanted an array of numbers; got {type(values).__name__} ({error})") from error
+        given = np.asanyarray(values)
+        masked = isinstance(given, np.ma.MaskedArray)
+        if given.dtype.kind in "SU":
+            raise TypeError("texts")
+        if not masked and given.dtype.kind not in "cmM":
+            return np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ShapeError(
+            f"{name}: wanted an array of numbers; got {type(values).__name__} ({error}); try a list of floats"
+        ) from error
+    kind = "a masked array" if masked else f"an array of {given.dtype}"
+    raise ParameterError(f"{name}: wanted real numbers; got {kind}; convert it, or drop what is not a number")
 
 
 def _abridged(values: Sequence[float] | Array) -> str:

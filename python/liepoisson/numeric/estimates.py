@@ -9,7 +9,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric._checks import as_array, as_count, as_number
 
 FloatArray: TypeAlias = NDArray[np.float64]
 Window: TypeAlias = tuple[float, float]
@@ -50,11 +51,9 @@ class Resampling:
     seed: int = 0
 
     def __post_init__(self) -> None:
-        if self.n_bootstrap < 2:
-            raise ParameterError(f"n_bootstrap must be at least 2; got {self.n_bootstrap}. Try 1000.")
-        if self.seed < 0:
-            raise ParameterError(f"seed must be an integer >= 0; got {self.seed}.")
-        check_confidence(self.confidence)
+        object.__setattr__(self, "n_bootstrap", as_count(self.n_bootstrap, "n_bootstrap", least=2, hint="try 1000"))
+        object.__setattr__(self, "seed", as_count(self.seed, "seed", most=2**128 - 1))
+        object.__setattr__(self, "confidence", as_confidence(self.confidence))
 
 
 @dataclass(frozen=True)
@@ -85,7 +84,10 @@ class FiniteTimeFit:
     def chi_squared(self, coefficients: ArrayLike) -> float:
         r"""$d^T V^{-1} d$ for the distance d to given (lambda, c1, c0): chi squared with 3 degrees of freedom."""
         values = [self.lambda_, self.c1, self.c0]
-        distance = np.asarray(coefficients, dtype=np.float64) - values
+        given = as_array(coefficients, "coefficients")
+        if given.shape != (3,):
+            raise ShapeError(f"coefficients must have shape (3,): lambda, c1, c0; got shape {given.shape}. Give three.")
+        distance = given - values
         return float(distance @ np.linalg.solve(np.array(self.covariance), distance))
 
     @property
@@ -115,7 +117,7 @@ class FiniteTimeFit:
 
     def curve(self, time: ArrayLike) -> FloatArray:
         """The fitted law at the given times (> 0), in inverse time."""
-        t = np.asarray(time, dtype=np.float64)
+        t = as_array(time, "time")
         return self.lambda_ + self.c1 / np.sqrt(t) + self.c0 / t
 
     def __str__(self) -> str:
@@ -188,7 +190,7 @@ class LogFit:
 
     def curve(self, time: ArrayLike) -> FloatArray:
         """The fitted mean exponent (A + B ln t)/t at the given times (> 0), in inverse time."""
-        t = np.asarray(time, dtype=np.float64)
+        t = as_array(time, "time")
         return (self.A + self.B * np.log(t)) / t
 
     def __str__(self) -> str:
@@ -236,17 +238,20 @@ class MeanCurve:
 
     def at(self, time: float) -> Estimate:
         """The mean at one of the sample times, or linearly between two of them."""
+        time = as_number(time, "time", "one time")
         if not self.time[0] <= time <= self.time[-1]:
             raise ParameterError(f"time must lie in [{self.time[0]:g}, {self.time[-1]:g}]; got {time:g}.")
         columns = (self.mean, self.standard_error, self.low, self.high)
         return Estimate(*(float(np.interp(time, self.time, column)) for column in columns))
 
 
-def check_confidence(confidence: float) -> None:
-    """Refuse a coverage outside (0, 1).
+def as_confidence(confidence: float) -> float:
+    """A coverage as a plain float.
 
     Raises:
-        ParameterError: it is outside.
+        ParameterError: it is not a number between 0 and 1.
     """
-    if not 0 < confidence < 1:
-        raise ParameterError(f"confidence must lie between 0 and 1, such as 0.95; got {confidence}.")
+    coverage = as_number(confidence, "confidence", "a number between 0 and 1")
+    if not 0 < coverage < 1:
+        raise ParameterError(f"confidence must lie between 0 and 1; got {coverage}. Try 0.95.")
+    return coverage

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric._checks import as_array, as_number, shown
 from liepoisson.numeric.estimates import (
     Estimate,
     FiniteTimeFit,
@@ -27,7 +28,7 @@ from liepoisson.numeric.estimates import (
     MeanCurve,
     Resampling,
     Window,
-    check_confidence,
+    as_confidence,
 )
 
 __all__ = [
@@ -106,8 +107,8 @@ class EnsembleReduction:
 
     def __init__(self, time: ArrayLike, *, windows: Sequence[Window] = (), log_windows: Sequence[Window] = ()) -> None:
         self.time = _checked_time(time)
-        self.windows = tuple(_checked_window(window) for window in windows)
-        self.log_windows = tuple(_checked_window(window) for window in log_windows)
+        self.windows = _checked_windows(windows, "windows")
+        self.log_windows = _checked_windows(log_windows, "log_windows")
         requests = [(_FINITE_TIME, window) for window in self.windows]
         requests += [(law, window) for window in self.log_windows for law in _LOG_LAWS]
         projectors = [_projector(law, window, self.time) for law, window in requests]
@@ -127,7 +128,7 @@ class EnsembleReduction:
         Raises:
             ShapeError: the last axis does not match the sample times.
         """
-        curves = np.asarray(exponent, dtype=np.float64)
+        curves = as_array(exponent, "exponent")
         if curves.ndim != 2 or curves.shape[1] != self.time.size:
             raise ShapeError(
                 f"exponent must have shape (trajectory, time) with {self.time.size} times; got {curves.shape}. "
@@ -160,7 +161,7 @@ class EnsembleReduction:
         Raises:
             ParameterError: fewer than two members finished, or a confidence outside (0, 1).
         """
-        check_confidence(confidence)
+        confidence = as_confidence(confidence)
         self._require_members()
         standard_error = np.sqrt(self._squares / (self.n_members - 1) / self.n_members)
         half_width = NormalDist().inv_cdf(0.5 + confidence / 2) * standard_error
@@ -394,7 +395,7 @@ def _inside(window: Window, time: FloatArray) -> NDArray[np.bool_]:
 
 
 def _checked_time(time: ArrayLike) -> FloatArray:
-    t = np.asarray(time, dtype=np.float64)
+    t = as_array(time, "time")
     if t.ndim != 1 or t.size == 0:
         raise ShapeError(f"time must have shape (time,) with at least one entry; got {t.shape}.")
     if not np.isfinite(t).all() or t[0] <= 0 or (np.diff(t) <= 0).any():
@@ -406,6 +407,14 @@ def _checked_time(time: ArrayLike) -> FloatArray:
 
 
 def _checked_window(window: Sequence[float]) -> Window:
-    if len(window) != 2 or not all(math.isfinite(edge) for edge in window) or not 0 < window[0] < window[1]:
-        raise ParameterError(f"a window must be (start, end) with 0 < start < end; got {tuple(window)}.")
-    return float(window[0]), float(window[1])
+    edges = list(window) if isinstance(window, (Sequence, np.ndarray)) else []  # pyright: ignore[reportUnnecessaryIsInstance]
+    start, end = (as_number(edge, "window", "two numbers") for edge in edges) if len(edges) == 2 else (math.nan,) * 2
+    if not (0 < start < end < math.inf):
+        raise ParameterError(f"a window must be (start, end) with 0 < start < end; got {shown(window)}. Try (20, 200).")
+    return start, end
+
+
+def _checked_windows(windows: Sequence[Window], name: str) -> tuple[Window, ...]:
+    if not isinstance(windows, (Sequence, np.ndarray)):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(f"{name} must be a sequence of windows; got {shown(windows)}. Try [(20, 200)].")
+    return tuple(_checked_window(window) for window in windows)

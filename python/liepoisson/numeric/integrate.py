@@ -13,8 +13,18 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson import _core
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField
-from liepoisson.numeric._checks import Array, HasField, as_states, as_threads, as_times, core_parameters, outcome_names
-from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric._checks import (
+    Array,
+    HasField,
+    as_array,
+    as_field,
+    as_states,
+    as_threads,
+    as_times,
+    core_parameters,
+    outcome_names,
+)
+from liepoisson.numeric.methods import Taylor, as_method
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -74,7 +84,7 @@ class Orbit:
             raise ParameterError(
                 "at(t): wanted a run with dense output; got one without; try integrate(..., dense=True)"
             )
-        times = np.asarray(t, dtype=np.float64)
+        times = as_array(t, "t")
         low, high = min(self.time[0], self.time[-1]), max(self.time[0], self.time[-1])
         if not ((times >= low) & (times <= high)).all():
             raise ParameterError(f"at(t): wanted times from {low} to {high}; got {times.min()} to {times.max()}")
@@ -146,8 +156,8 @@ def integrate(
         ParameterError: Numbers that are not finite, times that are not monotone, a kernel that does not apply.
         KeyboardInterrupt: Ctrl-C.
     """
-    method = method or Taylor()
-    field = system.field()
+    method = as_method(method, Taylor())
+    field = as_field(system)
     n = field.n_components
     states, times = as_states(x0, n), as_times(t, "t", least=2)
     vectors = _as_tangents(tangents, len(states), n)
@@ -189,7 +199,7 @@ def integrate(
 def _as_tangents(tangents: ArrayLike | None, n_trajectories: int, n: int) -> Array:
     if tangents is None:
         return np.empty((n_trajectories, 0, n))
-    vectors = np.asarray(tangents, dtype=np.float64)
+    vectors = as_array(tangents, "tangents")
     if vectors.ndim == 2:
         vectors = np.broadcast_to(vectors, (n_trajectories, *vectors.shape))
     if vectors.ndim != 3 or vectors.shape[0] != n_trajectories or vectors.shape[2] != n:

@@ -11,11 +11,21 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField
-from liepoisson.numeric._checks import Array, HasField, as_states, as_threads, as_times, core_parameters, outcome_names
-from liepoisson.numeric.methods import Taylor
-from liepoisson.numeric.sampling import sample_tangents
+from liepoisson.numeric._checks import (
+    Array,
+    HasField,
+    as_field,
+    as_number,
+    as_states,
+    as_threads,
+    as_times,
+    core_parameters,
+    outcome_names,
+)
+from liepoisson.numeric.methods import Taylor, as_method
+from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -124,14 +134,21 @@ def lyapunov_exponent(
     References:
         Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
     """
-    method = method or Taylor(tol=1e-13)
-    field = system.field()
+    method = as_method(method, Taylor(tol=1e-13))
+    field = as_field(system)
     n = field.n_components
     states, wanted = as_states(x0, n), _as_exponent_times(t_end, times)
+    seed, first = as_seed(seed), as_first(first, len(states))
     if tangents is None:
         vectors = sample_tangents(n, len(states), seed=seed, first=first)
     else:
-        vectors = np.ascontiguousarray(np.broadcast_to(as_states(tangents, n, "tangents"), states.shape))
+        vectors = as_states(tangents, n, "tangents")
+        if len(vectors) not in (1, len(states)):
+            raise ShapeError(
+                f"tangents must have shape ({n},) or ({len(states)}, {n}), one for each trajectory; got shape "
+                f"{vectors.shape}. Give as many as there are states."
+            )
+        vectors = np.ascontiguousarray(np.broadcast_to(vectors, states.shape))
     raw = _core.growth_of_top(
         core_parameters(field),
         method.parameters,
@@ -164,7 +181,7 @@ def _as_exponent_times(t_end: float | None, times: ArrayLike | None) -> Array:
     if (t_end is None) == (times is None):
         raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1_000")
     if times is None:
-        end = float(t_end)  # pyright: ignore[reportArgumentType]  # one of the two is given
+        end = as_number(t_end, "t_end", "a positive finite time")
         if not 0.0 < end < np.inf:
             raise ParameterError(f"t_end: wanted a positive finite time; got {end}; an exponent needs t_end > 0")
         wanted = np.geomspace(end / 1000.0, end, N_TIMES)

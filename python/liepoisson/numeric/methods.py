@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 from liepoisson.errors import ParameterError
+from liepoisson.numeric._checks import as_count, as_number, shown
 
 ROUND_OFF = 2.0**-53
 MAX_ORDER = 64
@@ -37,17 +39,31 @@ class Taylor:
     max_steps: int = 100_000_000
 
     def __post_init__(self) -> None:
-        """Checks the ranges."""
-        if not ROUND_OFF <= self.tol <= 0.1:
-            raise ParameterError(f"tol: wanted a number from 1.1e-16 to 0.1; got {self.tol!r}; try 1e-15")
-        if self.order is not None and not 2 <= self.order <= MAX_ORDER:
-            raise ParameterError(
-                f"order: wanted a whole number from 2 to {MAX_ORDER}; got {self.order!r}; leave it out to be chosen"
-            )
-        if self.max_steps < 1:
-            raise ParameterError(f"max_steps: wanted a positive whole number; got {self.max_steps!r}; try 1_000_000")
+        """Checks the ranges and keeps plain numbers, which can be written to a file."""
+        tol = as_number(self.tol, "tol", "a number from 1.1e-16 to 0.1")
+        if not ROUND_OFF <= tol <= 0.1:
+            raise ParameterError(f"tol: wanted a number from 1.1e-16 to 0.1; got {tol!r}; try 1e-15")
+        object.__setattr__(self, "tol", tol)
+        if self.order is not None:
+            order = as_count(self.order, "order", least=2, most=MAX_ORDER, hint="leave it out to be chosen")
+            object.__setattr__(self, "order", order)
+        max_steps = as_count(self.max_steps, "max_steps", least=1, hint="try 1_000_000")
+        object.__setattr__(self, "max_steps", max_steps)
 
     @property
     def parameters(self) -> tuple[float, int | None, int]:
         """What the core takes."""
-        return float(self.tol), self.order, int(self.max_steps)
+        return self.tol, self.order, self.max_steps
+
+
+def as_method(method: Any, default: Taylor) -> Taylor:
+    """The method, or the default one for None.
+
+    Raises:
+        ParameterError: It is not a method object.
+    """
+    if method is None:
+        return default
+    if not isinstance(method, Taylor):
+        raise ParameterError(f"method: wanted a method object; got {shown(method)}; try method=Taylor(tol=1e-13)")
+    return method

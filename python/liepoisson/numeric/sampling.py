@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.errors import ParameterError, UnknownNameError
-from liepoisson.numeric._checks import HasField
+from liepoisson.errors import UnknownNameError
+from liepoisson.numeric._checks import MOST, HasField, as_count, as_field, shown
 
 BLOCK = 256
 """Members that share a stream; a member's numbers depend on the seed and on its own number only."""
@@ -66,11 +66,23 @@ def sample_states(
 
     Raises:
         UnknownNameError: No such ensemble.
-        ParameterError: `n` or `first` negative, or a negative seed.
+        ParameterError: `n`, `first` or `seed` is not a whole number >= 0, or too large (`first + n` below 2**63, `seed`
+            below 2**128).
     """
-    if ensemble not in ENSEMBLES:
-        raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {ensemble!r}")
-    return _draw(ENSEMBLES[ensemble], system.field().n_components, n, seed, first=first, purpose=_STATES)
+    draw = ENSEMBLES.get(ensemble) if isinstance(ensemble, str) else None  # pyright: ignore[reportUnnecessaryIsInstance]
+    if draw is None:
+        raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(ensemble)}")
+    return _draw(draw, as_field(system).n_components, n, seed, first=first, purpose=_STATES)
+
+
+def as_seed(seed: int) -> int:
+    """A seed as a plain int: up to 128 bits, the entropy that numpy's `SeedSequence` keeps."""
+    return as_count(seed, "seed", most=2**128 - 1)
+
+
+def as_first(first: int, n: int) -> int:
+    """The number of the first of n members as a plain int; the number of the last one fits into 64 bits."""
+    return as_count(first, "first", most=MOST - n)
 
 
 def sample_tangents(n_components: int, n: int, *, seed: int, first: int = 0) -> NDArray[np.float64]:
@@ -87,8 +99,8 @@ def _draw(
     first: int,
     purpose: int,
 ) -> NDArray[np.float64]:
-    if n < 0 or first < 0 or seed < 0:
-        raise ParameterError(f"n, first and seed: wanted whole numbers >= 0; got n={n}, first={first}, seed={seed}")
+    n = as_count(n, "n")
+    seed, first = as_seed(seed), as_first(first, n)
     blocks = range(first // BLOCK, -(-(first + n) // BLOCK))
     streams = (np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(purpose, block))) for block in blocks)
     rows = [draw(stream, n_components) for stream in streams]

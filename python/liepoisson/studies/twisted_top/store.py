@@ -81,6 +81,7 @@ class RunStore:
         """
         if self.is_complete():
             return []
+        self._refuse_foreign_pieces()
         missing: list[tuple[int, int]] = []
         for first, count in self.run.pieces():
             path = self.piece_path(first, count)
@@ -90,6 +91,18 @@ class RunStore:
             else:
                 missing.append((first, count))
         return missing
+
+    def _refuse_foreign_pieces(self) -> None:
+        """Pieces that this run does not have belong to another study, whose finished work must not be lost here."""
+        own = {self.piece_path(first, count) for first, count in self.run.pieces()}
+        stored = self.folder.iterdir() if self.folder.is_dir() else ()
+        foreign = sorted(path for path in stored if _PIECE.fullmatch(path.name) and path not in own)
+        if foreign:
+            self._read_piece(foreign[0], ())
+            raise ParameterError(
+                f"{foreign[0]} holds work of a study with another number of members than {self.run.members}. Use the "
+                "same options to go on with it, choose another folder with --out, or discard it with --fresh."
+            )
 
     def save_piece(self, growth: Growth, seconds: float) -> None:
         """Store the curves of some members.

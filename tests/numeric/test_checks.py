@@ -1,0 +1,174 @@
+"""What a caller may get wrong, and what must come out as a plain number."""
+
+import json
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import LiePoissonError, ParameterError, ShapeError, UnknownNameError
+from liepoisson.numeric.finite_time_fit import EnsembleReduction, Resampling
+
+TOP = lp.Top.twisted_kovalevskaya()
+X0 = [0.1] * 9
+TIME = np.arange(1.0, 21.0)
+CURVES = np.random.default_rng(0).normal(size=(4, 20))
+
+
+def exponent(x0=X0, system=TOP, **options):
+    if "times" not in options:
+        options.setdefault("t_end", 1)
+    return lp.lyapunov_exponent(system, x0, **options)
+
+
+# The integer of 5000 digits has no repr.
+BAD_NUMBERS = ["abc", "5", [1, 2], 10**400, 10**5000, True, 1j, np.complex128(1), np.datetime64(1, "s"), object()]
+
+
+@pytest.mark.parametrize("t_end", BAD_NUMBERS, ids=range(len(BAD_NUMBERS)))
+def test_a_last_time_is_one_number(t_end):
+    with pytest.raises(ParameterError, match=r"t_end: wanted a positive finite time; got .{1,80}; give"):
+        exponent(t_end=t_end)
+
+
+@pytest.mark.parametrize("bad", ["a", None, 1.5, -1, True, np.float64(2)])
+@pytest.mark.parametrize("name", ["seed", "first"])
+def test_seed_and_first_are_whole_numbers(name, bad):
+    with pytest.raises(ParameterError, match=f"{name}: wanted a whole number"):
+        exponent(**{name: bad})
+    with pytest.raises(ParameterError, match=f"{name}: wanted a whole number"):
+        lp.sample_states(TOP, 2, **{"seed": 1, name: bad})
+
+
+def test_seed_and_first_are_bounded():
+    with pytest.raises(ParameterError, match="first: wanted"):
+        exponent(first=2**63 - 1)
+    with pytest.raises(ParameterError, match="seed: wanted"):
+        exponent(seed=2**128)
+    assert exponent(first=2**63 - 2).dataset.trajectory.to_numpy()[0] == 2**63 - 2
+
+
+@pytest.mark.parametrize("bad", [2.0, "2", None, -1])
+def test_a_number_of_states_is_whole(bad):
+    with pytest.raises(ParameterError, match="n: wanted a whole number"):
+        lp.sample_states(TOP, bad, seed=1)
+
+
+@pytest.mark.parametrize("bad", [["cube"], None, {}])
+def test_an_ensemble_is_a_name(bad):
+    with pytest.raises(UnknownNameError, match="ensemble: wanted one of"):
+        lp.sample_states(TOP, 1, seed=1, ensemble=bad)
+
+
+@pytest.mark.parametrize("bad", ["4", float("nan"), 2**80, 1.5, 0, True])
+def test_threads_are_a_whole_number(bad):
+    with pytest.raises(ParameterError, match="threads: wanted a whole number"):
+        exponent(threads=bad)
+
+
+@pytest.mark.parametrize("bad", ["taylor", 5, lp.Taylor, 0, ""])
+def test_a_method_is_a_method_object(bad):
+    with pytest.raises(ParameterError, match="method: wanted a method object"):
+        exponent(method=bad)
+    with pytest.raises(ParameterError, match="method: wanted a method object"):
+        lp.integrate(TOP, X0, t=[0, 1], method=bad)
+
+
+@pytest.mark.parametrize("bad", [None, lp.Top, 5, "top"])
+def test_a_system_is_an_object_with_a_field(bad):
+    for call in (
+        lambda: exponent(system=bad),
+        lambda: lp.integrate(bad, X0, t=[0, 1]),
+        lambda: lp.sample_states(bad, 1, seed=1),
+    ):
+        with pytest.raises(ParameterError, match="system: wanted a system"):
+            call()
+
+
+MEANINGLESS = [
+    np.array(X0) + 0j,
+    np.zeros(9, "m8[s]"),
+    np.zeros(9, "M8[s]"),
+    np.ma.masked_array(X0, mask=[True] + [False] * 8),
+]
+
+
+@pytest.mark.parametrize("bad", MEANINGLESS, ids=["complex", "timedelta", "datetime", "masked"])
+def test_arrays_that_would_lose_their_meaning_are_refused(bad):
+    for call in (
+        lambda: exponent(bad),
+        lambda: exponent(tangents=bad),
+        lambda: exponent(times=bad),
+        lambda: lp.integrate(TOP, bad, t=[0, 1]),
+        lambda: lp.integrate(TOP, X0, t=bad),
+        lambda: lp.integrate(TOP, X0, t=[0, 1], tangents=[bad] if bad.dtype.kind != "f" else bad[np.newaxis]),
+        lambda: TOP.vector_field(bad),
+    ):
+        with pytest.raises(ParameterError, match=r"real numbers; got (a masked array|an array of)"):
+            call()
+
+
+def test_arrays_of_something_else_are_refused():
+    for x0 in ([[10**400] * 9], ["1"] * 9, "a", object()):
+        with pytest.raises(ShapeError, match="x0: wanted an array of numbers"):
+            exponent(x0)
+        with pytest.raises(ShapeError, match="x must be an array of numbers"):
+            TOP.vector_field(x0)
+    with pytest.raises(ShapeError, match="tangents: wanted an array of numbers"):
+        lp.integrate(TOP, X0, t=[0, 1], tangents="a")
+    with pytest.raises(ShapeError, match="t: wanted an array of numbers"):
+        lp.integrate(TOP, X0, t=[0, 1], dense=True).at("a")
+
+
+def test_there_is_one_tangent_vector_for_all_or_for_each():
+    with pytest.raises(ShapeError, match=r"tangents must have shape \(9,\) or \(4, 9\).*got shape \(3, 9\)"):
+        exponent([X0] * 4, tangents=np.eye(9)[:3])
+
+
+@pytest.mark.parametrize("window", [3, None, ("1", "5"), (1, 2, 3), "ab", (5, 1), (1, float("inf"))])
+def test_a_window_is_two_numbers(window):
+    with pytest.raises(ParameterError, match=r"window"):
+        lp.finite_time_fit(TIME, CURVES, window=window)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [{"n_bootstrap": 2.5}, {"n_bootstrap": 1}, {"confidence": "a"}, {"confidence": 1}, {"seed": -1}, {"seed": "a"}],
+)
+def test_resampling_is_checked(options):
+    (name,) = options
+    with pytest.raises(ParameterError, match=name):
+        lp.finite_time_fit(TIME, CURVES, window=(1, 20), **options)
+
+
+def test_fits_refuse_what_is_not_a_curve():
+    for call in (
+        lambda: lp.finite_time_fit("a", CURVES),
+        lambda: lp.finite_time_fit(TIME, "a", window=(1, 20)),
+        lambda: EnsembleReduction(TIME, windows=3),
+    ):
+        with pytest.raises(LiePoissonError, match=r"must be|wanted"):
+            call()
+
+
+def test_numbers_of_numpy_become_plain_ones_and_can_be_saved(tmp_path):
+    method = lp.Taylor(tol=np.float32(1e-10), order=np.int64(20), max_steps=np.int32(1000))
+    assert [type(v) for v in method.parameters] == [float, int, int]
+    growth = exponent(seed=np.int64(5), first=np.int64(3), method=method)
+    assert (type(growth.seed), type(growth.first)) == (int, int)
+    attributes = lp.load(growth.save(tmp_path / "growth.nc")).attrs
+    assert json.loads(attributes["run"]) == {"seed": 5, "first": 3}
+    assert json.loads(attributes["method"])["order"] == 20
+    resampling = Resampling(np.int64(10), np.float32(0.5), np.int64(1))
+    values = (resampling.n_bootstrap, resampling.confidence, resampling.seed)
+    assert [type(v) for v in values] == [int, float, int]
+
+
+@pytest.mark.parametrize(
+    ("name", "bad"),
+    [("tol", "a"), ("tol", None), ("order", 2.5), ("order", "a")]
+    + [("max_steps", bad) for bad in (2**70, float("nan"), None, 1.5)],
+)
+def test_a_method_has_numbers_of_the_right_kind(name, bad):
+    with pytest.raises(ParameterError, match=f"{name}: wanted"):
+        lp.Taylor(**{name: bad})
