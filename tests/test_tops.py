@@ -211,3 +211,10 @@ def test_a_top_can_be_pickled_at_any_time():
     copy = pickle.loads(pickle.dumps(top))
     assert (copy.vector_field(x) == expected).all()
     assert copy.field() == top.field()
+
+
+def test_a_warning_about_the_inertia_points_to_the_caller():
+    for make in (lambda: Top(inertia=(1, 1, 3)), lambda: Top.heavy(inertia=(1, 1, 3), a=(0, 0, 1))):
+        with pytest.warns(InertiaWarning) as caught:
+            make()
+        assert caught[0].filename == __file__

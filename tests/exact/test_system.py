@@ -173,3 +173,28 @@ def test_arguments_of_the_wrong_type_are_named():
     for parameters in (5, ["epsilon"], {1: 2}):
         with pytest.raises(ParameterError, match="parameters must be a mapping"):
             System(bracket, lambda l, alpha, beta: l.dot(l), parameters)
+
+
+def test_floats_in_a_hamiltonian_are_the_decimals_that_they_print_as():
+    """I = 1/(2c) for a kinetic term c l^2; 0.1 is 1/10."""
+    bracket = so(3) @ leibniz(3, 1)
+    typed = System(bracket, lambda l, a, b: 0.1 * l[0] ** 2 + 0.1 * l[1] ** 2 + 0.7 * l[2] ** 2 + 0.3 * a[2] - b[0])
+    assert typed.field() == Top(inertia=(5, 5, "5/7"), a=(0, 0, 0.3), b=(-1, 0, 0), epsilon=1).field()
+
+
+def test_parameters_are_matched_by_name_and_must_occur():
+    g = sp.Symbol("g", positive=True)
+    bracket = so(3) @ leibniz(3, "epsilon")
+
+    def energy(l, alpha, beta):
+        return l.dot(l) / 2 + g * alpha[2]
+
+    system = System(bracket, energy, parameters={"g": 2, "epsilon": 1})
+    assert system.field().a == (0, 0, 2)
+    with pytest.raises(ParameterError, match=r"'epsilom' occurs in neither. Known there: .*epsilon, g"):
+        _ = System(bracket, energy, parameters={"epsilom": 1}).hamiltonian
+
+
+def test_a_hamiltonian_function_of_too_few_vectors_is_refused():
+    with pytest.raises(ParameterError, match=r"one vector per field, \(l, alpha, beta\)"):
+        _ = System(so(3) @ leibniz(3, 1), lambda l, alpha: l.dot(l)).hamiltonian

@@ -221,7 +221,7 @@ BAD_CALLS = [
     (TIME, np.ones((1, TIME.size)), {}, ParameterError, "at least 2 members"),
     (TIME, np.ones((5, TIME.size)), {"window": (200, 20)}, ParameterError, "start < end"),
     (TIME, np.ones((5, TIME.size)), {"window": (20, np.inf)}, ParameterError, "start < end"),
-    (TIME, np.ones((5, TIME.size)), {"window": (2000, 3000)}, ParameterError, "at least 5 sample times"),
+    (TIME, np.ones((5, TIME.size)), {"window": (2000, 3000)}, ParameterError, "must lie inside the sample times"),
     (TIME, np.ones((5, TIME.size)), {"window": (20, 22)}, ParameterError, "at least 5 sample times"),
     (TIME, np.ones((5, TIME.size)), {"confidence": 95}, ParameterError, "between 0 and 1"),
     (TIME, np.ones((5, TIME.size)), {"n_bootstrap": 0}, ParameterError, "n_bootstrap"),
@@ -258,3 +258,12 @@ def test_chi_squared_of_the_truth_has_mean_three():
         distances.append(fit.chi_squared(truth))
     # with the covariance estimated from 400 members this is Hotelling's T^2, larger by 3/400 or so
     assert abs(np.mean(distances) - 3) < 5 * np.sqrt(6 / 400) + 0.05
+
+
+def test_a_window_that_reaches_beyond_the_data_is_refused():
+    members = np.ones((5, TIME.size)) + np.arange(5)[:, None]
+    end = TIME[-1]
+    for window in ((20, 2 * end), (TIME[0] / 2, 50)):
+        with pytest.raises(ParameterError, match="must lie inside the sample times"):
+            finite_time_fit(TIME, members, window=window)
+    assert finite_time_fit(TIME, members, window=(20, end * (1 + 1e-12))).n_times > 3

@@ -195,6 +195,14 @@ def test_damaged_piece_is_named_and_what_to_do_is_said(tmp_path, monkeypatch):
     assert n_refused >= 55
 
 
+def test_pieces_of_another_number_of_members_are_not_lost(tmp_path, monkeypatch):
+    stored_piece(tmp_path, monkeypatch)
+    monkeypatch.setattr(runs, "PIECE_SIZE", 20)
+    with pytest.raises(ParameterError, match="another number of members than 40"):
+        integrate(tmp_path, dataclasses.replace(SMALL, members=40), "twisted-unit-vectors")
+    assert (tmp_path / "pieces" / "twisted-unit-vectors" / "000000-000024.npz").exists()
+
+
 def test_piece_with_altered_numbers_is_found_by_its_checksum(tmp_path, monkeypatch):
     store = stored_piece(tmp_path, monkeypatch)
     path = store.piece_path(0, 25)

@@ -11,7 +11,16 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.parameters import Exact, Parameter, is_sympy, read_parameter, read_states, symbols_of, to_sympy
+from liepoisson.exact.parameters import (
+    Column,
+    Exact,
+    Parameter,
+    is_sympy,
+    read_parameter,
+    read_states,
+    symbols_of,
+    to_sympy,
+)
 from liepoisson.field import TopField
 
 if TYPE_CHECKING:
@@ -61,6 +70,7 @@ class System:
         self._given_hamiltonian = hamiltonian
         self.parameters: dict[str, Exact] = _read_values(parameters)
         bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
+        self._bracket_symbols = bracket.symbols
         self.bracket: Bracket = bracket.substitute(self.parameters) if self.parameters else bracket
         self.name: str = name or "Lie-Poisson system"
 
@@ -78,17 +88,27 @@ class System:
                 and real.
         """
         given: Any = self._given_hamiltonian
-        expression = given(*self.bracket.fields.values()) if not _is_expression(given) else given
+        expression = given if _is_expression(given) else _applied(given, self.bracket.fields)
         if not _is_expression(expression):
             raise ParameterError(
                 f"the Hamiltonian function must return a SymPy expression; got {type(expression).__name__}. "
                 "Return a scalar built from its arguments, such as l.dot(l) / 2."
             )
-        from sympy import Symbol
-
-        energy = expression.subs([(Symbol(name), to_sympy(value)) for name, value in self.parameters.items()])
+        energy = self._with_parameters(_with_exact_numbers(expression))
         _check_real(energy)
         return energy
+
+    def _with_parameters(self, expression: Expr) -> Expr:
+        """The expression with the parameters inserted, by name: a symbol may have been made with assumptions."""
+        for name, value in self.parameters.items():
+            symbols = [symbol for symbol in expression.free_symbols if str(symbol) == name]
+            if not symbols and name not in self._bracket_symbols:
+                raise ParameterError(
+                    f"a parameter must occur in the bracket or in the Hamiltonian; {name!r} occurs in neither. "
+                    f"Known there: {', '.join(sorted(self._bracket_symbols | _names(expression)))}."
+                )
+            expression = expression.subs({symbol: to_sympy(value) for symbol in symbols})
+        return expression
 
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:
@@ -203,6 +223,32 @@ class System:
     @cached_property
     def _numpy_functions(self) -> dict[tuple[Expr, ...], Callable[..., list[NDArray[np.float64]]]]:
         return {}
+
+
+def _applied(hamiltonian: Callable[..., Expr], fields: Mapping[str, Column]) -> Expr:
+    """The Hamiltonian function of the field vectors."""
+    from inspect import signature
+
+    try:
+        signature(hamiltonian).bind(*fields.values())
+    except TypeError as error:
+        raise ParameterError(
+            f"the Hamiltonian function must take one vector per field, ({', '.join(fields)}); got one that does not "
+            f"({error})."
+        ) from None
+    return hamiltonian(*fields.values())
+
+
+def _with_exact_numbers(expression: Expr) -> Expr:
+    """Floating-point numbers read as the decimals that they print as, like any other parameter."""
+    from sympy import Float
+
+    exact = {number: to_sympy(read_parameter(number, "H")) for number in expression.atoms(Float)}
+    return cast("Expr", expression.xreplace(exact))
+
+
+def _names(expression: Expr) -> set[str]:
+    return {str(symbol) for symbol in expression.free_symbols}
 
 
 def _is_expression(value: object) -> bool:

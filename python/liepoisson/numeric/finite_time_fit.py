@@ -373,10 +373,19 @@ def _bootstrap_means(values: FloatArray, resampling: Resampling) -> FloatArray:
     return np.concatenate(blocks)
 
 
+# Edges that differ from a sample time by round-off count as equal to it.
+_SLACK = 1e-9
+
+
 def _projector(law: _Law, window: Window, time: FloatArray) -> FloatArray:
     """The matrix, shape (coefficient, time), that takes a curve to its least-squares coefficients."""
     inside = _inside(window, time)
     n_times = int(np.count_nonzero(inside))
+    if window[0] < time[0] * (1 - _SLACK) or window[1] > time[-1] * (1 + _SLACK):
+        raise ParameterError(
+            f"the window [{window[0]:g}, {window[1]:g}] must lie inside the sample times, {time[0]:g} to {time[-1]:g}. "
+            "Choose another window, or sample longer."
+        )
     if n_times < _MIN_TIMES:
         raise ParameterError(
             f"the window [{window[0]:g}, {window[1]:g}] must hold at least {_MIN_TIMES} sample times; it holds "

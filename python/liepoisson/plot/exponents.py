@@ -110,7 +110,7 @@ def time_axis(ax: Axes, first: float, last: float) -> None:
 
 
 def exponent_distribution(
-    exponents: ArrayLike,
+    exponents: ArrayLike | GrowthLike,
     *,
     label: str | None = None,
     colour: str | None = None,
@@ -123,7 +123,8 @@ def exponent_distribution(
     An ensemble of random starts mixes regular and chaotic orbits of many energies: its mean is not one exponent.
 
     Args:
-        exponents: One exponent per member, shape (trajectory,), in inverse time; those not finite are left out.
+        exponents: One exponent per member, shape (trajectory,), in inverse time; those not finite are left out.  Of
+            what `lyapunov_exponent` returns, the exponents at the last time.
         label: Name in the legend.
         colour: Of the histogram.
         bins: Number of bins, or their edges.
@@ -133,7 +134,8 @@ def exponent_distribution(
     Raises:
         ShapeError: not one number per member.
     """
-    values = np.asarray(exponents, dtype=np.float64)
+    curves = getattr(exponents, "exponent", None)
+    values = np.asarray(exponents if curves is None else np.asarray(curves)[:, -1], dtype=np.float64)
     if values.ndim != 1:
         raise ShapeError(
             f"exponents must have shape (trajectory,), one number per member; got {values.shape}. "
