@@ -16,6 +16,8 @@ import pytest
 import liepoisson
 from liepoisson.files import exclusive
 
+pytestmark = pytest.mark.thorough  # most of these start a process
+
 MAIN = "from liepoisson.cli import main; main()"
 SMALL_PIECES = "import liepoisson.studies.twisted_top.runs as runs; runs.PIECE_SIZE = 50; "
 STUDY = ("reproduce", "twisted-top")

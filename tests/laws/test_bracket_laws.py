@@ -201,6 +201,7 @@ def test_matching_finds_the_parameters_again(top):
     assert again.field() == top.field()
 
 
+@pytest.mark.thorough
 @exactly
 @given(tops)
 def test_energy_and_casimirs_are_constant(top):
@@ -208,6 +209,7 @@ def test_energy_and_casimirs_are_constant(top):
         assert top.bracket(top.invariants[name], top.hamiltonian) == 0
 
 
+@pytest.mark.thorough
 @exactly
 @given(tops)
 def test_no_twist_is_the_charged_heavy_top(top):
