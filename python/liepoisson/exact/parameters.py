@@ -13,9 +13,6 @@ from fractions import Fraction
 from numbers import Integral, Rational, Real
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from liepoisson.errors import ParameterError, ShapeError
 
 if TYPE_CHECKING:
@@ -144,26 +141,6 @@ def as_float(value: Exact, name: str) -> float:
     if not math.isfinite(number):
         raise ParameterError(f"{name} must fit into a double (below 1.8e308); got a larger number. Rescale the system.")
     return number
-
-
-def read_states(x: ArrayLike) -> NDArray[np.float64]:
-    """States for numerical evaluation, as an array of doubles of any shape.
-
-    Raises:
-        ParameterError: complex numbers, dates or masked entries, whose meaning a conversion would lose.
-        ShapeError: not an array of numbers at all.
-    """
-    try:
-        given = np.asanyarray(x)
-        masked = isinstance(given, np.ma.MaskedArray)
-        if given.dtype.kind in "SU":
-            raise TypeError("texts")
-        if not masked and given.dtype.kind not in "cmM":
-            return np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise ShapeError(f"x must be an array of numbers; got {type(x).__name__} ({error}). Give doubles.") from None
-    kind = "a masked array" if masked else f"an array of {given.dtype}"
-    raise ParameterError(f"x must be an array of real numbers; got {kind}. Convert it, or drop what is not a number.")
 
 
 def display(value: Exact) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.parameters import (
@@ -17,7 +18,6 @@ from liepoisson.exact.parameters import (
     Parameter,
     is_sympy,
     read_parameter,
-    read_states,
     symbols_of,
     to_sympy,
 )
@@ -197,7 +197,7 @@ class System:
         return match_top(self.bracket, self.equations)
 
     def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
-        states = read_states(x)
+        states = as_array(x, "x")
         n = self.bracket.dimension
         if states.ndim == 0 or states.shape[-1] != n:
             fields = ", ".join(self.bracket.extension.field_names)

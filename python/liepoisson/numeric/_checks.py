@@ -11,10 +11,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField, Vector3
-
-Array = NDArray[np.float64]
 
 MOST = 2**63 - 1
 """Largest count: what a signed integer of 64 bits holds."""
@@ -126,23 +125,6 @@ def as_threads(threads: int | None) -> int:
 def outcome_names(codes: NDArray[np.int8]) -> NDArray[np.str_]:
     """Outcomes by name."""
     return np.array(_core.outcomes())[codes]
-
-
-def as_array(values: ArrayLike, name: str) -> Array:
-    """An array of doubles; what would lose its meaning as a double (complex, date, text, mask) is refused."""
-    try:
-        given = np.asanyarray(values)
-        masked = isinstance(given, np.ma.MaskedArray)
-        if given.dtype.kind in "SU":
-            raise TypeError("texts")
-        if not masked and given.dtype.kind not in "cmM":
-            return np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError, OverflowError) as error:
-        raise ShapeError(
-            f"{name}: wanted an array of numbers; got {type(values).__name__} ({error}); try a list of floats"
-        ) from error
-    kind = "a masked array" if masked else f"an array of {given.dtype}"
-    raise ParameterError(f"{name}: wanted real numbers; got {kind}; convert it, or drop what is not a number")
 
 
 def _abridged(values: Sequence[float] | Array) -> str:

@@ -9,8 +9,9 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import as_array, as_count, as_number
+from liepoisson.numeric._checks import as_count, as_number
 
 FloatArray: TypeAlias = NDArray[np.float64]
 Window: TypeAlias = tuple[float, float]

@@ -18,8 +18,9 @@ from statistics import NormalDist
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import as_array, as_number, shown
+from liepoisson.numeric._checks import as_number, shown
 from liepoisson.numeric.estimates import (
     Estimate,
     FiniteTimeFit,

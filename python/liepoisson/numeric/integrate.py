@@ -11,12 +11,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField
 from liepoisson.numeric._checks import (
-    Array,
     HasField,
-    as_array,
     as_field,
     as_states,
     as_threads,

@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
+from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField
 from liepoisson.numeric._checks import (
-    Array,
     HasField,
     as_field,
     as_number,
