@@ -71,7 +71,8 @@ def call(side: str, request: dict[str, Any], simd: str | None = None) -> tuple[d
     environment = {key: value for key, value in os.environ.items() if key != "LIEPOISSON_SIMD"}
     if simd is not None:
         environment["LIEPOISSON_SIMD"] = simd
-    command = [str(PYTHON[side]), str(HERE / f"{side}_worker.py"), json.dumps(request)]
+    worker = f"general_{side}_worker.py" if "system" in request else f"{side}_worker.py"
+    command = [str(PYTHON[side]), str(HERE / worker), json.dumps(request)]
     begin = time.perf_counter()
     process = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     wall = time.perf_counter() - begin

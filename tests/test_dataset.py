@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.dataset import COMPONENTS
 from liepoisson.errors import DamagedFileError, OutputError, ParameterError
+from liepoisson.numeric._checks import TOP_COMPONENTS
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 
@@ -29,7 +29,7 @@ def test_exponents_are_labelled_and_repeat_from_the_file_alone(tmp_path):
     path = result.save(tmp_path / "deep" / "growth.nc")
     dataset = lp.load(path)
     assert dict(dataset.sizes) == {"trajectory": 7, "time": 200, "component": 9}
-    assert list(dataset.component.to_numpy()) == list(COMPONENTS)
+    assert list(dataset.component.to_numpy()) == list(TOP_COMPONENTS)
     assert list(dataset.trajectory.to_numpy()) == list(range(3, 10))
     again = lp.rerun(path, threads=1)
     assert np.array_equal(again.exponent, result.exponent)

@@ -1,10 +1,12 @@
-"""The documents tell the truth: their Python runs and prints what they show; what they link to and name exists."""
+"""The documents tell the truth: their Python and commands run and print what they show; what they name exists."""
 
 import contextlib
 import dataclasses
 import inspect
 import io
 import re
+import shlex
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
@@ -21,6 +23,8 @@ FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
 LINK = re.compile(r"\[[^\]]*\]\(([^)\s]+)\)")
 SPAN = re.compile(r"`([^`\n]+)`")
+FILE = re.compile(r"# (\w[\w-]*\.toml)\n")
+COMMANDS = re.compile(r"(?:liepoisson (?!reproduce\b).*\n)+")
 
 
 class Block(NamedTuple):
@@ -80,24 +84,43 @@ def last_place(number: str) -> float:
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("document", named(GUIDE))
-def test_python_blocks_run_and_print_what_is_shown(document, tmp_path, monkeypatch):
+def test_blocks_run_and_print_what_is_shown(document, tmp_path, monkeypatch):
+    """In one folder and one namespace: Python, commands, and files (TOML that begins with a comment `# name.toml`)."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     monkeypatch.delenv("LIEPOISSON_SIMD", raising=False)
     namespace: dict[str, object] = {"__name__": "__document__"}
     printed = None
     for block in blocks(document):
+        if block.language == "text" and block.follows_directly and printed is not None:
+            wrong = difference(block.content, printed)
+            assert wrong is None, f"{document.name}:{block.line}: {wrong}\nshown:\n{block.content}\nprinted:\n{printed}"
+        printed = None
         if block.language == "python":
             code = compile("\n" * block.line + block.content, str(document), "exec")
             with contextlib.redirect_stdout(io.StringIO()) as output:
                 exec(code, namespace)
             printed = output.getvalue()
-        elif block.language == "text" and block.follows_directly and printed is not None:
-            wrong = difference(block.content, printed)
-            assert wrong is None, f"{document.name}:{block.line}: {wrong}\nshown:\n{block.content}\nprinted:\n{printed}"
-            printed = None
-        else:
-            printed = None
+        elif block.language == "sh" and COMMANDS.fullmatch(block.content):
+            printed = "".join(map(typed, block.content.splitlines()))
+        elif block.language == "toml" and (name := FILE.match(block.content)):
+            (tmp_path / name[1]).write_text(block.content, encoding="utf-8")
+
+
+def typed(line: str) -> str:
+    """What a command prints on a terminal that shows Unicode; the text of a refusal, too."""
+    from liepoisson.cli.main import main
+
+    with pytest.MonkeyPatch.context() as patch, io.TextIOWrapper(io.BytesIO(), encoding="utf-8") as terminal:
+        for stream in ("stdout", "stderr"):
+            patch.setattr(sys, stream, terminal)
+        patch.setattr(sys, "argv", shlex.split(line))
+        with pytest.raises(SystemExit) as stopped:
+            main()
+        terminal.seek(0)
+        printed = terminal.read()
+    assert not stopped.value.code or printed.startswith("liepoisson: "), f"{line!r} ended with {stopped.value.code}"
+    return printed
 
 
 @pytest.mark.parametrize("document", named(DOCUMENTS))
@@ -159,15 +182,42 @@ def test_options_of_the_command_line_exist(document):
 
     from liepoisson.cli.main import application
 
-    known = {"liepoisson", "twisted-top", "help"}
     command = get_command(application())
-    for part in (command, *command.commands.values()):
-        known |= {part.name, *(option for parameter in part.params for option in parameter.opts)}
+    known = {name: {"--help", *(o for p in part.params for o in p.opts)} for name, part in command.commands.items()}
+    known[""] = {"--help", *(option for parameter in command.params for option in parameter.opts)}
     shell = "\n".join(block.content for block in blocks(document) if block.language == "sh")
     for line in [*shell.splitlines(), *SPAN.findall(prose(document))]:
-        if re.match(r"\S*liepoisson (reproduce|--)", line):
-            words = re.findall(r"(?<= )(?:--[a-z-]+|reproduce)", line)
-            assert set(words) <= known, f"{document.name}: {line!r} uses what the command line does not know"
+        if words := re.fullmatch(r"\S*liepoisson(?: (?!-)(\S+))?((?: .*)?)", line):
+            assert (words[1] or "") in known, f"{document.name}: {line!r} names no command"
+            options = set(re.findall(r"(?<= )--[a-z-]+", words[2]))
+            assert options <= known[words[1] or ""], f"{document.name}: {line!r} has options that are not known"
+
+
+@pytest.mark.parametrize("name", lp.catalog.names())
+def test_catalog_page_has_the_entry(name):
+    page = (ROOT / "docs" / "catalog.md").read_text(encoding="utf-8")
+    assert row_of_catalog(name) in page.splitlines(), f"docs/catalog.md needs this row:\n{row_of_catalog(name)}"
+
+
+def test_catalog_page_lists_nothing_else():
+    page = (ROOT / "docs" / "catalog.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| \[`([\w-]+)`\]", page, re.MULTILINE) == list(lp.catalog.names())
+
+
+def row_of_catalog(name: str) -> str:
+    from liepoisson.cli.catalog import short_source
+
+    entry = lp.catalog.entry(name)
+    integrals = ", ".join(f"`{key}`" for key in entry.integrals) or "none"
+    link = f"[`{name}`](../python/liepoisson/catalog/{name}.toml)"
+    cells = (
+        link,
+        entry.description,
+        f"{entry.bracket!r}",
+        integrals,
+        short_source(" ".join((entry.source or "").split())),
+    )
+    return "| " + " | ".join(" ".join(str(cell).split()).replace("|", r"\|") for cell in cells) + " |"
 
 
 def test_versions_agree():

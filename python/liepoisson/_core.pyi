@@ -1,20 +1,35 @@
 """Types of the compiled core. All arrays are flat, float64, row-major."""
 
-from collections.abc import Callable
-from typing import TypedDict
+from collections.abc import Callable, Sequence
+from typing import TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.field import Vector3
+from liepoisson.field import Instruction, Vector3
 
-__all__ = ["__version__", "available_simd", "growth_of_top", "orbits_of_top", "outcomes", "simd"]
+__all__ = ["Field", "__version__", "available_simd", "growth", "orbits", "outcomes", "simd"]
 
 __version__: str
 
 _Array = NDArray[np.float64]
-_Top = tuple[Vector3, Vector3, Vector3, float]
 _Taylor = tuple[float, int | None, int]
+
+@final
+class Field:
+    @property
+    def n_components(self) -> int: ...
+    @staticmethod
+    def top(inertia: Vector3, a: Vector3, b: Vector3, epsilon: float) -> Field: ...
+    @staticmethod
+    def quadratic(
+        n_components: int,
+        constant: Sequence[tuple[int, float]],
+        linear: Sequence[tuple[int, int, float]],
+        quadratic: Sequence[tuple[int, int, int, float]],
+    ) -> Field: ...
+    @staticmethod
+    def tape(n_components: int, instructions: Sequence[Instruction], outputs: Sequence[int]) -> Field: ...
 
 class _Ends(TypedDict):
     outcome: NDArray[np.int8]
@@ -32,8 +47,8 @@ class _Orbits(_Ends):
 class _Growth(_Ends):
     exponent: _Array
 
-def orbits_of_top(
-    top: _Top,
+def orbits(
+    field: Field,
     taylor: _Taylor,
     states: _Array,
     tangents: _Array,
@@ -44,8 +59,8 @@ def orbits_of_top(
     components: bool,
     progress: Callable[[float], object] | None,
 ) -> _Orbits: ...
-def growth_of_top(
-    top: _Top,
+def growth(
+    field: Field,
     taylor: _Taylor,
     states: _Array,
     tangents: _Array,

@@ -7,7 +7,6 @@ the version of liepoisson.  `rerun` repeats a run from the file alone and gives 
 from __future__ import annotations
 
 import json
-import math
 import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +15,7 @@ import numpy as np
 
 from liepoisson import _core
 from liepoisson.errors import DamagedFileError
-from liepoisson.field import TopField, Vector3
+from liepoisson.field import Field, field_of, record_of
 from liepoisson.files import write_atomically
 from liepoisson.numeric._checks import shown
 from liepoisson.numeric.integrate import Orbit, integrate
@@ -28,29 +27,26 @@ if TYPE_CHECKING:
 
     from xarray import Dataset
 
-COMPONENTS = tuple(f"{vector}{i}" for vector in ("l", "alpha", "beta") for i in (1, 2, 3))
 _FORMAT = "liepoisson/1"
+
+_LONGEST_ATTRIBUTE = 32_000
+"""Characters: HDF5 keeps attributes of up to 64 kB."""
 _TIME = {"long_name": "time", "units": "dimensionless"}
 
 
 def orbit_dataset(orbit: Orbit) -> Dataset:
     """An orbit with labelled axes."""
-    import xarray as xr
-
     variables: dict[str, Any] = {
         "state": (("trajectory", "time", "component"), orbit.state, {"long_name": "state", "units": "dimensionless"}),
         "tangent": (("trajectory", "time", "vector", "component"), orbit.tangent, {"long_name": "tangent vectors"}),
         **_ends(orbit),
     }
-    coordinates = {"time": ("time", orbit.time, _TIME), "component": list(COMPONENTS)}
-    attributes = _provenance(orbit, "orbit", {"dense": bool(orbit.series)})
-    return xr.Dataset(variables, coordinates, attributes)
+    coordinates = {"time": ("time", orbit.time, _TIME), "component": list(orbit.components)}
+    return _dataset(orbit, "orbit", {"dense": bool(orbit.series)}, variables, coordinates)
 
 
 def growth_dataset(growth: Growth) -> Dataset:
     """Finite-time exponents with labelled axes."""
-    import xarray as xr
-
     exponent = {"long_name": "finite-time largest Lyapunov exponent", "units": "inverse time, dimensionless"}
     variables: dict[str, Any] = {
         "exponent": (("trajectory", "time"), growth.exponent, exponent),
@@ -60,12 +56,10 @@ def growth_dataset(growth: Growth) -> Dataset:
     }
     coordinates = {
         "time": ("time", growth.time, _TIME),
-        "component": list(COMPONENTS),
+        "component": list(growth.components),
         "trajectory": np.arange(growth.first, growth.first + len(growth.outcome)),
     }
-    return xr.Dataset(
-        variables, coordinates, _provenance(growth, "growth", {"seed": growth.seed, "first": growth.first})
-    )
+    return _dataset(growth, "growth", {"seed": growth.seed, "first": growth.first}, variables, coordinates)
 
 
 def _ends(result: Orbit | Growth) -> dict[str, Any]:
@@ -77,22 +71,37 @@ def _ends(result: Orbit | Growth) -> dict[str, Any]:
     }
 
 
-def _provenance(result: Orbit | Growth, kind: str, run: dict[str, Any]) -> dict[str, Any]:
-    field, method = result.field, result.method
-    top = {"kind": "top", "inertia": field.inertia, "a": field.a, "b": field.b, "epsilon": field.epsilon}
+def _dataset(
+    result: Orbit | Growth, kind: str, run: dict[str, Any], variables: dict[str, Any], coordinates: dict[str, Any]
+) -> Dataset:
+    """The dataset, with all that its run depended on in its attributes; a long field becomes a variable."""
+    import xarray as xr
+
+    method = result.method
     taylor = {"name": "taylor", "tol": method.tol, "order": method.order, "max_steps": method.max_steps}
     # json writes a float with the digits that give the same float back
-    return {
+    field = json.dumps(record_of(result.field))
+    attributes = {
         "format": _FORMAT,
         "kind": kind,
         "system": result.system,
-        "field": json.dumps(top),
         "method": json.dumps(taylor),
         "order": result.order,
         "kernel": result.kernel,
         "run": json.dumps(run),
         "version": _core.__version__,
     }
+    if len(field) <= _LONGEST_ATTRIBUTE:
+        attributes["field"] = field
+    else:
+        text = np.frombuffer(field.encode(), dtype=np.uint8)
+        variables = variables | {"field": ("byte", text, {"long_name": "the vector field, as JSON in UTF-8"})}
+    return xr.Dataset(variables, coordinates, attributes)
+
+
+def _recorded_field(dataset: Dataset) -> Field:
+    text = dataset.attrs["field"] if "field" in dataset.attrs else dataset["field"].to_numpy().tobytes().decode()
+    return field_of(json.loads(text))
 
 
 def netcdf(dataset: Dataset) -> memoryview:
@@ -144,11 +153,12 @@ def load(path: str | Path) -> Dataset:
 class _Recorded:
     """A system known by the field that a file records."""
 
-    def __init__(self, name: str, field: TopField) -> None:
+    def __init__(self, name: str, field: Field, component_names: tuple[str, ...]) -> None:
         self.name = name
+        self.component_names = component_names
         self._field = field
 
-    def field(self) -> TopField:
+    def field(self) -> Field:
         return self._field
 
 
@@ -191,14 +201,11 @@ def _recorded_run(dataset: Dataset) -> tuple[_Recorded, Taylor, str, dict[str, A
     """What a dataset records of its run: system, method, kind and the other arguments."""
     attributes = dataset.attrs
     kind, run = attributes["kind"], json.loads(attributes["run"])
-    chosen, parameters = json.loads(attributes["method"]), json.loads(attributes["field"])
+    chosen, field = json.loads(attributes["method"]), _recorded_field(dataset)
     _expect("format", attributes["format"], _FORMAT)
     _expect("kind", kind, "growth", "orbit")
     _expect("method", chosen["name"], "taylor")
-    _expect("kind of field", parameters["kind"], "top")
-    inertia, a, b = (_triple(parameters[name], name) for name in ("inertia", "a", "b"))
-    (epsilon,) = _numbers([parameters["epsilon"]], "epsilon")
-    system = _Recorded(attributes["system"], TopField(inertia=inertia, a=a, b=b, epsilon=epsilon))
+    system = _Recorded(attributes["system"], field, tuple(map(str, dataset["component"].to_numpy())))
     method = Taylor(tol=chosen["tol"], order=chosen["order"], max_steps=chosen["max_steps"])
     times = dataset["time"].to_numpy()
     if kind == "growth":
@@ -221,16 +228,3 @@ def _recorded_run(dataset: Dataset) -> tuple[_Recorded, Taylor, str, dict[str, A
 def _expect(name: str, got: object, *wanted: str) -> None:
     if got not in wanted:
         raise ValueError(f"{name}: wanted {' or '.join(wanted)}; got {shown(got)}")
-
-
-def _numbers(values: Any, name: str) -> list[float]:
-    if not all(type(value) in (int, float) and math.isfinite(value) for value in values):
-        raise ValueError(f"{name}: wanted finite numbers; got {shown(values)}")
-    return [float(value) for value in values]
-
-
-def _triple(values: Any, name: str) -> Vector3:
-    if not isinstance(values, list) or len(values) != 3:  # pyright: ignore[reportUnknownArgumentType]
-        raise ValueError(f"{name}: wanted three numbers; got {shown(values)}")  # pyright: ignore[reportUnknownArgumentType]
-    first, second, third = _numbers(values, name)
-    return first, second, third

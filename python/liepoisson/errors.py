@@ -19,6 +19,43 @@ class ParameterError(LiePoissonError, ValueError):
     """A parameter has a value outside its domain (not finite, not positive, of the wrong sign, ...)."""
 
 
+class ExpressionError(ParameterError):
+    """A formula that is not in our grammar, or has no meaning here.
+
+    Attributes:
+        position: Offset of the offending character in `text`, counted from 0.
+        line: Its line, counted from 1.
+        column: Its column, counted from 1.
+        text: The whole formula.
+    """
+
+    def __init__(self, message: str, text: str, position: int) -> None:
+        self.message = message
+        self.text = text
+        self.position = min(position, len(text))
+        before = text[: self.position]
+        self.line = before.count("\n") + 1
+        self.column = self.position - before.rfind("\n")
+        super().__init__(f"{message} (line {self.line}, column {self.column}).{self._caret()}")
+
+    def __reduce__(self) -> tuple[type[ExpressionError], tuple[str, str, int]]:
+        return type(self), (self.message, self.text, self.position)
+
+    def _caret(self) -> str:
+        """The line of the formula with a caret below the place, abridged to what surrounds it."""
+        if not self.text.strip():
+            return ""
+        line = self.text.split("\n")[self.line - 1]
+        start = max(0, self.column - 41)
+        shown = "".join(character if character.isprintable() else " " for character in line[start : start + 80])
+        left, right = "..." if start else "", "..." if len(line) > start + 80 else ""
+        return f"\n    {left}{shown}{right}\n    {' ' * (len(left) + self.column - 1 - start)}^"
+
+
+class SystemFileError(LiePoissonError, ValueError):
+    """A system file that can not be read, or does not describe a system; the message names the key and the line."""
+
+
 class UnknownNameError(LiePoissonError, LookupError):
     """A name (of an ensemble, a study, a system, a claim) that is not in the list of known names."""
 

@@ -7,8 +7,8 @@ import warnings
 from collections.abc import Sequence
 
 from liepoisson.errors import InertiaWarning, ParameterError
-from liepoisson.exact.extension import leibniz
-from liepoisson.exact.lie_algebra import so
+from liepoisson.exact.extensions import leibniz
+from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.parameters import Exact, Parameter, exceeds_sum, is_negative, is_zero, read_parameter, read_vector
 from liepoisson.exact.system import System
 from liepoisson.exact.top_parameters import ExactVector, TopParameters

@@ -1,10 +1,17 @@
+import pickle
+import subprocess
+import sys
+from fractions import Fraction
+
 import pytest
 import sympy as sp
 
-from liepoisson.errors import BracketError, ParameterError
+from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.extension import Extension, leibniz, semidirect
-from liepoisson.exact.lie_algebra import LieAlgebra, so
+from liepoisson.exact.extension import Extension
+from liepoisson.exact.extensions import leibniz, semidirect
+from liepoisson.exact.lie_algebra import LieAlgebra
+from liepoisson.exact.lie_algebras import so
 
 EPSILON = sp.Symbol("epsilon")
 
@@ -71,7 +78,7 @@ def test_linear_casimirs_are_the_centre():
     c[0][1][2], c[1][0][2] = 1, -1
     bracket = LieAlgebra(c, "heisenberg") @ leibniz(1)
     x3 = bracket.variables[2]
-    assert bracket.casimirs() == [x3, x3**2]
+    assert bracket.casimirs() == [x3]
 
 
 def test_the_abelian_bracket_keeps_everything():
@@ -116,3 +123,85 @@ def test_the_tensor_that_is_handed_out_is_a_copy():
     bracket = so(3) @ leibniz(3)
     bracket.poisson_tensor()[0, 1] = 17
     assert bracket.poisson_tensor()[0, 1] != 17
+
+
+def test_entries_are_the_upper_half_of_the_poisson_tensor():
+    bracket = so(3) @ leibniz(3, "epsilon")
+    J = sp.zeros(9, 9)
+    for i, j, m, c in bracket.entries():
+        assert i < j
+        J[i, j] += c * bracket.variables[m]
+        J[j, i] -= c * bracket.variables[m]
+    assert bracket.poisson_tensor() == J
+    assert all(isinstance(c, Fraction) for *_, c in (so(3) @ leibniz(3)).entries())
+
+
+def test_fields_can_be_renamed():
+    bracket = (so(3) @ leibniz(2)).rename("m", "p")
+    assert bracket.coordinate_names_in_order == ("m1", "m2", "m3", "p1", "p2", "p3")
+    assert bracket.field_lengths == (3, 3)
+    m, p = bracket.fields.values()
+    assert bracket.casimirs() == [m.dot(p), p.dot(p)]
+    with pytest.raises(ShapeError, match="must be 2 names; got 1"):
+        (so(3) @ leibniz(2)).rename("m")
+    with pytest.raises(BracketError, match="distinct names"):
+        (so(3) @ leibniz(2)).rename("m", "m")
+
+
+@pytest.mark.parametrize(
+    ("extension", "point", "rank"),
+    [
+        # epsilon != 0: rank 6 whenever beta != 0, also where alpha is parallel to beta
+        (leibniz(3), (1, 2, -1, 0, 0, 2, 0, 0, 1), 6),
+        (leibniz(3, "epsilon"), (0, 0, 0, 0, 0, 0, 0, 0, 1), 6),
+        (leibniz(3), (1, 2, -1, 0, "1/3", 2, 0, 0, 0), 4),
+        (leibniz(3), (1, 2, -1, 0, 0, 0, 0, 0, 0), 2),
+        (leibniz(3), (0,) * 9, 0),
+        # epsilon = 0: rank 6 only where alpha x beta != 0
+        (semidirect(3), (1, 2, -1, 0, 0, 2, 0, 0, 1), 4),
+        (semidirect(3), (1, 2, -1, 0, 1, 2, 0, 0, 1), 6),
+    ],
+)
+def test_rank_at_a_point(extension, point, rank):
+    bracket = so(3) @ extension
+    assert bracket.rank(point) == rank
+    assert bracket.corank(point) == 9 - rank
+    values = dict(zip(bracket.variables, map(sp.Rational, point), strict=True))
+    assert bracket.poisson_tensor().subs(values).rank() == rank
+
+
+def test_the_rank_takes_points_that_are_not_rational():
+    # On beta = 0, alpha = (sqrt(2), 0, 0) the rank is 4.
+    assert (so(3) @ leibniz(3)).rank((1, 0, 2, sp.sqrt(2), 0, 0, 0, 0, 0)) == 4
+
+
+def test_generic_rank_and_corank():
+    assert (so(3) @ leibniz(3, "epsilon")).rank() == 6
+    assert (so(3) @ semidirect(4)).corank() == 6
+
+
+@pytest.mark.parametrize("point", [(1, 2), "123456789", None])
+def test_a_point_has_one_number_per_coordinate(point):
+    bracket = so(3) @ leibniz(3)
+    if point is None:
+        with pytest.raises(ParameterError, match=r"must consist of numbers; got the symbols \['u'\]"):
+            bracket.rank(("u", *(0,) * 8))
+    else:
+        with pytest.raises(ShapeError, match="must be 9 numbers"):
+            bracket.rank(point)
+
+
+def test_brackets_are_pickled_by_their_definition():
+    bracket = so(3) @ leibniz(3, "epsilon")
+    bracket.casimir_report()
+    again = pickle.loads(pickle.dumps(bracket))
+    assert again.entries() == bracket.entries()
+    assert set(again.__dict__) <= {"algebra", "extension", "_terms"}
+
+
+def test_entries_do_not_import_sympy():
+    code = (
+        "import sys; from liepoisson.exact.lie_algebras import so; from liepoisson.exact.extensions import leibniz;"
+        "(so(3) @ leibniz(3)).entries(); sys.exit('sympy' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

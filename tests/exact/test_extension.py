@@ -1,3 +1,6 @@
+import pickle
+import subprocess
+import sys
 from fractions import Fraction
 from itertools import product
 
@@ -7,8 +10,9 @@ import sympy as sp
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.extension import Extension, leibniz, semidirect
-from liepoisson.exact.lie_algebra import so
+from liepoisson.exact.extension import Extension
+from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
+from liepoisson.exact.lie_algebras import so
 
 
 def products(extension):
@@ -94,3 +98,111 @@ def test_a_bracket_is_made_of_an_algebra_and_an_extension():
         so(3) @ 5
     with pytest.raises(ParameterError, match="algebra must be of type LieAlgebra"):
         Bracket(None, leibniz(3, 1))
+
+
+def test_products_are_the_sparse_tensor():
+    for extension in (leibniz(5, "2/3"), semidirect(4), leibniz(3, "epsilon"), crmhd()):
+        W, n = extension.tensor, range(extension.dimension)
+        dense = {(m, v): {k: W[k][m][v] for k in n if W[k][m][v] != 0} for m in n for v in n if m <= v}
+        assert extension.products == {pair: row for pair, row in dense.items() if row}
+        again = Extension.from_products(extension.dimension, extension.products)
+        assert again.tensor == W
+        assert Extension(W).products == extension.products
+
+
+def test_products_are_read_in_either_order_and_must_agree():
+    assert Extension.from_products(2, {(1, 0): {1: 1}, (0, 0): {0: 1}}).tensor == leibniz(2).tensor
+    with pytest.raises(BracketError, match="commutative; got e_1 e_0"):
+        Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 0): {1: 2}})
+    with pytest.raises(BracketError, match="associative"):
+        Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 2}})
+    with pytest.raises(ShapeError, match=r"0\.\.1"):
+        Extension.from_products(2, {(0, 2): {1: 1}})
+
+
+def test_in_a_direct_sum_products_between_the_parts_vanish():
+    A, B = leibniz(2), leibniz(3, "epsilon")
+    total = A + B
+    shifted = {(i + 2, j + 2): {k + 2: v for k, v in row.items()} for (i, j), row in B.products.items()}
+    assert total.products == A.products | shifted
+    assert total.name == "(Leibniz(2, epsilon = 1) + Leibniz(3, epsilon))"
+    assert (trivial() + trivial() + trivial()).name == "(trivial + trivial + trivial)"
+    assert total.field_names == ("x0", "x1", "x2", "x3", "x4")  # l and alpha would stand twice
+    assert (trivial().rename("w") + leibniz(3)).field_names == ("w", "l", "alpha", "beta")
+    with pytest.raises(TypeError):
+        A + 1
+
+
+def test_a_direct_sum_of_lines_gives_two_copies_of_the_algebra():
+    J = (so(3) @ (trivial() + trivial())).poisson_tensor()
+    single = so(3) @ trivial()
+    l, alpha = sp.symbols("l1:4"), sp.symbols("alpha1:4")
+    block = single.poisson_tensor()
+    assert sp.diag(block, block.subs(dict(zip(l, alpha, strict=True)))) == J
+
+
+def test_structure_of_the_leibniz_extension():
+    A = leibniz(4, "1/2")
+    assert A.unit() == (1, 0, 0, 0)
+    assert set(A.nilradical()) == {(0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1)}
+    assert A.socle() == ((0, 0, 0, 1),)
+    assert A.annihilator() == ()
+    assert A.hilbert_function() == (1, 1, 1, 1)
+    assert (A.is_unital, A.is_local, A.residue_field) == (True, True, "R")
+    assert A.maximal_ideals() == (A.nilradical(),)
+
+
+def test_structure_of_a_direct_sum():
+    A = trivial() + leibniz(2)
+    assert A.unit() == (1, 1, 0)
+    assert A.nilradical() == ((0, 0, 1),)
+    assert set(A.maximal_ideals()) == {((0, 1, 0), (0, 0, 1)), ((1, 0, 0), (0, 0, 1))}
+    assert A.hilbert_function() == (2, 1)
+    assert (A.is_unital, A.is_local, A.residue_field) == (True, False, None)
+
+
+def test_structure_without_a_unit():
+    A = Extension([[[0, 0], [0, 0]], [[1, 0], [0, 0]]])  # e0 e0 = e1
+    assert A.unit() is None
+    assert not A.is_local
+    assert A.maximal_ideals() == ()
+    assert A.annihilator() == ((0, 1),)
+    assert len(A.nilradical()) == 2
+
+
+def test_residue_fields():
+    def quadratic(q):
+        return Extension([[[1, 0], [0, q]], [[0, 1], [1, 0]]])  # e1 e1 = q
+
+    assert quadratic(-3).residue_field == "C"
+    assert quadratic(0).residue_field == "R"
+    assert quadratic(3).residue_field is None  # two real places
+    with pytest.raises(ParameterError, match="sign of q"):
+        quadratic("q").residue_field  # noqa: B018
+    assert quadratic(sp.Symbol("q", positive=True)).residue_field is None
+
+
+def test_structure_is_not_asked_of_what_is_no_algebra():
+    wrong = Extension(changed(leibniz(3), {(2, 0, 2): -1, (2, 2, 0): -1}), check=False)
+    with pytest.raises(BracketError, match="associative"):
+        wrong.unit()
+
+
+def test_extensions_travel_between_processes():
+    for extension in (leibniz(3), crmhd(), trivial() + leibniz(2)):
+        copy = pickle.loads(pickle.dumps(extension))
+        assert (copy.tensor, copy.name, copy.field_names) == (extension.tensor, extension.name, extension.field_names)
+
+
+def test_rational_extensions_do_not_load_sympy():
+    program = """
+import sys
+from liepoisson.exact.extension import Extension
+from liepoisson.exact.extensions import leibniz
+from liepoisson.exact.extensions import crmhd, trivial
+A = leibniz(5, "1/3") + trivial() + crmhd(2)
+assert A.tensor and A.unit() and A.socle() and A.classify().is_local is False
+print("sympy" in sys.modules)
+"""
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "False"

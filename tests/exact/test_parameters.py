@@ -54,6 +54,13 @@ def test_a_vector_has_three_components(bad):
         read_vector(bad, "a", "(a1, a2, a3)")
 
 
+def test_a_component_is_called_as_it_is_written():
+    with pytest.raises(ParameterError, match=r"^a1 must be"):
+        read_vector((float("nan"), 0, 0), "a", "(a1, a2, a3)")
+    with pytest.raises(ParameterError, match=r"^I3 must be"):
+        read_vector((1, 2, "1/0"), "inertia", "(I1, I2, I3)")
+
+
 def test_sequences_of_every_kind_are_vectors():
     expected = (Fraction(1), Fraction(1, 2), Fraction(3))
     for given in ([1, 0.5, 3], (1, "1/2", 3), np.array([1, 0.5, 3]), sp.Matrix([1, sp.Rational(1, 2), 3])):

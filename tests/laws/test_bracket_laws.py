@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.extension import Extension, leibniz, semidirect
-from liepoisson.exact.lie_algebra import LieAlgebra, so
+from liepoisson.exact.extension import Extension
+from liepoisson.exact.extensions import leibniz, semidirect
+from liepoisson.exact.lie_algebra import LieAlgebra
+from liepoisson.exact.lie_algebras import so
 from liepoisson.tops import Top
 
 exactly = settings(deadline=None, max_examples=20, derandomize=True)
@@ -102,6 +104,29 @@ def test_casimir_gradients_are_null_vectors(name):
     assert found
     for casimir in found:
         assert set(bracket.vector_field(casimir)) == {0}
+
+
+@exactly
+@given(named, st.data())
+def test_the_rank_is_even_and_casimirs_bound_it(name, data):
+    bracket = BRACKETS[name]
+    point = data.draw(st.lists(rational, min_size=bracket.dimension, max_size=bracket.dimension))
+    rank = bracket.rank(point)
+    assert rank % 2 == 0
+    assert rank <= bracket.rank() == bracket.dimension - bracket.casimir_report().independent
+
+
+@exactly
+@given(st.lists(st.sampled_from([(i, j) for i in range(3) for j in range(i, 3)]), max_size=2), rational, st.data())
+def test_the_jacobi_certificate_agrees_with_the_residuals(changed, value, data):
+    products = {pair: dict(row) for pair, row in leibniz(3).products.items()}
+    for pair in changed:
+        products[pair] = {data.draw(st.integers(0, 2)): value}
+    bracket = so(3) @ Extension.from_products(3, products, check=False)
+    holds = set(bracket.jacobi_residuals().values()) == {0}
+    certificate = bracket.jacobi_certificate()
+    assert certificate.holds is holds
+    assert bool(certificate.failures) is not holds
 
 
 @pytest.mark.parametrize("name", BRACKETS)

@@ -278,9 +278,7 @@ impl<F: Field, O: Observer, M: Fn(usize) -> O + Sync> Task for Worker<'_, F, M> 
         let mut sizes = vec![0.0; V::WIDTH];
         let mut steps = 0;
         while self.fill_seats(&mut block, &mut seats, &mut observer) {
-            for k in 0..ensemble.method.order() {
-                block.extend(k);
-            }
+            block.expand();
             block.step_sizes(&mut sizes);
             for lane in 0..V::WIDTH {
                 sizes[lane] = self.decide(&mut block, lane, &mut seats[lane], sizes[lane], &mut observer);

@@ -17,6 +17,15 @@ pub enum Error {
         /// What came.
         got: f64,
     },
+    /// An entry of a field that names a component which is not there.
+    ComponentIndex {
+        /// The part of the field that it stands in.
+        name: &'static str,
+        /// Number of components.
+        n_components: usize,
+        /// What came.
+        got: usize,
+    },
     /// A tolerance outside `[2^-53, 0.1]`.
     Tolerance {
         /// What came.
@@ -51,6 +60,58 @@ pub enum Error {
         /// Bytes that could not be had.
         bytes: usize,
     },
+    /// A field without components.
+    NoComponents,
+    /// The name of an instruction that no tape has.
+    UnknownInstruction {
+        /// What came.
+        name: String,
+    },
+    /// An instruction with the wrong number of registers or numbers.
+    InstructionOperands {
+        /// Its name.
+        name: &'static str,
+        /// Registers and numbers wanted.
+        wanted: (usize, usize),
+        /// Registers and numbers that came.
+        got: (usize, usize),
+    },
+    /// An instruction that reads a register which is not computed before it.
+    InstructionRegister {
+        /// Position of the instruction in the tape.
+        index: usize,
+        /// Its name.
+        name: &'static str,
+        /// The register.
+        register: usize,
+        /// Number of registers computed before the instruction.
+        available: usize,
+    },
+    /// An instruction with a number that is not finite.
+    InstructionNumber {
+        /// Position of the instruction in the tape.
+        index: usize,
+        /// Its name.
+        name: &'static str,
+        /// What came.
+        got: f64,
+    },
+    /// A number of outputs that is not the number of components.
+    Outputs {
+        /// Outputs wanted.
+        wanted: usize,
+        /// Outputs that came.
+        got: usize,
+    },
+    /// An output that no instruction computes.
+    OutputRegister {
+        /// Component whose derivative it should be.
+        component: usize,
+        /// The register.
+        register: usize,
+        /// Number of registers of the tape.
+        available: usize,
+    },
     /// `LIEPOISSON_SIMD` names an instruction set that is unknown or that this processor lacks.
     SimdNotAvailable {
         /// What was asked for.
@@ -70,6 +131,11 @@ impl fmt::Display for Error {
             Error::ParameterNotFinite { name, got } => {
                 write!(f, "{name}: wanted a finite number; got {got}; check the parameters of the system")
             }
+            Error::ComponentIndex { name, n_components, got } => write!(
+                f,
+                "{name}: wanted indices of components from 0 to {}; got {got}; they count from 0",
+                n_components - 1
+            ),
             Error::Tolerance { got } => {
                 write!(f, "tol: wanted a number from 1.1e-16 to 0.1; got {got}; try 1e-15 for round-off accuracy")
             }
@@ -97,6 +163,34 @@ impl fmt::Display for Error {
                 "the result: wanted memory for {:.2e} bytes more; there is none; \
                  ask for fewer trajectories or times at once, or leave dense output out",
                 *bytes as f64
+            ),
+            Error::NoComponents => write!(f, "field: wanted one component or more; got none; give it a state"),
+            Error::UnknownInstruction { name } => write!(
+                f,
+                "instruction: wanted linear, product, quotient, power, sqrt, exp, log, sin, cos, sinh, cosh, tanh, \
+                 asin, acos or atan; got {name:?}; write other functions with these"
+            ),
+            Error::InstructionOperands { name, wanted, got } => write!(
+                f,
+                "instruction {name}: wanted {} registers and {} numbers; got {} and {}; see the list of instructions",
+                wanted.0, wanted.1, got.0, got.1
+            ),
+            Error::InstructionRegister { index, name, register, available } => write!(
+                f,
+                "instruction {index} ({name}): wanted registers below {available}; got {register}; \
+                 an instruction reads components and results of earlier instructions only"
+            ),
+            Error::InstructionNumber { index, name, got } => write!(
+                f,
+                "instruction {index} ({name}): wanted finite numbers; got {got}; check the parameters of the system"
+            ),
+            Error::Outputs { wanted, got } => {
+                write!(f, "outputs: wanted {wanted}, one register for each component; got {got}; name each derivative")
+            }
+            Error::OutputRegister { component, register, available } => write!(
+                f,
+                "output {component}: wanted a register below {available}; got {register}; \
+                 name a component or the result of an instruction"
             ),
             Error::SimdNotAvailable { wanted } => write!(
                 f,

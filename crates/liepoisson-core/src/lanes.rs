@@ -1,10 +1,16 @@
 //! Lanes: one source for AVX-512, AVX2 and scalar arithmetic. The one file that knows SIMD.
 //!
 //! A [`Lane`] is a register that holds the same quantity of several trajectories. Only operations that IEEE 754
-//! rounds correctly are offered (`+ - *`, fused multiply-add), so a trajectory has the same bits in a register of
-//! any width. Code generic over `V: Lane` reaches the instructions of a processor through [`dispatch`].
+//! rounds correctly are offered (`+ - * /`, square root, fused multiply-add), so a trajectory has the same bits in a
+//! register of any width. Code generic over `V: Lane` reaches the instructions of a processor through [`dispatch`].
 
 use crate::error::Error;
+
+/// A part of a computation that works with one type of register; see [`Lane::outline`].
+pub trait Piece {
+    /// Does it. Must be `#[inline(always)]`, like everything that it calls.
+    fn run(self);
+}
 
 /// A vector of space in one register, with a fourth number beside its three components.
 ///
@@ -48,6 +54,14 @@ pub trait Lane: Copy + Send + Sync {
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
     /// `|self|`.
     fn abs(self) -> Self;
+    /// Runs `piece` as a function of its own, compiled for the instructions of this register.
+    ///
+    /// What a large piece of code does is compiled once for each register type, however many callers it has.
+    fn outline<P: Piece>(piece: P);
+    /// `self / other`.
+    fn div(self, other: Self) -> Self;
+    /// The square root, NaN of a negative number.
+    fn sqrt(self) -> Self;
 
     /// The lanes as numbers.
     #[inline(always)]
@@ -143,11 +157,23 @@ impl Lane for f64 {
     fn abs(self) -> Self {
         f64::abs(self)
     }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self / other
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+    #[inline(never)]
+    fn outline<P: Piece>(piece: P) {
+        piece.run();
+    }
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Lane, Triple};
+    use super::{Lane, Piece, Triple};
     use std::arch::x86_64::*;
 
     /// Eight trajectories in an AVX-512 register.
@@ -209,6 +235,19 @@ mod x86 {
         }
     }
 
+    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+    #[inline(never)]
+    fn outline_avx512<P: Piece>(piece: P) {
+        piece.run();
+    }
+
+    #[target_feature(enable = "avx2,fma")]
+    #[inline(never)]
+    fn outline_avx2<P: Piece>(piece: P) {
+        piece.run();
+    }
+
+    #[allow(clippy::undocumented_unsafe_blocks)]
     impl Lane for Single {
         type Triple = Avx2Triple;
         const WIDTH: usize = 1;
@@ -237,10 +276,22 @@ mod x86 {
         fn abs(self) -> Self {
             Self(self.0.abs())
         }
+        #[inline(always)]
+        fn div(self, other: Self) -> Self {
+            Self(self.0 / other.0)
+        }
+        #[inline(always)]
+        fn sqrt(self) -> Self {
+            Self(self.0.sqrt())
+        }
+        #[inline(always)]
+        fn outline<P: Piece>(piece: P) {
+            unsafe { outline_avx2(piece) }
+        }
     }
 
     macro_rules! lane {
-        ($lane:ident, $width:literal, $registers:literal, $splat:ident, $add:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $andnot:ident) => {
+        ($lane:ident, $width:literal, $registers:literal, $splat:ident, $add:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $andnot:ident, $div:ident, $sqrt:ident, $outline:ident) => {
             #[allow(clippy::undocumented_unsafe_blocks)]
             impl Lane for $lane {
                 type Triple = Avx2Triple;
@@ -270,6 +321,18 @@ mod x86 {
                 fn abs(self) -> Self {
                     Self(unsafe { $andnot($splat(-0.0), self.0) })
                 }
+                #[inline(always)]
+                fn div(self, other: Self) -> Self {
+                    Self(unsafe { $div(self.0, other.0) })
+                }
+                #[inline(always)]
+                fn sqrt(self) -> Self {
+                    Self(unsafe { $sqrt(self.0) })
+                }
+                #[inline(always)]
+                fn outline<P: Piece>(piece: P) {
+                    unsafe { $outline(piece) }
+                }
             }
         };
     }
@@ -283,7 +346,10 @@ mod x86 {
         _mm512_mul_pd,
         _mm512_fmadd_pd,
         _mm512_fnmadd_pd,
-        _mm512_andnot_pd
+        _mm512_andnot_pd,
+        _mm512_div_pd,
+        _mm512_sqrt_pd,
+        outline_avx512
     );
     lane!(
         F64x4,
@@ -294,7 +360,10 @@ mod x86 {
         _mm256_mul_pd,
         _mm256_fmadd_pd,
         _mm256_fnmadd_pd,
-        _mm256_andnot_pd
+        _mm256_andnot_pd,
+        _mm256_div_pd,
+        _mm256_sqrt_pd,
+        outline_avx2
     );
 }
 

@@ -3,7 +3,7 @@
 use liepoisson_core::analysis::{lyapunov, orbit, orbit::Orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Field, SingleTop, Top};
+use liepoisson_core::field::{self, Instruction, Quadratic, SingleTop, Tape, Top};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::Taylor;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -22,15 +22,65 @@ fn translate(error: Error) -> PyErr {
     })
 }
 
-/// Parameters of the charged or twisted top: `(inertia, a, b, epsilon)`.
-type TopParameters = ([f64; 3], [f64; 3], [f64; 3], f64);
+/// A vector field that the core integrates.
+#[pyclass(frozen, module = "liepoisson._core")]
+struct Field(Kind);
+
+enum Kind {
+    Top(Top),
+    Quadratic(Quadratic),
+    Tape(Tape),
+}
+
+#[pymethods]
+impl Field {
+    /// Dimension of the state.
+    #[getter]
+    fn n_components(&self) -> usize {
+        use field::Field as _;
+        match &self.0 {
+            Kind::Top(top) => top.n_components(),
+            Kind::Quadratic(quadratic) => quadratic.n_components(),
+            Kind::Tape(tape) => tape.n_components(),
+        }
+    }
+
+    /// The charged or twisted top.
+    #[staticmethod]
+    fn top(inertia: [f64; 3], a: [f64; 3], b: [f64; 3], epsilon: f64) -> PyResult<Field> {
+        Top::new(inertia, a, b, epsilon).map(|top| Field(Kind::Top(top))).map_err(translate)
+    }
+
+    /// Any field of degree at most two, by its nonzero entries.
+    #[staticmethod]
+    fn quadratic(
+        n_components: usize,
+        constant: Vec<(usize, f64)>,
+        linear: Vec<(usize, usize, f64)>,
+        quadratic: Vec<(usize, usize, usize, f64)>,
+    ) -> PyResult<Field> {
+        let field = Quadratic::new(n_components, &constant, &linear, &quadratic).map_err(translate)?;
+        Ok(Field(Kind::Quadratic(field)))
+    }
+
+    /// Any smooth field, by the instructions that compute it.
+    #[staticmethod]
+    fn tape(
+        n_components: usize,
+        instructions: Vec<(String, Vec<usize>, Vec<f64>)>,
+        outputs: Vec<usize>,
+    ) -> PyResult<Field> {
+        let instructions = instructions
+            .iter()
+            .map(|(name, registers, numbers)| Instruction::from_parts(name, registers, numbers))
+            .collect::<Result<_, _>>()
+            .map_err(translate)?;
+        Tape::new(n_components, instructions, outputs).map(|tape| Field(Kind::Tape(tape))).map_err(translate)
+    }
+}
 
 /// Tolerance, order (chosen from the tolerance if None), most steps per trajectory.
 type TaylorParameters = (f64, Option<usize>, u64);
-
-fn top_of((inertia, a, b, epsilon): TopParameters) -> PyResult<Top> {
-    Top::new(inertia, a, b, epsilon).map_err(translate)
-}
 
 fn taylor_of((tolerance, order, max_steps): TaylorParameters) -> PyResult<Taylor> {
     Taylor::new(tolerance, order, max_steps).map_err(translate)
@@ -89,30 +139,7 @@ fn add_summaries(result: &Bound<'_, PyDict>, summaries: &[Summary], n: usize) ->
     Ok(())
 }
 
-/// Which code advances the trajectories.
-#[derive(Clone, Copy)]
-enum Kernel {
-    /// Trajectories side by side in registers: the same bits for any width.
-    Lanes(Simd),
-    /// One trajectory, the components of its vectors side by side: other last bits.
-    Components,
-}
-
-impl Kernel {
-    fn choose(components: bool) -> PyResult<Kernel> {
-        let simd = Simd::from_environment().map_err(translate)?;
-        Ok(if components { Kernel::Components } else { Kernel::Lanes(simd) })
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Kernel::Lanes(simd) => simd.name(),
-            Kernel::Components => "components",
-        }
-    }
-}
-
-fn run_orbits<F: Field>(
+fn run_orbits<F: field::Field>(
     py: Python<'_>,
     ensemble: &Ensemble<'_, F>,
     threads: usize,
@@ -137,13 +164,13 @@ fn stripped(mut orbits: Orbits) -> Orbits {
     orbits
 }
 
-/// Orbits of a top at `times`; arrays are flat, row-major: see `_core.pyi`.
+/// Orbits at `times`; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
-#[pyo3(signature = (top, taylor, states, tangents, n_tangents, times, threads, dense, components, progress))]
+#[pyo3(signature = (field, taylor, states, tangents, n_tangents, times, threads, dense, components, progress))]
 #[allow(clippy::too_many_arguments)] // a function of the shell takes what the Python side has checked, flat
-fn orbits_of_top<'py>(
+fn orbits<'py>(
     py: Python<'py>,
-    top: TopParameters,
+    field: &Field,
     taylor: TaylorParameters,
     states: PyReadonlyArray1<'py, f64>,
     tangents: PyReadonlyArray1<'py, f64>,
@@ -154,39 +181,44 @@ fn orbits_of_top<'py>(
     components: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (top, taylor) = (top_of(top)?, taylor_of(taylor)?);
+    let taylor = taylor_of(taylor)?;
     let (states, tangents, times) = (states.as_slice()?, tangents.as_slice()?, times.as_slice()?);
-    let kernel = Kernel::choose(components)?;
-    let orbits = match kernel {
-        Kernel::Lanes(simd) => {
-            let ensemble = Ensemble { field: &top, method: taylor, states, tangents, n_tangents, times };
-            run_orbits(py, &ensemble, threads, simd, dense, progress)?
+    let simd = Simd::from_environment().map_err(translate)?;
+    macro_rules! run {
+        ($field:expr) => {{
+            let ensemble = Ensemble { field: $field, method: taylor, states, tangents, n_tangents, times };
+            (simd.name(), run_orbits(py, &ensemble, threads, simd, dense, progress)?)
+        }};
+    }
+    let (kernel, orbits) = match &field.0 {
+        Kind::Top(top) if components => {
+            let (field, states) = (SingleTop::new(*top), SingleTop::pad(states));
+            let ensemble = Ensemble { field: &field, method: taylor, states: &states, tangents, n_tangents, times };
+            ("components", stripped(run_orbits(py, &ensemble, 1, Simd::Scalar, dense, progress)?))
         }
-        Kernel::Components => {
-            let (field, padded) = (SingleTop::new(top), SingleTop::pad(states));
-            let ensemble = Ensemble { field: &field, method: taylor, states: &padded, tangents, n_tangents, times };
-            stripped(run_orbits(py, &ensemble, 1, Simd::Scalar, dense, progress)?)
-        }
+        Kind::Top(top) => run!(top),
+        Kind::Quadratic(quadratic) => run!(quadratic),
+        Kind::Tape(tape) => run!(tape),
     };
     let result = PyDict::new(py);
-    add_summaries(&result, &orbits.summaries, 9)?;
+    add_summaries(&result, &orbits.summaries, field.n_components())?;
     result.set_item("state", orbits.states.into_pyarray(py))?;
     result.set_item("tangent", orbits.tangents.into_pyarray(py))?;
     let series =
         orbits.series.into_iter().map(|series| (series.times.into_pyarray(py), series.coefficients.into_pyarray(py)));
     result.set_item("series", series.collect::<Vec<_>>())?;
-    result.set_item("kernel", kernel.name())?;
+    result.set_item("kernel", kernel)?;
     result.set_item("order", taylor.order())?;
     Ok(result)
 }
 
-/// Finite-time Lyapunov exponents of a top at `times[1:]`; arrays are flat, row-major: see `_core.pyi`.
+/// Finite-time Lyapunov exponents at `times[1:]`; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
-#[pyo3(signature = (top, taylor, states, tangents, times, threads, progress))]
+#[pyo3(signature = (field, taylor, states, tangents, times, threads, progress))]
 #[allow(clippy::too_many_arguments)]
-fn growth_of_top<'py>(
+fn growth<'py>(
     py: Python<'py>,
-    top: TopParameters,
+    field: &Field,
     taylor: TaylorParameters,
     states: PyReadonlyArray1<'py, f64>,
     tangents: PyReadonlyArray1<'py, f64>,
@@ -194,15 +226,24 @@ fn growth_of_top<'py>(
     threads: usize,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (top, taylor) = (top_of(top)?, taylor_of(taylor)?);
+    let taylor = taylor_of(taylor)?;
     let simd = Simd::from_environment().map_err(translate)?;
     let (states, tangents, times) = (states.as_slice()?, tangents.as_slice()?, times.as_slice()?);
-    let ensemble = Ensemble { field: &top, method: taylor, states, tangents, n_tangents: 1, times };
-    let growth = supervised(py, ensemble.n_members(), progress, |control, watch| {
-        lyapunov::growth(&ensemble, threads, simd, control, watch)
-    })?;
+    macro_rules! run {
+        ($field:expr) => {{
+            let ensemble = Ensemble { field: $field, method: taylor, states, tangents, n_tangents: 1, times };
+            supervised(py, ensemble.n_members(), progress, |control, watch| {
+                lyapunov::growth(&ensemble, threads, simd, control, watch)
+            })?
+        }};
+    }
+    let growth = match &field.0 {
+        Kind::Top(top) => run!(top),
+        Kind::Quadratic(quadratic) => run!(quadratic),
+        Kind::Tape(tape) => run!(tape),
+    };
     let result = PyDict::new(py);
-    add_summaries(&result, &growth.summaries, 9)?;
+    add_summaries(&result, &growth.summaries, field.n_components())?;
     result.set_item("exponent", growth.exponents.into_pyarray(py))?;
     result.set_item("kernel", simd.name())?;
     result.set_item("order", taylor.order())?;
@@ -230,8 +271,9 @@ fn outcomes() -> Vec<&'static str> {
 #[pymodule]
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
-    module.add_function(wrap_pyfunction!(orbits_of_top, module)?)?;
-    module.add_function(wrap_pyfunction!(growth_of_top, module)?)?;
+    module.add_class::<Field>()?;
+    module.add_function(wrap_pyfunction!(orbits, module)?)?;
+    module.add_function(wrap_pyfunction!(growth, module)?)?;
     module.add_function(wrap_pyfunction!(simd, module)?)?;
     module.add_function(wrap_pyfunction!(available_simd, module)?)?;
     module.add_function(wrap_pyfunction!(outcomes, module)?)

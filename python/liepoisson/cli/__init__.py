@@ -1,4 +1,7 @@
-"""The command line: results on standard output, progress and errors on standard error, exit code 2 when refused."""
+"""The command line: results on standard output, progress and errors on standard error, and an exit code.
+
+Done: 0.  A claim about a system is false: 1.  Refused: 2.
+"""
 
 from liepoisson.cli.main import main
 

@@ -14,7 +14,8 @@ REFUSED = 2
 def main() -> None:
     """Run the command line and leave the process with its exit code.
 
-    0: done.  2: refused, with the reason on standard error and no traceback.  130: interrupted by Ctrl-C.
+    0: done.  1: a claim about the system that was inspected is false.  2: refused, with the reason on standard error
+    and no traceback.  130: interrupted by Ctrl-C.
     """
     from typer.main import get_command
 
@@ -31,6 +32,9 @@ def application() -> typer.Typer:
     """The commands, as a Typer application."""
     import typer
 
+    from liepoisson.cli.catalog import catalog
+    from liepoisson.cli.inspect import inspect
+    from liepoisson.cli.lyapunov import lyapunov
     from liepoisson.cli.reproduce import reproduce
 
     app = typer.Typer(
@@ -58,5 +62,6 @@ def application() -> typer.Typer:
         """The laboratory for Lie-Poisson dynamics."""
 
     app.callback()(options)
-    app.command()(reproduce)
+    for command in (reproduce, inspect, catalog, lyapunov):
+        app.command()(command)
     return app

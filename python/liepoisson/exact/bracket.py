@@ -2,21 +2,26 @@ r"""Lie-Poisson brackets of g (x) A, $\{f, g\} = -\langle x, [df, dg] \rangle$."
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from functools import cached_property
-from itertools import combinations, combinations_with_replacement, product
-from typing import TYPE_CHECKING
+from itertools import combinations, product
+from typing import TYPE_CHECKING, Any
 
-from liepoisson.errors import BracketError, ParameterError
+from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.parameters import Column, is_zero, to_sympy
+from liepoisson.exact.parameters import Column, Parameter, is_zero, listed, read_parameter, symbols_of, to_sympy
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
-
     from sympy import Expr, Matrix, Symbol
 
+    from liepoisson.exact.automorphisms import Derivation, Scaling
+    from liepoisson.exact.casimirs import CasimirReport
+    from liepoisson.exact.certificates import JacobiCertificate, RankCertificate
     from liepoisson.exact.parameters import Exact
+    from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
+    from liepoisson.exact.strata import Stratum
 
 
 class Bracket:
@@ -33,33 +38,59 @@ class Bracket:
     Args:
         algebra: The Lie algebra g.
         extension: The commutative algebra A.
+        field_names: One name per field, in place of those of the extension.
 
     Raises:
         BracketError: a coordinate and a parameter have the same name.
         ParameterError: `algebra` is not a LieAlgebra or `extension` not an Extension.
+        ShapeError: not one name per field.
 
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
     """
 
-    def __init__(self, algebra: LieAlgebra, extension: Extension) -> None:
+    def __init__(self, algebra: LieAlgebra, extension: Extension, field_names: Sequence[str] | None = None) -> None:
         _check_type(algebra, LieAlgebra, "algebra", "so(3)")
         _check_type(extension, Extension, "extension", "leibniz(3, epsilon)")
         self.algebra = algebra
-        self.extension = extension
+        self.extension = extension if field_names is None else _renamed(extension, field_names)
         names = self.coordinate_names
         if len(names) < self.dimension:
             raise BracketError(f"coordinates must have distinct names; got {sorted(names)}. Rename the fields.")
         self.check_parameter_names(self.symbols)
 
+    def rename(self, *field_names: str) -> Bracket:
+        """The same bracket with other names for its fields: `(so(3) @ leibniz(2)).rename("m", "p")`.
+
+        Raises:
+            ShapeError: not one name per field.
+            BracketError: two coordinates, or a coordinate and a parameter, would have the same name.
+        """
+        return Bracket(self.algebra, self.extension, field_names)
+
     @property
     def dimension(self) -> int:
-        """Number of coordinates, dim g times dim A."""
+        """Number N of coordinates, dim g times dim A."""
         return self.algebra.dimension * self.extension.dimension
 
     @property
+    def field_names(self) -> tuple[str, ...]:
+        """Names of the fields, one per basis element of A."""
+        return self.extension.field_names
+
+    @property
+    def field_lengths(self) -> tuple[int, ...]:
+        """Number of components of each field: dim g for all of them."""
+        return (self.algebra.dimension,) * self.extension.dimension
+
+    @cached_property
+    def coordinate_names_in_order(self) -> tuple[str, ...]:
+        """Names of the coordinates, field by field; asking for them does not import SymPy."""
+        return tuple(field + base for field, base in product(self.field_names, self.algebra.basis_names))
+
+    @property
     def coordinate_names(self) -> set[str]:
-        """Names of the coordinates; asking for them does not import SymPy."""
-        return {f"{field}{base}" for field in self.extension.field_names for base in self.algebra.basis_names}
+        """Names of the coordinates, as a set."""
+        return set(self.coordinate_names_in_order)
 
     def check_parameter_names(self, names: set[str]) -> None:
         """Refuse parameters that are named like a coordinate: a derivative would take one for the other.
@@ -80,7 +111,7 @@ class Bracket:
         """The coordinates, field by field: l1, l2, l3, alpha1, ..., beta3 for so(3) and three fields."""
         from sympy import Symbol
 
-        return tuple(Symbol(f + b) for f, b in product(self.extension.field_names, self.algebra.basis_names))
+        return tuple(Symbol(name) for name in self.coordinate_names_in_order)
 
     @property
     def fields(self) -> dict[str, Column]:
@@ -89,7 +120,14 @@ class Bracket:
 
         n = self.algebra.dimension
         blocks = (self.variables[i * n : (i + 1) * n] for i in range(self.extension.dimension))
-        return {name: Matrix(block) for name, block in zip(self.extension.field_names, blocks, strict=True)}
+        return {name: Matrix(block) for name, block in zip(self.field_names, blocks, strict=True)}
+
+    def entries(self) -> tuple[tuple[int, int, int, Exact], ...]:
+        r"""The bracket as sparse data: all (i, j, m, c) with i < j, $\{x_i, x_j\} = \sum c\,x_m$ and c nonzero.
+
+        The coefficients are Fractions if all structure constants are; SymPy is not imported then.
+        """
+        return tuple(term for term in self._terms if term[0] < term[1])
 
     def poisson_tensor(self) -> Matrix:
         r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, linear in x, shape (N, N)."""
@@ -103,38 +141,118 @@ class Bracket:
 
     def vector_field(self, h: Expr) -> tuple[Expr, ...]:
         r"""The right-hand side of $\dot x = \{x, h\} = J \nabla h$, one expression per coordinate, expanded."""
-        from sympy import S, expand
+        from sympy import Add, expand
 
         dh = self._gradient(h)
-        rows = self._poisson_tensor.tolist()
-        return tuple(expand(sum((J * d for J, d in zip(row, dh, strict=True) if d != 0), S.Zero)) for row in rows)
+        sums: list[list[Expr]] = [[] for _ in range(self.dimension)]
+        for (i, j), form in self._forms.items():
+            if dh[j] != 0:
+                sums[i].append(form * dh[j])
+        return tuple(expand(Add(*terms)) for terms in sums)
 
     def jacobi_residuals(self) -> dict[tuple[Symbol, Symbol, Symbol], Expr]:
-        r"""$\{\{x_i, x_j\}, x_k\}$ + cyclic for all i < j < k: zero throughout if this is a Poisson bracket."""
-        from sympy import S
+        r"""$\{\{x_i, x_j\}, x_k\}$ + cyclic for all i < j < k: zero throughout if this is a Poisson bracket.
 
-        x, J, N = self.variables, self._poisson_tensor.tolist(), self.dimension
-        # J is linear: the derivative of J_ij along x_m is a constant, and {J_ij, x_k} = sum_m dJ_ij/dx_m J_mk.
-        pairs = product(range(N), repeat=2)
-        slopes = {(i, j): [(m, J[i][j].coeff(x[m])) for m in range(N) if J[i][j].has(x[m])] for i, j in pairs}
+        Writes out every residual; `jacobi_certificate` is much faster.
+        """
+        from sympy import Add
 
-        def nested(i: int, j: int, k: int) -> Expr:
-            return sum((slope * J[m][k] for m, slope in slopes[i, j]), S.Zero)
+        x, N = self.variables, self.dimension
+        slopes: dict[tuple[int, int], list[tuple[int, Expr]]] = {}
+        for i, j, m, c in self._terms:
+            slopes.setdefault((i, j), []).append((m, to_sympy(c)))
+
+        def nested(i: int, j: int, k: int) -> list[Expr]:
+            return [slope * self._forms[m, k] for m, slope in slopes.get((i, j), []) if (m, k) in self._forms]
 
         return {
-            (x[i], x[j], x[k]): (nested(i, j, k) + nested(j, k, i) + nested(k, i, j)).expand()
+            (x[i], x[j], x[k]): Add(*nested(i, j, k), *nested(j, k, i), *nested(k, i, j)).expand()
             for i, j, k in combinations(range(N), 3)
         }
 
-    def casimirs(self) -> list[Expr]:
-        r"""A basis of the Casimir invariants of degree one and two, derived from $J \nabla C = 0$ (exact nullspace).
+    def jacobi_certificate(self) -> JacobiCertificate:
+        """Antisymmetry and the Jacobi identity for all triples of coordinates, computed now from the entries."""
+        from liepoisson.exact.certificates import jacobi_certificate
+
+        return jacobi_certificate(self.tensor, self.coordinate_names_in_order)
+
+    def rank(self, point: Sequence[Parameter] | None = None) -> int:
+        """The rank of the Poisson tensor, the dimension of the symplectic leaf.
+
+        Args:
+            point: N exact numbers; parameters that the bracket keeps symbolic are generic.  None: the rank at a random
+                point, which bounds the generic rank from below and almost surely equals it; `rank_certificate` says
+                whether this is proved.
+
+        Raises:
+            ShapeError: not N numbers.
+            ParameterError: a component is not exact, or a symbol.
+        """
+        if point is None:
+            return self.tensor.rank_at_a_point
+        from liepoisson.exact.certificates import rank_at
+
+        return rank_at(self.dimension, self._terms, self._read_point(point))
+
+    def corank(self, point: Sequence[Parameter] | None = None) -> int:
+        """The number of coordinates minus the rank; arguments as for `rank`."""
+        return self.dimension - self.rank(point)
+
+    def rank_certificate(self) -> RankCertificate:
+        """The generic rank between two proved bounds: J at one point, and the independent Casimirs found."""
+        from liepoisson.exact.certificates import rank_certificate
+
+        return rank_certificate(self)
+
+    def casimirs(self, degree: int | None = None) -> list[Expr]:
+        r"""Generators of the polynomial Casimirs: those of each degree modulo products of the lower ones.
 
         For `so(3) @ leibniz(3, epsilon)`: $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.
-        Symbolic parameters are taken as generic; Casimirs of higher degree, which other algebras have, are not found.
+        Symbolic parameters are taken as generic.
+
+        Args:
+            degree: Find all up to this degree.  None: raise the degree until as many independent ones are found as the
+                corank allows, or until the size limit stated in `casimir_report`, which also says what is proved.
+
+        Raises:
+            ParameterError: the degree is not a positive integer, or too large for the search.
         """
-        x = self.variables
-        quadratic = [x[i] * x[j] for i, j in combinations_with_replacement(range(self.dimension), 2)]
-        return self._null_combinations(list(x)) + self._null_combinations(quadratic)
+        if degree not in self._casimirs:
+            from liepoisson.exact.casimirs import casimir_generators
+
+            self._casimirs[degree] = tuple(casimir_generators(self, degree))
+        return list(self._casimirs[degree])
+
+    def casimir_report(self, degree: int | None = None) -> CasimirReport:
+        """The Casimirs with proofs of their number, completeness, and the parameter values where more appear.
+
+        Args:
+            degree: As for `casimirs`.
+
+        Raises:
+            ParameterError: the degree is not a positive integer, or too large for the search.
+        """
+        from liepoisson.exact.casimirs import casimir_report
+
+        return casimir_report(self, degree)
+
+    def strata(self) -> list[Stratum]:
+        """The sets on which the rank is constant or generic, from the open one down to the origin."""
+        from liepoisson.exact.strata import strata
+
+        return strata(self)
+
+    def derivations(self) -> list[Derivation]:
+        """A basis of the derivations of A: linear symmetries of the bracket that act on the fields."""
+        from liepoisson.exact.automorphisms import derivations
+
+        return derivations(self)
+
+    def scalings(self) -> list[Scaling]:
+        """Scalings of fields that change nothing but the values of symbolic parameters."""
+        from liepoisson.exact.automorphisms import scalings
+
+        return scalings(self)
 
     def substitute(self, values: Mapping[str, Exact]) -> Bracket:
         """The same bracket with values for some of its symbols."""
@@ -142,25 +260,62 @@ class Bracket:
         unchanged = algebra is self.algebra and extension is self.extension
         return self if unchanged else Bracket(algebra, extension)
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled: the definition; everything else is derived again when it is asked for."""
+        return {"algebra": self.algebra, "extension": self.extension}
+
     def __repr__(self) -> str:
         return f"{self.algebra.name} ⊗ {self.extension.name}"
+
+    @cached_property
+    def tensor(self) -> LinearPoissonTensor:
+        """The Poisson tensor as sparse exact data, for computations that do not need SymPy."""
+        from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
+
+        return LinearPoissonTensor.of(self.dimension, self._terms)
+
+    @cached_property
+    def _terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
+        """All (i, j, m, c) with J_ij = sum_m c x_m, both orders of i and j."""
+        n, W = self.algebra.dimension, self.extension.tensor
+        labels = range(self.extension.dimension)
+        products = [
+            (mu, nu, lam, W[lam][mu][nu]) for mu, nu, lam in product(labels, repeat=3) if not is_zero(W[lam][mu][nu])
+        ]
+        terms: list[tuple[int, int, int, Exact]] = []
+        for (i, j), row in self.algebra.brackets.items():
+            for k, c in row.items():
+                for mu, nu, lam, w in products:
+                    value = _product(w, c)
+                    terms.append((mu * n + i, nu * n + j, lam * n + k, -value))
+                    terms.append((mu * n + j, nu * n + i, lam * n + k, value))
+        return tuple(sorted(terms, key=lambda term: term[:3]))
+
+    @cached_property
+    def _forms(self) -> dict[tuple[int, int], Expr]:
+        """The nonzero entries of the Poisson tensor as expressions."""
+        from sympy import Add
+
+        forms: dict[tuple[int, int], list[Expr]] = {}
+        for i, j, m, c in self._terms:
+            forms.setdefault((i, j), []).append(to_sympy(c) * self.variables[m])
+        return {pair: Add(*terms) for pair, terms in forms.items()}
 
     @cached_property
     def _poisson_tensor(self) -> Matrix:
         from sympy import zeros
 
-        n, x, c, W = self.algebra.dimension, self.variables, self.algebra.structure_constants, self.extension.tensor
-        J = zeros(self.dimension, self.dimension)
-        for mu, nu, lam in product(range(self.extension.dimension), repeat=3):
-            if is_zero(W[lam][mu][nu]):
-                continue
-            for i, j, k in product(range(n), repeat=3):
-                term = to_sympy(W[lam][mu][nu]) * to_sympy(c[i][j][k]) * x[lam * n + k]
-                J[mu * n + i, nu * n + j] -= term
+        J: Any = zeros(self.dimension, self.dimension)
+        for pair, form in self._forms.items():
+            J[pair] = form
         return J
 
+    @cached_property
+    def _casimirs(self) -> dict[int | None, tuple[Expr, ...]]:
+        return {}
+
     def _gradient(self, f: Expr) -> list[Expr]:
-        from sympy import SympifyError, sympify
+        from sympy import S, SympifyError, sympify
 
         try:
             expression = sympify(f, strict=True)  # strict: numbers become SymPy numbers, a string is refused
@@ -169,24 +324,29 @@ class Bracket:
                 f"a function on phase space must be a SymPy expression; got {f!r} of type {type(f).__name__}. "
                 "Build it from bracket.variables."
             ) from None
-        return [expression.diff(variable) for variable in self.variables]
+        occurring = expression.free_symbols
+        return [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
 
-    def _null_combinations(self, monomials: list[Expr]) -> list[Expr]:
-        """Combinations C of the monomials with J grad C = 0, from the reduced echelon form of a sparse matrix."""
-        from sympy import Poly, S
-        from sympy.polys.matrices import DomainMatrix
+    def _read_point(self, point: Sequence[Parameter]) -> list[Exact]:
+        items = None if isinstance(point, str) else listed(point)
+        if items is None or len(items) != self.dimension:
+            got = f"{len(items)} numbers" if items is not None else repr(point)
+            raise ShapeError(f"point must be {self.dimension} numbers, one per coordinate; got {got}.")
+        values = [read_parameter(item, f"point[{k}]") for k, item in enumerate(items)]
+        if free := {name for value in values for name in symbols_of(value)}:
+            raise ParameterError(f"point must consist of numbers; got the symbols {sorted(free)}. Give them values.")
+        return values
 
-        rows: dict[tuple[int, tuple[int, ...]], dict[int, Expr]] = {}
-        for column, monomial in enumerate(monomials):
-            for component, value in enumerate(self.vector_field(monomial)):
-                for powers, coefficient in Poly(value, *self.variables).terms():
-                    if coefficient != 0:
-                        rows.setdefault((component, powers), {})[column] = coefficient
-        if not rows:
-            return list(monomials)
-        matrix = DomainMatrix.from_dict_sympy(len(rows), len(monomials), dict(enumerate(rows.values())))
-        vectors = matrix.to_field().nullspace(divide_last=True).to_Matrix().tolist()
-        return [sum((v * m for v, m in zip(vector, monomials, strict=True)), S.Zero) for vector in vectors]
+
+def _product(w: Exact, c: Exact) -> Exact:
+    if isinstance(w, Fraction) and isinstance(c, Fraction):
+        return w * c
+    return to_sympy(w) * to_sympy(c)
+
+
+def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:
+    """The extension with other field names; a tensor that is wrong on purpose stays as it is."""
+    return Extension(extension.tensor, extension.name, field_names, check=False)
 
 
 def _check_type(value: object, wanted: type, name: str, example: str) -> None:

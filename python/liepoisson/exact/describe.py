@@ -1,33 +1,135 @@
-"""Systems as text, written as the paper writes them."""
+"""Systems as text, LaTeX or data: the report behind `liepoisson inspect`, and the short one behind `describe`."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.exact.printing import Gradient
+from liepoisson.exact.report.bracket_facts import AlgebraFacts, CasimirFacts, ExtensionFacts, JacobiFacts, Topic
+from liepoisson.exact.report.leaf_facts import RankFacts, StrataFacts, SymmetryFacts
+from liepoisson.exact.report.lines import Equation, Line, Name, write_line
+from liepoisson.exact.report.motion_facts import EquationFacts, HamiltonianFacts, IntegralFacts, KernelFacts, named_form
+from liepoisson.exact.report.styles import LATEX, NAMES, UNICODE, Style
+from liepoisson.exact.report.vector_notation import VectorNotation
+from liepoisson.exact.report.wrapping import wrapped
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
-    from liepoisson.exact.top_parameters import TopParameters
+
+_TITLE_WIDTH = 17
+_TEXT_WIDTH = 100
+_DISPLAY_WIDTH = 70
+_DOCUMENT = r"""\documentclass{article}
+\usepackage[T1]{fontenc}
+\usepackage[utf8]{inputenc}
+\usepackage{amsmath, amssymb}
+\begin{document}
+\sloppy
+%s
+\end{document}"""
+
+
+@dataclass(frozen=True)
+class Report:
+    """What is known about a system, computed when the report was made.
+
+    Attributes:
+        name: Of the system.
+        source: Where it is described, if that was said.
+        topics: The parts, in the order of printing.
+        failed: What was claimed and is not so, one sentence each: the Jacobi identity, integrals that were given.
+    """
+
+    name: str
+    source: str | None
+    topics: tuple[Topic, ...]
+    failed: tuple[str, ...]
+
+    def text(self, style: Style) -> str:
+        """The report for a terminal."""
+        rows = [style.words(self.name)]
+        rows += _indented("Source", [(self.source,)], style) if self.source else []
+        for topic in self.topics:
+            rows += _indented(topic.title, topic.lines(), style)
+        return "\n".join(rows)
+
+    def latex(self) -> str:
+        """The report as a LaTeX document that needs amsmath only."""
+        parts = [rf"\section*{{{LATEX.words(self.name)}}}", LATEX.words(self.source or "")]
+        for topic in self.topics:
+            parts.append(rf"\subsection*{{{topic.title}}}")
+            parts += [_paragraph(line) for line in topic.lines()]
+        return _DOCUMENT % "\n\n".join(part for part in parts if part)
+
+    def record(self) -> dict[str, Any]:
+        """The report as data that JSON can write.
+
+        `name`, `source` and one entry per topic: `algebra`, `extension`, `bracket` (with `jacobi`), `casimirs`, `rank`,
+        `strata`, `symmetries`, `hamiltonian`, `equations`, `integrals`, `kernel`.  A formula is an object with `text`
+        (ASCII), `unicode`, `latex` and, where it is a function on phase space, `expression`: the same in components,
+        in the grammar of system files.  A proof is a Boolean (`proved`, `verified`, `complete`) beside what was proved.
+        Where the Jacobi identity fails, there is no `casimirs`, `rank`, `strata`, `symmetries`.  Where a stratum is not
+        proved, sets of lower rank may be missing among the `strata`.  `failed` lists what was claimed and is refuted.
+        """
+        topics = {topic.key: topic.record() for topic in self.topics}
+        return {"name": self.name, "source": self.source, **topics, "failed": list(self.failed)}
+
+
+def inspect(system: System) -> Report:
+    """Everything that the exact wing finds out about a system; each proof is computed now.
+
+    Args:
+        system: Any system, with or without values for its parameters.
+    """
+    named, bracket = named_form(system), system.bracket
+    notation = VectorNotation(bracket)
+    jacobi = JacobiFacts(bracket)
+    topics: list[Topic] = [AlgebraFacts(bracket), ExtensionFacts(bracket), jacobi]
+    if jacobi.certificate.holds:  # else there are no Casimirs and leaves to speak of
+        casimirs = CasimirFacts(bracket, notation)
+        topics += [casimirs, RankFacts(bracket, casimirs), StrataFacts(bracket, notation, casimirs)]
+        topics.append(SymmetryFacts(bracket, system.hamiltonian))
+    topics += [HamiltonianFacts(system, notation, named), EquationFacts(system, notation, named)]
+    integrals = IntegralFacts(system, notation)
+    topics += [integrals, KernelFacts(system)]
+    failed = (*map(str, jacobi.certificate.failures), *integrals.failed)
+    return Report(system.name, system.source, tuple(topics), failed)
 
 
 def describe(system: System) -> str:
     """Name, bracket, Hamiltonian, equations of motion and invariants of a system, one per line."""
-    top = system.top_parameters
-    lines = [system.name, f"  bracket      {system.bracket!r}", f"  Hamiltonian  H = {system.hamiltonian}"]
-    lines += _equation_lines(system) if top is None else _top_lines(top)
-    lines.append("  invariants")
-    lines += [f"    {name} = {expression}" for name, expression in system.invariants.items()]
+    named = named_form(system)
+    top, notation = system.top_parameters, VectorNotation(system.bracket)
+    lines = [system.name, f"  bracket      {system.bracket!r}"]
+    lines += [f"  parameters   {top.describe()}"] if top is not None else []
+    lines.append(
+        f"  Hamiltonian  {Equation(Name('H'), HamiltonianFacts(system, notation, named).formula).write(NAMES)}"
+    )
+    lines += ["  equations", *_equation_lines(EquationFacts(system, notation, named)), "  invariants"]
+    for name, expression in system.invariants.items():
+        lines.append(f"    {name} = {notation.formula(expression).write(NAMES)}")
     return "\n".join(lines)
 
 
-def _equation_lines(system: System) -> list[str]:
-    return ["  equations"] + [f"    {variable}' = {value}" for variable, value in system.equations.items()]
+def _equation_lines(facts: EquationFacts) -> list[str]:
+    """Vector equations where all vectors have names of their own, else components."""
+    vector = facts.vector
+    if vector is not None and not any(isinstance(name, Gradient) for name, _ in vector.definitions):
+        equations = [*facts.equations(), *facts.definitions()]
+        return [f"    {equation.write(NAMES)}" for equation in equations]
+    return [f"    {name}' = {formula.write(NAMES)}" for name, formula, _ in facts.components]
 
 
-def _top_lines(top: TopParameters) -> list[str]:
-    return [
-        f"  parameters   {top.describe()}",
-        "  equations    omega = I^-1 l",
-        "    l' = l × omega + alpha × a + beta × b",
-        "    alpha' = alpha × omega + epsilon beta × a",
-        "    beta' = beta × omega",
-    ]
+def _indented(title: str, lines: Sequence[Line], style: Style) -> list[str]:
+    written = [row for line in lines for row in wrapped(line, style, _TEXT_WIDTH)]
+    heads = [title, *[""] * (len(written) - 1)]
+    return [f"  {head:<{_TITLE_WIDTH}}{row}" for head, row in zip(heads, written, strict=True)]
+
+
+def _paragraph(line: Line) -> str:
+    """A formula alone is displayed if it fits on a line; TeX breaks a paragraph of words and formulas, also in sums."""
+    if len(line) == 1 and not isinstance(line[0], str) and len(line[0].write(UNICODE)) <= _DISPLAY_WIDTH:
+        return rf"\[ {line[0].write(LATEX)} \]"
+    return write_line(line, LATEX)

@@ -1,18 +1,31 @@
 r"""Extensions: commutative associative algebras A, $e_\mu e_\nu = W_\lambda{}^{\mu\nu} e_\lambda$.
 
-A Lie-Poisson extension of a Lie algebra g is g (x) A.  References: Thiffeault and Morrison, Physica D 136 (2000) 205.
+A Lie-Poisson extension of a Lie algebra g is g (x) A.  The named ones are in `extensions`, the classification of the
+small ones in `classification`.  References: Thiffeault and Morrison, Physica D 136 (2000) 205.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from itertools import product
-from numbers import Integral
+from functools import cached_property
+from itertools import pairwise, product
+from typing import TYPE_CHECKING, TypeAlias
 
-from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.exact.lie_algebra import Tensor3, read_names, read_tensor, substitute_in_tensor, tensor_symbols
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter
+from liepoisson.errors import BracketError, ShapeError
+from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, symbols_of, to_sympy
+from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
+
+if TYPE_CHECKING:
+    from liepoisson.exact.classification import Classification
+    from liepoisson.exact.commutative.commutative_algebra import CommutativeAlgebra, Vector
+    from liepoisson.exact.extensions import leibniz, semidirect  # noqa: F401 (see __getattr__)  # pyright: ignore[reportUnusedImport]
+
+Products: TypeAlias = dict[tuple[int, int], dict[int, Exact]]
+"""`products[mu, nu][lam]` with mu <= nu: the nonzero coefficients of e_mu e_nu along e_lam."""
+
+Element: TypeAlias = tuple[Exact, ...]
+"""An element of A, by its coordinates in the basis e_0, e_1, ..."""
 
 _FIELD_NAMES = {1: ("l",), 2: ("l", "alpha"), 3: ("l", "alpha", "beta")}
 
@@ -40,76 +53,229 @@ class Extension:
         *,
         check: bool = True,
     ) -> None:
-        self.tensor: Tensor3 = read_tensor(tensor, "W")
+        W = read_tensor(tensor, "W")
+        if check:
+            _check_commutative(W)
+        self._set(len(W), _products_of(W), name, field_names, check=check)
+        self.tensor = W
+
+    @classmethod
+    def from_products(
+        cls,
+        n: int,
+        products: Mapping[tuple[int, int], Mapping[int, Parameter]],
+        name: str = "A",
+        field_names: Sequence[str] | None = None,
+        *,
+        check: bool = True,
+    ) -> Extension:
+        r"""The extension with the given products, $e_\mu e_\nu = \sum_\lambda$ `products[mu, nu][lam]` e_lam.
+
+        Args:
+            n: Number of basis elements.
+            products: By pairs (mu, nu); a pair and its reverse need not both be given, but must then agree.
+            name: How it is printed.
+            field_names: One name per basis element.
+            check: Verify associativity.
+
+        Raises:
+            ShapeError: an index is not in 0..n-1.
+            BracketError: not commutative or not associative.
+        """
+        extension = cls.__new__(cls)
+        extension._set(n, _read_products(n, products), name, field_names, check=check)
+        return extension
+
+    def _set(self, n: int, products: Products, name: str, field_names: Sequence[str] | None, *, check: bool) -> None:
+        self.dimension = n
+        self.products = products
         self.name = name
-        n = len(self.tensor)
         default = _FIELD_NAMES.get(n) or tuple(f"x{i}" for i in range(n))
         self.field_names: tuple[str, ...] = read_names(field_names, "field_names", default)
         if len(self.field_names) != n:
             raise ShapeError(f"field_names must be {n} names; got {len(self.field_names)}. Give one per basis element.")
         if check:
-            _check_commutative(self.tensor)
-            _check_associative(self.tensor)
+            _check_associative(n, products)
+
+    dimension: int
+    """Number n of basis elements, which is the number of fields."""
+
+    products: Products
+    """The nonzero products, sparse: `products[mu, nu][lam]` = W[lam][mu][nu] for mu <= nu."""
+
+    @cached_property
+    def tensor(self) -> Tensor3:
+        """The tensor `W[lam][mu][nu]`, dense, shape (n, n, n)."""
+        n, zero = range(self.dimension), self._zero
+        return tuple(
+            tuple(tuple(self.products.get((min(m, v), max(m, v)), {}).get(k, zero) for v in n) for m in n) for k in n
+        )
 
     @property
-    def dimension(self) -> int:
-        """Number n of basis elements, which is the number of fields."""
-        return len(self.tensor)
+    def _zero(self) -> Exact:
+        values = (value for row in self.products.values() for value in row.values())
+        zero = Fraction(0)
+        return zero if isinstance(next(values, zero), Fraction) else to_sympy(zero)
 
     @property
     def symbols(self) -> set[str]:
         """Names of the free symbols in the tensor."""
-        return tensor_symbols(self.tensor)
+        return {name for row in self.products.values() for value in row.values() for name in symbols_of(value)}
 
     def substitute(self, values: Mapping[str, Exact]) -> Extension:
         """The same extension with values for some of its symbols."""
         if not self.symbols & set(values):
             return self
+        from sympy import Symbol
+
+        pairs = [(Symbol(name), to_sympy(value)) for name, value in values.items()]
+        products = {
+            pair: {k: to_sympy(value).subs(pairs) for k, value in row.items()} for pair, row in self.products.items()
+        }
         shown = ", ".join(f"{name} = {values[name]}" for name in sorted(self.symbols & set(values)))
-        tensor = substitute_in_tensor(self.tensor, values)
-        return Extension(tensor, f"{self.name} at {shown}", self.field_names, check=False)
+        named = f"{self.name} at {shown}"
+        return Extension.from_products(self.dimension, products, named, self.field_names, check=False)
+
+    def rename(self, *field_names: str) -> Extension:
+        """The same extension with other names for its fields.
+
+        Raises:
+            ShapeError: not n names.
+        """
+        return Extension.from_products(self.dimension, self.products, self.name, field_names, check=False)
+
+    def __add__(self, other: Extension) -> Extension:
+        """The direct sum A (+) B: products between the two vanish, and g (x) (A + B) = g (x) A + g (x) B.
+
+        The fields keep their names when these are distinct.
+        """
+        if not isinstance(other, Extension):  # pyright: ignore[reportUnnecessaryIsInstance]
+            return NotImplemented
+        n = self.dimension
+        shifted = {(i + n, j + n): {k + n: value for k, value in row.items()} for (i, j), row in other.products.items()}
+        names = (*self.field_names, *other.field_names)
+        name = f"({_inner_name(self)} + {_inner_name(other)})"
+        distinct = names if len(set(names)) == len(names) else None
+        return Extension.from_products(n + other.dimension, self.products | shifted, name, distinct, check=False)
+
+    def unit(self) -> Element | None:
+        """The unit element of A, or None if A has none."""
+        return None if self._algebra.unit is None else self._write([self._algebra.unit])[0]
+
+    def nilradical(self) -> tuple[Element, ...]:
+        """A basis of the nilpotent elements of A."""
+        return self._write(self._algebra.nilradical)
+
+    def annihilator(self) -> tuple[Element, ...]:
+        """A basis of the elements whose product with every element of A is zero; empty if A has a unit."""
+        return self._write(self._algebra.annihilator)
+
+    def socle(self) -> tuple[Element, ...]:
+        """A basis of the elements whose product with every nilpotent element is zero.
+
+        Of a local algebra this is the socle: the sum of its minimal ideals.
+        """
+        return self._write(self._algebra.annihilator_of(self._algebra.nilradical or [(self._zero,) * self.dimension]))
+
+    def hilbert_function(self) -> tuple[int, ...]:
+        r"""$\dim m^i / m^{i+1}$ for $i = 0, 1, \dots$ and the nilradical m, with $m^0 = A$."""
+        sizes = [self.dimension, *map(len, self._algebra.powers_of(self._algebra.nilradical)), 0]
+        return tuple(a - b for a, b in pairwise(sizes))
+
+    @property
+    def is_unital(self) -> bool:
+        """Whether A has a unit element."""
+        return self._algebra.unit is not None
+
+    @property
+    def is_local(self) -> bool:
+        """Whether A is a local algebra over the real numbers: unital with one maximal ideal, the nilpotent elements."""
+        return self.residue_field is not None
+
+    @property
+    def residue_field(self) -> str | None:
+        """`"R"` or `"C"`, the quotient of a local A by its maximal ideal; None if A is not local over the reals.
+
+        Raises:
+            ParameterError: it depends on the sign of an expression in the symbols.
+        """
+        algebra = self._algebra
+        size = self.dimension - len(algebra.nilradical)
+        if algebra.unit is None or size > 2:
+            return None
+        if size == 1:
+            return "R"
+        (component, *others) = algebra.components
+        return "C" if not others and algebra.field.sign(component.discriminant) < 0 else None
+
+    def maximal_ideals(self) -> tuple[tuple[Element, ...], ...]:
+        """Bases of the maximal ideals of a unital A over the field of its entries, one for each primary component.
+
+        Over the reals a component whose residue field is larger than the field of the entries may split further:
+        `classify` shows how.
+        """
+        if self._algebra.unit is None:
+            return ()
+        components = self._algebra.components
+        spans = [
+            [v for other in components for v in (other.basis if other is not c else (other.powers or [[]])[0])]
+            for c in components
+        ]
+        return tuple(self._write(self._algebra.echelon(span)) for span in spans)
+
+    def classify(self) -> Classification:
+        """The normal form of A; see `liepoisson.exact.classification.classify`."""
+        from liepoisson.exact.classification import classify
+
+        return classify(self)
+
+    @cached_property
+    def _algebra(self) -> CommutativeAlgebra:
+        from liepoisson.exact.commutative.commutative_algebra import CommutativeAlgebra
+
+        _check_associative(self.dimension, self.products)  # an unchecked extension has no unit, ideals, ...
+        return CommutativeAlgebra(self.dimension, self.products)
+
+    def _write(self, vectors: Sequence[Vector]) -> tuple[Element, ...]:
+        return tuple(tuple(self._algebra.field.write(value) for value in vector) for vector in vectors)
 
     def __repr__(self) -> str:
         return self.name
 
 
-def leibniz(n: int, epsilon: Parameter = 1) -> Extension:
-    r"""The Leibniz extension of order n: $\mathbb R[z]/(z^n)$, with the products of non-units scaled by epsilon.
-
-    $e_0 e_\mu = e_\mu$ and $e_\mu e_\nu = \epsilon\, e_{\mu+\nu}$ for $\mu, \nu \ge 1$, zero when $\mu + \nu \ge n$.
-    For n = 3 the only cocycle is $e_1 e_1 = \epsilon e_2$: the twisted top.
-
-    Args:
-        n: Number of fields, at least 1.
-        epsilon: Strength of the cocycle; 0 gives `semidirect(n)`.
-
-    Raises:
-        ParameterError: n < 1, or epsilon is not exact.
-    """
-    strength = read_parameter(epsilon, "epsilon")
-    shown = f"epsilon = {strength}" if isinstance(strength, Fraction) else f"{strength}"
-    return Extension(_graded_tensor(n, strength), name=f"Leibniz({n}, {shown})")
+def _inner_name(extension: Extension) -> str:
+    name = extension.name
+    return name[1:-1] if name.startswith("(") and name.endswith(")") and " + " in name else name
 
 
-def semidirect(n: int) -> Extension:
-    r"""The semidirect product with n - 1 passive fields: $e_0 e_\mu = e_\mu$, all other products zero.
+def _products_of(W: Tensor3) -> Products:
+    n = len(W)
+    rows = {
+        (mu, nu): {lam: W[lam][mu][nu] for lam in range(n) if not is_zero(W[lam][mu][nu])}
+        for mu in range(n)
+        for nu in range(mu, n)
+    }
+    return {pair: row for pair, row in rows.items() if row}
 
-    For n = 3: the charged heavy top.
 
-    Raises:
-        ParameterError: n < 1.
-    """
-    return Extension(_graded_tensor(n, read_parameter(0, "epsilon")), name=f"semidirect({n})")
-
-
-def _graded_tensor(n: int, strength: Exact) -> list[list[list[Exact]]]:
-    if isinstance(n, bool) or not isinstance(n, Integral) or n < 1:  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"an extension needs n >= 1 fields; got n = {n!r}. Use n = 3 for the twisted top.")
-    zero, one = read_parameter(0, "0"), read_parameter(1, "1")
-    return [
-        [[(strength if mu and nu else one) if mu + nu == lam else zero for nu in range(n)] for mu in range(n)]
-        for lam in range(n)
-    ]
+def _read_products(n: int, products: Mapping[tuple[int, int], Mapping[int, Parameter]]) -> Products:
+    read: Products = {}
+    for (mu, nu), row in products.items():
+        if not all(0 <= index < n for index in (mu, nu, *row)):
+            raise ShapeError(f"indices must be in 0..{n - 1}; got e_{mu} e_{nu} along {list(row)}. Count from 0.")
+        values = {k: read_parameter(value, f"products[{mu}, {nu}][{k}]") for k, value in row.items()}
+        values = {k: value for k, value in values.items() if not is_zero(value)}
+        pair = (min(mu, nu), max(mu, nu))
+        if read.setdefault(pair, values) != values:
+            raise BracketError(
+                f"products must be commutative; got e_{mu} e_{nu} = {values} and for the reverse {read[pair]} "
+                "(coefficient by index). Correct one of the two."
+            )
+    read = {pair: row for pair, row in read.items() if row}
+    if all(isinstance(value, Fraction) for row in read.values() for value in row.values()):
+        return read
+    # Fraction and SymPy numbers do not mix under multiplication.
+    return {pair: {k: to_sympy(value) for k, value in row.items()} for pair, row in read.items()}
 
 
 def _check_commutative(W: Tensor3) -> None:
@@ -121,13 +287,24 @@ def _check_commutative(W: Tensor3) -> None:
             )
 
 
-def _check_associative(W: Tensor3) -> None:
-    n = len(W)
-    zero = W[0][0][0] - W[0][0][0]
-    for lam, mu, nu, rho in product(range(n), repeat=4):
-        residual = sum((W[k][mu][nu] * W[lam][k][rho] - W[k][nu][rho] * W[lam][mu][k] for k in range(n)), zero)
-        if not is_zero(residual):
-            raise BracketError(
-                f"W must be associative; (e_{mu} e_{nu}) e_{rho} and e_{mu} (e_{nu} e_{rho}) differ by {residual} "
-                f"along e_{lam}, wanted 0. Check W[{lam}][.][{rho}] and W[.][{mu}][{nu}]."
-            )
+def _check_associative(n: int, products: Products) -> None:
+    for mu, nu, rho in product(range(n), repeat=3):
+        if mu >= rho:  # the associator of (mu, nu, rho) is minus that of (rho, nu, mu)
+            continue
+        residual: dict[int, Exact] = {}
+        _add_product(residual, products, (mu, nu), rho, 1)
+        _add_product(residual, products, (nu, rho), mu, -1)
+        for lam, value in residual.items():
+            if not is_zero(value):
+                raise BracketError(
+                    f"W must be associative; (e_{mu} e_{nu}) e_{rho} and e_{mu} (e_{nu} e_{rho}) differ by {value} "
+                    f"along e_{lam}, wanted 0. Check W[{lam}][.][{rho}] and W[.][{mu}][{nu}]."
+                )
+
+
+def _add_product(total: dict[int, Exact], products: Products, pair: tuple[int, int], other: int, sign: int) -> None:
+    """Add +-(e_mu e_nu) e_other to the total."""
+    for k, first in products.get((min(pair), max(pair)), {}).items():
+        for lam, second in products.get((min(k, other), max(k, other)), {}).items():
+            term = first * second if sign > 0 else -(first * second)
+            total[lam] = total[lam] + term if lam in total else term

@@ -1,22 +1,37 @@
-r"""Lie algebras by their structure constants, $[e_i, e_j] = c_{ij}^k e_k$."""
+r"""Lie algebras by their structure constants, $[e_i, e_j] = c_{ij}^k e_k$.
+
+The algebras with a name (so(n), su(n), ...) are in `exact.lie_algebras`.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations, product
-from typing import TYPE_CHECKING, TypeAlias
+from numbers import Integral
+from typing import TYPE_CHECKING
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, listed, read_parameter, symbols_of, to_sympy
+from liepoisson.exact.parameters import Exact, Parameter, is_zero, symbols_of, to_sympy
+from liepoisson.exact.tensors import (
+    Brackets,
+    Tensor3,
+    nonzero_brackets,
+    read_brackets,
+    read_components,
+    read_names,
+    read_tensor,
+)
 
 if TYPE_CHECKING:
-    from sympy import Expr
-
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.extension import Extension
+    from liepoisson.exact.lie.lie_structure import LieStructure, Square, Subspace, Triple
 
-Tensor3: TypeAlias = tuple[tuple[tuple[Exact, ...], ...], ...]
+MAX_DIMENSION = 1000
+"""The largest dimension: beyond it even sparse structure constants outgrow what anything here can work with."""
+
+_MAX_DENSE = 200  # 8 million entries
 
 
 class LieAlgebra:
@@ -26,11 +41,18 @@ class LieAlgebra:
         structure_constants: `c[i][j][k]`, exact, shape (n, n, n).
         name: How it is printed.
         basis_names: Names of $e_1, \dots, e_n$; "1", "2", ... if left out.
-        check: Verify antisymmetry and the Jacobi identity.  Switch this off only to study what goes wrong.
+        check: Verify the Jacobi identity.  Switch this off only to study what goes wrong.
+
+    Attributes:
+        brackets: The nonzero $c_{ij}^k$ for i < j, by (i, j), then by k; counted from 0.
+        dimension: The dimension n.
+        basis_names: Names of the basis elements.
+        name: How it is printed.
 
     Raises:
-        ShapeError: `structure_constants` is not n x n x n.
+        ShapeError: `structure_constants` is not n x n x n, or `basis_names` has another length.
         BracketError: antisymmetry or the Jacobi identity fails; the message names the entry.
+        ParameterError: an entry is not exact, or n is more than 1000.
     """
 
     def __init__(
@@ -41,32 +63,190 @@ class LieAlgebra:
         *,
         check: bool = True,
     ) -> None:
-        self.structure_constants: Tensor3 = read_tensor(structure_constants, "structure_constants")
-        self.name = name
-        n = len(self.structure_constants)
+        tensor = read_tensor(structure_constants, "structure_constants")
+        _check_antisymmetry(tensor)
+        n = len(tensor)
+        pairs = {(i, j): dict(enumerate(tensor[i][j])) for i, j in combinations(range(n), 2)}
+        self._set(n, nonzero_brackets(pairs), name, basis_names, check=check)
+
+    @classmethod
+    def from_brackets(
+        cls,
+        n: int,
+        brackets: Mapping[tuple[int, int], Mapping[int, Parameter]],
+        name: str = "g",
+        basis_names: Sequence[str] | None = None,
+        *,
+        check: bool = True,
+    ) -> LieAlgebra:
+        r"""An algebra by its brackets, $[e_i, e_j] = \sum_k$ `brackets[i, j][k]` $e_k$, the nonzero ones only.
+
+        Args:
+            n: The dimension.
+            brackets: By (i, j), then by k, counted from 0; each pair in one order only.
+            name: How it is printed.
+            basis_names: Names of the basis elements; "1", "2", ... if left out.
+            check: Verify the Jacobi identity.
+
+        Raises:
+            BracketError: an index is out of range, a pair is given twice or with itself, or Jacobi fails.
+            ParameterError: an entry is not exact, or n is not an integer from 1 to 1000.
+            ShapeError: `basis_names` does not have n names.
+        """
+        check_dimension(n)
+        algebra = cls.__new__(cls)
+        algebra._set(n, read_brackets(n, brackets), name, basis_names, check=check)
+        return algebra
+
+    @classmethod
+    def from_matrices(
+        cls, matrices: Sequence[object], name: str = "g", basis_names: Sequence[str] | None = None
+    ) -> LieAlgebra:
+        r"""The algebra that square matrices span, $M_i M_j - M_j M_i = c_{ij}^k M_k$.
+
+        Args:
+            matrices: Exact entries, shape (n, m, m); complex ones (with SymPy's `I`) if the $c_{ij}^k$ are real.
+            name: How it is printed.
+            basis_names: Names of the matrices; "1", "2", ... if left out.
+
+        Raises:
+            ShapeError: not a sequence of square matrices of one size.
+            BracketError: linearly dependent, or a commutator outside of the span; the message names the matrices.
+            ParameterError: an entry is not exact.
+        """
+        from liepoisson.exact.lie.representations import brackets_of_matrices
+
+        brackets = brackets_of_matrices(matrices)
+        # Commutators of matrices obey the Jacobi identity.
+        return cls.from_brackets(len(matrices), brackets, name, basis_names, check=False)
+
+    def _set(self, n: int, brackets: Brackets, name: str, basis_names: Sequence[str] | None, *, check: bool) -> None:
+        check_dimension(n)
+        self.dimension: int = int(n)
+        self.brackets: Brackets = brackets
+        self.name: str = name
         self.basis_names: tuple[str, ...] = read_names(basis_names, "basis_names", tuple(str(i + 1) for i in range(n)))
         if len(self.basis_names) != n:
             raise ShapeError(f"basis_names must be {n} names; got {len(self.basis_names)}. Give one per basis element.")
         if check:
-            _check_antisymmetry(self.structure_constants)
-            _check_jacobi(self.structure_constants)
+            self._check_jacobi()
 
     @property
-    def dimension(self) -> int:
-        """The dimension n."""
-        return len(self.structure_constants)
+    def structure_constants(self) -> Tensor3:
+        """The dense tensor `c[i][j][k]`, shape (n, n, n); made on demand.
+
+        Raises:
+            ParameterError: n is more than 200; use `brackets`.
+        """
+        n, zero = self.dimension, self._zero
+        if n > _MAX_DENSE:
+            raise ParameterError(
+                f"the dense tensor is made for up to {_MAX_DENSE} dimensions; {self.name} has {n}. Use .brackets."
+            )
+
+        def row(i: int, j: int) -> tuple[Exact, ...]:
+            entries = self.brackets.get((min(i, j), max(i, j)), {})
+            return tuple((entries[k] if i < j else -entries[k]) if k in entries else zero for k in range(n))
+
+        return tuple(tuple(row(i, j) for j in range(n)) for i in range(n))
 
     @property
     def symbols(self) -> set[str]:
         """Names of the free symbols in the structure constants."""
-        return tensor_symbols(self.structure_constants)
+        return {name for value in self._values for name in symbols_of(value)}
 
     def substitute(self, values: Mapping[str, Exact]) -> LieAlgebra:
         """The same algebra with values for some of its symbols."""
         if not self.symbols & set(values):
             return self
-        constants = substitute_in_tensor(self.structure_constants, values)
-        return LieAlgebra(constants, self.name, self.basis_names, check=False)
+        from sympy import Symbol
+
+        pairs = [(Symbol(name), to_sympy(value)) for name, value in values.items()]
+        changed = {value: to_sympy(value).subs(pairs) for value in self._values}
+        brackets = {pair: {k: changed[c] for k, c in row.items()} for pair, row in self.brackets.items()}
+        return LieAlgebra.from_brackets(self.dimension, brackets, self.name, self.basis_names, check=False)
+
+    def bracket(self, u: Sequence[Parameter], v: Sequence[Parameter]) -> tuple[Exact, ...]:
+        r"""The bracket $[u, v]$ of two elements by their coordinates, shape (n,).
+
+        Raises:
+            ShapeError: `u` or `v` does not have n components.
+            ParameterError: a component is not exact.
+        """
+        first, second = (read_components(w, name, self.dimension) for w, name in ((u, "u"), (v, "v")))
+        if not all(isinstance(value, Fraction) for value in (*first, *second, *self._values)):
+            first, second = ([to_sympy(value) for value in w] for w in (first, second))
+        result = [first[0] * 0] * self.dimension
+        for (i, j), row in self.brackets.items():
+            weight = first[i] * second[j] - first[j] * second[i]
+            if weight != 0:
+                for k, c in row.items():
+                    result[k] += weight * c
+        return tuple(result)
+
+    def jacobi_residuals(self) -> dict[Triple, dict[int, Exact]]:
+        r"""Where Jacobi fails: $[[e_i, e_j], e_k]$ + cyclic by i < j < k, then by component; empty if nowhere."""
+        return self._structure().jacobi_residuals()
+
+    def killing_form(self) -> Square:
+        r"""The matrix $\kappa_{ij} = \operatorname{tr}(\mathrm{ad}_i\, \mathrm{ad}_j)$, exact, shape (n, n)."""
+        return self._structure().killing_form()
+
+    def killing_signature(self) -> tuple[int, int, int]:
+        """Numbers of positive, negative and zero eigenvalues of the Killing form.
+
+        Raises:
+            ParameterError: symbols leave the signs open.
+        """
+        from liepoisson.exact.lie.lie_structure import signature
+
+        return signature(self.killing_form())
+
+    def derived_series(self) -> tuple[Subspace, ...]:
+        r"""The ideals $g \supset [g, g] \supset [[g, g], [g, g]] \supset \dots$, each once, with bases."""
+        return self._structure().derived_series()
+
+    def lower_central_series(self) -> tuple[Subspace, ...]:
+        r"""The ideals $g \supset [g, g] \supset [g, [g, g]] \supset \dots$, each once, with bases."""
+        return self._structure().lower_central_series()
+
+    def centre(self) -> Subspace:
+        r"""The elements that commute with all, $[z, g] = 0$: the linear Casimirs of the bracket."""
+        return self._structure().centre()
+
+    @property
+    def is_abelian(self) -> bool:
+        """Whether all brackets vanish."""
+        return not self.brackets
+
+    @property
+    def is_semisimple(self) -> bool:
+        """Whether the Killing form is not degenerate (Cartan's criterion); symbols are taken as generic."""
+        return self._structure().killing_rank() == self.dimension
+
+    @property
+    def is_solvable(self) -> bool:
+        """Whether the derived series ends at zero."""
+        return self.derived_series()[-1].dimension == 0
+
+    @property
+    def is_nilpotent(self) -> bool:
+        """Whether the lower central series ends at zero."""
+        return self.lower_central_series()[-1].dimension == 0
+
+    def adjoint_representation(self) -> tuple[Square, ...]:
+        r"""The matrices $(\operatorname{ad}_i)_{kj} = c_{ij}^k$, one per basis element."""
+        return tuple(tuple(zip(*plane, strict=True)) for plane in self.structure_constants)
+
+    def __add__(self, other: LieAlgebra) -> LieAlgebra:
+        r"""The direct sum $g \oplus h$, the basis of g first."""
+        if not isinstance(other, LieAlgebra):  # pyright: ignore[reportUnnecessaryIsInstance]
+            return NotImplemented
+        n, m = self.dimension, other.dimension
+        moved = {(i + n, j + n): {k + n: c for k, c in row.items()} for (i, j), row in other.brackets.items()}
+        names = joined_names(self.basis_names, other.basis_names)
+        name = f"{self.name} + {other.name}"
+        return LieAlgebra.from_brackets(n + m, {**self.brackets, **moved}, name, names, check=False)
 
     def __matmul__(self, extension: Extension) -> Bracket:
         """The Lie-Poisson bracket of g (x) A."""
@@ -77,73 +257,51 @@ class LieAlgebra:
     def __repr__(self) -> str:
         return self.name
 
+    @property
+    def _values(self) -> list[Exact]:
+        return list(dict.fromkeys(c for row in self.brackets.values() for c in row.values()))
 
-def so(n: int) -> LieAlgebra:
-    r"""The Lie algebra of rotations, for n = 3: $[e_i, e_j] = \varepsilon_{ijk} e_k$, the cross product.
+    @property
+    def _zero(self) -> Exact:
+        value = next((c for row in self.brackets.values() for c in row.values()), Fraction(0))
+        return value - value
+
+    def _structure(self) -> LieStructure:
+        from liepoisson.exact.lie.lie_structure import LieStructure
+
+        return LieStructure(self.dimension, self.brackets)
+
+    def _check_jacobi(self) -> None:
+        for (i, j, k), residual in self.jacobi_residuals().items():
+            m, value = next(iter(residual.items()))
+            raise BracketError(
+                f"structure constants must obey the Jacobi identity; for (i, j, k) = ({i}, {j}, {k}) the cyclic sum of "
+                f"[[e_i, e_j], e_k] has component {value} along e_{m} instead of 0. Check the entries c[.][.][.]."
+            )
+
+
+def joined_names(first: tuple[str, ...], second: tuple[str, ...]) -> tuple[str, ...]:
+    """Names of the basis of a sum: numbered through, or with a suffix _2, _3, ... on the second where names clash."""
+    if not set(first) & set(second):
+        return first + second
+    n, m = len(first), len(second)
+    if first == tuple(str(i + 1) for i in range(n)) and second == tuple(str(i + 1) for i in range(m)):
+        return tuple(str(i + 1) for i in range(n + m))
+    suffix = next(k for k in range(2, n + 3) if not {f"{name}_{k}" for name in second} & set(first))
+    return first + tuple(f"{name}_{suffix}" for name in second)
+
+
+def check_dimension(n: object) -> None:
+    """Refuse a dimension that is not an integer from 1 to 1000.
 
     Raises:
-        ParameterError: n is not 3.
+        ParameterError: it is not.
     """
-    if n != 3:
+    if isinstance(n, bool) or not isinstance(n, Integral) or not 1 <= int(n) <= MAX_DIMENSION:
         raise ParameterError(
-            f"so(n) is available for n = 3; got n = {n}. Use LieAlgebra with your structure constants."
+            f"the dimension of a Lie algebra must be an integer from 1 to {MAX_DIMENSION}; got {n!r}. "
+            "Take a smaller algebra."
         )
-    levi_civita = [[[(i - j) * (j - k) * (k - i) // 2 for k in range(3)] for j in range(3)] for i in range(3)]
-    return LieAlgebra(levi_civita, name="so(3)")
-
-
-def read_tensor(entries: Sequence[Sequence[Sequence[Parameter]]], name: str) -> Tensor3:
-    """Read an n x n x n tensor of exact entries; all of them become SymPy expressions as soon as one is.
-
-    Raises:
-        ShapeError: the tensor is not n x n x n.
-        ParameterError: an entry is not exact.
-    """
-    planes = _items(entries)
-    n = len(planes or ())
-    rows = [row for plane in planes or () for row in _items(plane) or (None,)]
-    if n == 0 or len(rows) != n * n or any(len(_items(row) or ()) != n for row in rows):
-        got = f"its first axis has length {n}" if planes else f"got {type(entries).__name__}"
-        raise ShapeError(f"{name} must have shape (n, n, n); {got}. Make every axis that long.")
-    read = tuple(
-        tuple(tuple(read_parameter(v, f"{name}[{i}][{j}][{k}]") for k, v in enumerate(row)) for j, row in enumerate(p))
-        for i, p in enumerate(entries)
-    )
-    if all(isinstance(read[i][j][k], Fraction) for i, j, k in product(range(n), repeat=3)):
-        return read
-    # Fraction and SymPy numbers do not mix under multiplication.
-    return tuple(tuple(tuple(to_sympy(value) for value in row) for row in plane) for plane in read)
-
-
-def _items(values: object) -> list[object] | None:
-    return None if isinstance(values, str) else listed(values)
-
-
-def read_names(names: Sequence[str] | None, name: str, default: tuple[str, ...]) -> tuple[str, ...]:
-    """Read a sequence of names, or take the default ones.
-
-    Raises:
-        ShapeError: not a sequence of strings.
-    """
-    if names is None:
-        return default
-    given = listed(names)
-    if given is None or isinstance(names, str) or not all(isinstance(item, str) for item in given):
-        raise ShapeError(f"{name} must be a sequence of names; got {names!r}. Write for example {name}={default!r}.")
-    return tuple(str(item) for item in given)
-
-
-def tensor_symbols(tensor: Tensor3) -> set[str]:
-    """Names of the free symbols in the entries."""
-    return {name for plane in tensor for row in plane for value in row for name in symbols_of(value)}
-
-
-def substitute_in_tensor(tensor: Tensor3, values: Mapping[str, Exact]) -> list[list[list[Expr]]]:
-    """The tensor with values for some symbols, as SymPy expressions."""
-    from sympy import Symbol
-
-    pairs = [(Symbol(name), to_sympy(value)) for name, value in values.items()]
-    return [[[to_sympy(value).subs(pairs) for value in row] for row in plane] for plane in tensor]
 
 
 def _check_antisymmetry(c: Tensor3) -> None:
@@ -153,17 +311,4 @@ def _check_antisymmetry(c: Tensor3) -> None:
             raise BracketError(
                 f"structure constants must be antisymmetric, c[i][j][k] = -c[j][i][k]; got c[{i}][{j}][{k}] = "
                 f"{c[i][j][k]} and c[{j}][{i}][{k}] = {c[j][i][k]}. Correct one of the two."
-            )
-
-
-def _check_jacobi(c: Tensor3) -> None:
-    n = len(c)
-    zero = c[0][0][0]  # zero by antisymmetry, of the right type
-    for (i, j, k), m in product(combinations(range(n), 3), range(n)):
-        cyclic = ((i, j, k), (j, k, i), (k, i, j))
-        residual = sum((c[p][q][s] * c[s][r][m] for p, q, r in cyclic for s in range(n)), zero)
-        if not is_zero(residual):
-            raise BracketError(
-                f"structure constants must obey the Jacobi identity; for (i, j, k) = ({i}, {j}, {k}) the cyclic sum of "
-                f"[[e_i, e_j], e_k] has component {residual} along e_{m} instead of 0. Check the entries c[.][.][.]."
             )

@@ -82,7 +82,8 @@ def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exac
     if len(items) != 3 or any(listed(item) is not None for item in items if not isinstance(item, str)):
         got = f"shape {_shape(values, items)}"
         raise ShapeError(f"{name} must be 3 numbers {components}; got {got}. Give exactly three components.")
-    first, second, third = (read_parameter(item, f"{name}[{k}]") for k, item in enumerate(items))
+    names = components.strip("()").split(", ")
+    first, second, third = (read_parameter(item, part) for item, part in zip(items, names, strict=True))
     return first, second, third
 
 

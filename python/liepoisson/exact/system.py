@@ -1,35 +1,37 @@
-r"""Systems: a bracket and a Hamiltonian, from which everything else follows."""
+"""Systems: a bracket and a Hamiltonian, from which everything else follows."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import as_array
-from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
+from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.bracket import Bracket
-from liepoisson.exact.parameters import (
-    Column,
-    Exact,
-    Parameter,
-    is_sympy,
-    read_parameter,
-    symbols_of,
-    to_sympy,
+from liepoisson.exact.hamiltonian import (
+    GivenValue,
+    Hamiltonian,
+    Value,
+    apply_function,
+    check_hamiltonian,
+    check_real,
+    flattened,
+    is_expression,
+    read_values,
+    with_exact_numbers,
 )
-from liepoisson.field import TopField
+from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
+from liepoisson.field import Field
 
 if TYPE_CHECKING:
-    from sympy import Expr, Symbol
+    from sympy import Expr, Matrix, Symbol
 
     from liepoisson.exact.top_parameters import TopParameters
-
-Hamiltonian: TypeAlias = "Expr | Callable[..., Expr]"
-"""An expression in `bracket.variables`, or a function of the field vectors (SymPy columns l, alpha, beta)."""
 
 
 class System:
@@ -37,14 +39,21 @@ class System:
 
     Args:
         bracket: The Lie-Poisson bracket.
-        hamiltonian: A SymPy expression in `bracket.variables`, or a Python function that takes one SymPy column per
-            field (l, alpha, beta for three fields) and returns such an expression.
-        parameters: Values for symbols that occur in the bracket or the Hamiltonian, by name.
+        hamiltonian: A text such as `"dot(l, inv(I)*l)/2 + dot(a, alpha)"` (see `liepoisson.exact.expression`), a SymPy
+            expression in `bracket.variables`, or a Python function that takes one SymPy column per field (l, alpha,
+            beta for three fields) and returns such an expression.
+        parameters: Values by name, for symbols that occur in the bracket or the Hamiltonian: numbers, vectors (lists)
+            or matrices (lists of rows).
         name: How the system is called in texts and files.
+        symbols: Parameters of a text that stay symbolic; a vector with its length, as in "a[3]".
+        integrals: Further known integrals by name, as text or expressions.  They are claims: `inspect` proves them.
+        partial_integrals: The same for integrals on an invariant set: name -> (integral, function that vanishes there).
+        source: Where the system is described.
 
     Raises:
-        ParameterError: the Hamiltonian is neither an expression nor a function, `parameters` is not a mapping from
-            names, or a parameter is not exact.
+        ParameterError: the Hamiltonian is of none of these kinds, `parameters` is not a mapping from names, or a
+            parameter is not exact.
+        ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
         BracketError: a parameter is named like a coordinate.
     """
 
@@ -52,101 +61,169 @@ class System:
         self,
         bracket: Bracket,
         hamiltonian: Hamiltonian,
-        parameters: Mapping[str, Parameter] | None = None,
+        parameters: Mapping[str, GivenValue] | None = None,
         *,
         name: str | None = None,
+        symbols: Sequence[str] = (),
+        integrals: Mapping[str, str | Expr] | None = None,
+        partial_integrals: Mapping[str, tuple[str | Expr, str | Expr]] | None = None,
+        source: str | None = None,
     ) -> None:
         if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ParameterError(
                 f"the bracket must be of type Bracket; got {type(bracket).__name__}. Write for example "
                 "so(3) @ leibniz(3, 1)."
             )
-        if not callable(hamiltonian) and not _is_expression(hamiltonian):
-            raise ParameterError(
-                "the Hamiltonian must be a SymPy expression in bracket.variables or a Python function of the field "
-                f"vectors; got {hamiltonian!r} of type {type(hamiltonian).__name__}. "
-                "Write for example lambda l, alpha, beta: l.dot(l) / 2 + alpha[2]."
-            )
+        check_hamiltonian(hamiltonian)
         self._given_hamiltonian = hamiltonian
-        self.parameters: dict[str, Exact] = _read_values(parameters)
+        self._given_integrals = dict(integrals or {})
+        self._given_partial_integrals = dict(partial_integrals or {})
+        self._given_symbols = tuple(symbols)
+        self.values: dict[str, Value] = read_values(parameters)
+        self.parameters: dict[str, Exact] = flattened(self.values)
         bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
-        self._bracket_symbols = bracket.symbols
+        self.symbolic_bracket: Bracket = bracket
         self.bracket: Bracket = bracket.substitute(self.parameters) if self.parameters else bracket
         self.name: str = name or "Lie-Poisson system"
+        self.source: str | None = source
+        if isinstance(hamiltonian, str):
+            _ = self.hamiltonian  # a text is checked at once, so that its errors come where it is written
+
+    @classmethod
+    def from_file(cls, path: str | Path) -> System:
+        """The system that a TOML file describes (see `liepoisson.exact.system_file` for the format).
+
+        Raises:
+            SystemFileError: the file can not be read, or a key in it is missing, unknown or of the wrong kind.
+            ExpressionError: a formula in it is not in the grammar; with the position.
+        """
+        from liepoisson.exact.system_file import load_system_file
+
+        return load_system_file(path).system()
 
     @property
     def variables(self) -> tuple[Symbol, ...]:
         """The coordinates of phase space, in the order of the state vector."""
         return self.bracket.variables
 
+    @property
+    def component_names(self) -> tuple[str, ...]:
+        """Names of the coordinates, in the order of the state vector."""
+        return self.bracket.coordinate_names_in_order
+
+    @property
+    def vector_length(self) -> int:
+        """Number of components of each field: the dimension of the Lie algebra."""
+        return self.bracket.algebra.dimension
+
+    @cached_property
+    def symbolic_hamiltonian(self) -> Expr:
+        """The Hamiltonian with its parameters as symbols, as it was given.
+
+        Raises:
+            ParameterError: the given function does not return a SymPy expression.
+        """
+        given: Any = self._given_hamiltonian
+        if not isinstance(given, str) and not is_expression(given):
+            given = apply_function(given, self.bracket)
+        return with_exact_numbers(self._read(given))
+
     @cached_property
     def hamiltonian(self) -> Expr:
         """The Hamiltonian as a SymPy expression, with the parameters inserted.
 
         Raises:
-            ParameterError: the given function does not return a SymPy expression, or the Hamiltonian is not finite
-                and real.
+            ParameterError: a parameter does not occur, or the Hamiltonian is not finite and real.
         """
-        given: Any = self._given_hamiltonian
-        expression = given if _is_expression(given) else _applied(given, self.bracket.fields)
-        if not _is_expression(expression):
-            raise ParameterError(
-                f"the Hamiltonian function must return a SymPy expression; got {type(expression).__name__}. "
-                "Return a scalar built from its arguments, such as l.dot(l) / 2."
-            )
-        energy = self._with_parameters(_with_exact_numbers(expression))
-        _check_real(energy)
+        self._check_that_parameters_occur()
+        energy = self._with_parameters(self.symbolic_hamiltonian)
+        check_real(energy)
         return energy
-
-    def _with_parameters(self, expression: Expr) -> Expr:
-        """The expression with the parameters inserted, by name: a symbol may have been made with assumptions."""
-        for name, value in self.parameters.items():
-            symbols = [symbol for symbol in expression.free_symbols if str(symbol) == name]
-            if not symbols and name not in self._bracket_symbols:
-                raise ParameterError(
-                    f"a parameter must occur in the bracket or in the Hamiltonian; {name!r} occurs in neither. "
-                    f"Known there: {', '.join(sorted(self._bracket_symbols | _names(expression)))}."
-                )
-            expression = expression.subs({symbol: to_sympy(value) for symbol in symbols})
-        return expression
 
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:
         """The right-hand sides of the equations of motion, derived from the bracket, in the order of `variables`."""
         return dict(zip(self.variables, self.bracket.vector_field(self.hamiltonian), strict=True))
 
+    @property
+    def jacobian(self) -> Matrix:
+        r"""The matrix $\partial\dot x_i / \partial x_j$ of the equations of motion, shape (N, N)."""
+        from sympy import Matrix
+
+        return Matrix(list(self.equations.values())).jacobian(self.variables)
+
+    @cached_property
+    def integrals(self) -> dict[str, Expr]:
+        """The integrals that were given, with the parameters inserted; claims, not proofs."""
+        return {name: self._function(text) for name, text in self._given_integrals.items()}
+
+    @cached_property
+    def partial_integrals(self) -> dict[str, tuple[Expr, Expr]]:
+        """Integrals on an invariant set, each with the function that vanishes there; claims, not proofs."""
+        given = self._given_partial_integrals.items()
+        return {name: (self._function(integral), self._function(zero)) for name, (integral, zero) in given}
+
     @cached_property
     def invariants(self) -> dict[str, Expr]:
         """What is known to be constant: H, the Casimirs C1, C2, ..., and the known integrals of this case.
 
-        For a top (typed by hand or made by `Top`) see `liepoisson.exact.known_integrals`.
+        For a top (typed by hand or made by `Top`) see `liepoisson.exact.known_integrals`; then the integrals that were
+        given.
+
+        Raises:
+            ParameterError: a given integral is not constant.
         """
         from liepoisson.exact.known_integrals import known_integrals
 
         found: dict[str, Expr] = {"H": self.hamiltonian}
         found |= {f"C{k}": casimir for k, casimir in enumerate(self.bracket.casimirs(), start=1)}
         top = self.top_parameters
-        return found if top is None else found | known_integrals(top, *self.bracket.fields.values())
+        if top is not None:
+            found |= known_integrals(top, *self.bracket.fields.values())
+        for name, integral in self.integrals.items():
+            if not self.is_constant(integral):
+                raise ParameterError(
+                    f"the integral {name} must be constant along the motion; got {integral}, which is not: "
+                    f"its derivative is {self.derivative(integral)}. Correct it, or give it as a partial integral."
+                )
+            found.setdefault(name, integral)
+        return found
+
+    def derivative(self, function: Expr) -> Expr:
+        r"""The time derivative $\{f, H\}$ of a function on phase space, simplified when it is not a polynomial."""
+        from sympy import simplify
+
+        value = self.bracket(function, self.hamiltonian)
+        return value if value == 0 or value.is_polynomial(*self.variables) else simplify(value)
+
+    def is_constant(self, function: Expr) -> bool:
+        """Whether a function on phase space is constant along every orbit, decided exactly."""
+        from liepoisson.exact.parameters import is_zero
+
+        return is_zero(self.derivative(function))
 
     @cached_property
     def top_parameters(self) -> TopParameters | None:
         """The exact parameters of the top with these equations, or None if there is no such top."""
         return self._recognise_top()
 
-    def field(self) -> TopField:
-        """The vector field as plain data for the numeric core.
+    def field(self) -> Field:
+        """The vector field as plain data for the numeric core: a top, a quadratic field or a tape.
+
+        The kind is found by matching the derived equations, not by how the system was made.
 
         Raises:
-            UnsupportedFieldError: the derived equations are not those of a top.
+            UnsupportedFieldError: the Hamiltonian contains a function that is not smooth.
             ParameterError: a parameter is symbolic.
         """
         top = self.top_parameters
-        if top is None:
-            raise UnsupportedFieldError(
-                f"the numeric core integrates tops, x = (l, alpha, beta); the equations of {self.name!r} are not those "
-                "of a top with diagonal inertia. Use System.vector_field with an integrator of your choice."
-            )
-        return top.field()
+        return self._general_field if top is None else top.field()
+
+    @cached_property
+    def _general_field(self) -> Field:
+        from liepoisson.exact.lowering import lower
+
+        return lower(self.bracket, self.hamiltonian)
 
     def vector_field(self, x: ArrayLike) -> NDArray[np.float64]:
         r"""The right-hand side $J \nabla H$ at many states.
@@ -194,7 +271,7 @@ class System:
     def _recognise_top(self) -> TopParameters | None:
         from liepoisson.exact.top_parameters import match_top
 
-        return match_top(self.bracket, self.equations)
+        return match_top(self.bracket, self.equations) if self.bracket.dimension == 9 else None
 
     def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
         states = as_array(x, "x")
@@ -224,57 +301,28 @@ class System:
     def _numpy_functions(self) -> dict[tuple[Expr, ...], Callable[..., list[NDArray[np.float64]]]]:
         return {}
 
+    def _read(self, given: str | Expr) -> Expr:
+        """A function on phase space with parameters as symbols: text is read in our grammar."""
+        if not isinstance(given, str):
+            return given
+        from liepoisson.exact.expression import read_expression
+        from liepoisson.exact.formula.scope import Scope
 
-def _applied(hamiltonian: Callable[..., Expr], fields: Mapping[str, Column]) -> Expr:
-    """The Hamiltonian function of the field vectors."""
-    from inspect import signature
+        return read_expression(given, Scope.of_bracket(self.symbolic_bracket, self.values, self._given_symbols))
 
-    try:
-        signature(hamiltonian).bind(*fields.values())
-    except TypeError as error:
-        raise ParameterError(
-            f"the Hamiltonian function must take one vector per field, ({', '.join(fields)}); got one that does not "
-            f"({error})."
-        ) from None
-    return hamiltonian(*fields.values())
+    def _function(self, given: str | Expr) -> Expr:
+        return self._with_parameters(with_exact_numbers(self._read(given)))
 
+    def _with_parameters(self, expression: Expr) -> Expr:
+        """The expression with the parameters inserted, by name: a symbol may have been made with assumptions."""
+        free = {symbol for symbol in expression.free_symbols if str(symbol) in self.parameters}
+        return expression.subs({symbol: to_sympy(self.parameters[str(symbol)]) for symbol in free})
 
-def _with_exact_numbers(expression: Expr) -> Expr:
-    """Floating-point numbers read as the decimals that they print as, like any other parameter."""
-    from sympy import Float
-
-    exact = {number: to_sympy(read_parameter(number, "H")) for number in expression.atoms(Float)}
-    return cast("Expr", expression.xreplace(exact))
-
-
-def _names(expression: Expr) -> set[str]:
-    return {str(symbol) for symbol in expression.free_symbols}
-
-
-def _is_expression(value: object) -> bool:
-    """Whether this is a SymPy expression; asked without importing SymPy for a plain function."""
-    if not is_sympy(value):
-        return False
-    from sympy import Expr
-
-    return isinstance(value, Expr)
-
-
-def _read_values(parameters: Mapping[str, Parameter] | None) -> dict[str, Exact]:
-    given = cast("Any", {} if parameters is None else parameters)  # a caller without a type checker may pass anything
-    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in cast("Mapping[object, Any]", given)):
-        raise ParameterError(
-            f'parameters must be a mapping from names to values; got {given!r}. Write for example {{"epsilon": 1}}.'
-        )
-    return {name: read_parameter(value, name) for name, value in cast("Mapping[str, Parameter]", given).items()}
-
-
-def _check_real(energy: Expr) -> None:
-    """Refuse infinities, undefined values and imaginary numbers, of which the equations could not be evaluated."""
-    from sympy import expand, nan, oo, preorder_traversal, zoo
-
-    expanded = expand(energy)
-    if expanded.has(nan, oo, -oo, zoo) or any(
-        part.is_number and part.is_extended_real is False for part in preorder_traversal(expanded)
-    ):
-        raise ParameterError(f"the Hamiltonian must be finite and real; got {energy}. Check its terms.")
+    def _check_that_parameters_occur(self) -> None:
+        known = self.symbolic_bracket.symbols | {str(symbol) for symbol in self.symbolic_hamiltonian.free_symbols}
+        for name, value in self.values.items():
+            if not known & set(flattened({name: value})):
+                raise ParameterError(
+                    f"a parameter must occur in the bracket or in the Hamiltonian; {name!r} occurs in neither. "
+                    f"Known there: {', '.join(sorted(known))}."
+                )

@@ -68,11 +68,11 @@ class TopParameters:
         Raises:
             ParameterError: a parameter is symbolic (the message names it) or does not fit into a double.
         """
-        inertia = _as_vector(self.inertia, "inertia")
+        inertia = _as_vector(self.inertia, "I")
         for k, moment in enumerate(inertia):
             if moment <= 0 or 1 / moment == float("inf"):
                 raise ParameterError(
-                    f"inertia[{k}] must be positive and its inverse below 1.8e308; got {self.inertia[k]}. Rescale."
+                    f"I{k + 1} must be positive and its inverse below 1.8e308; got {self.inertia[k]}. Rescale."
                 )
         a, b = _as_vector(self.a, "a"), _as_vector(self.b, "b")
         return TopField(inertia=inertia, a=a, b=b, epsilon=as_float(self.epsilon, "epsilon"))
@@ -153,7 +153,7 @@ def _read_triple(values: list[Expr], name: str) -> ExactVector:
 
 
 def _as_vector(values: ExactVector, name: str) -> Vector3:
-    first, second, third = (as_float(value, f"{name}[{k}]") for k, value in enumerate(values))
+    first, second, third = (as_float(value, f"{name}{k}") for k, value in enumerate(values, start=1))
     return first, second, third
 
 

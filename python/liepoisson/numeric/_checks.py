@@ -13,12 +13,14 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import TopField, Vector3
+from liepoisson.field import Field, QuadraticField, TopField
 
 MOST = 2**63 - 1
 """Largest count: what a signed integer of 64 bits holds."""
 
 _MOST_THREADS = 4096
+
+TOP_COMPONENTS = tuple(f"{vector}{i}" for vector in ("l", "alpha", "beta") for i in (1, 2, 3))
 
 
 class HasField(Protocol):
@@ -29,7 +31,7 @@ class HasField(Protocol):
         """Name of the system, for results."""
         ...
 
-    def field(self) -> TopField:
+    def field(self) -> Field:
         """The vector field as plain data."""
         ...
 
@@ -69,7 +71,7 @@ def as_number(value: Any, name: str, wanted: str) -> float:
     raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; give a plain number")
 
 
-def as_field(system: Any) -> TopField:
+def as_field(system: Any) -> Field:
     """The vector field of a system."""
     if isinstance(system, type) or not callable(getattr(system, "field", None)) or not hasattr(system, "name"):
         raise ParameterError(
@@ -78,9 +80,21 @@ def as_field(system: Any) -> TopField:
     return system.field()
 
 
-def core_parameters(field: TopField) -> tuple[Vector3, Vector3, Vector3, float]:
-    """The parameters of a top as the core takes them."""
-    return field.inertia, field.a, field.b, field.epsilon
+def core_field(field: Field) -> _core.Field:
+    """The field as the core takes it."""
+    if isinstance(field, TopField):
+        return _core.Field.top(field.inertia, field.a, field.b, field.epsilon)
+    if isinstance(field, QuadraticField):
+        return _core.Field.quadratic(field.n_components, field.constant, field.linear, field.quadratic)
+    return _core.Field.tape(field.n_components, field.instructions, field.outputs)
+
+
+def component_names(system: Any, n: int) -> tuple[str, ...]:
+    """Names of the components of the state: the system's own, else those of the tops, else x1, x2, ..."""
+    names = getattr(system, "component_names", None)
+    if names is not None:
+        return tuple(names)
+    return TOP_COMPONENTS if n == len(TOP_COMPONENTS) else tuple(f"x{i + 1}" for i in range(n))
 
 
 def as_states(x0: ArrayLike, n_components: int, name: str = "x0") -> Array:

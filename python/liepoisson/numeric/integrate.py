@@ -13,14 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import TopField
+from liepoisson.field import Field, TopField
 from liepoisson.numeric._checks import (
     HasField,
     as_field,
     as_states,
     as_threads,
     as_times,
-    core_parameters,
+    component_names,
+    core_field,
     outcome_names,
 )
 from liepoisson.numeric.methods import Taylor, as_method
@@ -35,6 +36,7 @@ class Orbit:
 
     Attributes:
         system: Name of the system.
+        components: Names of the components of the state.
         field: Its vector field.
         method: How it was integrated.
         time: Times, shape (time,); the first is that of the initial states.
@@ -53,7 +55,8 @@ class Orbit:
     """
 
     system: str
-    field: TopField
+    components: tuple[str, ...]
+    field: Field
     method: Taylor
     time: Array
     state: Array
@@ -136,14 +139,15 @@ def integrate(
 
     Args:
         system: What is integrated.
-        x0: States at time `t[0]`, shape (9,) or (trajectory, 9), dimensionless.
+        x0: States at time `t[0]`, shape (component,) or (trajectory, component), dimensionless.
         t: Times at which states are wanted, strictly monotone, shape (time,); decreasing times run backwards.
-        tangents: Tangent vectors at `t[0]`, shape (tangent, 9) for all trajectories or (trajectory, tangent, 9).
+        tangents: Tangent vectors at `t[0]`, shape (tangent, component) for all trajectories or
+            (trajectory, tangent, component).
         method: How; by default `Taylor()`, to round-off.
         dense: Keep the power series of every step, so that `orbit.at(t)` answers for any time.
         kernel: "lanes" advances trajectories side by side in registers, "components" one trajectory without tangent
-            vectors, with the components of its vectors side by side, which is quicker and rounds differently.  By
-            default "components" for one trajectory without tangent vectors, else "lanes".
+            vectors, with the components of its vectors side by side, which is quicker and rounds differently; only tops
+            have the latter.  By default "components" for one such trajectory, else "lanes".
         threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
         progress: Called a few times a second with the fraction that is done.
 
@@ -160,14 +164,15 @@ def integrate(
     n = field.n_components
     states, times = as_states(x0, n), as_times(t, "t", least=2)
     vectors = _as_tangents(tangents, len(states), n)
-    alone = len(states) == 1 and vectors.shape[1] == 0
+    alone = isinstance(field, TopField) and len(states) == 1 and vectors.shape[1] == 0
     if kernel not in (None, "lanes", "components") or (kernel == "components" and not alone):
         raise ParameterError(
-            f'kernel: wanted "lanes", or "components" for one trajectory without tangent vectors; got {kernel!r} for '
-            f"{len(states)} trajectories with {vectors.shape[1]} tangent vectors; leave it out to have it chosen"
+            f'kernel: wanted "lanes", or "components" for one trajectory of a top without tangent vectors; got '
+            f"{kernel!r} for {len(states)} trajectories with {vectors.shape[1]} tangent vectors of a field of kind "
+            f"{field.kind!r}; leave it out to have it chosen"
         )
-    raw = _core.orbits_of_top(
-        core_parameters(field),
+    raw = _core.orbits(
+        core_field(field),
         method.parameters,
         states.ravel(),
         vectors.ravel(),
@@ -180,6 +185,7 @@ def integrate(
     )
     return Orbit(
         system=system.name,
+        components=component_names(system, n),
         field=field,
         method=method,
         time=times,

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson import _core
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import TopField
+from liepoisson.field import Field
 from liepoisson.numeric._checks import (
     HasField,
     as_field,
@@ -21,7 +21,8 @@ from liepoisson.numeric._checks import (
     as_states,
     as_threads,
     as_times,
-    core_parameters,
+    component_names,
+    core_field,
     outcome_names,
 )
 from liepoisson.numeric.methods import Taylor, as_method
@@ -39,6 +40,7 @@ class Growth:
 
     Attributes:
         system: Name of the system.
+        components: Names of the components of the state.
         field: Its vector field.
         method: How it was integrated.
         seed: Seed of the tangent vectors.
@@ -57,7 +59,8 @@ class Growth:
     """
 
     system: str
-    field: TopField
+    components: tuple[str, ...]
+    field: Field
     method: Taylor
     seed: int
     first: int
@@ -110,11 +113,12 @@ def lyapunov_exponent(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (9,) or (trajectory, 9), dimensionless.
+        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         t_end: Last time, positive, in units of the system's own time; the exponent is then given at 200 times
             spaced evenly in the logarithm, from `t_end`/1000 on.
         times: The times themselves, positive and increasing, shape (time,), instead of `t_end`.
-        tangents: Tangent vectors at time 0, shape (9,) or (trajectory, 9), not zero, instead of random ones.
+        tangents: Tangent vectors at time 0, shape (component,) or (trajectory, component), not zero, instead of random
+            ones.
         seed: Draws the tangent vectors.
         first: Number of the first member, so that an ensemble can be computed in pieces: member k has the same tangent
             vector in whichever piece it is.
@@ -149,8 +153,8 @@ def lyapunov_exponent(
                 f"{vectors.shape}. Give as many as there are states."
             )
         vectors = np.ascontiguousarray(np.broadcast_to(vectors, states.shape))
-    raw = _core.growth_of_top(
-        core_parameters(field),
+    raw = _core.growth(
+        core_field(field),
         method.parameters,
         states.ravel(),
         vectors.ravel(),
@@ -160,6 +164,7 @@ def lyapunov_exponent(
     )
     return Growth(
         system=system.name,
+        components=component_names(system, n),
         field=field,
         method=method,
         seed=seed,

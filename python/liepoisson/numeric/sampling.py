@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,25 +17,28 @@ BLOCK = 256
 _STATES, _TANGENTS = 0, 1
 
 
-def _unit_vectors(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
-    vectors = rng.standard_normal((BLOCK, n // 3, 3))
+def _unit_vectors(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
+    vectors = rng.standard_normal((BLOCK, n // length, length))
     return (vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)).reshape(BLOCK, n)
 
 
-def _cube(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+def _cube(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
     return rng.uniform(-1.0, 1.0, (BLOCK, n))
 
 
-def _gaussian(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+def _gaussian(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
     return rng.standard_normal((BLOCK, n))
 
 
-def _unit_tangent(rng: np.random.Generator, n: int) -> NDArray[np.float64]:
+def _unit_tangent(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
     vectors = rng.standard_normal((BLOCK, n))
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
-ENSEMBLES: dict[str, Callable[[np.random.Generator, int], NDArray[np.float64]]] = {
+_Draw: TypeAlias = Callable[[np.random.Generator, int, int], NDArray[np.float64]]
+"""Draws a block of states, given the number of components and the length of each vector."""
+
+ENSEMBLES: dict[str, _Draw] = {
     "unit-vectors": _unit_vectors,
     "cube": _cube,
     "gaussian": _gaussian,
@@ -46,9 +50,9 @@ def sample_states(
 ) -> NDArray[np.float64]:
     r"""Random initial states.
 
-    Ensembles, for a state made of 3-vectors such as $(\ell, \alpha, \beta)$:
+    Ensembles, for a state made of vectors such as $(\ell, \alpha, \beta)$:
 
-    - `"unit-vectors"`: each vector independent and uniform on the unit sphere (so $C_3 = |\beta|^2 = 1$);
+    - `"unit-vectors"`: each vector independent and uniform on the unit sphere (for a top $C_3 = |\beta|^2 = 1$);
     - `"cube"`: each component independent and uniform in $[-1, 1]$;
     - `"gaussian"`: each component independent and normal with mean 0 and variance 1.
 
@@ -72,7 +76,13 @@ def sample_states(
     draw = ENSEMBLES.get(ensemble) if isinstance(ensemble, str) else None  # pyright: ignore[reportUnnecessaryIsInstance]
     if draw is None:
         raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(ensemble)}")
-    return _draw(draw, as_field(system).n_components, n, seed, first=first, purpose=_STATES)
+    components = as_field(system).n_components
+    return _draw(draw, components, n, seed, length=_vector_length(system, components), first=first, purpose=_STATES)
+
+
+def _vector_length(system: Any, n_components: int) -> int:
+    """Components of each vector of the state: the system's own word, else 3 where that fits, else all."""
+    return getattr(system, "vector_length", 3 if n_components % 3 == 0 else n_components)
 
 
 def as_seed(seed: int) -> int:
@@ -87,15 +97,16 @@ def as_first(first: int, n: int) -> int:
 
 def sample_tangents(n_components: int, n: int, *, seed: int, first: int = 0) -> NDArray[np.float64]:
     """Random tangent vectors, uniform on the unit sphere of the state space, shape (trajectory, component)."""
-    return _draw(_unit_tangent, n_components, n, seed, first=first, purpose=_TANGENTS)
+    return _draw(_unit_tangent, n_components, n, seed, length=n_components, first=first, purpose=_TANGENTS)
 
 
 def _draw(
-    draw: Callable[[np.random.Generator, int], NDArray[np.float64]],
+    draw: _Draw,
     n_components: int,
     n: int,
     seed: int,
     *,
+    length: int,
     first: int,
     purpose: int,
 ) -> NDArray[np.float64]:
@@ -103,6 +114,6 @@ def _draw(
     seed, first = as_seed(seed), as_first(first, n)
     blocks = range(first // BLOCK, -(-(first + n) // BLOCK))
     streams = (np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(purpose, block))) for block in blocks)
-    rows = [draw(stream, n_components) for stream in streams]
+    rows = [draw(stream, n_components, length) for stream in streams]
     start = first - blocks.start * BLOCK
     return np.concatenate([np.empty((0, n_components)), *rows])[start : start + n]

@@ -1,9 +1,15 @@
 //! What is integrated: vector fields, asked for their power series.
 
+mod convolution;
+mod cover;
+mod quadratic;
 mod single_top;
+mod tape;
 mod top;
 
+pub use quadratic::Quadratic;
 pub use single_top::SingleTop;
+pub use tape::{Instruction, Tape};
 pub use top::Top;
 
 use crate::lanes::Lane;
@@ -23,6 +29,11 @@ pub trait Field: Sync {
     /// Registers in a row with `n_tangents` tangent vectors.
     fn row(&self, n_tangents: usize) -> usize {
         self.group() * (1 + n_tangents)
+    }
+
+    /// Registers that the series up to `order` take in all: the rows, and after them what else the field keeps.
+    fn registers(&self, n_tangents: usize, order: usize) -> usize {
+        self.row(n_tangents) * (order + 1)
     }
 
     /// Completes row `k`: work quantities from the components.

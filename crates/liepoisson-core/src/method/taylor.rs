@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use crate::field::Field;
-use crate::lanes::{Lane, as_scalars};
+use crate::lanes::{Lane, Piece, as_scalars};
 use std::collections::TryReserveError;
 
 const MAX_ORDER: usize = 64;
@@ -65,8 +65,8 @@ impl<'f, F: Field, V: Lane> Block<'f, F, V> {
     /// A block of trajectories that rest at the origin.
     #[inline(always)]
     pub fn new(field: &'f F, method: Taylor, n_tangents: usize) -> Self {
-        let row = field.row(n_tangents);
-        Block { field, method, n_tangents, row, rows: vec![V::splat(0.0); row * (method.order + 1)] }
+        let rows = vec![V::splat(0.0); field.registers(n_tangents, method.order)];
+        Block { field, method, n_tangents, row: field.row(n_tangents), rows }
     }
 
     /// Sets component `i` of group `group` (0: the state; k: tangent vector k) in one lane.
@@ -93,11 +93,10 @@ impl<'f, F: Field, V: Lane> Block<'f, F, V> {
         sum
     }
 
-    /// From the coefficients up to order `k` those of order `k + 1`.
+    /// The power series, from its first coefficients.
     #[inline(always)]
-    pub fn extend(&mut self, k: usize) {
-        self.field.derive_work(&mut self.rows, self.n_tangents, k);
-        self.field.extend(&mut self.rows, self.n_tangents, k);
+    pub fn expand(&mut self) {
+        V::outline(Expansion(self));
     }
 
     /// For each lane the longest step for which each of the last two terms of the series of the state, and of every
@@ -197,6 +196,20 @@ impl<'f, F: Field, V: Lane> Block<'f, F, V> {
             }
         }
         Ok(())
+    }
+}
+
+/// The series of a block: the large part of the code, shared by all analyses.
+struct Expansion<'b, 'f, F, V>(&'b mut Block<'f, F, V>);
+
+impl<F: Field, V: Lane> Piece for Expansion<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Block { field, method, n_tangents, rows, .. } = self.0;
+        for k in 0..method.order {
+            field.derive_work(rows, *n_tangents, k);
+            field.extend(rows, *n_tangents, k);
+        }
     }
 }
 

@@ -134,6 +134,7 @@ def _join(store: RunStore) -> tuple[Growth, float]:
             whole[first : first + count] = arrays[name]
     growth = Growth(
         system=top.name,
+        components=top.component_names,
         field=top.field(),
         method=Taylor(tol=run.tolerance),
         seed=run.seed,

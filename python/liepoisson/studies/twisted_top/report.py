@@ -17,7 +17,9 @@ import numpy as np
 
 from liepoisson import __version__
 from liepoisson.numeric.finite_time_fit import Estimate, FiniteTimeFit, LogFit
+from liepoisson.studies.twisted_top.claims.errata import KINDS, TITLE
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS
+from liepoisson.studies.twisted_top.mathematics import mathematics
 from liepoisson.studies.twisted_top.measurements import PRINTED, RESAMPLING, RunResult, by_energy, command
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Moments
 
@@ -34,6 +36,7 @@ FIRST_WINDOW = 10.0
 VERDICTS = {
     "holds": "good",
     "holds with a condition": "partly",
+    "incomplete": "partly",
     "misprint": "partly",
     "wrong": "bad",
     "not settled": "open",
@@ -55,6 +58,7 @@ def render(study: StudyResult, figures: Mapping[str, Path]) -> str:
         minus=true_minus,
         interval=interval,
         count=with_spaces,
+        mathematics=mathematics,
     )
     template = environment.from_string(
         files("liepoisson.studies.twisted_top").joinpath("report.html.j2").read_text(encoding="utf-8")
@@ -90,6 +94,12 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "as_printed_twisted": results["twisted-as-printed-unit-vectors"],
         "short_end": results["ordinary-as-printed-unit-vectors"].run.end_time,
         "claims": claims,
+        "errata": [
+            (words, [entry for entry in study.claims["errata"] if entry["verdict"] == verdict])
+            for verdict, words in KINDS.items()
+        ],
+        "errata_title": TITLE,
+        "numbers": {claim["id"]: number for number, claim in enumerate(claims, 1)},
         "paper": study.claims["paper"],
         "verdicts": [(verdict, kind, counts[verdict]) for verdict, kind in VERDICTS.items() if counts[verdict]],
         "kinds": VERDICTS,

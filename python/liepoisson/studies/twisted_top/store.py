@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 AnyArray: TypeAlias = NDArray[Any]
 
 # What a growth says of the whole ensemble; the rest of it is one array each with a row per member.
-_OF_THE_WHOLE = {"system", "field", "method", "seed", "first", "time", "order", "kernel"}
+_OF_THE_WHOLE = {"system", "components", "field", "method", "seed", "first", "time", "order", "kernel"}
 _PIECE = re.compile(r"\d{6,}-\d{6,}\.npz")
 _MANIFEST = re.compile(r"manifest\.json")
 # How text that is no JSON fails; too deeply nested, with a RecursionError.

@@ -103,7 +103,9 @@ def _write_report(study: StudyResult, figures: dict[str, Path]) -> None:
 
 
 def summary(study: StudyResult) -> str:
-    """The main results as a short table of plain text."""
+    """The main results as plain text: the fits, and what is wrong with the paper."""
+    from liepoisson.studies.twisted_top.claims.errata import errata_lines
+
     settings = study.settings
     window = study.results["twisted-unit-vectors"].fit.window
     log_window = study.results["ordinary-unit-vectors"].log_fit.window
@@ -116,6 +118,8 @@ def summary(study: StudyResult) -> str:
         f"ordinary: t <lambda(t)> = A + B ln t over t in [{log_window[0]:g}, {log_window[1]:g}]",
         f"  {'':<14}{'B':<22}{'D':<24}D with a term E/t beside it",
         *(_log_line(study.results[f"ordinary-{name}"]) for name in ENSEMBLES),
+        "",
+        *errata_lines(study.claims["errata"]),
         "",
         f"claims of the paper: {verdict_counts(study.claims)}",
         f"report: {study.out / 'report.html'}",

@@ -25,19 +25,13 @@ from liepoisson.studies.twisted_top.claims import (
     charged,
     discussion,
     leaves,
+    nonintegrable,
     numerics,
     twisted,
     twisted_lagrange,
 )
-from liepoisson.studies.twisted_top.claims.model import (
-    SCHEMA_VERSION,
-    Claim,
-    ClaimResult,
-    Context,
-    Verdict,
-    claims_to_json,
-    twisted_bracket,
-)
+from liepoisson.studies.twisted_top.claims.model import Claim, ClaimResult, Context, Verdict, twisted_bracket
+from liepoisson.studies.twisted_top.claims.record import SCHEMA_VERSION, claims_to_json
 
 __all__ = [
     "CLAIMS",
@@ -58,6 +52,7 @@ CLAIMS: tuple[Claim, ...] = (
     *canonical.CLAIMS,
     *leaves.CLAIMS,
     *discussion.CLAIMS,
+    *nonintegrable.CLAIMS,
     *numerics.CLAIMS,
 )
 """All claims, in the order of the paper."""

@@ -53,7 +53,8 @@ def printed_product(context: Context) -> Verdict:
     printed = Matrix([[-ct / st * sf, ct / st * cf, 1], [sf / st, -cf / st, 0], [cf, sf, 0]])
     product = (q.L.T * q.A).applyfunc(q.reduce)
     evidence.zero("LᵀA is the printed matrix", (product - printed).applyfunc(q.reduce))
-    evidence.zero("its entries do not contain ψ", [q.derivative(entry, 1) for entry in product])
+    evidence.zero("the third row of A, e₃·A, does not contain ψ", [q.derivative(entry, 1) for entry in q.A.row(2)])
+    evidence.zero("the entries of LᵀA do not contain ψ", [q.derivative(entry, 1) for entry in product])
     return evidence.conclude("holds")
 
 
@@ -236,6 +237,10 @@ def cyclic_psi(context: Context) -> Verdict:
         image = substitution(top.bracket.variables, (*chart.angular_momentum, *chart.alpha, *chart.beta))
         H = top.hamiltonian.subs(image, simultaneous=True)
         kinetic = (top.vectors[0].dot(top.omega) / 2).subs(image, simultaneous=True)
+        evidence.zero(
+            f"{name}: T = p_θ²/2I₁ + (p_φ − p_ψ cos θ)²/(2I₁ sin²θ) + p_ψ²/2I₃",
+            q.reduce(kinetic - _kinetic_energy(q, top.inertia)),
+        )
         evidence.zero(f"{name}: ∂T/∂φ = ∂T/∂ψ = 0", [q.reduce(q.derivative(kinetic, k)) for k in (0, 1)])
         evidence.zero(
             f"{name}: ∂H/∂ψ = 0 (r contains ψ as little)",
@@ -243,6 +248,14 @@ def cyclic_psi(context: Context) -> Verdict:
         )
         evidence.zero(f"{name}: p_ψ = l₃", q.reduce(chart.angular_momentum[2] - q.momenta[1]))
     return evidence.conclude("holds")
+
+
+def _kinetic_energy(q: EulerAngles, inertia: Any) -> Any:
+    """The kinetic energy of a top with I1 = I2 in Euler angles."""
+    p_phi, p_psi, p_theta = q.momenta
+    cosine, sine = q.theta
+    horizontal = p_theta**2 + (p_phi - p_psi * cosine) ** 2 / sine**2
+    return horizontal / (2 * inertia[0]) + p_psi**2 / (2 * inertia[2])
 
 
 def angles_from_fields(context: Context) -> Verdict:

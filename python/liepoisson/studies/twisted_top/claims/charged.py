@@ -6,14 +6,19 @@ from typing import Any
 
 from liepoisson.exact.known_integrals import known_integrals
 from liepoisson.exact.top_parameters import TopParameters
-from liepoisson.studies.twisted_top.claims.common import casimir_identities, complete_integrability, poisson_identities
+from liepoisson.studies.twisted_top.claims.common import (
+    casimir_identities,
+    complete_integrability,
+    poisson_identities,
+    strata_steps,
+)
 from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
 from liepoisson.studies.twisted_top.claims.phase_space import (
     GENERIC_POINT,
+    SymbolicTop,
     column,
     lagrange_top,
-    rank_at,
     substitution,
     symbolic_top,
 )
@@ -27,6 +32,11 @@ def centre_of_rotation(context: Context) -> Verdict:
     torque = alpha.cross(top.a)[2]
     evidence.zero("dl₃/dt = α₁a₂ − α₂a₁ for I₁ = I₂: zero for all α exactly when a₁ = a₂ = 0", top.rate(l[2]) - torque)
     evidence.note("The fixed point is the origin of the body frame, on every axis through it; a points to the mass.")
+    evidence.counterexample(
+        "a centre of mass off the axis changes l₃",
+        {"dl₃/dt": (top.rate(l[2]).subs(substitution((*top.a, *alpha), (0, 1, 0, 1, 0, 0))), 1)},
+        "a = (0, 1, 0), α = (1, 0, 0)",
+    )
     return evidence.conclude("misprint", "The centre of mass a must lie on the symmetry axis.")
 
 
@@ -42,7 +52,12 @@ def zero_field(context: Context) -> Verdict:
     no_field = dict.fromkeys(beta, 0)
     evidence.zero("β = 0 stays zero: dβ/dt = 0 there", top.rate(beta).subs(no_field))
     evidence.zero("β = 0: dα/dt = α × ω, the ordinary heavy top for every ε", rate.subs(no_field) - rigid)
-    evidence.nonzero("the two differ when ε ≠ 0 and a, β are not parallel", twist)
+    at_rest = substitution((*top.a, *top.vectors[0], *beta), (0, 0, 1, 0, 0, 0, 1, 0, 0))
+    evidence.counterexample(
+        "an uncharged top is not a heavy top: α moves while the body is at rest",
+        {"dα/dt": (tuple(rate.subs(at_rest)), (0, -top.epsilon, 0)), "α × ω": (tuple(rigid.subs(at_rest)), (0, 0, 0))},
+        "b = 0, a = (0, 0, 1), l = (0, 0, 0), β = (1, 0, 0), any α",
+    )
     return evidence.conclude(
         "wrong",
         "Uncharged is b = 0. A vanishing field is β = 0, which removes the twist as well: on it every twisted top is "
@@ -89,7 +104,7 @@ def charged_phase_space(context: Context) -> Verdict:
         "and β is the identity exactly when α × β ≠ 0",
         gram.det() - normal.dot(normal) * (alpha.dot(alpha) + beta.dot(beta)),
     )
-    evidence.equal("rank of J at a point with α × β ≠ 0", rank_at(bracket, GENERIC_POINT), 6)
+    independent = evidence.rank("rank of J at a point with α × β ≠ 0", bracket, GENERIC_POINT, 6)
     c = Symbol("c")
     tensor: Any = bracket.poisson_tensor()
     J = tensor.subs(substitution(alpha, c * beta), simultaneous=True)
@@ -100,8 +115,12 @@ def charged_phase_space(context: Context) -> Verdict:
     )
     evidence.zero("α = cβ: five null vectors of J, so the rank is at most 4", J * null)
     parallel = (1, 2, -1, 4, -2, 2, 2, -1, 1)
-    evidence.equal("rank of J at a point with α = 2β", rank_at(bracket, parallel), 4)
-    evidence.data = {"rank_independent": 6, "rank_parallel": rank_at(bracket, parallel)}
+    rank = evidence.rank("rank of J at a point with α = 2β", bracket, parallel, 4)
+    evidence.note("Everywhere, by the Pfaffians of J:")
+    wanted = {"alpha x beta != 0": 6, "alpha x beta = 0, (alpha, beta) != 0": 4}
+    wanted |= {"beta = 0, alpha = 0, l != 0": 2, "beta = 0, alpha = 0, l = 0": 0}
+    strata_steps(evidence, bracket, wanted)
+    evidence.data = {"rank_independent": independent, "rank_parallel": rank}
     return evidence.conclude(
         "holds with a condition",
         "True where α × β ≠ 0. If α and β are parallel and not both zero, they fix a direction only and the symplectic "
@@ -135,9 +154,20 @@ def coplanar_remark(context: Context) -> Verdict:
     condition = alpha.cross(beta).dot(top.b)
     rate = top.rate(condition)
     coplanar = {l[0]: 1, l[1]: 0, l[2]: 0, alpha[0]: 1, alpha[1]: 0, alpha[2]: 0, beta[0]: 0, beta[1]: 0, beta[2]: 1}
-    there = rate.subs(coplanar)
-    evidence.equal("l = α = e₁, β = e₃ is coplanar, (α × β)·b", condition.subs(coplanar), 0)
-    evidence.equal("but there d/dt (α × β)·b", there, Symbol("b3") / Symbol("I1"))
+    evidence.counterexample(
+        "α, β, b are coplanar at a state, and at once no longer",
+        {"(α × β)·b": (condition.subs(coplanar), 0), "its rate": (rate.subs(coplanar), Symbol("b3") / Symbol("I1"))},
+        "l = (1, 0, 0), α = (1, 0, 0), β = (0, 0, 1)",
+    )
+    twisted = lagrange_top(context, charged=True)
+    expected = _coplanarity_rate(twisted)
+    evidence.identity(
+        "for any ε the rate of (α × β)·b is (b₃/I₁)[α₁β₃l₁ + α₂β₃l₂ − α₃(β₁l₁ + β₂l₂) + εa₃I₁(β₁² + β₂²)], "
+        "for a = 0 too",
+        twisted.rate(alpha.cross(beta).dot(twisted.b)),
+        expected,
+        twisted.bracket,
+    )
     evidence.data = {"rate": show(rate)}
     return evidence.conclude(
         "wrong",
@@ -145,6 +175,14 @@ def coplanar_remark(context: Context) -> Verdict:
         "l·(a₃α + b₃β) are constant for all initial conditions. Coplanarity is not needed, and "
         "the flow does not keep it.",
     )
+
+
+def _coplanarity_rate(top: SymbolicTop) -> Any:
+    """The rate of (alpha x beta).b for I1 = I2 and both centres on the axis."""
+    l, alpha, beta = top.vectors
+    moment, a3, b3 = top.inertia[0], top.a[2], top.b[2]
+    turning = beta[2] * (alpha[0] * l[0] + alpha[1] * l[1]) - alpha[2] * (beta[0] * l[0] + beta[1] * l[1])
+    return b3 / moment * (turning + top.epsilon * a3 * moment * (beta[0] ** 2 + beta[1] ** 2))
 
 
 def integrable_list(context: Context) -> Verdict:
@@ -172,9 +210,11 @@ def integrable_list(context: Context) -> Verdict:
         complete_integrability(evidence, top, {"H": top.hamiltonian, **found})
         data[title] = {name: str(value) for name, value in found.items()}
     evidence.data = data
-    evidence.note("So the charged top is also integrable when I₁ = I₂ = I₃ with any a, b (a Neumann system on the")
-    evidence.note("three-sphere), and when I₁ = I₂ = 2I₃ with a and b equatorial.")
-    return evidence.conclude("holds")
+    return evidence.conclude(
+        "incomplete",
+        "The charged top is also integrable when I₁ = I₂ = I₃ with any a and b (a Neumann system on the three-sphere), "
+        "and when I₁ = I₂ = 2I₃ with a and b equatorial.",
+    )
 
 
 _CHARGED = "Section 2, The charged heavy top"

@@ -2,55 +2,129 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
+from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
 from liepoisson.studies.twisted_top.claims.model import Context
 from liepoisson.studies.twisted_top.claims.phase_space import (
     GENERIC_POINT,
     SymbolicTop,
     at_generic_parameters,
-    gradient_rank,
-    rank_at,
     symbolic_top,
 )
+
+if TYPE_CHECKING:
+    from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.strata import Stratum
+
+_SUBSCRIPTS = "₁₂₃"
+_CASIMIR_DEGREE = 3
 
 
 def poisson_identities(context: Context, epsilon: int | str) -> Evidence:
     """Antisymmetry and the Jacobi identity of the bracket of the context."""
     evidence = Evidence()
     bracket = context.bracket(epsilon)
-    J = bracket.poisson_tensor()
-    evidence.zero("J is antisymmetric", J + J.T)
-    residuals = list(bracket.jacobi_residuals().values())
-    evidence.zero(f"the cyclic sum vanishes for all {len(residuals)} triples of coordinates", residuals)
+    proof = bracket.jacobi_certificate()
+    what = f"J is antisymmetric, and the cyclic sum vanishes for all {proof.n_triples} triples of coordinates"
+    evidence.proof("identity", what, proof.holds, [str(proof)], decisive=True)
+    l, alpha, _ = bracket.fields.values()
+    _example(evidence, bracket, (l[0], l[1], alpha[0]))
+    _example(evidence, bracket, (l[0], alpha[0], alpha[1]))
     evidence.note("The cyclic sum is a derivation in each argument, so this is the Jacobi identity for all functions.")
-    evidence.data = {"triples": len(residuals), "nonzero": sum(value != 0 for value in residuals)}
+    evidence.data = {
+        "triples": proof.n_triples,
+        "holds": proof.holds,
+        "failures": [str(failure) for failure in proof.failures],
+    }
     return evidence
+
+
+def _example(evidence: Evidence, bracket: Bracket, triple: tuple[Any, Any, Any]) -> None:
+    """One of the cyclic sums, written out."""
+    x, y, z = triple
+    terms = {(u, v, w): bracket(bracket(u, v), w) for u, v, w in ((x, y, z), (y, z, x), (z, x, y))}
+    computed = [f"{{{{{show(u)}, {show(v)}}}, {show(w)}}} = {show(value)}" for (u, v, w), value in terms.items()]
+    evidence.zero(f"for example the triple {show(x)}, {show(y)}, {show(z)}", sum(terms.values()), computed)
 
 
 def casimir_identities(context: Context, epsilon: int | str) -> Evidence:
-    """The three Casimirs as printed, their independence, and the corank."""
+    """The three Casimirs as printed, their independence, the corank, and that there are no others of low degree."""
     evidence = Evidence()
     top = symbolic_top(context, epsilon=epsilon)
     for k, casimir in enumerate(top.casimirs):
-        evidence.zero(f"J ∇C{'₁₂₃'[k]} = 0", list(top.bracket.vector_field(casimir)))
+        name = f"C{_SUBSCRIPTS[k]}"
+        computed = [f"{name} = {written(casimir, top.bracket)}"]
+        evidence.zero(f"J ∇{name} = 0", list(top.bracket.vector_field(casimir)), computed, decisive=True)
     numbers = dict.fromkeys(top.epsilon.free_symbols, 2)
-    independent = gradient_rank((c.subs(numbers) for c in top.casimirs), top.bracket.variables, GENERIC_POINT)
-    evidence.equal("rank of the three differentials at a rational point", independent, 3)
     generic = context.bracket(2 if numbers else 0)
-    rank = rank_at(generic, GENERIC_POINT)
-    evidence.equal("rank of J there, so there is no fourth independent Casimir", rank, 6)
-    evidence.data = {"casimirs": [show(c) for c in top.casimirs], "rank": rank}
+    evidence.independent(
+        "rank of the differentials of the three at a rational point",
+        [c.subs(numbers) for c in top.casimirs],
+        generic,
+        GENERIC_POINT,
+    )
+    what = "rank of J there, so there is no fourth independent Casimir"
+    rank = evidence.rank(what, generic, GENERIC_POINT, 6)
+    _all_polynomial_casimirs(evidence, top)
+    evidence.data["casimirs"] = [show(c) for c in top.casimirs]
+    evidence.data["rank"] = rank
     return evidence
+
+
+def _all_polynomial_casimirs(evidence: Evidence, top: SymbolicTop) -> None:
+    """The finder of all polynomial Casimirs gives the three and no more, for every value of the parameter."""
+    report = top.bracket.casimir_report(_CASIMIR_DEGREE)
+    found = report.independent == report.corank == len(report.generators) == len(top.casimirs)
+    sizes = ", ".join(f"{n} of degree {degree}" for degree, n in report.dimensions.items())
+    computed = [
+        "generators: " + "; ".join(written(c, top.bracket) for c in report.generators),
+        f"linearly independent Casimirs: {sizes}; functionally independent: {report.independent}; "
+        f"corank of J: {report.corank}",
+    ]
+    if report.examined:
+        more = ", ".join(case.condition for case in report.exceptional) or "none"
+        computed.append(f"special values looked at: {', '.join(report.examined)}; with more Casimirs: {more}")
+    what = f"all homogeneous Casimirs of degree ≤ {_CASIMIR_DEGREE}, from the null space of J∇ on all monomials"
+    evidence.proof("search", what, found and not report.exceptional, computed)
+    evidence.data = {"dimensions_by_degree": {str(degree): n for degree, n in report.dimensions.items()}}
 
 
 def complete_integrability(evidence: Evidence, top: SymbolicTop, integrals: dict[str, Any]) -> None:
     """State that three integrals are constant, in involution, and independent together with the Casimirs."""
     names = list(integrals)
+    for name, integral in integrals.items():
+        text = written(integral, top.bracket)
+        if text != name:
+            evidence.note(f"{name} = {text}")
     for i, first in enumerate(names):
         for second in names[i + 1 :]:
             evidence.zero(f"{{{first}, {second}}} = 0", top.bracket(integrals[first], integrals[second]))
     functions = at_generic_parameters((*integrals.values(), *top.casimirs), top.bracket.variables)
-    rank = gradient_rank(functions, top.bracket.variables, GENERIC_POINT)
-    evidence.equal(f"rank of d({', '.join(names)}, C₁, C₂, C₃) at a rational point", rank, 6)
+    what = f"rank of d({', '.join(names)}, C₁, C₂, C₃) at a rational point, with primes for the parameters"
+    evidence.independent(what, functions, top.bracket, GENERIC_POINT)
+
+
+def strata_steps(evidence: Evidence, bracket: Bracket, wanted: dict[str, int]) -> list[Stratum]:
+    """State on which sets the Poisson tensor has which rank, by the Pfaffians of J.
+
+    Args:
+        evidence: Where to record it.
+        bracket: The bracket.
+        wanted: Rank for each condition, from the open stratum down.
+    """
+    strata = bracket.strata()
+    found = {stratum.condition: stratum.rank for stratum in strata}
+    for stratum in strata:
+        casimirs = "; ".join(written(c, bracket) for c in stratum.casimirs)
+        computed = [readable(stratum.certificate), *([f"Casimirs there: {casimirs}"] if casimirs else [])]
+        what = f"{readable(stratum.condition)}: rank {stratum.rank} at every point"
+        good = stratum.proved and wanted.get(stratum.condition) == stratum.rank
+        evidence.proof("rank", what, good, computed, decisive=True)
+    evidence.equal("number of strata", len(found), len(wanted))
+    return strata
+
+
+def readable(condition: str) -> str:
+    """The condition of a stratum in Unicode: "α × β = 0, (α, β) ≠ 0"."""
+    return show(condition).replace("!=", "≠").replace(" x ", " × ")

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from liepoisson.studies.twisted_top.claims.common import complete_integrability
-from liepoisson.studies.twisted_top.claims.evidence import Evidence
-from liepoisson.studies.twisted_top.claims.integral_search import independent_products, nullity
+from liepoisson.studies.twisted_top.claims.evidence import Evidence, written
+from liepoisson.studies.twisted_top.claims.integral_search import COUNT_HEADING, IntegralCount, count_integrals
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
 from liepoisson.studies.twisted_top.claims.phase_space import SymbolicTop, symbolic_top
 
@@ -38,23 +39,22 @@ def kovalevskaya_inertia(context: Context) -> Verdict:
     evidence.zero(
         "I = (2κ, 2κ, κ), a = (a₁, a₂, 0): Kovalevskaya's quartic K is constant",
         general.rate(kovalevskaya_quartic(general)),
+        [f"K = {written(kovalevskaya_quartic(general), general.bracket)}"],
+        decisive=True,
     )
-    for inertia, extra in ((KOVALEVSKAYA, 1), (AS_PRINTED, 0)):
-        top = symbolic_top(context, inertia=inertia, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
-        found, known = _heavy_counts(top, 4)
-        evidence.equal(f"I = {inertia}: integrals of weight 4 beyond H², |α|²", found - known, extra)
-    top = symbolic_top(context, inertia=AS_PRINTED, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
-    counts = [_heavy_counts(top, weight) for weight in range(1, HEAVY_WEIGHT + 1)]
-    evidence.equal(
-        f"I = {AS_PRINTED}: integrals of weight ≤ {HEAVY_WEIGHT} beyond the polynomials in H, l·α, |α|²",
-        sum(found - known for found, known in counts),
-        0,
-    )
+    right = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
+    counts = [_heavy_count(right, weight) for weight in range(1, 5)]
+    what = f"I = {KOVALEVSKAYA}: integrals of weight ≤ 4 beyond the polynomials in H, l·α, |α|², namely K"
+    evidence.search(what, _table(counts), sum(count.excess for count in counts), 1)
+    printed = symbolic_top(context, inertia=AS_PRINTED, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
+    counts = [_heavy_count(printed, weight) for weight in range(1, HEAVY_WEIGHT + 1)]
+    what = f"I = {AS_PRINTED}: integrals of weight ≤ {HEAVY_WEIGHT} beyond the polynomials in H, l·α, |α|²"
+    evidence.search(what, _table(counts), sum(count.excess for count in counts), 0, decisive=True)
     evidence.note(
-        "Weights: l 1, α 2; so in particular no polynomial of degree ≤ 5 in (l, α). Exact (ranks modulo 2⁶¹ − 1"
+        "Weights: l 1, α 2; so in particular no polynomial of degree ≤ 5 in (l, α). Exact: the rank of d/dt on the "
+        "monomials, taken modulo 2⁶¹ − 1, bounds the number of integrals from above, the known ones from below."
     )
-    evidence.note("bound the number of integrals from above, the known ones from below).")
-    evidence.data = {"found_and_known_by_weight": [list(pair) for pair in counts]}
+    evidence.data = {"found_and_known_by_weight": [[count.found, len(count.known)] for count in counts]}
     return evidence.conclude("misprint", "Kovalevskaya's condition is I₁ = I₂ = 2I₃ (with a₃ = 0), not I₃ = 2I₁.")
 
 
@@ -68,7 +68,7 @@ def kovalevskaya_integrable(context: Context) -> Verdict:
     return evidence.conclude("holds with a condition", "True for I₁ = I₂ = 2I₃; see the claim on the printed inertia.")
 
 
-def no_polynomial_integral(evidence: Evidence, context: Context) -> None:
+def _no_polynomial_integral(evidence: Evidence, context: Context) -> None:
     """State how the quartic is lost, and that no polynomial integral of low weight replaces it."""
     top = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=1)
     evidence.nonzero("ε = 1: dK/dt is not zero", top.rate(kovalevskaya_quartic(top)))
@@ -76,14 +76,14 @@ def no_polynomial_integral(evidence: Evidence, context: Context) -> None:
     known = {"H": (top.hamiltonian, 2), "C₁": (C1, 4), "C₂": (C2, 5), "C₃": (C3, 6)}
     variables = top.bracket.variables
     equations = top.bracket.vector_field(top.hamiltonian)
-    excess = 0
-    for weight in range(1, TWISTED_WEIGHT + 1):
-        found = nullity(equations, variables, TWISTED_WEIGHTS, weight)
-        excess += found - len(independent_products(known, variables, weight))
-    evidence.equal(
+    counts = [
+        count_integrals(equations, variables, TWISTED_WEIGHTS, known, weight) for weight in range(1, TWISTED_WEIGHT + 1)
+    ]
+    evidence.search(
         f"integrals of weight ≤ {TWISTED_WEIGHT} beyond the polynomials in H, C₁, C₂, C₃ (exact; weights l 1, α 2, "
         f"β 3, in particular of degree ≤ {TWISTED_WEIGHT // 3})",
-        excess,
+        _table(counts),
+        sum(count.excess for count in counts),
         0,
     )
 
@@ -92,7 +92,7 @@ def nearby_integrable_case(context: Context) -> Verdict:
     """What is known here about integrable neighbours."""
     evidence = Evidence()
     evidence.note("I = (2, 2, 1), a = (−1, 0, 0), b = 0, ε = 1:")
-    no_polynomial_integral(evidence, context)
+    _no_polynomial_integral(evidence, context)
     evidence.note("Other parameters and integrals that are not polynomial are not examined here.")
     return evidence.conclude(
         "not settled",
@@ -163,14 +163,17 @@ def _hyperbolic(expression: Any, c: Any, s: Any, k: Any, k_squared: Any) -> Any:
     return sum(f * (c**2 - 1) ** (i // 2) * s ** (i % 2) * k_squared ** (j // 2) * k ** (j % 2) for (i, j), f in terms)
 
 
-def _heavy_counts(top: SymbolicTop, weight: int) -> tuple[int, int]:
-    """Integrals of the heavy top (l, alpha) of one weight: how many, and how many from H, l.alpha, |alpha|^2."""
+def _table(counts: Sequence[IntegralCount]) -> list[tuple[object, ...]]:
+    return [COUNT_HEADING, *(count.row for count in counts)]
+
+
+def _heavy_count(top: SymbolicTop, weight: int) -> IntegralCount:
+    """Integrals of the heavy top (l, alpha) of one weight; the known ones are H, l.alpha, |alpha|^2."""
     l, alpha, _ = top.vectors
     variables = top.bracket.variables[:6]
     equations = top.bracket.vector_field(top.hamiltonian)[:6]
     known = {"H": (top.hamiltonian, 2), "l·α": (l.dot(alpha), 3), "|α|²": (alpha.dot(alpha), 4)}
-    found = nullity(equations, variables, HEAVY_WEIGHTS, weight)
-    return found, len(independent_products(known, variables, weight))
+    return count_integrals(equations, variables, HEAVY_WEIGHTS, known, weight)
 
 
 _DISCUSSION = "Section 5, Discussion"

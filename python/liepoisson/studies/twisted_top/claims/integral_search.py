@@ -9,12 +9,64 @@ upper bound; the products of the known integrals give a lower bound.  Where the 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 Monomial: TypeAlias = tuple[int, ...]
 Polynomial: TypeAlias = dict[Monomial, int]
 
 PRIME = 2**61 - 1
+"""A Mersenne prime.  Rows are eliminated as they are, sparse: five to ten times as fast as a transposed null space."""
+
+COUNT_HEADING = ("weight", "monomials", "rank", "integrals", "known")
+
+
+@dataclass(frozen=True)
+class IntegralCount:
+    """The integrals of one weight.
+
+    Attributes:
+        weight: Their weight.
+        monomials: Number of unknowns, the monomials of this weight.
+        found: Upper bound for the independent integrals, the nullity of D modulo the prime.
+        known: Independent products of the known integrals, a lower bound.
+    """
+
+    weight: int
+    monomials: int
+    found: int
+    known: tuple[str, ...]
+
+    @property
+    def excess(self) -> int:
+        """How many integrals there may be beyond the known ones; zero is exact."""
+        return self.found - len(self.known)
+
+    @property
+    def row(self) -> tuple[int, ...]:
+        """The sizes, as in `COUNT_HEADING`."""
+        return self.weight, self.monomials, self.monomials - self.found, self.found, len(self.known)
+
+
+def count_integrals(
+    equations: Sequence[Any],
+    variables: Sequence[Any],
+    weights: Sequence[int],
+    known: Mapping[str, tuple[Any, int]],
+    weight: int,
+) -> IntegralCount:
+    """Count the integrals of a weight, and those that products of known ones give.
+
+    Args:
+        equations: Right-hand sides, polynomials with rational coefficients in the variables.
+        variables: Coordinates.
+        weights: Their weights, positive.
+        known: Integrals with their weights, by name.
+        weight: The weight of the integrals.
+    """
+    n_monomials = sum(1 for _ in monomials_of_weight(weights, weight))
+    found = nullity(equations, variables, weights, weight)
+    return IntegralCount(weight, n_monomials, found, tuple(independent_products(known, variables, weight)))
 
 
 def nullity(equations: Sequence[Any], variables: Sequence[Any], weights: Sequence[int], weight: int) -> int:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
+from liepoisson.studies.twisted_top.claims.common import strata_steps
+from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
-from liepoisson.studies.twisted_top.claims.phase_space import SymbolicTop, column, rank_at, substitution, symbolic_top
+from liepoisson.studies.twisted_top.claims.phase_space import SymbolicTop, column, substitution, symbolic_top
 
 COLLINEAR = (1, 2, -1, 4, -2, 2, 2, -1, 1)
 
@@ -15,8 +16,10 @@ def collinear_stays(context: Context) -> Verdict:
     """Collinear fields do not stay collinear."""
     evidence = Evidence()
     _leaves_collinearity(evidence, symbolic_top(context))
-    evidence.note("The paper argues that the right-hand side of the equation for l·β vanishes there; but u = v⊥² obeys")
-    evidence.note("d√u/dt = εw a·n with a unit vector n, so du/dt is not Lipschitz in u and u = 0 need not persist.")
+    evidence.note(
+        "The paper argues that the right-hand side of the equation for l·β vanishes there; but u = v⊥² obeys "
+        "d√u/dt = εw a·n with a unit vector n, so du/dt is not Lipschitz in u and u = 0 need not persist."
+    )
     return evidence.conclude(
         "wrong",
         "On α = cβ, d/dt(α × β) = ε (β × a) × β, which vanishes only when a is parallel to β (or ε = 0): collinear "
@@ -32,16 +35,19 @@ def never_collinear(context: Context) -> Verdict:
     top = symbolic_top(context, a=(0, 0, 1), b=(0, 0, 0), epsilon=1)
     _, alpha, beta = top.vectors
     start = substitution(top.bracket.variables, (0, 0, 0, 0, 0, 0, 1, 0, 0))
-    evidence.note("ε = 1, a = e₃, b = 0, any inertia; the orbit through l = α = 0, β = e₁ at t = 0:")
     normal = alpha.cross(beta)
     u = normal.dot(normal)
     series: list[Any] = []
-    for order, wanted in enumerate((0, 0, 2)):
-        value = u.subs(start)
-        series.append(value)
-        evidence.equal(f"derivative of order {order} of |α × β|² at t = 0", value, Rational(wanted))
+    for _ in range(3):
+        series.append(u.subs(start))
         u = top.rate(u)
-    evidence.note("So |α × β|² = t² + O(t³): for small t < 0 the fields are independent, at t = 0 they are collinear.")
+    names = ("|α × β|²", "d/dt |α × β|²", "d²/dt² |α × β|²")
+    evidence.counterexample(
+        "|α × β|² = t² + O(t³) on an orbit: independent for small t ≠ 0, collinear at t = 0",
+        {"dα/dt": (tuple(top.rate(alpha).subs(start)), (0, -1, 0))}
+        | {name: (value, Rational(wanted)) for name, value, wanted in zip(names, series, (0, 0, 2), strict=True)},
+        "t = 0 on the orbit through l = α = (0, 0, 0), β = (1, 0, 0), for ε = 1, a = (0, 0, 1), b = 0, any inertia",
+    )
     evidence.data = {"derivatives": [show(value) for value in series]}
     return evidence.conclude(
         "wrong",
@@ -60,9 +66,9 @@ def always_invertible(context: Context) -> Verdict:
     perpendicular = alpha - alpha.dot(beta) / beta.dot(beta) * beta
     evidence.zero("v⊥ A e⊥ = α − (α·β)β/β² = β × (α × β)/β²", perpendicular - beta.cross(normal) / beta.dot(beta))
     evidence.note(
-        "It vanishes at collinear states, so e⊥ and with it φ is undefined there; before and after the passage"
+        "It vanishes at collinear states, so e⊥ and with it φ is undefined there; before and after the passage it has "
+        "opposite signs (its rate is not zero), so φ jumps by π."
     )
-    evidence.note("it has opposite signs (its rate is not zero), so φ jumps by π.")
     return evidence.conclude(
         "wrong",
         "The inversion holds where α × β ≠ 0 only, which the flow does not preserve.",
@@ -77,10 +83,15 @@ def _leaves_collinearity(evidence: Evidence, top: SymbolicTop) -> None:
     collinear = substitution(alpha, Symbol("c") * beta)
     normal, torque = alpha.cross(beta), beta.cross(top.a)
     rate = top.rate(normal).subs(collinear)
-    evidence.zero("α = cβ: d/dt(α × β) = ε (β × a) × β", rate - top.epsilon * torque.cross(beta))
+    evidence.zero(
+        "α = cβ: d/dt(α × β) = ε (β × a) × β",
+        rate - top.epsilon * torque.cross(beta),
+        [f"computed, first component: {written(rate[0], top.bracket)}"],
+        decisive=True,
+    )
     second = top.rate(top.rate(normal.dot(normal))).subs(collinear)
     expected = 2 * top.epsilon**2 * beta.dot(beta) * torque.dot(torque)
-    evidence.zero("α = cβ: d²/dt² |α × β|² = 2ε²|β|²|β × a|²", second - expected)
+    evidence.identity("α = cβ: d²/dt² |α × β|² = 2ε²|β|²|β × a|²", second, expected, top.bracket, decisive=True)
     evidence.nonzero("which is positive unless ε = 0 or a is parallel to β", expected)
 
 
@@ -117,7 +128,10 @@ def leaf_dimension(context: Context) -> Verdict:
     rows = [0, 1, 3, 4]
     minor = flat.extract(rows, rows).subs(substitution(alpha, (0, 0, s))).det()
     evidence.zero("β = 0, α = (0, 0, s): a principal 4 × 4 minor is s⁴, so the rank is 4 for α ≠ 0", minor - s**4)
-    evidence.equal("rank at α = β = 0, l ≠ 0", rank_at(context.bracket(1), (1, 2, -1, 0, 0, 0, 0, 0, 0)), 2)
+    evidence.rank("rank at α = β = 0, l ≠ 0", context.bracket(1), (1, 2, -1, 0, 0, 0, 0, 0, 0), 2)
+    evidence.note("The same by the Pfaffians of J, for symbolic ε:")
+    wanted = {"beta != 0": 6, "beta = 0, alpha != 0": 4, "beta = 0, alpha = 0, l != 0": 2}
+    strata_steps(evidence, bracket, wanted | {"beta = 0, alpha = 0, l = 0": 0})
     return evidence.conclude(
         "holds with a condition",
         "For ε ≠ 0 a leaf has dimension 6 exactly when β ≠ 0. On β = 0 ≠ α it has dimension 4, with the Casimirs l·α "
@@ -133,8 +147,8 @@ def leaves_are_cotangent(context: Context) -> Verdict:
     top = symbolic_top(context)
     l, alpha, beta = top.vectors
     _rotation_symmetric(evidence, top.bracket)
-    evidence.equal(
-        "collinear states are regular, rank of J at α = 2β (ε = 1)", rank_at(context.bracket(1), COLLINEAR), 6
+    evidence.rank(
+        "collinear states are regular, rank of J at α = 2β (ε = 1)", context.bracket(1), COLLINEAR, 6, decisive=True
     )
     v, w, C1, x1, x2, y1, y2 = symbols("v w C1 x1 x2 y1 y2")
     n, x, y = column(0, 0, 1), column(x1, x2, 0), column(y1, y2, 0)
@@ -146,13 +160,15 @@ def leaves_are_cotangent(context: Context) -> Verdict:
     names = ("|α|² + 2ε l·β is the given C₁", "α·β = vw", "|β|² = w²")
     for name, casimir, value in zip(names, top.casimirs, (C1, v * w, w**2), strict=True):
         evidence.zero(name, casimir.subs(image, simultaneous=True) - value)
-    evidence.note(
-        "Every point of the leaf is of this form for one (n, x, y): the leaf is the sum of two tangent bundles of"
+    evidence.zero(
+        "2ε l·β = η − |x|² ≤ η with η = C₁ − v²: the chart without x = 0 fills a half-space of momenta only",
+        (2 * top.epsilon * l.dot(beta)).subs(image, simultaneous=True) - (C1 - v**2 - x.dot(x)),
     )
     evidence.note(
-        "the sphere, a rank-4 bundle with w₂ = 2w₂(TS²) = 0, hence trivial (bundles over S² are classified by"
+        "Every point of the leaf is of this form for one (n, x, y): the leaf is the sum of two tangent bundles of the "
+        "sphere, a rank-4 bundle with w₂ = 2w₂(TS²) = 0, hence trivial (bundles over S² are classified by π₁(SO(4)) = "
+        "Z₂): the leaf is S² × R⁴, simply connected, while T*SO(3) has fundamental group Z₂."
     )
-    evidence.note("π₁(SO(4)) = Z₂): the leaf is S² × R⁴, simply connected, while T*SO(3) has fundamental group Z₂.")
     return evidence.conclude(
         "wrong",
         "For ε ≠ 0 every leaf with β ≠ 0 is diffeomorphic to S² × R⁴, not to T*SO(3); the collinear states are "

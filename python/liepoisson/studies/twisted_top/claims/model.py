@@ -1,23 +1,24 @@
-"""Claims, verdicts and their record: the types of the table of claims, and its JSON schema."""
+"""Claims, verdicts and what they are judged by: the types of the table of claims."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from liepoisson.exact.extension import leibniz
-from liepoisson.exact.lie_algebra import so
+from liepoisson.exact.extension import Extension
+from liepoisson.exact.extensions import leibniz
+from liepoisson.exact.lie_algebras import so
+from liepoisson.studies.twisted_top.claims.steps import Step, certificate
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.parameters import Parameter
 
-Ruling: TypeAlias = Literal["holds", "holds with a condition", "misprint", "wrong", "not settled", "not run"]
+Ruling: TypeAlias = Literal[
+    "holds", "holds with a condition", "incomplete", "misprint", "wrong", "not settled", "not run"
+]
 Method: TypeAlias = Literal["exact", "numerical"]
-
-SCHEMA_VERSION = 1
-PAPER = "J.-L. Thiffeault and P. J. Morrison, The twisted top, Physics Letters A 283 (2001) 335, arXiv:nlin/0101042"
 
 
 @dataclass(frozen=True)
@@ -25,18 +26,29 @@ class Verdict:
     """What a check found.
 
     Attributes:
-        verdict: Whether the claim holds; "not run" when the measurements that it needs are absent.
+        verdict: Whether the claim holds; "incomplete" when it is right as far as it goes and more is proved here; "not
+            run" when the measurements that it needs are absent.
         method: "exact" for identities and counterexamples in exact arithmetic, "numerical" for measured numbers.
-        certificate: The computation as text, one step per line, each marked ✓ or ✗.
+        steps: The computation, step by step.
         correct_statement: What is true instead, or the condition; empty when the claim holds as it stands.
         data: Numbers and expressions (as text) behind the verdict, ready for JSON.
     """
 
     verdict: Ruling
     method: Method
-    certificate: str
+    steps: tuple[Step, ...]
     correct_statement: str = ""
     data: dict[str, Any] = field(default_factory=dict[str, Any])
+
+    @property
+    def certificate(self) -> str:
+        """The computation as text, one step per line, each marked ✓ or ✗, with what was computed below."""
+        return certificate(self.steps)
+
+
+def extended_rotations(extension: Extension) -> Bracket:
+    """The bracket of so(3) extended by a commutative algebra."""
+    return so(3) @ extension
 
 
 def twisted_bracket(epsilon: Parameter) -> Bracket:
@@ -49,12 +61,14 @@ class Context:
     """What the checks work with.
 
     Attributes:
-        bracket: Makes the bracket for a given epsilon.  A test can inject a wrong one.
+        bracket: Makes the paper's bracket of three fields for a given epsilon.  A test can inject a wrong one.
+        extended: Makes the bracket of so(3) with any extension, for claims about other extensions.
         measurements: Results of the numerical study as `liepoisson.studies.twisted_top.measurements` writes them, or
             None; which keys the claims use is said in `liepoisson.studies.twisted_top.claims`.
     """
 
     bracket: Callable[[Parameter], Bracket] = twisted_bracket
+    extended: Callable[[Extension], Bracket] = extended_rotations
     measurements: Mapping[str, Any] | None = None
 
 
@@ -81,43 +95,3 @@ class ClaimResult:
 
     claim: Claim
     verdict: Verdict
-
-
-def claims_to_json(results: Iterable[ClaimResult], produced_by: Mapping[str, Any]) -> dict[str, Any]:
-    """The table of claims as plain data, schema version 1.
-
-    The document has `schema_version`, `paper` and `claims`, a list of objects with the keys
-
-    - `id`, `place`, `statement`: as in `Claim`; ids are stable between versions;
-    - `verdict`: "holds", "holds with a condition", "misprint", "wrong", "not settled" or "not run";
-    - `method`: "exact" or "numerical";
-    - `certificate`: text, one step per line;
-    - `correct_statement`: text, empty when the claim holds as it stands;
-    - `data`: an object;
-    - `produced_by`: an object with `check` (the function that computed the verdict) and, beside it, what the caller
-      passes.
-
-    Args:
-        results: Evaluated claims.
-        produced_by: What made the results: package, version, and for numerical claims the run.
-    """
-    return {
-        "schema_version": SCHEMA_VERSION,
-        "paper": PAPER,
-        "claims": [_entry(result, produced_by) for result in results],
-    }
-
-
-def _entry(result: ClaimResult, produced_by: Mapping[str, Any]) -> dict[str, Any]:
-    claim, verdict = result.claim, result.verdict
-    return {
-        "id": claim.id,
-        "place": claim.place,
-        "statement": claim.statement,
-        "verdict": verdict.verdict,
-        "method": verdict.method,
-        "certificate": verdict.certificate,
-        "correct_statement": verdict.correct_statement,
-        "data": verdict.data,
-        "produced_by": {"check": f"{claim.check.__module__}.{claim.check.__name__}", **produced_by},
-    }

@@ -10,9 +10,8 @@ from collections.abc import Callable, Iterator, Mapping
 from functools import wraps
 from typing import Any
 
-from liepoisson.studies.twisted_top.claims.discussion import no_polynomial_integral
-from liepoisson.studies.twisted_top.claims.evidence import Evidence
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Ruling, Verdict
+from liepoisson.studies.twisted_top.claims.steps import Step
 
 ENSEMBLES = ("unit-vectors", "cube", "gaussian")
 PRINTED = {"lambda": 0.122, "c1": 0.113, "c0": 0.497}
@@ -37,8 +36,9 @@ def measured(check: Callable[[Mapping[str, Any], Context], Verdict]) -> Callable
         try:
             return check(runs, context)
         except _NotMeasuredError as missing:
-            text = f"  Needs the measurements of the numerical study; missing: {missing}."
-            return Verdict("not run", "numerical", text)
+            return _verdict(
+                "not run", [f"  Needs the measurements of the numerical study; missing: {missing}."], "", {}
+            )
 
     return judge
 
@@ -62,7 +62,7 @@ def chaotic(runs: Mapping[str, Any], context: Context) -> Verdict:
         data[name] = {"lambda": value, "standard_error": error}
     verdict: Ruling = "holds" if positive else "not settled"
     correct = "" if positive else f"λ is not {SIGNIFICANT:g} errors, statistical and of the law, above zero throughout."
-    return Verdict(verdict, "numerical", "\n".join(lines), correct, data)
+    return _verdict(verdict, lines, correct, data)
 
 
 @measured
@@ -86,14 +86,14 @@ def exponent_value(runs: Mapping[str, Any], context: Context) -> Verdict:
         )
         data[name] = {"lambda": value, "standard_error": error, "windows": [min(values), max(values)]}
     if all(agree):
-        return Verdict("holds", "numerical", "\n".join(lines), "", data)
+        return _verdict("holds", lines, "", data)
     inside = min(scanned) <= printed <= max(scanned)
     correct = (
         f"The fitted λ depends on the ensemble of starts and on the window of the fit, which the paper does not state; "
         f"over those tried it ranges from {min(scanned):.3f} to {max(scanned):.3f}, and 0.122 is "
         f"{'inside' if inside else 'outside'} this range."
     )
-    return Verdict("holds with a condition" if inside else "wrong", "numerical", "\n".join(lines), correct, data)
+    return _verdict("holds with a condition" if inside else "wrong", lines, correct, data)
 
 
 @measured
@@ -126,12 +126,12 @@ def printed_fit(runs: Mapping[str, Any], context: Context) -> Verdict:
             f"nearest of {tried} fits. The paper states neither its starts nor its window, and outside that window the "
             "printed curve need not follow the mean."
         )
-        return Verdict("holds with a condition", "numerical", "\n".join(lines), where, data)
+        return _verdict("holds with a condition", lines, where, data)
     correct = (
         "The paper states neither the ensemble of starts nor the window of the fit, and the coefficients depend on "
         f"both; none of {tried} fits gives all three (nearest: {best[1]}, χ² = {best[0]:.1f} for 3 degrees of freedom)."
     )
-    return Verdict("not settled", "numerical", "\n".join(lines), correct, data)
+    return _verdict("not settled", lines, correct, data)
 
 
 @measured
@@ -161,7 +161,7 @@ def ordinary_vanishes(runs: Mapping[str, Any], context: Context) -> Verdict:
         "statistical; the law has further terms, and a negative D is no floor."
     )
     correct = "" if holds else "The logarithmic law with slope 1 and no floor is not confirmed by these runs."
-    return Verdict(verdict, "numerical", "\n".join(lines), correct, data)
+    return _verdict(verdict, lines, correct, data)
 
 
 @measured
@@ -182,12 +182,12 @@ def dashed_curve_inertia(runs: Mapping[str, Any], context: Context) -> Verdict:
     )
     data = {name: list(value) for name, value in values.items()} | {"lambda_as_printed": [floor, error]}
     if not chaotic_as_printed:
-        return Verdict("not settled", "numerical", "\n".join(lines), "These runs do not tell the two apart.", data)
+        return _verdict("not settled", lines, "These runs do not tell the two apart.", data)
     correct = (
         f"With I = (1, 1, 2) as printed the ordinary top has ⟨λ⟩ = {values[printed][0]:.3f} at t = 200 and is chaotic; "
         f"the dashed curve is that of I₁ = I₂ = 2I₃, where it is {values[right][0]:.3f} and falls like ln t/t."
     )
-    return Verdict("misprint", "numerical", "\n".join(lines), correct, data)
+    return _verdict("misprint", lines, correct, data)
 
 
 @measured
@@ -206,14 +206,12 @@ def parameters_fix_exponent(runs: Mapping[str, Any], context: Context) -> Verdic
         lines.append(f"  {ensemble}: λ = {_pm(*pair[0])} for I = (2, 2, 1), {_pm(*pair[1])} for I = (1, 1, 1/2)")
         data[ensemble] = {"(2, 2, 1)": list(pair[0]), "(1, 1, 1/2)": list(pair[1]), "difference": [gap, error]}
     if not differ:
-        return Verdict(
-            "not settled", "numerical", "\n".join(lines), "These runs do not tell the two scalings apart.", data
-        )
+        return _verdict("not settled", lines, "These runs do not tell the two scalings apart.", data)
     correct = (
         "The text gives ratios of inertia only. The two are the same top with states scaled by two, so the same starts "
         "give different exponents: the inertia itself, the starts and the window have to be stated."
     )
-    return Verdict("wrong", "numerical", "\n".join(lines), correct, data)
+    return _verdict("wrong", lines, correct, data)
 
 
 @measured
@@ -236,29 +234,19 @@ def single_exponent(runs: Mapping[str, Any], context: Context) -> Verdict:
     )
     data = {"groups": list(groups), "chi_squared": chi_squared, "standard_deviations": sigmas}
     if not differ:
-        return Verdict("not settled", "numerical", "\n".join(lines), "These runs do not tell the energies apart.", data)
+        return _verdict("not settled", lines, "These runs do not tell the energies apart.", data)
     correct = (
         "The average over random starts mixes energies and leaves (and regular islands with the chaotic sea), whose "
         "exponents up to the end of the run differ: it is a mean of exponents, not the exponent of an orbit."
     )
-    return Verdict("holds with a condition", "numerical", "\n".join(lines), correct, data)
+    return _verdict("holds with a condition", lines, correct, data)
 
 
-@measured
-def not_integrable(runs: Mapping[str, Any], context: Context) -> Verdict:
-    """Whether the twist destroys integrability: `fit.lambda` of the twisted run, with the exact count of integrals."""
-    name = "twisted-unit-vectors"
-    fit = _entry(runs, name, "fit")
-    value, error = _number(fit, name, "lambda")
-    positive, calibration = _exceeds(runs, "unit-vectors", value, error)
-    evidence = Evidence()
-    no_polynomial_integral(evidence, context)
-    exact = evidence.conclude("holds")
-    line = f"{'✓' if positive else '✗'} numerical: λ = {_pm(value, error)} ({_how(runs, name, fit)}); {calibration}"
-    certificate = f"{exact.certificate}\n{line}\n  A proof of non-integrability is not part of this check."
-    holds = positive and exact.verdict == "holds"
-    correct = "" if holds else exact.correct_statement or "The exponent is not significantly positive."
-    return Verdict("holds" if holds else "not settled", "numerical", certificate, correct, {"lambda": [value, error]})
+def _verdict(ruling: Ruling, lines: list[str], correct: str, data: dict[str, Any]) -> Verdict:
+    """A verdict from lines that start with their mark: ✓, ✗, or none for what is only said."""
+    marks = {"✓": True, "✗": False}
+    steps = tuple(Step("measurement", line[2:], marks.get(line[0])) for line in lines)
+    return Verdict(ruling, "numerical", steps, correct, data)
 
 
 def _names(top: str) -> list[str]:
@@ -375,11 +363,5 @@ CLAIMS: tuple[Claim, ...] = (
         f"{_DISCUSSION}, third paragraph",
         "The average over random initial conditions gives the Lyapunov exponent of the top.",
         single_exponent,
-    ),
-    Claim(
-        "deformation-breaks-integrability",
-        f"{_DISCUSSION}, third paragraph",
-        "Integrability does not always survive the deformation: the twisted Kovalevskaya top is not integrable.",
-        not_integrable,
     ),
 )

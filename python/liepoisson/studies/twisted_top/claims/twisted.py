@@ -2,47 +2,73 @@
 
 from __future__ import annotations
 
-from typing import Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.exact.extension import Extension
-from liepoisson.exact.lie_algebra import so
 from liepoisson.studies.twisted_top.claims.common import casimir_identities, poisson_identities
-from liepoisson.studies.twisted_top.claims.evidence import Evidence
+from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
-from liepoisson.studies.twisted_top.claims.phase_space import column, poisson_map_residual, substitution, symbolic_top
+from liepoisson.studies.twisted_top.claims.phase_space import (
+    SymbolicTop,
+    column,
+    poisson_map_residual,
+    substitution,
+    symbolic_top,
+)
+
+if TYPE_CHECKING:
+    from liepoisson.exact.bracket import Bracket
+
+
+@dataclass(frozen=True)
+class _TwoFields:
+    """A two-dimensional commutative algebra and what should be found for it.
+
+    Attributes:
+        name: Its products in words.
+        products: The nonzero products e_mu e_nu.
+        normal_form: What the classification calls it.
+        killing: Positive and negative eigenvalues of the Killing form of so(3) (x) A.
+        derived: Dimension of the derived algebra of so(3) (x) A.
+    """
+
+    name: str
+    products: dict[tuple[int, int], dict[int, int]]
+    normal_form: str
+    killing: tuple[int, int]
+    derived: int
+
+
+_UNIT = {(0, 0): {0: 1}, (0, 1): {1: 1}}
+_TWO_FIELDS = (
+    _TwoFields("e₀ the unit, e₁e₁ = 0 (semidirect)", _UNIT, "R[x]/(x^2)", (0, 3), 6),
+    _TwoFields("e₀ the unit, e₁e₁ = e₀", _UNIT | {(1, 1): {0: 1}}, "R + R", (0, 6), 6),
+    _TwoFields("e₀ the unit, e₁e₁ = −e₀", _UNIT | {(1, 1): {0: -1}}, "C", (3, 3), 6),
+    _TwoFields("no unit, e₀e₀ = e₁ ([l, l] → α only)", {(0, 0): {1: 1}}, "maximal ideal of R[x]/(x^3)", (0, 0), 3),
+    _TwoFields("no unit, e₀e₀ = e₀, α inert", {(0, 0): {0: 1}}, "R + maximal ideal of R[x]/(x^2)", (0, 3), 3),
+)
 
 
 def two_field_extensions(context: Context) -> Verdict:
-    """Two-dimensional commutative algebras beside the semidirect one."""
-    del context  # about two fields; the bracket of three fields is not concerned
-    from sympy import Matrix
-
+    """All two-dimensional commutative algebras with unit, and some without, beside the semidirect one."""
     evidence = Evidence()
-    evidence.note("e₀ is the unit of A, e₁e₁ = p e₁ + q e₀; the Lie algebra is so(3) ⊗ A with Killing form K.")
-    signatures: dict[str, list[int]] = {}
-    for name, p, q, wanted in (
-        ("semidirect, e₁e₁ = 0", 0, 0, [0, 3]),
-        ("R × R, e₁e₁ = e₁ (so(4))", 1, 0, [0, 6]),
-        ("C, e₁e₁ = −e₀ (so(3,1))", 0, -1, [3, 3]),
-    ):
-        extension = Extension([[[1, 0], [0, q]], [[0, 1], [1, p]]])
-        bracket = so(3) @ extension
-        evidence.zero(f"{name}: Jacobi identity", list(bracket.jacobi_residuals().values()))
-        form: Any = Matrix(_killing_form(bracket))
-        eigenvalues: dict[Any, int] = form.eigenvals()
-        counts = [sum(m for v, m in eigenvalues.items() if v > 0), sum(m for v, m in eigenvalues.items() if v < 0)]
-        evidence.equal(f"{name}: positive and negative eigenvalues of K", counts, wanted)
-        signatures[name] = counts
-    W = [[[0, 0], [0, 0]], [[1, 0], [0, 0]]]
-    without_unit = so(3) @ Extension(W)
-    evidence.zero(
-        "without unit, e₀e₀ = e₁ ([l, l] → α only): Jacobi identity", list(without_unit.jacobi_residuals().values())
-    )
-    form = Matrix(_killing_form(without_unit))
-    evidence.zero("without unit: the Killing form K vanishes", form)
-    evidence.note("K is invariant under isomorphism, so none of these is the semidirect product.")
+    _square_completed(evidence)
+    for case in _TWO_FIELDS:
+        extension = Extension.from_products(2, case.products, case.name)
+        bracket = context.extended(extension)
+        proof = bracket.jacobi_certificate()
+        form, killing, derived = extension.classify().name, _killing_signature(bracket), _derived_dimension(bracket)
+        found = proof.holds and (form, killing, derived) == (case.normal_form, case.killing, case.derived)
+        computed = (
+            f"A = {form.replace('^2', '²').replace('^3', '³')}; {proof}",
+            f"so(3) ⊗ A: Killing form with {killing[0]} positive and {killing[1]} negative eigenvalues, derived "
+            f"algebra of dimension {derived}",
+        )
+        evidence.proof("value", case.name, found, computed, decisive=case.normal_form != "R[x]/(x^2)")
+        evidence.data[case.name] = {"normal_form": form, "killing_signature": list(killing), "derived": derived}
+    evidence.note("The Killing form and the dimension of the derived algebra tell all five Lie algebras apart.")
     evidence.note("If A has a unit and e₁ is nilpotent, e₁e₁ = c e₁ gives e₁ⁿ = cⁿ⁻¹e₁ = 0, so c = 0: semidirect.")
-    evidence.data = {"killing_signatures": signatures}
     return evidence.conclude(
         "holds with a condition",
         "True when the algebra of the two fields has a unit (l acts on both fields) and the second field is nilpotent. "
@@ -50,12 +76,49 @@ def two_field_extensions(context: Context) -> Verdict:
     )
 
 
-def _killing_form(bracket: Any) -> list[list[Any]]:
-    """K(x, y) = tr(ad x ad y) from the linear Poisson tensor, J_ij = -c_ij^k x_k."""
-    J, x = bracket.poisson_tensor(), bracket.variables
-    n = len(x)
-    c = [[[-J[i, j].coeff(x[k]) for k in range(n)] for j in range(n)] for i in range(n)]
-    return [[sum(c[i][m][k] * c[j][k][m] for m in range(n) for k in range(n)) for j in range(n)] for i in range(n)]
+def _square_completed(evidence: Evidence) -> None:
+    """With a unit e0, the square of e1 - p/2 is a number: three algebras, by its sign."""
+    from sympy import Symbol
+
+    p, q = Symbol("p"), Symbol("q")
+    general = Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 1): {0: q, 1: p}}, "A")
+    W = general.tensor
+    t = (-p / 2, 1)
+    square = [sum(W[k][m][n] * t[m] * t[n] for m in range(2) for n in range(2)) for k in range(2)]
+    evidence.zero(
+        "e₀ the unit, e₁e₁ = q e₀ + p e₁ in general: t = e₁ − p/2 has t² = (q + p²/4) e₀, so after scaling t there "
+        "are three algebras, t² = 0, t² = e₀, t² = −e₀",
+        [square[0] - (q + p**2 / 4), square[1]],
+    )
+
+
+def _structure(bracket: Bracket) -> list[list[list[Any]]]:
+    """The structure constants of the Lie algebra, from the linear Poisson tensor, J_ij = -c_ij^k x_k."""
+    from liepoisson.exact.parameters import to_sympy
+
+    n = bracket.dimension
+    c: list[list[list[Any]]] = [[[0] * n for _ in range(n)] for _ in range(n)]
+    for i, j, k, value in bracket.entries():
+        c[i][j][k], c[j][i][k] = -to_sympy(value), to_sympy(value)
+    return c
+
+
+def _killing_signature(bracket: Bracket) -> tuple[int, int]:
+    """The numbers of positive and negative eigenvalues of the Killing form, K(x, y) = tr(ad x ad y)."""
+    from sympy import Matrix
+
+    c, n = _structure(bracket), range(bracket.dimension)
+    form: Any = Matrix([[sum(c[i][m][k] * c[j][k][m] for m in n for k in n) for j in n] for i in n])
+    eigenvalues: dict[Any, int] = form.eigenvals()
+    positive, negative = (sum(m for v, m in eigenvalues.items() if sign * v > 0) for sign in (1, -1))
+    return positive, negative
+
+
+def _derived_dimension(bracket: Bracket) -> int:
+    """The dimension of the span of all brackets of the Lie algebra."""
+    from sympy import Matrix
+
+    return int(Matrix([row for plane in _structure(bracket) for row in plane]).rank())
 
 
 def not_semidirect(context: Context) -> Verdict:
@@ -70,9 +133,9 @@ def not_semidirect(context: Context) -> Verdict:
     flat = [charged(u, v) for u in (*alpha, *beta) for v in (*alpha, *beta)]
     evidence.zero("all brackets among α and β vanish for ε = 0", flat)
     evidence.note(
-        "The ideal spanned by α, β is the radical of the Lie algebra, whatever the coordinates: for ε ≠ 0 it is"
+        "The ideal spanned by α, β is the radical of the Lie algebra, whatever the coordinates: for ε ≠ 0 it is not "
+        "abelian, so no linear change of coordinates turns the bracket into the semidirect one."
     )
-    evidence.note("not abelian, so no linear change of coordinates turns the bracket into the semidirect one.")
     evidence.nonzero("{α₁, α₂} ≠ 0 for ε ≠ 0", twisted(alpha[0], alpha[1]))
     return evidence.conclude("holds")
 
@@ -120,8 +183,19 @@ def equations(context: Context) -> Verdict:
         "{α, H} = α × ω + ε β × a", top.rate(alpha) - alpha.cross(top.omega) - top.epsilon * beta.cross(top.a)
     )
     evidence.zero("{β, H} = β × ω", top.rate(beta) - beta.cross(top.omega))
+    _in_vector_notation(evidence, top)
     evidence.note("All components, with symbolic I, a, b, ε.")
     return evidence.conclude("holds")
+
+
+def _in_vector_notation(evidence: Evidence, top: SymbolicTop) -> None:
+    """The equations as the library derives and prints them."""
+    from liepoisson.exact.report.vector_equations import vector_equations
+
+    found = vector_equations(top.bracket, top.hamiltonian)
+    rows = found.rows if found is not None else ()
+    computed = [f"d{show(field)}/dt = {row.unicode.replace('-', '−')}" for field, row in rows]
+    evidence.proof("identity", "derived from the bracket and H, in vector notation", bool(computed), computed)
 
 
 def alpha_not_rigid(context: Context) -> Verdict:
@@ -132,7 +206,7 @@ def alpha_not_rigid(context: Context) -> Verdict:
     growth = top.rate(alpha.dot(alpha))
     evidence.zero("d|β|²/dt = 0", top.rate(beta.dot(beta)))
     evidence.zero("d(α·β)/dt = 0, so the projection α·β/|β| is constant where β ≠ 0", top.rate(alpha.dot(beta)))
-    evidence.zero("d|α|²/dt = 2ε a·(α × β)", growth - 2 * top.epsilon * top.a.dot(alpha.cross(beta)))
+    evidence.identity("d|α|²/dt = 2ε a·(α × β)", growth, 2 * top.epsilon * top.a.dot(alpha.cross(beta)), top.bracket)
     evidence.nonzero("which is not zero in general: α does not turn rigidly when ε ≠ 0 and a ≠ 0", growth)
     return evidence.conclude("holds")
 
@@ -159,13 +233,17 @@ def bounded(context: Context) -> Verdict:
     exact = sum(x**2 * gap / (moment * largest) for x, moment, gap in zip(l, moments, gaps, strict=True))
     evidence.zero("l·I⁻¹l − |l|²/Imax = Σ lᵢ² (Imax − Iᵢ)/(Iᵢ Imax) ≥ 0", excess - exact)
     evidence.note(
-        "With w² = C₃: |l|²/(2Imax) ≤ H − a·α − b·β ≤ H + |b|w + |a| √(|C₁| + 2|ε| w |l|), and the right-hand"
+        "With w² = C₃: |l|²/(2Imax) ≤ H − a·α − b·β ≤ H + |b|w + |a| √(|C₁| + 2|ε| w |l|), and the right-hand side "
+        "grows only like |l|^½: l is bounded, hence α, and |β| = w."
     )
-    evidence.note("side grows only like |l|^½: l is bounded, hence α, and |β| = w.")
     s, c = Symbol("s"), Matrix(symbols("c1:4"))
     far = substitution((*l, *alpha, *beta), (0, 0, 0, *(s * top.a.cross(c)), 0, 0, 0))
-    evidence.zero("the points l = β = 0, α = s a × c have H = 0 for every s and c", top.hamiltonian.subs(far))
-    evidence.note("(take c not parallel to a; for a = 0 any α will do).")
+    evidence.zero(
+        "without them it is not: the points l = β = 0, α = s a × c have H = 0 for every s and c (take c not parallel "
+        "to a; for a = 0 any α will do)",
+        top.hamiltonian.subs(far),
+        decisive=True,
+    )
     return evidence.conclude(
         "holds with a condition",
         "The joint level sets of H and the three Casimirs are bounded (I > 0): with w² = C₃, |l|²/(2Imax) ≤ H + |b|w + "

@@ -48,6 +48,7 @@ def charged_case(context: Context) -> Verdict:
     l, alpha, beta = top.vectors
     a3, b3, epsilon, inertia = top.a[2], top.b[2], top.epsilon, top.inertia[0]
     P = l.dot(a3 * alpha + b3 * beta) + epsilon * a3**2 * inertia * beta[2]
+    evidence.identity("dP′/dt = 0 for P′ = l·(a₃α + b₃β) + εa₃²I₁β₃", top.rate(P), 0 * P, top.bracket, decisive=True)
     complete_integrability(evidence, top, {"H": top.hamiltonian, "l₃": l[2], "P′": P})
     uncharged = lagrange_top(context)
     image = substitution(alpha, alpha + b3 / a3 * beta)
@@ -56,9 +57,10 @@ def charged_case(context: Context) -> Verdict:
         uncharged.hamiltonian.subs(image, simultaneous=True) - top.hamiltonian,
     )
     return evidence.conclude(
-        "holds with a condition",
-        "Sufficient, not necessary: with b on the axis too, l₃ and P′ = l·(a₃α + b₃β) + ε a₃² I₁ β₃ are constant and "
-        "in involution. For ε ≠ 0 a centre of charge parallel to a ≠ 0 is the uncharged top in other coordinates.",
+        "incomplete",
+        "The charged top is integrable as well: with b on the axis too, l₃ and P′ = l·(a₃α + b₃β) + ε a₃² I₁ β₃ are "
+        "constant and in involution. For ε ≠ 0 a centre of charge parallel to a ≠ 0 is the uncharged top in other "
+        "coordinates.",
     )
 
 

@@ -1,0 +1,327 @@
+//! Products of power series, several at a time: tiles of products whose sums stay in registers.
+//!
+//! Coefficient `k` of the product `x_i x_j` of two components is `sum over s of x_i[s] x_j[k - s]`, and along a tangent
+//! vector `d` it is `sum over s of (x_i[s] dx_j[k - s] + dx_i[s] x_j[k - s])`. A [`Tile`] forms several products that
+//! share factors, so that a coefficient, once loaded, enters several sums: on AVX-512 processors about 1.3 registers can
+//! be loaded a cycle beside two multiply-adds (measured), which makes the loads the bottleneck of small tiles.
+
+use crate::lanes::Lane;
+
+/// Most products in a tile.
+pub(super) const MOST_PRODUCTS: usize = 12;
+const MOST_COLUMNS: usize = 3;
+const MOST_ROWS: usize = 6;
+
+/// Number, columns, shared rows and single rows of every shape with a kernel.
+macro_rules! with_shapes {
+    ($then:ident) => {
+        $then! {
+            0: 1 0 1, 1: 1 0 2, 2: 1 0 4, 3: 1 0 6,
+            4: 2 1 2, 5: 2 2 0, 6: 2 2 2, 7: 2 3 0, 8: 2 3 3, 9: 2 4 0, 10: 2 6 0,
+            11: 3 3 0, 12: 3 4 0,
+        }
+    };
+}
+
+macro_rules! array_of_shapes {
+    ($($index:literal: $columns:literal $shared:literal $single:literal,)*) => {
+        [$(Shape { columns: $columns, shared: $shared, single: $single },)*]
+    };
+}
+
+/// The shapes with a kernel.
+pub(super) const SHAPES: [Shape; 13] = with_shapes!(array_of_shapes);
+
+/// The outline of a tile: `shared` rows, each multiplied with every one of `columns`, then `single` rows, multiplied
+/// with the first column alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Shape {
+    pub columns: usize,
+    pub shared: usize,
+    pub single: usize,
+}
+
+impl Shape {
+    pub const fn n_rows(self) -> usize {
+        self.shared + self.single
+    }
+
+    pub const fn n_products(self) -> usize {
+        self.columns * self.shared + self.single
+    }
+
+    /// Cycles for one term of all its sums, for the state and one tangent vector on AVX-512: two multiply-adds (measured
+    /// 1.3 loads) a cycle, eight cycles of latency for the two that a sum of the tangent vector takes, and its share of
+    /// what a tile costs once per order. It ranks shapes; nothing depends on it otherwise.
+    pub fn cost(self) -> f64 {
+        let arithmetic = 1.5 * self.n_products() as f64;
+        let loads = 2.0 * (self.columns + self.n_rows()) as f64 / 1.3;
+        arithmetic.max(loads).max(8.0) + 3.5
+    }
+}
+
+/// Products of components, by index: `rows[p] columns[q]` in the order that [`Tile::products`] gives.
+///
+/// The factor from `rows` is read from order 0 upwards, the one from `columns` from order `k` downwards: the order of
+/// summation of a product does not depend on the tile that it is in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tile {
+    /// Position in [`SHAPES`].
+    shape: usize,
+    columns: [usize; MOST_COLUMNS],
+    rows: [usize; MOST_ROWS],
+}
+
+impl Tile {
+    /// The tile with these factors.
+    ///
+    /// # Panics
+    /// There is no kernel of that shape, or an index is not below `n_components`.
+    pub fn new(columns: &[usize], rows: &[usize], shared: usize, n_components: usize) -> Tile {
+        let wanted = Shape { columns: columns.len(), shared, single: rows.len() - shared };
+        let shape =
+            SHAPES.iter().position(|&shape| shape == wanted).expect("a tile has one of the shapes with a kernel");
+        assert!(columns.iter().chain(rows).all(|&i| i < n_components), "a tile multiplies components");
+        let mut tile = Tile { shape, columns: [0; MOST_COLUMNS], rows: [0; MOST_ROWS] };
+        tile.columns[..columns.len()].copy_from_slice(columns);
+        tile.rows[..rows.len()].copy_from_slice(rows);
+        tile
+    }
+
+    #[inline(always)]
+    fn first_columns<const Q: usize>(&self) -> [usize; Q] {
+        *self.columns.first_chunk().expect("no shape has more columns")
+    }
+
+    pub fn shape(&self) -> Shape {
+        SHAPES[self.shape]
+    }
+
+    /// The two factors of each product, row first.
+    pub fn products(&self) -> Vec<[usize; 2]> {
+        let Shape { columns, shared, .. } = self.shape();
+        let (both, single) = self.rows[..self.shape().n_rows()].split_at(shared);
+        let shared = both.iter().flat_map(|&row| self.columns[..columns].iter().map(move |&column| [row, column]));
+        shared.chain(single.iter().map(|&row| [row, self.columns[0]])).collect()
+    }
+
+    /// Runs `kernel` with the shape of this tile as constants.
+    #[inline(always)]
+    pub fn run(&self, kernel: impl Kernel) {
+        macro_rules! call {
+            ($($index:literal: $columns:literal $shared:literal $single:literal,)*) => {
+                match self.shape {
+                    $($index => kernel.run::<$columns, $shared, $single>(self),)*
+                    _ => unreachable!("a tile has one of the shapes with a kernel"),
+                }
+            };
+        }
+        with_shapes!(call)
+    }
+}
+
+/// What is done with a tile: `Q` columns, `S` rows shared by all of them, `A` rows of the first column alone.
+pub(super) trait Kernel {
+    fn run<const Q: usize, const S: usize, const A: usize>(self, tile: &Tile);
+}
+
+/// The sums of one tile, for the state or for one tangent vector.
+#[derive(Clone, Copy)]
+pub(super) struct Sums<V, const Q: usize, const S: usize, const A: usize> {
+    pub shared: [[V; Q]; S],
+    pub single: [V; A],
+}
+
+impl<V: Lane, const Q: usize, const S: usize, const A: usize> Sums<V, Q, S, A> {
+    #[inline(always)]
+    fn zero() -> Self {
+        let zero = V::splat(0.0);
+        Sums { shared: [[zero; Q]; S], single: [zero; A] }
+    }
+
+    /// The sums in the order of [`Tile::products`].
+    #[inline(always)]
+    pub fn in_order(&self) -> [V; MOST_PRODUCTS] {
+        let mut sums = [V::splat(0.0); MOST_PRODUCTS];
+        for p in 0..S {
+            for q in 0..Q {
+                sums[p * Q + q] = self.shared[p][q];
+            }
+        }
+        for p in 0..A {
+            sums[S * Q + p] = self.single[p];
+        }
+        sums
+    }
+
+    /// `sum += row column` for one row and all its columns.
+    #[inline(always)]
+    fn add(&mut self, p: usize, row: V, columns: &[V; Q]) {
+        if p < S {
+            for q in 0..Q {
+                self.shared[p][q] = row.mul_add(columns[q], self.shared[p][q]);
+            }
+        } else {
+            self.single[p - S] = row.mul_add(columns[0], self.single[p - S]);
+        }
+    }
+}
+
+/// The coefficients of orders `0..=k`: one row of registers for each, with `group` registers for the state and then for
+/// every tangent vector.
+#[derive(Clone, Copy)]
+pub(super) struct Series<'r, V> {
+    known: &'r [V],
+    row: usize,
+    group: usize,
+    k: usize,
+}
+
+impl<'r, V: Lane> Series<'r, V> {
+    /// # Panics
+    /// The rows are not there.
+    #[inline(always)]
+    pub fn new(known: &'r [V], row: usize, group: usize, k: usize) -> Self {
+        assert!(group <= row && row * (k + 1) <= known.len());
+        Series { known, row, group, k }
+    }
+
+    /// Two readers of group number `group`, from order 0 upwards and from order `k` downwards.
+    #[inline(always)]
+    fn readers(&self, group: usize) -> (Reader<V>, Reader<V>) {
+        assert!((group + 1) * self.group <= self.row);
+        let first = self.known[group * self.group..].as_ptr();
+        let last = self.known[self.k * self.row + group * self.group..].as_ptr();
+        (Reader(first), Reader(last))
+    }
+
+    /// Coefficient `k` of the products.
+    #[inline(always)]
+    pub fn of_state<const Q: usize, const S: usize, const A: usize>(&self, tile: &Tile) -> Sums<V, Q, S, A> {
+        let mut sums = Sums::zero();
+        let (mut x, mut y) = self.readers(0);
+        let (rows, columns) = (tile.rows, tile.first_columns());
+        for _ in 0..self.k + 1 {
+            // SAFETY: see `Reader`.
+            unsafe {
+                let v = y.columns(&columns);
+                for p in 0..S + A {
+                    sums.add(p, x.at(rows[p]), &v);
+                }
+            }
+            x.forward(self.row);
+            y.back(self.row);
+        }
+        sums
+    }
+
+    /// Coefficient `k` of the products along tangent vector `t` (from 1).
+    #[inline(always)]
+    pub fn of_tangent<const Q: usize, const S: usize, const A: usize>(
+        &self,
+        tile: &Tile,
+        t: usize,
+    ) -> Sums<V, Q, S, A> {
+        let mut sums = Sums::zero();
+        let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0), self.readers(t));
+        let (rows, columns) = (tile.rows, tile.first_columns());
+        for _ in 0..self.k + 1 {
+            // SAFETY: see `Reader`.
+            unsafe {
+                let (v, dv) = (y.columns(&columns), dy.columns(&columns));
+                for p in 0..S + A {
+                    sums.add(p, x.at(rows[p]), &dv);
+                    sums.add(p, dx.at(rows[p]), &v);
+                }
+            }
+            x.forward(self.row);
+            dx.forward(self.row);
+            y.back(self.row);
+            dy.back(self.row);
+        }
+        sums
+    }
+
+    /// Both [`Series::of_state`] and [`Series::of_tangent`] for the first tangent vector, with the same sums term by term,
+    /// sharing what they load.
+    #[inline(always)]
+    pub fn of_both<const Q: usize, const S: usize, const A: usize>(&self, tile: &Tile) -> [Sums<V, Q, S, A>; 2] {
+        let (mut sums, mut d_sums) = (Sums::zero(), Sums::zero());
+        let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0), self.readers(1));
+        let (rows, columns) = (tile.rows, tile.first_columns());
+        for _ in 0..self.k + 1 {
+            // SAFETY: see `Reader`.
+            unsafe {
+                let (v, dv) = (y.columns(&columns), dy.columns(&columns));
+                for p in 0..S + A {
+                    let u = x.at(rows[p]);
+                    sums.add(p, u, &v);
+                    d_sums.add(p, u, &dv);
+                    d_sums.add(p, dx.at(rows[p]), &v);
+                }
+            }
+            x.forward(self.row);
+            dx.forward(self.row);
+            y.back(self.row);
+            dy.back(self.row);
+        }
+        [sums, d_sums]
+    }
+}
+
+/// One group of one row of coefficients.
+///
+/// Reading is unchecked: a check for every coefficient would cost as much as the arithmetic. It is sound because the
+/// indices of a [`Tile`] are below the number of components, which is at most the length of a group, and because a loop
+/// from order 0 to `k` stays in the rows that [`Series::new`] has found to be there.
+struct Reader<V>(*const V);
+
+impl<V: Lane> Reader<V> {
+    #[inline(always)]
+    unsafe fn at(&self, i: usize) -> V {
+        // SAFETY: as above.
+        unsafe { *self.0.add(i) }
+    }
+
+    #[inline(always)]
+    unsafe fn columns<const Q: usize>(&self, columns: &[usize; Q]) -> [V; Q] {
+        let mut values = [V::splat(0.0); Q];
+        for q in 0..Q {
+            // SAFETY: as above.
+            values[q] = unsafe { self.at(columns[q]) };
+        }
+        values
+    }
+
+    /// To the next order; one past the last after the last.
+    #[inline(always)]
+    fn forward(&mut self, row: usize) {
+        self.0 = opaque(self.0.wrapping_add(row));
+    }
+
+    /// To the order before.
+    #[inline(always)]
+    fn back(&mut self, row: usize) {
+        self.0 = opaque(self.0.wrapping_sub(row));
+    }
+}
+
+/// The same pointer, of which the compiler does not know where it came from.
+///
+/// Left to itself it keeps a moving address for every factor instead of two for all, more than there are registers, and
+/// a term takes 1.2 times as long (measured on AVX-512, twisted top). No instruction; on other processors nothing at all.
+#[inline(always)]
+#[allow(clippy::pointers_in_nomem_asm_block)] // nothing is read through it there
+fn opaque<T>(pointer: *const T) -> *const T {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let mut pointer = pointer;
+        // SAFETY: there is no instruction in it.
+        unsafe {
+            std::arch::asm!("/* {0} */", inout(reg) pointer, options(pure, nomem, nostack, preserves_flags));
+        }
+        pointer
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    pointer
+}

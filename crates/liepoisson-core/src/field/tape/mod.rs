@@ -1,0 +1,249 @@
+//! Any smooth field: a tape of instructions, run as rules for power series.
+
+mod convolution;
+mod elementary;
+mod graph;
+mod program;
+mod rules;
+
+use super::Field;
+use crate::error::Error;
+use crate::lanes::Lane;
+use graph::Graph;
+use program::Program;
+use rules::Frame;
+
+/// One instruction of a [`Tape`]: it reads registers and writes the next one.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Instruction {
+    /// `constant + sum of c r` over the pairs `(r, c)`.
+    Linear {
+        /// Registers and their coefficients.
+        terms: Vec<(usize, f64)>,
+        /// The constant.
+        constant: f64,
+    },
+    /// `a b`
+    Product(usize, usize),
+    /// `a / b`
+    Quotient(usize, usize),
+    /// `a^p` for a real number `p`; for a whole number, `a` may be zero or negative.
+    Power(usize, f64),
+    /// The square root of `a`.
+    Sqrt(usize),
+    /// `e^a`
+    Exp(usize),
+    /// The natural logarithm of `a`.
+    Log(usize),
+    /// The sine of `a`.
+    Sin(usize),
+    /// The cosine of `a`.
+    Cos(usize),
+    /// The hyperbolic sine of `a`.
+    Sinh(usize),
+    /// The hyperbolic cosine of `a`.
+    Cosh(usize),
+    /// The hyperbolic tangent of `a`.
+    Tanh(usize),
+    /// The arc sine of `a`.
+    Asin(usize),
+    /// The arc cosine of `a`.
+    Acos(usize),
+    /// The arc tangent of `a`.
+    Atan(usize),
+}
+
+impl Instruction {
+    /// The instruction called `name`: `linear` has any number `m` of registers and `m + 1` numbers, the constant last;
+    /// `product` and `quotient` have two registers, `power` one register and one number, the rest one register.
+    ///
+    /// # Errors
+    /// A name that is not one of `linear product quotient power sqrt exp log sin cos sinh cosh tanh asin acos atan`, or
+    /// the wrong number of registers or numbers.
+    pub fn from_parts(name: &str, registers: &[usize], numbers: &[f64]) -> Result<Instruction, Error> {
+        let wrong = |name: &'static str, wanted: (usize, usize)| Error::InstructionOperands {
+            name,
+            wanted,
+            got: (registers.len(), numbers.len()),
+        };
+        let unary = |name: &'static str, make: fn(usize) -> Instruction| match (registers, numbers) {
+            (&[a], &[]) => Ok(make(a)),
+            _ => Err(wrong(name, (1, 0))),
+        };
+        let binary = |name: &'static str, make: fn(usize, usize) -> Instruction| match (registers, numbers) {
+            (&[a, b], &[]) => Ok(make(a, b)),
+            _ => Err(wrong(name, (2, 0))),
+        };
+        match name {
+            "linear" => match numbers {
+                [coefficients @ .., constant] if coefficients.len() == registers.len() => Ok(Instruction::Linear {
+                    terms: registers.iter().copied().zip(coefficients.iter().copied()).collect(),
+                    constant: *constant,
+                }),
+                _ => Err(wrong("linear", (registers.len(), registers.len() + 1))),
+            },
+            "power" => match (registers, numbers) {
+                (&[a], &[exponent]) => Ok(Instruction::Power(a, exponent)),
+                _ => Err(wrong("power", (1, 1))),
+            },
+            "product" => binary("product", Instruction::Product),
+            "quotient" => binary("quotient", Instruction::Quotient),
+            "sqrt" => unary("sqrt", Instruction::Sqrt),
+            "exp" => unary("exp", Instruction::Exp),
+            "log" => unary("log", Instruction::Log),
+            "sin" => unary("sin", Instruction::Sin),
+            "cos" => unary("cos", Instruction::Cos),
+            "sinh" => unary("sinh", Instruction::Sinh),
+            "cosh" => unary("cosh", Instruction::Cosh),
+            "tanh" => unary("tanh", Instruction::Tanh),
+            "asin" => unary("asin", Instruction::Asin),
+            "acos" => unary("acos", Instruction::Acos),
+            "atan" => unary("atan", Instruction::Atan),
+            _ => Err(Error::UnknownInstruction { name: name.to_owned() }),
+        }
+    }
+
+    fn name(&self) -> &'static str {
+        match self {
+            Instruction::Linear { .. } => "linear",
+            Instruction::Product(..) => "product",
+            Instruction::Quotient(..) => "quotient",
+            Instruction::Power(..) => "power",
+            Instruction::Sqrt(_) => "sqrt",
+            Instruction::Exp(_) => "exp",
+            Instruction::Log(_) => "log",
+            Instruction::Sin(_) => "sin",
+            Instruction::Cos(_) => "cos",
+            Instruction::Sinh(_) => "sinh",
+            Instruction::Cosh(_) => "cosh",
+            Instruction::Tanh(_) => "tanh",
+            Instruction::Asin(_) => "asin",
+            Instruction::Acos(_) => "acos",
+            Instruction::Atan(_) => "atan",
+        }
+    }
+
+    fn registers(&self) -> Vec<usize> {
+        match *self {
+            Instruction::Linear { ref terms, .. } => terms.iter().map(|&(register, _)| register).collect(),
+            Instruction::Product(a, b) | Instruction::Quotient(a, b) => vec![a, b],
+            Instruction::Power(a, _)
+            | Instruction::Sqrt(a)
+            | Instruction::Exp(a)
+            | Instruction::Log(a)
+            | Instruction::Sin(a)
+            | Instruction::Cos(a)
+            | Instruction::Sinh(a)
+            | Instruction::Cosh(a)
+            | Instruction::Tanh(a)
+            | Instruction::Asin(a)
+            | Instruction::Acos(a)
+            | Instruction::Atan(a) => vec![a],
+        }
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        match self {
+            Instruction::Linear { terms, constant } => terms.iter().map(|&(_, c)| c).chain([*constant]).collect(),
+            Instruction::Power(_, exponent) => vec![*exponent],
+            _ => vec![],
+        }
+    }
+
+    fn check(&self, index: usize, available: usize) -> Result<(), Error> {
+        let name = self.name();
+        if let Some(register) = self.registers().into_iter().find(|&register| register >= available) {
+            return Err(Error::InstructionRegister { index, name, register, available });
+        }
+        match self.numbers().into_iter().find(|number| !number.is_finite()) {
+            Some(got) => Err(Error::InstructionNumber { index, name, got }),
+            None => Ok(()),
+        }
+    }
+}
+
+/// A field given as a list of instructions, with its variational equations.
+///
+/// Registers `0..n` hold the state, instruction `m` writes register `n + m` and reads earlier ones, and `x_i'` is the
+/// register `outputs[i]`. The series of a register follows order by order from those that it reads: that of a product is
+/// a sum of products, the other rules come from differential equations such as `z' = z a'` for `z = exp a`. The parts
+/// that belong to a tangent vector are the linearised rules, `dz = f'(a) da`, so they are exact up to round-off.
+///
+/// Construction optimises: constants are folded, equal and unused instructions dropped (even if they would fail, as in
+/// `0 log(0)`), linear combinations merged into what reads them, sine and cosine of one argument computed together,
+/// whole powers turned into products.
+///
+/// Where an instruction has no finite value (a pole, the logarithm of zero) or no series (the square root of zero), the
+/// whole series is NaN, so the trajectory ends there. The series is that of an analytic solution: between two steps a
+/// solution that passes smoothly through such a point is continued beyond it.
+///
+/// ```
+/// use liepoisson_core::field::{Instruction, Tape};
+/// // the pendulum: q' = p, p' = -sin q
+/// let sine = Instruction::Sin(0);
+/// let minus = Instruction::Linear { terms: vec![(2, -1.0)], constant: 0.0 };
+/// let pendulum = Tape::new(2, vec![sine, minus], vec![1, 3])?;
+/// # Ok::<(), liepoisson_core::error::Error>(())
+/// ```
+///
+/// # References
+/// Griewank and Walther, *Evaluating Derivatives* (2008), chapter 13: rules for power series.
+#[derive(Clone, Debug)]
+pub struct Tape {
+    n_components: usize,
+    program: Program,
+}
+
+impl Tape {
+    /// A tape with `n_components` components of the state, and as many outputs.
+    ///
+    /// # Errors
+    /// No component; an instruction that reads a register not yet written, or has a number that is not finite; outputs
+    /// that are not one existing register for each component.
+    pub fn new(n_components: usize, instructions: Vec<Instruction>, outputs: Vec<usize>) -> Result<Tape, Error> {
+        if n_components == 0 {
+            return Err(Error::NoComponents);
+        }
+        for (index, instruction) in instructions.iter().enumerate() {
+            instruction.check(index, n_components + index)?;
+        }
+        if outputs.len() != n_components {
+            return Err(Error::Outputs { wanted: n_components, got: outputs.len() });
+        }
+        let available = n_components + instructions.len();
+        if let Some(component) = outputs.iter().position(|&register| register >= available) {
+            return Err(Error::OutputRegister { component, register: outputs[component], available });
+        }
+        let program = Program::new(&Graph::new(n_components, &instructions, &outputs));
+        Ok(Tape { n_components, program })
+    }
+}
+
+impl Field for Tape {
+    fn n_components(&self) -> usize {
+        self.n_components
+    }
+
+    fn group(&self) -> usize {
+        self.n_components
+    }
+
+    fn registers(&self, n_tangents: usize, order: usize) -> usize {
+        self.row(n_tangents) * (order + 1) + self.program.registers(n_tangents, order + 1)
+    }
+
+    #[inline(always)]
+    fn derive_work<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
+        let frame = Frame::new(&self.program, rows.len(), self.row(n_tangents), n_tangents, k);
+        let (components, work) = rows.split_at_mut(frame.n_orders * self.row(n_tangents));
+        rules::complete_order(&self.program, &frame, &components[k * self.row(n_tangents)..], work);
+    }
+
+    #[inline(always)]
+    fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
+        let row = self.row(n_tangents);
+        let frame = Frame::new(&self.program, rows.len(), row, n_tangents, k);
+        let (components, work) = rows.split_at_mut(frame.n_orders * row);
+        rules::write_outputs(&self.program, &frame, &mut components[(k + 1) * row..][..row], work);
+    }
+}

@@ -1,0 +1,451 @@
+//! A graph of rules laid out in memory: which series are kept, and the steps that extend them.
+
+use super::graph::{Affine, Function, Graph, Node, Rule};
+
+/// Where the coefficients of a node are: all orders, if sums of products read them, or the current one alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Slot {
+    /// Number of the series, or of the single register.
+    pub(super) index: usize,
+    pub(super) is_series: bool,
+}
+
+/// `constant + sum c_i x_i` with its operands in slots.
+#[derive(Clone, Debug)]
+pub(super) struct Form {
+    pub(super) constant: f64,
+    pub(super) terms: Vec<(Slot, f64)>,
+}
+
+impl Form {
+    fn new(form: &Affine, slots: &[Slot]) -> Form {
+        Form { constant: form.constant, ..Form::linear(form, slots) }
+    }
+
+    /// The form without its constant.
+    fn linear(form: &Affine, slots: &[Slot]) -> Form {
+        Form { constant: 0.0, terms: form.terms.iter().map(|&(node, c)| (slots[node], c)).collect() }
+    }
+}
+
+/// Sums of products to be formed before an order is completed. Numbers of series; results go to single registers, two
+/// for each product (orders `k` and `k + 1`).
+#[derive(Clone, Debug)]
+pub(super) struct Convolution {
+    pub(super) kind: Kind,
+    pub(super) left: usize,
+    pub(super) right: [usize; 2],
+    pub(super) sums: usize,
+    pub(super) tangent: Option<Tangent>,
+}
+
+/// The part of a convolution that belongs to tangent vectors.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Tangent {
+    pub(super) left: usize,
+    /// Not used by the kinds in which the tangent part multiplies the right series of the state.
+    pub(super) right: usize,
+    pub(super) sums: usize,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    /// `l r`; tangent part `l dr + dl r`.
+    Product,
+    /// `l l`; tangent part `l dl`.
+    Square,
+    /// `l r`; tangent part `dl r`.
+    Single,
+    /// `l r` for two right series; tangent part `dl r`.
+    Pair,
+}
+
+/// How one coefficient of the state follows. Plain indices are series, except `sums` and `inverse` (single registers).
+#[derive(Clone, Debug)]
+pub(super) enum Step {
+    Component {
+        from: usize,
+        to: Slot,
+    },
+    Affine {
+        form: Form,
+        to: Slot,
+    },
+    Product {
+        a: usize,
+        b: usize,
+        sums: usize,
+        to: Slot,
+    },
+    Square {
+        a: usize,
+        sums: usize,
+        to: Slot,
+    },
+    Quotient {
+        a: Option<Slot>,
+        b: usize,
+        sums: usize,
+        inverse: usize,
+        to: usize,
+    },
+    Sqrt {
+        a: Slot,
+        sums: usize,
+        inverse: usize,
+        to: usize,
+    },
+    /// The series of `j a_j`.
+    Weigh {
+        a: Slot,
+        to: usize,
+    },
+    Integral {
+        function: Function,
+        a: Slot,
+        weighted: usize,
+        derivative: usize,
+        factor: f64,
+        sums: usize,
+        to: Slot,
+    },
+    Pair {
+        a: Slot,
+        hyperbolic: bool,
+        weighted: usize,
+        first: usize,
+        second: usize,
+        sums: usize,
+    },
+    /// `weighted` is the series of `j z_j`.
+    DividedIntegral {
+        function: Function,
+        a: Slot,
+        factor: f64,
+        divisor: usize,
+        weighted: usize,
+        sums: usize,
+        inverse: usize,
+        to: Slot,
+    },
+}
+
+/// How one coefficient of a tangent vector follows: `d` marks what belongs to the tangent vector.
+#[derive(Clone, Debug)]
+pub(super) enum TangentStep {
+    Component {
+        from: usize,
+        to: Slot,
+    },
+    Affine {
+        form: Form,
+        to: Slot,
+    },
+    Product {
+        a: usize,
+        b: usize,
+        da: usize,
+        db: usize,
+        sums: usize,
+        to: Slot,
+    },
+    Square {
+        a: usize,
+        da: usize,
+        sums: usize,
+        to: Slot,
+    },
+    Quotient {
+        da: Option<Slot>,
+        b: usize,
+        z: usize,
+        db: usize,
+        sums: usize,
+        inverse: usize,
+        to: usize,
+    },
+    Sqrt {
+        da: Slot,
+        z: usize,
+        sums: usize,
+        inverse: usize,
+        to: usize,
+    },
+    /// `dz = factor w da`
+    Integral {
+        w: usize,
+        da: usize,
+        factor: f64,
+        sums: usize,
+        to: Slot,
+    },
+    /// `d dz = factor da`
+    DividedIntegral {
+        da: Slot,
+        factor: f64,
+        divisor: usize,
+        sums: usize,
+        inverse: usize,
+        to: usize,
+    },
+}
+
+/// Numbers of series and of single registers.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Size {
+    pub(super) series: usize,
+    pub(super) singles: usize,
+}
+
+impl Size {
+    fn series(&mut self) -> usize {
+        self.series += 1;
+        self.series - 1
+    }
+
+    fn singles(&mut self, n: usize) -> usize {
+        self.singles += n;
+        self.singles - n
+    }
+
+    fn slot(&mut self, is_series: bool) -> Slot {
+        let index = if is_series { self.series() } else { self.singles(1) };
+        Slot { index, is_series }
+    }
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Program {
+    pub(super) convolutions: Vec<Convolution>,
+    pub(super) steps: Vec<Step>,
+    pub(super) tangent_steps: Vec<TangentStep>,
+    pub(super) outputs: Vec<Form>,
+    pub(super) tangent_outputs: Vec<Form>,
+    /// Registers for the state, and for each tangent vector.
+    pub(super) state: Size,
+    pub(super) tangent: Size,
+    /// Single register that is not finite if anything at order 0 is not.
+    pub(super) defect: usize,
+}
+
+/// Which nodes' series the sums of products read.
+struct Uses {
+    state: Vec<bool>,
+    weighted: Vec<bool>,
+    tangent: Vec<bool>,
+}
+
+impl Uses {
+    fn of(graph: &Graph) -> Uses {
+        let none = vec![false; graph.rules.len()];
+        let mut uses = Uses { state: none.clone(), weighted: none.clone(), tangent: none };
+        for (z, rule) in graph.rules.iter().enumerate() {
+            let (state, tangent): (&[Node], &[Node]) = match *rule {
+                Rule::Component(_) | Rule::Affine(_) | Rule::Second => (&[], &[]),
+                Rule::Product(a, b) => (&[a, b], &[a, b]),
+                Rule::Square(a) => (&[a], &[a]),
+                Rule::Quotient(_, b) => (&[b, z], &[b, z]),
+                Rule::Sqrt(_) => (&[z], &[z]),
+                Rule::Integral { of, derivative, .. } => (&[derivative], &[of]),
+                Rule::DividedIntegral { divisor, .. } => (&[divisor], &[z]),
+                Rule::Pair { of, .. } => (&[z, z + 1], &[of]),
+            };
+            state.iter().for_each(|&node| uses.state[node] = true);
+            if graph.has_tangent_part(z) {
+                tangent.iter().for_each(|&node| uses.tangent[node] = true);
+            }
+            match *rule {
+                Rule::Integral { of, .. } | Rule::Pair { of, .. } => uses.weighted[of] = true,
+                Rule::DividedIntegral { .. } => uses.weighted[z] = true,
+                _ => {}
+            }
+        }
+        uses
+    }
+}
+
+impl Program {
+    pub(super) fn new(graph: &Graph) -> Program {
+        let uses = Uses::of(graph);
+        let (mut state, mut tangent) = (Size::default(), Size::default());
+        let n = graph.rules.len();
+        let defect = state.singles(1);
+        let slots: Vec<Slot> = (0..n).map(|z| state.slot(uses.state[z])).collect();
+        let weighted: Vec<usize> = (0..n).map(|z| if uses.weighted[z] { state.series() } else { 0 }).collect();
+        let tangents: Vec<Slot> =
+            (0..n)
+                .map(|z| {
+                    if graph.has_tangent[z] {
+                        tangent.slot(uses.tangent[z])
+                    } else {
+                        Slot { index: 0, is_series: false }
+                    }
+                })
+                .collect();
+        let outputs = graph.outputs.iter().map(|output| Form::new(output, &slots)).collect();
+        let tangent_outputs = graph.outputs.iter().map(|output| Form::linear(output, &tangents)).collect();
+        let mut layout = Layout {
+            graph,
+            slots,
+            weighted,
+            tangents,
+            is_weighed: vec![false; n],
+            program: Program {
+                convolutions: vec![],
+                steps: vec![],
+                tangent_steps: vec![],
+                outputs,
+                tangent_outputs,
+                state,
+                tangent,
+                defect,
+            },
+        };
+        for (z, rule) in graph.rules.iter().enumerate() {
+            layout.add(z, rule);
+        }
+        layout.program
+    }
+}
+
+struct Layout<'g> {
+    graph: &'g Graph,
+    slots: Vec<Slot>,
+    weighted: Vec<usize>,
+    tangents: Vec<Slot>,
+    is_weighed: Vec<bool>,
+    program: Program,
+}
+
+impl Layout<'_> {
+    /// Reserves the registers of a convolution for node `z`: those of the state and those of a tangent vector. The
+    /// tangent operands are `left` and `right`.
+    fn convolution(
+        &mut self,
+        z: Node,
+        kind: Kind,
+        left: usize,
+        right: [usize; 2],
+        tangent: impl FnOnce(&[Slot]) -> (usize, usize),
+    ) -> (usize, usize) {
+        let width = if kind == Kind::Pair { 4 } else { 2 };
+        let sums = self.program.state.singles(width);
+        let (mut tangent_sums, mut part) = (0, None);
+        if self.graph.has_tangent_part(z) {
+            tangent_sums = self.program.tangent.singles(width);
+            let (left, right) = tangent(&self.tangents);
+            part = Some(Tangent { left, right, sums: tangent_sums });
+        }
+        self.program.convolutions.push(Convolution { kind, left, right, sums, tangent: part });
+        (sums, tangent_sums)
+    }
+
+    /// The series of `j a_j`, made by the first that needs it.
+    fn weigh(&mut self, a: Node) -> usize {
+        let to = self.weighted[a];
+        if !std::mem::replace(&mut self.is_weighed[a], true) {
+            self.program.steps.push(Step::Weigh { a: self.slots[a], to });
+        }
+        to
+    }
+
+    fn add(&mut self, z: Node, rule: &Rule) {
+        let (to, dto) = (self.slots[z], self.tangents[z]);
+        let (step, tangent_step) = match *rule {
+            Rule::Component(from) => (Step::Component { from, to }, TangentStep::Component { from, to: dto }),
+            Rule::Affine(ref form) => (
+                Step::Affine { form: Form::new(form, &self.slots), to },
+                TangentStep::Affine { form: Form::linear(form, &self.tangents), to: dto },
+            ),
+            Rule::Product(a, b) => self.product(z, a, b),
+            Rule::Square(a) => {
+                let series = self.slots[a].index;
+                let (sums, dsums) =
+                    self.convolution(z, Kind::Square, series, [series; 2], |d| (d[a].index, d[a].index));
+                let da = self.tangents[a].index;
+                (Step::Square { a: series, sums, to }, TangentStep::Square { a: series, da, sums: dsums, to: dto })
+            }
+            Rule::Quotient(a, b) => self.quotient(z, a, b),
+            Rule::Sqrt(a) => {
+                let (sums, dsums) =
+                    self.convolution(z, Kind::Square, to.index, [to.index; 2], |d| (d[z].index, d[z].index));
+                let (inverse, to) = (self.program.state.singles(1), to.index);
+                let (a, da) = (self.slots[a], self.tangents[a]);
+                let tangent = TangentStep::Sqrt { da, z: to, sums: dsums, inverse, to: dto.index };
+                (Step::Sqrt { a, sums, inverse, to }, tangent)
+            }
+            Rule::Integral { function, of, derivative, factor } => {
+                let (weighted, w) = (self.weigh(of), self.slots[derivative].index);
+                let (sums, dsums) = self.convolution(z, Kind::Single, weighted, [w; 2], |d| (d[of].index, 0));
+                let (a, da) = (self.slots[of], self.tangents[of].index);
+                (
+                    Step::Integral { function, a, weighted, derivative: w, factor, sums, to },
+                    TangentStep::Integral { w, da, factor, sums: dsums, to: dto },
+                )
+            }
+            Rule::DividedIntegral { function, of, divisor, factor } => {
+                let (weighted, divisor) = (self.weighted[z], self.slots[divisor].index);
+                let (sums, dsums) = self.convolution(z, Kind::Single, weighted, [divisor; 2], |d| (d[z].index, 0));
+                let inverse = self.program.state.singles(1);
+                self.is_weighed[z] = true;
+                let (a, da) = (self.slots[of], self.tangents[of]);
+                (
+                    Step::DividedIntegral { function, a, factor, divisor, weighted, sums, inverse, to },
+                    TangentStep::DividedIntegral { da, factor, divisor, sums: dsums, inverse, to: dto.index },
+                )
+            }
+            Rule::Pair { of, hyperbolic } => return self.pair(z, of, hyperbolic),
+            Rule::Second => return,
+        };
+        self.push(z, step, tangent_step);
+    }
+
+    fn push(&mut self, z: Node, step: Step, tangent_step: TangentStep) {
+        self.program.steps.push(step);
+        if self.graph.has_tangent[z] {
+            self.program.tangent_steps.push(tangent_step);
+        }
+    }
+
+    fn product(&mut self, z: Node, a: Node, b: Node) -> (Step, TangentStep) {
+        let (left, right) = (self.slots[a].index, self.slots[b].index);
+        let (sums, dsums) = self.convolution(z, Kind::Product, left, [right; 2], |d| (d[a].index, d[b].index));
+        let (da, db) = (self.tangents[a].index, self.tangents[b].index);
+        (
+            Step::Product { a: left, b: right, sums, to: self.slots[z] },
+            TangentStep::Product { a: left, b: right, da, db, sums: dsums, to: self.tangents[z] },
+        )
+    }
+
+    fn quotient(&mut self, z: Node, a: Option<Node>, b: Node) -> (Step, TangentStep) {
+        let (divisor, to) = (self.slots[b].index, self.slots[z].index);
+        let (sums, dsums) = self.convolution(z, Kind::Product, divisor, [to; 2], |d| (d[b].index, d[z].index));
+        let inverse = self.program.state.singles(1);
+        let tangent = TangentStep::Quotient {
+            da: a.map(|a| self.tangents[a]),
+            b: divisor,
+            z: to,
+            db: self.tangents[b].index,
+            sums: dsums,
+            inverse,
+            to: self.tangents[z].index,
+        };
+        (Step::Quotient { a: a.map(|a| self.slots[a]), b: divisor, sums, inverse, to }, tangent)
+    }
+
+    /// `first' = second a'`, `second' = -first a'` (plus for the hyperbolic pair).
+    fn pair(&mut self, z: Node, of: Node, hyperbolic: bool) {
+        let weighted = self.weigh(of);
+        let (first, second) = (self.slots[z].index, self.slots[z + 1].index);
+        let (sums, dsums) = self.convolution(z, Kind::Pair, weighted, [second, first], |d| (d[of].index, 0));
+        self.program.steps.push(Step::Pair { a: self.slots[of], hyperbolic, weighted, first, second, sums });
+        let sign = if hyperbolic { 1.0 } else { -1.0 };
+        let da = self.tangents[of].index;
+        for (node, w, factor, sums) in [(z, second, 1.0, dsums), (z + 1, first, sign, dsums + 2)] {
+            if self.graph.has_tangent[node] {
+                let to = self.tangents[node];
+                self.program.tangent_steps.push(TangentStep::Integral { w, da, factor, sums, to });
+            }
+        }
+    }
+}

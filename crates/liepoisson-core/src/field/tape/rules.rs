@@ -1,0 +1,498 @@
+//! The rules for power series, order by order, for the state and for tangent vectors.
+//!
+//! Sums of products run over `j = 1..k`; the ends, which need coefficients of order `k`, are added here.
+
+use super::convolution;
+use super::elementary;
+use super::graph::Function;
+use super::program::{Form, Kind, Program, Slot, Step, TangentStep};
+use crate::lanes::Lane;
+
+/// Where things are for one order of the series.
+pub(super) struct Frame {
+    pub(super) n_orders: usize,
+    n_tangents: usize,
+    k: usize,
+    /// Whether the sums of this order were formed along with those of the order before.
+    is_second: bool,
+}
+
+/// Registers of one group: the state, or one tangent vector.
+#[derive(Clone, Copy)]
+struct Group {
+    n_orders: usize,
+    k: usize,
+    /// Number of its first series.
+    first: usize,
+    /// Its first single register.
+    singles: usize,
+}
+
+impl Frame {
+    /// For order `k`, given the number of registers of components and work together.
+    #[inline(always)]
+    pub(super) fn new(program: &Program, registers: usize, row: usize, n_tangents: usize, k: usize) -> Frame {
+        let singles = program.state.singles + n_tangents * program.tangent.singles;
+        let series = program.state.series + n_tangents * program.tangent.series;
+        let n_orders = (registers - singles) / (row + series);
+        // Sums are formed for two orders at once, so that the last order (n_orders - 2) is a second one: at an odd
+        // distance from it. Orders 0 and 1 have no sums, and order 2 those of one term.
+        assert!(k < n_orders, "order {k} of a series of {n_orders}");
+        let is_second = k > 2 && (n_orders - k).is_multiple_of(2);
+        Frame { n_orders, n_tangents, k, is_second }
+    }
+
+    #[inline(always)]
+    fn state(&self, program: &Program) -> Group {
+        let singles = (program.state.series + self.n_tangents * program.tangent.series) * self.n_orders;
+        Group { n_orders: self.n_orders, k: self.k, first: 0, singles }
+    }
+
+    #[inline(always)]
+    fn tangent(&self, program: &Program, tangent: usize) -> Group {
+        let state = self.state(program);
+        Group {
+            first: program.state.series + tangent * program.tangent.series,
+            singles: state.singles + program.state.singles + tangent * program.tangent.singles,
+            ..state
+        }
+    }
+}
+
+impl Program {
+    /// Registers for series of `n_orders` coefficients.
+    pub(super) fn registers(&self, n_tangents: usize, n_orders: usize) -> usize {
+        let of = |size: super::program::Size| size.series * n_orders + size.singles;
+        of(self.state) + n_tangents * of(self.tangent)
+    }
+}
+
+impl Group {
+    #[inline(always)]
+    fn start(&self, series: usize) -> usize {
+        (self.first + series) * self.n_orders
+    }
+
+    #[inline(always)]
+    fn series<'w, V>(&self, work: &'w [V], series: usize) -> &'w [V] {
+        &work[self.start(series)..][..self.n_orders]
+    }
+
+    #[inline(always)]
+    fn at(&self, slot: Slot) -> usize {
+        if slot.is_series { self.start(slot.index) + self.k } else { self.singles + slot.index }
+    }
+
+    /// A series of this group with one of another.
+    #[inline(always)]
+    fn factors<'w, V>(&self, work: &'w [V], l: usize, other: &Group, r: usize, frame: &Frame) -> Factors<'w, V> {
+        Factors { l: self.series(work, l), r: other.series(work, r), k: frame.k, is_second: frame.is_second }
+    }
+
+    /// The sum of products formed for this order.
+    #[inline(always)]
+    fn formed<V: Lane>(&self, work: &[V], sums: usize, frame: &Frame) -> V {
+        work[self.singles + sums + usize::from(frame.is_second)]
+    }
+
+    #[inline(always)]
+    fn form<V: Lane>(&self, work: &[V], form: &Form) -> V {
+        // A constant that is not finite, folded from instructions that fail, fails at every order.
+        let constant = if self.k == 0 || !form.constant.is_finite() { form.constant } else { 0.0 };
+        let mut sum = V::splat(constant);
+        for &(slot, c) in &form.terms {
+            sum = work[self.at(slot)].mul_add(V::splat(c), sum);
+        }
+        sum
+    }
+}
+
+/// Two series of one product.
+#[derive(Clone, Copy)]
+struct Factors<'w, V> {
+    l: &'w [V],
+    r: &'w [V],
+    k: usize,
+    is_second: bool,
+}
+
+impl<V: Lane> Factors<'_, V> {
+    /// `sum`, with the terms `j = 1` and `j = k - 1` if they are not yet in it.
+    #[inline(always)]
+    fn add_late(self, mut sum: V) -> V {
+        if self.is_second {
+            sum = self.l[1].mul_add(self.r[self.k - 1], sum);
+            sum = self.l[self.k - 1].mul_add(self.r[1], sum);
+        }
+        sum
+    }
+
+    /// `sum + l_k r_0`
+    #[inline(always)]
+    fn add_left_end(self, sum: V) -> V {
+        self.l[self.k].mul_add(self.r[0], sum)
+    }
+
+    /// `sum + l_0 r_k`
+    #[inline(always)]
+    fn add_right_end(self, sum: V) -> V {
+        self.l[0].mul_add(self.r[self.k], sum)
+    }
+
+    /// `sum + l_k r_0`; at order 0, where it is the same as `l_0 r_k`, `sum`.
+    #[inline(always)]
+    fn add_left_end_unless_same(self, sum: V) -> V {
+        if self.k == 0 { sum } else { self.add_left_end(sum) }
+    }
+
+    /// `sum + l_k r_0 + l_0 r_k`: what is computed last, the right factor, comes last.
+    #[inline(always)]
+    fn add_ends(self, sum: V) -> V {
+        self.add_right_end(self.add_left_end_unless_same(sum))
+    }
+}
+
+/// Completes order `k` of all series, given the components of that order (of the state, then of each tangent vector).
+#[inline(always)]
+pub(super) fn complete_order<V: Lane>(program: &Program, frame: &Frame, row: &[V], work: &mut [V]) {
+    let n = program.outputs.len();
+    let state = frame.state(program);
+    if frame.k == 0 {
+        work[state.singles..].fill(V::splat(0.0)); // the sums of order 1
+        start(program, &state, row, work);
+    } else {
+        if frame.k >= 2 && !frame.is_second {
+            form_sums(program, frame, work);
+        }
+        for step in &program.steps {
+            advance(step, frame, &state, row, work);
+        }
+    }
+    for tangent in 0..frame.n_tangents {
+        let group = frame.tangent(program, tangent);
+        for step in &program.tangent_steps {
+            advance_tangent(step, frame, &state, &group, &row[(1 + tangent) * n..], work);
+        }
+    }
+}
+
+/// The derivatives of the components: order `k + 1` of their series.
+#[inline(always)]
+pub(super) fn write_outputs<V: Lane>(program: &Program, frame: &Frame, next: &mut [V], work: &[V]) {
+    let n = program.outputs.len();
+    let state = frame.state(program);
+    let scale = V::splat(1.0 / (frame.k + 1) as f64);
+    let defect = work[state.singles + program.defect];
+    for (to, form) in next.iter_mut().zip(&program.outputs) {
+        *to = state.form(work, form).mul_add(scale, defect);
+    }
+    for tangent in 0..frame.n_tangents {
+        let group = frame.tangent(program, tangent);
+        for (to, form) in next[(1 + tangent) * n..].iter_mut().zip(&program.tangent_outputs) {
+            *to = group.form(work, form).mul(scale);
+        }
+    }
+}
+
+/// Sums of products for this order and the next.
+#[inline(always)]
+fn form_sums<V: Lane>(program: &Program, frame: &Frame, work: &mut [V]) {
+    let state = frame.state(program);
+    let k = frame.k;
+    for convolution in &program.convolutions {
+        let sums = state.singles + convolution.sums;
+        let l = state.series(work, convolution.left);
+        let r = convolution.right.map(|right| state.series(work, right));
+        let tangent = convolution.tangent.filter(|_| frame.n_tangents > 0);
+        if let Some(part) = tangent {
+            let group = frame.tangent(program, 0);
+            let (dl, dr) = (group.series(work, part.left), group.series(work, part.right));
+            let dsums = group.singles + part.sums;
+            match convolution.kind {
+                Kind::Product => {
+                    let [value, derivative] = convolution::product_with_tangent([l, dl], [r[0], dr], k);
+                    put(work, sums, value);
+                    put(work, dsums, derivative);
+                }
+                Kind::Square => {
+                    let [value, derivative] = convolution::square_with_tangent([l, dl], k);
+                    put(work, sums, value);
+                    put(work, dsums, derivative);
+                }
+                Kind::Single => {
+                    let [value, derivative] = convolution::two_by_one([l, dl], r[0], k);
+                    put(work, sums, value);
+                    put(work, dsums, derivative);
+                }
+                Kind::Pair => {
+                    let [values, derivatives] = convolution::two_by_two([l, dl], r, k);
+                    for i in 0..2 {
+                        put(work, sums + 2 * i, values[i]);
+                        put(work, dsums + 2 * i, derivatives[i]);
+                    }
+                }
+            }
+        } else {
+            match convolution.kind {
+                Kind::Product | Kind::Single => {
+                    let value = convolution::product(l, r[0], k);
+                    put(work, sums, value);
+                }
+                Kind::Square => {
+                    let value = convolution::square(l, k);
+                    put(work, sums, value);
+                }
+                Kind::Pair => {
+                    let values = convolution::one_by_two(l, r, k);
+                    put(work, sums, values[0]);
+                    put(work, sums + 2, values[1]);
+                }
+            }
+        }
+    }
+    for tangent in 1..frame.n_tangents {
+        form_sums_of_tangent(program, frame, tangent, work);
+    }
+}
+
+#[inline(always)]
+fn put<V: Lane>(work: &mut [V], at: usize, sums: convolution::Sums<V>) {
+    work[at..at + 2].copy_from_slice(&sums);
+}
+
+/// The same for a tangent vector after the first, which comes with the state.
+#[inline(always)]
+fn form_sums_of_tangent<V: Lane>(program: &Program, frame: &Frame, tangent: usize, work: &mut [V]) {
+    let (state, group, k) = (frame.state(program), frame.tangent(program, tangent), frame.k);
+    for convolution in &program.convolutions {
+        let Some(part) = convolution.tangent else { continue };
+        let sums = group.singles + part.sums;
+        let l = state.series(work, convolution.left);
+        let r = convolution.right.map(|right| state.series(work, right));
+        let (dl, dr) = (group.series(work, part.left), group.series(work, part.right));
+        match convolution.kind {
+            Kind::Product => {
+                let (first, second) = (convolution::product(l, dr, k), convolution::product(dl, r[0], k));
+                put(work, sums, [first[0].add(second[0]), first[1].add(second[1])]);
+            }
+            Kind::Square => {
+                let sum = convolution::product(l, dl, k);
+                put(work, sums, sum);
+            }
+            Kind::Single => {
+                let sum = convolution::product(dl, r[0], k);
+                put(work, sums, sum);
+            }
+            Kind::Pair => {
+                let both = convolution::one_by_two(dl, r, k);
+                put(work, sums, both[0]);
+                put(work, sums + 2, both[1]);
+            }
+        }
+    }
+}
+
+/// Order 0 of the state. What is not finite shows in the register of the defect.
+#[inline(always)]
+fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: &mut [V]) {
+    let (one, zero) = (V::splat(1.0), V::splat(0.0));
+    let mut defect = zero;
+    for step in &program.steps {
+        let value = match *step {
+            Step::Component { from, to } => {
+                work[state.at(to)] = row[from];
+                row[from]
+            }
+            Step::Affine { ref form, to } => {
+                let value = state.form(work, form);
+                work[state.at(to)] = value;
+                value
+            }
+            Step::Product { a, b, to, .. } => {
+                let value = work[state.start(a)].mul(work[state.start(b)]);
+                work[state.at(to)] = value;
+                value
+            }
+            Step::Square { a, to, .. } => {
+                let a = work[state.start(a)];
+                let value = a.mul(a);
+                work[state.at(to)] = value;
+                value
+            }
+            Step::Quotient { a, b, inverse, to, .. } => {
+                let b = work[state.start(b)];
+                let reciprocal = one.div(b);
+                let value = a.map_or(reciprocal, |a| work[state.at(a)].div(b));
+                work[state.singles + inverse] = reciprocal;
+                work[state.start(to)] = value;
+                value.add(reciprocal)
+            }
+            Step::Sqrt { a, inverse, to, .. } => {
+                let value = work[state.at(a)].sqrt();
+                let reciprocal = V::splat(0.5).div(value);
+                work[state.singles + inverse] = reciprocal;
+                work[state.start(to)] = value;
+                reciprocal
+            }
+            Step::Weigh { to, .. } => {
+                work[state.start(to)] = zero;
+                zero
+            }
+            Step::Integral { function, a, to, .. } => {
+                let value = value_of(function, work[state.at(a)]);
+                work[state.at(to)] = value;
+                value
+            }
+            Step::Pair { a, hyperbolic, first, second, .. } => {
+                let a = work[state.at(a)];
+                let (one, other) = if hyperbolic {
+                    (elementary::each(a, libm::sinh), elementary::each(a, libm::cosh))
+                } else {
+                    elementary::sin_cos(a)
+                };
+                work[state.start(first)] = one;
+                work[state.start(second)] = other;
+                one.add(other)
+            }
+            Step::DividedIntegral { function, a, divisor, weighted, inverse, to, .. } => {
+                let value = value_of(function, work[state.at(a)]);
+                let reciprocal = one.div(work[state.start(divisor)]);
+                work[state.singles + inverse] = reciprocal;
+                work[state.start(weighted)] = zero;
+                work[state.at(to)] = value;
+                value.add(reciprocal)
+            }
+        };
+        defect = value.mul_add(zero, defect);
+    }
+    work[state.singles + program.defect] = defect;
+}
+
+#[inline(always)]
+fn value_of<V: Lane>(function: Function, a: V) -> V {
+    match function {
+        Function::Exp => elementary::exp(a),
+        _ => elementary::each(a, |a| function.value(a)),
+    }
+}
+
+/// Order `k >= 1` of the state.
+#[inline(always)]
+fn advance<V: Lane>(step: &Step, frame: &Frame, state: &Group, row: &[V], work: &mut [V]) {
+    let k = frame.k;
+    let inverse_of = |work: &[V], inverse: usize| work[state.singles + inverse];
+    match *step {
+        Step::Component { from, to } => work[state.at(to)] = row[from],
+        Step::Affine { ref form, to } => work[state.at(to)] = state.form(work, form),
+        Step::Product { a, b, sums, to } => {
+            let factors = state.factors(work, a, state, b, frame);
+            work[state.at(to)] = factors.add_ends(factors.add_late(state.formed(work, sums, frame)));
+        }
+        Step::Square { a, sums, to } => {
+            let factors = state.factors(work, a, state, a, frame);
+            work[state.at(to)] = factors.add_ends(factors.add_late(state.formed(work, sums, frame)));
+        }
+        // b z = a: z_k b_0 = a_k - b_k z_0 - sum
+        Step::Quotient { a, b, sums, inverse, to } => {
+            let factors = state.factors(work, b, state, to, frame);
+            let sum = factors.add_left_end(factors.add_late(state.formed(work, sums, frame)));
+            let a = a.map_or(V::splat(0.0), |a| work[state.at(a)]);
+            work[state.start(to) + k] = minus(a, sum).mul(inverse_of(work, inverse));
+        }
+        // z z = a: 2 z_k z_0 = a_k - sum
+        Step::Sqrt { a, sums, inverse, to } => {
+            let factors = state.factors(work, to, state, to, frame);
+            let sum = factors.add_late(state.formed(work, sums, frame));
+            work[state.start(to) + k] = minus(work[state.at(a)], sum).mul(inverse_of(work, inverse));
+        }
+        Step::Weigh { a, to } => work[state.start(to) + k] = work[state.at(a)].mul(V::splat(k as f64)),
+        // k z_k = factor (sum + k a_k w_0)
+        Step::Integral { weighted, derivative, factor, sums, to, .. } => {
+            let factors = state.factors(work, weighted, state, derivative, frame);
+            let sum = factors.add_left_end(factors.add_late(state.formed(work, sums, frame)));
+            work[state.at(to)] = sum.mul(V::splat(factor / k as f64));
+        }
+        Step::Pair { hyperbolic, weighted, first, second, sums, .. } => {
+            let scale = 1.0 / k as f64;
+            let of_first = state.factors(work, weighted, state, second, frame);
+            let of_second = state.factors(work, weighted, state, first, frame);
+            let sum = of_first.add_left_end(of_first.add_late(state.formed(work, sums, frame)));
+            let other = of_second.add_left_end(of_second.add_late(state.formed(work, sums + 2, frame)));
+            work[state.start(first) + k] = sum.mul(V::splat(scale));
+            work[state.start(second) + k] = other.mul(V::splat(if hyperbolic { scale } else { -scale }));
+        }
+        // k z_k d_0 = factor k a_k - sum
+        Step::DividedIntegral { a, factor, divisor, weighted, sums, inverse, to, .. } => {
+            let factors = state.factors(work, weighted, state, divisor, frame);
+            let sum = factors.add_late(state.formed(work, sums, frame));
+            let right = work[state.at(a)].mul(V::splat(factor * k as f64));
+            let slope = minus(right, sum).mul(inverse_of(work, inverse));
+            work[state.start(weighted) + k] = slope;
+            work[state.at(to)] = slope.mul(V::splat(1.0 / k as f64));
+        }
+    }
+}
+
+/// `a - b`
+#[inline(always)]
+fn minus<V: Lane>(a: V, b: V) -> V {
+    b.neg_mul_add(V::splat(1.0), a)
+}
+
+/// Any order of a tangent vector, after that of the state.
+#[inline(always)]
+fn advance_tangent<V: Lane>(
+    step: &TangentStep,
+    frame: &Frame,
+    state: &Group,
+    tangent: &Group,
+    row: &[V],
+    work: &mut [V],
+) {
+    let k = frame.k;
+    let inverse_of = |work: &[V], inverse: usize| work[state.singles + inverse];
+    match *step {
+        TangentStep::Component { from, to } => work[tangent.at(to)] = row[from],
+        TangentStep::Affine { ref form, to } => work[tangent.at(to)] = tangent.form(work, form),
+        // the ends that have tangent parts of order k come last, since those are the last to be computed
+        TangentStep::Product { a, b, da, db, sums, to } => {
+            let first = state.factors(work, a, tangent, db, frame);
+            let second = state.factors(work, b, tangent, da, frame);
+            let sum = second.add_late(first.add_late(tangent.formed(work, sums, frame)));
+            let sum = second.add_left_end_unless_same(first.add_left_end_unless_same(sum));
+            work[tangent.at(to)] = first.add_right_end(second.add_right_end(sum));
+        }
+        TangentStep::Square { a, da, sums, to } => {
+            let factors = state.factors(work, a, tangent, da, frame);
+            let sum = factors.add_ends(factors.add_late(tangent.formed(work, sums, frame)));
+            work[tangent.at(to)] = sum.add(sum);
+        }
+        // b dz + z db = da
+        TangentStep::Quotient { da, b, z, db, sums, inverse, to } => {
+            let of_z = state.factors(work, z, tangent, db, frame);
+            let of_b = state.factors(work, b, tangent, to, frame);
+            let sum = of_b.add_late(of_z.add_late(tangent.formed(work, sums, frame)));
+            let sum = of_z.add_ends(of_b.add_left_end_unless_same(sum));
+            let da = da.map_or(V::splat(0.0), |da| work[tangent.at(da)]);
+            work[tangent.start(to) + k] = minus(da, sum).mul(inverse_of(work, inverse));
+        }
+        // z dz = da / 2, and the inverse is that of 2 z_0
+        TangentStep::Sqrt { da, z, sums, inverse, to } => {
+            let factors = state.factors(work, z, tangent, to, frame);
+            let sum = factors.add_left_end_unless_same(factors.add_late(tangent.formed(work, sums, frame)));
+            let rest = sum.neg_mul_add(V::splat(2.0), work[tangent.at(da)]);
+            work[tangent.start(to) + k] = rest.mul(inverse_of(work, inverse));
+        }
+        TangentStep::Integral { w, da, factor, sums, to } => {
+            let factors = state.factors(work, w, tangent, da, frame);
+            let sum = factors.add_ends(factors.add_late(tangent.formed(work, sums, frame)));
+            work[tangent.at(to)] = sum.mul(V::splat(factor));
+        }
+        TangentStep::DividedIntegral { da, factor, divisor, sums, inverse, to } => {
+            let factors = state.factors(work, divisor, tangent, to, frame);
+            let sum = factors.add_left_end_unless_same(factors.add_late(tangent.formed(work, sums, frame)));
+            let right = work[tangent.at(da)].mul(V::splat(factor));
+            work[tangent.start(to) + k] = minus(right, sum).mul(inverse_of(work, inverse));
+        }
+    }
+}

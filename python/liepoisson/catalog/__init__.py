@@ -1,0 +1,85 @@
+"""The named systems of the literature, as system files in the very format that users write, and families of systems.
+
+Each file has its source, its known integrals and reference values; the tests prove the former and compute the latter.
+Importing this module imports neither NumPy nor SymPy.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from liepoisson.catalog.families import (
+    euler_top_on,
+    heavy_top_on,
+    leibniz_top,
+    manakov,
+    reduced_mhd,
+    su_top,
+    twisted_top_on,
+    zeitlin,
+)
+from liepoisson.errors import UnknownNameError
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system import System
+    from liepoisson.exact.system_file import SystemFile
+
+__all__ = [
+    "entry",
+    "euler_top_on",
+    "heavy_top_on",
+    "leibniz_top",
+    "manakov",
+    "names",
+    "path",
+    "reduced_mhd",
+    "su_top",
+    "system",
+    "twisted_top_on",
+    "zeitlin",
+]
+
+_FOLDER = Path(__file__).parent
+
+
+@cache
+def names() -> tuple[str, ...]:
+    """The names of all systems of the catalog, in alphabetical order."""
+    return tuple(sorted(file.stem for file in _FOLDER.glob("*.toml")))
+
+
+def path(name: str) -> Path:
+    """The file of a system: a good start for a file of one's own.
+
+    Raises:
+        UnknownNameError: there is none of this name; the message gives the nearest names.
+    """
+    if name in names():
+        return _FOLDER / f"{name}.toml"
+    from difflib import get_close_matches
+
+    close = get_close_matches(str(name), names(), n=3, cutoff=0.5)
+    hint = f"Did you mean {' or '.join(close)}?" if close else "Try one of these, or the path of a file."
+    raise UnknownNameError(f"there is no system {name!r} in the catalog; known: {', '.join(names())}. {hint}")
+
+
+def entry(name: str) -> SystemFile:
+    """What the catalog knows of a system: bracket, Hamiltonian, parameters, source, integrals, reference values.
+
+    Raises:
+        UnknownNameError: there is none of this name.
+    """
+    from liepoisson.exact.system_file import load_system_file
+
+    return load_system_file(path(name))
+
+
+def system(name: str) -> System:
+    """A system of the catalog, ready to be inspected or integrated.
+
+    Raises:
+        UnknownNameError: there is none of this name.
+    """
+    return entry(name).system()

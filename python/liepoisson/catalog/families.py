@@ -1,0 +1,309 @@
+r"""Families of systems: bodies in n dimensions, truncated fluids, tops on any algebra and of any order.
+
+Each function gives a `System` with its source and the integrals that are known for the whole family.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import combinations
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from liepoisson.errors import ParameterError, ShapeError
+
+if TYPE_CHECKING:
+    from liepoisson.exact.lie_algebra import LieAlgebra
+    from liepoisson.exact.parameters import Parameter
+    from liepoisson.exact.system import System
+
+Pairs: TypeAlias = "Mapping[tuple[int, int], Any]"
+"""Quadratic functions of the state by pairs of indices j < k, counted from 0."""
+
+_EULER = (
+    "V. Arnold, Sur la géométrie différentielle des groupes de Lie de dimension infinie et ses applications à "
+    "l'hydrodynamique des fluides parfaits, Annales de l'Institut Fourier 16 (1966) 319"
+)
+_EXTENSIONS = (
+    "J.-L. Thiffeault and P. J. Morrison, Classification and Casimir invariants of Lie-Poisson brackets, "
+    "Physica D 136 (2000) 205, arXiv:math-ph/9904010"
+)
+
+
+def manakov(n: int, J: Sequence[Parameter] | None = None) -> System:
+    r"""The free rigid body in n dimensions, $\dot M = [M, \Omega]$, $M_{ij} = (J_i + J_j)\,\Omega_{ij}$, on so(n).
+
+    Known integrals: $K_k = \sum_{i<j} M_{ij}^2 \sum_{p+q=k-2} J_i^{2p} J_j^{2q}$, k = 3, ..., n - 1, which are the
+    quadratic coefficients of $\operatorname{tr}(M + \lambda J^2)^k$ up to a factor.  (k = 2 is a Casimir; H and the
+    $K_k$ span that of k = n.  For n > 4 there are integrals of higher degree, which are not listed.)
+
+    Args:
+        n: Dimension of the space, n >= 3.
+        J: The n moments of the body's mass, with nonzero sums $J_i + J_j$; 1, ..., n if left out.
+
+    Raises:
+        ShapeError: `J` does not have n entries.
+        ParameterError: n is too small or too large, or an entry is not exact.
+
+    References: Manakov (1976); Ratiu (1980).
+    """
+    from liepoisson.exact.extensions import trivial
+    from liepoisson.exact.lie_algebras import so
+    from liepoisson.exact.system import System
+
+    bracket = so(n) @ trivial().rename("M")
+    moments = _moments(J, n, "J")
+    pairs = list(combinations(range(n), 2))
+    # The basis of so(3) is that of the cross product: its axes 1, 2, 3 are the planes 23, 13, 12.
+    squares = [x**2 for x in (reversed(bracket.variables) if n == 3 else bracket.variables)]
+    energy, integrals = _difference_quotients(dict(zip(pairs, squares, strict=True)), moments)
+    return System(
+        bracket,
+        energy,
+        name=f"Manakov top of so({n})",
+        integrals=integrals,
+        source="S. V. Manakov, Note on the integration of Euler's equations of the dynamics of an n-dimensional rigid "
+        "body, Functional Analysis and its Applications 10 (1976) 328",
+    )
+
+
+def su_top(n: int, J: Sequence[Parameter] | None = None) -> System:
+    r"""Manakov's top continued to su(n): $H = \tfrac12 \sum_{j<k} (a_{jk}^2 + s_{jk}^2)/(J_j + J_k)$.
+
+    A sectional operator of Mishchenko and Fomenko.  Known integrals: the coordinates $h_k$ of the diagonal, and
+    $K_k = \sum_{i<j} (a_{ij}^2 + s_{ij}^2) \sum_{p+q=k-2} J_i^{2p} J_j^{2q}$, k = 3, ..., n - 1.  For s = h = 0 it is
+    `manakov(n, J)`.
+
+    Args:
+        n: Size of the matrices, n >= 2.
+        J: n numbers with nonzero sums $J_j + J_k$; 1, ..., n if left out.
+
+    Raises:
+        ShapeError: `J` does not have n entries.
+        ParameterError: n is too small or too large, or an entry is not exact.
+
+    References: Mishchenko and Fomenko (1978).
+    """
+    from liepoisson.exact.extensions import trivial
+    from liepoisson.exact.lie_algebras import su
+    from liepoisson.exact.system import System
+
+    bracket = su(n) @ trivial().rename("x")
+    moments = _moments(J, n, "J")
+    pairs = list(combinations(range(n), 2))
+    x, m = bracket.variables, len(pairs)
+    squares = {pair: x[r] ** 2 + x[m + r] ** 2 for r, pair in enumerate(pairs)}
+    energy, integrals = _difference_quotients(squares, moments)
+    diagonal: dict[str, Any] = {f"h{k + 1}": value for k, value in enumerate(x[2 * m :])}
+    return System(
+        bracket,
+        energy,
+        name=f"Manakov top of su({n})",
+        integrals=diagonal | integrals,
+        source="A. S. Mishchenko and A. T. Fomenko, Euler equations on finite-dimensional Lie groups, "
+        "Mathematics of the USSR-Izvestiya 12 (1978) 371",
+    )
+
+
+def zeitlin(N: int) -> System:
+    r"""Euler's equation of the ideal fluid on the torus, truncated to su(N) for odd N: the sine algebra.
+
+    $\dot w_n = \frac{N}{2\pi}\sum_k \sin(2\pi\, n\times k/N)\, w_{n+k} w_{-k}/|k|^2$, indices modulo N; the coordinates
+    are the real and imaginary parts wc10, ws10, ... of the vorticity $w_n$, $H = \tfrac12\sum_n |w_n|^2/|n|^2$.
+
+    Raises:
+        ParameterError: N is not an odd integer from 3 on.
+
+    References: Zeitlin (1991).
+    """
+    from sympy import S
+
+    from liepoisson.exact.extensions import trivial
+    from liepoisson.exact.lie.sine_algebra import sine_energy
+    from liepoisson.exact.lie_algebras import sine
+    from liepoisson.exact.parameters import to_sympy
+    from liepoisson.exact.system import System
+
+    bracket = sine(N) @ trivial().rename("w")
+    terms = (to_sympy(h) * x**2 for h, x in zip(sine_energy(N), bracket.variables, strict=True))
+    return System(
+        bracket,
+        sum(terms, S.Zero),
+        name=f"Zeitlin's truncation to su({N})",
+        source="V. Zeitlin, Finite-mode analogs of 2D ideal hydrodynamics: coadjoint orbits and local canonical "
+        "structure, Physica D 49 (1991) 353",
+    )
+
+
+def reduced_mhd(N: int) -> System:
+    r"""Low-beta reduced magnetohydrodynamics on the torus, truncated to su(N) for odd N.
+
+    The fields are vorticity w and magnetic flux psi, named as in `zeitlin(N)`; the bracket is semidirect and
+    $H = \tfrac12\sum_n (|w_n|^2/|n|^2 + |n|^2 |\psi_n|^2)$.
+
+    Raises:
+        ParameterError: N is not an odd integer from 3 on.
+
+    References: Morrison and Hazeltine (1984); Zeitlin (2005).
+    """
+    from sympy import S
+
+    from liepoisson.exact.extensions import semidirect
+    from liepoisson.exact.lie.sine_algebra import sine_energy
+    from liepoisson.exact.lie_algebras import sine
+    from liepoisson.exact.parameters import to_sympy
+    from liepoisson.exact.system import System
+
+    bracket = sine(N) @ semidirect(2).rename("w", "psi")
+    weights = [to_sympy(h) for h in sine_energy(N)]
+    w, psi = bracket.variables[: len(weights)], bracket.variables[len(weights) :]
+    terms = (h * x**2 + y**2 / h for h, x, y in zip(weights, w, psi, strict=True))
+    return System(
+        bracket,
+        sum(terms, S.Zero),
+        name=f"reduced magnetohydrodynamics on su({N})",
+        source="P. J. Morrison and R. D. Hazeltine, Hamiltonian formulation of reduced magnetohydrodynamics, "
+        "Physics of Fluids 27 (1984) 886; V. Zeitlin, Physics Letters A 339 (2005) 316",
+    )
+
+
+def leibniz_top(
+    n: int, inertia: Sequence[Parameter], vectors: Sequence[Sequence[Parameter]], epsilon: Parameter = 1
+) -> System:
+    r"""The top on so(3) with the Leibniz extension of order n.
+
+    $H = \tfrac12\,\ell\cdot I^{-1}\ell + \sum_{k\ge1} a_k\cdot x_k$, with the fields $x_0 = \ell, x_1, \dots, x_{n-1}$.
+
+    n = 2 is the heavy top, n = 3 the twisted top.
+
+    Args:
+        n: Number of fields.
+        inertia: Principal moments of inertia, nonzero.
+        vectors: Constant vectors $a_1, a_2, \dots$ that couple to $x_1, x_2, \dots$; at most n - 1.
+        epsilon: Strength of the cocycle.
+
+    Raises:
+        ShapeError: a vector does not have 3 components, or there are n or more vectors.
+        ParameterError: a parameter is not exact, or n is too small.
+
+    References: Thiffeault and Morrison (2000, 2001); Musso, Petrera, Ragnisco and Satta (2005).
+    """
+    from liepoisson.exact.extensions import leibniz
+    from liepoisson.exact.lie_algebras import so
+
+    return _top(so(3) @ leibniz(n, epsilon), inertia, vectors, f"Leibniz top of order {n}", _EXTENSIONS)
+
+
+def euler_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter]) -> System:
+    r"""Euler's top on any Lie algebra: $H = \tfrac12 \sum_i \ell_i^2/I_i$.
+
+    Args:
+        algebra: The algebra, or its name as in a system file: "so(2,1)", "su(3)".
+        inertia: One nonzero moment per dimension of the algebra.
+
+    Raises:
+        ShapeError: another number of moments.
+        ParameterError: a moment is not exact or zero.
+
+    References: Arnold (1966).
+    """
+    from liepoisson.exact.extensions import trivial
+
+    return _top(_algebra(algebra) @ trivial(), inertia, (), f"Euler top on {algebra}", _EULER)
+
+
+def heavy_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter], a: Sequence[Parameter]) -> System:
+    r"""The heavy top on any Lie algebra: the semidirect extension, $H = \tfrac12 \sum_i \ell_i^2/I_i + a\cdot\alpha$.
+
+    Arguments and errors are those of `euler_top_on`; `a` has one component per dimension of the algebra.
+    """
+    from liepoisson.exact.extensions import semidirect
+
+    return _top(_algebra(algebra) @ semidirect(2), inertia, (a,), f"heavy top on {algebra}", _EXTENSIONS)
+
+
+def twisted_top_on(
+    algebra: LieAlgebra | str,
+    inertia: Sequence[Parameter],
+    a: Sequence[Parameter],
+    b: Sequence[Parameter] | None = None,
+    epsilon: Parameter = 1,
+) -> System:
+    r"""The twisted top on any Lie algebra, $H = \tfrac12 \sum_i \ell_i^2/I_i + a\cdot\alpha + b\cdot\beta$.
+
+    Arguments and errors are those of `heavy_top_on`; epsilon = 0 is the charged heavy top.
+    """
+    from liepoisson.exact.extensions import leibniz
+
+    vectors = (a,) if b is None else (a, b)
+    return _top(_algebra(algebra) @ leibniz(3, epsilon), inertia, vectors, f"twisted top on {algebra}", _EXTENSIONS)
+
+
+def _algebra(algebra: LieAlgebra | str) -> LieAlgebra:
+    if not isinstance(algebra, str):
+        return algebra
+    from liepoisson.exact.formula.constructors import read_algebra
+
+    return read_algebra(algebra)
+
+
+def _top(
+    bracket: Any, inertia: Sequence[Parameter], vectors: Sequence[Sequence[Parameter]], name: str, source: str
+) -> System:
+    """The system with kinetic energy of the first field and constant vectors that couple to the next ones."""
+    from sympy import S
+
+    from liepoisson.exact.system import System
+
+    n, fields = bracket.algebra.dimension, list(bracket.fields.values())
+    if len(vectors) >= len(fields):
+        raise ShapeError(
+            f"vectors must be at most {len(fields) - 1}, one per field after the first; got {len(vectors)}"
+        )
+    moments = _numbers(inertia, n, "inertia")
+    _check_divisors(moments, "moments of inertia")
+    energy = sum((x**2 / (2 * moment) for x, moment in zip(fields[0], moments, strict=True)), S.Zero)
+    for field, vector in zip(fields[1:], vectors, strict=False):
+        energy += sum((c * x for c, x in zip(_numbers(vector, n, "vector"), field, strict=True)), S.Zero)
+    return System(bracket, energy, name=name, source=source)
+
+
+def _difference_quotients(squares: Pairs, J: list[Any]) -> tuple[Any, dict[str, Any]]:
+    r"""$\tfrac12\sum q_{jk}/(J_j + J_k)$ and the $K_k = \sum q_{jk} \sum_{p+q=k-2} J_j^{2p} J_k^{2q}$, 2 < k < n."""
+    from sympy import S
+
+    _check_divisors([J[j] + J[k] for j, k in squares], "sums J[j] + J[k]")
+    energy = sum((square / (2 * (J[j] + J[k])) for (j, k), square in squares.items()), S.Zero)
+    integrals = {
+        f"K{degree}": sum(
+            (
+                q * J[j] ** (2 * p) * J[k] ** (2 * (degree - 2 - p))
+                for (j, k), q in squares.items()
+                for p in range(degree - 1)
+            ),
+            S.Zero,
+        )
+        for degree in range(3, len(J))
+    }
+    return energy, integrals
+
+
+def _moments(values: Sequence[Parameter] | None, n: int, name: str) -> list[Any]:
+    return _numbers(range(1, n + 1) if values is None else values, n, name)
+
+
+def _numbers(values: Sequence[Parameter], n: int, name: str) -> list[Any]:
+    """Exact numbers (or names), as SymPy expressions."""
+    from liepoisson.exact.parameters import listed, read_parameter, to_sympy
+
+    items = None if isinstance(values, str) else listed(values)
+    if items is None or len(items) != n:
+        got = repr(values) if items is None else f"{len(items)} of them"
+        raise ShapeError(f"{name} must be {n} numbers, one per component; got {got}. Give {n}.")
+    return [to_sympy(read_parameter(value, f"{name}[{k + 1}]")) for k, value in enumerate(items)]
+
+
+def _check_divisors(values: list[Any], what: str) -> None:
+    if zero := [k + 1 for k, value in enumerate(values) if value.is_zero]:
+        raise ParameterError(
+            f"the {what} must not vanish, the energy is divided by them; number {zero[0]} does. Change it."
+        )

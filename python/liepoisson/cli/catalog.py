@@ -1,0 +1,71 @@
+"""The command `liepoisson catalog`: the named systems of the literature."""
+
+from __future__ import annotations
+
+import json
+import re
+import sys
+from enum import StrEnum
+from typing import Annotated, Any
+
+import typer
+
+
+class Format(StrEnum):
+    """How the list is printed."""
+
+    TEXT = "text"
+    JSON = "json"
+
+
+def catalog(
+    *,
+    format_: Annotated[Format, typer.Option("--format", help="For people or for programs.")] = Format.TEXT,
+) -> None:
+    """List the named systems of the literature.
+
+    These are the names that `inspect` and `lyapunov` know, each with its first source.
+
+    The JSON is a list of objects with name, description, source and the path of the file.
+    """
+    from liepoisson.catalog import names, path
+
+    entries = [_heads(path(name)) for name in names()]
+    if format_ is Format.JSON:
+        print(json.dumps(entries, indent=2, ensure_ascii=True))
+        return
+    width = max(len(entry["name"]) for entry in entries)
+    for entry in entries:
+        print(_encodable(f"{entry['name']:<{width}}  {short_source(entry['source'])}"))
+
+
+def short_source(source: str) -> str:
+    """Authors and year of the first work that a citation names: "Thiffeault and Morrison (2001)".
+
+    A citation begins with authors such as "J.-L. Thiffeault and P. J. Morrison"; another beginning is kept as it is.
+    """
+    first = source.partition(";")[0]
+    given = r"(?:[A-ZÀ-Þ]\.(?:-[A-Z]\.)? ?)+"
+    author = rf"{given}([A-ZÀ-Þ][\w’'-]+)(?: \(\d{{4}}\)(?= and ))?"
+    authors = re.match(rf"{author}(?:(?:, | and ){author})*", first)
+    year = re.search(r"\((\d{4})\)", first)
+    if authors is None or year is None:
+        return first if len(first) <= 60 else first[:57] + "..."
+    surnames = re.findall(author, authors.group())
+    listed = " and ".join(filter(None, (", ".join(surnames[:-1]), surnames[-1])))
+    return f"{listed} ({year.group(1)})"
+
+
+def _heads(file: Any) -> dict[str, str]:
+    """What the list needs of a file; its mathematics is not read."""
+    import tomllib
+
+    with file.open("rb") as stream:
+        table = tomllib.load(stream)
+    one_line = {key: " ".join(str(table.get(key, "")).split()) for key in ("name", "description", "source")}
+    return {**one_line, "path": str(file)}
+
+
+def _encodable(text: str) -> str:
+    encoding = sys.stdout.encoding or "ascii"
+    return text.encode(encoding, "replace").decode(encoding)

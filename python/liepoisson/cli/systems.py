@@ -1,0 +1,105 @@
+"""The argument SYSTEM of the commands: a name of the catalog or the path of a system file, with values by --set."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from liepoisson.errors import ParameterError
+
+if TYPE_CHECKING:
+    from liepoisson.exact.hamiltonian import Value
+    from liepoisson.exact.system import System
+    from liepoisson.exact.system_file import SystemFile
+
+SYSTEM_HELP = "A name of the catalog (see `liepoisson catalog`) or the path of a system file (.toml)."
+SET_HELP = "A value for a parameter: --set epsilon=1/3 --set a=1,0,0.  Repeat it for more."
+
+_MOST_SHOWN = 60
+
+
+def read_system(argument: str, settings: Sequence[str] = ()) -> System:
+    """The system that a command is about.
+
+    Args:
+        argument: What the user wrote for SYSTEM.
+        settings: "name=value" for parameters and symbols of the file; vectors with commas.
+
+    Raises:
+        UnknownNameError: it is neither a file nor a name of the catalog.
+        SystemFileError: the file does not describe a system.
+        ParameterError: a setting is not "name=value", or has another shape than the parameter.
+    """
+    return with_settings(read_file(argument), settings).system()
+
+
+def read_file(argument: str) -> SystemFile:
+    """The system file that an argument names: a path if it looks like one or exists, else a name of the catalog.
+
+    Raises:
+        UnknownNameError: it is neither.
+        SystemFileError: the file does not describe a system.
+    """
+    from liepoisson.exact.system_file import load_system_file
+
+    if argument.endswith(".toml") or "/" in argument or "\\" in argument or Path(argument).is_file():
+        return load_system_file(argument)
+    from liepoisson.catalog import entry
+
+    return entry(argument)
+
+
+def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
+    """The file with other values for some parameters, and with values for symbols that had none.
+
+    Raises:
+        ParameterError: a name that the file does not have, or a value of another shape.
+    """
+    from liepoisson.exact.formula.scope import read_declaration
+
+    values = dict(file.parameters)
+    declared = {read_declaration(symbol)[0]: symbol for symbol in file.symbols}
+    for setting in settings:
+        name, value = _read_setting(setting)
+        if name not in file.scope.shapes:
+            known = ", ".join(file.scope.shapes) or "none"
+            raise ParameterError(f"--set must name a parameter of {file.name!r}; got {name!r}. Known: {known}.")
+        wanted, got = file.scope.shapes[name], (len(value),) if isinstance(value, tuple) else ()
+        if wanted != got:
+            raise ParameterError(
+                f"--set {name} must have {_words(wanted)}; got {_words(got)}. {_example(name, wanted)}"
+            )
+        values[name] = value
+        declared.pop(name, None)
+    return replace(file, parameters=values, symbols=tuple(declared.values())) if settings else file
+
+
+def _read_setting(setting: str) -> tuple[str, Value]:
+    from liepoisson.exact.expression import evaluate, parse
+    from liepoisson.exact.formula.scope import Scope
+
+    name, sign, text = (part.strip() for part in setting.partition("="))
+    if not (name and sign and text):
+        raise ParameterError(f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. Write --set epsilon=1.")
+    is_vector = "," in text or text.startswith("[")
+    items = text.removeprefix("[").removesuffix("]").split(",") if is_vector else [text]
+    numbers = tuple(evaluate(parse(item.strip()), item.strip(), Scope()) for item in items)
+    return name, numbers if is_vector else numbers[0]
+
+
+def _words(shape: tuple[int, ...]) -> str:
+    match len(shape):
+        case 0:
+            return "one number"
+        case 1:
+            return f"{shape[0]} components"
+        case _:
+            return "a matrix"
+
+
+def _example(name: str, shape: tuple[int, ...]) -> str:
+    if len(shape) > 1:
+        return "Write the matrix into a system file."
+    return f"Write --set {name}={','.join(['1'] + ['0'] * (shape[0] - 1)) if shape else '1'}."

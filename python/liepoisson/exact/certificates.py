@@ -1,0 +1,204 @@
+r"""Proofs about a bracket as objects that say what was computed: the Jacobi identity and the rank."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import combinations
+from math import comb, lcm
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.linear_algebra import rank
+from liepoisson.exact.parameters import Exact, is_zero, to_sympy
+from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.bracket import Bracket
+
+_FORWARD = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
+
+
+@dataclass(frozen=True)
+class Failure:
+    r"""A pair or a triple of coordinates at which antisymmetry or the Jacobi identity fails.
+
+    Attributes:
+        coordinates: Their names.
+        residual: $\{x_i, x_j\} + \{x_j, x_i\}$ for a pair, the cyclic sum of $\{\{x_i, x_j\}, x_k\}$ for a triple.
+    """
+
+    coordinates: tuple[str, ...]
+    residual: Expr
+
+    def __str__(self) -> str:
+        law = "antisymmetry" if len(self.coordinates) == 2 else "the Jacobi identity"
+        return f"{law} fails for ({', '.join(self.coordinates)}): {self.residual} instead of 0"
+
+
+@dataclass(frozen=True)
+class JacobiCertificate:
+    """Whether the bracket is antisymmetric and obeys the Jacobi identity, decided entry by entry.
+
+    Attributes:
+        holds: The verdict.
+        n_triples: Number of triples i < j < k of coordinates.
+        method: What was computed, in words.
+        failures: The first pair or triple that fails; empty if the identity holds.
+    """
+
+    holds: bool
+    n_triples: int
+    method: str
+    failures: tuple[Failure, ...] = ()
+
+    def __str__(self) -> str:
+        return f"Jacobi identity proved ({self.method})" if self.holds else "; ".join(str(f) for f in self.failures)
+
+
+@dataclass(frozen=True)
+class RankCertificate:
+    """Bounds of the rank of the Poisson tensor at a generic point.
+
+    Attributes:
+        lower: Rank at one point, hence proved.
+        upper: Number of coordinates minus the independent Casimirs found, or the largest even number; proved.
+        dimension: Number of coordinates.
+        method: Where the bounds come from, in words.
+    """
+
+    lower: int
+    upper: int
+    dimension: int
+    method: str
+
+    @property
+    def proved(self) -> bool:
+        """Whether the bounds meet."""
+        return self.lower == self.upper
+
+    def __str__(self) -> str:
+        if self.proved:
+            return f"rank {self.lower} proved ({self.method})"
+        return f"rank at least {self.lower}, at most {self.upper} ({self.method})"
+
+
+def jacobi_certificate(tensor: LinearPoissonTensor, names: tuple[str, ...]) -> JacobiCertificate:
+    """Antisymmetry of all pairs, then the Jacobi identity of all triples of coordinates, from the entries."""
+    n_triples = comb(tensor.dimension, 3)
+    counted = {0: "pairs; there are no triples", 1: "the one triple"}.get(n_triples, f"all {n_triples} triples")
+    method = f"computed: {counted} of coordinates"
+
+    def failed(indices: tuple[int, ...], residual: dict[int, Any]) -> JacobiCertificate:
+        coordinates = tuple(names[i] for i in indices)
+        # For pairs linear, for triples quadratic in the coefficients of the bracket.
+        failure = Failure(coordinates, _form(tensor, residual, names, len(indices) - 1))
+        return JacobiCertificate(False, n_triples, method, (failure,))
+
+    for i, row in enumerate(tensor.rows):
+        for j in row:
+            if residual := _nonzero(tensor, _collect((*row[j], *tensor.rows[j].get(i, ())))):
+                return failed((i, j), residual)
+    rows, scale = _integers(tensor)
+    times = _remembered_products()
+    for triple in combinations(range(tensor.dimension), 3):
+        if residual := _nonzero(tensor, _cyclic_sum(rows, triple, times)):
+            square = None if scale is None else scale**2
+            exact = residual if square is None else {m: Fraction(v, square) for m, v in residual.items()}
+            return failed(triple, exact)
+    return JacobiCertificate(True, n_triples, method)
+
+
+def _cyclic_sum(rows: Any, triple: tuple[int, int, int], times: Callable[[Any, Any], Any]) -> dict[int, Any]:
+    total: dict[int, Any] = {}
+    for a, b, c in _FORWARD:
+        for m, u in rows[triple[a]].get(triple[b], ()):
+            for k, v in rows[m].get(triple[c], ()):
+                product = times(u, v)
+                total[k] = total[k] + product if k in total else product
+    return {k: value for k, value in total.items() if value}
+
+
+def _nonzero(tensor: LinearPoissonTensor, residual: dict[int, Any]) -> dict[int, Any]:
+    """What is left after the relations that the field hides."""
+    return {m: value for m, value in residual.items() if not tensor.field.vanishes(value)}
+
+
+def _integers(tensor: LinearPoissonTensor) -> tuple[Any, int | None]:
+    """The coefficients multiplied by their common denominator, which is faster; over other fields as they are."""
+    if not tensor.field.is_rational:
+        return tensor.rows, None
+    scale = lcm(*(c.denominator for *_, c in tensor.terms()))
+    return [{j: [(m, int(c * scale)) for m, c in form] for j, form in row.items()} for row in tensor.rows], scale
+
+
+def _remembered_products() -> Callable[[Any, Any], Any]:
+    """Multiplication that remembers: structure constants have few different values, and some are slow to multiply."""
+    known: dict[tuple[int, int], tuple[Any, Any, Any]] = {}
+
+    def times(u: Any, v: Any) -> Any:
+        if isinstance(u, int):
+            return u * v
+        key = id(u), id(v)
+        if key not in known:
+            known[key] = u, v, u * v  # the factors are kept alive, so that their ids stay theirs
+        return known[key][2]
+
+    return times
+
+
+def _collect(form: tuple[tuple[int, Any], ...]) -> dict[int, Any]:
+    total: dict[int, Any] = {}
+    for m, c in form:
+        total[m] = total[m] + c if m in total else c
+    return {m: c for m, c in total.items() if c}
+
+
+def _form(tensor: LinearPoissonTensor, residual: dict[int, Any], names: tuple[str, ...], degree: int) -> Expr:
+    from sympy import S, Symbol
+
+    terms = (tensor.field.to_sympy(c, degree) * Symbol(names[m]) for m, c in residual.items())
+    return sum(terms, S.Zero)
+
+
+def rank_at(dimension: int, terms: Sequence[tuple[int, int, int, Exact]], point: Sequence[Exact]) -> int:
+    """The exact rank at a point; parameters in the terms are generic.
+
+    Args:
+        dimension: Number of coordinates.
+        terms: All (i, j, m, c) with J_ij the sum of c x_m.
+        point: One exact number per coordinate.
+    """
+    sums: dict[tuple[int, int], list[Exact]] = {}
+    for i, j, m, c in terms:
+        if not is_zero(point[m]):
+            sums.setdefault((i, j), []).append(_times(c, point[m]))
+    field = Coefficients.containing(value for values in sums.values() for value in values)
+    rows: list[dict[int, Any]] = [{} for _ in range(dimension)]
+    for (i, j), values in sums.items():
+        elements = [field.read(value) for value in values]
+        if total := sum(elements[1:], elements[0]):
+            rows[i][j] = total
+    return rank([row for row in rows if row], field)
+
+
+def rank_certificate(bracket: Bracket) -> RankCertificate:
+    """Bounds of the generic rank: from below J at one point, from above the Casimirs, or that the rank is even."""
+    from liepoisson.exact.casimirs import independent_casimirs
+
+    N, lower = bracket.dimension, bracket.tensor.rank_at_a_point
+    even = N - N % 2
+    if lower == even:
+        return RankCertificate(lower, even, N, f"J has rank {lower} at one point, and no antisymmetric matrix has more")
+    n = independent_casimirs(bracket)
+    method = f"J has rank {lower} at one point; {n} of {N} directions are gradients of independent Casimirs"
+    return RankCertificate(lower, min(even, N - n), N, method)
+
+
+def _times(c: Exact, value: Exact) -> Exact:
+    if isinstance(c, Fraction) and isinstance(value, Fraction):
+        return c * value
+    return to_sympy(c) * to_sympy(value)

@@ -1,0 +1,330 @@
+"""The meaning of formulas: names, vectors, matrices and functions, read into SymPy expressions.
+
+A formula is a scalar built from the fields of a bracket (vectors: `l`), their components (`l[1]`, or `l1` for short),
+parameters (numbers, vectors, matrices) and symbols.  The functions:
+
+    dot(u, v)  cross(u, v)  norm(v)  diag(v)  inv(M)  transpose(M)  trace(M)
+    sqrt exp log sin cos tan sinh cosh tanh asin acos atan, and the constant pi
+
+`inv` of a vector v is the inverse of diag(v), as in `dot(l, inv(I)*l)/2`.  What is not smooth is refused, and
+so is what can not be read in bounded time.  The grammar is in `liepoisson.exact.formula.grammar`; no text is ever run
+as code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.errors import ExpressionError
+from liepoisson.exact.formula.arithmetic import ELEMENTARY_FUNCTIONS, Arithmetic, RefusedError
+from liepoisson.exact.formula.grammar import (
+    Call,
+    Component,
+    Name,
+    Negative,
+    Node,
+    Number,
+    Power,
+    Product,
+    Sum,
+    names_in,
+    parse,
+)
+from liepoisson.exact.formula.scope import CONSTANTS, FUNCTIONS, Scope, component_name
+from liepoisson.exact.formula.tensor_arithmetic import (
+    MATRIX_FUNCTIONS,
+    Matrix,
+    TensorArithmetic,
+    Value,
+    Vector,
+    kind_of,
+    shape_of,
+)
+from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+__all__ = ["FUNCTIONS", "Formula", "Scope", "check_names", "evaluate", "parse", "read_expression", "read_formula"]
+
+_NOT_SMOOTH = {
+    *("abs", "fabs", "sign", "sgn", "min", "max", "floor", "ceil", "ceiling", "round", "trunc", "int", "frac", "fract"),
+    *("mod", "fmod", "heaviside", "step", "theta", "piecewise", "where", "if", "relu", "delta", "dirac"),
+}
+_INSTEAD = {
+    "ln": "log(x)",
+    "pow": "x^y",
+    "arcsin": "asin(x)",
+    "arccos": "acos(x)",
+    "arctan": "atan(x)",
+    "sec": "1/cos(x)",
+    "csc": "1/sin(x)",
+    "cot": "cos(x)/sin(x)",
+    "inverse": "inv(M)",
+}
+
+
+@dataclass(frozen=True)
+class Formula:
+    """A formula that has been read.
+
+    Attributes:
+        expression: With the parameters as symbols: those of a vector I are I1, I2, ...
+        value: With the values of the parameters inserted.
+        names: The fields, parameters and symbols that occur.
+    """
+
+    expression: Expr
+    value: Expr
+    names: frozenset[str]
+
+
+def read_formula(text: str, scope: Scope) -> Formula:
+    """Read a formula, with the parameters as symbols and with their values.
+
+    Raises:
+        ExpressionError: not in the grammar, an unknown name, shapes that do not fit, a function that is not smooth, a
+            value that is not finite and real, or too large a formula; with the position.
+    """
+    tree = parse(text)
+    value = _read(tree, text, scope, insert_values=True)
+    expression = _read(tree, text, scope, insert_values=False) if scope.parameters else value
+    names = frozenset(owner for name in names_in(tree) if (owner := scope.owner(name)) is not None)
+    return Formula(expression, value, names)
+
+
+def read_expression(text: str, scope: Scope, *, insert_values: bool = False) -> Expr:
+    """Read a formula into a SymPy expression in plain symbols.
+
+    Args:
+        text: The formula.
+        scope: The names that it may use.
+        insert_values: Insert the values of the parameters; otherwise they stay symbols (I1, I2, I3 for a vector I).
+            The formula is checked with the values inserted either way.
+
+    Raises:
+        ExpressionError: as in `read_formula`.
+    """
+    formula = read_formula(text, scope)
+    return formula.value if insert_values else formula.expression
+
+
+def evaluate(tree: Node, text: str, scope: Scope) -> Exact:
+    """The scalar that a part of a formula stands for, with the values of the parameters inserted.
+
+    A rational number comes as a Fraction, and SymPy is then not imported.
+
+    Raises:
+        ExpressionError: as in `read_formula`.
+    """
+    return _evaluated(tree, text, scope, insert_values=True)
+
+
+def check_names(tree: Node, text: str, scope: Scope) -> frozenset[str]:
+    """The owners of all names in a formula; does not import SymPy.
+
+    Raises:
+        ExpressionError: a name is unknown.
+    """
+    owners: set[str] = set()
+    for name, position in names_in(tree).items():
+        owner = scope.owner(name)
+        if owner is None and name not in CONSTANTS:
+            raise ExpressionError(_unknown_name(name, scope), text, position)
+        if owner is not None:
+            owners.add(owner)
+    return frozenset(owners)
+
+
+def _read(tree: Node, text: str, scope: Scope, *, insert_values: bool) -> Expr:
+    return to_sympy(_evaluated(tree, text, scope, insert_values=insert_values))
+
+
+def _evaluated(tree: Node, text: str, scope: Scope, *, insert_values: bool) -> Exact:
+    reader = _Reader(text, scope, insert_values=insert_values)
+    try:
+        return reader.read(tree)
+    except RecursionError:  # SymPy calls itself for each level of nesting, and so may the caller have done
+        raise ExpressionError("the formula is nested too deeply. Simplify it", text, tree.position) from None
+
+
+class _Reader:
+    """Turns a tree into a value, from the leaves up."""
+
+    def __init__(self, text: str, scope: Scope, *, insert_values: bool) -> None:
+        self.text = text
+        self.scope = scope
+        self.insert_values = insert_values
+        self.scalars = Arithmetic()
+        self.tensors = TensorArithmetic(self.scalars)
+        self.rules: dict[type[Node], Callable[[Any, Sequence[Value]], Value]] = {
+            Number: lambda node, _: node.value,
+            Name: self.named,
+            Sum: self.sum,
+            Product: self.product,
+            Negative: self.negative,
+            Power: self.power,
+            Component: self.component,
+            Call: self.call,
+        }
+
+    def read(self, tree: Node) -> Exact:
+        waiting, values = [(tree, False)], list[Value]()  # a stack of our own: long formulas must not fill Python's
+        while waiting:
+            node, children_are_read = waiting.pop()
+            if children_are_read:
+                first = len(values) - len(node.children)
+                values[first:] = [self.value(node, values[first:])]
+            else:
+                waiting.append((node, True))
+                waiting.extend((child, False) for child in reversed(node.children))
+        if isinstance(values[0], (Vector, Matrix)):
+            message = f"a formula must be a scalar; got {kind_of(values[0])}. Write for example dot(u, v)"
+            raise self.error(message, tree.position)
+        return values[0]
+
+    def value(self, node: Node, parts: Sequence[Value]) -> Value:
+        """The value of a node, given those of its children."""
+        try:
+            return self.rules[type(node)](node, parts)
+        except RefusedError as refusal:
+            raise self.error(str(refusal), node.position) from None
+
+    def negative(self, _node: Negative, parts: Sequence[Value]) -> Value:
+        return self.tensors.times(Fraction(-1), parts[0])
+
+    def named(self, node: Name, _parts: Sequence[Value] = ()) -> Value:
+        name = node.name
+        if name in self.scope.fields:
+            return Vector(tuple(_symbol(f"{name}{component}") for component in self.scope.fields[name]))
+        if name in self.scope.shapes:
+            return self.parameter(name)
+        if name in self.scope.components:
+            owner, index = self.scope.components[name]
+            whole = self.scope.values.get(owner) if self.insert_values else None
+            return _symbol(name) if whole is None else _entry(whole, index)
+        if name in CONSTANTS:
+            from sympy import pi
+
+            return pi
+        raise self.error(_unknown_name(name, self.scope), node.position)
+
+    def parameter(self, name: str) -> Value:
+        """A parameter by its value, or by symbols."""
+        shape = self.scope.shapes[name]
+        value = self.scope.values.get(name) if self.insert_values else None
+
+        def entry(*index: int) -> Exact:
+            return _symbol(component_name(name, index, shape)) if value is None else _entry(value, index)
+
+        if not shape:
+            return entry()
+        if len(shape) == 1:
+            return Vector(tuple(entry(i) for i in range(1, shape[0] + 1)))
+        rows, columns = shape
+        return Matrix(tuple(tuple(entry(i, j) for j in range(1, columns + 1)) for i in range(1, rows + 1)))
+
+    def sum(self, node: Sum, terms: Sequence[Value]) -> Value:
+        for term, position in zip(terms, node.positions, strict=True):
+            if kind_of(term) != kind_of(terms[0]):
+                message = f"terms of a sum must have one shape; got {kind_of(terms[0])} and {kind_of(term)}"
+                raise self.error(message, position)
+        signed = [
+            self.tensors.times(Fraction(-1), t) if s == "-" else t for s, t in zip(node.signs, terms, strict=True)
+        ]
+        return self.tensors.sum(signed)
+
+    def product(self, node: Product, factors: Sequence[Value]) -> Value:
+        scalars: list[Exact] = []
+        tensor: Vector | Matrix | None = None
+        for factor, operator, position in zip(factors, node.operators, node.positions, strict=True):
+            try:
+                if operator == "/":
+                    scalars.append(self.scalars.reciprocal(self.tensors.as_divisor(factor)))
+                elif not isinstance(factor, (Vector, Matrix)):
+                    scalars.append(factor)
+                else:
+                    tensor = factor if tensor is None else self.tensors.product(tensor, factor)
+            except RefusedError as refusal:
+                raise self.error(str(refusal), position) from None
+        scalar = self.scalars.product(scalars)
+        return scalar if tensor is None else self.tensors.times(scalar, tensor)
+
+    def power(self, node: Power, parts: Sequence[Value]) -> Value:
+        base, exponent = parts
+        if isinstance(base, (Vector, Matrix)) or isinstance(exponent, (Vector, Matrix)):
+            kind = kind_of(base if isinstance(base, (Vector, Matrix)) else exponent)
+            raise RefusedError(
+                f"a power must be one of scalars; got {kind}. Write dot(v, v) for the square of a vector"
+            )
+        if symbols_of(exponent) & self.scope.coordinates():
+            raise self.error("an exponent must not depend on the state. Write exp(y*log(x)) for x^y", node.position)
+        return self.scalars.power(base, exponent)
+
+    def component(self, node: Component, parts: Sequence[Value]) -> Value:
+        whole = parts[0]
+        shape = shape_of(whole)
+        if len(shape) != len(node.indices):
+            hint = f"one with {len(shape)}" if shape else "nothing of the kind"
+            raise RefusedError(
+                f"a vector has components with one index and a matrix with two; got {kind_of(whole)}, which has {hint}"
+            )
+        if any(i > n for i, n in zip(node.indices, shape, strict=True)):
+            raise RefusedError(f"an index must not exceed the shape; got {list(node.indices)} for {kind_of(whole)}")
+        return _entry(_entries(whole), node.indices)
+
+    def call(self, node: Call, arguments: Sequence[Value]) -> Value:
+        name = node.function
+        if name in MATRIX_FUNCTIONS:
+            return self.tensors.apply(name, arguments)
+        if name not in ELEMENTARY_FUNCTIONS:
+            raise self.error(_unknown_function(name, self.scope), node.position)
+        if len(arguments) != 1 or isinstance(arguments[0], (Vector, Matrix)):
+            got = " and ".join(map(kind_of, arguments)) or "nothing"
+            raise RefusedError(f"{name} takes one scalar; got {got}")
+        return self.scalars.apply(name, arguments[0])
+
+    def error(self, message: str, position: int) -> ExpressionError:
+        return ExpressionError(message, self.text, position)
+
+
+def _symbol(name: str) -> Symbol:
+    from sympy import Symbol
+
+    return Symbol(name)
+
+
+def _entry(values: object, index: tuple[int, ...]) -> Exact:
+    """The entry of nested tuples at an index counted from 1."""
+    entry: Any = values
+    for i in index:
+        entry = entry[i - 1]
+    return entry
+
+
+def _entries(value: Value) -> object:
+    if isinstance(value, Vector):
+        return value.entries
+    return value.rows if isinstance(value, Matrix) else value
+
+
+def _unknown_name(name: str, scope: Scope) -> str:
+    if name in FUNCTIONS:
+        return f"{name} is a function and needs its arguments. Write {name}(...)"
+    return f"the name {name!r} is unknown. {scope.suggestion(name)}"
+
+
+def _unknown_function(name: str, scope: Scope) -> str:
+    if scope.owner(name) or name in CONSTANTS:
+        return f"{name} is no function. Write {name}*(...) for a product, {name}[1] for a component"
+    if name.lower() in _NOT_SMOOTH:
+        return f"{name} is not smooth, and the equations of motion need derivatives. Use smooth functions only"
+    if name.lower() in _INSTEAD:
+        return f"the function {name!r} is unknown. Write {_INSTEAD[name.lower()]}"
+    near = get_close_matches(name, FUNCTIONS, n=1)
+    hint = f"Did you mean {near[0]}? " if near else ""
+    return f"the function {name!r} is unknown. {hint}Known are {', '.join(FUNCTIONS)}"

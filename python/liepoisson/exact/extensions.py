@@ -1,0 +1,120 @@
+r"""Named extensions: trivial, semidirect, Leibniz, compressible reduced magnetohydrodynamics.
+
+References: Thiffeault and Morrison, Physica D 136 (2000) 205; Hazeltine, Kotschenreuther and Morrison, Phys. Fluids 28
+(1985) 2466; Thiffeault and Morrison (2001) for the twisted top.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from numbers import Integral
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.extension import Extension, Products
+from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, to_sympy
+
+_MOST_FIELDS = 100  # J has (n dim g)^2 entries; the largest system of the literature known to us has six fields
+
+
+def trivial() -> Extension:
+    r"""The one-dimensional algebra $\mathbb R$, $e_0 e_0 = e_0$: g (x) R = g, one field."""
+    return Extension.from_products(1, {(0, 0): {0: 1}}, name="trivial")
+
+
+def leibniz(n: int, epsilon: Parameter = 1) -> Extension:
+    r"""The Leibniz extension of order n: $\mathbb R[z]/(z^n)$, with the products of non-units scaled by epsilon.
+
+    $e_0 e_\mu = e_\mu$ and $e_\mu e_\nu = \epsilon\, e_{\mu+\nu}$ for $\mu, \nu \ge 1$, zero when $\mu + \nu \ge n$.
+    For n = 3 the only cocycle is $e_1 e_1 = \epsilon e_2$: the twisted top.
+
+    Args:
+        n: Number of fields, 1 to 100.
+        epsilon: Strength of the cocycle; 0 gives `semidirect(n)`.
+
+    Raises:
+        ParameterError: n is not in the range, or epsilon is not exact.
+    """
+    strength = read_parameter(epsilon, "epsilon")
+    shown = f"epsilon = {strength}" if isinstance(strength, Fraction) else f"{strength}"
+    return _graded(n, strength, f"Leibniz({n}, {shown})")
+
+
+def semidirect(n: int) -> Extension:
+    r"""The semidirect product with n - 1 passive fields: $e_0 e_\mu = e_\mu$, all other products zero.
+
+    For n = 3: the charged heavy top.
+
+    Raises:
+        ParameterError: n is not in 1..100.
+    """
+    return _graded(n, Fraction(0), f"semidirect({n})")
+
+
+def crmhd(beta_e: Parameter = "beta_e") -> Extension:
+    r"""Compressible reduced magnetohydrodynamics: fields omega, v, p, psi with $e_1 e_2 = -\beta_e\, e_3$.
+
+    $e_0$ is the unit; $\omega$ is the vorticity, v the parallel velocity, p the pressure and psi the magnetic flux.
+    In the plasma g is the algebra of functions of the plane with the canonical bracket; with so(3) in its place the
+    Casimirs are $\psi\cdot\psi$, $v\cdot\psi$, $p\cdot\psi$ and $v\cdot p - \beta_e\, \omega\cdot\psi$.
+
+    Args:
+        beta_e: Electron beta, a parameter of compressibility.
+
+    Raises:
+        ParameterError: beta_e is not exact.
+
+    References: Hazeltine, Kotschenreuther and Morrison (1985); Thiffeault and Morrison (2000).
+    """
+    strength = read_parameter(beta_e, "beta_e")
+    shown = f"beta_e = {strength}" if isinstance(strength, Fraction) else f"{strength}"
+    products = _with_unit(4, {(1, 2): {3: -strength}}, strength)
+    return Extension.from_products(4, products, f"CRMHD({shown})", ("omega", "v", "p", "psi"), check=False)
+
+
+def normal_form(n: int, k: int) -> Extension:
+    """The k-th normal form of local algebras of dimension n, counted from 1; see `normal_forms.normal_forms`.
+
+    Raises:
+        ParameterError: n is not in 1..5, or k is not the number of a form.
+    """
+    from liepoisson.exact.normal_forms import normal_forms
+
+    forms = normal_forms(n)
+    if isinstance(k, bool) or not isinstance(k, Integral) or not 1 <= k <= len(forms):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(
+            f"there are {len(forms)} normal forms of dimension {n}, counted from 1; got k = {k!r}. "
+            f"They are {', '.join(form.name for form in forms)}."
+        )
+    return forms[k - 1]
+
+
+EXTENSIONS: dict[str, Callable[..., Extension]] = {
+    "trivial": trivial,
+    "semidirect": semidirect,
+    "leibniz": leibniz,
+    "crmhd": crmhd,
+    "normal_form": normal_form,
+}
+"""Constructors by the name that system files use."""
+
+
+def _graded(n: int, strength: Exact, name: str) -> Extension:
+    _check_field_count(n)
+    cocycle: Products = {(i, j): {i + j: strength} for i in range(1, n) for j in range(i, n) if i + j < n}
+    # The products are those of powers of z, or zero: associative, which tests verify.
+    return Extension.from_products(n, _with_unit(n, cocycle, strength), name, check=False)
+
+
+def _with_unit(n: int, products: Products, like: Exact) -> Products:
+    """Add the unit e_0, with the type of number of `like`; leave out products that vanish."""
+    one = Fraction(1) if isinstance(like, Fraction) else to_sympy(Fraction(1))
+    unit: Products = {(0, m): {m: one} for m in range(n)}
+    return unit | {pair: row for pair, row in products.items() if not any(is_zero(v) for v in row.values())}
+
+
+def _check_field_count(n: object) -> None:
+    if isinstance(n, bool) or not isinstance(n, Integral) or n < 1:
+        raise ParameterError(f"an extension needs n >= 1 fields; got n = {n!r}. Use n = 3 for the twisted top.")
+    if int(n) > _MOST_FIELDS:
+        raise ParameterError(f"an extension has at most {_MOST_FIELDS} fields here; got n = {n}. Use fewer.")

@@ -1,0 +1,1 @@
+"""Under the formulas and files that users write: grammar, names, bounded arithmetic, TOML."""

@@ -1,0 +1,109 @@
+"""Lie algebras and extensions by name, as a system file writes them: "so(3) + so(3)", "leibniz(3, epsilon)".
+
+The text is read with the grammar of formulas; only the registered constructors can be called.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from difflib import get_close_matches
+from fractions import Fraction
+from inspect import signature
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+from liepoisson.errors import ExpressionError, LiePoissonError
+from liepoisson.exact.expression import evaluate
+from liepoisson.exact.formula.grammar import Call, Name, Node, Sum, parse
+from liepoisson.exact.formula.scope import Scope
+
+if TYPE_CHECKING:
+    from liepoisson.exact.extension import Extension
+    from liepoisson.exact.lie_algebra import LieAlgebra
+
+T = TypeVar("T")
+
+
+def read_algebra(text: str, symbols: Sequence[str] = ()) -> LieAlgebra:
+    """Read a Lie algebra: so(3), so(2,1), su(5), ..., or a direct sum so(3) + so(3).
+
+    Args:
+        text: A constructor of `ALGEBRAS` with its arguments, or a sum of such.
+        symbols: Names that an argument may use, as they are declared in system files ("epsilon", "a[3]").
+
+    Raises:
+        ExpressionError: not such a text, an unknown constructor, arguments that it does not take; with the position.
+    """
+    from liepoisson.exact.lie_algebras import ALGEBRAS
+
+    return _read(text, _Registry("Lie algebra", ALGEBRAS, "so(3)"), symbols)
+
+
+def read_extension(text: str, symbols: Sequence[str] = ()) -> Extension:
+    """Read an extension: leibniz(3, epsilon), semidirect(3), ..., or a direct sum trivial() + trivial().
+
+    Args:
+        text: A constructor of `EXTENSIONS` with its arguments, or a sum of such.
+        symbols: Names that an argument may use, as they are declared in system files ("epsilon", "a[3]").
+
+    Raises:
+        ExpressionError: not such a text, an unknown constructor, arguments that it does not take; with the position.
+    """
+    from liepoisson.exact.extensions import EXTENSIONS
+
+    return _read(text, _Registry("extension", EXTENSIONS, "leibniz(3, epsilon)"), symbols)
+
+
+@dataclass(frozen=True)
+class _Registry(Generic[T]):
+    """Constructors by name, what they construct, and an example."""
+
+    kind: str
+    constructors: Mapping[str, Callable[..., T]]
+    example: str
+
+
+def _read(text: str, registry: _Registry[T], symbols: Sequence[str]) -> T:
+    tree = parse(text)
+    terms = tree.children if isinstance(tree, Sum) else (tree,)
+    if isinstance(tree, Sum) and "-" in tree.signs:
+        position = tree.positions[tree.signs.index("-")]
+        raise ExpressionError(f"a direct sum is written with +; got '-'. Write {registry.example}", text, position)
+    scope = Scope(symbols=symbols)
+    built = [_build(term, text, registry, scope) for term in terms]
+    total: Any = built[0]
+    for summand in built[1:]:
+        total = total + summand
+    return total
+
+
+def _build(node: Node, text: str, registry: _Registry[T], scope: Scope) -> T:
+    if not isinstance(node, Call):
+        hint = (
+            f"{node.name}(...)" if isinstance(node, Name) and node.name in registry.constructors else registry.example
+        )
+        message = f"this {registry.kind} must be a name with its arguments in brackets. Write for example {hint}"
+        raise ExpressionError(message, text, node.position)
+    constructor = registry.constructors.get(node.function)
+    if constructor is None:
+        near = get_close_matches(node.function, registry.constructors, n=1)
+        hint = f"Did you mean {near[0]}? " if near else ""
+        known = ", ".join(registry.constructors)
+        message = f"the {registry.kind} {node.function!r} is unknown. {hint}Known are {known}"
+        raise ExpressionError(message, text, node.position)
+    arguments = [_argument(child, text, scope) for child in node.children]
+    try:
+        signature(constructor).bind(*arguments)
+    except TypeError as error:
+        wanted = f"{node.function}({', '.join(signature(constructor).parameters)})"
+        raise ExpressionError(f"{error} for {wanted}. Correct the arguments", text, node.position) from None
+    try:
+        return constructor(*arguments)
+    except LiePoissonError as error:
+        raise ExpressionError(str(error).removesuffix("."), text, node.position) from error
+
+
+def _argument(node: Node, text: str, scope: Scope) -> object:
+    """A whole number as int, another rational number as Fraction, anything else as an expression in symbols."""
+    value = evaluate(node, text, scope)
+    return int(value) if isinstance(value, Fraction) and value.denominator == 1 else value

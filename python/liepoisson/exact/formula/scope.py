@@ -1,0 +1,149 @@
+"""The names that a formula may use: coordinates, parameters with their values, symbols without."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from difflib import get_close_matches
+from itertools import product
+from typing import TYPE_CHECKING, TypeAlias
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.formula.arithmetic import ELEMENTARY_FUNCTIONS
+from liepoisson.exact.formula.tensor_arithmetic import MATRIX_FUNCTIONS
+from liepoisson.exact.hamiltonian import GivenValue, Value, read_values
+
+if TYPE_CHECKING:
+    from liepoisson.exact.bracket import Bracket
+
+FUNCTIONS: tuple[str, ...] = (*MATRIX_FUNCTIONS, *ELEMENTARY_FUNCTIONS)
+CONSTANTS = ("pi",)
+
+Shape: TypeAlias = tuple[int, ...]
+"""() for a scalar, (n,) for a vector, (m, n) for a matrix."""
+
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]{0,99}")
+_DECLARATION = re.compile(r"([A-Za-z_][A-Za-z_0-9]{0,99})(?:\[ *([1-9][0-9]{0,2}) *(?:, *([1-9][0-9]{0,2}) *)?\])?")
+
+
+@dataclass(frozen=True)
+class Scope:
+    """The names that a formula may use.
+
+    Attributes:
+        fields: The names of the components of each field: {"l": ("1", "2", "3")} for l1, l2, l3.
+        parameters: Values by name: a scalar, a vector (a sequence) or a matrix (a sequence of rows).
+        symbols: Parameters without a value, as they are declared: "epsilon", "a[3]" for a vector, "A[3,3]".
+        shapes: Shapes of the parameters and symbols, by name.
+        components: Components by their short form, with their owner and their indices: l1 is ("l", (1,)).
+
+    Raises:
+        ParameterError: a name is reserved, not an identifier, or stands for two things; a value is not exact.
+    """
+
+    fields: Mapping[str, Sequence[str]] = field(default_factory=dict[str, Sequence[str]])
+    parameters: Mapping[str, GivenValue] = field(default_factory=dict[str, GivenValue])
+    symbols: Sequence[str] = ()
+    shapes: Mapping[str, Shape] = field(init=False, repr=False)
+    components: Mapping[str, tuple[str, Shape]] = field(init=False, repr=False)
+    values: Mapping[str, Value] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        values = read_values(self.parameters)
+        shapes = {name: _shape(value) for name, value in values.items()}
+        for name, shape in map(read_declaration, self.symbols):
+            if name in shapes:
+                raise ParameterError(f"a name must stand for one thing; {name!r} is given twice. Remove one.")
+            shapes[name] = shape
+        for name in (*self.fields, *shapes):
+            _check_name(name, twice=name in self.fields and name in shapes)
+        object.__setattr__(self, "values", values)
+        object.__setattr__(self, "shapes", shapes)
+        object.__setattr__(self, "components", _components(self.fields, shapes))
+
+    @classmethod
+    def of_bracket(
+        cls, bracket: Bracket, parameters: Mapping[str, GivenValue] | None = None, symbols: Sequence[str] = ()
+    ) -> Scope:
+        """The names of the coordinates of a bracket, its own symbols, and the given parameters and symbols.
+
+        Raises:
+            ParameterError: as for a scope.
+        """
+        names: Sequence[str] = getattr(bracket, "field_names", bracket.extension.field_names)
+        fields = dict.fromkeys(names, bracket.algebra.basis_names)
+        known = cls(fields, parameters or {}, symbols)
+        missing = sorted(bracket.symbols - set(known.shapes) - set(known.components))
+        return cls(fields, parameters or {}, (*symbols, *missing)) if missing else known
+
+    def owner(self, name: str) -> str | None:
+        """The field, parameter or symbol to which a name belongs, itself or as a component; None if unknown."""
+        if name in self.fields or name in self.shapes:
+            return name
+        return self.components[name][0] if name in self.components else None
+
+    def coordinates(self) -> set[str]:
+        """The names of all coordinates."""
+        return {f"{name}{component}" for name, components in self.fields.items() for component in components}
+
+    def suggestion(self, name: str) -> str:
+        """The end of a message about an unknown name: the nearest known ones, and all of them."""
+        known = [*self.fields, *self.shapes, *CONSTANTS]
+        near = get_close_matches(name, [*known, *self.components, *FUNCTIONS], n=1)
+        shown = ", ".join(known[:40]) + (", ..." if len(known) > 40 else "")
+        return f"{f'Did you mean {near[0]}? ' if near else ''}Known are {shown}"
+
+
+def read_declaration(text: str) -> tuple[str, Shape]:
+    """The name and the shape of a symbol that is declared as "epsilon", "a[3]" or "A[3,3]".
+
+    Raises:
+        ParameterError: not such a declaration.
+    """
+    match = _DECLARATION.fullmatch(text.strip()) if isinstance(text, str) else None  # pyright: ignore[reportUnnecessaryIsInstance]
+    if match is None:
+        raise ParameterError(
+            f"a symbol must be declared by its name, a vector with its length; got {text!r:.60}. "
+            'Write for example "epsilon" or "a[3]".'
+        )
+    return match[1], tuple(int(n) for n in match.groups()[1:] if n)
+
+
+def component_name(name: str, index: Shape, shape: Shape) -> str:
+    """The short form of a component: I1; A12, or A1_12 if an index of the matrix may have two digits."""
+    return name + ("" if max(shape, default=0) < 10 else "_").join(map(str, index))
+
+
+def _components(fields: Mapping[str, Sequence[str]], shapes: Mapping[str, Shape]) -> dict[str, tuple[str, Shape]]:
+    listed = [(f"{name}{c}", name, (i,)) for name, cs in fields.items() for i, c in enumerate(cs, start=1)]
+    for name, shape in shapes.items():
+        indices = product(*(range(1, n + 1) for n in shape)) if shape else ()
+        listed += [(component_name(name, index, shape), name, index) for index in indices]
+    components: dict[str, tuple[str, Shape]] = {}
+    for short, owner, index in listed:
+        if short in components or short in shapes:
+            other = components[short][0] if short in components else short
+            raise ParameterError(
+                f"a name must stand for one thing; {short} is a component of {owner} and belongs to {other}, too. "
+                "Rename one of them."
+            )
+        components[short] = (owner, index)
+    return components
+
+
+def _shape(value: Value) -> Shape:
+    if not isinstance(value, tuple):
+        return ()
+    return (len(value), len(value[0])) if isinstance(value[0], tuple) else (len(value),)
+
+
+def _check_name(name: str, *, twice: bool) -> None:
+    if not _IDENTIFIER.fullmatch(name):
+        raise ParameterError(
+            f"a name must consist of letters, digits and _, and not begin with a digit; got {name!r:.60}. Rename it."
+        )
+    if name in FUNCTIONS or name in CONSTANTS:
+        raise ParameterError(f"a name must not be that of a function or constant of formulas; got {name}. Rename it.")
+    if twice:
+        raise ParameterError(f"a name must stand for one thing; {name} is a field and a parameter. Rename one of them.")

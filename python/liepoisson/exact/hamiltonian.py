@@ -1,0 +1,152 @@
+"""How a Hamiltonian and the parameters of a system are read: from text, from a function, or as an expression."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.parameters import Column, Exact, Parameter, is_sympy, listed, read_parameter, to_sympy
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.bracket import Bracket
+
+Hamiltonian: TypeAlias = "str | Expr | Callable[..., Expr]"
+"""Text in our grammar, an expression in `bracket.variables`, or a function of the field vectors (SymPy columns)."""
+
+Value: TypeAlias = "Exact | tuple[Exact, ...] | tuple[tuple[Exact, ...], ...]"
+"""The value of a parameter: a number (or name), a vector, a matrix."""
+
+GivenValue: TypeAlias = "Parameter | Sequence[Parameter] | Sequence[Sequence[Parameter]]"
+
+
+def check_hamiltonian(hamiltonian: object) -> None:
+    """Refuse what is neither text nor an expression nor a function.
+
+    Raises:
+        ParameterError: it is none of them.
+    """
+    if not (isinstance(hamiltonian, str) or callable(hamiltonian) or is_expression(hamiltonian)):
+        raise ParameterError(
+            "the Hamiltonian must be a text such as 'dot(l, l)/2', a SymPy expression in bracket.variables or a Python "
+            f"function of the field vectors; got {hamiltonian!r} of type {type(hamiltonian).__name__}. "
+            "Write for example lambda l, alpha, beta: l.dot(l) / 2 + alpha[2]."
+        )
+
+
+def read_values(parameters: Mapping[str, GivenValue] | None) -> dict[str, Value]:
+    """Read the values of parameters, by name: numbers or names, vectors, matrices.
+
+    Raises:
+        ParameterError: not a mapping from names to values, or a value is not exact.
+    """
+    given = cast("Any", {} if parameters is None else parameters)  # a caller without a type checker may pass anything
+    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in cast("Mapping[object, Any]", given)):
+        raise ParameterError(
+            f'parameters must be a mapping from names to values; got {given!r}. Write for example {{"epsilon": 1}}.'
+        )
+    return {name: _read_value(value, name) for name, value in cast("Mapping[str, Any]", given).items()}
+
+
+def _read_value(value: object, name: str) -> Value:
+    if is_sympy(value) and hasattr(value, "tolist"):  # a SymPy matrix; one column is a vector
+        rows = cast("Any", value).tolist()
+        value = [row[0] for row in rows] if all(len(row) == 1 for row in rows) else rows
+    items = None if isinstance(value, (str, bytes)) else listed(value)
+    if items is None:
+        return read_parameter(value, name)
+    rows = [None if isinstance(item, (str, bytes)) else listed(item) for item in items]
+    if items and all(row is not None for row in rows):
+        matrix = [
+            tuple(read_parameter(entry, f"{name}[{i + 1},{j + 1}]") for j, entry in enumerate(row or ()))
+            for i, row in enumerate(rows)
+        ]
+        if len({len(row) for row in matrix}) != 1 or not matrix[0]:
+            raise ParameterError(f"{name} must be a matrix with rows of one length; got {value!r:.60}. Fill it up.")
+        return tuple(matrix)
+    if not items:
+        raise ParameterError(f"{name} must have at least one component; got an empty sequence. Give its components.")
+    return tuple(read_parameter(item, f"{name}[{k + 1}]") for k, item in enumerate(items))
+
+
+def flattened(values: Mapping[str, Value]) -> dict[str, Exact]:
+    """One entry per number: the components of a vector I are I1, I2, ..., those of a matrix M are M11, M12, ..."""
+    flat: dict[str, Exact] = {}
+    for name, value in values.items():
+        if not isinstance(value, tuple):
+            flat[name] = value
+        else:
+            flat |= _components(name, value)
+    return flat
+
+
+def _components(name: str, value: tuple[Exact, ...] | tuple[tuple[Exact, ...], ...]) -> dict[str, Exact]:
+    from liepoisson.exact.formula.scope import component_name
+
+    rows = [item if isinstance(item, tuple) else (item,) for item in value]
+    is_matrix = isinstance(value[0], tuple)
+    shape = (len(rows), len(rows[0])) if is_matrix else (len(rows),)
+    return {
+        component_name(name, (i, j) if is_matrix else (i,), shape): entry
+        for i, row in enumerate(rows, start=1)
+        for j, entry in enumerate(row, start=1)
+    }
+
+
+def apply_function(function: Callable[..., Expr], bracket: Bracket) -> Expr:
+    """The value of a Hamiltonian function at the field vectors.
+
+    Raises:
+        ParameterError: it does not take one vector per field, or does not return a SymPy expression.
+    """
+    from inspect import signature
+
+    fields: dict[str, Column] = bracket.fields
+    try:
+        signature(function).bind(*fields.values())
+    except TypeError as error:
+        raise ParameterError(
+            f"the Hamiltonian function must take one vector per field, ({', '.join(fields)}); got one that does not "
+            f"({error})."
+        ) from None
+    expression = function(*fields.values())
+    if not is_expression(expression):
+        raise ParameterError(
+            f"the Hamiltonian function must return a SymPy expression; got {type(expression).__name__}. "
+            "Return a scalar built from its arguments, such as l.dot(l) / 2."
+        )
+    return expression
+
+
+def with_exact_numbers(expression: Expr) -> Expr:
+    """Floating-point numbers read as the decimals that they print as, like any other parameter."""
+    from sympy import Float
+
+    exact = {number: to_sympy(read_parameter(number, "H")) for number in expression.atoms(Float)}
+    return cast("Expr", expression.xreplace(exact)) if exact else expression
+
+
+def check_real(energy: Expr, name: str = "the Hamiltonian") -> None:
+    """Refuse infinities, undefined values and imaginary numbers, of which the equations could not be evaluated.
+
+    Raises:
+        ParameterError: it contains one.
+    """
+    from sympy import expand, nan, oo, preorder_traversal, zoo
+
+    expanded = expand(energy)
+    if expanded.has(nan, oo, -oo, zoo) or any(
+        part.is_number and part.is_extended_real is False for part in preorder_traversal(expanded)
+    ):
+        raise ParameterError(f"{name} must be finite and real; got {energy}. Check its terms.")
+
+
+def is_expression(value: object) -> bool:
+    """Whether this is a SymPy expression; asked without importing SymPy for anything else."""
+    if not is_sympy(value):
+        return False
+    from sympy import Expr
+
+    return isinstance(value, Expr)

@@ -1,0 +1,1 @@
+"""Under the Lie algebras: what structure constants decide, matrices, the sine algebra."""

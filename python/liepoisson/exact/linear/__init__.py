@@ -1,0 +1,1 @@
+"""Number fields and linear algebra over them, exact."""

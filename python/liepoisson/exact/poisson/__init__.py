@@ -1,0 +1,1 @@
+"""Under the brackets: linear Poisson tensors, the search for Casimirs, where a rank drops."""

@@ -1,0 +1,118 @@
+r"""Linear Poisson tensors, $J_{ij}(x) = \{x_i, x_j\} = \sum_m c_{ij}{}^m x_m$, sparse and over an exact field."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from random import Random
+from typing import Any
+
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.linear_algebra import PRIME, rank, rank_mod
+from liepoisson.exact.linear.residues import Residues
+from liepoisson.exact.parameters import Exact
+
+_SEEDS = range(1, 21)  # random points to try; one is enough unless a denominator vanishes there
+
+
+@dataclass(frozen=True)
+class GenericRank:
+    """The rank of the tensor at a random point modulo a prime, a lower bound of the rank at a generic point.
+
+    Attributes:
+        rank: The bound; it is the generic rank unless the point was unlucky, with probability below N / 2^60.
+        residues: Where parameters and irrational numbers went.
+        point: The coordinates, integers modulo `residues.p`.
+    """
+
+    rank: int
+    residues: Residues
+    point: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class LinearPoissonTensor:
+    """A matrix of linear forms in the coordinates.
+
+    Attributes:
+        dimension: Number N of coordinates.
+        field: Where the coefficients live.
+        rows: `rows[i][j]` lists the pairs (m, c) with c the coefficient of $x_m$ in $J_{ij}$, only nonzero ones.
+    """
+
+    dimension: int
+    field: Coefficients
+    rows: tuple[dict[int, tuple[tuple[int, Any], ...]], ...]
+
+    @classmethod
+    def of(cls, dimension: int, terms: Iterable[tuple[int, int, int, Exact]]) -> LinearPoissonTensor:
+        """The tensor with the given terms (i, j, m, c), J_ij and J_ji both listed."""
+        given = list(terms)
+        field = Coefficients.containing(c for *_, c in given)
+        elements = {c: field.read(c) for *_, c in given}
+        return cls._collected(dimension, field, ((i, j, m, elements[c]) for i, j, m, c in given))
+
+    @classmethod
+    def _collected(
+        cls, dimension: int, field: Coefficients, terms: Iterable[tuple[int, int, int, Any]]
+    ) -> LinearPoissonTensor:
+        rows: list[dict[int, tuple[tuple[int, Any], ...]]] = [{} for _ in range(dimension)]
+        for i, j, m, element in terms:
+            if element:
+                rows[i][j] = (*rows[i].get(j, ()), (m, element))
+        return cls(dimension, field, tuple(rows))
+
+    def terms(self) -> Iterator[tuple[int, int, int, Any]]:
+        """All (i, j, m, c), both orders of i and j."""
+        return ((i, j, m, c) for i, row in enumerate(self.rows) for j, form in row.items() for m, c in form)
+
+    def restricted(self, kept: Sequence[int]) -> LinearPoissonTensor:
+        """The tensor of the kept coordinates where all the others vanish.
+
+        This is the bracket of a Poisson submanifold when the others span an ideal.
+        """
+        place = {old: new for new, old in enumerate(kept)}
+        inside = ((i, j, m, c) for i, j, m, c in self.terms() if i in place and j in place and m in place)
+        return self._collected(len(kept), self.field, ((place[i], place[j], place[m], c) for i, j, m, c in inside))
+
+    def at(self, point: Sequence[Any]) -> list[dict[int, Any]]:
+        """The matrix at a point whose coordinates are elements of the field, as sparse rows."""
+        return [
+            {j: value for j, form in row.items() if (value := _combination(form, point)) is not None and value}
+            for row in self.rows
+        ]
+
+    @cached_property
+    def generic_rank(self) -> GenericRank | None:
+        """The rank at a random point modulo a prime; None if the field has no images modulo primes."""
+        for seed in _SEEDS:
+            residues = self.field.residues(seed)
+            if residues is None:
+                return None
+            random = Random(seed)
+            point = tuple(random.randrange(1, PRIME) for _ in range(self.dimension))
+            try:
+                matrix = [
+                    {j: sum(residues(c) * point[m] for m, c in form) for j, form in row.items()} for row in self.rows
+                ]
+            except ZeroDivisionError:
+                continue
+            return GenericRank(rank_mod(matrix, self.dimension, residues.p), residues, point)
+        return None
+
+    @cached_property
+    def rank_at_a_point(self) -> int:
+        """The rank at one random point: a lower bound of the generic rank, and almost surely equal to it."""
+        if self.generic_rank is not None:
+            return self.generic_rank.rank
+        random = Random(1)
+        return rank(self.at([self.field.number(random.randrange(1, 100)) for _ in range(self.dimension)]), self.field)
+
+
+def _combination(form: tuple[tuple[int, Any], ...], point: Sequence[Any]) -> Any:
+    total: Any = None
+    for m, c in form:
+        term = c * point[m]
+        total = term if total is None else total + term
+    return total

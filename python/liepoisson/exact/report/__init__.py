@@ -1,0 +1,1 @@
+"""Under the report of `inspect`: vector notation recognised, facts gathered, lines written in a style."""

@@ -1,0 +1,48 @@
+"""Whether two integrals are the same up to a factor, the energy and Casimirs."""
+
+from __future__ import annotations
+
+from itertools import combinations_with_replacement
+from typing import TYPE_CHECKING, Any, cast
+
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.linear_algebra import rank
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+
+_HIGHEST_DEGREE = 6
+
+
+def same_integral(known: Expr, given: Expr, system: System) -> bool:
+    r"""Whether $K' = cK + F$ with a nonzero number c and a polynomial F in H and the Casimirs.
+
+    Decided exactly for polynomials, F being of at most their degree.  Other functions are the same only if equal.
+    """
+    from sympy import Integer, Mul, Poly, PolynomialError, total_degree
+
+    if (known - given).expand() == 0:
+        return True
+    x = system.variables
+    invariants: list[Any] = [system.hamiltonian, *system.bracket.casimirs()]
+    if any(value == 0 or not value.is_polynomial(*x) for value in (known, given, *invariants)):
+        return False
+    degree = max(total_degree(value, *x) for value in (known, given))
+    if degree > _HIGHEST_DEGREE:
+        return False
+    one: Any = Integer(1)
+    factors: list[Any] = [one, *(v for v in invariants if total_degree(v, *x) <= degree)]
+    products: set[Any] = {Mul(*cast("Any", chosen)) for chosen in combinations_with_replacement(factors, degree)}
+    fitting = [p for p in products if total_degree(p, *x) <= degree]
+    try:
+        rows = [dict(Poly(value, *x).terms()) for value in (known, given, *fitting)]
+    except PolynomialError:
+        return False
+    field = Coefficients.containing(c for row in rows for c in row.values())
+    monomials = {monomial: k for k, monomial in enumerate({m for row in rows for m in row})}
+    read = [{monomials[m]: field.read(c) for m, c in row.items()} for row in rows]
+    base = rank(read[2:], field)
+    one_more = [rank([row, *read[2:]], field) for row in read[:2]]
+    return one_more == [base + 1, base + 1] and rank(read, field) == base + 1

@@ -1,0 +1,221 @@
+r"""Strata of a bracket: where its rank drops, with proofs.
+
+If the elements $e_\mu$, $\mu \in I$, span an ideal of A, the fields $x_\mu$, $\mu \in I$, vanish on a Poisson
+submanifold, on which the bracket is that of g (x) A/I.  That the rank does not drop anywhere else is proved by
+Pfaffians: if powers of the equations of a set are combinations of Pfaffians of J of size r, then the rank is at least r
+outside of this set.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations, product
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.exact.casimirs import polynomial_expression, quotient_casimirs
+from liepoisson.exact.parameters import is_zero
+from liepoisson.exact.poisson.casimir_search import n_independent
+from liepoisson.exact.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
+from liepoisson.exact.poisson.pfaffians import PfaffianIdeal
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.poisson.casimir_search import Polynomial
+    from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
+
+
+@dataclass(frozen=True)
+class Stratum:
+    """A set of states on which the rank is constant (proved) or constant at generic points.
+
+    Attributes:
+        condition: Equations and inequalities, for example "beta = 0, alpha != 0".
+        rank: The rank of the Poisson tensor, the dimension of the leaves.
+        casimirs: Functions that are constant on the leaves in this set.
+        certificate: What was computed.
+        proved: Whether the rank is this one everywhere in the set.
+    """
+
+    condition: str
+    rank: int
+    casimirs: tuple[Expr, ...]
+    certificate: str
+    proved: bool
+
+
+@dataclass(frozen=True)
+class _Drop:
+    """A set where the rank is lower: some fields vanish, or one of several does, or two fields are parallel."""
+
+    fields: tuple[int, ...]
+    kind: str
+    assumption: str = ""
+
+
+def strata(bracket: Bracket) -> list[Stratum]:
+    """The strata by decreasing rank, from the open one down to the origin.
+
+    For Lie algebras of dimension 3 and up to nine coordinates the conditions are exact where one of these sets is the
+    degenerate one: a field vanishes, one of several fields vanishes, two fields are parallel.  Beyond, the list follows
+    the ideals spanned by basis elements, and `proved` says whether the rank was decided at every point.
+
+    If all are proved, the list is a partition of phase space.  Otherwise it is none: there may be sets of lower rank
+    that are not listed, inside of those that are not proved.
+    """
+    found = _Stratification(bracket).below(tuple(range(bracket.extension.dimension)), set())
+    return sorted(found, key=lambda stratum: -stratum.rank)
+
+
+class _Stratification:
+    def __init__(self, bracket: Bracket) -> None:
+        self.bracket = bracket
+        self.size = bracket.algebra.dimension
+        self.names = bracket.field_names
+
+    def below(self, fields: tuple[int, ...], seen: set[tuple[int, ...]]) -> Iterator[Stratum]:
+        """The strata where the fields that are not listed vanish."""
+        if fields in seen:
+            return
+        seen.add(fields)
+        tensor = self._restricted(fields)
+        rank = tensor.rank_at_a_point if fields else 0
+        if rank == 0:
+            yield self._stratum(fields, "", 0, self._casimirs(fields), certificate="J vanishes", proved=True)
+            return
+        casimirs = quotient_casimirs(tensor)
+        n = n_independent(casimirs, tensor) if casimirs else 0
+        bound = min(tensor.dimension - n, tensor.dimension - tensor.dimension % 2)
+        drop = self._drop(fields, tensor, rank)
+        yield self._open(fields, rank, bound, drop, self._embedded(casimirs, fields))
+        if drop is not None and drop.kind == "parallel":
+            yield self._parallel(fields, tensor, drop)
+            yield from self.below(tuple(f for f in fields if f not in drop.fields), seen)
+        elif drop is not None and drop.kind == "one of":
+            for field in drop.fields:
+                yield from self.below(tuple(f for f in fields if f != field), seen)
+        else:
+            lost = drop.fields if drop is not None else (self._ideals(fields) or [(fields[-1],)])[0]
+            yield from self.below(tuple(f for f in fields if f not in lost), seen)
+
+    def _open(
+        self, fields: tuple[int, ...], rank: int, bound: int, drop: _Drop | None, casimirs: tuple[Expr, ...]
+    ) -> Stratum:
+        text = f"rank {rank} at one point, at most {bound} by parity and independent Casimirs"
+        if drop is None:
+            return self._stratum(fields, "generic", rank, casimirs, certificate=text, proved=False)
+        names = [self.names[f] for f in drop.fields]
+        outside = {
+            "zero": f"{names[0]} != 0" if len(names) == 1 else f"({', '.join(names)}) != 0",
+            "one of": ", ".join(f"{name} != 0" for name in names),
+            "parallel": " x ".join(names) + " != 0",
+        }[drop.kind]
+        text += f"; no less elsewhere: powers of the equations are combinations of Pfaffians of size {rank}"
+        text += f" ({drop.assumption})" if drop.assumption else ""
+        return self._stratum(fields, outside, rank, casimirs, certificate=text, proved=rank == bound)
+
+    def _parallel(self, fields: tuple[int, ...], tensor: LinearPoissonTensor, drop: _Drop) -> Stratum:
+        """Two fields parallel, not both zero."""
+        pair = [fields.index(f) for f in drop.fields]
+        blocks = [tuple(range(k * self.size, (k + 1) * self.size)) for k in pair]
+        rank = tensor.rank_at_a_point
+        while rank and vanish_on_parallel_fields(PfaffianIdeal(tensor, rank, self.size).generators, blocks):
+            rank -= 2
+        coordinates: list[Polynomial] = [{(i,): tensor.field.one} for block in blocks for i in block]
+        assumption = PfaffianIdeal(tensor, rank, self.size).contains_powers_of(coordinates)
+        found = casimirs_on_parallel_fields(tensor, blocks)
+        names = [self.names[f] for f in drop.fields]
+        condition = f"{' x '.join(names)} = 0, ({', '.join(names)}) != 0"
+        text = f"all Pfaffians of size {rank + 2} vanish there"
+        if assumption is not None:
+            text += f"; powers of the components of both fields are combinations of those of size {rank}"
+        casimirs = self._embedded(found, fields)
+        return self._stratum(fields, condition, rank, casimirs, certificate=text, proved=assumption is not None)
+
+    def _drop(self, fields: tuple[int, ...], tensor: LinearPoissonTensor, rank: int) -> _Drop | None:
+        """The first of the sets, in the order of the text of `strata`, that is proved to be the degenerate one."""
+        if len(fields) == 1 and self.size != 3:
+            return None
+        ideal = PfaffianIdeal(tensor, rank, self.size)
+        if not ideal.generators:
+            return None
+        for candidate in self._candidates(fields, tensor, ideal, rank):
+            assumption = ideal.contains_powers_of(self._equations(candidate, fields, tensor))
+            if assumption is not None:
+                return _Drop(candidate.fields, candidate.kind, assumption)
+        return None
+
+    def _candidates(
+        self, fields: tuple[int, ...], tensor: LinearPoissonTensor, ideal: PfaffianIdeal, rank: int
+    ) -> Iterator[_Drop]:
+        ideals = self._ideals(fields)
+        lower = [i for i in ideals if self._rank(tuple(f for f in fields if f not in i)) < rank]
+        yield from (_Drop(i, "zero") for i in lower if len(i) == 1)
+        singles = [i[0] for i in lower if len(i) == 1]
+        if len(singles) > 1:
+            yield _Drop(tuple(singles), "one of")
+        for pair in combinations(fields, 2):
+            blocks = [self._block(fields, f) for f in pair]
+            if ideal.is_full and pair in ideals and vanish_on_parallel_fields(ideal.generators, blocks):
+                yield _Drop(pair, "parallel")
+        yield from (_Drop(i, "zero") for i in lower if len(i) > 1)
+
+    def _equations(self, drop: _Drop, fields: tuple[int, ...], tensor: LinearPoissonTensor) -> list[Polynomial]:
+        one = tensor.field.one
+        blocks = [self._block(fields, f) for f in drop.fields]
+        if drop.kind == "zero":
+            return [{(i,): one} for block in blocks for i in block]
+        if drop.kind == "one of":
+            return [{tuple(sorted(choice)): one} for choice in product(*blocks)]
+        first, second = blocks
+        pairs = combinations(range(self.size), 2)
+        return [
+            {tuple(sorted((first[i], second[j]))): one, tuple(sorted((first[j], second[i]))): -one} for i, j in pairs
+        ]
+
+    def _ideals(self, fields: tuple[int, ...]) -> list[tuple[int, ...]]:
+        """Sets of one or two of the fields, the last ones first, that span an ideal of the quotient algebra."""
+        W, found = self.bracket.extension.tensor, list[tuple[int, ...]]()
+        for size in (1, 2):
+            for chosen in reversed(list(combinations(fields, size))):
+                left = [f for f in fields if f not in chosen]
+                if all(is_zero(W[lam][mu][nu]) for lam, mu, nu in product(left, chosen, fields)):
+                    found.append(chosen)
+        return found
+
+    def _rank(self, fields: tuple[int, ...]) -> int:
+        return self._restricted(fields).rank_at_a_point if fields else 0
+
+    def _restricted(self, fields: tuple[int, ...]) -> LinearPoissonTensor:
+        return self.bracket.tensor.restricted(self._coordinates(fields))
+
+    def _coordinates(self, fields: Sequence[int]) -> list[int]:
+        return [f * self.size + i for f in fields for i in range(self.size)]
+
+    def _block(self, fields: tuple[int, ...], field: int) -> tuple[int, ...]:
+        start = fields.index(field) * self.size
+        return tuple(range(start, start + self.size))
+
+    def _casimirs(self, fields: tuple[int, ...]) -> tuple[Expr, ...]:
+        return tuple(self.bracket.variables[i] for i in self._coordinates(fields))
+
+    def _embedded(self, polynomials: Sequence[Polynomial], fields: tuple[int, ...]) -> tuple[Expr, ...]:
+        place = self._coordinates(fields)
+        moved: list[dict[Any, Any]] = [{tuple(place[i] for i in m): c for m, c in p.items()} for p in polynomials]
+        return tuple(polynomial_expression(polynomial, self.bracket) for polynomial in moved)
+
+    def _stratum(
+        self,
+        fields: tuple[int, ...],
+        extra: str,
+        rank: int,
+        casimirs: tuple[Expr, ...],
+        *,
+        certificate: str,
+        proved: bool,
+    ) -> Stratum:
+        zero = [f"{name} = 0" for k, name in enumerate(self.names) if k not in fields]
+        condition = ", ".join([*reversed(zero), *([extra] if extra else [])]) or "everywhere"
+        return Stratum(condition, rank, casimirs, certificate, proved)

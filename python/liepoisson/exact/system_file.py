@@ -1,0 +1,191 @@
+"""System files: a bracket and a Hamiltonian in TOML, with exact numbers.
+
+    name = "my top"
+    [bracket]
+    algebra   = "so(3)"                    # or structure_constants = [[[...]]], or matrices = [[[...]]]
+    extension = "leibniz(3, epsilon)"      # or W = [[[...]]]; one field if left out
+    variables = ["l", "alpha", "beta"]
+    [parameters]                           # numbers ("1/3", 0.1 and "sqrt(2)/2" are exact), vectors, matrices
+    I = [2, 2, 1]
+    symbols = ["epsilon", "a[3]"]          # parameters without a value, vectors with their length
+    [hamiltonian]
+    expression = "dot(l, inv(I)*l)/2 + dot(a, alpha)"
+
+and, where they are known, a source, a description, integrals and reference values:
+
+    [integrals]
+    P = "l3"
+    K = {expression = "...", on = "dot(l, alpha) = 0", source = "..."}
+    [[reference]]
+    state = {l = [1, 2, 3], alpha = [0, 0, 1], beta = [0, 0, 0]}   # or all components in one list
+    quantity = "H"
+    value = "7/2"
+
+The formulas are those of `liepoisson.exact.expression`.  No text of a file is ever run as code.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, cast
+
+from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
+from liepoisson.exact.expression import read_formula
+from liepoisson.exact.formula.constructors import read_algebra, read_extension
+from liepoisson.exact.formula.scope import Scope
+from liepoisson.exact.formula.toml_text import parse_toml, read_toml
+from liepoisson.exact.hamiltonian import Value
+from liepoisson.exact.parameters import Exact
+
+if TYPE_CHECKING:
+    from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.system import System
+
+__all__ = [
+    "Integral",
+    "Reference",
+    "SystemFile",
+    "load_system_file",
+    "read_algebra",
+    "read_extension",
+    "read_system_file",
+]
+
+
+@dataclass(frozen=True)
+class Integral:
+    """A function that the file claims to be constant along the motion.
+
+    Attributes:
+        expression: Its formula.
+        on: The condition "f = g" under which it is constant (a partial integral), or None.
+        source: Where it is from, or None.
+    """
+
+    expression: str
+    on: str | None = None
+    source: str | None = None
+
+    @property
+    def vanishing(self) -> str | None:
+        """The formula that vanishes where the condition holds, or None without condition."""
+        if self.on is None:
+            return None
+        left, _, right = (part.strip() for part in self.on.partition("="))
+        return left if right in ("", "0") else f"({left}) - ({right})"
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A value to compare with.
+
+    Attributes:
+        quantity: What has this value: "H", "C1", the name of an integral, "derivative", "lyapunov", ...
+        value: A number, or several.
+        state: The state, all components in the order of the coordinates, or None.
+        tolerance: How far a computed value may be from it; None where it is exact.
+        source: Where it is from, or None.
+    """
+
+    quantity: str
+    value: Exact | tuple[Exact, ...]
+    state: tuple[Exact, ...] | None = None
+    tolerance: Exact | None = None
+    source: str | None = None
+
+
+@dataclass(frozen=True)
+class SystemFile:
+    """What a system file says.
+
+    Attributes:
+        name: How the system is called.
+        bracket: The bracket, with the names of its fields; parameters in it are symbols.
+        hamiltonian: The formula of the Hamiltonian.
+        parameters: Values by name: exact numbers, vectors, matrices.
+        symbols: Parameters without value, as declared: "epsilon", "a[3]".
+        integrals: Functions that are claimed to be constant, by name.
+        references: Values to compare with.
+        source: Where the system is described, or None.
+        description: What it is, or None.
+        path: The file, as messages call it.
+    """
+
+    name: str
+    bracket: Bracket
+    hamiltonian: str
+    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    symbols: tuple[str, ...] = ()
+    integrals: Mapping[str, Integral] = field(default_factory=dict[str, Integral])
+    references: tuple[Reference, ...] = ()
+    source: str | None = None
+    description: str | None = None
+    path: str = "system file"
+
+    @cached_property
+    def scope(self) -> Scope:
+        """The names that the formulas of the file may use."""
+        return Scope.of_bracket(self.bracket, cast("Mapping[str, Any]", self.parameters), self.symbols)
+
+    def system(self) -> System:
+        """The system, ready to be inspected or integrated.
+
+        Raises:
+            SystemFileError: a formula has no meaning (shapes that do not fit, a function that is not smooth, ...), or a
+                parameter drops out of the bracket and the Hamiltonian.
+        """
+        from liepoisson.exact.system import System
+
+        formulas = {"[hamiltonian]": self.hamiltonian}
+        for name, integral in self.integrals.items():
+            formulas |= {f"[integrals] {name}": integral.expression}
+            formulas |= {f"[integrals] {name}, on": integral.vanishing} if integral.vanishing else {}
+        for place, text in formulas.items():
+            try:
+                read_formula(text, self.scope)
+            except ExpressionError as error:
+                raise SystemFileError(f"{self.path}: {place}: {error}") from error
+        integrals = {name: item for name, item in self.integrals.items() if item.vanishing is None}
+        partial = {k: (i.expression, i.vanishing) for k, i in self.integrals.items() if i.vanishing is not None}
+        try:
+            return System(
+                self.bracket,
+                self.hamiltonian,
+                cast("Any", self.parameters),
+                name=self.name,
+                symbols=self.symbols,
+                integrals={name: item.expression for name, item in integrals.items()},
+                partial_integrals=partial,
+                source=self.source,
+            )
+        except ParameterError as error:
+            raise SystemFileError(f"{self.path}: {error}") from error
+
+
+def load_system_file(path: str | Path) -> SystemFile:
+    """Read a system file.
+
+    Args:
+        path: A TOML file in UTF-8, at most 1 MB.
+
+    Raises:
+        SystemFileError: there is no such file, it is not TOML, or it does not describe a system; the message names the
+            key, and the line where it can be found.
+    """
+    from liepoisson.exact.formula.system_file_reader import read_tables
+
+    return read_tables(read_toml(path))
+
+
+def read_system_file(text: str, path: str = "system file") -> SystemFile:
+    """Read the text of a system file; `path` is how messages call it.
+
+    Raises:
+        SystemFileError: as in `load_system_file`.
+    """
+    from liepoisson.exact.formula.system_file_reader import read_tables
+
+    return read_tables(parse_toml(text, path))

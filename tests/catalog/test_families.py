@@ -1,0 +1,112 @@
+"""Families of systems: their integrals, their relation to the catalog's systems, their errors."""
+
+from fractions import Fraction
+
+import pytest
+from sympy import Matrix, Symbol
+
+import liepoisson as lp
+from liepoisson import catalog
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.field import QuadraticField
+
+
+def same_equations(first, second):
+    """Equations of two systems, coordinate by coordinate; their names may differ."""
+    renamed = dict(zip(second.variables, first.variables, strict=True))
+    wanted = [right.subs(renamed, simultaneous=True) for right in second.equations.values()]
+    return all((a - b).expand() == 0 for a, b in zip(first.equations.values(), wanted, strict=True))
+
+
+@pytest.mark.parametrize("n", [3, 4, 5])
+def test_manakov_tops_have_commuting_integrals(n):
+    top = catalog.manakov(n)
+    assert len(top.integrals) == max(0, n - 3)
+    functions = [top.hamiltonian, *top.integrals.values()]
+    assert all(top.bracket(f, g) == 0 for f in functions for g in functions)
+    gradients = Matrix(functions).jacobian(top.variables).subs({x: k + 1 for k, x in enumerate(top.variables)})
+    assert gradients.rank() == len(functions)
+
+
+def test_the_manakov_top_of_so3_is_eulers():
+    """In three dimensions the moment of the plane 23 is J2 + J3: that of the axis 1."""
+    J = (1, 2, 4)
+    assert same_equations(catalog.manakov(3, J), catalog.euler_top_on("so(3)", (6, 5, 3)))
+
+
+def test_the_manakov_top_of_so4_is_the_catalogs():
+    top = catalog.manakov(4)
+    assert same_equations(top, catalog.system("manakov-so4"))
+    K = catalog.system("manakov-so4").integrals["K"]
+    assert top.is_constant(K)
+    assert top.bracket(K, top.integrals["K3"]) == 0
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_su_tops_have_commuting_integrals_and_contain_manakovs(n):
+    top = catalog.su_top(n)
+    functions = [top.hamiltonian, *top.integrals.values()]
+    assert len(top.integrals) == n - 1 + max(0, n - 3)
+    assert all(top.bracket(f, g) == 0 for f in functions for g in functions)
+    if n == 4:
+        m = n * (n - 1) // 2
+        real = dict.fromkeys(top.variables[m:], 0)
+        manakov = catalog.manakov(n)
+        renamed = dict(zip(top.variables[:m], manakov.variables, strict=True))
+        restricted = [right.subs(real).subs(renamed) for right in top.equations.values()]
+        assert all((a - b).expand() == 0 for a, b in zip(restricted, manakov.equations.values(), strict=False))
+        assert all(right == 0 for right in restricted[m:])
+
+
+@pytest.mark.parametrize("N", [3, 5])
+def test_zeitlins_truncations_are_the_catalogs(N):
+    family, file = catalog.zeitlin(N), catalog.system(f"zeitlin-{N}")
+    assert family.variables == file.variables
+    assert (family.hamiltonian - file.hamiltonian).expand() == 0
+
+
+def test_reduced_mhd_is_the_catalogs():
+    family, file = catalog.reduced_mhd(3), catalog.system("reduced-mhd-3")
+    assert family.variables == file.variables
+    assert (family.hamiltonian - file.hamiltonian).expand() == 0
+
+
+def test_leibniz_tops_of_low_order_are_the_known_tops():
+    inertia, a = (1, 1, Fraction(1, 2)), (0, 0, 1)
+    heavy, twisted = catalog.system("lagrange"), catalog.system("twisted-lagrange")
+    assert same_equations(catalog.leibniz_top(2, inertia, [a]), heavy)
+    assert same_equations(catalog.leibniz_top(3, inertia, [a]), twisted)
+    assert same_equations(catalog.leibniz_top(5, inertia, [a]), catalog.system("leibniz-lagrange-5"))
+    assert same_equations(catalog.heavy_top_on("so(3)", inertia, a), heavy)
+    assert same_equations(catalog.twisted_top_on("so(3)", inertia, a), twisted)
+    assert same_equations(catalog.twisted_top_on("so(2,1)", inertia, a), catalog.system("so21-twisted-top"))
+
+
+def test_symbolic_parameters_are_kept():
+    top = catalog.leibniz_top(3, ("I1", "I1", "I3"), [(0, 0, "a3"), (0, 0, "b3")], "epsilon")
+    assert Symbol("epsilon") in top.bracket.casimirs()[0].free_symbols
+    assert top.is_constant(top.variables[2])  # the third component of l
+
+
+def test_the_truncation_of_su7_is_quadratic_and_keeps_its_energy():
+    fluid = catalog.zeitlin(7)
+    orbit = lp.integrate(fluid, [(-1) ** k / (k + 1) for k in range(48)], t=[0, 1])
+    weights = [float(fluid.hamiltonian.coeff(x, 2)) for x in fluid.variables]
+    energy, enstrophy = orbit.state[0] ** 2 @ weights, (orbit.state[0] ** 2).sum(axis=1)
+    assert isinstance(fluid.field(), QuadraticField)
+    assert energy[1] == pytest.approx(energy[0], rel=1e-13)
+    assert enstrophy[1] == pytest.approx(enstrophy[0], rel=1e-13)
+    assert abs(orbit.state[0, 1] - orbit.state[0, 0]).max() > 0.1
+
+
+def test_mistakes_are_named():
+    with pytest.raises(ShapeError, match=r"J must be 4 numbers.*got 3"):
+        catalog.manakov(4, (1, 2, 3))
+    with pytest.raises(ShapeError, match=r"inertia must be 3 numbers.*got 2"):
+        catalog.euler_top_on("so(3)", (1, 2))
+    with pytest.raises(ShapeError, match="at most 1"):
+        catalog.leibniz_top(2, (1, 1, 1), [(0, 0, 1), (1, 0, 0)])
+    with pytest.raises(ParameterError):
+        catalog.euler_top_on("so(3)", (1, 2, 0))
+    with pytest.raises(ParameterError):
+        catalog.zeitlin(4)

@@ -1,0 +1,99 @@
+"""`liepoisson lyapunov`: exponents of random starts, with what they mean."""
+
+import re
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.cli.lyapunov import summary
+
+SQRT = """
+name = "pendulum with a root"
+[bracket]
+algebra = "so(3)"
+extension = "semidirect(2)"
+variables = ["l", "alpha"]
+[parameters]
+m = "1/2"
+[hamiltonian]
+expression = "dot(l, l)/2 + sqrt(1 + m*dot(alpha, alpha) + alpha3^2)"
+"""
+
+
+def test_mean_and_quantiles_are_those_of_the_runs(command):
+    code, out, err = command("lyapunov", "twisted-kovalevskaya", "--n", 8, "--t-end", 20, "--seed", 3)
+    assert (code, err) == (0, "")
+    top = lp.Top.twisted_kovalevskaya()
+    x0 = lp.sample_states(top, 8, seed=3)  # the same ensemble if none is named
+    last = lp.lyapunov_exponent(top, x0, t_end=20, seed=3).exponent[:, -1]
+    mean, error = map(float, re.search(r"mean ([\d.]+), standard error over starts ([\d.]+)", out).groups())
+    assert mean == pytest.approx(last.mean(), abs=1e-6)
+    assert error == pytest.approx(last.std(ddof=1) / np.sqrt(8), rel=0.05)
+    assert float(re.search(r"median +([\d.-]+)", out)[1]) == pytest.approx(np.median(last), abs=1e-6)
+    assert "outcomes: finished 8" in out
+    assert "mixes leaves and energies" in out
+    assert "top kernel" in out
+
+
+def test_a_file_with_a_root_goes_from_text_to_an_exponent(command, tmp_path):
+    path = tmp_path / "root.toml"
+    path.write_text(SQRT)
+    code, out, _ = command("lyapunov", path, "--n", 2, "--t-end", 5)
+    assert code == 0
+    assert "tape kernel" in out
+    assert "outcomes: finished 2" in out
+
+
+def test_results_are_saved_on_request(command, tmp_path):
+    path = tmp_path / "growth.nc"
+    code, _, _ = command("lyapunov", "lagrange", "--n", 2, "--t-end", 5, "--ensemble", "cube", "--out", path)
+    assert code == 0
+    assert lp.load(path)["exponent"].sizes == {"trajectory": 2, "time": 200}
+
+
+def test_a_folder_that_is_missing_is_made_and_one_in_the_place_of_the_file_refused_at_once(command, tmp_path):
+    path = tmp_path / "new" / "growth.nc"
+    code, _, _ = command("lyapunov", "lagrange", "--n", 1, "--t-end", 5, "--out", path)
+    assert (code, path.is_file()) == (0, True)
+    code, out, err = command("lyapunov", "lagrange", "--n", 1, "--t-end", 1e12, "--out", tmp_path)
+    assert (code, out) == (2, "")
+    assert f"--out must be a file; {tmp_path} is a folder" in err
+
+
+def test_failed_runs_are_counted_and_left_out():
+    top = lp.Top.twisted_kovalevskaya()
+    x0 = lp.sample_states(top, 3, seed=1)
+    x0[1] = 1e200  # overflows at once
+    growth = lp.lyapunov_exponent(top, x0, t_end=5)
+    lines = "\n".join(summary(growth, "by hand"))
+    assert "finished 2" in lines
+    assert "of the 2 finished runs" in lines
+    failed = lp.lyapunov_exponent(top, np.full((2, 9), 1e200), t_end=5)
+    assert "no run finished" in "\n".join(summary(failed, "by hand"))
+
+
+def test_one_run_has_no_standard_error(command):
+    _, out, _ = command("lyapunov", "lagrange", "--n", 1, "--t-end", 5)
+    assert "one run: no standard error" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["twisted-top"], "must have numbers for all parameters; epsilon, I[3], a[3], b[3] have none"),
+        (["lagrange", "--n", "0"], "--n must be at least 1"),
+        (["lagrange", "--t-end", "-5"], "positive finite time"),
+        (["lagrange", "--t-end", "nan"], "positive finite time"),
+        (["lagrange", "--ensemble", "sphere"], "wanted one of unit-vectors, cube, gaussian; got 'sphere'"),
+        (["lagrange", "--tol", "2"], "tol"),
+        (["lagrange", "--threads", "0"], "threads"),
+        (["lagrange", "--out", " "], "--out must name a file"),
+        (["lagrang"], "lagrange"),
+    ],
+)
+def test_refusals_are_plain(command, arguments, words):
+    code, out, err = command("lyapunov", *arguments)
+    assert (code, out) == (2, "")
+    assert words in err
+    assert "Traceback" not in err

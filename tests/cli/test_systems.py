@@ -1,0 +1,55 @@
+"""The argument SYSTEM and the option --set."""
+
+from fractions import Fraction
+
+import pytest
+import sympy as sp
+
+from liepoisson.cli.systems import read_file, read_system, with_settings
+from liepoisson.errors import ParameterError, SystemFileError, UnknownNameError
+
+
+def test_a_name_means_the_catalog_and_a_path_a_file(tmp_path, monkeypatch):
+    path = tmp_path / "lagrange"
+    path.write_text('[bracket]\nalgebra = "so(3)"\nvariables = ["l"]\n[hamiltonian]\nexpression = "l1^2"\n')
+    assert read_file("lagrange").source.startswith("J.-L. Lagrange")
+    assert read_file(str(path)).bracket.dimension == 3
+    monkeypatch.chdir(tmp_path)
+    assert read_file("lagrange").bracket.dimension == 3  # a file of this very name comes first
+    with pytest.raises(SystemFileError):
+        read_file("heavy-top.toml")
+    with pytest.raises(UnknownNameError, match="heavy-top"):
+        read_file("heavy-topp")
+
+
+def test_settings_give_exact_values_and_may_override():
+    system = read_system("twisted-kovalevskaya", ["epsilon=0.1", "I=[4, 4, sqrt(4)]", "a = 1/3,0,0"])
+    assert system.parameters["epsilon"] == Fraction(1, 10)
+    assert system.top_parameters.inertia == (4, 4, 2)
+    assert system.top_parameters.a == (Fraction(1, 3), 0, 0)
+
+
+def test_settings_take_symbols_away():
+    file = with_settings(read_file("twisted-top"), ["epsilon=2"])
+    assert file.symbols == ("I[3]", "a[3]", "b[3]")
+    assert sp.Symbol("epsilon") not in file.system().hamiltonian.free_symbols
+    assert file.system().bracket.symbols == set()
+    unchanged = read_file("twisted-top")
+    assert with_settings(unchanged, []) is unchanged
+
+
+@pytest.mark.parametrize(
+    ("setting", "words"),
+    [
+        ("epsilon", "must be name=value"),
+        ("=1", "must be name=value"),
+        ("epsilon=", "must be name=value"),
+        ("epsilon=1,2", "must have one number; got 2 components"),
+        ("a=1", "must have 3 components; got one number"),
+        ("q=1", "must name a parameter of 'twisted-top'; got 'q'. Known: epsilon, I, a, b"),
+        ("epsilon=x", "x"),
+    ],
+)
+def test_bad_settings_are_refused(setting, words):
+    with pytest.raises(ParameterError, match=words):
+        read_system("twisted-top", [setting])

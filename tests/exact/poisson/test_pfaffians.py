@@ -1,0 +1,33 @@
+from itertools import combinations
+
+import pytest
+import sympy as sp
+
+from liepoisson.exact.casimirs import polynomial_expression
+from liepoisson.exact.extensions import leibniz, semidirect
+from liepoisson.exact.lie_algebras import so
+from liepoisson.exact.poisson.pfaffians import PfaffianIdeal
+
+
+@pytest.mark.parametrize("size", [2, 4])
+def test_squares_of_pfaffians_are_principal_minors(size):
+    bracket = so(3) @ leibniz(2)
+    J = bracket.poisson_tensor()
+    minors = {J.extract(list(r), list(r)).det().expand() for r in combinations(range(6), size)} - {0}
+    pfaffians = PfaffianIdeal(bracket.tensor, size, 3).generators
+    # Up to the content and the sign, in which polynomial_expression writes a polynomial.
+    squares = {sp.expand(polynomial_expression(p, bracket) ** 2) for p in pfaffians}
+    assert squares == {sp.Poly(minor).primitive()[1].as_expr() for minor in minors}
+
+
+def test_powers_of_beta_are_pfaffians_only_with_a_twist():
+    one = (so(3) @ leibniz(3)).tensor.field.one
+    beta = [{(i,): one} for i in (6, 7, 8)]
+    assert PfaffianIdeal((so(3) @ leibniz(3)).tensor, 6, 3).contains_powers_of(beta) == ""
+    assert PfaffianIdeal((so(3) @ semidirect(3)).tensor, 6, 3).contains_powers_of(beta) is None
+
+
+def test_the_assumption_on_parameters_is_named():
+    tensor = (so(3) @ leibniz(3, "epsilon")).tensor
+    beta = [{(i,): tensor.field.one} for i in (6, 7, 8)]
+    assert PfaffianIdeal(tensor, 6, 3).contains_powers_of(beta) == "epsilon != 0"

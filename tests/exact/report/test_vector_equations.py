@@ -1,0 +1,134 @@
+"""Equations in vector notation: as the paper prints them, and equal to J grad H."""
+
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from liepoisson.exact.extension import Extension
+from liepoisson.exact.extensions import leibniz, semidirect
+from liepoisson.exact.lie_algebra import LieAlgebra
+from liepoisson.exact.lie_algebras import se, so, su
+from liepoisson.exact.printing import Cross, Gradient
+from liepoisson.exact.report.styles import NAMES
+from liepoisson.exact.report.vector_equations import vector_equations
+
+inertia, a, b = sp.symbols("I1:4"), sp.Matrix(sp.symbols("a1:4")), sp.Matrix(sp.symbols("b1:4"))
+
+
+def top(bracket):
+    l, alpha, beta = bracket.fields.values()
+    return sum(l[i] ** 2 / (2 * inertia[i]) for i in range(3)) + a.dot(alpha) + b.dot(beta)
+
+
+def printed(bracket, hamiltonian):
+    return [f"{field}' = {formula.write(NAMES)}" for field, formula in vector_equations(bracket, hamiltonian).rows]
+
+
+def test_the_twisted_top_reads_as_in_the_paper():
+    bracket = so(3) @ leibniz(3, "epsilon")
+    assert printed(bracket, top(bracket)) == [
+        "l' = l × omega + alpha × a + beta × b",
+        "alpha' = alpha × omega + epsilon beta × a",
+        "beta' = beta × omega",
+    ]
+    ((name, definition),) = vector_equations(bracket, top(bracket)).definitions
+    assert (name, definition.plain) == ("omega", "I^-1 l")
+
+
+def test_the_charged_top_has_no_twist():
+    bracket = so(3) @ semidirect(3)
+    assert printed(bracket, top(bracket))[1] == "alpha' = alpha × omega"
+
+
+def test_a_sign_in_the_extension_or_the_algebra_shows():
+    """The equations follow the bracket: they are derived, not quoted."""
+    flipped = so(3) @ leibniz(3, -sp.Symbol("epsilon"))
+    assert printed(flipped, top(flipped))[1] == "alpha' = alpha × omega - epsilon beta × a"
+    c = [[[-v for v in row] for row in plane] for plane in so(3).structure_constants]
+    reversed_ = LieAlgebra(c) @ leibniz(3, "epsilon")
+    assert printed(reversed_, top(reversed_))[0] == "l' = -l × omega - alpha × a - beta × b"
+
+
+def test_other_gradients_are_named_and_defined():
+    bracket = so(3) @ semidirect(2)
+    l, alpha = bracket.fields.values()
+    equations = vector_equations(bracket, l.dot(l) / 2 + sp.sqrt(1 + alpha[0] ** 2))
+    assert [formula.write(NAMES) for _, formula in equations.rows] == ["alpha × dH/dalpha", "alpha × l"]
+    definitions = dict(equations.definitions)
+    assert [c.plain for c in definitions[Gradient("alpha")]] == ["alpha1/sqrt(alpha1^2 + 1)", "0", "0"]
+
+
+def test_gradients_are_written_with_the_matrices_of_parameters():
+    """dH/dl = I^-1 l - I^-1 k + B alpha, dH/dalpha = 2 alpha + B l + a."""
+    bracket = so(3) @ semidirect(2)
+    l, alpha = bracket.fields.values()
+    k, B = sp.symbols("k1:4"), sp.symbols("B1:4")
+    energy = sum((l[i] - k[i]) ** 2 / (2 * inertia[i]) + B[i] * l[i] * alpha[i] for i in range(3))
+    definitions = dict(vector_equations(bracket, energy + alpha.dot(alpha) + a.dot(alpha)).definitions)
+    assert definitions[Gradient("l")].plain == "I^-1 l + B alpha - I^-1 k"
+    assert definitions[Gradient("alpha")].plain == "2 alpha + B l + a"
+
+
+def test_a_field_or_parameter_named_omega_is_not_the_angular_velocity():
+    bracket = so(3) @ Extension(semidirect(2).tensor, field_names=("omega", "v"))
+    w, _ = bracket.fields.values()
+    (name, _), *_ = vector_equations(bracket, w[0] ** 2 + 2 * w[1] ** 2).definitions
+    assert name == Gradient("omega")
+
+
+def test_so21_has_a_cross_product_of_its_own():
+    bracket = so(2, 1) @ leibniz(3, "epsilon")
+    assert printed(bracket, top(bracket))[1] == "alpha' = alpha × omega + epsilon beta × a"
+    product = vector_equations(bracket, top(bracket)).product
+    assert [component.plain for component in product] == ["u2*v3 + u3*v2", "-u1*v3 - u3*v1", "u1*v2 - u2*v1"]
+    assert vector_equations(so(3) @ leibniz(1), sp.Symbol("l1")).product is None
+
+
+@pytest.mark.parametrize("algebra", [so(4), se(3), su(3)])
+def test_algebras_without_cross_product_have_component_equations(algebra):
+    bracket = algebra @ leibniz(1)
+    assert vector_equations(bracket, bracket.variables[0] ** 2) is None
+
+
+monomials = st.lists(
+    st.tuples(st.integers(-3, 3), st.lists(st.integers(0, 8), min_size=1, max_size=3)), min_size=1, max_size=5
+)
+
+
+@settings(max_examples=40)
+@given(monomials, st.sampled_from([so(3), so(2, 1), su(2)]))
+def test_products_written_out_are_the_hamiltonian_vector_field(terms, algebra):
+    """Each u x v replaced by -c_ij^k v_j u_k gives J grad H, for any polynomial Hamiltonian."""
+    bracket = algebra @ leibniz(3, sp.Rational(2, 3))
+    x = bracket.variables
+    hamiltonian = sp.Add(*[weight * sp.Mul(*[x[i] for i in factors]) for weight, factors in terms])
+    equations = vector_equations(bracket, hamiltonian)
+    named = dict(equations.definitions)
+    fields = bracket.fields
+    c = algebra.structure_constants
+
+    def vector(name):
+        if name in fields:
+            return list(fields[name])
+        if isinstance(named[name], tuple):
+            return [component.expression for component in named[name]]
+        sums = [(named[name].expression.coeff(symbol), fields[atom.u]) for symbol, atom in named[name].atoms.items()]
+        return list(sum((factor * column for factor, column in sums), sp.zeros(3, 1)))
+
+    def cross(u, v):
+        # The constants of su(2) are twice those of so(3), its cross product is the same.
+        scale = abs(c[0][1][2])
+        sums = [
+            -sum(sp.Rational(c[i][j][k] / scale) * v[j] * u[k] for j in range(3) for k in range(3)) for i in range(3)
+        ]
+        return sp.Matrix(sums)
+
+    derived = bracket.vector_field(hamiltonian)
+    for mu, (_, formula) in enumerate(equations.rows):
+        total = sp.zeros(3, 1)
+        for symbol, atom in formula.atoms.items():
+            assert isinstance(atom, Cross)
+            total += formula.expression.coeff(symbol) * cross(vector(atom.u), vector(atom.v))
+        for component, wanted in zip(total, derived[3 * mu : 3 * mu + 3], strict=True):
+            assert sp.expand(component - wanted) == 0

@@ -1,0 +1,112 @@
+"""Gradients by the chain rule: written in vectors where this is right, and only there."""
+
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from liepoisson.exact.extensions import leibniz, semidirect
+from liepoisson.exact.lie_algebras import so
+from liepoisson.exact.report import vector_gradients
+from liepoisson.exact.report.styles import UNICODE
+from liepoisson.exact.report.vector_gradients import vector_gradient
+from liepoisson.exact.report.vector_notation import VectorNotation
+
+BRACKET = so(3) @ semidirect(2)
+NOTATION = VectorNotation(BRACKET)
+l, alpha = BRACKET.fields.values()
+inertia, r = sp.symbols("I1:4"), sp.Matrix(sp.symbols("r1:4"))
+kinetic = sum(l[i] ** 2 / inertia[i] for i in range(3))
+S = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"S{min(i, j) + 1}{max(i, j) + 1}"))
+A = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"A{i + 1}{j + 1}"))
+mu = sp.Symbol("mu")
+
+
+def written(hamiltonian, field):
+    formula = vector_gradient(NOTATION, hamiltonian, field)
+    return formula and formula.write(UNICODE)
+
+
+@pytest.mark.parametrize(
+    ("hamiltonian", "along_l", "along_alpha"),
+    [
+        (sp.sqrt(1 + kinetic), "I⁻¹l/√(l·I⁻¹l + 1)", None),
+        (-mu / sp.sqrt((alpha - r).dot(alpha - r)), None, "μ (α - r)/|α - r|³"),
+        (sp.exp(r.dot(alpha)) * l.dot(l), "2exp(r·α) l", "exp(r·α) |l|² r"),
+        (sp.sqrt(1 + l.dot(alpha)), "α/(2√(l·α + 1))", "l/(2√(l·α + 1))"),
+        (sp.sin(alpha.dot(S * alpha)), None, "2cos(α·S α) S α"),
+        (sp.sin(r.dot(l.cross(alpha))), "cos(r·(l × α)) α × r", "cos(r·(l × α)) r × l"),
+    ],
+)
+def test_gradients(hamiltonian, along_l, along_alpha):
+    assert written(hamiltonian, "l") == along_l
+    assert written(hamiltonian, "alpha") == along_alpha
+
+
+@pytest.mark.parametrize(
+    "hamiltonian",
+    [
+        sp.sqrt(1 + l.dot(l)) + l[2],  # a component besides
+        l[0] ** 2 + l[1] ** 3,  # nothing recognised
+        sp.sin(l.dot(A * l)),  # A need not be symmetric: the gradient is that of (A + A^T)/2
+        sp.Symbol("l1"),
+    ],
+)
+def test_what_is_no_function_of_scalars_is_left_in_components(hamiltonian):
+    assert written(hamiltonian, "l") is None
+
+
+def test_a_wrong_derivative_is_not_printed(monkeypatch):
+    right = vector_gradients._derivative
+
+    def wrong(atom, field):
+        return ((2 * n, v) for n, v in right(atom, field))
+
+    assert written(sp.sqrt(1 + l.dot(l)), "l") is not None
+    monkeypatch.setattr(vector_gradients, "_derivative", wrong)
+    assert written(sp.sqrt(1 + l.dot(l)), "l") is None
+
+
+def test_the_metric_of_so21_is_not_forgotten():
+    """The gradient of |l|^2 = l1^2 + l2^2 - l3^2 is not 2 l."""
+    bracket = so(2, 1) @ leibniz(1)
+    x = bracket.variables
+    assert vector_gradient(VectorNotation(bracket), sp.sqrt(1 + x[0] ** 2 + x[1] ** 2 - x[2] ** 2), "l") is None
+
+
+scalars = [l.dot(l), alpha.dot(alpha), l.dot(alpha), r.dot(l), kinetic, (alpha + r).dot(alpha + r), l.dot(S * alpha)]
+outer = st.sampled_from([sp.exp, lambda s: sp.sqrt(1 + s), lambda s: s, lambda s: 1 / s])
+
+
+@settings(max_examples=15)
+@given(outer, outer, st.sampled_from(scalars), st.sampled_from(scalars), st.sampled_from(["l", "alpha"]))
+def test_gradients_are_derivatives(f, g, s, t, field):
+    """With numbers for everything, the vectors add up to the derivative."""
+    hamiltonian = f(s) + g(t)
+    formula = vector_gradient(NOTATION, hamiltonian, field)
+    if formula is None:
+        return
+    x = BRACKET.fields[field]
+    values = {symbol: sp.Rational(k + 2, k + 3) for k, symbol in enumerate(sorted(hamiltonian.free_symbols, key=str))}
+    names = {**NOTATION.vectors(hamiltonian), "S": S}
+    meanings = NOTATION.meaning(
+        type(formula)(formula.expression, {k: a for k, a in formula.atoms.items() if not is_vector(a)}), hamiltonian
+    )
+    for i in range(3):
+        here = {symbol: component(atom, i, names) for symbol, atom in formula.atoms.items() if is_vector(atom)}
+        total = formula.expression.subs({**meanings, **here}).subs(values)
+        assert abs(sp.N(total - hamiltonian.diff(x[i]).subs(values))) < 1e-12
+
+
+def is_vector(atom):
+    return type(atom).__name__ in ("Itself", "Image", "Cross")
+
+
+def component(atom, i, names):
+    if type(atom).__name__ == "Image":
+        matrix = names[atom.matrix]
+        D = matrix if isinstance(matrix, sp.Matrix) else sp.diag(*(entry**atom.power for entry in matrix))
+        return (D * sp.Matrix(names[atom.u]))[i]
+    if isinstance(atom.u, str):
+        return names[atom.u][i]
+    return names[atom.u.field][i] + atom.u.sign * names[atom.u.by][i]

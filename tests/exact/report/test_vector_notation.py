@@ -1,0 +1,143 @@
+"""Vector notation is recognised where it is right, and only there."""
+
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from liepoisson.exact.extensions import leibniz, semidirect
+from liepoisson.exact.lie_algebras import abelian, heisenberg, se, sl, so, su
+from liepoisson.exact.report.vector_notation import VectorNotation, _Recognition, invariant_metric
+
+BRACKET = so(3) @ leibniz(3, "epsilon")
+NOTATION = VectorNotation(BRACKET)
+l, alpha, beta = BRACKET.fields.values()
+a, b = sp.Matrix(sp.symbols("a1:4")), sp.Matrix(sp.symbols("b1:4"))
+inertia = sp.symbols("I1:4")
+epsilon = sp.Symbol("epsilon")
+A = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"A{i + 1}{j + 1}"))
+symmetric = sp.Matrix(3, 3, lambda i, j: sp.Symbol(f"S{min(i, j) + 1}{max(i, j) + 1}"))
+kinetic = sum(l[i] ** 2 / (2 * inertia[i]) for i in range(3))
+
+
+def plain(expression, notation=NOTATION):
+    return notation.formula(sp.sympify(expression)).plain
+
+
+@pytest.mark.parametrize(
+    ("expression", "text"),
+    [
+        (alpha.dot(alpha) + 2 * epsilon * l.dot(beta), "|alpha|^2 + 2 epsilon l.beta"),
+        (kinetic + a.dot(alpha) + b.dot(beta), "1/2 l.I^-1 l + a.alpha + b.beta"),
+        (l.dot(alpha) + epsilon * inertia[0] * a[2] * beta[2], "l.alpha + epsilon*I1*a3*beta3"),
+        (l.dot(alpha.cross(beta)) / 3, "1/3 l.(alpha x beta)"),
+        (l.dot(beta.cross(alpha)), "-l.(alpha x beta)"),
+        (-a.dot(l.cross(beta)), "-a.(l x beta)"),
+        ((2 * a + b).dot(alpha), "2 a.alpha + b.alpha"),
+        (sum(inertia[i] * l[i] * alpha[i] for i in range(3)), "l.I alpha"),
+        (l.dot(alpha) ** 2 - 1, "(l.alpha)^2 - 1"),
+        (sp.sqrt(alpha.dot(alpha) + 1) * l[0], "sqrt(|alpha|^2 + 1)*l1"),
+        (sp.exp(-l.dot(l)), "exp(-|l|^2)"),
+        (l[0] ** 2 + l[1] ** 2 + 2 * l[2] ** 2, "l1^2 + l2^2 + 2*l3^2"),
+        (l[0] ** 2 + l[1] ** 2, "l1^2 + l2^2"),
+        (a[0] * alpha[0] + a[1] * alpha[1] + 2 * a[2] * alpha[2], "a1*alpha1 + a2*alpha2 + 2*a3*alpha3"),
+        (l[0] * l[1] * alpha[2], "l1*l2*alpha3"),
+        (sum(a[i] * l[i] / inertia[i] for i in range(3)) + kinetic, "1/2 l.I^-1 l + a.I^-1 l"),
+        (sum(a[i] * l[i] / inertia[0] for i in range(3)), "1/I1 a.l"),
+        (epsilon + 1, "1 + epsilon"),
+        ((alpha - a).dot(alpha - a), "|alpha - a|^2"),
+        (3 * (alpha + a).dot(alpha + a) + beta.dot(l), "3 |alpha + a|^2 + l.beta"),
+        (1 / sp.sqrt((alpha - a).dot(alpha - a)), "1/|alpha - a|"),
+        ((alpha - a).dot(alpha - a) + a[0] ** 2, "|alpha|^2 - 2 a.alpha + 2*a1^2 + a2^2 + a3^2"),
+        (alpha.dot(alpha) - 2 * a.dot(alpha), "|alpha|^2 - 2 a.alpha"),
+        (alpha.dot(A * alpha) / 2, "1/2 alpha.A alpha"),
+        (l.dot(A * alpha), "l.A alpha"),
+        (l.dot(A.T * alpha), "alpha.A l"),
+        (l.dot(symmetric * l), "l.S l"),
+        (sp.sqrt(1 + l.dot(symmetric * alpha)), "sqrt(l.S alpha + 1)"),
+        (l.dot(l) * l.dot(alpha) + alpha.dot(alpha), "|l|^2 (l.alpha) + |alpha|^2"),
+    ],
+)
+def test_what_is_recognised(expression, text):
+    assert plain(expression) == text
+
+
+def test_a_matrix_with_one_entry_changed_is_not_mistaken():
+    changed = A.copy()
+    changed[0, 1] = A[1, 0]
+    assert ".A " not in plain(l.dot(changed * alpha))
+    assert ".A " not in plain(alpha.dot(A * alpha) + alpha[0] * alpha[1])
+
+
+def test_casimirs_read_as_in_the_paper():
+    assert [plain(c) for c in BRACKET.casimirs()] == ["|alpha|^2 + 2 epsilon l.beta", "alpha.beta", "|beta|^2"]
+
+
+def test_a_product_of_forms_that_is_given_expanded_stays_in_components():
+    assert "alpha1^2" in plain(sp.expand(l.dot(alpha) ** 2))
+
+
+numbers = st.integers(-3, 3)
+invariants = [l.dot(l), l.dot(alpha), alpha.dot(beta), beta.dot(beta), a.dot(l), b.dot(beta), l.dot(alpha.cross(beta))]
+
+
+@settings(max_examples=40)
+@given(st.lists(numbers, min_size=7, max_size=7), st.lists(numbers, min_size=9, max_size=9), st.booleans())
+def test_formulas_equal_what_they_print(weights, linear, with_parameter):
+    """The formal symbols, replaced by what they stand for, give the expression back."""
+    expression = sum(w * i for w, i in zip(weights, invariants, strict=True))
+    expression += sum(w * x for w, x in zip(linear, BRACKET.variables, strict=True))
+    expression = sp.expand(expression * (epsilon if with_parameter else 1))
+    recognition = _Recognition(NOTATION, expression)
+    rewritten = recognition.rewrite(expression)
+    assert sp.expand(rewritten.xreplace(recognition.meanings) - expression) == 0
+    if any(weights[:4]):
+        assert NOTATION.formula(expression).atoms
+
+
+@given(st.sampled_from(range(9)), st.sampled_from(range(9)), st.sampled_from([-1, 1, 2]))
+def test_an_expression_that_is_slightly_different_is_not_mistaken(i, j, weight):
+    """Adding one monomial to C1 changes what is printed."""
+    x = BRACKET.variables
+    c1 = alpha.dot(alpha) + 2 * epsilon * l.dot(beta)
+    changed = plain(c1 + weight * x[i] * x[j])
+    assert changed != plain(c1)
+    if "alpha1" in changed:
+        assert "|alpha|^2" not in changed or i // 3 != 1 or j // 3 != 1 or i != j
+
+
+def test_a_wrong_recognition_is_printed_in_components(monkeypatch):
+    monkeypatch.setattr(_Recognition, "meaning", lambda self, atom: sp.Integer(1))
+    assert plain(alpha.dot(beta)) == "alpha1*beta1 + alpha2*beta2 + alpha3*beta3"
+
+
+@pytest.mark.parametrize(
+    ("algebra", "metric"),
+    [
+        (so(3), (1, 1, 1)),
+        (so(2, 1), (1, 1, -1)),
+        (so(4), (1,) * 6),
+        (se(3), None),
+        (heisenberg(1), None),
+        (abelian(3), None),
+        (sl(2), None),
+        (su(2), (1, 1, 1)),
+    ],
+)
+def test_invariant_metric(algebra, metric):
+    assert invariant_metric(algebra) == metric
+
+
+def test_the_metric_of_so21_makes_the_scalar_product():
+    bracket = so(2, 1) @ semidirect(2)
+    notation = VectorNotation(bracket)
+    u, v = bracket.fields.values()
+    assert plain(u[0] * v[0] + u[1] * v[1] - u[2] * v[2], notation) == "l.alpha"
+    assert plain(u.dot(v), notation) == "l1*alpha1 + l2*alpha2 + l3*alpha3"
+    assert plain(-(v[0] ** 2) - v[1] ** 2 + v[2] ** 2, notation) == "-|alpha|^2"
+
+
+def test_six_components_have_a_length_too():
+    bracket = so(4) @ leibniz(1)
+    notation = VectorNotation(bracket)
+    assert plain(sum(x**2 for x in bracket.variables), notation) == "|l|^2"

@@ -1,0 +1,377 @@
+import operator
+import re
+import subprocess
+import sys
+import time
+from fractions import Fraction
+from math import isqrt
+
+import pytest
+import sympy as sp
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from liepoisson.errors import ExpressionError, ParameterError
+from liepoisson.exact.expression import Scope, check_names, read_expression, read_formula
+from liepoisson.exact.extensions import leibniz
+from liepoisson.exact.formula.grammar import parse
+from liepoisson.exact.lie_algebras import so
+
+F = Fraction
+l1, l2, l3, alpha1, alpha2, alpha3, beta1, beta2, beta3 = sp.symbols("l1:4 alpha1:4 beta1:4")
+L, ALPHA, BETA = (l1, l2, l3), (alpha1, alpha2, alpha3), (beta1, beta2, beta3)
+A = sp.Matrix([[1, 2, 0], [0, 1, 0], [0, 0, 3]])
+SCOPE = Scope(
+    {"l": "123", "alpha": "123", "beta": "123", "M": ("12", "13", "14", "23", "24", "34")},
+    {
+        "I": (2, 2, 1),
+        "a": (-1, 0, F(1, 2)),
+        "A": ((1, 2, 0), (0, 1, 0), (0, 0, 3)),
+        "g": F(1, 3),
+        "Z": ((1, 2), (2, 4)),
+    },
+    ("epsilon", "n", "b[3]", "B[2,2]"),
+)
+
+
+def value(text: str) -> sp.Expr:
+    return read_expression(text, SCOPE, insert_values=True)
+
+
+def refusal(text: str, scope: Scope = SCOPE) -> ExpressionError:
+    with pytest.raises(ExpressionError) as caught:
+        read_expression(text, scope)
+    return caught.value
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("dot(l, inv(I)*l)/2", (l1**2 / 2 + l2**2 / 2 + l3**2) / 2),
+        ("l[1]*l2", l1 * l2),
+        ("dot(a, alpha)", -alpha1 + alpha3 / 2),
+        ("dot(cross(l, alpha), beta)", sp.Matrix([L, ALPHA, BETA]).det()),
+        ("dot(l, A*l)", l1**2 + 2 * l1 * l2 + l2**2 + 3 * l3**2),
+        ("dot(l, transpose(A)*alpha)", l1 * alpha1 + l2 * (2 * alpha1 + alpha2) + 3 * l3 * alpha3),
+        ("dot(l, inv(A)*l)", l1**2 - 2 * l1 * l2 + l2**2 + l3**2 / 3),
+        ("dot(l, diag(I)*l)", 2 * l1**2 + 2 * l2**2 + l3**2),
+        ("trace(A*A)", 11),
+        ("trace(inv(B))", sp.Matrix(2, 2, sp.symbols("B11 B12 B21 B22")).inv().trace()),
+        ("dot(l, inv(A + diag(alpha))*beta)", sp.Matrix(L).dot((A + sp.diag(*ALPHA)).inv() * sp.Matrix(BETA))),
+        ("norm(l)", sp.sqrt(l1**2 + l2**2 + l3**2)),
+        ("dot(l - 2*alpha/3, b)", (sp.Matrix(L) - 2 * sp.Matrix(ALPHA) / 3).dot(sp.Matrix(sp.symbols("b1:4")))),
+        ("A[1,2]*M[3] + A12*M14 + cross(l, alpha)[3]", 4 * sp.Symbol("M14") + l1 * alpha2 - l2 * alpha1),
+        ("-l1^2", -(l1**2)),
+        ("2^3^2", 512),
+        ("8^(1/3)", 2),
+        ("0.1*l1", l1 / 10),
+        ("g*l1^n", l1 ** sp.Symbol("n") / 3),
+        ("l1^(3/2)/(1 + l2)", l1 ** sp.Rational(3, 2) / (1 + l2)),
+        ("sin(pi/6) + cos(l1) + tan(l1 + pi/2)", sp.Rational(1, 2) + sp.cos(l1) - sp.cos(l1) / sp.sin(l1)),
+        ("exp(l2*log(l1))", sp.exp(l2 * sp.log(l1))),
+        ("asin(l1)+acos(l2)+atan(l3)", sp.asin(l1) + sp.acos(l2) + sp.atan(l3)),
+        ("sinh(l1)+cosh(l2)+tanh(l3)", sp.sinh(l1) + sp.cosh(l2) + sp.tanh(l3)),
+    ],
+)  # fmt: skip
+def test_formulas_mean_what_they_say(text, expected):
+    assert sp.simplify(value(text) - expected) == 0
+
+
+def test_parameters_stay_symbols_or_are_inserted_exactly():
+    formula = read_formula("dot(l, inv(I)*l)/2 + epsilon*a3*beta[3] + A12*g*l1", SCOPE)
+    I, eps, a3, A12, g = sp.symbols("I1:4"), *sp.symbols("epsilon a3 A12 g")
+    kinetic = l1**2 / (2 * I[0]) + l2**2 / (2 * I[1]) + l3**2 / (2 * I[2])
+    assert sp.expand(formula.expression - kinetic - eps * a3 * beta3 - A12 * g * l1) == 0
+    assert sp.expand(formula.value - l1**2 / 4 - l2**2 / 4 - l3**2 / 2 - eps * beta3 / 2 - 2 * l1 / 3) == 0
+    assert formula.names == {"l", "beta", "I", "a", "A", "g", "epsilon"}
+    assert not formula.value.atoms(sp.Float)
+
+
+@pytest.mark.parametrize(
+    ("text", "position", "message"),
+    [
+        ("alhpa1 + l1", 0, "Did you mean alpha1"),
+        ("l1 + foo", 5, "'foo' is unknown.*Known are l, alpha, beta, M, I"),
+        ("1 + l4", 4, "unknown"),
+        ("l", 0, "must be a scalar; got a vector of length 3"),
+        ("A", 0, "must be a scalar; got a 3 x 3 matrix"),
+        ("l1 + l", 3, "one shape; got a scalar and a vector"),
+        ("dot(l + M, l)", 6, "length 3 and a vector of length 6"),
+        ("l*alpha", 1, r"dot\(u, v\)"),
+        ("dot(l*A, l)", 5, r"transpose\(M\)"),
+        ("dot(A*M, l)", 5, "lengths must agree"),
+        ("1/l", 1, r"inv\(I\)\*l"),
+        ("l1/A", 2, r"inv\(M\)\*v"),
+        ("l^2", 1, r"dot\(v, v\)"),
+        ("2^l", 1, "got a vector"),
+        ("l1^l2", 2, r"exp\(y\*log\(x\)\)"),
+        ("l1^sqrt(2)", 2, "rational"),
+        ("l[4]", 1, "must not exceed"),
+        ("A[1]", 1, "two"),
+        ("l1[1]", 2, "got a scalar"),
+        ("dot(l)", 0, "two vectors.*got 1 arguments"),
+        ("dot(l, M)", 0, "got a vector of length 3 and a vector of length 6"),
+        ("cross(M, M)[1]", 0, "length 3"),
+        ("sin(l)", 0, "takes one scalar; got a vector"),
+        ("sin()", 0, "got nothing"),
+        ("inv(g)", 0, "square matrix"),
+        ("trace(inv(Z))", 6, "determinant of this one is 0"),
+        ("dot", 0, "needs its arguments"),
+        ("l(1)", 0, "no function"),
+        ("pi(1)", 0, "no function"),
+        ("dto(l, l)", 0, "Did you mean dot"),
+        ("ln(l1)", 0, r"log\(x\)"),
+        ("__import__(l1)", 0, "unknown"),
+        ("eval(l1)", 0, "unknown"),
+        ("l1/0", 2, "must not vanish"),
+        ("l1/(g - 1/3)", 2, "must not vanish"),
+        ("0^-1", 1, "must not vanish"),
+        ("sqrt(-2)", 0, "finite and real"),
+        ("(-8)^(1/3)", 4, "finite and real"),
+        ("log(-1)", 0, "finite and real"),
+        ("log(0)", 0, "finite and real"),
+        ("asin(2)", 0, "finite and real"),
+        ("tan(pi/2)", 0, "finite and real"),
+    ],
+)
+def test_what_has_no_meaning_is_refused_with_its_position(text, position, message):
+    error = refusal(text)
+    assert error.position == position
+    assert re.search(message, str(error))
+
+
+@pytest.mark.parametrize(
+    "name", ["abs", "sign", "min", "max", "floor", "ceil", "round", "mod", "heaviside", "Heaviside"]
+)
+def test_functions_that_are_not_smooth_are_refused_as_such(name):
+    assert "not smooth" in str(refusal(f"{name}(l1)"))
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "l1^1000000",
+        "2^2^2^2^2^2",
+        "((((2^64)^64)^64)^64)^64",
+        "((1.0001^64)^64)^64*l1",
+        "((1/3*l1)^64)^64",
+        "exp(exp(exp(exp(9))))",
+        "exp(10^15*log(2))",
+        "exp(l1 + 10^15*log(2))",
+        "sinh(1000)*cosh(1000)",
+        "acos(sin(1e150))",
+        "1e999*l1",
+        "(l1+l2+l3+alpha1+alpha2+alpha3+beta1+beta2+beta3)^64",
+        "sqrt(l1+l2+l3+alpha1+alpha2+alpha3+beta1+beta2+beta3)^64",
+        "exp(64*log(l1+l2+l3+alpha1+alpha2+alpha3+beta1+beta2+beta3))",
+        "sin(asin(l1+l2+l3+alpha1+alpha2+alpha3+beta1+beta2+beta3))^64",
+        "((l1^64)^64)^64",
+        "sqrt(tanh(sqrt((tanh(acos(l1 + l1)) + 3*l1)^8))/l1)",
+        "tanh(tanh(sin((l1 + acos(l2)/l1 + l1/l2)^8)))",
+        "sin(" * 30 + "l1" + ")" * 30,
+        "cross(l, l/2 + cross(alpha, " * 20 + "l" + "))" * 20 + "[1]",
+        "norm(l*" * 20 + "norm(alpha)" + ")" * 20,
+        "+".join(["dot(A*A*A*l, A*A*A*l)"] * 900),
+        "*".join(f"({k}+l1)" for k in range(2000)),
+        "+".join(f"sqrt({k}+1e150)" for k in range(1200)),
+    ],
+)
+def test_what_would_take_forever_is_refused_quickly(text):
+    start = time.perf_counter()
+    refusal(text)
+    assert time.perf_counter() - start < 5
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "+".join(f"{k}/{k + 1}*l1^{k % 5}*alpha{k % 3 + 1}" for k in range(800)),
+        "dot(l, l)^4*(l1 + l2 + l3)^10",
+        "1/sqrt(dot(alpha, alpha) + 1)^3",
+        "exp(-dot(l, A*l))*log(1 + norm(alpha)^2)*sin(cos(sin(l1)))",
+        "(l1/10^20)^8*1e160",
+    ],
+)
+def test_long_but_reasonable_formulas_are_read(text):
+    start = time.perf_counter()
+    assert value(text).free_symbols
+    assert time.perf_counter() - start < 10
+
+
+def test_names_must_stand_for_one_thing():
+    with pytest.raises(ParameterError, match=r"l1 is a component of l and belongs to l1"):
+        Scope({"l": "123"}, {"l1": 2})
+    with pytest.raises(ParameterError, match="I1 is a component of I"):
+        Scope({}, {"I": (1, 2)}, ("I1",))
+    with pytest.raises(ParameterError, match="a field and a parameter"):
+        Scope({"l": "123"}, {"l": 2})
+    with pytest.raises(ParameterError, match="given twice"):
+        Scope({}, {"a": 2}, ("a[3]",))
+    with pytest.raises(ParameterError, match="function or constant"):
+        Scope({}, {"sin": 2})
+    with pytest.raises(ParameterError, match="letters"):
+        Scope({}, {"2a": 2})
+    for declaration in ("a[0]", "a[", "a b", "a[1000]", "", "a[3][3]"):
+        with pytest.raises(ParameterError, match="declared by its name"):
+            Scope({}, {}, (declaration,))
+    # a field whose name looks like a component of another one: the coordinates l1 and l11, l12, ... are all distinct
+    scope = Scope({"l": "3", "l3": "12"})
+    assert read_expression("l3[2] + l[1]", scope) == sp.Symbol("l32") + sp.Symbol("l3")
+
+
+def test_the_scope_of_a_bracket_knows_its_coordinates_and_symbols():
+    scope = Scope.of_bracket(so(3) @ leibniz(3, "epsilon"), {"I": (1, 2, 3)}, ("kappa",))
+    expected = sp.Symbol("epsilon") * beta1 * sp.Symbol("kappa") / sp.Symbol("I2")
+    assert read_expression("epsilon*beta1*kappa/I2", scope) == expected
+    assert scope.owner("alpha3") == "alpha"
+    assert scope.owner("gamma") is None
+    assert check_names(parse("I1*l2 + pi"), "I1*l2 + pi", scope) == {"I", "l"}
+
+
+# Random formulas as nested tuples, printed as text and evaluated by a few lines of our own.
+leaves = st.one_of(
+    st.sampled_from(["l1", "l2", "alpha3", "I1", "a3", "g"]),
+    st.fractions(0, 20, max_denominator=20),
+    st.decimals(0, 20, places=3, allow_nan=False).map(F),
+)
+trees = st.recursive(
+    leaves,
+    lambda inner: st.one_of(
+        st.tuples(st.sampled_from("+-*/"), inner, inner),
+        st.tuples(st.just("neg"), inner),
+        st.tuples(st.just("^"), inner, st.integers(-3, 4)),
+        st.tuples(st.just("dot"), st.sampled_from(["l", "alpha", "inv(I)*l", "A*alpha"]), inner, inner),
+    ),
+    max_leaves=12,
+)
+POINT = {"l1": F(2), "l2": F(-3), "l3": F(1, 2), "alpha1": F(5), "alpha2": F(-1), "alpha3": F(1, 3)}
+NUMBERS = POINT | {"I1": F(2), "a3": F(1, 2), "g": F(1, 3)}
+VECTORS = {
+    "l": (F(2), F(-3), F(1, 2)),
+    "alpha": (F(5), F(-1), F(1, 3)),
+    "inv(I)*l": (F(1), F(-3, 2), F(1, 2)),
+    "A*alpha": (F(3), F(-1), F(1)),
+}
+
+
+def printed(tree):
+    match tree:
+        case str():
+            return tree
+        case Fraction():
+            return f"({tree.numerator}/{tree.denominator})" if tree.denominator != 1 else str(tree.numerator)
+        case ("neg", inner):
+            return f"(-{printed(inner)})"
+        case ("^", inner, power):
+            return f"({printed(inner)})^{power}"
+        case ("dot", vector, left, right):
+            return f"dot({vector}, {printed(left)}*alpha - l/({printed(right)}))"
+        case (sign, left, right):
+            return f"({printed(left)} {sign} {printed(right)})"
+
+
+ARITHMETIC = {"+": operator.add, "-": operator.sub, "*": operator.mul, "/": operator.truediv}
+
+
+def evaluated(tree):
+    match tree:
+        case str():
+            return NUMBERS[tree]
+        case Fraction():
+            return tree
+        case ("neg", inner):
+            return -evaluated(inner)
+        case ("^", inner, power):
+            return evaluated(inner) ** power
+        case ("dot", vector, left, right):
+            s, t = evaluated(left), evaluated(right)
+            vectors = zip(VECTORS[vector], VECTORS["alpha"], VECTORS["l"], strict=True)
+            return sum((u * (s * v - w / t) for u, v, w in vectors), F(0))
+    sign, left, right = tree
+    return ARITHMETIC[sign](evaluated(left), evaluated(right))
+
+
+@given(trees)
+def test_a_printed_formula_is_read_back_with_the_same_value(tree):
+    try:
+        expected = evaluated(tree)
+    except ZeroDivisionError:
+        assume(False)
+    try:
+        formula = value(printed(tree))
+    except ExpressionError as error:
+        assume("at most" not in str(error) and "must not vanish" not in str(error))
+        raise
+    at_point = formula.xreplace({sp.Symbol(name): sp.Rational(x.numerator, x.denominator) for name, x in POINT.items()})
+    assert at_point == sp.Rational(expected.numerator, expected.denominator)
+
+
+PIECES = [
+    *("l", "alpha", "l1", "M12", "I", "a3", "A[1,2]", "n", "pi", "2", "64", "1/3", "1e9", "+", "-", "*", "/", "^"),
+    *("(", ")", ",", "dot(", "cross(", "inv(", "sqrt(", "exp(", "sin(", "foo", "'", ".", "["),
+]
+
+
+@given(st.one_of(st.lists(st.sampled_from(PIECES), max_size=25).map("".join), trees.map(printed)))
+def test_any_formula_is_read_or_refused_quickly(text):
+    start = time.perf_counter()
+    try:
+        assert isinstance(read_expression(text, SCOPE), sp.Expr)
+    except ExpressionError as error:
+        refused_at = error.position
+    else:
+        refused_at = 0
+    assert 0 <= refused_at <= len(text)
+    assert time.perf_counter() - start < 5
+
+
+@given(st.integers(2, 10**12))
+def test_square_roots_are_exact(n):
+    root = isqrt(n)
+    assert (value(f"sqrt({n})") == root) == (root * root == n)
+
+
+AUDITED = """
+import sys
+from liepoisson.exact.expression import Scope, read_formula
+from liepoisson.errors import ExpressionError
+texts = [{texts}]
+scope = Scope({{"l": "123"}}, {{"I": (2, 2, 1)}}, ("n",))
+def read_all():
+    for text in texts:
+        try:
+            read_formula(text, scope)
+        except ExpressionError:
+            continue
+read_all()
+seen = []
+sys.addaudithook(lambda event, arguments: seen.append(event))
+read_all()
+forbidden = ["import", "exec", "compile", "open", "os", "subprocess", "socket", "ctypes"]
+events = [event for event in seen if event.split(".")[0] in forbidden]
+if {control}:
+    eval("1 + 1")
+    events = [event for event in seen if event in {{"exec", "compile"}}]
+print(events)
+"""
+
+
+@pytest.mark.parametrize("control", [False, True])
+def test_reading_runs_no_code(control):
+    texts = [
+        "dot(l, inv(I)*l)/2 + sqrt(1 + l1^2)",
+        "__import__('os').system('true')",
+        "open('x')",
+        "l.__class__",
+        "eval(1)",
+        "exec(l1)",
+        "lambda: 1",
+        "().__class__.__bases__",
+        "trace(inv(diag(I)*diag(l)))",
+        "sin(l1)*exp(pi)",
+        "foo",
+        "l1^n",
+    ]
+    code = AUDITED.format(texts=", ".join(map(repr, texts)), control=control)
+    result = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert (result.stdout.strip() == "[]") != control

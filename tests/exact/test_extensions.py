@@ -1,0 +1,55 @@
+from fractions import Fraction
+from itertools import product
+
+import pytest
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.extension import Extension
+from liepoisson.exact.extensions import EXTENSIONS, crmhd, leibniz, normal_form, semidirect, trivial
+
+
+def test_the_trivial_extension_is_the_real_line():
+    assert trivial().tensor == (((1,),),)
+    assert trivial().unit() == (1,)
+
+
+def test_reduced_mhd_has_one_cocycle():
+    A = crmhd("2/3")
+    unit = {(0, k): {k: 1} for k in range(4)}
+    assert A.products == unit | {(1, 2): {3: Fraction(-2, 3)}}
+    assert A.field_names == ("omega", "v", "p", "psi")
+    assert A.name == "CRMHD(beta_e = 2/3)"
+    assert crmhd().symbols == {"beta_e"}
+
+
+@pytest.mark.parametrize(
+    "extension", [trivial(), leibniz(6), leibniz(5, "epsilon"), leibniz(4, "-2/7"), semidirect(6), crmhd(), crmhd(0)]
+)
+def test_named_extensions_are_commutative_and_associative(extension):
+    Extension(extension.tensor)  # raises if not
+
+
+def test_no_cocycle_leaves_no_products():
+    assert crmhd(0).products == semidirect(4).products == leibniz(4, 0).products
+
+
+@pytest.mark.parametrize("n", [0, -1, 101, 10**12, 2.0, "3", True])
+@pytest.mark.parametrize("constructor", [leibniz, semidirect])
+def test_the_number_of_fields_is_bounded(constructor, n):
+    with pytest.raises(ParameterError, match=r"n >= 1|at most 100"):
+        constructor(n)
+
+
+def test_normal_forms_are_counted_from_one():
+    assert normal_form(3, 1).tensor == leibniz(3).tensor
+    assert normal_form(3, 2).tensor == semidirect(3).tensor
+    for n, k in product((3, 6, 0), (0, 3, True)):
+        with pytest.raises(ParameterError, match=r"counted from 1|dimensions 1 to 5"):
+            normal_form(n, k)
+
+
+def test_files_know_the_constructors_by_name():
+    calls = {"trivial": (), "semidirect": (3,), "leibniz": (3, "epsilon"), "crmhd": ("beta_e",), "normal_form": (4, 2)}
+    assert set(EXTENSIONS) == set(calls)
+    for name, arguments in calls.items():
+        assert isinstance(EXTENSIONS[name](*arguments), Extension)

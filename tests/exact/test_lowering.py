@@ -1,0 +1,195 @@
+"""Lowering: the plain data that the core integrates is the field that the bracket gives."""
+
+import math
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from liepoisson.errors import ParameterError, UnsupportedFieldError
+from liepoisson.exact.extensions import leibniz, semidirect
+from liepoisson.exact.lie_algebras import so
+from liepoisson.exact.lowering import lower, quadratic_polynomial, tape_of_equations
+from liepoisson.exact.system import System
+from liepoisson.field import QuadraticField, TapeField, TopField, field_of, record_of
+from liepoisson.tops import Top
+
+FUNCTIONS = {
+    "sqrt": math.sqrt,
+    "exp": math.exp,
+    "log": math.log,
+    "sin": math.sin,
+    "cos": math.cos,
+    "sinh": math.sinh,
+    "cosh": math.cosh,
+    "tanh": math.tanh,
+    "asin": math.asin,
+    "acos": math.acos,
+    "atan": math.atan,
+}
+
+
+def derivative(field, x):
+    """The time derivative, by the definition of the field, in plain Python."""
+    if isinstance(field, TopField):
+        inertia, a, b = (np.array(v) for v in (field.inertia, field.a, field.b))
+        l, alpha, beta = x[:3], x[3:6], x[6:]
+        omega = l / inertia
+        dl = np.cross(l, omega) + np.cross(alpha, a) + np.cross(beta, b)
+        return np.concatenate([dl, np.cross(alpha, omega) + field.epsilon * np.cross(beta, a), np.cross(beta, omega)])
+    result = np.zeros(field.n_components)
+    if isinstance(field, QuadraticField):
+        for i, c in field.constant:
+            result[i] += c
+        for i, j, c in field.linear:
+            result[i] += c * x[j]
+        for i, j, k, c in field.quadratic:
+            result[i] += c * x[j] * x[k]
+        return result
+    registers = list(x)
+    for name, read, numbers in field.instructions:
+        values = [registers[r] for r in read]
+        if name == "linear":
+            registers.append(sum((c * v for c, v in zip(numbers[:-1], values, strict=True)), numbers[-1]))
+        elif name == "product":
+            registers.append(values[0] * values[1])
+        elif name == "quotient":
+            registers.append(values[0] / values[1])
+        elif name == "power":
+            registers.append(values[0] ** numbers[0])
+        else:
+            registers.append(FUNCTIONS[name](values[0]))
+    return np.array([registers[output] for output in field.outputs])
+
+
+HAMILTONIANS = {
+    "top": lambda l, alpha, beta: l[0] ** 2 / 4 + l[1] ** 2 / 6 + l[2] ** 2 / 2 + alpha[0] - beta[2] / 3,
+    "quadratic": lambda l, alpha, beta: (l[0] + l[1]) ** 2 / 3 + l[2] + alpha.dot(beta) - alpha[1] ** 2,
+    "cubic": lambda l, alpha, beta: l.dot(l) * alpha[0] + sp.Rational(2, 7) * beta[1] ** 3,
+    "sqrt": lambda l, alpha, beta: l.dot(l) / 2 + sp.sqrt(1 + alpha.dot(alpha)),
+    "quotient": lambda l, alpha, beta: l.dot(l) / (2 + beta[0] ** 2) - alpha[2] / (3 + sp.cos(l[1])) ** 2,
+    "functions": lambda l, alpha, beta: (
+        sp.exp(alpha[0] / 3)
+        + sp.log(3 + sp.sin(beta[1]))
+        + sp.tan(l[0] / 5)
+        + sp.sinh(l[1] / 4) * sp.cosh(beta[0])
+        + sp.tanh(alpha[2])
+        + sp.atan(l[2])
+        + sp.asin(alpha[1] / 9)
+        + sp.acos(beta[2] / 9)
+    ),
+    "powers": lambda l, alpha, beta: (4 + l.dot(l)) ** sp.Rational(-3, 2) + (5 + alpha[0]) ** sp.pi + 2 ** beta[0],
+    "variable exponent": lambda l, alpha, beta: (5 + l[0]) ** (alpha[1] / 4),
+    "constant": lambda l, alpha, beta: sp.Integer(3) + 0 * l[0],
+}
+KINDS = {"top": TopField, "quadratic": QuadraticField, "constant": QuadraticField}
+
+
+@pytest.mark.parametrize("name", HAMILTONIANS)
+def test_a_lowered_field_is_the_derived_field(name):
+    system = System(so(3) @ leibniz(3, "3/2"), HAMILTONIANS[name], name=name)
+    field = system.field()
+    assert isinstance(field, KINDS.get(name, TapeField))
+    for x in np.random.default_rng(3).uniform(-1, 1, (5, 9)):
+        np.testing.assert_allclose(derivative(field, x), system.vector_field(x), rtol=1e-12, atol=1e-13)
+
+
+@pytest.mark.parametrize("name", HAMILTONIANS)
+def test_a_field_is_recorded_as_plain_data(name):
+    import json
+
+    field = System(so(3) @ leibniz(3, 1), HAMILTONIANS[name]).field()
+    assert field_of(json.loads(json.dumps(record_of(field)))) == field
+
+
+coefficients = st.fractions(min_value=-3, max_value=3, max_denominator=7)
+
+
+@settings(deadline=None, max_examples=25)
+@given(st.dictionaries(st.tuples(st.integers(0, 8), st.integers(0, 8)), coefficients, max_size=8), coefficients)
+def test_any_quadratic_hamiltonian_gives_the_derived_field(entries, epsilon):
+    bracket = so(3) @ leibniz(3, epsilon)
+    x = bracket.variables
+    energy = sum((sp.Rational(c.numerator, c.denominator) * x[i] * x[j] for (i, j), c in entries.items()), x[0] ** 2)
+    field = lower(bracket, energy)
+    assert isinstance(field, QuadraticField)
+    assert all(j <= k for _, j, k, _ in field.quadratic)
+    state = np.random.default_rng(5).normal(size=9)
+    expected = [float(value.subs(dict(zip(x, state, strict=True)))) for value in bracket.vector_field(energy)]
+    np.testing.assert_allclose(derivative(field, state), expected, rtol=1e-12, atol=1e-12)
+
+
+def test_a_top_is_recognised_from_its_text():
+    """The kernel is chosen by the equations, not by the constructor."""
+    typed = System(
+        so(3) @ leibniz(3, "epsilon"),
+        "l1^2/(2*I1) + l2^2/(2*I2) + l3^2/(2*I3) + dot(a, alpha)",
+        {"epsilon": 1, "I": [2, 2, 1], "a": [-1, 0, 0]},
+    )
+    assert typed.field() == Top.twisted_kovalevskaya().field()
+    other = System(so(3) @ leibniz(3, 1), "dot(l, l)/2 + dot(alpha, alpha)")
+    assert isinstance(other.field(), QuadraticField)
+
+
+def test_irrational_coefficients_are_rounded_once():
+    """H = sqrt(2) l1 l2 on so(3): l' = l x grad H, so l1' = -sqrt(2) l1 l3 and l3' = sqrt(2) (l1^2 - l2^2)."""
+    system = System(so(3) @ leibniz(1), lambda l: sp.sqrt(2) * l[0] * l[1])
+    found = {(i, j, k): c for i, j, k, c in system.field().quadratic}
+    root = math.sqrt(2)
+    assert found == {(0, 0, 2): -root, (1, 1, 2): root, (2, 0, 0): root, (2, 1, 1): -root}
+
+
+def test_irrational_coefficients_that_cancel_leave_nothing():
+    """(sqrt(2) - sqrt(2)) l1^2 written so that SymPy does not see it: sqrt(3 + 2 sqrt(2)) = 1 + sqrt(2)."""
+    hidden = sp.sqrt(3 + 2 * sp.sqrt(2), evaluate=False) - 1 - sp.sqrt(2)
+    field = System(so(3) @ leibniz(1), lambda l: hidden * l[0] ** 2 + l[1] ** 2).field()
+    assert {entry[:3] for entry in field.quadratic} == {(0, 1, 2), (2, 0, 1)}
+
+
+def test_polynomials_of_degree_two_are_told_from_others():
+    x, y = sp.symbols("x y")
+    half = Fraction(1, 2)
+    assert quadratic_polynomial((x + y) ** 2 / 2, (x, y)) == {(0, 0): half, (0, 1): Fraction(1), (1, 1): half}
+    assert quadratic_polynomial(sp.Integer(0), (x, y)) == {(): Fraction(0)}
+    for other in (x**3, x * y**2, 1 / x, sp.sqrt(x), sp.sin(x), x**y):
+        assert quadratic_polynomial(other, (x, y)) is None
+
+
+def test_a_subexpression_is_written_once():
+    x, y = sp.symbols("x y")
+    field = tape_of_equations((x, y), (sp.sin(x + y) * x, sp.sin(x + y) * y))
+    assert [name for name, _, _ in field.instructions].count("sin") == 1
+
+
+@pytest.mark.parametrize("function", [sp.Abs, sp.sign, sp.floor, sp.Heaviside, sp.gamma, sp.Function("f")])
+def test_what_is_not_smooth_or_not_known_is_refused(function):
+    system = System(so(3) @ semidirect(2), lambda l, alpha: l.dot(l) / 2 + l[0] * function(alpha[0]))
+    with pytest.raises(UnsupportedFieldError, match="smooth expression"):
+        system.field()
+
+
+def test_symbols_without_value_are_named():
+    bracket = so(3) @ leibniz(4, "epsilon")
+    system = System(bracket, lambda l, *others: l.dot(l) / (2 * sp.Symbol("m")), name="unfinished")
+    with pytest.raises(ParameterError, match="epsilon, m has none"):
+        system.field()
+
+
+@pytest.mark.parametrize(
+    "broken",
+    [
+        {"kind": "pendulum"},
+        {"kind": "quadratic", "n_components": 0, "constant": [], "linear": [], "quadratic": []},
+        {"kind": "quadratic", "n_components": 2, "constant": [], "linear": [[0, 2, 1.0]], "quadratic": []},
+        {"kind": "quadratic", "n_components": 2, "constant": [[0, math.inf]], "linear": [], "quadratic": []},
+        {"kind": "tape", "n_components": 1, "instructions": [["sin", [1], []]], "outputs": [0]},
+        {"kind": "tape", "n_components": 1, "instructions": [], "outputs": [1]},
+        {"kind": "top", "inertia": [1, 1], "a": [0, 0, 0], "b": [0, 0, 0], "epsilon": 0},
+    ],
+)
+def test_a_damaged_record_is_refused(broken):
+    with pytest.raises((ValueError, KeyError)):
+        field_of(broken)

@@ -1,0 +1,179 @@
+"""Formulas in four styles; that they mean what they should is tested in test_vector_notation.py."""
+
+import re
+
+import pytest
+import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+from liepoisson.exact.expression import read_expression
+from liepoisson.exact.formula.scope import Scope
+from liepoisson.exact.printing import (
+    Cross,
+    Dot,
+    Form,
+    Formula,
+    Gradient,
+    Image,
+    Itself,
+    Shifted,
+    Square,
+    Triple,
+    write_atom,
+    write_vector,
+)
+from liepoisson.exact.report.styles import LATEX, NAMES, PLAIN, UNICODE, latex_text, split_name
+
+FIELDS = ("l", "alpha", "beta")
+COORDINATES = {f"{f}{i}": (f, str(i)) for f in FIELDS for i in (1, 2, 3)}
+l1, l2, l3, alpha1, alpha2 = sp.symbols("l1 l2 l3 alpha1 alpha2")
+I1, I3, a3, epsilon = sp.symbols("I1 I3 a3 epsilon")
+square, dot, cross, image, shifted = sp.symbols("SQUARE DOT CROSS IMAGE SHIFTED")
+ATOMS = {
+    square: Square("alpha"),
+    dot: Dot("l", "beta"),
+    cross: Cross("beta", "a"),
+    image: Image("I", -1, "l"),
+    shifted: Itself(Shifted("alpha", -1, "r")),
+}
+HALF = sp.Rational(1, 2)
+
+
+def formula(expression):
+    return Formula(sp.sympify(expression), ATOMS, COORDINATES)
+
+
+@pytest.mark.parametrize(
+    ("expression", "plain", "unicode", "latex"),
+    [
+        (
+            square + 2 * epsilon * dot,
+            "|alpha|^2 + 2 epsilon l.beta",
+            "|α|² + 2ε l·β",
+            r"|\boldsymbol{\alpha}|^{2} + 2 \epsilon\,\boldsymbol{\ell}\cdot \boldsymbol{\beta}",
+        ),
+        (l1**2 / 4 - alpha1, "l1^2/4 - alpha1", "l₁²/4 - α₁", r"\frac{\ell_1^{2}}{4} - \alpha_1"),
+        (dot / 2, "1/2 l.beta", "½ l·β", r"\tfrac{1}{2}\,\boldsymbol{\ell}\cdot \boldsymbol{\beta}"),
+        (-l1 * l2 / (2 * I3), "-l1*l2/(2*I3)", "-l₁ l₂/(2I₃)", r"-\frac{\ell_1 \ell_2}{2 I_3}"),
+        (
+            dot + epsilon * I1 * a3 * l3,
+            "l.beta + epsilon*I1*a3*l3",
+            "l·β + ε I₁ a₃ l₃",
+            r"\boldsymbol{\ell}\cdot \boldsymbol{\beta} + \epsilon I_1 a_3 \ell_3",
+        ),
+        (square**2 * dot, "|alpha|^4 (l.beta)", "|α|⁴ (l·β)", None),
+        ((dot + 1) ** 2 * (l1 + 1), "(l.beta + 1)^2*(l1 + 1)", "(l·β + 1)² (l₁ + 1)", None),
+        (dot**2, "(l.beta)^2", "(l·β)²", None),
+        (sp.sqrt(1 + l1**2) / l2, "sqrt(l1^2 + 1)/l2", "√(l₁² + 1)/l₂", r"\frac{\sqrt{\ell_1^{2} + 1}}{\ell_2}"),
+        (l1 ** sp.Rational(-3, 2), "1/sqrt(l1)^3", "1/√(l₁)³", r"\frac{1}{\sqrt{\ell_1}^{3}}"),
+        (sp.exp(-l2) * sp.sin(l1), "exp(-l2)*sin(l1)", "exp(-l₂) sin(l₁)", None),
+        (sp.asin(l1), "asin(l1)", "asin(l₁)", r"\arcsin\left(\ell_1\right)"),
+        (2**l1, "2^l1", "2^(l₁)", "2^{\\ell_1}"),
+        (epsilon * cross, "epsilon beta x a", "ε β × a", r"\epsilon\,\boldsymbol{\beta}\times \boldsymbol{a}"),
+        (sp.Symbol("beta_e") * l1, "beta_e*l1", "β_e l₁", r"\beta_e \ell_1"),
+        (3 * sp.sqrt(3) * l1, "3*sqrt(3)*l1", "3√3 l₁", r"3 \sqrt{3} \ell_1"),
+        (sp.sqrt(square), "|alpha|", "|α|", r"|\boldsymbol{\alpha}|"),
+        (l1 / sp.sqrt(square) ** 3, "l1/|alpha|^3", "l₁/|α|³", None),
+        (image / (2 * sp.sqrt(l1)), "I^-1 l/(2*sqrt(l1))", "I⁻¹l/(2√(l₁))", None),
+        (-image * square, "-|alpha|^2 I^-1 l", "-|α|² I⁻¹l", None),
+        (l1 * shifted / square, "l1*(alpha - r)/|alpha|^2", "l₁ (α - r)/|α|²", None),
+        (sp.pi * l1, "pi*l1", "π l₁", r"\pi \ell_1"),
+        (0, "0", "0", "0"),
+        (sp.Rational(-3, 4), "-3/4", "-3/4", r"-\frac{3}{4}"),
+        (-(l1 + l2), "-l1 - l2", "-l₁ - l₂", r"-\ell_1 - \ell_2"),
+    ],
+)
+def test_formulas_in_three_styles(expression, plain, unicode, latex):
+    written = formula(expression)
+    assert written.plain == str(written) == plain
+    assert written.unicode == unicode
+    assert latex is None or written.latex == latex
+
+
+def test_the_style_of_code_has_the_signs_of_vector_algebra():
+    assert formula(square + 2 * epsilon * dot).write(NAMES) == "|alpha|^2 + 2 epsilon l·beta"
+
+
+@pytest.mark.parametrize(
+    ("atom", "plain", "unicode", "latex"),
+    [
+        (Form("l", "I", -1, "l"), "l.I^-1 l", "l·I⁻¹l", r"\boldsymbol{\ell}\cdot I^{-1}\boldsymbol{\ell}"),
+        (Form("l", "M", 1, "p"), "l.M p", "l·M p", r"\boldsymbol{\ell}\cdot M\boldsymbol{p}"),
+        (Image("I", -1, "l"), "I^-1 l", "I⁻¹l", r"I^{-1}\boldsymbol{\ell}"),
+        (Triple("a", "l", "psi"), "a.(l x psi)", "a·(l × ψ)", None),
+        (Cross("l", Gradient("beta")), "l x dH/dbeta", "l × ∂H/∂β", None),
+    ],
+)
+def test_vector_expressions(atom, plain, unicode, latex):
+    assert write_atom(atom, PLAIN) == plain
+    assert write_atom(atom, UNICODE) == unicode
+    assert latex is None or write_atom(atom, LATEX) == latex
+
+
+def test_fields_with_a_number_keep_it_apart_from_the_component():
+    assert write_vector("x0", LATEX) == r"\boldsymbol{x}_0"
+    x01 = Formula(sp.Symbol("x01"), {}, {"x01": ("x0", "1")})
+    assert (x01.plain, x01.unicode, x01.latex) == ("x01", "x₀₁", "x_{0,1}")
+    M12 = Formula(sp.Symbol("M12"), {}, {"M12": ("M", "12")})
+    assert (M12.unicode, M12.latex) == ("M₁₂", "M_{12}")
+    wc1m1 = Formula(sp.Symbol("wc1m1"), {}, {"wc1m1": ("w", "c1m1")})
+    assert (wc1m1.unicode, wc1m1.latex) == ("wc1m1", r"w_{\mathrm{c1m1}}")
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [("a3", ("a", "3")), ("beta_e", ("beta", "e")), ("x_12", ("x", "12")), ("epsilon", ("epsilon", ""))],
+)
+def test_names_and_indices(name, parts):
+    assert split_name(name) == parts
+
+
+def test_long_sums_say_how_many_terms_are_left_out():
+    xs = sp.symbols("x1:31")
+    assert Formula(sum(xs)).write(PLAIN, most_terms=3) == "x1 + x10 + x11 + ... (27 more terms)"
+    assert Formula(sum(xs[:3])).write(PLAIN, most_terms=3) == "x1 + x2 + x3"
+
+
+def test_text_for_latex_is_escaped():
+    assert latex_text(r"100% of $x_1 & {y} #2 \z ^~") == (
+        r"100\% of \$x\_1 \& \{y\} \#2 \textbackslash{}z \textasciicircum{}\textasciitilde{}"
+    )
+
+
+def test_words_in_ascii_have_no_other_characters():
+    assert PLAIN.words("so(3) ⊗ A, Poincaré — 1910") == "so(3) (x) A, Poincare - 1910"
+
+
+leaves = st.sampled_from([l1, l2, alpha1, epsilon, I1, sp.Integer(2), sp.Rational(-1, 3), sp.Integer(-1)])
+trees = st.recursive(
+    leaves,
+    lambda inner: st.one_of(
+        st.builds(lambda a, b: a + b, inner, inner),
+        st.builds(lambda a, b: a * b, inner, inner),
+        st.builds(lambda a, n: a**n, inner.filter(lambda a: a != 0), st.integers(-2, 3)),
+        st.builds(lambda a: sp.sqrt(a**2 + 1), inner),
+        st.builds(sp.sin, inner),
+    ),
+    max_leaves=8,
+)
+
+
+@given(trees)
+def test_plain_components_read_back_as_the_same_expression(expression):
+    """The printed text is in the grammar of system files, and means what was printed."""
+    scope = Scope({"l": "123", "alpha": "123"}, {}, ["epsilon", "I[3]"])
+    read = read_expression(Formula(expression, {}, COORDINATES).plain, scope)
+    point = {l1: 0.3, l2: -1.2, alpha1: 0.7, epsilon: 1.1, I1: 2.3}
+    assert complex(read.subs(point)) == pytest.approx(complex(expression.subs(point)), rel=1e-9, abs=1e-9)
+
+
+@given(trees)
+def test_braces_balance_in_latex(expression):
+    text = Formula(expression, {}, COORDINATES).latex
+    depth = 0
+    for brace in re.findall(r"(?<!\\)[{}]", text):
+        depth += 1 if brace == "{" else -1
+        assert depth >= 0, text
+    assert depth == 0, text
+    assert text.count(r"\left") == text.count(r"\right"), text

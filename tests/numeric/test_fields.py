@@ -1,0 +1,93 @@
+"""Every kind of field integrates, with tangent vectors, and gives what the same system gives by another kind."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+import liepoisson as lp
+from liepoisson.exact.lowering import lower, tape_of_bracket
+from liepoisson.field import QuadraticField, TapeField
+
+
+def twisted_top():
+    return lp.Top(inertia=(2, 3, "5/2"), a=(1, -2, "1/3"), b=("1/2", 0, 1), epsilon="3/2")
+
+
+def as_quadratic(top):
+    return lower(top.bracket, top.hamiltonian)
+
+
+def as_tape(top):
+    return tape_of_bracket(top.bracket, top.hamiltonian)
+
+
+@pytest.mark.parametrize("lowered", [as_quadratic, as_tape])
+def test_a_top_as_another_field_has_the_same_orbits_and_tangents(lowered):
+    top = twisted_top()
+    other = lowered(top)
+    assert isinstance(other, (QuadraticField, TapeField))
+    x0 = lp.sample_states(top, n=5, seed=1)
+    tangents = np.eye(9)[:3]
+    t = np.linspace(0, 10, 5)
+    first = lp.integrate(top, x0, t=t, tangents=tangents)
+    second = lp.integrate(other, x0, t=t, tangents=tangents)
+    assert (second.outcome == "finished").all()
+    # round-off grows with the tangent vectors: by their size, measured here, times 1e-14
+    growth = np.abs(first.tangent).max()
+    np.testing.assert_allclose(second.state, first.state, atol=1e-14 * growth)
+    np.testing.assert_allclose(second.tangent, first.tangent, atol=1e-14 * growth**2)
+
+
+@pytest.mark.parametrize("lowered", [as_quadratic, as_tape])
+def test_exponents_agree_across_kinds(lowered):
+    top = twisted_top()
+    x0 = lp.sample_states(top, n=16, seed=2)
+    first = lp.lyapunov_exponent(top, x0, t_end=10)
+    second = lp.lyapunov_exponent(lowered(top), x0, t_end=10)
+    np.testing.assert_allclose(second.exponent, first.exponent, atol=1e-10)
+
+
+def test_a_hamiltonian_with_a_square_root_keeps_its_invariants():
+    system = lp.System(
+        lp.so(3) @ lp.semidirect(2), "l1^2/2 + l2^2/4 + l3^2/6 + sqrt(1 + alpha1^2) + sin(alpha3)/(2 + alpha2)"
+    )
+    assert isinstance(system.field(), TapeField)
+    x0 = lp.sample_states(system, n=4, seed=0, ensemble="gaussian") / 2
+    orbit = lp.integrate(system, x0, t=np.linspace(0, 20, 11))
+    assert orbit.components == ("l1", "l2", "l3", "alpha1", "alpha2", "alpha3")
+    for name, value in system.invariant_values(orbit.state).items():
+        drift = np.abs(value - value[:, :1]).max()
+        assert drift < 1e-13, f"{name} drifts by {drift:.1e}"
+
+
+def test_a_trajectory_that_leaves_the_domain_is_an_outcome():
+    """x' = -1/x from x = 1 is x = sqrt(1 - 2t): it ends at t = 1/2; its neighbour goes on."""
+    x = sp.Symbol("x")
+    from liepoisson.exact.lowering import tape_of_equations
+
+    orbit = lp.integrate(tape_of_equations((x,), (-1 / x,)), [[1.0], [2.0]], t=[0, 0.25, 1])
+    assert list(orbit.outcome == "finished") == [False, True]
+    assert orbit.end_time[0] == pytest.approx(0.5, abs=1e-3)
+    assert orbit.state[1, :, 0] == pytest.approx(np.sqrt([4, 3.5, 2]), rel=1e-14)
+    assert orbit.state[0, 1, 0] == pytest.approx(np.sqrt(0.5), rel=1e-14)
+    assert np.isnan(orbit.state[0, 2, 0])
+
+
+@pytest.mark.parametrize("energy", ["l1^2/2 + l2^2/4 + l3^2/6 + alpha3^2", "sqrt(1 + dot(l, l) + alpha1^2) + l2"])
+def test_a_saved_run_of_any_kind_can_be_repeated(energy, tmp_path):
+    system = lp.System(lp.so(3) @ lp.semidirect(2), energy)
+    growth = lp.lyapunov_exponent(system, lp.sample_states(system, n=3, seed=0), t_end=5)
+    again = lp.rerun(growth.save(tmp_path / "growth.nc"))
+    np.testing.assert_array_equal(again.exponent, growth.exponent)
+    assert again.components == growth.components
+
+
+def test_unit_vectors_have_the_length_of_the_fields():
+    system = lp.System(lp.so(4) @ lp.semidirect(2), lambda M, p: M.dot(M) / 2 + p[0])
+    states = lp.sample_states(system, n=3, seed=0).reshape(3, 2, 6)
+    np.testing.assert_allclose(np.linalg.norm(states, axis=-1), 1.0)
+
+
+def test_the_kernel_of_components_is_for_tops_only():
+    with pytest.raises(lp.errors.ParameterError, match="kind 'quadratic'"):
+        lp.integrate(as_quadratic(twisted_top()), np.ones(9), t=[0, 1], kernel="components")

@@ -1,0 +1,35 @@
+"""Steps of a check, and how they are printed."""
+
+import sympy as sp
+
+from liepoisson.studies.twisted_top.claims.evidence import Evidence, show
+
+
+def test_expressions_are_shown_in_unicode():
+    x = sp.symbols("l1 alpha2 beta3 epsilon I3")
+    assert show(2 * x[3] * x[0] * x[2] + x[1] ** 2) == "α₂² + 2·β₃·ε·l₁"
+    assert show(1 / x[4] - x[0] ** -2) == "−1/l₁² + 1/I₃"
+    assert show(sp.Symbol("p_psi") ** 12) == "p_ψ¹²"
+    assert len(show(sp.expand((x[0] + x[1] + x[2]) ** 12))) == 160
+
+
+def test_evidence_records_each_step():
+    x = sp.Symbol("x")
+    evidence = Evidence()
+    assert evidence.zero("a", (x + 1) ** 2 - x**2 - 2 * x - 1)
+    assert evidence.zero("b", [x - x, 1 / x - (x + 1) / (x**2 + x)])
+    assert evidence.equal("c", 2, 2)
+    assert evidence.nonzero("d", sp.Matrix([0, x]))
+    evidence.note("e")
+    verdict = evidence.conclude("holds")
+    assert (verdict.verdict, verdict.method, verdict.correct_statement) == ("holds", "exact", "")
+    assert verdict.certificate == "✓ a\n✓ b\n✓ c: 2\n✓ d\n    computed: x\n  e"
+    assert not evidence.zero("f", x * (x + 1))
+    assert not evidence.equal("g", 3, 2)
+    assert not evidence.nonzero("h", 0)
+    failed = evidence.conclude("holds with a condition", "never mind")
+    assert failed.verdict == "wrong"
+    assert "✗ f — residual x·(x + 1)" in failed.certificate
+    assert "✗ g: 2 — computed 3" in failed.certificate
+    assert failed.correct_statement.endswith("g: 2 (computed 3); h (the value is 0).")
+    assert evidence.conclude("wrong").verdict == "not settled"

@@ -1,0 +1,145 @@
+"""The whole study of the twisted top, very small: what it writes, and how the report says it."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import re
+import shutil
+
+import pytest
+from small_study import SHORT, integrate, one_run
+
+from liepoisson.studies.twisted_top import integration, runs
+from liepoisson.studies.twisted_top.claims.errata import TITLE
+from liepoisson.studies.twisted_top.figures import FIGURES
+from liepoisson.studies.twisted_top.integration import Tracker
+from liepoisson.studies.twisted_top.measurements import PRINTED, command, measurements, reduce_run
+from liepoisson.studies.twisted_top.report import moments, power_of_ten, scientific, true_minus
+from liepoisson.studies.twisted_top.runs import Settings, plan
+from liepoisson.studies.twisted_top.store import RunStore
+from liepoisson.studies.twisted_top.study import reproduce, run_all, summary
+
+
+@pytest.fixture(scope="module")
+def study(tmp_path_factory):
+    out = tmp_path_factory.mktemp("study")
+    heard = []
+    result = reproduce(SHORT, out, progress=lambda activity, done, total: heard.append((activity, done, total)))
+    return result, heard
+
+
+@pytest.mark.thorough
+def test_study_writes_figures_data_numbers_and_report(study):
+    result, _ = study
+    out = result.out
+    for name in FIGURES:
+        for extension in ("png", "svg", "pdf"):
+            assert (out / f"{name}.{extension}").stat().st_size > 5000
+    assert {path.stem for path in (out / "data").glob("*.nc")} == {run.name for run in plan(SHORT)}
+    numbers = json.loads((out / "measurements.json").read_text())
+    assert numbers == json.loads(json.dumps(result.measurements))
+    assert numbers["printed"] == PRINTED
+    claims = json.loads((out / "claims.json").read_text())
+    assert claims == json.loads(json.dumps(result.claims))
+    assert all(claim["verdict"] != "not run" for claim in claims["claims"])
+
+
+@pytest.mark.thorough
+def test_measurements_follow_their_schema(study):
+    numbers = study[0].measurements
+    assert set(numbers) == {"schema_version", "produced_by", "printed", "runs"}
+    for name, run in numbers["runs"].items():
+        assert run["outcomes"] == {"finished": 50}, name
+        assert set(run["mean_at"]) == {"20", "50", "100", "200"}
+        for estimate in (run["fit"]["lambda"], run["fit"]["c1"], run["log_fit"]["with_next_term"]["E"]):
+            assert set(estimate) == {"value", "standard_error", "low", "high"}
+            assert estimate["low"] <= estimate["value"] <= estimate["high"]
+        assert run["fit"]["window"] == [20.0, 200.0]
+        assert sum(group["members"] for group in run["by_energy"]) == 50
+        lows = [group["low"] for group in run["by_energy"]]
+        assert lows == sorted(lows)
+    assert numbers["produced_by"]["command"] == "liepoisson reproduce twisted-top --members 50 --end-time 200"
+
+
+@pytest.mark.thorough
+def test_progress_reaches_the_end_and_names_what_is_done(study):
+    _, heard = study
+    done = [entry[1] for entry in heard]
+    assert done == sorted(done)
+    assert heard[-1][1] == pytest.approx(heard[-1][2])
+    assert heard[-1][2] == 10 * 50 * 200.0
+    assert {"judging the claims", "drawing lyapunov", "writing the report"} <= {entry[0] for entry in heard}
+
+
+@pytest.mark.thorough
+def test_report_is_self_contained_and_holds_every_claim(study):
+    result, _ = study
+    page = (result.out / "report.html").read_text(encoding="utf-8")
+    assert not re.search(r"""(src|href)=["'](?!data:|#)""", page)
+    assert "http" not in page.replace("http://www.w3.org", "")
+    assert page.count("data:image/svg+xml;base64,") == len(FIGURES)
+    for claim in result.claims["claims"]:
+        assert f'id="{claim["id"]}"' in page
+        assert f'id="proof-{claim["id"]}"' in page
+    assert TITLE in page
+    assert page.index(TITLE) < page.index('id="figure"')
+    for entry in result.claims["errata"]:
+        assert f'id="erratum-{entry["id"]}"' in page
+    # Formulas, points, ranks and sizes that the computation printed.
+    for computed in ("{{<i>l</i>₁, <i>l</i>₂}, <i>α</i>₁} = <i>α</i>₂", "|<i>α</i>|² + 2<i>ε</i> <i>l</i>·<i>β</i>"):
+        assert computed in page
+    assert "<td>12</td><td>3439</td><td>3431</td><td>8</td><td>8</td>" in page
+    assert "the minor of <i>J</i> with rows and columns" in page
+    assert "0.122" in page
+    assert "{{ " not in page
+    assert not re.search(r"\b(nan|inf|None)\b", re.sub(r'"data:[^"]*"', "", page))
+
+
+@pytest.mark.thorough
+def test_summary_lists_the_errata_and_names_the_report(study):
+    text = summary(study[0])
+    assert TITLE in text
+    for entry in study[0].claims["errata"]:
+        assert f"    {entry['id']}\n" in text
+    assert max(len(line) for line in text.splitlines()) <= 120
+    assert "unit vectors" in text
+    assert str(study[0].out / "report.html") in text
+
+
+@pytest.mark.thorough
+def test_second_call_gives_the_same_numbers_without_integrating(study, monkeypatch):
+    first, _ = study
+    monkeypatch.setattr(integration, "_integrate_piece", None)
+    stores = [RunStore(first.out, run) for run in plan(SHORT)]
+    results = run_all(stores, None, Tracker(stores, None))
+    assert measurements(list(results.values()), SHORT) == first.measurements
+
+
+@pytest.mark.thorough
+def test_fits_change_with_the_data(study, tmp_path):
+    # Against a result that would not come from the curves at all.
+    settings = dataclasses.replace(SHORT, seed=5)
+    run = one_run(settings, "twisted-unit-vectors")
+    other = reduce_run(run, integrate(tmp_path, settings, run.name))
+    assert other.fit.lambda_ != study[0].results[run.name].fit.lambda_
+    shutil.rmtree(tmp_path)
+
+
+# Words and numbers of the report
+
+
+def test_command_repeats_the_options():
+    assert command(Settings()) == "liepoisson reproduce twisted-top"
+    assert command(Settings(members=500, end_time=200.0, seed=3)).endswith("--members 500 --end-time 200 --seed 3")
+
+
+def test_numbers_are_set_as_in_print():
+    from liepoisson.numeric.finite_time_fit import Estimate
+
+    assert scientific(Estimate(1.04e-5, 1.3e-6, 0, 0)) == "(1.04\u00a0±\u00a00.13)\u00a0×\u00a010⁻⁵"
+    assert scientific(Estimate(-2.8e-6, 2.7e-6, 0, 0)).startswith("(\u22122.80")
+    assert power_of_ten(1e-13) == "10⁻¹³"
+    assert power_of_ten(2.5e-9) == "2.5\u00a0×\u00a010⁻⁹"
+    assert true_minus("-1.2 to x-3") == "\u22121.2 to x-3"
+    assert moments(runs.KOVALEVSKAYA_HALVED) == "(1,\u00a01,\u00a0½)"
