@@ -38,7 +38,7 @@ def reference(request: dict[str, Any]) -> dict[str, Any]:
     x0, t_end = np.load(request["problem"]).astype(np.longdouble), np.longdouble(request["t_end"])
     start = np.zeros(x0.shape[1], dtype=np.longdouble)
     tol = np.longdouble(request["tol"])
-    integrator = hy.taylor_adaptive(equations(request), start, tol=tol, fp_type=np.longdouble)
+    integrator = hy.taylor_adaptive(equations(request), start, tol=tol, fp_type=np.longdouble, compact_mode=True)
     ends = np.empty_like(x0)
     for k, x in enumerate(x0):
         integrator.time = np.longdouble(0.0)

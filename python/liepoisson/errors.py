@@ -41,6 +41,11 @@ class ExpressionError(ParameterError):
     def __reduce__(self) -> tuple[type[ExpressionError], tuple[str, str, int]]:
         return type(self), (self.message, self.text, self.position)
 
+    def within_formula(self) -> str:
+        """The message for a formula in a file or an option: lines and columns are those of the formula, and say so."""
+        line = f"line {self.line}, " if "\n" in self.text else ""
+        return f"{self.message} ({line}column {self.column} of the formula).{self._caret()}"
+
     def _caret(self) -> str:
         """The line of the formula with a caret below the place, abridged to what surrounds it."""
         if not self.text.strip():

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Self, TypeAlias
+from typing import Any, ClassVar, Self, TypeAlias, cast
+
+from liepoisson.errors import ParameterError
 
 Vector3: TypeAlias = tuple[float, float, float]
 Instruction: TypeAlias = tuple[str, tuple[int, ...], tuple[float, ...]]
@@ -73,6 +75,13 @@ class QuadraticField(PlainField):
     linear: tuple[tuple[int, int, float], ...]
     quadratic: tuple[tuple[int, int, int, float], ...]
 
+    def __post_init__(self) -> None:
+        """Checks the entries, and adds up those of one product."""
+        n = _count(self.n_components)
+        object.__setattr__(self, "constant", _entries(self.constant, n, 1, "constant"))
+        object.__setattr__(self, "linear", _entries(self.linear, n, 2, "linear"))
+        object.__setattr__(self, "quadratic", _entries(self.quadratic, n, 3, "quadratic"))
+
 
 @dataclass(frozen=True)
 class TapeField(PlainField):
@@ -97,6 +106,14 @@ class TapeField(PlainField):
     instructions: tuple[Instruction, ...]
     outputs: tuple[int, ...]
 
+    def __post_init__(self) -> None:
+        """Checks names, registers and numbers."""
+        n, lines = _count(self.n_components), _items(self.instructions, "instructions")
+        instructions = tuple(_instruction(line, n + m) for m, line in enumerate(lines))
+        outputs = tuple(_index(r, n + len(lines), "outputs") for r in _items(self.outputs, "outputs"))
+        object.__setattr__(self, "instructions", instructions)
+        object.__setattr__(self, "outputs", outputs)
+
 
 Field: TypeAlias = TopField | QuadraticField | TapeField
 
@@ -117,45 +134,61 @@ def field_of(record: Mapping[str, Any]) -> Field:
         inertia, a, b = (_triple(record[name], name) for name in ("inertia", "a", "b"))
         return TopField(inertia=inertia, a=a, b=b, epsilon=_number(record["epsilon"], "epsilon"))
     if kind == "quadratic":
-        n = _count(record["n_components"])
-        (constant, linear, quadratic) = (record[name] for name in ("constant", "linear", "quadratic"))
-        return QuadraticField(
-            n,
-            tuple((_index(i, n), _number(c, "constant")) for i, c in constant),
-            tuple((_index(i, n), _index(j, n), _number(c, "linear")) for i, j, c in linear),
-            tuple((_index(i, n), _index(j, n), _index(k, n), _number(c, "quadratic")) for i, j, k, c in quadratic),
-        )
+        return QuadraticField(*(record[name] for name in ("n_components", "constant", "linear", "quadratic")))
     if kind == "tape":
-        n = _count(record["n_components"])
-        end = n + len(record["instructions"])
-        instructions = tuple(
-            (str(name), tuple(_index(r, n + m) for r in registers), tuple(_number(c, str(name)) for c in numbers))
-            for m, (name, registers, numbers) in enumerate(record["instructions"])
-        )
-        return TapeField(n, instructions, tuple(_index(r, end) for r in record["outputs"]))
+        return TapeField(*(record[name] for name in ("n_components", "instructions", "outputs")))
     raise ValueError(f"kind of field: wanted top, quadratic or tape; got {kind!r:.60}")
 
 
 def _count(value: Any) -> int:
     if type(value) is not int or value < 1:
-        raise ValueError(f"n_components: wanted a whole number >= 1; got {value!r:.60}")
+        raise ParameterError(f"n_components: wanted a whole number >= 1; got {value!r:.60}; count the components")
     return value
 
 
-def _index(value: Any, end: int) -> int:
+def _items(values: Any, name: str) -> Sequence[Any]:
+    if not isinstance(values, (list, tuple)):
+        raise ParameterError(f"{name}: wanted a sequence of entries; got {values!r:.60}; write a tuple of tuples")
+    return cast("Sequence[Any]", values)
+
+
+def _index(value: Any, end: int, name: str) -> int:
     if type(value) is not int or not 0 <= value < end:
-        raise ValueError(f"wanted an index from 0 to {end - 1}; got {value!r:.60}")
+        raise ParameterError(f"{name}: wanted an index from 0 to {end - 1}; got {value!r:.60}; they count from 0")
     return value
 
 
 def _number(value: Any, name: str) -> float:
     if type(value) not in (int, float) or not math.isfinite(value):
-        raise ValueError(f"{name}: wanted a finite number; got {value!r:.60}")
+        raise ParameterError(f"{name}: wanted a finite number; got {value!r:.60}; check the parameters")
     return float(value)
 
 
 def _triple(values: Any, name: str) -> Vector3:
-    if not isinstance(values, (list, tuple)) or len(values) != 3:  # pyright: ignore[reportUnknownArgumentType]
-        raise ValueError(f"{name}: wanted three numbers; got {values!r:.60}")
-    first, second, third = (_number(value, name) for value in values)
+    items = _items(values, name)
+    if len(items) != 3:
+        raise ParameterError(f"{name}: wanted three numbers; got {values!r:.60}; give all components")
+    first, second, third = (_number(value, name) for value in items)
     return first, second, third
+
+
+def _entries(values: Any, n: int, n_indices: int, name: str) -> tuple[Any, ...]:
+    """Entries (i, j, ..., c), one for each component and product; factors in increasing order."""
+    sums: dict[tuple[int, ...], float] = {}
+    for entry in _items(values, name):
+        items = _items(entry, name)
+        if len(items) != n_indices + 1:
+            raise ParameterError(f"{name}: wanted entries of {n_indices} indices and a number; got {entry!r:.60}")
+        indices = [_index(i, n, name) for i in items[:-1]]
+        key = (indices[0], *sorted(indices[1:]))
+        sums[key] = sums.get(key, 0.0) + _number(items[-1], name)
+    return tuple((*key, value) for key, value in sums.items())
+
+
+def _instruction(line: Any, end: int) -> Instruction:
+    parts = _items(line, "instructions")
+    if len(parts) != 3 or not isinstance(parts[0], str):
+        raise ParameterError(f"instructions: wanted (name, registers, numbers); got {line!r:.60}; write all three")
+    name = parts[0]
+    registers = tuple(_index(r, end, name) for r in _items(parts[1], name))
+    return name, registers, tuple(_number(c, name) for c in _items(parts[2], name))

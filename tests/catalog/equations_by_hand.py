@@ -83,7 +83,7 @@ def gyrostat(l):
 
 
 def cavity(m, n):
-    A, B, C = [1, 1, F(3, 4)], [F(1, 3), F(1, 3), F(1, 2)], [F(2, 3), F(2, 3), F(5, 4)]
+    A, B, C = [F(5, 24), F(5, 24), F(1, 4)], [F(1, 6), F(1, 6), F(1, 4)], [F(1, 3), F(1, 3), F(3, 8)]
     return [cross(m, plus(along(A, m), along(B, n))), cross(n, plus(along(B, m), along(C, n)))]
 
 

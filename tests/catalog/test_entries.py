@@ -262,7 +262,21 @@ def test_the_ellipsoid_has_the_added_masses_of_its_shape():
 
 def test_the_invariant_of_the_rattleback_is_a_casimir():
     here = system("rattleback")
-    assert all(component == 0 for component in here.bracket.vector_field(here.integrals["C"]))
+    x1, x2, _ = here.variables
+    assert here.bracket.casimirs() == [x1 * x2**4]
+    assert not here.integrals
+
+
+def test_the_cavity_belongs_to_a_symmetric_body():
+    r"""$(A, B; B, C) = (I + r, -q; -q, r)^{-1}$ per axis, $r = M(b_j^2 + b_k^2)/5$, $q = 2M b_j b_k/5$."""
+    M, b, inertia = 5, (2, 2, 1), (3, 3, 4)
+    values = system("poincare-ellipsoidal-cavity").values
+    for i in range(3):
+        b_j, b_k = b[(i + 1) % 3], b[(i + 2) % 3]
+        r, q = Fraction(M * (b_j**2 + b_k**2), 5), Fraction(2 * M * b_j * b_k, 5)
+        A, B, C = (values[name][i] for name in "ABC")
+        assert ((inertia[i] + r) * A - q * B, (inertia[i] + r) * B - q * C) == (1, 0)
+        assert (r * B - q * A, r * C - q * B) == (0, 1)
 
 
 def test_steklov_and_lyapunov_are_integrals_of_each_other():

@@ -47,7 +47,8 @@ def test_settings_take_symbols_away():
         ("epsilon=1,2", "must have one number; got 2 components"),
         ("a=1", "must have 3 components; got one number"),
         ("q=1", "must name a parameter of 'twisted-top'; got 'q'. Known: epsilon, I, a, b"),
-        ("epsilon=x", "x"),
+        ("epsilon=x", r"--set epsilon=x: the name 'x' is unknown\. .*\(column 1 of the formula\)"),
+        ("a=0, 0, 1 + x", r"--set a=0, 0, 1 \+ x: the name 'x' .*\(column 5 of the formula\)"),
     ],
 )
 def test_bad_settings_are_refused(setting, words):

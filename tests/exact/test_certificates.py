@@ -11,7 +11,7 @@ from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.extensions import leibniz, semidirect, trivial
 from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import affine, se, sine, so, su
+from liepoisson.exact.lie_algebras import abelian, affine, se, sine, so, su
 
 ALGEBRAS = {"se(3)": se(3), "su(3)": su(3), "so(4)": so(4)}
 
@@ -26,6 +26,9 @@ def test_the_certificate_counts_triples():
     assert certificate.holds
     assert certificate.n_triples == 84
     assert certificate.method == "computed: all 84 triples of coordinates"
+    one, none = so(3) @ leibniz(1), abelian(2) @ leibniz(1)
+    assert one.jacobi_certificate().method == "computed: the one triple of coordinates"
+    assert none.jacobi_certificate().method == "computed: pairs; there are no triples of coordinates"
     assert str(certificate).startswith("Jacobi identity proved")
 
 
@@ -66,6 +69,19 @@ def test_the_first_failure_is_named_with_its_residual():
     nested = bracket(bracket(u, v), w) + bracket(bracket(v, w), u) + bracket(bracket(w, u), v)
     assert sp.expand(nested - failure.residual) == 0
     assert "the Jacobi identity fails for" in str(failure)
+
+
+def test_a_residual_keeps_the_powers_of_pi():
+    # The sines of this algebra are divided by pi: the residual is quadratic in them.
+    algebra = sine(3)
+    wrong = flipped(algebra, next(iter(algebra.brackets)))
+    bracket = wrong @ trivial()
+    failure = bracket.jacobi_certificate().failures[0]
+    x = {str(v): v for v in bracket.variables}
+    u, v, w = (x[name] for name in failure.coordinates)
+    nested = bracket(bracket(u, v), w) + bracket(bracket(v, w), u) + bracket(bracket(w, u), v)
+    assert sp.expand(nested - failure.residual) == 0
+    assert failure.residual.has(sp.pi)
 
 
 def test_a_tensor_that_is_not_symmetric_breaks_antisymmetry():

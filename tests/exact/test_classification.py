@@ -212,6 +212,18 @@ def test_a_symbol_gives_the_generic_answer_and_its_exceptions():
     assert_normal(crmhd(), classify(crmhd()))
 
 
+def test_exceptional_cases_are_told_with_their_own_conditions():
+    found = classify(algebra(4, {(1, 1): {2: "s"}, (1, 2): {3: "t"}}))
+    head, *cases = str(found).split("; ")
+    assert head.endswith("for s != 0, t != 0")
+    wanted = {"s = 0, t != 0": (0, 1), "t = 0, s != 0": (1, 0), "s = t = 0": (0, 0)}
+    assert {case.split(": ")[0] for case in cases} == set(wanted)
+    for case in cases:
+        where, name = case.split(": ")
+        s, t = wanted[where]
+        assert classify(algebra(4, {(1, 1): {2: s}, (1, 2): {3: t}})).name == name
+
+
 def test_conditions_are_sufficient():
     """Wherever the conditions hold, the classification of the numbers is the generic one."""
     A = in_basis(leibniz(3), [[1, 2, 0], [0, 1, 1], [1, 0, 3]])

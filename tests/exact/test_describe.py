@@ -12,7 +12,8 @@ from liepoisson.exact.describe import describe, inspect
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.extensions import leibniz, semidirect, trivial
 from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.lie_algebras import heisenberg, se, so
+from liepoisson.exact.lie_algebras import affine, heisenberg, se, so
+from liepoisson.exact.report.lines import write_line
 from liepoisson.exact.report.styles import PLAIN, UNICODE
 from liepoisson.exact.system import System
 from liepoisson.tops import Top
@@ -72,6 +73,14 @@ def test_component_equations_of_the_record_are_those_of_the_system():
     components = inspect(system).record()["equations"]["components"]
     read = {name: sp.sympify(entry["expression"].replace("^", "**")) for name, entry in components.items()}
     assert read == {str(x): value for x, value in system.equations.items()}
+
+
+def test_a_bracket_of_full_rank_has_no_casimirs():
+    """affine(1): [a, b] = b, so that J = -l_b [[0, 1], [-1, 0]] has rank 2 where l_b is not 0."""
+    report = inspect(System(affine(1) @ trivial(), lambda l: l.dot(l) / 2))
+    assert "  Casimirs         none: J has full rank at generic points\n" in report.text(PLAIN)
+    record = report.record()
+    assert (record["casimirs"]["generators"], record["casimirs"]["complete"], record["rank"]["corank"]) == ([], True, 0)
 
 
 @pytest.mark.parametrize(
@@ -165,7 +174,7 @@ def test_an_integral_that_is_known_already_is_listed_once():
     P, l3 = known.invariants["P"], known.variables[2]
     casimirs = known.bracket.casimirs()
     for given, listed in (
-        (2 * P - casimirs[0] + 3 * known.hamiltonian * casimirs[1] ** 2, ["l3", "mine"]),
+        (2 * P - casimirs[0] + 3 * known.hamiltonian * casimirs[1], ["l3", "mine"]),
         (P + l3**2, ["l3", "P", "mine"]),
         (casimirs[0], ["l3", "P", "mine"]),
     ):
@@ -224,3 +233,27 @@ def test_describe_is_the_short_form():
             "    P' = l·alpha + 2 l·beta + beta3",
         ]
     )
+
+
+@pytest.mark.parametrize("name", ["so21-heavy-top", "so21-twisted-top"])
+def test_the_scalar_product_of_so21_is_defined_where_it_is_used(name):
+    here = catalog.system(name)
+    report = inspect(here)
+    meaning = "u·v = u₁ v₁ + u₂ v₂ - u₃ v₃"
+    topics = {topic.key: topic for topic in report.topics}
+    told = {key: any(meaning in write_line(line, UNICODE) for line in topic.lines()) for key, topic in topics.items()}
+    has_dot = {key: any("·" in write_line(line, UNICODE) for line in topic.lines()) for key, topic in topics.items()}
+    assert told["casimirs"]
+    assert not has_dot["hamiltonian"]
+    assert told["integrals"] == has_dot["integrals"]
+    assert report.record()["casimirs"]["definitions"][0]["unicode"] == meaning
+    assert r"\boldsymbol{u}\cdot \boldsymbol{v} = u_1 v_1 + u_2 v_2 - u_3 v_3" in report.latex()
+    assert meaning in report.text()
+    assert "u·v = u1*v1 + u2*v2 - u3*v3" in describe(here)
+    assert "u·v" not in inspect(catalog.system("heavy-top")).text()
+
+
+def test_no_symmetries_found_says_what_was_searched():
+    """Two copies of so(3) have the symmetry that exchanges them, which no family of maps contains."""
+    text = inspect(System(so(3) @ (trivial() + trivial()), "dot(l, alpha)")).text()
+    assert "no one-parameter family that acts on the fields alone" in text

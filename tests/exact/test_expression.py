@@ -12,9 +12,10 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from liepoisson.errors import ExpressionError, ParameterError
-from liepoisson.exact.expression import Scope, check_names, read_expression, read_formula
+from liepoisson.exact.expression import check_names, read_expression, read_formula
 from liepoisson.exact.extensions import leibniz
 from liepoisson.exact.formula.grammar import parse
+from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.lie_algebras import so
 
 F = Fraction
@@ -333,7 +334,8 @@ def test_square_roots_are_exact(n):
 
 AUDITED = """
 import sys
-from liepoisson.exact.expression import Scope, read_formula
+from liepoisson.exact.expression import read_formula
+from liepoisson.exact.formula.scope import Scope
 from liepoisson.errors import ExpressionError
 texts = [{texts}]
 scope = Scope({{"l": "123"}}, {{"I": (2, 2, 1)}}, ("n",))

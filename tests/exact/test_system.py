@@ -45,7 +45,7 @@ def test_symbols_are_matched_too_and_then_named():
     parameters = system.top_parameters
     assert parameters is not None
     assert parameters.epsilon == sp.Symbol("epsilon")
-    with pytest.raises(ParameterError, match=r"b\[0\] must be a number.*free symbol b1"):
+    with pytest.raises(ParameterError, match=r"b1 must be a number.*free symbol b1"):
         system.field()
     with pytest.raises(ParameterError, match="b1, b2, b3, epsilon has none"):
         system.vector_field(np.zeros(9))
@@ -249,3 +249,39 @@ def test_irrational_integrals_are_decided_too():
     """{sqrt(1 + |alpha|^2), H} = 0 because |alpha|^2 is a Casimir."""
     system = System(so(3) @ semidirect(2), "dot(l, l)/2 + alpha3", integrals={"R": "sqrt(1 + dot(alpha, alpha))"})
     assert "R" in system.invariants
+
+
+def test_symbols_with_assumptions_are_the_coordinates():
+    """Symbol("l1", real=True) is not Symbol("l1") for SymPy; a derivative must not take it for a constant."""
+    bracket = so(3) @ semidirect(2)
+    l1, l2, l3 = sp.symbols("l1:4", real=True)
+    assert bracket(l1, l2) == -bracket.variables[2]
+    system = System(bracket, l1**2 + 2 * l2**2 + 3 * l3**2)
+    assert system.equations == System(bracket, "l1^2 + 2*l2^2 + 3*l3^2").equations
+    assert not system.is_constant(l1)
+    with pytest.raises(ParameterError, match="K must be constant"):
+        _ = System(bracket, "l1^2 + 2*l2^2 + 3*l3^2", integrals={"K": l1}).invariants
+
+
+@pytest.mark.parametrize("integrals", [["l3"], "l3", {"K": 3}, {1: "l3"}, {"H": "l3"}, {"C2": "l3"}])
+def test_integrals_are_functions_by_name(integrals):
+    with pytest.raises(ParameterError, match="integrals"):
+        System(so(3) @ semidirect(2), "l1^2 + alpha1", integrals=integrals)
+
+
+@pytest.mark.parametrize("partial", [["l3"], {"K": "l3"}, {"K": ("l3",)}, {"H": ("l3", "l1")}, {"K": ("l3", 0)}])
+def test_partial_integrals_are_pairs_by_name(partial):
+    with pytest.raises(ParameterError, match="partial_integrals"):
+        System(so(3) @ semidirect(2), "l1^2 + alpha1", partial_integrals=partial)
+
+
+@pytest.mark.parametrize("symbols", ["qr", "a[3]", [3], 5])
+def test_symbols_are_a_list_of_texts(symbols):
+    with pytest.raises(ParameterError, match="symbols must be a list"):
+        System(so(3) @ semidirect(2), "l1^2 + alpha1", symbols=symbols)
+
+
+def test_derivatives_of_texts():
+    system = System(so(3) @ semidirect(2), "l1^2/4 + l2^2/4 + l3^2/2 + alpha3")
+    assert system.is_constant("l3")
+    assert system.derivative("l1") == system.equations[system.variables[0]]

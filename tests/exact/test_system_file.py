@@ -1,4 +1,5 @@
 import time
+from dataclasses import replace
 from fractions import Fraction
 
 import pytest
@@ -197,6 +198,9 @@ def test_mistakes_are_told_with_key_and_line(old, new, message):
     ("addition", "message"),
     [
         ('[integrals]\nK = "l1 +"', r"line 16: \[integrals\] K: .*wanted here"),
+        ('[integrals]\nK = {expression = "l1", on = "l9 = 0"}', r"line 16: \[integrals\] K on: the name 'l9'"),
+        ('[integrals]\nH = "l1"', r"line 16: \[integrals\] H: an integral must not be named H, C1"),
+        ('[integrals.C12]\nexpression = "l1"', r"line 15: \[integrals\] C12: an integral must not be named"),
         ('[integrals]\nK = {on = "l1 = 0"}', "wanted the key expression"),
         ('[integrals]\nK = {expression = "l1", on = "l1 = l2 = 0"}', "one equation"),
         ('[integrals]\nK = {expression = "l1", on = "l1 = "}\nM = 1', "wanted a table; got a number"),
@@ -223,15 +227,44 @@ def test_mistakes_in_integrals_and_references_are_told(addition, message):
 
 @pytest.mark.parametrize(
     ("formula", "message"),
-    [("l", "one shape"), ("abs(l1)", "not smooth"), ("l1/(epsilon - 1)", "must not vanish")],
+    [
+        ("l", "one shape"),
+        ("dot(l, 3)", "dot takes two vectors"),
+        ("l[4]", "must not exceed the shape"),
+        ("(l1 + l2)^65", "between -64 and 64"),
+        ("abs(l1)", "not smooth"),
+        ("l1/(epsilon - 1)", "must not vanish"),
+    ],
 )
 def test_a_formula_without_meaning_is_refused_when_the_system_is_made(formula, message):
     text = changed("dot(a, alpha)", f"dot(a, alpha) + ({formula})")
-    with pytest.raises(SystemFileError, match=r"\[hamiltonian\]: .*" + message) as caught:
+    place = r" \(column \d+ of the formula\)\.\n"
+    key = r"^system file, line 13: \[hamiltonian\] expression: [^\n]*"
+    with pytest.raises(SystemFileError, match=f"{key}{message}.*{place}") as caught:
         read_system_file(text).system()
     assert isinstance(caught.value.__cause__, ExpressionError)
-    with pytest.raises(SystemFileError, match=r"\[integrals\] K: .*" + message):
-        read_system_file(TOP + f'\n[integrals]\nK = "l1 + ({formula})"').system()
+    written = {
+        r"line 16: \[integrals\] K": f'[integrals]\nK = "l1 + ({formula})"',
+        r"line 16: \[integrals\] K on": f'[integrals]\nK = {{expression = "l1", on = "{formula} = 0"}}',
+        r"line 15: \[integrals\] K": f'[integrals.K]\non = "l2"\nexpression = "l1 + ({formula})"',
+    }
+    if formula == "l":
+        message += "|must be a scalar"
+    for key, addition in written.items():
+        with pytest.raises(SystemFileError, match=f"^system file, {key}: [^\n]*({message}).*{place}"):
+            read_system_file(TOP + "\n" + addition).system()
+
+
+def test_places_in_a_formula_of_several_lines_are_told_by_line_and_column():
+    text = changed('"l1^2/(2*I1)', '"""\nl1^2 +\n  alhpa""" #')
+    with pytest.raises(SystemFileError, match=r"line 13: \[hamiltonian\] .*\(line 2, column 3 of the formula\)"):
+        read_system_file(text)
+
+
+def test_a_file_made_in_python_has_keys_without_lines():
+    file = replace(read_system_file(TOP), toml=None, hamiltonian="l[4]")
+    with pytest.raises(SystemFileError, match=r"^system file: \[hamiltonian\] expression: an index"):
+        file.system()
 
 
 def test_an_algebra_that_fails_jacobi_is_refused():

@@ -7,7 +7,8 @@
 
 `grammar` stops at the tree, `formula` goes on to SymPy, `file` reads a system file.  A run fails when a text
 makes anything but an error of ours, when one input takes too long, or when the audit hook sees an event that only the
-running of code makes: an import, a compilation, an open file, a new process, a connection.
+running of code makes: an import, a compilation, an open file, a new process, a connection.  The input at fault, and
+slow ones, are kept in a folder for temporary files, which is printed first; -artifact_prefix=FOLDER/ names another.
 """
 
 import importlib
@@ -15,6 +16,7 @@ import os
 import pkgutil
 import re
 import sys
+import tempfile
 import time
 from fractions import Fraction
 
@@ -22,8 +24,9 @@ import atheris
 
 with atheris.instrument_imports(include=["liepoisson", "tomllib"]):
     from liepoisson.errors import ExpressionError, SystemFileError
-    from liepoisson.exact.expression import Scope, read_formula
+    from liepoisson.exact.expression import read_formula
     from liepoisson.exact.formula.grammar import parse
+    from liepoisson.exact.formula.scope import Scope
     from liepoisson.exact.system_file import read_system_file
 
 FORBIDDEN = (
@@ -204,6 +207,9 @@ class Target:
 
 def main():
     target = Target(sys.argv.pop(1))
+    if not any(argument.startswith("-artifact_prefix=") for argument in sys.argv):
+        sys.argv.append(f"-artifact_prefix={tempfile.mkdtemp(prefix='fuzz-expression-')}/")
+        sys.stderr.write(f"{sys.argv[-1]}\n")
     target.warm_up()
     sys.addaudithook(target.audit)
     atheris.Setup(sys.argv, target.test)

@@ -91,3 +91,59 @@ def test_unit_vectors_have_the_length_of_the_fields():
 def test_the_kernel_of_components_is_for_tops_only():
     with pytest.raises(lp.errors.ParameterError, match="kind 'quadratic'"):
         lp.integrate(as_quadratic(twisted_top()), np.ones(9), t=[0, 1], kernel="components")
+
+
+@pytest.mark.parametrize(
+    "entries",
+    [
+        (3, ((-1, 1.0),), (), ()),
+        (3, ((2**70, 1.0),), (), ()),
+        (3, ((0.0, 1.0),), (), ()),
+        (3, ((0, "1"),), (), ()),
+        (3, ((0, 1j),), (), ()),
+        (3, ((0,),), (), ()),
+        (3, None, (), ()),
+        (3, (), {}, ()),
+        (3.0, (), (), ()),
+        (True, (), (), ()),
+        (3, (), (), ((0, 1, 3, 1.0),)),
+        (3, (), (), ((0, 1, 1, float("nan")),)),
+    ],
+)
+def test_a_quadratic_field_is_checked_when_it_is_made(entries):
+    with pytest.raises(lp.errors.ParameterError, match="wanted"):
+        QuadraticField(*entries)
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        (1, None, (0,)),
+        (1, (("sin", (0,)),), (1,)),
+        (1, ((3, (0,), ()),), (1,)),
+        (1, (("sin", (1,), ()),), (1,)),
+        (1, (("sin", (0.0,), ()),), (1,)),
+        (1, (("power", (0,), (float("inf"),)),), (1,)),
+        (1, (), (-1,)),
+        (1, (), None),
+    ],
+)
+def test_a_tape_is_checked_when_it_is_made(lines):
+    with pytest.raises(lp.errors.ParameterError, match="wanted"):
+        TapeField(*lines)
+
+
+def test_entries_of_one_product_are_added_up():
+    """x' = 2 x y written as x y + y x."""
+    field = QuadraticField(2, [], [[1, 0, 1]], [(0, 0, 1, 1.0), (0, 1, 0, 1)])
+    assert field == QuadraticField(2, (), ((1, 0, 1.0),), ((0, 0, 1, 2.0),))
+
+
+def test_unknown_instructions_are_refused_by_the_core():
+    with pytest.raises(lp.errors.ParameterError, match="wanted linear, product"):
+        lp.integrate(TapeField(1, (("gamma", (0,), ()),), (1,)), [1.0], t=[0, 1])
+
+
+def test_more_states_than_memory_are_refused():
+    with pytest.raises(lp.errors.ParameterError, match="fits into memory"):
+        lp.sample_states(lp.Top.kovalevskaya(), n=10**13, seed=0)

@@ -111,6 +111,19 @@ def test_the_exponent_agrees_when_every_ensemble_does():
     assert judge("lyapunov-exponent-value", made_up).verdict == HOLDS
 
 
+@pytest.mark.parametrize("claim", ["lyapunov-exponent-value", "printed-fit"])
+@pytest.mark.parametrize("value", [0.1221, 0.5])
+@pytest.mark.parametrize(("error", "settled"), [(0.05, False), (float("nan"), False), (0.013, True)])
+def test_runs_of_large_errors_settle_nothing(claim, value, error, settled):
+    made_up = measurements()
+    for name in ("unit-vectors", "cube", "gaussian"):
+        made_up["runs"][f"twisted-{name}"] |= {"fit": fit(value, c1=0.112, c0=0.49, error=error), "windows": []}
+    found = judge(claim, made_up)
+    assert ("too few or too short" in found.correct_statement) == (not settled)
+    assert settled or found.verdict == OPEN
+    assert value > 0.2 or not settled or found.verdict in (HOLDS, CONDITION)
+
+
 def test_an_exponent_far_from_the_printed_one_is_wrong():
     made_up = measurements()
     for name in ("unit-vectors", "cube", "gaussian"):

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ExpressionError, ParameterError
 
 if TYPE_CHECKING:
     from liepoisson.exact.hamiltonian import Value
@@ -30,7 +30,7 @@ def read_system(argument: str, settings: Sequence[str] = ()) -> System:
     Raises:
         UnknownNameError: it is neither a file nor a name of the catalog.
         SystemFileError: the file does not describe a system.
-        ParameterError: a setting is not "name=value", or has another shape than the parameter.
+        ParameterError: a setting is not "name=value" with a number, or has another shape than the parameter.
     """
     return with_settings(read_file(argument), settings).system()
 
@@ -77,7 +77,8 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
 
 
 def _read_setting(setting: str) -> tuple[str, Value]:
-    from liepoisson.exact.expression import evaluate, parse
+    from liepoisson.exact.expression import evaluate
+    from liepoisson.exact.formula.grammar import parse
     from liepoisson.exact.formula.scope import Scope
 
     name, sign, text = (part.strip() for part in setting.partition("="))
@@ -85,7 +86,10 @@ def _read_setting(setting: str) -> tuple[str, Value]:
         raise ParameterError(f"--set must be name=value; got {setting!r:.{_MOST_SHOWN}}. Write --set epsilon=1.")
     is_vector = "," in text or text.startswith("[")
     items = text.removeprefix("[").removesuffix("]").split(",") if is_vector else [text]
-    numbers = tuple(evaluate(parse(item.strip()), item.strip(), Scope()) for item in items)
+    try:
+        numbers = tuple(evaluate(parse(item.strip()), item.strip(), Scope()) for item in items)
+    except ExpressionError as error:
+        raise ParameterError(f"--set {setting:.{_MOST_SHOWN}}: {error.within_formula()}") from error
     return name, numbers if is_vector else numbers[0]
 
 

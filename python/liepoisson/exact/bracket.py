@@ -2,11 +2,12 @@ r"""Lie-Poisson brackets of g (x) A, $\{f, g\} = -\langle x, [df, dg] \rangle$."
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.extension import Extension
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from liepoisson.exact.parameters import Exact
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
     from liepoisson.exact.strata import Stratum
+
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
 class Bracket:
@@ -41,8 +44,8 @@ class Bracket:
         field_names: One name per field, in place of those of the extension.
 
     Raises:
-        BracketError: a coordinate and a parameter have the same name.
-        ParameterError: `algebra` is not a LieAlgebra or `extension` not an Extension.
+        BracketError: a coordinate and a parameter, or a coordinate and a field, have the same name.
+        ParameterError: a field name is not an identifier, `algebra` is not a LieAlgebra or `extension` not an Extension.
         ShapeError: not one name per field.
 
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
@@ -56,6 +59,7 @@ class Bracket:
         names = self.coordinate_names
         if len(names) < self.dimension:
             raise BracketError(f"coordinates must have distinct names; got {sorted(names)}. Rename the fields.")
+        _check_field_names(self.field_names, names)
         self.check_parameter_names(self.symbols)
 
     def rename(self, *field_names: str) -> Bracket:
@@ -63,7 +67,8 @@ class Bracket:
 
         Raises:
             ShapeError: not one name per field.
-            BracketError: two coordinates, or a coordinate and a parameter, would have the same name.
+            BracketError: two coordinates, or a coordinate and a parameter or a field, would have the same name.
+            ParameterError: a name is not an identifier.
         """
         return Bracket(self.algebra, self.extension, field_names)
 
@@ -324,8 +329,15 @@ class Bracket:
                 f"a function on phase space must be a SymPy expression; got {f!r} of type {type(f).__name__}. "
                 "Build it from bracket.variables."
             ) from None
+        expression = self.in_own_variables(expression)
         occurring = expression.free_symbols
         return [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
+
+    def in_own_variables(self, expression: Expr) -> Expr:
+        """The expression in `variables`: for SymPy, a symbol l1 that was made with assumptions is another one."""
+        own = {str(variable): variable for variable in self.variables}
+        foreign = {s: own[str(s)] for s in expression.free_symbols if str(s) in own and s != own[str(s)]}
+        return cast("Expr", expression.xreplace(foreign)) if foreign else expression
 
     def _read_point(self, point: Sequence[Parameter]) -> list[Exact]:
         items = None if isinstance(point, str) else listed(point)
@@ -347,6 +359,21 @@ def _product(w: Exact, c: Exact) -> Exact:
 def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:
     """The extension with other field names; a tensor that is wrong on purpose stays as it is."""
     return Extension(extension.tensor, extension.name, field_names, check=False)
+
+
+def _check_field_names(fields: tuple[str, ...], coordinates: set[str]) -> None:
+    """Refuse fields that no formula could name, and those whose name is that of a coordinate of another field."""
+    for name in fields:
+        if not _IDENTIFIER.fullmatch(name):
+            raise ParameterError(
+                f"a field name must consist of letters, digits and _, and not begin with a digit; got {name!r:.60}. "
+                "Rename the field."
+            )
+    if clash := sorted(coordinates.intersection(fields)):
+        raise BracketError(
+            f"a name must stand for one thing; {', '.join(clash)} would be a field and a coordinate of another field. "
+            "Rename one of the fields."
+        )
 
 
 def _check_type(value: object, wanted: type, name: str, example: str) -> None:

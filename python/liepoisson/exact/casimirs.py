@@ -8,12 +8,17 @@ References: Olver, Applications of Lie Groups to Differential Equations (1993), 
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count
 from numbers import Integral
+from random import Random
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.linear_algebra import rank
+from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 from liepoisson.exact.poisson.casimir_search import (
     MAX_WORK,
     CasimirSearch,
@@ -35,7 +40,7 @@ MAX_DEGREE = 6
 
 
 class ExceptionalCase(NamedTuple):
-    """Values of parameters at which there are more Casimirs than in general.
+    """Values of parameters at which there are more Casimirs than in general, or which need other generators.
 
     Attributes:
         condition: For example "epsilon = 0".
@@ -57,7 +62,8 @@ class CasimirReport:
         independent: Number of functionally independent ones among the generators (proved).
         corank: The corank of J at one point; no more can be independent (proved).
         complete: Whether these two numbers agree: every Casimir is locally a function of the generators.
-        exceptional: Values of the parameters with more Casimirs in the degrees searched, or with a higher corank.
+        exceptional: Values of the parameters with more Casimirs in the degrees searched, with a higher corank, or at
+            which the generic generators become dependent.
         examined: All values that had to be looked at; elsewhere, the generic answer holds in the degrees searched.
         undecided: Conditions on several parameters that were not looked at.
         verified: Whether J grad C = 0 for every generator, expanded anew.
@@ -113,8 +119,12 @@ def _find(bracket: Bracket, degree: int | None) -> _Found:
     closed = _lift(bracket) if degree is None else None
     if closed is not None and closed.complete:
         return closed
-    found = _search(CasimirSearch(bracket.tensor), _checked_degree(degree), _corank(bracket.tensor))
-    return closed if closed is not None and closed.independent > found.independent else found
+    return _better(closed, _search(CasimirSearch(bracket.tensor), _checked_degree(degree), _corank(bracket.tensor)))
+
+
+def _better(closed: _Found | None, found: _Found) -> _Found:
+    """The closed form where it is complete or gives more than the search, so that generators have one order."""
+    return closed if closed is not None and (closed.complete or closed.independent > found.independent) else found
 
 
 def casimir_report(bracket: Bracket, degree: int | None = None) -> CasimirReport:
@@ -130,9 +140,9 @@ def casimir_report(bracket: Bracket, degree: int | None = None) -> CasimirReport
     """
     search = CasimirSearch(bracket.tensor, with_pivots=bool(bracket.tensor.field.parameters))
     found = _search(search, _checked_degree(degree), _corank(bracket.tensor))
-    if degree is None and not found.complete and (closed := _lift(bracket)) is not None:
+    if degree is None and (closed := _lift(bracket)) is not None:
         closed.dimensions, closed.limits = found.dimensions, "" if closed.complete else found.limits
-        found = closed if closed.independent > found.independent else found
+        found = _better(closed, found)
     exceptional, examined, undecided = _exceptional(bracket, search, found)
     return CasimirReport(
         generators=tuple(_expressions(bracket, found)),
@@ -216,6 +226,7 @@ def _exceptional(
     from liepoisson.exact.poisson.exceptional_parameters import special_values
 
     values, undecided = special_values(search.pivots, bracket.tensor.field)
+    generic = _expressions(bracket, found)
     cases: list[ExceptionalCase] = []
     for condition, substitution in values:
         try:
@@ -224,9 +235,21 @@ def _exceptional(
             continue
         inner = CasimirSearch(special.tensor)
         more = any(len(inner.of_degree(d)) > n for d, n in found.dimensions.items())
-        if more or _corank(special.tensor) > found.corank:
+        fewer = _independent_at(substitution, generic, bracket) < found.independent
+        if more or fewer or _corank(special.tensor) > found.corank:
             cases.append(ExceptionalCase(condition, casimir_generators(special)))
     return tuple(cases), tuple(condition for condition, _ in values), undecided
+
+
+def _independent_at(values: Mapping[str, Exact], generators: Sequence[Expr], bracket: Bracket) -> int:
+    """How many generators stay independent with these values of parameters (their gradients at one random point)."""
+    random = Random(1)
+    at: Any = [(x, random.randrange(1, 100)) for x in bracket.variables]
+    inserted: Any = {name: to_sympy(value) for name, value in values.items()}
+    special: list[Any] = [e.subs(inserted) for e in generators]
+    rows = [[e.diff(x).subs(at) for x in bracket.variables] for e in special]
+    field = Coefficients.containing([entry for row in rows for entry in row])
+    return rank([{i: field.read(c) for i, c in enumerate(row) if not is_zero(c)} for row in rows], field)
 
 
 def _expressions(bracket: Bracket, found: _Found) -> list[Expr]:

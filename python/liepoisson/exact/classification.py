@@ -2,12 +2,12 @@ r"""Which commutative algebra an extension is: its local factors over the reals,
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
 from operator import add
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.commutative.commutative_algebra import CommutativeAlgebra
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from sympy import Expr
 
 ExactMatrix: TypeAlias = tuple[tuple[Exact, ...], ...]
+EqualSymbols: TypeAlias = "tuple[tuple[tuple[str, ...], Expr], ...]"
+"""Values of symbols, each with the names of all symbols that have it."""
 
 
 @dataclass(frozen=True)
@@ -109,8 +111,38 @@ class Classification:
             text += f" for {', '.join(f'{c} != 0' for c in self.conditions)}"
         if self.adjoined:
             text += f", by a change of basis over {self.field_extension}"
-        rest = [f"; {name} = {value}: {other.name}" for name, value, other in self.exceptional]
-        return text + "".join(rest)
+        for values, other in self.exceptional_cases:
+            equalities = [f"{' = '.join(names)} = {value}" for names, value in values]
+            conditions = [f"{condition} != 0" for condition in other.conditions]
+            text += f"; {', '.join(equalities + conditions)}: {other.name}"
+        return text
+
+    @property
+    def exceptional_cases(self) -> list[tuple[EqualSymbols, Classification]]:
+        """`exceptional` and the exceptional values of those in turn, each set of values once, fewer values first.
+
+        Of each case, the values as (names of the symbols that have it, value), and the answer, which again is the
+        generic one: it holds where none of its own conditions vanishes.
+        """
+        found: dict[EqualSymbols, Classification] = {}
+        waiting: list[tuple[dict[str, Expr], Classification]] = [({}, self)]
+        while waiting:
+            values, here = waiting.pop(0)
+            for name, value, other in here.exceptional:
+                at: Any = {name: to_sympy(value)}
+                now = {n: cast("Any", v).subs(at) for n, v in values.items()} | at
+                if (key := _equal_symbols(now)) not in found:
+                    found[key] = other
+                    waiting.append((now, other))
+        return list(found.items())
+
+
+def _equal_symbols(values: Mapping[str, Expr]) -> EqualSymbols:
+    """The values of symbols, those of equal ones together: s = t = 0."""
+    names: dict[Expr, tuple[str, ...]] = {}
+    for name in sorted(values):
+        names[values[name]] = (*names.get(values[name], ()), name)
+    return tuple((row, value) for value, row in names.items())
 
 
 def classify(extension: Extension | Sequence[Sequence[Sequence[Parameter]]]) -> Classification:

@@ -71,7 +71,9 @@ class Report:
         (ASCII), `unicode`, `latex` and, where it is a function on phase space, `expression`: the same in components,
         in the grammar of system files.  A proof is a Boolean (`proved`, `verified`, `complete`) beside what was proved.
         Where the Jacobi identity fails, there is no `casimirs`, `rank`, `strata`, `symmetries`.  Where a stratum is not
-        proved, sets of lower rank may be missing among the `strata`.  `failed` lists what was claimed and is refuted.
+        proved, sets of lower rank may be missing among the `strata`.  `definitions` say what signs in the formulas
+        beside them mean where this is not usual, as the scalar product of so(2,1).  `failed` lists what was claimed and
+        is refuted.
         """
         topics = {topic.key: topic.record() for topic in self.topics}
         return {"name": self.name, "source": self.source, **topics, "failed": list(self.failed)}
@@ -110,6 +112,8 @@ def describe(system: System) -> str:
     lines += ["  equations", *_equation_lines(EquationFacts(system, notation, named)), "  invariants"]
     for name, expression in system.invariants.items():
         lines.append(f"    {name} = {notation.formula(expression).write(NAMES)}")
+    definitions = notation.definitions(notation.formula(e) for e in (*system.invariants.values(), system.hamiltonian))
+    lines += [f"    {definition.write(NAMES)}" for definition in definitions]
     return "\n".join(lines)
 
 

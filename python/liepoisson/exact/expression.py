@@ -49,12 +49,10 @@ from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-__all__ = ["FUNCTIONS", "Formula", "Scope", "check_names", "evaluate", "parse", "read_expression", "read_formula"]
-
 _NOT_SMOOTH = {
-    *("abs", "fabs", "sign", "sgn", "min", "max", "floor", "ceil", "ceiling", "round", "trunc", "int", "frac", "fract"),
-    *("mod", "fmod", "heaviside", "step", "theta", "piecewise", "where", "if", "relu", "delta", "dirac"),
-}
+    "abs", "fabs", "sign", "sgn", "min", "max", "floor", "ceil", "ceiling", "round", "trunc", "int", "frac", "fract",
+    "mod", "fmod", "heaviside", "step", "theta", "piecewise", "where", "if", "relu", "delta", "dirac",
+}  # fmt: skip
 _INSTEAD = {
     "ln": "log(x)",
     "pow": "x^y",

@@ -10,9 +10,10 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise, product
-from typing import TYPE_CHECKING, TypeAlias
+from numbers import Integral
+from typing import TYPE_CHECKING, TypeAlias, cast
 
-from liepoisson.errors import BracketError, ShapeError
+from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, symbols_of, to_sympy
 from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
 
@@ -27,6 +28,9 @@ Products: TypeAlias = dict[tuple[int, int], dict[int, Exact]]
 Element: TypeAlias = tuple[Exact, ...]
 """An element of A, by its coordinates in the basis e_0, e_1, ..."""
 
+MAX_FIELDS = 100
+"""The largest dimension: J has (n dim g)^2 entries, and the largest system of the literature known to us has six fields."""
+
 _FIELD_NAMES = {1: ("l",), 2: ("l", "alpha"), 3: ("l", "alpha", "beta")}
 
 
@@ -36,13 +40,15 @@ class Extension:
     Args:
         tensor: `W[lam][mu][nu]`, exact, shape (n, n, n).
         name: How it is printed.
-        field_names: One name per basis element; l, alpha, beta up to n = 3, else x0, x1, ...
+        field_names: One name per basis element; l, alpha, beta up to n = 3, else x0, x1, ..., with
+            as many digits for each as the last one has.
         check: Verify symmetry and associativity (the Jacobi identity of g (x) A needs both).  Switch this off only to
             study what goes wrong.
 
     Raises:
         ShapeError: `tensor` is not n x n x n, or `field_names` has another length.
         BracketError: not commutative or not associative; the message names the entry.
+        ParameterError: n is more than 100, or an entry is not exact.
     """
 
     def __init__(
@@ -79,18 +85,20 @@ class Extension:
             check: Verify associativity.
 
         Raises:
-            ShapeError: an index is not in 0..n-1.
+            ShapeError: `products` is not a mapping from pairs to mappings, or an index is not in 0..n-1.
             BracketError: not commutative or not associative.
+            ParameterError: n is not an integer from 1 to 100, or an entry is not exact.
         """
         extension = cls.__new__(cls)
+        n = read_field_count(n)
         extension._set(n, _read_products(n, products), name, field_names, check=check)
         return extension
 
     def _set(self, n: int, products: Products, name: str, field_names: Sequence[str] | None, *, check: bool) -> None:
-        self.dimension = n
+        self.dimension = read_field_count(n)
         self.products = products
         self.name = name
-        default = _FIELD_NAMES.get(n) or tuple(f"x{i}" for i in range(n))
+        default = _FIELD_NAMES.get(n) or _numbered(n)
         self.field_names: tuple[str, ...] = read_names(field_names, "field_names", default)
         if len(self.field_names) != n:
             raise ShapeError(f"field_names must be {n} names; got {len(self.field_names)}. Give one per basis element.")
@@ -258,11 +266,33 @@ def _products_of(W: Tensor3) -> Products:
     return {pair: row for pair, row in rows.items() if row}
 
 
-def _read_products(n: int, products: Mapping[tuple[int, int], Mapping[int, Parameter]]) -> Products:
+def _numbered(n: int) -> tuple[str, ...]:
+    """Names x0, x1, ... of one length: else x1 would have a component x11, and that would be a field, too."""
+    width = len(str(n - 1))
+    return tuple(f"x{i:0{width}}" for i in range(n))
+
+
+def read_field_count(n: object) -> int:
+    """Read the number of fields.
+
+    Raises:
+        ParameterError: not an integer from 1 to 100.
+    """
+    if isinstance(n, bool) or not isinstance(n, Integral) or int(n) < 1:
+        raise ParameterError(f"an extension needs n >= 1 fields; got n = {n!r}. Use n = 3 for the twisted top.")
+    if int(n) > MAX_FIELDS:
+        raise ParameterError(f"an extension has at most {MAX_FIELDS} fields here; got n = {n}. Use fewer.")
+    return int(n)
+
+
+def _read_products(n: int, products: object) -> Products:
+    if not isinstance(products, Mapping):
+        raise ShapeError(
+            f"products must be a mapping; got {type(products).__name__}. Write for example {{(0, 0): {{0: 1}}}}."
+        )
     read: Products = {}
-    for (mu, nu), row in products.items():
-        if not all(0 <= index < n for index in (mu, nu, *row)):
-            raise ShapeError(f"indices must be in 0..{n - 1}; got e_{mu} e_{nu} along {list(row)}. Count from 0.")
+    for given, given_row in cast("Mapping[object, object]", products).items():
+        (mu, nu), row = _read_pair(given, n), _read_row(given, given_row, n)
         values = {k: read_parameter(value, f"products[{mu}, {nu}][{k}]") for k, value in row.items()}
         values = {k: value for k, value in values.items() if not is_zero(value)}
         pair = (min(mu, nu), max(mu, nu))
@@ -276,6 +306,26 @@ def _read_products(n: int, products: Mapping[tuple[int, int], Mapping[int, Param
         return read
     # Fraction and SymPy numbers do not mix under multiplication.
     return {pair: {k: to_sympy(value) for k, value in row.items()} for pair, row in read.items()}
+
+
+def _read_pair(pair: object, n: int) -> tuple[int, int]:
+    if not isinstance(pair, tuple) or len(cast("tuple[object, ...]", pair)) != 2:
+        raise ShapeError(f"products must be given by pairs (mu, nu); got {pair!r}. Write for example (0, 0).")
+    mu, nu = (_read_index(index, n, "products") for index in cast("tuple[object, ...]", pair))
+    return mu, nu
+
+
+def _read_row(pair: object, row: object, n: int) -> dict[int, Parameter]:
+    if not isinstance(row, Mapping):
+        raise ShapeError(f"products[{pair}] must be a mapping lam: c; got {row!r}. Write for example {{0: 1}}.")
+    given = cast("Mapping[object, Parameter]", row)
+    return {_read_index(lam, n, f"products[{pair}]"): value for lam, value in given.items()}
+
+
+def _read_index(index: object, n: int, name: str) -> int:
+    if isinstance(index, bool) or not isinstance(index, Integral) or not 0 <= int(index) < n:
+        raise ShapeError(f"the indices of {name} must be in 0..{n - 1}; got {index!r}. Count from 0.")
+    return int(index)
 
 
 def _check_commutative(W: Tensor3) -> None:

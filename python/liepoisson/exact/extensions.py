@@ -11,10 +11,8 @@ from fractions import Fraction
 from numbers import Integral
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.extension import Extension, Products
+from liepoisson.exact.extension import Extension, Products, read_field_count
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, to_sympy
-
-_MOST_FIELDS = 100  # J has (n dim g)^2 entries; the largest system of the literature known to us has six fields
 
 
 def trivial() -> Extension:
@@ -100,7 +98,7 @@ EXTENSIONS: dict[str, Callable[..., Extension]] = {
 
 
 def _graded(n: int, strength: Exact, name: str) -> Extension:
-    _check_field_count(n)
+    n = read_field_count(n)
     cocycle: Products = {(i, j): {i + j: strength} for i in range(1, n) for j in range(i, n) if i + j < n}
     # The products are those of powers of z, or zero: associative, which tests verify.
     return Extension.from_products(n, _with_unit(n, cocycle, strength), name, check=False)
@@ -111,10 +109,3 @@ def _with_unit(n: int, products: Products, like: Exact) -> Products:
     one = Fraction(1) if isinstance(like, Fraction) else to_sympy(Fraction(1))
     unit: Products = {(0, m): {m: one} for m in range(n)}
     return unit | {pair: row for pair, row in products.items() if not any(is_zero(v) for v in row.values())}
-
-
-def _check_field_count(n: object) -> None:
-    if isinstance(n, bool) or not isinstance(n, Integral) or n < 1:
-        raise ParameterError(f"an extension needs n >= 1 fields; got n = {n!r}. Use n = 3 for the twisted top.")
-    if int(n) > _MOST_FIELDS:
-        raise ParameterError(f"an extension has at most {_MOST_FIELDS} fields here; got n = {n}. Use fewer.")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
@@ -69,6 +70,63 @@ def _read_value(value: object, name: str) -> Value:
     if not items:
         raise ParameterError(f"{name} must have at least one component; got an empty sequence. Give its components.")
     return tuple(read_parameter(item, f"{name}[{k + 1}]") for k, item in enumerate(items))
+
+
+RESERVED_NAME = re.compile(r"H|C\d+")
+"""Names of the Hamiltonian and of the Casimirs among the invariants."""
+
+
+def read_declarations(symbols: Sequence[str]) -> tuple[str, ...]:
+    """Read the declarations of parameters without value, such as "epsilon" or "a[3]".
+
+    Raises:
+        ParameterError: not a sequence of texts.
+    """
+    items = None if isinstance(symbols, str) else listed(symbols)
+    if items is None or not all(isinstance(item, str) for item in items):
+        raise ParameterError(f'symbols must be a list of declarations; got {symbols!r:.60}. Write ["epsilon", "a[3]"].')
+    return tuple(str(item) for item in items)
+
+
+def read_functions(functions: Mapping[str, str | Expr] | None, what: str) -> dict[str, str | Expr]:
+    """Read functions on phase space by name: texts or SymPy expressions.
+
+    Raises:
+        ParameterError: not a mapping from names, a name is that of the Hamiltonian or of a Casimir, or a function is
+            neither a text nor an expression.
+    """
+    given = cast("Any", {} if functions is None else functions)
+    if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in cast("Mapping[object, Any]", given)):
+        raise ParameterError(
+            f'{what} must be a mapping from names to functions; got {given!r:.60}. Write {{"K": "l3"}}.'
+        )
+    for name, function in cast("Mapping[str, Any]", given).items():
+        if RESERVED_NAME.fullmatch(name):
+            raise ParameterError(f"{what} must not be named H, C1, C2, ...; got {name!r}. Choose another name.")
+        if not isinstance(function, str) and not is_expression(function):
+            raise ParameterError(f'{what}: {name} must be a text or an expression; got {function!r:.60}. Write "l3^2".')
+    return dict(cast("Mapping[str, Any]", given))
+
+
+def read_pairs_of_functions(
+    functions: Mapping[str, tuple[str | Expr, str | Expr]] | None,
+) -> dict[str, tuple[str | Expr, str | Expr]]:
+    """Read partial integrals by name: an integral and the function that vanishes where it is one.
+
+    Raises:
+        ParameterError: not a mapping from names to pairs of functions.
+    """
+    pairs = cast("Any", functions or {})
+    if not isinstance(pairs, Mapping):
+        raise ParameterError(f"partial_integrals must be a mapping from names to pairs; got {pairs!r:.60}.")
+    for name, pair in cast("Mapping[str, Any]", pairs).items():
+        if not isinstance(pair, (tuple, list)) or len(cast("Sequence[Any]", pair)) != 2:
+            raise ParameterError(
+                f"partial_integrals: {name} must be a pair (integral, function that vanishes); got {pair!r:.60}."
+            )
+        for function in cast("Sequence[Any]", pair):
+            read_functions({name: function}, "partial_integrals")
+    return {name: (pair[0], pair[1]) for name, pair in cast("Mapping[str, Any]", pairs).items()}
 
 
 def flattened(values: Mapping[str, Value]) -> dict[str, Exact]:

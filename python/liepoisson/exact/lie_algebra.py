@@ -5,6 +5,7 @@ The algebras with a name (so(n), su(n), ...) are in `exact.lie_algebras`.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from itertools import combinations, product
@@ -32,6 +33,7 @@ MAX_DIMENSION = 1000
 """The largest dimension: beyond it even sparse structure constants outgrow what anything here can work with."""
 
 _MAX_DENSE = 200  # 8 million entries
+_NAME_PART = re.compile(r"[A-Za-z_0-9]+")
 
 
 class LieAlgebra:
@@ -51,6 +53,8 @@ class LieAlgebra:
 
     Raises:
         ShapeError: `structure_constants` is not n x n x n, or `basis_names` has another length.
+        ParameterError: a basis name can not be part of the name of a coordinate, or is given twice, or is the number
+            of another basis element.
         BracketError: antisymmetry or the Jacobi identity fails; the message names the entry.
         ParameterError: an entry is not exact, or n is more than 1000.
     """
@@ -94,6 +98,7 @@ class LieAlgebra:
             ShapeError: `basis_names` does not have n names.
         """
         check_dimension(n)
+        n = int(n)  # NumPy's and SymPy's integers are read, too
         algebra = cls.__new__(cls)
         algebra._set(n, read_brackets(n, brackets), name, basis_names, check=check)
         return algebra
@@ -128,6 +133,8 @@ class LieAlgebra:
         self.basis_names: tuple[str, ...] = read_names(basis_names, "basis_names", tuple(str(i + 1) for i in range(n)))
         if len(self.basis_names) != n:
             raise ShapeError(f"basis_names must be {n} names; got {len(self.basis_names)}. Give one per basis element.")
+        if basis_names is not None:
+            _check_basis_names(self.basis_names)
         if check:
             self._check_jacobi()
 
@@ -302,6 +309,28 @@ def check_dimension(n: object) -> None:
             f"the dimension of a Lie algebra must be an integer from 1 to {MAX_DIMENSION}; got {n!r}. "
             "Take a smaller algebra."
         )
+
+
+def _check_basis_names(names: tuple[str, ...]) -> None:
+    """Refuse names with which a coordinate such as l2 could not be written in a formula, or might be mistaken for l[2].
+
+    Where all numbers have two digits or more they are pairs of indices, as in so(6), and no numbering.
+    """
+    numbers = [name for name in names if name.isdecimal()]
+    is_numbering = any(len(number) == 1 for number in numbers)
+    for k, name in enumerate(names, start=1):
+        if not _NAME_PART.fullmatch(name):
+            raise ParameterError(
+                f"a basis name must consist of letters, digits and _; got {name!r:.60}, so that no formula could name "
+                'the coordinate. Write for example basis_names=["1", "2", "3"].'
+            )
+        if is_numbering and name.isdecimal() and str(k) != name and 1 <= int(name) <= len(names):
+            raise ParameterError(
+                f"a basis name that is a number must be that of its own place; got {name!r} at place {k}, so that l{name} "
+                f"would not be l[{name}]. Take other names, or another order."
+            )
+    if len(set(names)) < len(names):
+        raise ParameterError(f"basis names must be distinct; got {list(names)}. Rename one of them.")
 
 
 def _check_antisymmetry(c: Tensor3) -> None:

@@ -53,7 +53,7 @@ def so(n: int, q: int = 0) -> LieAlgebra:
     Raises:
         ParameterError: not integers with n >= 0, q >= 0, n + q >= 2, or more than 1000 dimensions.
     """
-    read_sizes("so", (n, q), at_least=0)
+    n, q = read_sizes("so", (n, q), at_least=0)
     size = n + q
     _check_size("so", size * (size - 1) // 2, size >= 2, f"so({n}, {q})" if q else f"so({n})", "n + q >= 2")
     name = f"so({n},{q})" if q else f"so({n})"
@@ -81,7 +81,7 @@ def su(n: int) -> LieAlgebra:
     Raises:
         ParameterError: n is not an integer from 2 to 31.
     """
-    read_sizes("su", (n,), at_least=2)
+    (n,) = read_sizes("su", (n,), at_least=2)
     _check_size("su", n * n - 1)
     pairs = list(combinations(range(n), 2))
     place, m = {pair: k for k, pair in enumerate(pairs)}, len(pairs)
@@ -106,7 +106,7 @@ def sl(n: int) -> LieAlgebra:
     Raises:
         ParameterError: n is not an integer from 2 to 31.
     """
-    read_sizes("sl", (n,), at_least=2)
+    (n,) = read_sizes("sl", (n,), at_least=2)
     _check_size("sl", n * n - 1)
     pairs = list(permutations(range(n), 2))
     place, m = {pair: k for k, pair in enumerate(pairs)}, len(pairs)
@@ -127,7 +127,7 @@ def gl(n: int) -> LieAlgebra:
     Raises:
         ParameterError: n is not an integer from 1 to 31.
     """
-    read_sizes("gl", (n,), at_least=1)
+    (n,) = read_sizes("gl", (n,), at_least=1)
     _check_size("gl", n * n)
     pairs = [(i, j) for i in range(n) for j in range(n)]
 
@@ -146,7 +146,7 @@ def se(n: int) -> LieAlgebra:
     Raises:
         ParameterError: n is not an integer from 2 to 44.
     """
-    read_sizes("se", (n,), at_least=2)
+    (n,) = read_sizes("se", (n,), at_least=2)
     _check_size("se", n * (n + 1) // 2)
     rotations = so(n)
     planes = {2: [(1, 0)], 3: [(2, 1), (0, 2), (1, 0)]}.get(n) or list(combinations(range(n), 2))
@@ -167,7 +167,7 @@ def heisenberg(n: int) -> LieAlgebra:
     Raises:
         ParameterError: n is not an integer from 1 to 499.
     """
-    read_sizes("heisenberg", (n,), at_least=1)
+    (n,) = read_sizes("heisenberg", (n,), at_least=1)
     _check_size("heisenberg", 2 * n + 1)
     names = (*(f"q{i + 1}" for i in range(n)), *(f"p{i + 1}" for i in range(n)), "c")
     brackets = {(i, n + i): {2 * n: 1} for i in range(n)}
@@ -182,7 +182,7 @@ def affine(n: int) -> LieAlgebra:
     Raises:
         ParameterError: n is not an integer from 1 to 31.
     """
-    read_sizes("affine", (n,), at_least=1)
+    (n,) = read_sizes("affine", (n,), at_least=1)
     _check_size("affine", n * (n + 1))
     linear = gl(n)
     # E_ij maps e_j to e_i and the other basis vectors to zero.
@@ -199,7 +199,7 @@ def abelian(n: int) -> LieAlgebra:
     Raises:
         ParameterError: n is not an integer from 1 to 1000.
     """
-    read_sizes("abelian", (n,), at_least=1)
+    (n,) = read_sizes("abelian", (n,), at_least=1)
     _check_size("abelian", n)
     return LieAlgebra.from_brackets(n, {}, f"abelian({n})", check=False)
 
@@ -218,10 +218,10 @@ def sine(N: int) -> LieAlgebra:
 
     References: Fairlie, Fletcher and Zachos (1989); Zeitlin (1991).
     """
-    read_sizes("sine", (N,), at_least=3)
-    if N % 2 == 0:
-        raise ParameterError(f"sine(N) needs an odd N, so that no mode is its own opposite; got N = {N}. Take {N + 1}.")
+    (N,) = read_sizes("sine", (N,), at_least=3)
     _check_size("sine", N * N - 1)
+    if N % 2 == 0:
+        raise ParameterError(f"sine(N) needs an odd N, so that no mode is its own opposite; got N = {N}. Take {N - 1}.")
     return sine_algebra(N)
 
 
@@ -239,17 +239,20 @@ ALGEBRAS: dict[str, Callable[..., LieAlgebra]] = {
 """The constructors by the name that system files use; each takes one integer, `so` one or two."""
 
 
-def read_sizes(name: str, sizes: tuple[object, ...], at_least: int) -> None:
-    """Refuse sizes that are not integers of a least value.
+def read_sizes(name: str, sizes: tuple[object, ...], at_least: int) -> tuple[int, ...]:
+    """Read sizes, of whatever integer type (NumPy's and SymPy's, too), and refuse those below a least value.
 
     Raises:
-        ParameterError: one of them is not.
+        ParameterError: one of them is not an integer, or too small.
     """
+    read: list[int] = []
     for size in sizes:
-        if isinstance(size, bool) or not isinstance(size, Integral) or size < at_least:
+        if isinstance(size, bool) or not isinstance(size, Integral) or int(size) < at_least:
             raise ParameterError(
                 f"{name}(n) needs an integer n >= {at_least}; got {size!r}. Write for example {name}(3)."
             )
+        read.append(int(size))
+    return tuple(read)
 
 
 def _check_size(name: str, dimension: int, wide_enough: bool = True, got: str = "", wanted: str = "") -> None:

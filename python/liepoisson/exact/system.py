@@ -22,6 +22,9 @@ from liepoisson.exact.hamiltonian import (
     check_real,
     flattened,
     is_expression,
+    read_declarations,
+    read_functions,
+    read_pairs_of_functions,
     read_values,
     with_exact_numbers,
 )
@@ -76,9 +79,9 @@ class System:
             )
         check_hamiltonian(hamiltonian)
         self._given_hamiltonian = hamiltonian
-        self._given_integrals = dict(integrals or {})
-        self._given_partial_integrals = dict(partial_integrals or {})
-        self._given_symbols = tuple(symbols)
+        self._given_symbols = read_declarations(symbols)
+        self._given_integrals = read_functions(integrals, "integrals")
+        self._given_partial_integrals = read_pairs_of_functions(partial_integrals)
         self.values: dict[str, Value] = read_values(parameters)
         self.parameters: dict[str, Exact] = flattened(self.values)
         bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
@@ -126,7 +129,7 @@ class System:
         given: Any = self._given_hamiltonian
         if not isinstance(given, str) and not is_expression(given):
             given = apply_function(given, self.bracket)
-        return with_exact_numbers(self._read(given))
+        return self._read(given)
 
     @cached_property
     def hamiltonian(self) -> Expr:
@@ -189,15 +192,23 @@ class System:
             found.setdefault(name, integral)
         return found
 
-    def derivative(self, function: Expr) -> Expr:
-        r"""The time derivative $\{f, H\}$ of a function on phase space, simplified when it is not a polynomial."""
+    def derivative(self, function: str | Expr) -> Expr:
+        r"""The time derivative $\{f, H\}$ of a function on phase space, simplified when it is not a polynomial.
+
+        Args:
+            function: A SymPy expression in `variables`, or a text like that of a Hamiltonian.
+        """
         from sympy import simplify
 
-        value = self.bracket(function, self.hamiltonian)
+        value = self.bracket(self._function(function), self.hamiltonian)
         return value if value == 0 or value.is_polynomial(*self.variables) else simplify(value)
 
-    def is_constant(self, function: Expr) -> bool:
-        """Whether a function on phase space is constant along every orbit, decided exactly."""
+    def is_constant(self, function: str | Expr) -> bool:
+        """Whether a function on phase space is found constant along every orbit.
+
+        Exact for polynomials and rational functions; for others SymPy has to simplify the derivative to zero, so True
+        is a proof and False may mean that it did not succeed.
+        """
         from liepoisson.exact.parameters import is_zero
 
         return is_zero(self.derivative(function))
@@ -304,14 +315,14 @@ class System:
     def _read(self, given: str | Expr) -> Expr:
         """A function on phase space with parameters as symbols: text is read in our grammar."""
         if not isinstance(given, str):
-            return given
+            return self.bracket.in_own_variables(with_exact_numbers(given))
         from liepoisson.exact.expression import read_expression
         from liepoisson.exact.formula.scope import Scope
 
         return read_expression(given, Scope.of_bracket(self.symbolic_bracket, self.values, self._given_symbols))
 
     def _function(self, given: str | Expr) -> Expr:
-        return self._with_parameters(with_exact_numbers(self._read(given)))
+        return self._with_parameters(self._read(given))
 
     def _with_parameters(self, expression: Expr) -> Expr:
         """The expression with the parameters inserted, by name: a symbol may have been made with assumptions."""

@@ -34,25 +34,14 @@ from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.expression import read_formula
-from liepoisson.exact.formula.constructors import read_algebra, read_extension
 from liepoisson.exact.formula.scope import Scope
-from liepoisson.exact.formula.toml_text import parse_toml, read_toml
+from liepoisson.exact.formula.toml_text import TomlText, parse_toml, read_toml
 from liepoisson.exact.hamiltonian import Value
 from liepoisson.exact.parameters import Exact
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.system import System
-
-__all__ = [
-    "Integral",
-    "Reference",
-    "SystemFile",
-    "load_system_file",
-    "read_algebra",
-    "read_extension",
-    "read_system_file",
-]
 
 
 @dataclass(frozen=True)
@@ -112,6 +101,7 @@ class SystemFile:
         source: Where the system is described, or None.
         description: What it is, or None.
         path: The file, as messages call it.
+        toml: Its text, in which messages find the line of a key; None if there is no such text.
     """
 
     name: str
@@ -124,30 +114,41 @@ class SystemFile:
     source: str | None = None
     description: str | None = None
     path: str = "system file"
+    toml: TomlText | None = field(default=None, repr=False, compare=False)
 
     @cached_property
     def scope(self) -> Scope:
         """The names that the formulas of the file may use."""
         return Scope.of_bracket(self.bracket, cast("Mapping[str, Any]", self.parameters), self.symbols)
 
+    @property
+    def formulas(self) -> dict[tuple[str, ...], str]:
+        """The formulas of the Hamiltonian, the integrals and their conditions, by the keys where they stand."""
+        found: dict[tuple[str, ...], str] = {("hamiltonian", "expression"): self.hamiltonian}
+        for name, integral in self.integrals.items():
+            found["integrals", name] = integral.expression
+            if integral.vanishing is not None:
+                found["integrals", name, "on"] = integral.vanishing
+        return found
+
+    def error(self, keys: tuple[str, ...], message: str) -> SystemFileError:
+        """An error about the value of a key, with its line where the text is known; to be raised."""
+        return (self.toml or TomlText(self.path, "", {})).error(keys, message)
+
     def system(self) -> System:
         """The system, ready to be inspected or integrated.
 
         Raises:
             SystemFileError: a formula has no meaning (shapes that do not fit, a function that is not smooth, ...), or a
-                parameter drops out of the bracket and the Hamiltonian.
+                parameter drops out of the bracket and the Hamiltonian.  The message names the key and the line.
         """
         from liepoisson.exact.system import System
 
-        formulas = {"[hamiltonian]": self.hamiltonian}
-        for name, integral in self.integrals.items():
-            formulas |= {f"[integrals] {name}": integral.expression}
-            formulas |= {f"[integrals] {name}, on": integral.vanishing} if integral.vanishing else {}
-        for place, text in formulas.items():
+        for keys, text in self.formulas.items():
             try:
                 read_formula(text, self.scope)
             except ExpressionError as error:
-                raise SystemFileError(f"{self.path}: {place}: {error}") from error
+                raise self.error(keys, error.within_formula()) from error
         integrals = {name: item for name, item in self.integrals.items() if item.vanishing is None}
         partial = {k: (i.expression, i.vanishing) for k, i in self.integrals.items() if i.vanishing is not None}
         try:

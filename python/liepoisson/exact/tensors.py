@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from itertools import product
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TypeAlias, cast
 
 from liepoisson.errors import BracketError, ShapeError
 from liepoisson.exact.parameters import (
@@ -15,12 +15,8 @@ from liepoisson.exact.parameters import (
     is_zero,
     listed,
     read_parameter,
-    symbols_of,
     to_sympy,
 )
-
-if TYPE_CHECKING:
-    from sympy import Expr
 
 Tensor3: TypeAlias = tuple[tuple[tuple[Exact, ...], ...], ...]
 """A dense cubic tensor."""
@@ -68,19 +64,6 @@ def read_names(names: Sequence[str] | None, name: str, default: tuple[str, ...])
     if given is None or isinstance(names, str) or not all(isinstance(item, str) for item in given):
         raise ShapeError(f"{name} must be a sequence of names; got {names!r}. Write for example {name}={default!r}.")
     return tuple(str(item) for item in given)
-
-
-def tensor_symbols(tensor: Tensor3) -> set[str]:
-    """Names of the free symbols in the entries."""
-    return {name for plane in tensor for row in plane for value in row for name in symbols_of(value)}
-
-
-def substitute_in_tensor(tensor: Tensor3, values: Mapping[str, Exact]) -> list[list[list[Expr]]]:
-    """The tensor with values for some symbols, as SymPy expressions."""
-    from sympy import Symbol
-
-    pairs = [(Symbol(name), to_sympy(value)) for name, value in values.items()]
-    return [[[to_sympy(value).subs(pairs) for value in row] for row in plane] for plane in tensor]
 
 
 def read_components(values: object, name: str, n: int) -> list[Exact]:

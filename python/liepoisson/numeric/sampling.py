@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.errors import UnknownNameError
+from liepoisson.errors import ParameterError, UnknownNameError
 from liepoisson.numeric._checks import MOST, HasField, as_count, as_field, shown
 
 BLOCK = 256
@@ -112,8 +112,16 @@ def _draw(
 ) -> NDArray[np.float64]:
     n = as_count(n, "n")
     seed, first = as_seed(seed), as_first(first, n)
-    blocks = range(first // BLOCK, -(-(first + n) // BLOCK))
-    streams = (np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(purpose, block))) for block in blocks)
-    rows = [draw(stream, n_components, length) for stream in streams]
-    start = first - blocks.start * BLOCK
-    return np.concatenate([np.empty((0, n_components)), *rows])[start : start + n]
+    try:
+        result = np.empty((n, n_components))
+    except (MemoryError, ValueError):  # numpy refuses sizes beyond the address space as a ValueError
+        raise ParameterError(
+            f"n: wanted a number of states that fits into memory; got {n}, {8 * n * n_components / 2**30:.3g} GiB; "
+            "draw them in pieces with first="
+        ) from None
+    for block in range(first // BLOCK, -(-(first + n) // BLOCK)):
+        stream = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(purpose, block)))
+        start = block * BLOCK - first
+        kept = slice(max(start, 0), min(start + BLOCK, n))
+        result[kept] = draw(stream, n_components, length)[kept.start - start : kept.stop - start]
+    return result

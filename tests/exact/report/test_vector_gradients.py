@@ -89,9 +89,7 @@ def test_gradients_are_derivatives(f, g, s, t, field):
     x = BRACKET.fields[field]
     values = {symbol: sp.Rational(k + 2, k + 3) for k, symbol in enumerate(sorted(hamiltonian.free_symbols, key=str))}
     names = {**NOTATION.vectors(hamiltonian), "S": S}
-    meanings = NOTATION.meaning(
-        type(formula)(formula.expression, {k: a for k, a in formula.atoms.items() if not is_vector(a)}), hamiltonian
-    )
+    meanings = {k: NOTATION.meaning(a, hamiltonian) for k, a in formula.atoms.items() if not is_vector(a)}
     for i in range(3):
         here = {symbol: component(atom, i, names) for symbol, atom in formula.atoms.items() if is_vector(atom)}
         total = formula.expression.subs({**meanings, **here}).subs(values)

@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 from liepoisson.exact.extensions import leibniz, semidirect
 from liepoisson.exact.lie_algebras import abelian, heisenberg, se, sl, so, su
+from liepoisson.exact.report.styles import PLAIN
 from liepoisson.exact.report.vector_notation import VectorNotation, _Recognition, invariant_metric
 
 BRACKET = so(3) @ leibniz(3, "epsilon")
@@ -135,6 +136,26 @@ def test_the_metric_of_so21_makes_the_scalar_product():
     assert plain(u[0] * v[0] + u[1] * v[1] - u[2] * v[2], notation) == "l.alpha"
     assert plain(u.dot(v), notation) == "l1*alpha1 + l2*alpha2 + l3*alpha3"
     assert plain(-(v[0] ** 2) - v[1] ** 2 + v[2] ** 2, notation) == "-|alpha|^2"
+
+
+def test_one_dot_has_one_meaning():
+    """With the scalar product of so(2,1), a parameter's pairing with a field stays in components, and u.v is defined."""
+    bracket = so(2, 1) @ semidirect(2)
+    notation = VectorNotation(bracket)
+    u, v = bracket.fields.values()
+    assert plain(a.dot(v), notation) == "a1*alpha1 + a2*alpha2 + a3*alpha3"
+    weighted = sum(a[i] * u[i] / inertia[i] for i in range(3))
+    assert "." not in plain(weighted, notation)
+    product, square = u[0] * v[0] + u[1] * v[1] - u[2] * v[2], u[0] ** 2 + u[1] ** 2 - u[2] ** 2
+    meaning = "u.v = u1*v1 + u2*v2 - u3*v3"
+
+    def defined(*expressions, by=notation):
+        return [d.write(PLAIN) for d in by.definitions(by.formula(sp.sympify(e)) for e in expressions)]
+
+    assert defined(product) == [meaning]
+    assert defined(product, square) == defined(square) == [meaning, "|u|^2 = u.u"]
+    assert defined(a.dot(v), u[0] ** 2) == []
+    assert defined(l.dot(alpha), alpha.dot(alpha), by=NOTATION) == []
 
 
 def test_six_components_have_a_length_too():

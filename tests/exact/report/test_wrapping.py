@@ -30,7 +30,7 @@ def test_parentheses_are_broken_only_if_they_must_and_between_components_first()
     assert rows(square, 20) == ["(x1 + x2)^2", "    + (x3 + x4)^2"]
     column = Column((Formula(x[0] + x[1]), Formula(x[2] + x[3]), Formula(x[4])))
     assert rows(column, 20) == ["(x1 + x2, x3 + x4,", "    x5)"]
-    assert rows(column, 9) == ["(x1", "    + x2,", "    x3", "    + x4,", "    x5)"]
+    assert rows(column, 9) == ["(x1 + x2,", "    x3", "    + x4,", "    x5)"]
 
 
 def test_words_are_wrapped_without_an_indent():

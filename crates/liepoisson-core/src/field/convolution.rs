@@ -70,6 +70,8 @@ pub(super) struct Tile {
     shape: usize,
     columns: [usize; MOST_COLUMNS],
     rows: [usize; MOST_ROWS],
+    /// All indices are below this.
+    n_components: usize,
 }
 
 impl Tile {
@@ -82,7 +84,7 @@ impl Tile {
         let shape =
             SHAPES.iter().position(|&shape| shape == wanted).expect("a tile has one of the shapes with a kernel");
         assert!(columns.iter().chain(rows).all(|&i| i < n_components), "a tile multiplies components");
-        let mut tile = Tile { shape, columns: [0; MOST_COLUMNS], rows: [0; MOST_ROWS] };
+        let mut tile = Tile { shape, columns: [0; MOST_COLUMNS], rows: [0; MOST_ROWS], n_components };
         tile.columns[..columns.len()].copy_from_slice(columns);
         tile.rows[..rows.len()].copy_from_slice(rows);
         tile
@@ -186,10 +188,10 @@ impl<'r, V: Lane> Series<'r, V> {
         Series { known, row, group, k }
     }
 
-    /// Two readers of group number `group`, from order 0 upwards and from order `k` downwards.
+    /// Two readers of group number `group`, from order 0 upwards and from order `k` downwards, for the indices of `tile`.
     #[inline(always)]
-    fn readers(&self, group: usize) -> (Reader<V>, Reader<V>) {
-        assert!((group + 1) * self.group <= self.row);
+    fn readers(&self, group: usize, tile: &Tile) -> (Reader<V>, Reader<V>) {
+        assert!((group + 1) * self.group <= self.row && tile.n_components <= self.group);
         let first = self.known[group * self.group..].as_ptr();
         let last = self.known[self.k * self.row + group * self.group..].as_ptr();
         (Reader(first), Reader(last))
@@ -199,7 +201,7 @@ impl<'r, V: Lane> Series<'r, V> {
     #[inline(always)]
     pub fn of_state<const Q: usize, const S: usize, const A: usize>(&self, tile: &Tile) -> Sums<V, Q, S, A> {
         let mut sums = Sums::zero();
-        let (mut x, mut y) = self.readers(0);
+        let (mut x, mut y) = self.readers(0, tile);
         let (rows, columns) = (tile.rows, tile.first_columns());
         for _ in 0..self.k + 1 {
             // SAFETY: see `Reader`.
@@ -223,7 +225,7 @@ impl<'r, V: Lane> Series<'r, V> {
         t: usize,
     ) -> Sums<V, Q, S, A> {
         let mut sums = Sums::zero();
-        let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0), self.readers(t));
+        let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0, tile), self.readers(t, tile));
         let (rows, columns) = (tile.rows, tile.first_columns());
         for _ in 0..self.k + 1 {
             // SAFETY: see `Reader`.
@@ -247,7 +249,7 @@ impl<'r, V: Lane> Series<'r, V> {
     #[inline(always)]
     pub fn of_both<const Q: usize, const S: usize, const A: usize>(&self, tile: &Tile) -> [Sums<V, Q, S, A>; 2] {
         let (mut sums, mut d_sums) = (Sums::zero(), Sums::zero());
-        let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0), self.readers(1));
+        let ((mut x, mut y), (mut dx, mut dy)) = (self.readers(0, tile), self.readers(1, tile));
         let (rows, columns) = (tile.rows, tile.first_columns());
         for _ in 0..self.k + 1 {
             // SAFETY: see `Reader`.
@@ -278,16 +280,20 @@ struct Reader<V>(*const V);
 
 impl<V: Lane> Reader<V> {
     #[inline(always)]
+    /// # Safety
+    /// `i` is an index of the tile that the reader was made for, and the reader is at an order of the series.
     unsafe fn at(&self, i: usize) -> V {
-        // SAFETY: as above.
+        // SAFETY: so the caller says.
         unsafe { *self.0.add(i) }
     }
 
+    /// # Safety
+    /// As for [`Reader::at`], for each of the indices.
     #[inline(always)]
     unsafe fn columns<const Q: usize>(&self, columns: &[usize; Q]) -> [V; Q] {
         let mut values = [V::splat(0.0); Q];
         for q in 0..Q {
-            // SAFETY: as above.
+            // SAFETY: so the caller says.
             values[q] = unsafe { self.at(columns[q]) };
         }
         values

@@ -48,11 +48,11 @@ class CommutativeAlgebra:
     def multiply(self, u: Vector, v: Vector) -> Vector:
         """The product u v; of surds, too."""
         result = [u[0] - u[0]] * self.dimension
-        for (i, j), row in self._table.items():
-            weight = u[i] * v[j] if i == j else u[i] * v[j] + u[j] * v[i]
-            if weight:
-                for k, value in row:
-                    result[k] = result[k] + weight * value
+        support = [(j, b) for j, b in enumerate(v) if b]
+        for i, a in enumerate(u):
+            for j, b in support if a else ():
+                for k, value in self._table.get((i, j) if i <= j else (j, i), ()):
+                    result[k] = result[k] + a * b * value
         return tuple(result)
 
     def span_of_products(self, left: Sequence[Vector], right: Sequence[Vector]) -> list[Vector]:
@@ -125,10 +125,13 @@ class CommutativeAlgebra:
     def powers_of(self, ideal: Sequence[Vector]) -> list[list[Vector]]:
         """Bases of m, m^2, ... up to the last that is not zero; m must be nilpotent."""
         powers: list[list[Vector]] = []
-        current = list(ideal)
+        current, factors = list(ideal), list(ideal)
         while current:
             powers.append(current)
-            current = self.span_of_products(current, ideal)
+            if len(powers) == 2:
+                # Generators suffice from here on: m^k m = m^k G + m^k m^2, and the latter is in (m^k m) m.
+                factors = self.complement(current, ideal)
+            current = self.span_of_products(current, factors)
         return powers
 
     @cached_property

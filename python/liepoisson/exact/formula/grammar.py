@@ -29,25 +29,11 @@ _TOKEN = re.compile(
     r"[ \t\r\n]+|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
     r"|(?P<name>[A-Za-z_][A-Za-z_0-9]*)|(?P<sign>\*\*|[-+*/^()\[\],])"
 )
-_GREEK = (
-    *(
-        "alpha",
-        "beta",
-        "gamma",
-        "delta",
-        "epsilon",
-        "zeta",
-        "eta",
-        "theta",
-        "iota",
-        "kappa",
-        "lambda",
-        "mu",
-        "nu",
-        "xi",
-    ),
-    *("omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega"),
-)
+# In the order of their code points; sigma stands twice for its final form.
+GREEK = (
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
+    "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
+)  # fmt: skip
 # What people write instead of our signs, and what to write.
 _INSTEAD = {
     ".": "A dot is no operator here: a component is l[1], a scalar product dot(u, v).",
@@ -198,8 +184,8 @@ def _unknown_character(text: str, position: int) -> ExpressionError:
     character = text[position]
     hint = _INSTEAD.get(character, "Use numbers, names, + - * / ^, brackets and functions.")
     for first in "αΑ":
-        if 0 <= (index := ord(character) - ord(first)) < len(_GREEK):
-            name = _GREEK[index] if first == "α" else _GREEK[index].capitalize()
+        if 0 <= (index := ord(character) - ord(first)) < len(GREEK):
+            name = GREEK[index] if first == "α" else GREEK[index].capitalize()
             hint = f"Names are written in ASCII: {name}."
     return ExpressionError(f"{character!r} has no meaning here. {hint.removesuffix('.')}", text, position)
 

@@ -71,8 +71,7 @@ class Scope:
         Raises:
             ParameterError: as for a scope.
         """
-        names: Sequence[str] = getattr(bracket, "field_names", bracket.extension.field_names)
-        fields = dict.fromkeys(names, bracket.algebra.basis_names)
+        fields = dict.fromkeys(bracket.field_names, bracket.algebra.basis_names)
         known = cls(fields, parameters or {}, symbols)
         missing = sorted(bracket.symbols - set(known.shapes) - set(known.components))
         return cls(fields, parameters or {}, (*symbols, *missing)) if missing else known

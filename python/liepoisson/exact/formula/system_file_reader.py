@@ -10,12 +10,13 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from liepoisson.errors import LiePoissonError, SystemFileError
-from liepoisson.exact.expression import check_names, evaluate, parse
+from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError
+from liepoisson.exact.expression import check_names, evaluate
 from liepoisson.exact.formula.constructors import read_algebra, read_extension
+from liepoisson.exact.formula.grammar import MAX_DIGITS, parse
 from liepoisson.exact.formula.scope import Scope, read_declaration
 from liepoisson.exact.formula.toml_text import TomlText, UnreadableNumber
-from liepoisson.exact.hamiltonian import Value
+from liepoisson.exact.hamiltonian import RESERVED_NAME, Value
 from liepoisson.exact.parameters import Exact
 from liepoisson.exact.system_file import Integral, Reference, SystemFile
 
@@ -27,7 +28,6 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _MAX_LIST = 100_000
-_MAX_DIGITS = 200
 _KEYS: dict[str, tuple[str, ...]] = {
     "": ("name", "source", "description", "symbols", "bracket", "parameters", "hamiltonian", "integrals", "reference"),
     "bracket": ("algebra", "structure_constants", "matrices", "basis_names", "extension", "W", "variables"),
@@ -72,6 +72,7 @@ class _Reader:
             source=self.optional_text(("source",), tables),
             description=self.optional_text(("description",), tables),
             path=self.toml.path,
+            toml=self.toml,
         )
         self.check_formulas(file)
         return file
@@ -132,6 +133,9 @@ class _Reader:
         found: dict[str, Integral] = {}
         for name, given in table.items():
             keys = ("integrals", name)
+            if RESERVED_NAME.fullmatch(name):
+                message = f"an integral must not be named H, C1, C2, ...; got {name}. Choose another name."
+                raise self.toml.error(keys, message)
             if isinstance(given, str):
                 found[name] = Integral(self.text(keys, given))
                 continue
@@ -200,15 +204,12 @@ class _Reader:
         return tuple(found)
 
     def check_formulas(self, file: SystemFile) -> None:
-        """Refuse unknown names, and parameters that are never used; the shapes are checked when the system is made."""
+        """Refuse unknown names and unused parameters; what needs SymPy is checked when the system is made."""
         scope = self.guarded(("parameters",), lambda: file.scope)
         used = {scope.owner(name) for name in file.bracket.symbols}
-        keys = ("hamiltonian", "expression")
-        used |= self.guarded(keys, lambda: check_names(parse(file.hamiltonian), file.hamiltonian, scope))
-        for name, integral in file.integrals.items():
-            for text in (integral.expression, integral.vanishing):
-                if text is not None:
-                    self.guarded(("integrals", name), lambda text=text: check_names(parse(text), text, scope))
+        for keys, text in file.formulas.items():
+            names = self.guarded(keys, lambda text=text: check_names(parse(text), text, scope))
+            used |= names if keys[0] == "hamiltonian" else set()
         for name in (*file.parameters, *(read_declaration(text)[0] for text in file.symbols)):
             if name not in used:
                 place = ("parameters", name) if name in file.parameters else ("parameters", "symbols")
@@ -247,8 +248,8 @@ class _Reader:
             return given
         if isinstance(given, bool) or not isinstance(given, int):
             raise self.toml.error(keys, f'wanted a number such as 2, 0.5 or "1/3"; got {_shown(given)}. Correct it.')
-        if abs(given) >= 10**_MAX_DIGITS:
-            raise self.toml.error(keys, f"wanted a number of at most {_MAX_DIGITS} digits; got a longer one. Rescale.")
+        if abs(given) >= 10**MAX_DIGITS:
+            raise self.toml.error(keys, f"wanted a number of at most {MAX_DIGITS} digits; got a longer one. Rescale.")
         return Fraction(given)
 
     def text(self, keys: tuple[str | int, ...], given: object) -> str:
@@ -293,6 +294,8 @@ class _Reader:
             return read()
         except SystemFileError:
             raise
+        except ExpressionError as error:
+            raise self.toml.error(keys, error.within_formula()) from error
         except LiePoissonError as error:
             raise self.toml.error(keys, str(error)) from error
 

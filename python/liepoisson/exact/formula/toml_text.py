@@ -54,16 +54,24 @@ class TomlText:
         names = [key for key in keys if isinstance(key, str)]
         start, found = 0, None
         if len(names) > 1 or (names and isinstance(self.tables.get(names[0]), (dict, list))):
-            count = next((key for key in keys if isinstance(key, int)), 0)
-            header = re.compile(rf"\s*\[\[?\s*[\"']?{re.escape(names[0])}[\"']?\s*\]")
-            headers = [number for number, line in enumerate(lines) if header.match(line)]
-            if headers:
-                start = found = headers[min(count, len(headers) - 1)]
-                names = names[1:]
+            count = next((key for key in keys if isinstance(key, int)), None)
+            for depth in range(len(names) if count is None else 1, 0, -1):  # [integrals.K] before [integrals]
+                headers = _headers(lines, names[:depth])
+                if headers:
+                    start = found = headers[min(count or 0, len(headers) - 1)]
+                    names = names[depth:]
+                    break
         for name in names[:1]:
             key = re.compile(rf"\s*[\"']?{re.escape(name)}[\"']?\s*[=.]")
             found = next((number for number in range(start, len(lines)) if key.match(lines[number])), found)
         return None if found is None else found + 1
+
+
+def _headers(lines: Sequence[str], names: Sequence[str]) -> list[int]:
+    """The lines that begin a table of this name, or an entry of an array of tables."""
+    name = r"\s*\.\s*".join(rf"[\"']?{re.escape(name)}[\"']?" for name in names)
+    header = re.compile(rf"\s*\[\[?\s*{name}\s*\]")
+    return [number for number, line in enumerate(lines) if header.match(line)]
 
 
 def read_toml(path: str | Path) -> TomlText:

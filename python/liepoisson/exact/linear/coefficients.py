@@ -167,5 +167,5 @@ def _domain(expressions: list[Any]) -> tuple[Any, list[Element]]:
     functions: Any = QQ.algebraic_field(*roots).frac_field(*symbols)
     try:
         return functions, [functions.from_sympy(expression) for expression in expressions]
-    except CoercionFailed:
+    except (CoercionFailed, ValueError):  # one of both, after the kind of expression that does not fit
         return constructed

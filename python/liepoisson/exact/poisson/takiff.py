@@ -64,13 +64,30 @@ def lifted(casimir: Polynomial, dimension: int, n: int, strength: Any, field: Co
 
 
 def primitive(polynomial: Polynomial, field: Coefficients) -> Polynomial:
-    """The polynomial without the rational content of its coefficients, most of which become positive.
+    """The polynomial without the content of its coefficients, most of which become positive.
 
-    It is returned as it is if there are other numbers than rational ones among the coefficients.
+    Functions of parameters are divided by their greatest common divisor, so that they have no denominators and, for one
+    parameter, no common zero: the polynomial neither has a pole nor vanishes at any value.  Beyond this a polynomial is
+    returned as it is if there are other numbers than rational ones among the coefficients.
     """
+    if field.parameters:
+        polynomial = _without_denominators(polynomial, field)
     numbers: list[Any] = [field.to_sympy(c).as_coeff_Mul()[0] for c in polynomial.values()]
     if not numbers or not all(number.is_Rational for number in numbers):
         return polynomial
     content = Fraction(gcd(*(int(q.p) for q in numbers)), lcm(*(int(q.q) for q in numbers)))
     sign = -1 if sum(1 if number > 0 else -1 for number in numbers) < 0 else 1
     return {monomial: c / field.number(sign * content) for monomial, c in polynomial.items()}
+
+
+def _without_denominators(polynomial: Polynomial, field: Coefficients) -> Polynomial:
+    """A multiple whose coefficients are polynomials in the parameters without a common factor."""
+    functions: Any = field.domain.field
+    denominator: Any = functions.ring.one
+    for c in polynomial.values():
+        denominator = denominator.lcm(c.denom)
+    numerators = {monomial: c.numer * denominator.exquo(c.denom) for monomial, c in polynomial.items()}
+    common: Any = functions.ring.zero
+    for numerator in numerators.values():
+        common = common.gcd(numerator)
+    return {monomial: functions.new(numerator, common) for monomial, numerator in numerators.items()}

@@ -22,6 +22,8 @@ from liepoisson.exact.report.lines import (
     Shortened,
     Statement,
     Unequal,
+    Written,
+    definition_lines,
     joined,
     record_of,
     record_of_formula,
@@ -29,7 +31,7 @@ from liepoisson.exact.report.lines import (
 from liepoisson.exact.report.vector_notation import VectorNotation
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Sequence
 
     from sympy import Expr
 
@@ -155,8 +157,10 @@ class ExtensionFacts(Topic):
             line = (*line, " for ", *joined(Unequal(Formula(condition)) for condition in here.conditions))
         if here.adjoined:
             line = (*line, f", by a change of basis over {here.field_extension}")
-        for name, value, other in here.exceptional:
-            line = (*line, "; ", Equation(Name(name), Formula(to_sympy(value))), ": ", Ring(other.name))
+        for values, other in here.exceptional_cases:
+            pieces: list[Written] = [_equality(names, value) for names, value in values]
+            pieces += [Unequal(Formula(condition)) for condition in other.conditions]
+            line = (*line, "; ", *joined(pieces), ": ", Ring(other.name))
         return line
 
     def record(self) -> dict[str, Any]:
@@ -217,10 +221,17 @@ class CasimirFacts(Topic):
         found = enumerate(self.report.generators, start=1)
         return [(f"C{k}", self.notation.formula(expression), expression) for k, expression in found]
 
+    @cached_property
+    def definitions(self) -> list[Equation]:
+        """What the scalar products in the formulas are where they are not the usual ones."""
+        special = [self.notation.formula(e) for case in self.report.exceptional for e in case.generators]
+        return self.notation.definitions([*(formula for _, formula, _ in self.formulas), *special])
+
     def lines(self) -> list[Line]:
         report = self.report
         found: list[Line] = [(Equation(Name(name), formula),) for name, formula, _ in self.formulas]
-        if found:
+        found += definition_lines(self.definitions)
+        if self.formulas:
             verified = "proved: J grad C = 0 for each" if report.verified else "NOT verified: J grad C is not zero"
             found.append((f"{verified} ({report.method})",))
         found.append((self._completeness(),))
@@ -236,6 +247,8 @@ class CasimirFacts(Topic):
 
     def _completeness(self) -> str:
         report = self.report
+        if report.complete and not report.independent:
+            return "none: J has full rank at generic points"
         if report.complete:
             return f"complete: {report.independent} independent, as many as the corank of J allows"
         return f"perhaps not all: {report.independent} independent, of at most {report.corank}; {report.limits}"
@@ -244,6 +257,7 @@ class CasimirFacts(Topic):
         report = self.report
         return {
             "generators": [{"name": n, **record_of_formula(f, e)} for n, f, e in self.formulas],
+            "definitions": [record_of(definition) for definition in self.definitions],
             "verified": report.verified,
             "complete": report.complete,
             "independent": report.independent,
@@ -268,6 +282,14 @@ def _signature(algebra: LieAlgebra) -> tuple[int, int, int] | None:
         return algebra.killing_signature()
     except ParameterError:
         return None
+
+
+def _equality(names: Sequence[str], value: Expr) -> Written:
+    """One or more symbols with one value: s = t = 0."""
+    right: Written = Formula(value)
+    for name in reversed(names):
+        right = Equation(Name(name), right)
+    return right
 
 
 class _Product:

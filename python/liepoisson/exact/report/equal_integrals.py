@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from itertools import combinations_with_replacement
-from typing import TYPE_CHECKING, Any, cast
+from math import prod
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
 
-_HIGHEST_DEGREE = 6
+_HIGHEST_DEGREE = 4  # with products of six, nine coordinates have thousands of monomials
 
 
 def same_integral(known: Expr, given: Expr, system: System) -> bool:
@@ -21,7 +22,7 @@ def same_integral(known: Expr, given: Expr, system: System) -> bool:
 
     Decided exactly for polynomials, F being of at most their degree.  Other functions are the same only if equal.
     """
-    from sympy import Integer, Mul, Poly, PolynomialError, total_degree
+    from sympy import Integer, Poly, PolynomialError, total_degree
 
     if (known - given).expand() == 0:
         return True
@@ -29,12 +30,12 @@ def same_integral(known: Expr, given: Expr, system: System) -> bool:
     invariants: list[Any] = [system.hamiltonian, *system.bracket.casimirs()]
     if any(value == 0 or not value.is_polynomial(*x) for value in (known, given, *invariants)):
         return False
-    degree = max(total_degree(value, *x) for value in (known, given))
+    degree = max(int(total_degree(value, *x)) for value in (known, given))
     if degree > _HIGHEST_DEGREE:
         return False
     one: Any = Integer(1)
     factors: list[Any] = [one, *(v for v in invariants if total_degree(v, *x) <= degree)]
-    products: set[Any] = {Mul(*cast("Any", chosen)) for chosen in combinations_with_replacement(factors, degree)}
+    products: set[Any] = {prod(chosen) for chosen in combinations_with_replacement(factors, degree)}
     fitting = [p for p in products if total_degree(p, *x) <= degree]
     try:
         rows = [dict(Poly(value, *x).terms()) for value in (known, given, *fitting)]

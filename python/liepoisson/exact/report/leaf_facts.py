@@ -15,6 +15,7 @@ from liepoisson.exact.report.lines import (
     Shortened,
     Statement,
     Written,
+    definition_lines,
     joined,
     record_of_formula,
 )
@@ -84,11 +85,13 @@ class StrataFacts(Topic):
         self.named = {e: name for name, _, e in casimirs.formulas if len(Add.make_args(e)) > MOST_TERMS}
         self.strata = bracket.strata() if bracket.dimension <= _MOST_COORDINATES else None
         self.notation = notation
+        formulas = [notation.formula(e) for stratum in self.strata or () for e in stratum.casimirs]
+        self.definitions = [] if casimirs.definitions else notation.definitions(formulas)
 
     def lines(self) -> list[Line]:
         if self.strata is None:
             return [(f"not examined for more than {_MOST_COORDINATES} coordinates",)]
-        found = [self._line(stratum) for stratum in self.strata]
+        found = [self._line(stratum) for stratum in self.strata] + definition_lines(self.definitions)
         if not all(stratum.proved for stratum in self.strata):
             found.append(("sets of lower rank that are not listed may exist",))
         if self.bracket.symbols:
@@ -146,7 +149,7 @@ class SymmetryFacts(Topic):
             for found, keeps in self.derivations
         ]
         lines += [(Statement.about(str(found), self.bracket),) for found in self.scalings]
-        return lines or [("none but those of the group of the Lie algebra",)]
+        return lines or [("no one-parameter family that acts on the fields alone",)]
 
     def record(self) -> list[dict[str, Any]]:
         found = [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
@@ -212,6 +212,11 @@ def joined(pieces: Iterable[Written], separator: str = ", ") -> list[Piece]:
     for piece in pieces:
         row += [separator, piece] if row else [piece]
     return row
+
+
+def definition_lines(definitions: Sequence[Written]) -> list[Line]:
+    """What signs in the formulas above mean, on one line, or nothing."""
+    return [("with ", *joined(definitions))] if definitions else []
 
 
 def record_of(piece: Written) -> dict[str, str]:

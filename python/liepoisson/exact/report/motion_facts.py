@@ -10,11 +10,12 @@ from fractions import Fraction
 from itertools import product
 from typing import TYPE_CHECKING, Any, final
 
-from liepoisson.errors import UnsupportedFieldError
+from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.hamiltonian import Value, flattened
 from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 from liepoisson.exact.printing import Form, Formula, Image
 from liepoisson.exact.report.bracket_facts import Topic
+from liepoisson.exact.report.counterexamples import is_nonzero_on, is_nonzero_somewhere
 from liepoisson.exact.report.equal_integrals import same_integral
 from liepoisson.exact.report.lines import (
     Column,
@@ -24,6 +25,7 @@ from liepoisson.exact.report.lines import (
     Rate,
     VectorName,
     Written,
+    definition_lines,
     record_of,
     record_of_formula,
 )
@@ -118,6 +120,7 @@ class HamiltonianFacts(Topic):
             self.formula = (notation if same else VectorNotation(named.bracket)).formula(named.hamiltonian)
         else:  # the equations are those of a top, but H contains Casimirs besides
             self.formula = notation.formula(system.hamiltonian)
+        self.definitions = notation.definitions([self.formula])
         self.symbols = sorted({*system.bracket.symbols, *_names(self.expression)} - {*map(str, system.variables)})
         self.matrices = {atom.matrix for atom in self.formula.atoms.values() if isinstance(atom, (Form, Image))}
 
@@ -129,7 +132,7 @@ class HamiltonianFacts(Topic):
         return is_zero(inserted - self.expression)
 
     def lines(self) -> list[Line]:
-        found: list[Line] = [(Equation(Name("H"), self.formula),)]
+        found: list[Line] = [(Equation(Name("H"), self.formula),), *definition_lines(self.definitions)]
         found += [(Equation(Name(name), _value(value, name in self.matrices)),) for name, value in self._told()]
         if self.symbols:
             found.append((f"symbolic: {', '.join(self.symbols)}",))
@@ -142,6 +145,7 @@ class HamiltonianFacts(Topic):
     def record(self) -> dict[str, Any]:
         return {
             **record_of_formula(self.formula, self.expression),
+            "definitions": [record_of(definition) for definition in self.definitions],
             "parameters": {name: _plain_value(value) for name, value in self.values.items()},
             "symbols": self.symbols,
         }
@@ -195,14 +199,16 @@ class EquationFacts(Topic):
 
 @dataclass(frozen=True)
 class Integral:
-    """A function and whether it was proved to be constant, just now.
+    """A function and whether it was proved or refuted to be constant, just now.
 
     Attributes:
         name: How it is called.
         formula: The function.
         expression: The same in components.
-        derivative: What {K, H} is if it does not vanish.
+        derivative: What {K, H} is if it was not proved to vanish; the same of `on`, where this is what is left to prove.
         on: The function that vanishes on the invariant set to which the claim is confined.
+        refuted: Whether a point was found at which the derivative is not zero.
+        about: Whose derivative it is: the name, or `on`.
     """
 
     name: str
@@ -210,6 +216,13 @@ class Integral:
     expression: Expr
     derivative: Formula | None
     on: Formula | None = None
+    refuted: bool = False
+    about: Written | None = None
+
+    @property
+    def formulas(self) -> list[Formula]:
+        """All formulas that are told about it."""
+        return [formula for formula in (self.formula, self.derivative, self.on) if formula is not None]
 
     @property
     def proved(self) -> bool:
@@ -230,27 +243,33 @@ class IntegralFacts(Topic):
         claims = {} if top is None else known_integrals(top, *system.bracket.fields.values())
         given = system.integrals
         again = [name for name, known in claims.items() if any(same_integral(known, k, system) for k in given.values())]
-        claims = {name: claim for name, claim in claims.items() if name not in again} | given
+        claims = {name: claim for name, claim in claims.items() if name not in again or name in given} | given
         self.integrals = [_integral(system, notation, name, claim, None) for name, claim in claims.items()]
         partial = system.partial_integrals.items()
         self.integrals += [_integral(system, notation, name, claim, zero) for name, (claim, zero) in partial]
+        self.definitions = notation.definitions(
+            [formula for integral in self.integrals for formula in integral.formulas]
+        )
 
     @property
     def failed(self) -> list[str]:
-        """Which of the claims are refuted, or could not be proved."""
-        false = [integral for integral in self.integrals if not integral.proved]
+        """Which of the claims are refuted."""
+        false = [integral for integral in self.integrals if integral.refuted]
         place = {integral.name: "" if integral.on is None else f" on {integral.on.plain} = 0" for integral in false}
         return [f"the integral {integral.name} is not constant{place[integral.name]}" for integral in false]
 
     def lines(self) -> list[Line]:
-        return [_integral_line(integral) for integral in self.integrals] or [("none besides H and the Casimirs",)]
+        found = [_integral_line(integral) for integral in self.integrals] or [("none besides H and the Casimirs",)]
+        return found + definition_lines(self.definitions)
 
     def record(self) -> list[dict[str, Any]]:
         return [
             {
                 "name": integral.name,
                 **record_of_formula(integral.formula, integral.expression),
+                "definitions": [record_of(definition) for definition in self.definitions],
                 "proved": integral.proved,
+                "refuted": integral.refuted,
                 "on": None if integral.on is None else record_of(integral.on),
                 "derivative": None if integral.derivative is None else record_of(integral.derivative),
             }
@@ -282,38 +301,64 @@ class KernelFacts(Topic):
 
 
 def _integral(system: System, notation: VectorNotation, name: str, claim: Expr, zero: Expr | None) -> Integral:
-    derivative = system.derivative(claim)
-    vanishes = is_zero(derivative) if zero is None else _vanishes_on(system, derivative, zero)
-    return Integral(
-        name,
-        notation.formula(claim),
-        claim,
-        None if vanishes else notation.formula(derivative),
-        None if zero is None else notation.formula(zero),
-    )
+    formula, derivative = notation.formula(claim), system.derivative(claim)
+    if zero is None:
+        if is_zero(derivative):
+            return Integral(name, formula, claim, None)
+        refuted = is_nonzero_somewhere(derivative, system.variables)
+        return Integral(name, formula, claim, notation.formula(derivative), None, refuted, Name(name))
+    if not zero.free_symbols & set(system.variables):
+        raise ParameterError(
+            f"the set on which {name} is constant must be given by a function of the coordinates that vanishes there; "
+            f"got {zero}. Give an integral that holds everywhere among the integrals."
+        )
+    on = notation.formula(zero)
+    rates = [(derivative, Name(name)), (system.derivative(zero), on)]
+    open_ = [(rate, about) for rate, about in rates if not _is_multiple(system, rate, zero)]
+    for rate, about in open_:
+        if is_nonzero_on(rate, zero, system.variables):
+            return Integral(name, formula, claim, notation.formula(rate), on, True, about)
+    for rate, about in open_:
+        return Integral(name, formula, claim, notation.formula(rate), on, False, about)
+    return Integral(name, formula, claim, None, on)
 
 
-def _vanishes_on(system: System, derivative: Expr, zero: Expr) -> bool:
-    """Whether {K, H} and {Z, H} are multiples of Z, so that K is constant on the invariant set Z = 0."""
+def _is_multiple(system: System, value: Expr, zero: Expr) -> bool:
+    """Whether {K, H} or {Z, H} is a multiple of Z: if both are, K is constant on the invariant set Z = 0."""
     from sympy import PolynomialError, fraction, reduced, together
 
-    for value in (derivative, system.derivative(zero)):
-        numerator = fraction(together(value))[0]
-        try:
-            if numerator != 0 and reduced(numerator, [zero], *system.variables)[1] != 0:
-                return False
-        except PolynomialError:
-            return False
-    return True
+    numerator = fraction(together(value))[0]
+    try:
+        return numerator == 0 or reduced(numerator, [zero], *system.variables)[1] == 0
+    except PolynomialError:
+        return False
 
 
 def _integral_line(integral: Integral) -> Line:
     equation = Equation(Name(integral.name), integral.formula)
-    place: Line = () if integral.on is None else (" on ", Equation(integral.on, Formula(to_sympy(Fraction(0)))))
-    if integral.derivative is None:
+    zero = Formula(to_sympy(Fraction(0)))
+    place: Line = () if integral.on is None else (" on ", Equation(integral.on, zero))
+    if integral.derivative is None or integral.about is None:
         return (equation, *place, ": constant, proved")
-    rate = Equation(Rate(Name(integral.name)), integral.derivative)
-    return (equation, *place, ": NOT constant, ", rate)
+    of_set = integral.about is integral.on
+    about = _InParentheses(integral.about) if of_set else integral.about
+    rate = Equation(Rate(about), integral.derivative)
+    if integral.refuted:
+        verdict = "this set is NOT invariant" if of_set else "NOT constant"
+    else:
+        verdict = "not proved"
+    return (equation, *place, f": {verdict}, ", rate)
+
+
+@dataclass(frozen=True)
+class _InParentheses:
+    """A formula whose derivative is meant."""
+
+    of: Written
+
+    def write(self, style: Any) -> str:
+        """The formula in parentheses."""
+        return style.parentheses(self.of.write(style))
 
 
 class _CrossProduct:
@@ -363,9 +408,20 @@ def _decimal(value: Exact) -> str | None:
     while rest % 2 == 0 or rest % 5 == 0:
         rest //= 2 if rest % 2 == 0 else 5
         places += 1
-    digits = str(abs(value.numerator) * 10**places // value.denominator).rjust(places + 1, "0")
-    text = f"{digits[:-places]}.{digits[-places:]}".rstrip("0") if places else digits
-    return ("-" if value < 0 else "") + text if rest == 1 else None
+    if rest != 1:
+        return None
+    digits = str(abs(value.numerator) * 10**places // value.denominator)
+    return ("-" if value < 0 else "") + _with_point(digits, places)
+
+
+def _with_point(digits: str, places: int) -> str:
+    """Digits with `places` of them behind the point; with a power of ten where that is shorter than many zeros."""
+    mantissa = digits.rstrip("0") or "0"
+    exponent = len(digits) - 1 - places
+    scientific = f"{mantissa[0]}{'.' if mantissa[1:] else ''}{mantissa[1:]}e{exponent}"
+    padded = digits.rjust(places + 1, "0")
+    plain = f"{padded[:-places]}.{padded[-places:]}".rstrip("0") if places else padded
+    return scientific if len(plain) > _LONG_NUMBER and len(scientific) < len(plain) else plain
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,14 @@ it is the same expression, and in components otherwise.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.exact.parameters import is_zero, to_sympy
 from liepoisson.exact.printing import Atom, Dot, Form, Formula, Shifted, Square, Triple
+from liepoisson.exact.report.lines import Equation
 from liepoisson.exact.report.styles import split_name
 
 if TYPE_CHECKING:
@@ -72,10 +73,20 @@ class VectorNotation:
             return self.components(expression)
         return Formula(rewritten, recognised.atoms, self.coordinates)
 
-    def meaning(self, formula: Formula, expression: Expr) -> dict[Any, Expr]:
-        """What the formal symbols of the formula of an expression stand for, in components."""
-        recognised = _Recognition(self, expression)
-        return {symbol: recognised.meaning(atom) for symbol, atom in formula.atoms.items()}
+    def definitions(self, formulas: Iterable[Formula]) -> list[Equation]:
+        r"""What $u\cdot v$ and $|u|^2$ are, if one of the formulas has them and they are not the usual ones."""
+        kinds = {type(atom) for formula in formulas for atom in formula.atoms.values()}
+        if self.metric is None or self.is_euclidean or not kinds & {Dot, Square}:
+            return []
+        from sympy import symbols
+
+        u, v = (symbols(f"{name}1:{self.n + 1}") for name in "uv")
+        found = [Equation(_scalar(Dot("u", "v")), Formula(_paired(u, v, self.metric)))]
+        return found + ([Equation(_scalar(Square("u")), _scalar(Dot("u", "u")))] if Square in kinds else [])
+
+    def meaning(self, atom: Atom, expression: Expr) -> Expr:
+        """What a scalar in the formula of an expression is in components."""
+        return _Recognition(self, expression).meaning(atom)
 
     def components(self, expression: Expr) -> Formula:
         """The expression as it is, in components."""
@@ -209,9 +220,15 @@ class _Recognition:
         )
 
     def _linear(self, field: int, entries: Mapping[tuple[int, ...], Expr]) -> Expr | None:
-        r"""$k\,a\cdot x$, $k\,a\cdot D^{\pm1}x$ and the rest, for parameter vectors a and diagonal matrices D."""
+        r"""$k\,a\cdot x$, $k\,a\cdot D^{\pm1}x$ and the rest, for parameter vectors a and diagonal matrices D.
+
+        A parameter vector lies in the algebra and a field in its dual.  If fields have a scalar product with signs,
+        this pairing without signs has no other sign than the same dot, and stays in components.
+        """
         from sympy import S
 
+        if self.notation.metric is not None and not self.notation.is_euclidean:
+            return None
         row: list[Any] = [entries.get((i,), S.Zero).expand() for i in range(self.notation.n)]
         total = S.Zero
         for name, vector in self._vectors.items():
@@ -327,8 +344,7 @@ class _Recognition:
             case Square(str(u)):
                 return _paired(vectors[u], vectors[u], ones)
             case Dot(str(u), str(v)):
-                # A parameter vector lies in the algebra and a field in its dual: no metric between these two.
-                both = u in self.notation.fields and v in self.notation.fields
+                both = u in self.notation.fields and v in self.notation.fields  # see _linear
                 return _paired(vectors[u], vectors[v], ones if both else (1,) * len(ones))
             case Square(Shifted(x, sign, r)):
                 moved = [c + sign * s for c, s in zip(vectors[x], vectors[r], strict=True)]
@@ -353,6 +369,14 @@ def _term(
 ) -> tuple[tuple[tuple[int, int], ...], Expr]:
     """The factors of a monomial, each (field, component) repeated by its power, and the coefficient."""
     return tuple(place for place, power in zip(places, powers, strict=True) for _ in range(power)), coefficient
+
+
+def _scalar(atom: Atom) -> Formula:
+    """A vector expression by itself."""
+    from sympy import Dummy
+
+    symbol: Any = Dummy()
+    return Formula(symbol, {symbol: atom})
 
 
 def _paired(u: Sequence[Any], v: Sequence[Any], weights: Sequence[Any]) -> Expr:

@@ -114,11 +114,6 @@ class Run:
     tolerance: float
 
     @property
-    def is_twisted(self) -> bool:
-        """Whether the cocycle is switched on."""
-        return self.epsilon != 0
-
-    @property
     def window(self) -> tuple[float, float]:
         """Window of the finite-time fit, cut at the end time."""
         return WINDOW[0], min(WINDOW[1], self.end_time)

@@ -6,7 +6,7 @@ the docstring of each check.  A check whose runs are missing returns "not run".
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import wraps
 from typing import Any
 
@@ -17,6 +17,8 @@ ENSEMBLES = ("unit-vectors", "cube", "gaussian")
 PRINTED = {"lambda": 0.122, "c1": 0.113, "c0": 0.497}
 # A measured number differs from a stated one when it lies beyond so many standard errors.
 SIGNIFICANT = 3.0
+# A fit says something about the printed exponent when this many errors of it are at most a third of the printed value.
+COARSEST_ERROR = PRINTED["lambda"] / (3 * SIGNIFICANT)
 # Chi squared with 3 degrees of freedom that is exceeded as seldom as three standard errors (probability 0.0027).
 CHI_SQUARED_3 = 14.16
 # How near the slope of t <lambda(t)> over ln t must be to one (fixed before the runs).
@@ -67,17 +69,22 @@ def chaotic(runs: Mapping[str, Any], context: Context) -> Verdict:
 
 @measured
 def exponent_value(runs: Mapping[str, Any], context: Context) -> Verdict:
-    """Whether 0.122 is reproduced: `fit.lambda` and `windows` of the twisted runs."""
+    """Whether 0.122 is reproduced: `fit.lambda` and `windows` of the twisted runs.
+
+    Runs that do not determine the exponent to a third of its value settle nothing, whether they agree or not.
+    """
     del context
     printed = PRINTED["lambda"]
     lines: list[str] = []
     agree: list[bool] = []
+    errors: list[float] = []
     scanned: list[float] = []
     data: dict[str, Any] = {"printed": printed}
     for name in _names("twisted"):
         fit = _entry(runs, name, "fit")
         value, error = _number(fit, name, "lambda")
         agree.append(abs(value - printed) <= SIGNIFICANT * error)
+        errors.append(error)
         values = [_number(window, name, "lambda")[0] for window in (fit, *_entry(runs, name, "windows"))]
         scanned += values
         lines.append(
@@ -85,6 +92,8 @@ def exponent_value(runs: Mapping[str, Any], context: Context) -> Verdict:
             f"{min(values):.4f} to {max(values):.4f} over {len(values)} windows"
         )
         data[name] = {"lambda": value, "standard_error": error, "windows": [min(values), max(values)]}
+    if too_coarse := _too_coarse(errors):
+        return _verdict("not settled", lines, too_coarse, data)
     if all(agree):
         return _verdict("holds", lines, "", data)
     inside = min(scanned) <= printed <= max(scanned)
@@ -98,11 +107,15 @@ def exponent_value(runs: Mapping[str, Any], context: Context) -> Verdict:
 
 @measured
 def printed_fit(runs: Mapping[str, Any], context: Context) -> Verdict:
-    """Whether all three printed coefficients are reproduced: `fit` and `windows` of the twisted runs."""
+    """Whether all three printed coefficients are reproduced: `fit` and `windows` of the twisted runs.
+
+    Runs that do not determine the exponent to a third of its value settle nothing: almost any curve agrees with them.
+    """
     del context
     lines: list[str] = []
     best: tuple[float, str] | None = None
     tried = 0
+    errors: list[float] = []
     data: dict[str, Any] = {"printed": PRINTED}
     for name in _names("twisted"):
         fit = _entry(runs, name, "fit")
@@ -110,6 +123,7 @@ def printed_fit(runs: Mapping[str, Any], context: Context) -> Verdict:
         shown = ", ".join(
             f"{label} = {_pm(*numbers[key])}" for key, label in zip(PRINTED, ("λ", "c₁", "c₀"), strict=True)
         )
+        errors.append(numbers["lambda"][1])
         distances = sorted(_distances(runs, name))
         tried += len(distances)
         nearest, label = distances[0]
@@ -120,6 +134,8 @@ def printed_fit(runs: Mapping[str, Any], context: Context) -> Verdict:
         best = min(best or (nearest, label), (nearest, f"{name}, {label}"))
     assert best is not None
     lines.append(f"  χ² is that of all three coefficients with their correlations; {tried} fits were tried.")
+    if too_coarse := _too_coarse(errors):
+        return _verdict("not settled", lines, too_coarse, data)
     if best[0] <= CHI_SQUARED_3:
         where = (
             f"The three coefficients agree with a fit to {best[1]} (χ² = {best[0]:.1f} for 3 degrees of freedom), the "
@@ -247,6 +263,17 @@ def _verdict(ruling: Ruling, lines: list[str], correct: str, data: dict[str, Any
     marks = {"✓": True, "✗": False}
     steps = tuple(Step("measurement", line[2:], marks.get(line[0])) for line in lines)
     return Verdict(ruling, "numerical", steps, correct, data)
+
+
+def _too_coarse(errors: Sequence[float]) -> str:
+    """Why a comparison with the printed exponent says nothing with these standard errors, or ""."""
+    too_large = [error for error in errors if not error <= COARSEST_ERROR]  # also those that are not a number
+    if not too_large:
+        return ""
+    return (
+        f"These runs are too few or too short to tell: the standard error of λ reaches {max(too_large):.2g}, and a "
+        f"comparison with {PRINTED['lambda']} needs at most {COARSEST_ERROR:.2g}."
+    )
 
 
 def _names(top: str) -> list[str]:

@@ -104,14 +104,6 @@ def poisson_map_residual(bracket: Bracket, images: Column, target: Bracket) -> A
     return D * bracket.poisson_tensor() * D.T - there
 
 
-def gradient_rank(functions: Iterable[Any], variables: Sequence[Any], point: Sequence[Any]) -> int:
-    """Rank of the differentials of the functions at an exact point: so many are independent near it."""
-    from sympy import Matrix
-
-    at = substitution(variables, point)
-    return int(Matrix([[f.diff(x).subs(at) for x in variables] for f in functions]).rank())
-
-
 def rank_at(bracket: Bracket, point: Sequence[Any]) -> int:
     """Rank of the Poisson tensor at an exact point, the dimension of the symplectic leaf through it."""
     tensor: Any = bracket.poisson_tensor()
