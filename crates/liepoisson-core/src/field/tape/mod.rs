@@ -3,8 +3,10 @@
 mod convolution;
 mod elementary;
 mod graph;
+mod joint;
 mod program;
 mod rules;
+mod sums;
 
 use super::Field;
 use crate::error::Error;

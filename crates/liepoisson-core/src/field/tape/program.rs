@@ -1,6 +1,7 @@
 //! A graph of rules laid out in memory: which series are kept, and the steps that extend them.
 
 use super::graph::{Affine, Function, Graph, Node, Rule};
+use super::joint::{Joint, JointForm};
 
 /// Where the coefficients of a node are: all orders, if sums of products read them, or the current one alone.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -219,7 +220,11 @@ pub(super) struct Program {
     pub(super) convolutions: Vec<Convolution>,
     pub(super) steps: Vec<Step>,
     pub(super) tangent_steps: Vec<TangentStep>,
-    pub(super) outputs: Vec<Form>,
+    /// The same steps, those of state and tangent vector together where there is a rule for both.
+    pub(super) joints: Vec<Joint>,
+    /// Convolutions that no joint step forms.
+    pub(super) separate: Vec<usize>,
+    pub(super) outputs: Vec<JointForm>,
     pub(super) tangent_outputs: Vec<Form>,
     /// Registers for the state, and for each tangent vector.
     pub(super) state: Size,
@@ -282,18 +287,23 @@ impl Program {
                     }
                 })
                 .collect();
-        let outputs = graph.outputs.iter().map(|output| Form::new(output, &slots)).collect();
-        let tangent_outputs = graph.outputs.iter().map(|output| Form::linear(output, &tangents)).collect();
+        let tangent_outputs: Vec<Form> = graph.outputs.iter().map(|output| Form::linear(output, &tangents)).collect();
+        let outputs = graph.outputs.iter().zip(&tangent_outputs);
+        let outputs = outputs.map(|(output, tangent)| JointForm::new(&Form::new(output, &slots), tangent)).collect();
         let mut layout = Layout {
             graph,
             slots,
             weighted,
             tangents,
             is_weighed: vec![false; n],
+            pending: vec![],
+            pending_until: 0,
             program: Program {
                 convolutions: vec![],
                 steps: vec![],
                 tangent_steps: vec![],
+                joints: vec![],
+                separate: vec![],
                 outputs,
                 tangent_outputs,
                 state,
@@ -302,7 +312,10 @@ impl Program {
             },
         };
         for (z, rule) in graph.rules.iter().enumerate() {
+            let before = [layout.program.steps.len(), layout.program.tangent_steps.len()];
+            let convolutions = layout.program.convolutions.len();
             layout.add(z, rule);
+            layout.join(z, rule, before, convolutions);
         }
         layout.program
     }
@@ -314,6 +327,9 @@ struct Layout<'g> {
     weighted: Vec<usize>,
     tangents: Vec<Slot>,
     is_weighed: Vec<bool>,
+    /// Tangent steps that wait for a later node of the state, and which one.
+    pending: Vec<usize>,
+    pending_until: Node,
     program: Program,
 }
 
@@ -398,6 +414,37 @@ impl Layout<'_> {
             Rule::Second => return,
         };
         self.push(z, step, tangent_step);
+    }
+
+    /// Lists the steps of node `z`, those from `before` on, for the joint run.
+    ///
+    /// Where the rule of a tangent part reads a node of the state that comes later, it waits for that, and so do the
+    /// tangent parts of all nodes up to there.
+    fn join(&mut self, z: Node, rule: &Rule, before: [usize; 2], convolutions: usize) {
+        if let Rule::Integral { derivative, .. } = *rule {
+            self.pending_until = self.pending_until.max(derivative);
+        }
+        let program = &mut self.program;
+        let (steps, tangents) = (before[0]..program.steps.len(), before[1]..program.tangent_steps.len());
+        let waits = self.pending_until > z || !self.pending.is_empty();
+        let last = steps.end.saturating_sub(1);
+        let both = (!waits && !steps.is_empty())
+            .then(|| Joint::of(&program.steps[last], &program.tangent_steps[tangents.clone()]));
+        if let Some(joint) = both.flatten() {
+            for step in steps.start..last {
+                program.joints.push(Joint::of_state(step, &program.steps[step]));
+            }
+            program.joints.push(joint);
+        } else {
+            for step in steps {
+                program.joints.push(Joint::of_state(step, &program.steps[step]));
+            }
+            program.separate.extend(convolutions..program.convolutions.len());
+            self.pending.extend(tangents);
+            if self.pending_until <= z {
+                program.joints.extend(self.pending.drain(..).map(Joint::Tangent));
+            }
+        }
     }
 
     fn push(&mut self, z: Node, step: Step, tangent_step: TangentStep) {

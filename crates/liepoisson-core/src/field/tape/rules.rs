@@ -2,30 +2,31 @@
 //!
 //! Sums of products run over `j = 1..k`; the ends, which need coefficients of order `k`, are added here.
 
-use super::convolution;
 use super::elementary;
 use super::graph::Function;
-use super::program::{Form, Kind, Program, Slot, Step, TangentStep};
+use super::joint::{self, Phase};
+use super::program::{Form, Program, Slot, Step, TangentStep};
+use super::sums;
 use crate::lanes::Lane;
 
 /// Where things are for one order of the series.
 pub(super) struct Frame {
     pub(super) n_orders: usize,
-    n_tangents: usize,
-    k: usize,
+    pub(super) n_tangents: usize,
+    pub(super) k: usize,
     /// Whether the sums of this order were formed along with those of the order before.
     is_second: bool,
 }
 
 /// Registers of one group: the state, or one tangent vector.
 #[derive(Clone, Copy)]
-struct Group {
-    n_orders: usize,
-    k: usize,
+pub(super) struct Group {
+    pub(super) n_orders: usize,
+    pub(super) k: usize,
     /// Number of its first series.
     first: usize,
     /// Its first single register.
-    singles: usize,
+    pub(super) singles: usize,
 }
 
 impl Frame {
@@ -43,13 +44,13 @@ impl Frame {
     }
 
     #[inline(always)]
-    fn state(&self, program: &Program) -> Group {
+    pub(super) fn state(&self, program: &Program) -> Group {
         let singles = (program.state.series + self.n_tangents * program.tangent.series) * self.n_orders;
         Group { n_orders: self.n_orders, k: self.k, first: 0, singles }
     }
 
     #[inline(always)]
-    fn tangent(&self, program: &Program, tangent: usize) -> Group {
+    pub(super) fn tangent(&self, program: &Program, tangent: usize) -> Group {
         let state = self.state(program);
         Group {
             first: program.state.series + tangent * program.tangent.series,
@@ -69,17 +70,17 @@ impl Program {
 
 impl Group {
     #[inline(always)]
-    fn start(&self, series: usize) -> usize {
+    pub(super) fn start(&self, series: usize) -> usize {
         (self.first + series) * self.n_orders
     }
 
     #[inline(always)]
-    fn series<'w, V>(&self, work: &'w [V], series: usize) -> &'w [V] {
+    pub(super) fn series<'w, V>(&self, work: &'w [V], series: usize) -> &'w [V] {
         &work[self.start(series)..][..self.n_orders]
     }
 
     #[inline(always)]
-    fn at(&self, slot: Slot) -> usize {
+    pub(super) fn at(&self, slot: Slot) -> usize {
         if slot.is_series { self.start(slot.index) + self.k } else { self.singles + slot.index }
     }
 
@@ -95,11 +96,16 @@ impl Group {
         work[self.singles + sums + usize::from(frame.is_second)]
     }
 
+    /// The coefficient of this order of a constant.
     #[inline(always)]
-    fn form<V: Lane>(&self, work: &[V], form: &Form) -> V {
+    pub(super) fn constant(&self, constant: f64) -> f64 {
         // A constant that is not finite, folded from instructions that fail, fails at every order.
-        let constant = if self.k == 0 || !form.constant.is_finite() { form.constant } else { 0.0 };
-        let mut sum = V::splat(constant);
+        if self.k == 0 || !constant.is_finite() { constant } else { 0.0 }
+    }
+
+    #[inline(always)]
+    pub(super) fn form<V: Lane>(&self, work: &[V], form: &Form) -> V {
+        let mut sum = V::splat(self.constant(form.constant));
         for &(slot, c) in &form.terms {
             sum = work[self.at(slot)].mul_add(V::splat(c), sum);
         }
@@ -161,14 +167,21 @@ pub(super) fn complete_order<V: Lane>(program: &Program, frame: &Frame, row: &[V
         work[state.singles..].fill(V::splat(0.0)); // the sums of order 1
         start(program, &state, row, work);
     } else {
-        if frame.k >= 2 && !frame.is_second {
-            form_sums(program, frame, work);
+        let phase = match frame.k {
+            1 => Phase::Empty,
+            _ if frame.is_second => Phase::Second,
+            _ => Phase::Forming,
+        };
+        if phase == Phase::Forming {
+            sums::form(program, frame, work);
         }
-        for step in &program.steps {
-            advance(step, frame, &state, row, work);
+        if frame.n_tangents > 0 {
+            joint::complete::<V, true>(program, frame, row, work, phase);
+        } else {
+            joint::complete::<V, false>(program, frame, row, work, phase);
         }
     }
-    for tangent in 0..frame.n_tangents {
+    for tangent in usize::from(frame.k > 0)..frame.n_tangents {
         let group = frame.tangent(program, tangent);
         for step in &program.tangent_steps {
             advance_tangent(step, frame, &state, &group, &row[(1 + tangent) * n..], work);
@@ -180,114 +193,21 @@ pub(super) fn complete_order<V: Lane>(program: &Program, frame: &Frame, row: &[V
 #[inline(always)]
 pub(super) fn write_outputs<V: Lane>(program: &Program, frame: &Frame, next: &mut [V], work: &[V]) {
     let n = program.outputs.len();
-    let state = frame.state(program);
     let scale = V::splat(1.0 / (frame.k + 1) as f64);
-    let defect = work[state.singles + program.defect];
-    for (to, form) in next.iter_mut().zip(&program.outputs) {
-        *to = state.form(work, form).mul_add(scale, defect);
+    let defect = work[frame.state(program).singles + program.defect];
+    if frame.n_tangents == 0 {
+        joint::outputs::<V, false>(program, frame, work, |i, [value, _]| next[i] = value.mul_add(scale, defect));
+    } else {
+        let (values, derivatives) = next.split_at_mut(n);
+        joint::outputs::<V, true>(program, frame, work, |i, [value, derivative]| {
+            values[i] = value.mul_add(scale, defect);
+            derivatives[i] = derivative.mul(scale);
+        });
     }
-    for tangent in 0..frame.n_tangents {
+    for tangent in 1..frame.n_tangents {
         let group = frame.tangent(program, tangent);
         for (to, form) in next[(1 + tangent) * n..].iter_mut().zip(&program.tangent_outputs) {
             *to = group.form(work, form).mul(scale);
-        }
-    }
-}
-
-/// Sums of products for this order and the next.
-#[inline(always)]
-fn form_sums<V: Lane>(program: &Program, frame: &Frame, work: &mut [V]) {
-    let state = frame.state(program);
-    let k = frame.k;
-    for convolution in &program.convolutions {
-        let sums = state.singles + convolution.sums;
-        let l = state.series(work, convolution.left);
-        let r = convolution.right.map(|right| state.series(work, right));
-        let tangent = convolution.tangent.filter(|_| frame.n_tangents > 0);
-        if let Some(part) = tangent {
-            let group = frame.tangent(program, 0);
-            let (dl, dr) = (group.series(work, part.left), group.series(work, part.right));
-            let dsums = group.singles + part.sums;
-            match convolution.kind {
-                Kind::Product => {
-                    let [value, derivative] = convolution::product_with_tangent([l, dl], [r[0], dr], k);
-                    put(work, sums, value);
-                    put(work, dsums, derivative);
-                }
-                Kind::Square => {
-                    let [value, derivative] = convolution::square_with_tangent([l, dl], k);
-                    put(work, sums, value);
-                    put(work, dsums, derivative);
-                }
-                Kind::Single => {
-                    let [value, derivative] = convolution::two_by_one([l, dl], r[0], k);
-                    put(work, sums, value);
-                    put(work, dsums, derivative);
-                }
-                Kind::Pair => {
-                    let [values, derivatives] = convolution::two_by_two([l, dl], r, k);
-                    for i in 0..2 {
-                        put(work, sums + 2 * i, values[i]);
-                        put(work, dsums + 2 * i, derivatives[i]);
-                    }
-                }
-            }
-        } else {
-            match convolution.kind {
-                Kind::Product | Kind::Single => {
-                    let value = convolution::product(l, r[0], k);
-                    put(work, sums, value);
-                }
-                Kind::Square => {
-                    let value = convolution::square(l, k);
-                    put(work, sums, value);
-                }
-                Kind::Pair => {
-                    let values = convolution::one_by_two(l, r, k);
-                    put(work, sums, values[0]);
-                    put(work, sums + 2, values[1]);
-                }
-            }
-        }
-    }
-    for tangent in 1..frame.n_tangents {
-        form_sums_of_tangent(program, frame, tangent, work);
-    }
-}
-
-#[inline(always)]
-fn put<V: Lane>(work: &mut [V], at: usize, sums: convolution::Sums<V>) {
-    work[at..at + 2].copy_from_slice(&sums);
-}
-
-/// The same for a tangent vector after the first, which comes with the state.
-#[inline(always)]
-fn form_sums_of_tangent<V: Lane>(program: &Program, frame: &Frame, tangent: usize, work: &mut [V]) {
-    let (state, group, k) = (frame.state(program), frame.tangent(program, tangent), frame.k);
-    for convolution in &program.convolutions {
-        let Some(part) = convolution.tangent else { continue };
-        let sums = group.singles + part.sums;
-        let l = state.series(work, convolution.left);
-        let r = convolution.right.map(|right| state.series(work, right));
-        let (dl, dr) = (group.series(work, part.left), group.series(work, part.right));
-        match convolution.kind {
-            Kind::Product => {
-                let (first, second) = (convolution::product(l, dr, k), convolution::product(dl, r[0], k));
-                put(work, sums, [first[0].add(second[0]), first[1].add(second[1])]);
-            }
-            Kind::Square => {
-                let sum = convolution::product(l, dl, k);
-                put(work, sums, sum);
-            }
-            Kind::Single => {
-                let sum = convolution::product(dl, r[0], k);
-                put(work, sums, sum);
-            }
-            Kind::Pair => {
-                let both = convolution::one_by_two(dl, r, k);
-                put(work, sums, both[0]);
-                put(work, sums + 2, both[1]);
-            }
         }
     }
 }
@@ -378,7 +298,7 @@ fn value_of<V: Lane>(function: Function, a: V) -> V {
 
 /// Order `k >= 1` of the state.
 #[inline(always)]
-fn advance<V: Lane>(step: &Step, frame: &Frame, state: &Group, row: &[V], work: &mut [V]) {
+pub(super) fn advance<V: Lane>(step: &Step, frame: &Frame, state: &Group, row: &[V], work: &mut [V]) {
     let k = frame.k;
     let inverse_of = |work: &[V], inverse: usize| work[state.singles + inverse];
     match *step {
@@ -435,13 +355,13 @@ fn advance<V: Lane>(step: &Step, frame: &Frame, state: &Group, row: &[V], work: 
 
 /// `a - b`
 #[inline(always)]
-fn minus<V: Lane>(a: V, b: V) -> V {
+pub(super) fn minus<V: Lane>(a: V, b: V) -> V {
     b.neg_mul_add(V::splat(1.0), a)
 }
 
 /// Any order of a tangent vector, after that of the state.
 #[inline(always)]
-fn advance_tangent<V: Lane>(
+pub(super) fn advance_tangent<V: Lane>(
     step: &TangentStep,
     frame: &Frame,
     state: &Group,
