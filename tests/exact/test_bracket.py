@@ -205,3 +205,12 @@ def test_entries_do_not_import_sympy():
         "(so(3) @ leibniz(3)).entries(); sys.exit('sympy' in sys.modules)"
     )
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
+
+
+def test_names_that_a_formula_could_not_use_are_refused():
+    """x1 would be the first component of x and the second field."""
+    with pytest.raises(BracketError, match="x1 would be a field and a coordinate"):
+        (so(3) @ semidirect(2)).rename("x", "x1")
+    for name in ("a b", "1x", "", "x("):
+        with pytest.raises(ParameterError, match="letters, digits"):
+            (so(3) @ semidirect(2)).rename("x", name)

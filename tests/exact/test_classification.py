@@ -293,3 +293,25 @@ def test_a_sign_in_the_tensor_changes_the_verdict():
         if form.dimension == 5:
             W[3][2][2] = 0
         assert classify(W).name != form.name
+
+
+def test_large_algebras_of_simple_kinds_are_recognised():
+    assert classify(leibniz(24)).name == "R[x]/(x^24)"
+    assert classify(semidirect(24)).name.endswith("^2")
+    with pytest.raises(ParameterError, match="up to 40 fields"):
+        classify(leibniz(41))
+
+
+def test_a_dense_change_of_basis_is_verified_without_all_minors():
+    """e'_i = e_i + e_(i+1) + ... in R[x]/(x^18): the way back has 2^18 minors of a dense matrix."""
+    n = 18
+    products = {
+        (i, j): {
+            k: sum(1 for a in range(i, n) for b in range(j, n) if a + b == k)
+            - sum(1 for a in range(i, n) for b in range(j, n) if a + b == k - 1)
+            for k in range(n)
+        }
+        for i in range(n)
+        for j in range(i, n)
+    }
+    assert classify(Extension.from_products(n, products)).name == f"R[x]/(x^{n})"

@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 
 from liepoisson import catalog
+from liepoisson.errors import ParameterError
 from liepoisson.exact.describe import describe, inspect
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.extensions import leibniz, semidirect, trivial
@@ -248,12 +249,44 @@ def test_the_scalar_product_of_so21_is_defined_where_it_is_used(name):
     assert told["integrals"] == has_dot["integrals"]
     assert report.record()["casimirs"]["definitions"][0]["unicode"] == meaning
     assert r"\boldsymbol{u}\cdot \boldsymbol{v} = u_1 v_1 + u_2 v_2 - u_3 v_3" in report.latex()
-    assert meaning in report.text()
+    assert meaning in report.text(UNICODE)
     assert "u·v = u1*v1 + u2*v2 - u3*v3" in describe(here)
-    assert "u·v" not in inspect(catalog.system("heavy-top")).text()
+    assert "u·v" not in inspect(catalog.system("heavy-top")).text(UNICODE)
 
 
 def test_no_symmetries_found_says_what_was_searched():
     """Two copies of so(3) have the symmetry that exchanges them, which no family of maps contains."""
-    text = inspect(System(so(3) @ (trivial() + trivial()), "dot(l, alpha)")).text()
+    text = inspect(System(so(3) @ (trivial() + trivial()), "dot(l, alpha)")).text(UNICODE)
     assert "no one-parameter family that acts on the fields alone" in text
+
+
+SEMIDIRECT_TOP = (so(3) @ semidirect(2), "dot(l, l)/2 + alpha[3]")
+
+
+@pytest.mark.parametrize(
+    ("zero", "verdict"),
+    [
+        ("dot(alpha, alpha)", "not proved"),  # alpha = 0, where l1' = alpha2 vanishes
+        ("l1^2 + 1", "not proved"),  # no real points
+        ("l1*alpha2", "NOT constant"),  # where l1 = 0
+        ("alpha2", "this set is NOT invariant"),  # alpha2' = l1 alpha3 - l3 alpha1
+    ],
+)
+def test_claims_on_a_set_are_refuted_by_a_real_point_only(zero, verdict):
+    report = inspect(System(*SEMIDIRECT_TOP, partial_integrals={"K": ("l1", zero)}))
+    assert f": {verdict}, " in report.text(PLAIN)
+    assert bool(report.failed) == ("NOT" in verdict)
+    assert report.record()["integrals"][0]["refuted"] == ("NOT" in verdict)
+
+
+@pytest.mark.parametrize("zero", ["1", "0"])
+def test_a_set_that_is_given_by_a_constant_is_refused(zero):
+    with pytest.raises(ParameterError, match="function of the coordinates"):
+        inspect(System(*SEMIDIRECT_TOP, partial_integrals={"K": ("l1", zero)}))
+
+
+def test_very_large_and_small_parameters_are_printed_with_a_power_of_ten():
+    system = System(so(3) @ trivial(), "c*dot(l, l)/2 + d*l[1]", {"c": "1e200", "d": "1e-320"})
+    text = inspect(system).text(PLAIN)
+    assert "c = 1e200\n" in text
+    assert "d = 1e-320\n" in text

@@ -206,3 +206,31 @@ print("sympy" in sys.modules)
 """
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"
+
+
+@pytest.mark.parametrize(
+    ("n", "products", "error"),
+    [
+        (2, {0: 1}, ShapeError),
+        (2, {(0, 0): 1}, ShapeError),
+        (2, {(0, 0, 0): {0: 1}}, ShapeError),
+        (2, {(0, 0.5): {0: 1}}, ShapeError),
+        (2, {(0, 0): {"a": 1}}, ShapeError),
+        (2, None, ShapeError),
+        (10**9, {}, ParameterError),
+        (101, {}, ParameterError),
+        (0, {}, ParameterError),
+        (2.5, {}, ParameterError),
+    ],
+)
+def test_products_of_the_wrong_kind_are_refused(n, products, error):
+    with pytest.raises(error, match=r"Write for example|Count from 0|Use"):
+        Extension.from_products(n, products)
+
+
+@pytest.mark.parametrize("n", [4, 10, 11, 12, 100])
+def test_no_component_of_a_numbered_field_is_named_like_another_field(n):
+    """With x1 and x11 as fields, x11 would be the first component of x1, too."""
+    extension = Extension.from_products(n, {}, check=False)
+    components = [f"{name}{k}" for name in extension.field_names for k in range(1, 121)]
+    assert len({*components, *extension.field_names}) == 121 * n

@@ -248,3 +248,25 @@ def test_the_adjoint_representation_acts_as_the_bracket():
     u, v = (1, 2, 3, 4, 5, 6), (2, -1, 1, 0, 3, -2)
     acted = tuple(sum(u[i] * ad[i][k][j] * v[j] for i in range(6) for j in range(6)) for k in range(6))
     assert acted == algebra.bracket(u, v)
+
+
+@pytest.mark.parametrize(
+    ("names", "message"),
+    [
+        (["2", "1"], "own place"),  # l[1] would be l2
+        (["a b", "c"], "letters, digits"),
+        (["(", "c"], "letters, digits"),
+        (["", "c"], "letters, digits"),
+        (["a", "a"], "distinct"),
+    ],
+)
+def test_basis_names_with_which_formulas_would_go_wrong_are_refused(names, message):
+    with pytest.raises(ParameterError, match=message):
+        LieAlgebra.from_brackets(2, {}, basis_names=names)
+
+
+@pytest.mark.parametrize("algebra", [so(4), so(6), so(11), so(4) + so(3)])
+def test_pairs_of_indices_are_no_numbers_of_basis_elements(algebra):
+    """Of so(6) the first is "12", though there are fifteen."""
+    copy = LieAlgebra.from_brackets(algebra.dimension, algebra.brackets, basis_names=algebra.basis_names, check=False)
+    assert copy.basis_names == algebra.basis_names

@@ -157,3 +157,16 @@ def test_names_print_as_they_are_written():
         again = ALGEBRAS[name](*(int(size) for size in sizes.split(",")))
         assert again.brackets == algebra.brackets
     assert {repr(algebra).partition("(")[0] for algebra in made} == set(ALGEBRAS)
+
+
+@pytest.mark.parametrize("integer", [np.int64, np.int32, sp.Integer])
+@pytest.mark.parametrize("name", sorted(ALGEBRAS))
+def test_sizes_may_be_integers_of_any_type(name, integer):
+    assert ALGEBRAS[name](integer(3)).brackets == ALGEBRAS[name](3).brackets
+
+
+def test_a_sine_algebra_that_is_too_large_is_refused_for_its_size():
+    with pytest.raises(ParameterError, match="Take a smaller n"):
+        ALGEBRAS["sine"](1_000_000)
+    with pytest.raises(ParameterError, match="Take 5"):
+        ALGEBRAS["sine"](6)

@@ -45,7 +45,8 @@ class Bracket:
 
     Raises:
         BracketError: a coordinate and a parameter, or a coordinate and a field, have the same name.
-        ParameterError: a field name is not an identifier, `algebra` is not a LieAlgebra or `extension` not an Extension.
+        ParameterError: a field name is not an identifier, `algebra` is not a LieAlgebra or `extension` not an
+            Extension.
         ShapeError: not one name per field.
 
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).

@@ -20,6 +20,11 @@ from liepoisson.exact.parameters import Exact, Parameter, to_sympy
 if TYPE_CHECKING:
     from sympy import Expr
 
+MAX_FIELDS = 40
+"""The largest number of fields that is classified, which takes some seconds; the work grows like its fourth power."""
+
+_MOST_MINORS = 8  # a dense matrix of n rows has 2^n minors
+
 ExactMatrix: TypeAlias = tuple[tuple[Exact, ...], ...]
 EqualSymbols: TypeAlias = "tuple[tuple[tuple[str, ...], Expr], ...]"
 """Values of symbols, each with the names of all symbols that have it."""
@@ -157,12 +162,13 @@ def classify(extension: Extension | Sequence[Sequence[Sequence[Parameter]]]) -> 
 
     Raises:
         BracketError: the tensor is not that of a commutative associative algebra.
-        ParameterError: the answer depends on the sign of an expression in the symbols, or SymPy has no exact field
-            that contains the entries.
+        ShapeError: not an extension and no tensor, either.
+        ParameterError: there are more than 40 fields, or the answer depends on the sign of an expression in the
+            symbols, or SymPy has no exact field that contains the entries.
 
     References: see `normal_forms`; a finite commutative algebra is the product of its localisations.
     """
-    given = extension if isinstance(extension, Extension) else Extension(extension)
+    given = _read(extension)
     given = Extension.from_products(given.dimension, given.products, given.name, given.field_names)
     algebra = CommutativeAlgebra(given.dimension, given.products)
     is_unital = algebra.unit is not None
@@ -190,6 +196,16 @@ def classify(extension: Extension | Sequence[Sequence[Sequence[Parameter]]]) -> 
         conditions=conditions,
         exceptional=_exceptional(given, conditions),
     )
+
+
+def _read(extension: Extension | Sequence[Sequence[Sequence[Parameter]]]) -> Extension:
+    given = extension if isinstance(extension, Extension) else Extension(extension)
+    if given.dimension > MAX_FIELDS:
+        raise ParameterError(
+            f"an extension is classified for up to {MAX_FIELDS} fields; {given.name} has {given.dimension}. "
+            "Classify its direct summands one by one."
+        )
+    return given
 
 
 def _with_unit(extension: Extension, field: RealField) -> CommutativeAlgebra:
@@ -254,6 +270,10 @@ def _verify(algebra: CommutativeAlgebra, form: Extension, rows: Sequence[SurdVec
             for k, value in form.products.get((i, j), {}).items():
                 wanted = [w + c * field.read(value) for w, c in zip(wanted, rows[k], strict=True)]
             assert not any(p - w for p, w in zip(product, wanted, strict=True)), f"e'_{i} e'_{j} in {form.name}"
+    if n > _MOST_MINORS and not any(c.radicands for row in rows for c in row):
+        entries = [[c.field_value() if c else field.zero for c in row] for row in rows]
+        assert len(algebra.echelon(entries)) == n, f"independent vectors for {form.name}"
+        return
     determinant = _determinant(rows)
     assert determinant.norm(), f"independent vectors for {form.name}"
     field.rely_on(determinant.norm())

@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.exact.printing import Gradient
 from liepoisson.exact.report.bracket_facts import AlgebraFacts, CasimirFacts, ExtensionFacts, JacobiFacts, Topic
 from liepoisson.exact.report.leaf_facts import RankFacts, StrataFacts, SymmetryFacts
+from liepoisson.exact.report.limits import (
+    NotComputed,
+    too_large_algebra,
+    too_large_bracket,
+    too_large_extension,
+    too_large_for_symmetries,
+    too_large_motion,
+)
 from liepoisson.exact.report.lines import Equation, Line, Name, write_line
 from liepoisson.exact.report.motion_facts import EquationFacts, HamiltonianFacts, IntegralFacts, KernelFacts, named_form
 from liepoisson.exact.report.styles import LATEX, NAMES, UNICODE, Style
@@ -72,7 +80,8 @@ class Report:
         in the grammar of system files.  A proof is a Boolean (`proved`, `verified`, `complete`) beside what was proved.
         Where the Jacobi identity fails, there is no `casimirs`, `rank`, `strata`, `symmetries`.  Where a stratum is not
         proved, sets of lower rank may be missing among the `strata`.  `definitions` say what signs in the formulas
-        beside them mean where this is not usual, as the scalar product of so(2,1).  `failed` lists what was claimed and
+        beside them mean where this is not usual, as the scalar product of so(2,1).  A part that was left out for
+        the size of the system is an object `not_computed` that says so.  `failed` lists what was claimed and
         is refuted.
         """
         topics = {topic.key: topic.record() for topic in self.topics}
@@ -87,17 +96,41 @@ def inspect(system: System) -> Report:
     """
     named, bracket = named_form(system), system.bracket
     notation = VectorNotation(bracket)
-    jacobi = JacobiFacts(bracket)
-    topics: list[Topic] = [AlgebraFacts(bracket), ExtensionFacts(bracket), jacobi]
-    if jacobi.certificate.holds:  # else there are no Casimirs and leaves to speak of
-        casimirs = CasimirFacts(bracket, notation)
-        topics += [casimirs, RankFacts(bracket, casimirs), StrataFacts(bracket, notation, casimirs)]
-        topics.append(SymmetryFacts(bracket, system.hamiltonian))
-    topics += [HamiltonianFacts(system, notation, named), EquationFacts(system, notation, named)]
+    topics: list[Topic] = [
+        _unless(too_large_algebra(bracket), AlgebraFacts, lambda: AlgebraFacts(bracket)),
+        _unless(too_large_extension(bracket), ExtensionFacts, lambda: ExtensionFacts(bracket)),
+    ]
+    bracket_topics, failures = _bracket_topics(system, notation)
+    too_large = too_large_motion(bracket, system.hamiltonian)
     integrals = IntegralFacts(system, notation)
-    topics += [integrals, KernelFacts(system)]
-    failed = (*map(str, jacobi.certificate.failures), *integrals.failed)
-    return Report(system.name, system.source, tuple(topics), failed)
+    topics += [
+        *bracket_topics,
+        HamiltonianFacts(system, notation, named),
+        _unless(too_large, EquationFacts, lambda: EquationFacts(system, notation, named)),
+        integrals,
+        KernelFacts(system),
+    ]
+    return Report(system.name, system.source, tuple(topics), (*failures, *integrals.failed))
+
+
+def _bracket_topics(system: System, notation: VectorNotation) -> tuple[list[Topic], list[str]]:
+    """Jacobi, and if it holds Casimirs, leaves and symmetries; and where Jacobi fails."""
+    bracket, hamiltonian = system.bracket, system.hamiltonian
+    if too_large := too_large_bracket(bracket):
+        kinds = (JacobiFacts, CasimirFacts, RankFacts, StrataFacts, SymmetryFacts)
+        return [NotComputed(kind, too_large) for kind in kinds], []
+    jacobi = JacobiFacts(bracket)
+    if not jacobi.certificate.holds:  # there are no Casimirs and leaves to speak of
+        return [jacobi], [str(failure) for failure in jacobi.certificate.failures]
+    casimirs = CasimirFacts(bracket, notation)
+    too_large = too_large_for_symmetries(bracket, hamiltonian)
+    symmetries = _unless(too_large, SymmetryFacts, lambda: SymmetryFacts(bracket, hamiltonian))
+    return [jacobi, casimirs, RankFacts(bracket, casimirs), StrataFacts(bracket, notation, casimirs), symmetries], []
+
+
+def _unless(obstacle: str, kind: type[Topic], make: Callable[[], Topic]) -> Topic:
+    """A part of the report, or the sentence that says why it is left out."""
+    return NotComputed(kind, obstacle) if obstacle else make()
 
 
 def describe(system: System) -> str:

@@ -29,7 +29,7 @@ Element: TypeAlias = tuple[Exact, ...]
 """An element of A, by its coordinates in the basis e_0, e_1, ..."""
 
 MAX_FIELDS = 100
-"""The largest dimension: J has (n dim g)^2 entries, and the largest system of the literature known to us has six fields."""
+"""The largest dimension: J has (n dim g)^2 entries; the largest system of the literature known to us has six fields."""
 
 _FIELD_NAMES = {1: ("l",), 2: ("l", "alpha"), 3: ("l", "alpha", "beta")}
 

@@ -289,7 +289,7 @@ class LieAlgebra:
 
 def joined_names(first: tuple[str, ...], second: tuple[str, ...]) -> tuple[str, ...]:
     """Names of the basis of a sum: numbered through, or with a suffix _2, _3, ... on the second where names clash."""
-    if not set(first) & set(second):
+    if not set(first) & set(second) and _misplaced(first + second) is None:
         return first + second
     n, m = len(first), len(second)
     if first == tuple(str(i + 1) for i in range(n)) and second == tuple(str(i + 1) for i in range(m)):
@@ -314,23 +314,33 @@ def check_dimension(n: object) -> None:
 def _check_basis_names(names: tuple[str, ...]) -> None:
     """Refuse names with which a coordinate such as l2 could not be written in a formula, or might be mistaken for l[2].
 
-    Where all numbers have two digits or more they are pairs of indices, as in so(6), and no numbering.
+    Raises:
+        ParameterError: there are such names.
     """
-    numbers = [name for name in names if name.isdecimal()]
-    is_numbering = any(len(number) == 1 for number in numbers)
-    for k, name in enumerate(names, start=1):
+    for name in names:
         if not _NAME_PART.fullmatch(name):
             raise ParameterError(
                 f"a basis name must consist of letters, digits and _; got {name!r:.60}, so that no formula could name "
                 'the coordinate. Write for example basis_names=["1", "2", "3"].'
             )
-        if is_numbering and name.isdecimal() and str(k) != name and 1 <= int(name) <= len(names):
-            raise ParameterError(
-                f"a basis name that is a number must be that of its own place; got {name!r} at place {k}, so that l{name} "
-                f"would not be l[{name}]. Take other names, or another order."
-            )
+    if (k := _misplaced(names)) is not None:
+        raise ParameterError(
+            f"a basis name that is a number must be that of its own place; got {names[k]!r} at place {k + 1}, so that "
+            f"l{names[k]} would not be l[{names[k]}]. Take other names, or another order."
+        )
     if len(set(names)) < len(names):
         raise ParameterError(f"basis names must be distinct; got {list(names)}. Rename one of them.")
+
+
+def _misplaced(names: tuple[str, ...]) -> int | None:
+    """Where a name is the number of another basis element; None if nowhere.
+
+    Where all numbers have two digits or more they are pairs of indices, as in so(6), and no numbering.
+    """
+    numbers = [(k, name) for k, name in enumerate(names) if name.isdecimal()]
+    if not any(len(number) == 1 for _, number in numbers):
+        return None
+    return next((k for k, name in numbers if name != str(k + 1) and 1 <= int(name) <= len(names)), None)
 
 
 def _check_antisymmetry(c: Tensor3) -> None:

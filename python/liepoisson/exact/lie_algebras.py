@@ -218,11 +218,13 @@ def sine(N: int) -> LieAlgebra:
 
     References: Fairlie, Fletcher and Zachos (1989); Zeitlin (1991).
     """
-    (N,) = read_sizes("sine", (N,), at_least=3)
-    _check_size("sine", N * N - 1)
-    if N % 2 == 0:
-        raise ParameterError(f"sine(N) needs an odd N, so that no mode is its own opposite; got N = {N}. Take {N - 1}.")
-    return sine_algebra(N)
+    (size,) = read_sizes("sine", (N,), at_least=3)
+    _check_size("sine", size * size - 1)
+    if size % 2 == 0:
+        raise ParameterError(
+            f"sine(N) needs an odd N, so that no mode is its own opposite; got N = {size}. Take {size - 1}."
+        )
+    return sine_algebra(size)
 
 
 ALGEBRAS: dict[str, Callable[..., LieAlgebra]] = {

@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+from liepoisson.exact.report.decimals import long_number
 from liepoisson.exact.report.styles import LATEX, PLAIN, UNICODE, Style, split_name
 
 if TYPE_CHECKING:
@@ -263,10 +264,14 @@ class _Writer:
             written = [*map(self.factor, above), self.factor(vectors.pop())]  # x/r, not 1/r x
         else:
             written = [self.factor(factor) for factor in above]
+        numerator, denominator = abs(int(number.p)), int(number.q)
+        if long := long_number(numerator, denominator):
+            decimal, denominator = long
+            numerator, written = 1, [decimal.write(self.style), *written]
         return bool(number < 0), self.style.product(
-            abs(int(number.p)),
+            numerator,
             written,
-            int(number.q),
+            denominator,
             [self.factor(factor) for factor in below],
             [self.vector_factor(factor, among=len(vectors)) for factor in vectors],
         )

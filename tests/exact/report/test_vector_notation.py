@@ -46,6 +46,8 @@ def plain(expression, notation=NOTATION):
         (sum(a[i] * l[i] / inertia[i] for i in range(3)) + kinetic, "1/2 l.I^-1 l + a.I^-1 l"),
         (sum(a[i] * l[i] / inertia[0] for i in range(3)), "1/I1 a.l"),
         (epsilon + 1, "1 + epsilon"),
+        (kinetic + (a[1] - a[2]) ** 2 * a[0] / 2 * beta[0] ** 2, "1/2 l.I^-1 l + (a2 - a3)^2*a1*beta1^2/2"),
+        (l.dot(l) + (1 + epsilon) * beta[0] ** 2, "|l|^2 + (1 + epsilon)*beta1^2"),
         ((alpha - a).dot(alpha - a), "|alpha - a|^2"),
         (3 * (alpha + a).dot(alpha + a) + beta.dot(l), "3 |alpha + a|^2 + l.beta"),
         (1 / sp.sqrt((alpha - a).dot(alpha - a)), "1/|alpha - a|"),
@@ -139,7 +141,7 @@ def test_the_metric_of_so21_makes_the_scalar_product():
 
 
 def test_one_dot_has_one_meaning():
-    """With the scalar product of so(2,1), a parameter's pairing with a field stays in components, and u.v is defined."""
+    """With the product of so(2,1), a parameter's pairing with a field stays in components, and u.v is defined."""
     bracket = so(2, 1) @ semidirect(2)
     notation = VectorNotation(bracket)
     u, v = bracket.fields.values()

@@ -237,7 +237,7 @@ class CasimirFacts(Topic):
         found.append((self._completeness(),))
         for case in report.exceptional:
             formulas = joined(Shortened(self.notation.formula(generator)) for generator in case.generators)
-            found.append(("there are more for ", Statement.about(case.condition, self.bracket), ": ", *formulas))
+            found.append(("there are others for ", Statement.about(case.condition, self.bracket), ": ", *formulas))
         if report.examined and not report.exceptional:
             looked_at = joined(Statement.about(condition, self.bracket) for condition in report.examined)
             found.append(("no more for special values either; examined: ", *looked_at))

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
+from itertools import pairwise
 from random import Random
 from typing import TYPE_CHECKING, Any
 
@@ -60,7 +61,8 @@ def _points(function: Expr, variables: Sequence[Symbol]) -> Iterator[dict[Any, A
 
 
 def _is_nonzero_on_line(function: Any, zero: Any, x: Any) -> bool:
-    from sympy import Poly, PolynomialError, fraction, gcd, nan, oo, together, zoo
+    from sympy import Poly, fraction, nan, oo, together, zoo
+    from sympy.polys.polyerrors import BasePolynomialError
 
     if function.has(nan, oo, zoo) or zero.has(nan, oo, zoo) or function == 0 or not zero.has(x):
         return False
@@ -68,12 +70,10 @@ def _is_nonzero_on_line(function: Any, zero: Any, x: Any) -> bool:
     try:
         set_ = Poly(fraction(together(zero))[0], x, domain="QQ")
         others = [Poly(f, x, domain="QQ") for f in (numerator, denominator, fraction(together(zero))[1])]
-    except PolynomialError:
+    except BasePolynomialError:  # not polynomials, or irrational coefficients
         return _changes_sign(function, zero, x)
-    if set_.degree() > 12:
-        return False
     for other in others:
-        while not set_.is_zero and (common := gcd(set_, other)).degree() > 0:
+        while not set_.is_zero and (common := set_.gcd(other)).degree() > 0:
             set_ = set_.quo(common)
     return set_.degree() > 0 and set_.count_roots() > 0
 
@@ -82,7 +82,7 @@ def _changes_sign(function: Any, zero: Any, x: Any) -> bool:
     """The same for other functions: bisection, then both functions at the place that was found."""
     grid = [to_sympy(Fraction(k, 3)) for k in range(-10, 11)]
     signs = [(place, _sign(zero, x, place)) for place in grid]
-    for (low, first), (high, second) in zip(signs, signs[1:], strict=False):
+    for (low, first), (high, second) in pairwise(signs):
         if first * second >= 0:
             continue
         a, b = low, high

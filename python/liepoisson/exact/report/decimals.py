@@ -48,7 +48,7 @@ class Decimal:
         if style is PLAIN:
             return f"{self.mantissa}e{self.exponent}"
         power = style.power("10", self.exponent)
-        return power if self.mantissa == "1" else f"{self.mantissa}{style.times}{power}"
+        return power if self.mantissa == "1" else f"{self.mantissa}{style.dot}{power}"
 
 
 def split_denominator(denominator: int) -> tuple[int, int]:

@@ -16,6 +16,7 @@ from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 from liepoisson.exact.printing import Form, Formula, Image
 from liepoisson.exact.report.bracket_facts import Topic
 from liepoisson.exact.report.counterexamples import is_nonzero_on, is_nonzero_somewhere
+from liepoisson.exact.report.decimals import LONG_NUMBER, Decimal
 from liepoisson.exact.report.equal_integrals import same_integral
 from liepoisson.exact.report.lines import (
     Column,
@@ -41,8 +42,6 @@ if TYPE_CHECKING:
 
 MOST_EQUATIONS = 12
 """Further equations are left out in text and LaTeX; JSON has them all."""
-
-_LONG_NUMBER = 12
 
 
 @dataclass(frozen=True)
@@ -205,7 +204,7 @@ class Integral:
         name: How it is called.
         formula: The function.
         expression: The same in components.
-        derivative: What {K, H} is if it was not proved to vanish; the same of `on`, where this is what is left to prove.
+        derivative: {K, H} if it was not proved to vanish; that of `on` instead, where this is what is left to prove.
         on: The function that vanishes on the invariant set to which the claim is confined.
         refuted: Whether a point was found at which the derivative is not zero.
         about: Whose derivative it is: the name, or `on`.
@@ -254,9 +253,7 @@ class IntegralFacts(Topic):
     @property
     def failed(self) -> list[str]:
         """Which of the claims are refuted."""
-        false = [integral for integral in self.integrals if integral.refuted]
-        place = {integral.name: "" if integral.on is None else f" on {integral.on.plain} = 0" for integral in false}
-        return [f"the integral {integral.name} is not constant{place[integral.name]}" for integral in false]
+        return [_failure(integral) for integral in self.integrals if integral.refuted]
 
     def lines(self) -> list[Line]:
         found = [_integral_line(integral) for integral in self.integrals] or [("none besides H and the Casimirs",)]
@@ -334,6 +331,15 @@ def _is_multiple(system: System, value: Expr, zero: Expr) -> bool:
         return False
 
 
+def _failure(integral: Integral) -> str:
+    if integral.on is None:
+        return f"the integral {integral.name} is not constant"
+    place = f"{integral.on.plain} = 0"
+    if integral.about is integral.on:
+        return f"the set {place} of the integral {integral.name} is not invariant"
+    return f"the integral {integral.name} is not constant on {place}"
+
+
 def _integral_line(integral: Integral) -> Line:
     equation = Equation(Name(integral.name), integral.formula)
     zero = Formula(to_sympy(Fraction(0)))
@@ -343,10 +349,8 @@ def _integral_line(integral: Integral) -> Line:
     of_set = integral.about is integral.on
     about = _InParentheses(integral.about) if of_set else integral.about
     rate = Equation(Rate(about), integral.derivative)
-    if integral.refuted:
-        verdict = "this set is NOT invariant" if of_set else "NOT constant"
-    else:
-        verdict = "not proved"
+    refutation = "this set is NOT invariant" if of_set else "NOT constant"
+    verdict = refutation if integral.refuted else "not proved"
     return (equation, *place, f": {verdict}, ", rate)
 
 
@@ -391,7 +395,7 @@ def _stands_for_itself(name: str, value: Value) -> bool:
 
 def _value(value: Value, diagonal: bool = False) -> Written:
     if not isinstance(value, tuple):
-        return Name(decimal) if (decimal := _decimal(value)) else Formula(to_sympy(value))
+        return _decimal(value) or Formula(to_sympy(value))
     if isinstance(value[0], tuple):
         return _Matrix(tuple(tuple(_value(entry) for entry in row) for row in value if isinstance(row, tuple)))
     rows: list[Any] = [_value(entry) for entry in value]
@@ -400,28 +404,9 @@ def _value(value: Value, diagonal: bool = False) -> Written:
     return _Diagonal(tuple(rows)) if diagonal else Column(tuple(rows))
 
 
-def _decimal(value: Exact) -> str | None:
+def _decimal(value: Exact) -> Decimal | None:
     """A number of many digits as a decimal, if it is one."""
-    if not isinstance(value, Fraction) or len(str(value)) <= _LONG_NUMBER:
-        return None
-    rest, places = value.denominator, 0
-    while rest % 2 == 0 or rest % 5 == 0:
-        rest //= 2 if rest % 2 == 0 else 5
-        places += 1
-    if rest != 1:
-        return None
-    digits = str(abs(value.numerator) * 10**places // value.denominator)
-    return ("-" if value < 0 else "") + _with_point(digits, places)
-
-
-def _with_point(digits: str, places: int) -> str:
-    """Digits with `places` of them behind the point; with a power of ten where that is shorter than many zeros."""
-    mantissa = digits.rstrip("0") or "0"
-    exponent = len(digits) - 1 - places
-    scientific = f"{mantissa[0]}{'.' if mantissa[1:] else ''}{mantissa[1:]}e{exponent}"
-    padded = digits.rjust(places + 1, "0")
-    plain = f"{padded[:-places]}.{padded[-places:]}".rstrip("0") if places else padded
-    return scientific if len(plain) > _LONG_NUMBER and len(scientific) < len(plain) else plain
+    return Decimal.of(value) if isinstance(value, Fraction) and len(str(value)) > LONG_NUMBER else None
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,9 @@ _QUADRATIC = 2
 _MOST_TERMS = 2000
 """Longer expressions are printed as they are: nobody would read them, and looking for invariants takes time."""
 
+_MOST_FACTORED = 50
+"""Coefficients with more terms are not factored."""
+
 
 def invariant_metric(algebra: LieAlgebra) -> tuple[int, ...] | None:
     r"""The signs $\eta_i$ of a diagonal invariant form, or None if the Killing form is not such a form.
@@ -213,7 +216,7 @@ class _Recognition:
         n = self.notation.n
         return sum(
             (
-                c * Mul(*[variables[f * n + i] for f, i in zip(fields, place, strict=True)])
+                _factored(c) * Mul(*[variables[f * n + i] for f, i in zip(fields, place, strict=True)])
                 for place, c in entries.items()
             ),
             S.Zero,
@@ -369,6 +372,16 @@ def _term(
 ) -> tuple[tuple[tuple[int, int], ...], Expr]:
     """The factors of a monomial, each (field, component) repeated by its power, and the coefficient."""
     return tuple(place for place, power in zip(places, powers, strict=True) for _ in range(power)), coefficient
+
+
+def _factored(coefficient: Expr) -> Expr:
+    """A sum that is a product, as one: as a coefficient it was expanded."""
+    from sympy import factor
+
+    if not coefficient.is_Add or len(coefficient.args) > _MOST_FACTORED:
+        return coefficient
+    product_form: Any = factor(coefficient)
+    return product_form if product_form.is_Mul or product_form.is_Pow else coefficient
 
 
 def _scalar(atom: Atom) -> Formula:
