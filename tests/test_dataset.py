@@ -94,6 +94,7 @@ def test_a_path_below_a_file_is_refused(tmp_path):
         growth().save(tmp_path / "file" / "growth.nc")
 
 
+@pytest.mark.thorough
 def test_a_full_disk_leaves_the_older_file_as_it_was(tmp_path):
     """A limit on the size of files stands for the full disk."""
     path = growth().save(tmp_path / "growth.nc")

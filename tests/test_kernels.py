@@ -40,6 +40,7 @@ def run(simd, threads):
     )  # fmt: skip
 
 
+@pytest.mark.thorough
 def test_bits_do_not_depend_on_the_instruction_set_or_the_threads():
     widest, single, *expected = run("", 1).stdout.split()
     assert widest == _core.available_simd()[0]
@@ -55,6 +56,7 @@ def test_all_paths_of_this_processor_are_known():
     assert _core.available_simd()[-1] == "scalar"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["AVX512", "neon", "fast"])
 def test_an_unknown_instruction_set_is_refused(name):
     result = run(name, 1)

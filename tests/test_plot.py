@@ -35,6 +35,7 @@ def growth():
     return SimpleNamespace(time=TIME, exponent=exponent)
 
 
+@pytest.mark.thorough
 def test_convergence_shows_the_mean_its_band_and_the_fit(growth):
     fit = finite_time_fit(growth.time, growth.exponent)
     ax = plot.convergence(growth, fit=fit, label="twisted")
@@ -111,6 +112,7 @@ def test_house_style_leaves_settings_as_they_were(growth):
     assert dict(mpl.rcParams) == before
 
 
+@pytest.mark.thorough
 def test_a_figure_is_saved_as_three_files_that_do_not_change(growth, tmp_path):
     def save(name):
         with plot.house_style():

@@ -45,6 +45,7 @@ CASES = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("case", CASES)
 def test_known_integrals_of_every_case_are_constant(case):
     top, expected = CASES[case]
@@ -55,6 +56,7 @@ def test_known_integrals_of_every_case_are_constant(case):
         assert rate == 0, f"d/dt {name} = {rate}"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("top", "names"),
     [
@@ -171,6 +173,7 @@ def test_a_symbolic_parameter_is_named_by_field():
         Top.kovalevskaya("epsilon").field()
 
 
+@pytest.mark.thorough
 def test_a_top_needs_no_sympy_until_an_expression_is_asked_for():
     code = (
         "import sys\n"

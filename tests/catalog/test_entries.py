@@ -122,6 +122,7 @@ def by_hand(name, state):
     return list(chain(*EQUATIONS[name](*(state[k : k + n] for k in range(0, len(state), n)))))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", [name for name in NUMBERS if name not in WITH_SINES])
 def test_equations_are_those_written_by_hand(name):
     for state in (random_state(name, 0), random_state(name, 1)):
@@ -131,6 +132,7 @@ def test_equations_are_those_written_by_hand(name):
             )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", WITH_SINES)
 def test_equations_are_zeitlins_sums(name):
     state = [float(x) for x in random_state(name, 0)]
@@ -176,6 +178,7 @@ def test_integrable_systems_have_enough_independent_integrals(name):
     assert Matrix(gradients).rank() == here.bracket.dimension - rank // 2 + extra
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "reference"),
     [(name, r) for name in NAMES for r in catalog.entry(name).references if r.quantity != "lyapunov"],
@@ -193,6 +196,7 @@ def test_reference_values(name, reference):
         assert abs(mine - Rational(str(printed))) <= (reference.tolerance or 0), f"{mine} instead of {printed}"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NUMBERS)
 def test_orbits_keep_what_is_constant(name):
     here = system(name)

@@ -42,6 +42,7 @@ def test_the_manakov_top_of_so4_is_the_catalogs():
     assert top.bracket(K, top.integrals["K3"]) == 0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("n", [2, 3, 4])
 def test_su_tops_have_commuting_integrals_and_contain_manakovs(n):
     top = catalog.su_top(n)

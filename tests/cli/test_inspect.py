@@ -89,6 +89,7 @@ def test_ascii_where_the_terminal_has_no_more(monkeypatch):
     assert terminal_style() is UNICODE
 
 
+@pytest.mark.thorough
 def test_a_false_integral_is_called_false(command, tmp_path):
     path = tmp_path / "wrong.toml"
     path.write_text(TYPED + '[integrals]\nQ = "l3"\nH2 = "dot(beta, beta)"\n')

@@ -45,6 +45,7 @@ def test_a_file_with_a_root_goes_from_text_to_an_exponent(command, tmp_path):
     assert "outcomes: finished 2" in out
 
 
+@pytest.mark.thorough
 def test_results_are_saved_on_request(command, tmp_path):
     path = tmp_path / "growth.nc"
     code, _, _ = command("lyapunov", "lagrange", "--n", 2, "--t-end", 5, "--ensemble", "cube", "--out", path)
@@ -52,6 +53,7 @@ def test_results_are_saved_on_request(command, tmp_path):
     assert lp.load(path)["exponent"].sizes == {"trajectory": 2, "time": 200}
 
 
+@pytest.mark.thorough
 def test_a_folder_that_is_missing_is_made_and_one_in_the_place_of_the_file_refused_at_once(command, tmp_path):
     path = tmp_path / "new" / "growth.nc"
     code, _, _ = command("lyapunov", "lagrange", "--n", 1, "--t-end", 5, "--out", path)

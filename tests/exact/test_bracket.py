@@ -92,6 +92,7 @@ def test_jacobi_residuals_list_all_84_triples():
     assert set(residuals.values()) == {0}
 
 
+@pytest.mark.thorough
 def test_jacobi_residuals_agree_with_nested_brackets():
     W = [[list(row) for row in plane] for plane in leibniz(3, 2).tensor]
     W[2][0][2], W[2][2][0] = -W[2][0][2], -W[2][2][0]

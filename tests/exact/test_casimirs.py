@@ -12,6 +12,7 @@ from liepoisson.exact.lie_algebras import affine, heisenberg, se, sine, sl, so, 
 epsilon = sp.Symbol("epsilon")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("bracket", "degrees"),
     [
@@ -131,6 +132,7 @@ def test_no_case_where_the_bracket_has_a_pole():
     assert report.exceptional == ()
 
 
+@pytest.mark.thorough
 def test_an_incomplete_search_says_why():
     # su(5) (x) R[z]/(z^3) has Casimirs of degree 4 and 5, beyond the size limit.
     report = (su(5) @ trivial()).casimir_report()
@@ -138,6 +140,7 @@ def test_an_incomplete_search_says_why():
     assert "exceeds the size limit" in report.limits
 
 
+@pytest.mark.thorough
 def test_large_algebras_keep_their_killing_form():
     bracket = so(12) @ trivial()
     assert bracket.casimirs() == [sp.Add(*(x**2 for x in bracket.variables))]
@@ -161,6 +164,7 @@ def test_a_flipped_sign_changes_the_casimirs():
     assert wrong.casimirs()[0] == right.casimirs()[0].subs(epsilon, -epsilon) != right.casimirs()[0]
 
 
+@pytest.mark.thorough
 @settings(deadline=None, max_examples=15, derandomize=True)
 @given(st.lists(st.integers(-2, 2), min_size=9, max_size=9).filter(lambda p: sp.Matrix(3, 3, p).det() != 0))
 def test_the_number_of_casimirs_does_not_depend_on_the_basis(entries):

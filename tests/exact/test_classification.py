@@ -47,6 +47,7 @@ def test_named_extensions_have_their_normal_form(extension, name):
     assert_normal(extension, found)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("form", FORMS, ids=repr)
 @settings(lean, max_examples=3)
 @given(data=st.data())
@@ -74,6 +75,7 @@ def check_basis_change(form, data):
     assert back.tensor == form.tensor
 
 
+@pytest.mark.thorough
 @lean
 @given(d=st.sampled_from([2, 3]), data=st.data())
 def test_a_quadratic_form_decides_by_its_signature(d, data):
@@ -91,6 +93,7 @@ def test_a_quadratic_form_decides_by_its_signature(d, data):
     assert factor.normal_form is not None  # and the change of basis was verified on the way
 
 
+@pytest.mark.thorough
 @lean
 @given(relation=st.tuples(numbers, numbers, numbers), scales=st.tuples(numbers, numbers))
 def test_one_relation_between_two_generators_decides_by_its_discriminant(relation, scales):
@@ -106,6 +109,7 @@ def test_one_relation_between_two_generators_decides_by_its_discriminant(relatio
     assert factor.name == names[(discriminant > 0) - (discriminant < 0)]
 
 
+@pytest.mark.thorough
 @lean
 @given(cubes=st.tuples(numbers, numbers), b=numbers, mix=numbers)
 def test_chains_of_two_generators(cubes, b, mix):
@@ -295,6 +299,7 @@ def test_a_sign_in_the_tensor_changes_the_verdict():
         assert classify(W).name != form.name
 
 
+@pytest.mark.thorough
 def test_large_algebras_of_simple_kinds_are_recognised():
     assert classify(leibniz(24)).name == "R[x]/(x^24)"
     assert classify(semidirect(24)).name.endswith("^2")
@@ -302,6 +307,7 @@ def test_large_algebras_of_simple_kinds_are_recognised():
         classify(leibniz(41))
 
 
+@pytest.mark.thorough
 def test_a_dense_change_of_basis_is_verified_without_all_minors():
     """e'_i = e_i + e_(i+1) + ... in R[x]/(x^18): the way back has 2^18 minors of a dense matrix."""
     n = 18

@@ -169,6 +169,7 @@ def test_leaves_that_are_not_proved_may_be_incomplete():
     assert warning not in inspect(System(proved, proved.variables[0])).text(PLAIN)
 
 
+@pytest.mark.thorough
 def test_an_integral_that_is_known_already_is_listed_once():
     """P of the twisted Lagrange top, given with a factor and Casimirs; l3 squared is another one."""
     known = Top.twisted_lagrange()
@@ -183,16 +184,19 @@ def test_an_integral_that_is_known_already_is_listed_once():
         assert [entry["name"] for entry in inspect(system).record()["integrals"]] == listed
 
 
+@pytest.mark.thorough
 def test_long_casimirs_are_written_once():
     text = inspect(catalog.system("zeitlin-3")).text(UNICODE)
     assert "constant on them: |w|², C₂" in text
 
 
+@pytest.mark.thorough
 def test_no_row_of_the_report_is_longer_than_the_page():
     for name in ("steklov", "zeitlin-3", "lyapunov"):
         assert max(map(len, inspect(catalog.system(name)).text(UNICODE).split("\n"))) <= 119
 
 
+@pytest.mark.thorough
 def test_a_full_matrix_of_parameters_is_written_as_one():
     bracket, energy = so(3) @ semidirect(2), "dot(l, l)/2 + dot(alpha, A*alpha)/2"
     system = System(bracket, energy, {"A": [[2, 1, 0], [1, 3, 0], [0, 0, "1/2"]]})
@@ -236,6 +240,7 @@ def test_describe_is_the_short_form():
     )
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["so21-heavy-top", "so21-twisted-top"])
 def test_the_scalar_product_of_so21_is_defined_where_it_is_used(name):
     here = catalog.system(name)
@@ -263,6 +268,7 @@ def test_no_symmetries_found_says_what_was_searched():
 SEMIDIRECT_TOP = (so(3) @ semidirect(2), "dot(l, l)/2 + alpha[3]")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("zero", "verdict"),
     [

@@ -148,6 +148,7 @@ def test_functions_that_are_not_smooth_are_refused_as_such(name):
     assert "not smooth" in str(refusal(f"{name}(l1)"))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "text",
     [
@@ -183,6 +184,7 @@ def test_what_would_take_forever_is_refused_quickly(text):
     assert time.perf_counter() - start < 5
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "text",
     [
@@ -292,6 +294,7 @@ def evaluated(tree):
     return ARITHMETIC[sign](evaluated(left), evaluated(right))
 
 
+@pytest.mark.thorough
 @given(trees)
 def test_a_printed_formula_is_read_back_with_the_same_value(tree):
     try:
@@ -313,6 +316,7 @@ PIECES = [
 ]
 
 
+@pytest.mark.thorough
 @given(st.one_of(st.lists(st.sampled_from(PIECES), max_size=25).map("".join), trees.map(printed)))
 def test_any_formula_is_read_or_refused_quickly(text):
     start = time.perf_counter()
@@ -358,6 +362,7 @@ print(events)
 """
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("control", [False, True])
 def test_reading_runs_no_code(control):
     texts = [

@@ -194,6 +194,7 @@ def test_extensions_travel_between_processes():
         assert (copy.tensor, copy.name, copy.field_names) == (extension.tensor, extension.name, extension.field_names)
 
 
+@pytest.mark.thorough
 def test_rational_extensions_do_not_load_sympy():
     program = """
 import sys

@@ -108,6 +108,7 @@ def test_a_field_is_recorded_as_plain_data(name):
 coefficients = st.fractions(min_value=-3, max_value=3, max_denominator=7)
 
 
+@pytest.mark.thorough
 @settings(deadline=None, max_examples=25)
 @given(st.dictionaries(st.tuples(st.integers(0, 8), st.integers(0, 8)), coefficients, max_size=8), coefficients)
 def test_any_quadratic_hamiltonian_gives_the_derived_field(entries, epsilon):

@@ -159,6 +159,7 @@ trees = st.recursive(
 )
 
 
+@pytest.mark.thorough
 @given(trees)
 def test_plain_components_read_back_as_the_same_expression(expression):
     """The printed text is in the grammar of system files, and means what was printed."""
@@ -168,6 +169,7 @@ def test_plain_components_read_back_as_the_same_expression(expression):
     assert complex(read.subs(point)) == pytest.approx(complex(expression.subs(point)), rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.thorough
 @given(trees)
 def test_braces_balance_in_latex(expression):
     text = Formula(expression, {}, COORDINATES).latex

@@ -320,6 +320,7 @@ LINES = [line for line in (TOP + MINIMAL).split("\n") if line] + [
 ]
 
 
+@pytest.mark.thorough
 @given(st.one_of(st.text(max_size=200), st.lists(st.sampled_from(LINES), max_size=14).map("\n".join)))
 def test_any_text_is_a_system_file_or_refused(text):
     try:
@@ -331,6 +332,7 @@ def test_any_text_is_a_system_file_or_refused(text):
     assert message.startswith("system file")
 
 
+@pytest.mark.thorough
 def test_components_of_large_matrices_have_names_of_their_own():
     # so(5) has ten dimensions; in A1_10 the indices are set off, as (1, 11) and (11, 1) must be in larger ones
     A = [[0] * 10 for _ in range(10)]

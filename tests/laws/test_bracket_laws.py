@@ -70,6 +70,7 @@ def bracket_and_polynomials(draw):
     )
 
 
+@pytest.mark.thorough
 @exactly
 @given(bracket_and_polynomials())
 def test_brackets_are_antisymmetric(drawn):
@@ -77,6 +78,7 @@ def test_brackets_are_antisymmetric(drawn):
     assert sp.expand(bracket(f, g) + bracket(g, f)) == 0
 
 
+@pytest.mark.thorough
 @exactly
 @given(bracket_and_polynomials())
 def test_brackets_obey_the_leibniz_rule(drawn):
@@ -84,6 +86,7 @@ def test_brackets_obey_the_leibniz_rule(drawn):
     assert sp.expand(bracket(f * g, h) - f * bracket(g, h) - bracket(f, h) * g) == 0
 
 
+@pytest.mark.thorough
 @exactly
 @given(bracket_and_polynomials())
 def test_brackets_obey_the_jacobi_identity(drawn):
@@ -106,6 +109,7 @@ def test_casimir_gradients_are_null_vectors(name):
         assert set(bracket.vector_field(casimir)) == {0}
 
 
+@pytest.mark.thorough
 @exactly
 @given(named, st.data())
 def test_the_rank_is_even_and_casimirs_bound_it(name, data):
@@ -200,6 +204,7 @@ tops = st.builds(
 )
 
 
+@pytest.mark.thorough
 @exactly
 @given(tops, st.lists(rational, min_size=9, max_size=9))
 def test_hand_written_field_is_j_grad_h_is_the_symbolic_field(top, point):
@@ -216,6 +221,7 @@ def test_hand_written_field_is_j_grad_h_is_the_symbolic_field(top, point):
         np.testing.assert_allclose(computed, np.array(exact, dtype=float)[:, 0], rtol=0, atol=bound)
 
 
+@pytest.mark.thorough
 @exactly
 @given(tops)
 def test_matching_finds_the_parameters_again(top):

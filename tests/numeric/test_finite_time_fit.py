@@ -70,6 +70,7 @@ def test_bootstrap_error_is_that_of_the_mean_of_member_fits():
     np.testing.assert_allclose(list(fit.standard_errors.values()), expected, rtol=0.056)
 
 
+@pytest.mark.thorough
 def test_intervals_cover_the_truth_as_often_as_they_say():
     # 400 ensembles of 200 members: at 90 % the count of covering intervals is binomial with standard deviation 6.
     # Skewness at n = 200 costs the percentile interval up to 1 % of coverage, so the count is between 336 and 384
@@ -83,6 +84,7 @@ def test_intervals_cover_the_truth_as_often_as_they_say():
         assert 336 <= count <= 384, f"{name}: {count} of {n_ensembles} intervals at 90 % cover the truth"
 
 
+@pytest.mark.thorough
 def test_band_of_the_mean_covers_the_truth():
     truth = TRUTH["lambda"] + TRUTH["c1"] / np.sqrt(TIME) + TRUTH["c0"] / TIME
     covered = np.zeros(TIME.size)
@@ -195,6 +197,7 @@ def test_an_estimate_reads_with_its_error():
     assert str(Estimate(2.0, 0.0, 2.0, 2.0)) == "2 ± 0"
 
 
+@pytest.mark.thorough
 def test_large_ensemble_is_fitted_in_modest_memory():
     import tracemalloc
 
@@ -244,6 +247,7 @@ def test_no_windows_and_bad_resampling_are_refused():
         mean_curve(TIME, synthetic_ensemble(5, seed=0)).at(2000.0)
 
 
+@pytest.mark.thorough
 def test_chi_squared_of_the_truth_has_mean_three():
     """Over 400 ensembles the mean is 3 with deviation sqrt(6/400); 5 sigma, error probability 6e-7."""
     rng = np.random.default_rng(8)

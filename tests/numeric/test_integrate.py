@@ -24,6 +24,7 @@ NAMED = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("top", NAMED.values(), ids=NAMED.keys())
 def test_orbit_agrees_with_an_independent_integrator(top):
     """SciPy's DOP853 at rtol 1e-13 on the symbolic field; its own error at t=10 is a few 1e-13."""
@@ -212,6 +213,7 @@ def test_no_trajectories_give_an_empty_orbit():
     assert orbit.state.shape == (0, 2, 9)
 
 
+@pytest.mark.thorough
 def test_ctrl_c_stops_a_long_run_soon():
     x0 = lp.sample_states(TOP, 8, seed=1)
     timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
@@ -221,6 +223,7 @@ def test_ctrl_c_stops_a_long_run_soon():
     timer.join()
 
 
+@pytest.mark.thorough
 def test_progress_rises_to_at_most_one_and_its_errors_stop_the_run():
     x0 = lp.sample_states(TOP, 8, seed=1)
     seen = []

@@ -63,6 +63,7 @@ def test_default_times_end_exactly_at_t_end():
     assert growth.exponent.shape == (1, 200)
 
 
+@pytest.mark.thorough
 def test_regular_and_chaotic_ensembles_differ():
     """Kovalevskaya: the mean falls like ln t / t. Twisted: it stays near 0.13. 64 starts, fixed seeds."""
     regular, chaotic = (

@@ -161,6 +161,7 @@ def test_names_come_with_their_first_position():
     assert names_in(parse("f(b) + a*b + l[1]")) == {"b": 2, "a": 7, "l": 13}
 
 
+@pytest.mark.thorough
 @given(st.one_of(st.text(max_size=300), st.text(SIGNS, max_size=300)))
 def test_any_text_is_parsed_or_refused_quickly(text):
     start = time.perf_counter()

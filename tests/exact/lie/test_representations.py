@@ -82,6 +82,7 @@ def test_se3_is_a_semidirect_sum():
     assert made.name == "se(3)"
 
 
+@pytest.mark.thorough
 @settings(deadline=None, max_examples=20, derandomize=True)
 @given(st.sampled_from([so(3), so(4), sl(2), su(3), heisenberg(1), abelian(2)]))
 def test_the_adjoint_representation_gives_a_lie_algebra(algebra):

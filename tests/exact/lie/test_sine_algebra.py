@@ -17,6 +17,7 @@ def test_the_addition_theorem_is_the_jacobi_identity(N):
     assert sine(N).jacobi_residuals() == {}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("N", [3, 5])
 def test_a_wrong_sine_breaks_jacobi(N):
     brackets = sine(N).brackets
@@ -103,6 +104,7 @@ def test_it_is_semisimple_of_rank_two_for_three():
     assert algebra.centre().dimension == 0
 
 
+@pytest.mark.thorough
 def test_the_mean_field_limit_is_the_ideal_fluid():
     # {w_m, w_n} -> (m x n) w_(m+n): for m = (1, 0), n = (0, 1) the constant of c_m, c_n along c_(m+n) tends to -1/2.
     def constant(N):
@@ -126,6 +128,7 @@ def test_the_coordinates_of_large_truncations_stay_distinct():
     assert len(set(names)) == 440
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("N", [3, 5, 11])
 def test_there_are_few_distinct_constants(N):
     values = {c for row in sine(N).brackets.values() for c in row.values()}

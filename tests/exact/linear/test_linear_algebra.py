@@ -51,6 +51,7 @@ def test_null_vectors_are_in_reduced_form(matrix):
         assert {end: vector.get(end, 0) for end in ends} == {end: int(end == ends[k]) for end in ends}
 
 
+@pytest.mark.thorough
 @exactly
 @given(matrices)
 def test_a_rank_modulo_a_prime_is_a_lower_bound(matrix):

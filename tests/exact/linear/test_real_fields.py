@@ -20,6 +20,7 @@ def test_the_field_is_no_larger_than_the_entries():
     assert real_field([sp.Integer(1), epsilon]).name == "Q(epsilon)"
 
 
+@pytest.mark.thorough
 @given(positive, positive)
 def test_squares_are_taken_out(d, r):
     root, radicand = Q.extract_square(d * r * r)
@@ -34,6 +35,7 @@ def test_squares_of_large_numbers_are_found_without_factoring():
     assert Q.extract_square(Fraction(12 * prime**2)) == (2 * prime, 3)
 
 
+@pytest.mark.thorough
 @settings(deadline=None)
 @given(positive, positive)
 def test_arithmetic_of_surds_is_that_of_real_numbers(a, b):

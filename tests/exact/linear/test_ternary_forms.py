@@ -35,6 +35,7 @@ def divided(number, p):
     return power, number // p**power
 
 
+@pytest.mark.thorough
 @settings(max_examples=100, deadline=None)
 @given(nonzero, nonzero, nonzero)
 def test_a_zero_is_found_exactly_when_there_is_one_modulo_all_primes(a, b, c):
@@ -49,6 +50,7 @@ def test_a_zero_is_found_exactly_when_there_is_one_modulo_all_primes(a, b, c):
         assert value(form, vector, vector) == 0
 
 
+@pytest.mark.thorough
 @settings(max_examples=25, deadline=None)
 @given(st.lists(st.fractions(-9, 9, max_denominator=5), min_size=9, max_size=9), st.fractions(-8, 8, max_denominator=7))
 def test_a_multiple_of_three_squares_is_recognised(entries, scale):

@@ -1,5 +1,6 @@
 from itertools import combinations_with_replacement
 
+import pytest
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -18,6 +19,7 @@ from liepoisson.exact.poisson.casimir_search import (
 BRACKETS = {"twisted": so(3) @ leibniz(3), "se(3)": se(3) @ trivial(), "sl(2)": sl(2) @ leibniz(2)}
 
 
+@pytest.mark.thorough
 @settings(deadline=None, max_examples=25, derandomize=True)
 @given(st.sampled_from(sorted(BRACKETS)), st.data())
 def test_images_are_j_grad_c(name, data):
@@ -32,6 +34,7 @@ def test_images_are_j_grad_c(name, data):
     assert [sp.expand(value) for value in images] == list(bracket.vector_field(C))
 
 
+@pytest.mark.thorough
 def test_blocks_by_weight_lose_nothing():
     # One system with all quadratic monomials at once, solved by SymPy.
     for bracket in BRACKETS.values():

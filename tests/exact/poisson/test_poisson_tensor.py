@@ -24,6 +24,7 @@ def dense(rows):
     return sp.Matrix(len(rows), len(rows), lambda i, j: sp.sympify(rows[i].get(j, 0)))
 
 
+@pytest.mark.thorough
 @settings(deadline=None, max_examples=20, derandomize=True)
 @given(st.lists(st.fractions(-3, 3, max_denominator=5), min_size=6, max_size=6))
 def test_the_matrix_at_a_point_is_that_of_sympy(point):

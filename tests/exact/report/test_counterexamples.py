@@ -8,6 +8,7 @@ from liepoisson.exact.report.counterexamples import is_nonzero_on, is_nonzero_so
 x, y, z = variables = sp.symbols("x y z")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("function", "zero", "expected"),
     [

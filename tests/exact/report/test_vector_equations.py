@@ -96,6 +96,7 @@ monomials = st.lists(
 )
 
 
+@pytest.mark.thorough
 @settings(max_examples=40)
 @given(monomials, st.sampled_from([so(3), so(2, 1), su(2)]))
 def test_products_written_out_are_the_hamiltonian_vector_field(terms, algebra):

@@ -84,6 +84,7 @@ numbers = st.integers(-3, 3)
 invariants = [l.dot(l), l.dot(alpha), alpha.dot(beta), beta.dot(beta), a.dot(l), b.dot(beta), l.dot(alpha.cross(beta))]
 
 
+@pytest.mark.thorough
 @settings(max_examples=40)
 @given(st.lists(numbers, min_size=7, max_size=7), st.lists(numbers, min_size=9, max_size=9), st.booleans())
 def test_formulas_equal_what_they_print(weights, linear, with_parameter):
@@ -98,6 +99,7 @@ def test_formulas_equal_what_they_print(weights, linear, with_parameter):
         assert NOTATION.formula(expression).atoms
 
 
+@pytest.mark.thorough
 @given(st.sampled_from(range(9)), st.sampled_from(range(9)), st.sampled_from([-1, 1, 2]))
 def test_an_expression_that_is_slightly_different_is_not_mistaken(i, j, weight):
     """Adding one monomial to C1 changes what is printed."""

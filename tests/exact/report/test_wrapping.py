@@ -1,5 +1,6 @@
 """Rows of a report: not longer than the page, broken where a reader would break them, nothing lost."""
 
+import pytest
 import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
@@ -42,6 +43,7 @@ def test_where_a_formula_may_be_broken():
     assert breakable("a = b + (c - d, e) f").split(" ") == ["a\x00=\x00b", "+\x00(c\x02-\x00d,\x01e)\x00f"]
 
 
+@pytest.mark.thorough
 @given(st.lists(st.integers(-9, 9), min_size=12, max_size=12), st.integers(12, 60))
 def test_nothing_is_lost_and_no_row_is_too_long(weights, width):
     formula = Formula(sp.Add(*(w * v for w, v in zip(weights, x, strict=True))))
