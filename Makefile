@@ -31,6 +31,7 @@ check: $(VENV)/.built $(VENV)/.dev ## format, lint, types and quick tests, in le
 
 bench: $(VENV)/.built ## speed against heyoka.py, side by side (its own environment; leave the machine alone meanwhile)
 	$(BIN)/python benchmarks/run.py
+	$(BIN)/python benchmarks/general.py
 
 wheel: | $(VENV)/.run ## build the wheel into dist/
 	rm -rf dist

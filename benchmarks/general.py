@@ -108,6 +108,28 @@ class Bench:
         )
         return Row(title, contenders, general_problems.N_STARTS * self.one.t_end)
 
+    def cold(self, level: float) -> Row:
+        """From starting Python to the mean exponent of the twisted top; heyoka as in `run.py`."""
+        import general_liepoisson_worker
+
+        request: dict[str, Any] = {"problem": str(self.file), "t_end": problem.T_ACCURACY}
+        peer, ours = (calibrate.loosest(self.scans[side], level, level) for side in ("heyoka", "liepoisson"))
+        field = asdict(general_liepoisson_worker.field_of(self.one))
+        heyoka = request | {"task": "cold", "tol": peer[0].tol, "batch": self.peers["heyoka"]["batch"]}
+        plain = request | {"task": "cold", "tol": ours[0].tol, "system": self.one.name, "field": json.dumps(field)}
+        contenders = [
+            Contender("heyoka", "heyoka", heyoka, asdict(peer[0]) | {"meets": peer[1]}),
+            Contender("liepoisson, field as data", "liepoisson", plain, asdict(ours[0]) | {"meets": ours[1]}),
+            Contender(
+                "liepoisson, Hamiltonian as text",
+                "liepoisson",
+                plain | {"task": "cold_text"},
+                asdict(ours[0]) | {"meets": ours[1]},
+            ),
+        ]
+        title = f"Cold start, {self.one.name} as a quadratic field: new Python process to 512 exponents at t = 20"
+        return Row(title, contenders, general_problems.N_STARTS * problem.T_ACCURACY, wall=True)
+
 
 def main() -> None:
     """Measure, print tables, and write results/general.json or results/general-quick.json."""
@@ -128,8 +150,9 @@ def main() -> None:
         bench = Bench(PROBLEMS[name], avx2)
         described = report.environment_text(facts | {"reference_error": bench.reference_error, "batch": bench.peers})
         print(described, flush=True)
-        for level in LEVELS:
-            row = bench.row(level)
+        rows = [bench.row(level) for level in LEVELS]
+        rows += [bench.cold(LEVELS[0])] if name == "twisted top" else []
+        for row in rows:
             measured = measure.run_row(row, rounds)
             print("\n" + report.table(row, measured), flush=True)
             records.append(report.record(row, measured))

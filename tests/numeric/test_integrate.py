@@ -215,12 +215,15 @@ def test_no_trajectories_give_an_empty_orbit():
 
 @pytest.mark.thorough
 def test_ctrl_c_stops_a_long_run_soon():
+    # a process started in the background by a shell ignores the signal
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     x0 = lp.sample_states(TOP, 8, seed=1)
     timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
     timer.start()
     with pytest.raises(KeyboardInterrupt):
         lp.integrate(TOP, x0, t=[0, 1e12])
     timer.join()
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.thorough
