@@ -341,3 +341,9 @@ def test_components_of_large_matrices_have_names_of_their_own():
     system = read_system_file(text + 'expression = "dot(M, A*M) + A[10,1]*M[2] + A1_10*M13"').system()
     M12, M13, *_, M45 = system.variables
     assert sp.expand(system.hamiltonian - (M12**2 + 7 * M12 * M45 + 7 * M13)) == 0
+
+
+@pytest.mark.parametrize("path", [None, 5, b"top.toml", ["top.toml"]])
+def test_a_path_is_a_text_or_a_path(path):
+    with pytest.raises(SystemFileError, match="given by its path"):
+        load_system_file(path)

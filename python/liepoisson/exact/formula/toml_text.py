@@ -80,7 +80,11 @@ def read_toml(path: str | Path) -> TomlText:
     Raises:
         SystemFileError: there is no such file, it is too large or not UTF-8, or it is not TOML (with the line).
     """
-    return parse_toml(_text_of(Path(path)), str(path))
+    try:
+        found = Path(path)
+    except TypeError:
+        raise SystemFileError(f"a system file is given by its path; got {path!r:.60}. Write its name.") from None
+    return parse_toml(_text_of(found), str(path))
 
 
 def parse_toml(text: str, path: str) -> TomlText:
