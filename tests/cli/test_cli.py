@@ -229,7 +229,7 @@ def test_quick_study_prints_a_table_and_is_silent_without_a_terminal(tmp_path):
 def test_progress_is_shown_on_a_terminal(start, tmp_path):
     master, slave = pty.openpty()
     environment = {**os.environ, "TERM": "xterm", "COLUMNS": "140"}
-    process = start("--members", 4000, "--out", tmp_path, stderr=slave, env=environment)
+    process = start("--members", 40_000, "--out", tmp_path, stderr=slave, env=environment)
     os.close(slave)
     wait_for_piece(process, tmp_path / "pieces" / "twisted-unit-vectors")
     time.sleep(1.5)
