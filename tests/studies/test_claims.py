@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 import pytest
+from numerical_claims import NUMERICAL
 
 import liepoisson as lp
 from liepoisson.studies.twisted_top.claims import CLAIMS, Claim, Verdict, claims_to_json, evaluate_claims
@@ -61,15 +62,6 @@ EXACT = {
     "homoclinic-orbits": CONDITION,
     "deformation-breaks-integrability": INCOMPLETE,
 }
-NUMERICAL = (
-    "twisted-kovalevskaya-chaotic",
-    "lyapunov-exponent-value",
-    "printed-fit",
-    "ordinary-exponent-vanishes",
-    "dashed-curve-inertia",
-    "parameters-fix-exponent",
-    "single-exponent",
-)
 BY_ID = {claim.id: claim for claim in CLAIMS}
 
 

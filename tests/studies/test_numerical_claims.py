@@ -5,21 +5,13 @@ from copy import deepcopy
 
 import numpy as np
 import pytest
+from numerical_claims import NUMERICAL
 
 from liepoisson.studies.twisted_top.claims import CLAIMS, Context
 from liepoisson.studies.twisted_top.claims.numerics import _heterogeneity
 
 HOLDS, CONDITION, WRONG, MISPRINT, OPEN = "holds", "holds with a condition", "wrong", "misprint", "not settled"
 INCOMPLETE = "incomplete"
-NUMERICAL = (
-    "twisted-kovalevskaya-chaotic",
-    "lyapunov-exponent-value",
-    "printed-fit",
-    "ordinary-exponent-vanishes",
-    "dashed-curve-inertia",
-    "parameters-fix-exponent",
-    "single-exponent",
-)
 BY_ID = {claim.id: claim for claim in CLAIMS}
 
 
