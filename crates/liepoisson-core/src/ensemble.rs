@@ -1,13 +1,13 @@
 //! Many trajectories: threads times lanes, with progress, cancellation, and one outcome per trajectory.
 
 use crate::error::Error;
-use crate::field::Field;
-use crate::lanes::{Lane, Simd, Task, dispatch};
-use crate::method::{Block, Taylor};
+use crate::field::Space;
+use crate::lanes::Simd;
+use crate::method::{Block, Method, Stepping, Verdict};
 use std::collections::TryReserveError;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// How a trajectory ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,12 +22,23 @@ pub enum Outcome {
     MaxSteps,
     /// The run was cancelled before it reached the last time.
     Cancelled,
+    /// The implicit equation of a step was not solved: the step is too long for it.
+    NoConvergence,
+    /// The time that the run may take was over before it reached the last time.
+    TimeLimit,
 }
 
 impl Outcome {
     /// All of them; the position of an outcome is its code in results.
-    pub const ALL: [Outcome; 5] =
-        [Outcome::Finished, Outcome::StepTooSmall, Outcome::NotFinite, Outcome::MaxSteps, Outcome::Cancelled];
+    pub const ALL: [Outcome; 7] = [
+        Outcome::Finished,
+        Outcome::StepTooSmall,
+        Outcome::NotFinite,
+        Outcome::MaxSteps,
+        Outcome::Cancelled,
+        Outcome::NoConvergence,
+        Outcome::TimeLimit,
+    ];
 
     /// Its name in results.
     pub fn name(self) -> &'static str {
@@ -37,6 +48,8 @@ impl Outcome {
             Outcome::NotFinite => "not finite",
             Outcome::MaxSteps => "max steps",
             Outcome::Cancelled => "cancelled",
+            Outcome::NoConvergence => "no convergence",
+            Outcome::TimeLimit => "time limit",
         }
     }
 }
@@ -54,26 +67,27 @@ pub struct Summary {
     pub state: Vec<f64>,
 }
 
-/// Seen by an [`Observer`]: one lane during one accepted step, before the lane is advanced.
-pub struct Step<'s, F, V> {
-    block: &'s Block<'s, F, V>,
+/// Seen by an [`Observer`]: one lane during one accepted step.
+///
+/// A method with power series shows it before the lane is advanced, and knows the state at any time inside it; the
+/// others show it afterwards, and know the state at its end.
+pub struct Step<'s> {
+    block: &'s dyn Block,
     lane: usize,
     /// Time at the start of the step.
     pub time: f64,
-    /// Length of the step, negative when running backwards.
+    /// Length of the step, negative when running backwards; equal steps come several at once, with their whole length.
     pub size: f64,
     scales: &'s [i64],
 }
 
-impl<F: Field, V: Lane> Step<'_, F, V> {
+impl Step<'_> {
     /// The state a time `tau` after the start of the step.
-    #[inline(always)]
     pub fn state(&self, tau: f64, values: &mut [f64]) {
         self.block.evaluate(self.lane, 0, tau, values);
     }
 
     /// Tangent vector `k` (from 0) as `values * 2^scale`; returns `scale`.
-    #[inline(always)]
     pub fn tangent(&self, k: usize, tau: f64, values: &mut [f64]) -> i64 {
         self.block.evaluate(self.lane, 1 + k, tau, values);
         self.scales[k]
@@ -93,9 +107,9 @@ pub trait Observer: Send {
     /// `member` starts in `lane`.
     fn begin(&mut self, lane: usize, member: usize);
     /// A step was accepted.
-    fn step<F: Field, V: Lane>(&mut self, lane: usize, step: &Step<'_, F, V>);
+    fn step(&mut self, lane: usize, step: &Step<'_>);
     /// The step contains time number `index` of the ensemble, `tau` after its start.
-    fn sample<F: Field, V: Lane>(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_, F, V>);
+    fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>);
     /// `member` has ended.
     fn end(&mut self, lane: usize, member: usize, summary: Summary);
 }
@@ -104,6 +118,8 @@ pub trait Observer: Send {
 #[derive(Default)]
 pub struct Control {
     cancelled: AtomicBool,
+    deadline: Option<Instant>,
+    time_is_up: AtomicBool,
     /// Trajectories done, in units of 2^-32.
     done: AtomicU64,
 }
@@ -111,6 +127,29 @@ pub struct Control {
 const ONE: f64 = 4_294_967_296.0;
 
 impl Control {
+    /// A run that ends by itself after `limit`.
+    pub fn with_time_limit(limit: Duration) -> Control {
+        Control { deadline: Instant::now().checked_add(limit), ..Control::default() }
+    }
+
+    /// The outcome of trajectories that have to stop now, if they have to.
+    pub fn reason_to_stop(&self) -> Option<Outcome> {
+        if self.cancelled.load(Ordering::Relaxed) {
+            Some(Outcome::Cancelled)
+        } else if self.time_is_up.load(Ordering::Relaxed) {
+            Some(Outcome::TimeLimit)
+        } else {
+            None
+        }
+    }
+
+    /// Looks at the clock; cheap, but not cheap enough for every step.
+    fn look_at_clock(&self) {
+        if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
+            self.time_is_up.store(true, Ordering::Relaxed);
+        }
+    }
+
     /// Asks the workers to stop soon.
     pub fn cancel(&self) {
         self.cancelled.store(true, Ordering::Relaxed);
@@ -123,11 +162,12 @@ impl Control {
 }
 
 /// What is to be computed: starts, tangent vectors, and the times that matter.
-pub struct Ensemble<'a, F> {
+#[derive(Clone, Copy)]
+pub struct Ensemble<'a, F, M> {
     /// The vector field.
     pub field: &'a F,
     /// How it is integrated.
-    pub method: Taylor,
+    pub method: M,
     /// States at the first time, member by member.
     pub states: &'a [f64],
     /// Tangent vectors at the first time: member by member, vector by vector.
@@ -138,7 +178,7 @@ pub struct Ensemble<'a, F> {
     pub times: &'a [f64],
 }
 
-impl<F: Field> Ensemble<'_, F> {
+impl<F: Space, M: Method<F>> Ensemble<'_, F, M> {
     /// Number of trajectories.
     pub fn n_members(&self) -> usize {
         self.states.len() / self.field.n_components()
@@ -194,7 +234,7 @@ impl<F: Field> Ensemble<'_, F> {
                 let (queue, running, observer) = (&queue, &running, &observer);
                 scope.spawn(move || {
                     let _counted = running.guard();
-                    dispatch(simd, Worker { ensemble: self, queue, control, observer });
+                    Worker { ensemble: self, queue, control }.run(simd, observer);
                 });
             }
             watch(&|at_most| running.wait(at_most));
@@ -239,17 +279,16 @@ impl Running {
     }
 }
 
-/// Steps between two looks at the flag of cancellation and two reports of progress.
-const STEPS_PER_REPORT: usize = 64;
+/// Turns of the loop between two looks at the clock and the flag of cancellation, and two reports of progress.
+const TURNS_PER_REPORT: usize = 64;
 
 /// Samples within one step between two looks at the flag of cancellation.
 const SAMPLES_PER_LOOK: usize = 4096;
 
 struct Worker<'w, F, M> {
-    ensemble: &'w Ensemble<'w, F>,
+    ensemble: &'w Ensemble<'w, F, M>,
     queue: &'w AtomicUsize,
     control: &'w Control,
-    observer: &'w M,
 }
 
 /// One trajectory under way.
@@ -261,71 +300,74 @@ struct Seat {
     time_low: f64,
     next_sample: usize,
     n_steps: u64,
+    n_refused: u64,
+    /// Equal steps that are left up to the next wanted time, and their size.
+    steps_left: u64,
+    equal_step: f64,
     /// Exponents of the powers of two taken out of the tangent vectors.
     scales: Vec<i64>,
     reported: u64,
 }
 
-impl<F: Field, O: Observer, M: Fn(usize) -> O + Sync> Task for Worker<'_, F, M> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<V: Lane>(self) {
+impl<F: Space, M: Method<F>> Worker<'_, F, M> {
+    fn run<O: Observer>(&self, simd: Simd, make_observer: &impl Fn(usize) -> O) {
         let ensemble = self.ensemble;
-        let mut observer = (self.observer)(V::WIDTH);
-        let mut block = Block::<F, V>::new(ensemble.field, ensemble.method, ensemble.n_tangents);
-        let mut seats: Vec<Seat> = (0..V::WIDTH).map(|_| Seat::empty(ensemble.n_tangents)).collect();
-        let mut sizes = vec![0.0; V::WIDTH];
-        let mut steps = 0;
-        while self.fill_seats(&mut block, &mut seats, &mut observer) {
-            block.expand();
-            block.step_sizes(&mut sizes);
-            for lane in 0..V::WIDTH {
-                sizes[lane] = self.decide(&mut block, lane, &mut seats[lane], sizes[lane], &mut observer);
+        let mut block = ensemble.method.block_for(simd, ensemble.field, ensemble.n_tangents);
+        let block = block.as_mut();
+        let lanes = block.n_lanes();
+        let mut observer = make_observer(lanes);
+        let mut seats: Vec<Seat> = (0..lanes).map(|_| Seat::empty(ensemble.n_tangents)).collect();
+        let (mut sizes, mut verdicts) = (vec![0.0; lanes], vec![Verdict::Taken; lanes]);
+        let mut turns = 0;
+        self.control.look_at_clock();
+        while self.fill_seats(block, &mut seats, &mut observer) {
+            block.prepare(&mut sizes);
+            let repeats = self.plan(block, &mut seats);
+            for (lane, seat) in seats.iter_mut().enumerate() {
+                sizes[lane] = self.decide(block, lane, seat, sizes[lane], repeats, &mut observer);
             }
-            let mut step = V::splat(0.0);
-            step.as_scalars_mut().copy_from_slice(&sizes);
-            block.advance(step);
-            self.rescale_tangents(&mut block, &mut seats);
-            self.dismiss_finished(&mut block, &mut seats, &mut observer);
-            steps += 1;
-            if steps % STEPS_PER_REPORT == 0 {
+            block.advance(&sizes, repeats, &mut verdicts);
+            if block.stepping() != Stepping::Series {
+                for (lane, seat) in seats.iter_mut().enumerate().filter(|(_, seat)| seat.occupied) {
+                    self.conclude(block, lane, seat, (sizes[lane], repeats), verdicts[lane], &mut observer);
+                }
+            }
+            self.rescale_tangents(block, &mut seats, &mut sizes);
+            for (lane, seat) in seats.iter_mut().enumerate() {
+                if seat.occupied && seat.next_sample == ensemble.times.len() {
+                    self.dismiss(block, lane, seat, Outcome::Finished, &mut observer);
+                }
+            }
+            turns += 1;
+            if turns % TURNS_PER_REPORT == 0 {
                 for seat in seats.iter_mut().filter(|seat| seat.occupied) {
                     self.report(seat, false);
                 }
-                if self.is_cancelled() {
+                self.control.look_at_clock();
+                if self.control.reason_to_stop().is_some() {
                     break;
                 }
             }
         }
+        let outcome = self.control.reason_to_stop().unwrap_or(Outcome::Cancelled);
         for (lane, seat) in seats.iter_mut().enumerate().filter(|(_, seat)| seat.occupied) {
-            self.dismiss(&mut block, lane, seat, Outcome::Cancelled, &mut observer);
+            self.dismiss(block, lane, seat, outcome, &mut observer);
         }
-    }
-}
-
-impl<F: Field, M> Worker<'_, F, M> {
-    fn is_cancelled(&self) -> bool {
-        self.control.cancelled.load(Ordering::Relaxed)
     }
 
     /// Gives every empty seat the next member in the queue; false when nobody is left.
-    #[inline(always)]
-    fn fill_seats<V: Lane, O: Observer>(&self, block: &mut Block<F, V>, seats: &mut [Seat], observer: &mut O) -> bool {
+    fn fill_seats<O: Observer>(&self, block: &mut dyn Block, seats: &mut [Seat], observer: &mut O) -> bool {
         let ensemble = self.ensemble;
         let (n, n_tangents) = (ensemble.field.n_components(), ensemble.n_tangents);
         let mut any = false;
         for (lane, seat) in seats.iter_mut().enumerate() {
-            if !seat.occupied && !self.is_cancelled() && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
+            let may_sit = !seat.occupied && self.control.reason_to_stop().is_none();
+            if may_sit && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
                 let member = self.queue.fetch_add(1, Ordering::Relaxed);
                 if member < ensemble.n_members() {
-                    for i in 0..n {
-                        block.set(lane, 0, i, ensemble.states[member * n + i]);
-                    }
+                    block.load(lane, 0, &ensemble.states[member * n..][..n]);
                     for k in 0..n_tangents {
-                        for i in 0..n {
-                            block.set(lane, 1 + k, i, ensemble.tangents[(member * n_tangents + k) * n + i]);
-                        }
+                        block.load(lane, 1 + k, &ensemble.tangents[(member * n_tangents + k) * n..][..n]);
                     }
                     seat.take(member, ensemble.times[0]);
                     observer.begin(lane, member);
@@ -336,15 +378,33 @@ impl<F: Field, M> Worker<'_, F, M> {
         any
     }
 
+    /// Divides the time up to the next wanted one into equal steps, for a method that takes such; how many steps all
+    /// seats can take at once. A power of two, so that the product with the size is exact.
+    fn plan(&self, block: &dyn Block, seats: &mut [Seat]) -> u64 {
+        let Stepping::Fixed(longest) = block.stepping() else { return 1 };
+        let (times, max_steps) = (self.ensemble.times, self.ensemble.method.max_steps());
+        let mut repeats = block.most_repeats();
+        for seat in seats.iter_mut().filter(|seat| seat.occupied) {
+            if seat.steps_left == 0 {
+                let interval = seat.until(times[seat.next_sample.max(1)]);
+                // a whole number of steps up to round-off is not one step more
+                let count = (interval.abs() / longest * (1.0 - 1e-12)).ceil().max(1.0);
+                (seat.steps_left, seat.equal_step) = (count as u64, block.representable(interval / count));
+            }
+            repeats = repeats.min(max_steps.saturating_sub(seat.n_steps)).min((seat.steps_left - 1).max(1));
+        }
+        1 << repeats.max(1).ilog2()
+    }
+
     /// The step of one lane, at most `longest`: zero for an empty seat and for a trajectory that can not go on, which
     /// leaves its seat here, before the block advances, at the last point that was good.
-    #[inline(always)]
-    fn decide<V: Lane, O: Observer>(
+    fn decide<O: Observer>(
         &self,
-        block: &mut Block<F, V>,
+        block: &mut dyn Block,
         lane: usize,
         seat: &mut Seat,
         longest: f64,
+        repeats: u64,
         observer: &mut O,
     ) -> f64 {
         if !seat.occupied {
@@ -352,13 +412,47 @@ impl<F: Field, M> Worker<'_, F, M> {
         }
         let times = self.ensemble.times;
         let end = times[times.len() - 1];
-        let remaining = seat.until(end);
-        let is_last = longest >= remaining.abs();
-        let size = if is_last { remaining } else { longest.copysign(remaining) };
+        let (size, is_last) = match block.stepping() {
+            Stepping::Series => {
+                let remaining = seat.until(end);
+                let is_last = longest >= remaining.abs();
+                (if is_last { remaining } else { longest.copysign(remaining) }, is_last)
+            }
+            Stepping::Trial => {
+                let interval = seat.until(times[seat.next_sample.max(1)]);
+                let n_steps = if longest >= interval.abs() { 1.0 } else { 2.0 };
+                let lands = n_steps * longest >= interval.abs();
+                (if lands { interval / n_steps } else { longest.copysign(interval) }, n_steps == 1.0)
+            }
+            Stepping::Fixed(_) if seat.steps_left == 1 => (seat.until(times[seat.next_sample.max(1)]), true),
+            Stepping::Fixed(_) => (seat.equal_step, false),
+        };
         if let Some(outcome) = self.obstacle(seat, longest, size, is_last) {
             self.dismiss(block, lane, seat, outcome, observer);
             return 0.0;
         }
+        if block.stepping() == Stepping::Series {
+            return self.observe_inside(block, lane, seat, (size, is_last), observer);
+        }
+        if seat.next_sample == 0 {
+            let start = Step { block, lane, time: seat.time, size: 0.0, scales: &seat.scales };
+            observer.sample(lane, 0, 0.0, &start);
+            seat.next_sample = 1;
+        }
+        debug_assert!(repeats == 1 || !is_last);
+        size
+    }
+
+    /// Shows a step with power series to the observer, and the wanted times inside it, and moves the clock.
+    fn observe_inside<O: Observer>(
+        &self,
+        block: &mut dyn Block,
+        lane: usize,
+        seat: &mut Seat,
+        (size, is_last): (f64, bool),
+        observer: &mut O,
+    ) -> f64 {
+        let times = self.ensemble.times;
         let step = Step { block, lane, time: seat.time, size, scales: &seat.scales };
         observer.step(lane, &step);
         while seat.next_sample < times.len() {
@@ -368,13 +462,14 @@ impl<F: Field, M> Worker<'_, F, M> {
             }
             observer.sample(lane, seat.next_sample, tau, &step);
             seat.next_sample += 1;
-            if seat.next_sample.is_multiple_of(SAMPLES_PER_LOOK) && self.is_cancelled() {
-                self.dismiss(block, lane, seat, Outcome::Cancelled, observer);
+            let looks = seat.next_sample.is_multiple_of(SAMPLES_PER_LOOK);
+            if let Some(outcome) = self.control.reason_to_stop().filter(|_| looks) {
+                self.dismiss(block, lane, seat, outcome, observer);
                 return 0.0;
             }
         }
         if is_last {
-            (seat.time, seat.time_low) = (end, 0.0);
+            (seat.time, seat.time_low) = (times[times.len() - 1], 0.0);
         } else {
             seat.move_clock(size);
         }
@@ -382,65 +477,88 @@ impl<F: Field, M> Worker<'_, F, M> {
         size
     }
 
+    /// What follows from the verdict on a step of a method without series.
+    fn conclude<O: Observer>(
+        &self,
+        block: &mut dyn Block,
+        lane: usize,
+        seat: &mut Seat,
+        (size, repeats): (f64, u64),
+        verdict: Verdict,
+        observer: &mut O,
+    ) {
+        match verdict {
+            Verdict::Taken => {}
+            Verdict::TooLong => {
+                seat.n_refused += 1;
+                return;
+            }
+            Verdict::NotFinite => return self.dismiss(block, lane, seat, Outcome::NotFinite, observer),
+            Verdict::NoConvergence => return self.dismiss(block, lane, seat, Outcome::NoConvergence, observer),
+        }
+        let target = self.ensemble.times[seat.next_sample];
+        let is_last = size == seat.until(target) && repeats == 1;
+        let whole = size * repeats as f64;
+        let step = Step { block, lane, time: seat.time, size: whole, scales: &seat.scales };
+        observer.step(lane, &step);
+        seat.n_steps += repeats;
+        seat.steps_left = seat.steps_left.saturating_sub(repeats);
+        if is_last {
+            observer.sample(lane, seat.next_sample, whole, &step);
+            (seat.time, seat.time_low, seat.steps_left) = (target, 0.0, 0);
+            seat.next_sample += 1;
+        } else {
+            seat.move_clock(whole);
+        }
+    }
+
     /// Why a trajectory can not take the step `size`, if so; `longest` is what the method allows.
-    #[inline(always)]
     fn obstacle(&self, seat: &Seat, longest: f64, size: f64, is_last: bool) -> Option<Outcome> {
         if longest.is_nan() {
             Some(Outcome::NotFinite)
         } else if !is_last && seat.time + size == seat.time {
             Some(Outcome::StepTooSmall)
-        } else if seat.n_steps >= self.ensemble.method.max_steps() {
+        } else if seat.n_steps + seat.n_refused >= self.ensemble.method.max_steps() {
             Some(Outcome::MaxSteps)
         } else {
             None
         }
     }
 
-    /// Takes powers of two out of tangent vectors that have grown or shrunk far.
-    #[inline(always)]
-    fn rescale_tangents<V: Lane>(&self, block: &mut Block<F, V>, seats: &mut [Seat]) {
+    /// Takes powers of two out of tangent vectors that have grown or shrunk far: far from overflow, no rounding ever.
+    fn rescale_tangents(&self, block: &mut dyn Block, seats: &mut [Seat], norms: &mut [f64]) {
+        let large = libm::scalbn(1.0, block.range_exponent());
         for tangent in 0..self.ensemble.n_tangents {
-            let norms = block.norm(0, 1 + tangent);
+            block.norms(1 + tangent, norms);
             for (lane, seat) in seats.iter_mut().enumerate() {
-                let norm = norms.as_scalars()[lane];
-                if seat.occupied && !(SMALL..LARGE).contains(&norm) && norm > 0.0 && norm.is_finite() {
+                let norm = norms[lane];
+                if seat.occupied && !(1.0 / large..large).contains(&norm) && norm > 0.0 && norm.is_finite() {
                     let exponent = ((norm.to_bits() >> 52) & 0x7ff) as i64 - 1023;
-                    block.scale_tangent(lane, 1 + tangent, libm::scalbn(1.0, -exponent as i32));
+                    block.scale_tangent(lane, 1 + tangent, -exponent as i32);
                     seat.scales[tangent] += exponent;
                 }
             }
         }
     }
 
-    #[inline(always)]
-    fn dismiss_finished<V: Lane, O: Observer>(&self, block: &mut Block<F, V>, seats: &mut [Seat], observer: &mut O) {
-        for (lane, seat) in seats.iter_mut().enumerate() {
-            if seat.occupied && seat.next_sample == self.ensemble.times.len() {
-                self.dismiss(block, lane, seat, Outcome::Finished, observer);
-            }
-        }
-    }
-
     /// Hands the end of a trajectory to the observer and empties its seat.
-    #[inline(always)]
-    fn dismiss<V: Lane, O: Observer>(
+    fn dismiss<O: Observer>(
         &self,
-        block: &mut Block<F, V>,
+        block: &mut dyn Block,
         lane: usize,
         seat: &mut Seat,
         outcome: Outcome,
         observer: &mut O,
     ) {
         let n = self.ensemble.field.n_components();
-        let state = (0..n).map(|i| block.get(lane, 0, i)).collect();
-        if outcome != Outcome::Cancelled {
+        let mut state = vec![0.0; n];
+        block.read(lane, 0, &mut state);
+        if !matches!(outcome, Outcome::Cancelled | Outcome::TimeLimit) {
             self.report(seat, true);
         }
         observer.end(lane, seat.member, Summary { outcome, time: seat.time, n_steps: seat.n_steps, state });
         for group in 0..=self.ensemble.n_tangents {
-            for i in 0..n {
-                block.set(lane, group, i, 0.0);
-            }
+            block.load(lane, group, &vec![0.0; n]);
         }
         seat.occupied = false;
     }
@@ -454,10 +572,6 @@ impl<F: Field, M> Worker<'_, F, M> {
     }
 }
 
-/// Tangent vectors are kept between these sizes by exact powers of two: far from overflow, and no rounding ever.
-const LARGE: f64 = 1.157920892373162e77; // 2^256
-const SMALL: f64 = 1.0 / LARGE;
-
 impl Seat {
     fn empty(n_tangents: usize) -> Seat {
         Seat {
@@ -467,6 +581,9 @@ impl Seat {
             time_low: 0.0,
             next_sample: 0,
             n_steps: 0,
+            n_refused: 0,
+            steps_left: 0,
+            equal_step: 0.0,
             scales: vec![0; n_tangents],
             reported: 0,
         }
@@ -474,7 +591,7 @@ impl Seat {
 
     fn take(&mut self, member: usize, time: f64) {
         (self.member, self.occupied, self.time, self.time_low) = (member, true, time, 0.0);
-        (self.next_sample, self.n_steps, self.reported) = (0, 0, 0);
+        (self.next_sample, self.n_steps, self.n_refused, self.steps_left, self.reported) = (0, 0, 0, 0, 0);
         self.scales.fill(0);
     }
 

@@ -12,40 +12,82 @@ pub trait Piece {
     fn run(self);
 }
 
-/// A vector of space in one register, with a fourth number beside its three components.
+/// A few numbers of one trajectory in one register: its components, instead of trajectories, fill the register.
 ///
-/// For one trajectory alone: the components of a vector, instead of trajectories, fill the register.
-pub trait Triple: Copy {
-    /// The first four of `numbers`.
+/// The numbers come in vectors of space, each with a fourth number beside its three components.
+pub trait Vectors: Copy + 'static {
+    /// The first numbers of `numbers`, as many as there are.
     fn load(numbers: &[f64]) -> Self;
-    /// Writes all four numbers to the front of `numbers`.
+    /// Writes all numbers to the front of `numbers`.
     fn store(self, numbers: &mut [f64]);
-    /// The same number four times.
+    /// The same number in all places.
+    fn splat(x: f64) -> Self;
+    /// `self + other`.
+    fn add(self, other: Self) -> Self;
+    /// `self * other`, component by component.
+    fn mul(self, other: Self) -> Self;
+    /// `self * factor + addend`, component by component, rounded once.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `addend - self * factor`, component by component, rounded once.
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `(2, 3, 1)` of each vector `(1, 2, 3)`; the fourth number stays.
+    fn rotate(self) -> Self;
+}
+
+/// Two vectors of space in one register.
+pub trait TwoVectors<One: Vectors>: Vectors {
+    /// One vector twice.
+    fn both(vector: One) -> Self;
+    /// The first vector.
+    fn first(self) -> One;
+    /// The second vector.
+    fn second(self) -> One;
+}
+
+/// What a lane holds: `f64` or `f32`.
+pub trait Number: Copy + Send + Sync {
+    /// The nearest such number.
+    fn of(x: f64) -> Self;
+    /// The same number in double precision.
+    fn to_f64(self) -> f64;
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+impl Number for f32 {
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x as f32
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+/// A register of `WIDTH` numbers, one per trajectory.
+pub trait Lane: Copy + Send + Sync + 'static {
+    /// What the register holds.
+    type Number: Number;
+    /// Number of trajectories that the register holds.
+    const WIDTH: usize;
+    /// Number of such registers that the processor has: what a kernel may keep at hand.
+    const REGISTERS: usize;
+    /// The same number in every lane, rounded to what a lane holds.
     fn splat(x: f64) -> Self;
     /// `self + other`.
     fn add(self, other: Self) -> Self;
     /// `self - other`.
     fn sub(self, other: Self) -> Self;
-    /// `self * other`, component by component.
-    fn mul(self, other: Self) -> Self;
-    /// `self * factor + addend`, component by component, rounded once.
-    fn mul_add(self, factor: Self, addend: Self) -> Self;
-    /// `(2, 3, 1)` of `(1, 2, 3)`; the fourth number stays.
-    fn rotate(self) -> Self;
-}
-
-/// A register of `WIDTH` double-precision numbers, one per trajectory.
-pub trait Lane: Copy + Send + Sync {
-    /// Three components in a register, where the code for these lanes may use one.
-    type Triple: Triple;
-    /// Number of trajectories that the register holds.
-    const WIDTH: usize;
-    /// Number of such registers that the processor has: what a kernel may keep at hand.
-    const REGISTERS: usize;
-    /// The same number in every lane.
-    fn splat(x: f64) -> Self;
-    /// `self + other`.
-    fn add(self, other: Self) -> Self;
     /// `self * other`.
     fn mul(self, other: Self) -> Self;
     /// `self * factor + addend`, rounded once.
@@ -65,32 +107,58 @@ pub trait Lane: Copy + Send + Sync {
 
     /// The lanes as numbers.
     #[inline(always)]
-    fn as_scalars(&self) -> &[f64] {
+    fn as_scalars(&self) -> &[Self::Number] {
         as_scalars(std::slice::from_ref(self))
     }
 
     /// The lanes as numbers that can be changed.
     #[inline(always)]
-    fn as_scalars_mut(&mut self) -> &mut [f64] {
+    fn as_scalars_mut(&mut self) -> &mut [Self::Number] {
         as_scalars_mut(std::slice::from_mut(self))
     }
+
+    /// One lane in double precision.
+    #[inline(always)]
+    fn get(&self, lane: usize) -> f64 {
+        self.as_scalars()[lane].to_f64()
+    }
+
+    /// Sets one lane, rounded to what it holds.
+    #[inline(always)]
+    fn set(&mut self, lane: usize, value: f64) {
+        self.as_scalars_mut()[lane] = Self::Number::of(value);
+    }
+}
+
+/// A register of double-precision numbers, and the registers of the same size that go with it.
+pub trait Wide: Lane<Number = f64> {
+    /// A vector of space in a register.
+    type Vector: Vectors;
+    /// Two of them.
+    type TwoVectors: TwoVectors<Self::Vector>;
+    /// Single precision: twice as many lanes.
+    type Narrow: Lane<Number = f32>;
+    /// Rounds two registers into one: the lanes of `low`, then those of `high`.
+    fn narrow(low: Self, high: Self) -> Self::Narrow;
+    /// The inverse of `narrow`, which rounds nothing.
+    fn widen(narrow: Self::Narrow) -> (Self, Self);
 }
 
 /// The numbers in a slice of registers, to be changed.
 #[inline(always)]
-pub fn as_scalars_mut<V: Lane>(registers: &mut [V]) -> &mut [f64] {
+pub fn as_scalars_mut<V: Lane>(registers: &mut [V]) -> &mut [V::Number] {
     // SAFETY: as for `as_scalars`.
     unsafe { std::slice::from_raw_parts_mut(registers.as_mut_ptr().cast(), registers.len() * V::WIDTH) }
 }
 
 /// The numbers in a slice of registers: register by register, lane by lane.
 #[inline(always)]
-pub fn as_scalars<V: Lane>(registers: &[V]) -> &[f64] {
-    // SAFETY: every implementor of Lane (all of them in this file) consists of exactly WIDTH f64, without padding.
+pub fn as_scalars<V: Lane>(registers: &[V]) -> &[V::Number] {
+    // SAFETY: every implementor of Lane (all of them in this file) consists of exactly WIDTH numbers, without padding.
     unsafe { std::slice::from_raw_parts(registers.as_ptr().cast(), registers.len() * V::WIDTH) }
 }
 
-impl Triple for [f64; 4] {
+impl Vectors for [f64; 4] {
     #[inline(always)]
     fn load(numbers: &[f64]) -> Self {
         [numbers[0], numbers[1], numbers[2], numbers[3]]
@@ -105,23 +173,19 @@ impl Triple for [f64; 4] {
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        [self[0] + other[0], self[1] + other[1], self[2] + other[2], self[3] + other[3]]
-    }
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        [self[0] - other[0], self[1] - other[1], self[2] - other[2], self[3] - other[3]]
+        std::array::from_fn(|i| self[i] + other[i])
     }
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        [self[0] * other[0], self[1] * other[1], self[2] * other[2], self[3] * other[3]]
+        std::array::from_fn(|i| self[i] * other[i])
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        let mut result = addend;
-        for i in 0..4 {
-            result[i] = f64::mul_add(self[i], factor[i], addend[i]);
-        }
-        result
+        std::array::from_fn(|i| f64::mul_add(self[i], factor[i], addend[i]))
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        std::array::from_fn(|i| f64::mul_add(-self[i], factor[i], addend[i]))
     }
     #[inline(always)]
     fn rotate(self) -> Self {
@@ -129,51 +193,212 @@ impl Triple for [f64; 4] {
     }
 }
 
-impl Lane for f64 {
-    type Triple = [f64; 4];
-    const WIDTH: usize = 1;
-    const REGISTERS: usize = 16;
+/// Two vectors where no register holds both.
+impl<T: Vectors> Vectors for [T; 2] {
+    #[inline(always)]
+    fn load(numbers: &[f64]) -> Self {
+        [T::load(numbers), T::load(&numbers[4..])]
+    }
+    #[inline(always)]
+    fn store(self, numbers: &mut [f64]) {
+        self[0].store(numbers);
+        self[1].store(&mut numbers[4..]);
+    }
     #[inline(always)]
     fn splat(x: f64) -> Self {
-        x
+        [T::splat(x); 2]
     }
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        self + other
+        [self[0].add(other[0]), self[1].add(other[1])]
     }
     #[inline(always)]
     fn mul(self, other: Self) -> Self {
-        self * other
+        [self[0].mul(other[0]), self[1].mul(other[1])]
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        f64::mul_add(self, factor, addend)
+        [self[0].mul_add(factor[0], addend[0]), self[1].mul_add(factor[1], addend[1])]
     }
     #[inline(always)]
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
-        f64::mul_add(-self, factor, addend)
+        [self[0].neg_mul_add(factor[0], addend[0]), self[1].neg_mul_add(factor[1], addend[1])]
+    }
+    #[inline(always)]
+    fn rotate(self) -> Self {
+        [self[0].rotate(), self[1].rotate()]
+    }
+}
+
+impl<T: Vectors> TwoVectors<T> for [T; 2] {
+    #[inline(always)]
+    fn both(vector: T) -> Self {
+        [vector; 2]
+    }
+    #[inline(always)]
+    fn first(self) -> T {
+        self[0]
+    }
+    #[inline(always)]
+    fn second(self) -> T {
+        self[1]
+    }
+}
+
+macro_rules! scalar_lane {
+    ($lane:ty, $number:ty, |$inner:ident| $value:expr, $make:path, $outline:path) => {
+        impl Lane for $lane {
+            type Number = $number;
+            const WIDTH: usize = 1;
+            const REGISTERS: usize = 16;
+            #[inline(always)]
+            fn splat(x: f64) -> Self {
+                $make(<$number as Number>::of(x))
+            }
+            #[inline(always)]
+            fn add(self, other: Self) -> Self {
+                $make(self.number() + other.number())
+            }
+            #[inline(always)]
+            fn sub(self, other: Self) -> Self {
+                $make(self.number() - other.number())
+            }
+            #[inline(always)]
+            fn mul(self, other: Self) -> Self {
+                $make(self.number() * other.number())
+            }
+            #[inline(always)]
+            fn mul_add(self, factor: Self, addend: Self) -> Self {
+                $make(<$number>::mul_add(self.number(), factor.number(), addend.number()))
+            }
+            #[inline(always)]
+            fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+                $make(<$number>::mul_add(-self.number(), factor.number(), addend.number()))
+            }
+            #[inline(always)]
+            fn abs(self) -> Self {
+                $make(<$number>::abs(self.number()))
+            }
+            #[inline(always)]
+            fn div(self, other: Self) -> Self {
+                $make(self.number() / other.number())
+            }
+            #[inline(always)]
+            fn sqrt(self) -> Self {
+                $make(<$number>::sqrt(self.number()))
+            }
+            #[inline(always)]
+            fn outline<P: Piece>(piece: P) {
+                $outline(piece)
+            }
+        }
+
+        impl Inner for $lane {
+            type Number = $number;
+            #[inline(always)]
+            fn number(self) -> $number {
+                let $inner = self;
+                $value
+            }
+        }
+    };
+}
+
+/// The number in a register that holds one.
+trait Inner {
+    type Number;
+    fn number(self) -> Self::Number;
+}
+
+#[inline(never)]
+fn outline_plain<P: Piece>(piece: P) {
+    piece.run();
+}
+
+scalar_lane!(f64, f64, |x| x, std::convert::identity, outline_plain);
+scalar_lane!(f32, f32, |x| x, std::convert::identity, outline_plain);
+
+/// Two registers side by side.
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+pub struct Pair<T>([T; 2]);
+
+impl<T: Lane> Pair<T> {
+    #[inline(always)]
+    fn map(self, operation: impl Fn(T) -> T) -> Self {
+        Pair([operation(self.0[0]), operation(self.0[1])])
+    }
+    #[inline(always)]
+    fn zip(self, other: Self, operation: impl Fn(T, T) -> T) -> Self {
+        Pair([operation(self.0[0], other.0[0]), operation(self.0[1], other.0[1])])
+    }
+}
+
+impl<T: Lane> Lane for Pair<T> {
+    type Number = T::Number;
+    const WIDTH: usize = 2 * T::WIDTH;
+    const REGISTERS: usize = T::REGISTERS / 2;
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Pair([T::splat(x); 2])
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, T::add)
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, T::sub)
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, T::mul)
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        let [a, b] = [0, 1].map(|i| self.0[i].mul_add(factor.0[i], addend.0[i]));
+        Pair([a, b])
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        let [a, b] = [0, 1].map(|i| self.0[i].neg_mul_add(factor.0[i], addend.0[i]));
+        Pair([a, b])
     }
     #[inline(always)]
     fn abs(self) -> Self {
-        f64::abs(self)
+        self.map(T::abs)
     }
     #[inline(always)]
     fn div(self, other: Self) -> Self {
-        self / other
+        self.zip(other, T::div)
     }
     #[inline(always)]
     fn sqrt(self) -> Self {
-        f64::sqrt(self)
+        self.map(T::sqrt)
     }
-    #[inline(never)]
+    #[inline(always)]
     fn outline<P: Piece>(piece: P) {
-        piece.run();
+        T::outline(piece);
+    }
+}
+
+impl Wide for f64 {
+    type Vector = [f64; 4];
+    type TwoVectors = [[f64; 4]; 2];
+    type Narrow = Pair<f32>;
+    #[inline(always)]
+    fn narrow(low: Self, high: Self) -> Pair<f32> {
+        Pair([low as f32, high as f32])
+    }
+    #[inline(always)]
+    fn widen(narrow: Pair<f32>) -> (Self, Self) {
+        (narrow.0[0].into(), narrow.0[1].into())
     }
 }
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Lane, Piece, Triple};
+    use super::{Inner, Lane, Number, Pair, Piece, TwoVectors, Vectors, Wide};
     use std::arch::x86_64::*;
 
     /// Eight trajectories in an AVX-512 register.
@@ -186,52 +411,112 @@ mod x86 {
     #[repr(transparent)]
     pub struct F64x4(__m256d);
 
-    /// One trajectory, on a processor with AVX2.
+    /// Sixteen trajectories in an AVX-512 register, in single precision.
     #[derive(Clone, Copy)]
     #[repr(transparent)]
-    pub struct Single(f64);
+    pub struct F32x16(__m512);
 
-    /// Three components and a fourth number in an AVX2 register.
+    /// Eight trajectories in an AVX2 register, in single precision.
     #[derive(Clone, Copy)]
-    pub struct Avx2Triple(__m256d);
+    #[repr(transparent)]
+    pub struct F32x8(__m256);
+
+    /// One number, on a processor with AVX2.
+    #[derive(Clone, Copy)]
+    #[repr(transparent)]
+    pub struct One<T>(T);
+
+    /// A vector of space and a fourth number in an AVX2 register.
+    #[derive(Clone, Copy)]
+    pub struct Avx2Vector(__m256d);
+
+    /// Two of them in an AVX-512 register.
+    #[derive(Clone, Copy)]
+    pub struct Avx512Vectors(__m512d);
 
     // SAFETY (all blocks of this module): its types are private to this crate and are instantiated only behind
     // `dispatch`, which has checked that the processor has these instructions.
+    macro_rules! vectors {
+        ($vectors:ident, $count:literal, $load:ident, $store:ident, $set1:ident, $add:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $permute:ident) => {
+            #[allow(clippy::undocumented_unsafe_blocks)]
+            impl Vectors for $vectors {
+                #[inline(always)]
+                fn load(numbers: &[f64]) -> Self {
+                    let numbers: &[f64; $count] = numbers.first_chunk().expect("a vector is stored as four numbers");
+                    Self(unsafe { $load(numbers.as_ptr()) })
+                }
+                #[inline(always)]
+                fn store(self, numbers: &mut [f64]) {
+                    let numbers: &mut [f64; $count] =
+                        numbers.first_chunk_mut().expect("a vector is stored as four numbers");
+                    unsafe { $store(numbers.as_mut_ptr(), self.0) }
+                }
+                #[inline(always)]
+                fn splat(x: f64) -> Self {
+                    Self(unsafe { $set1(x) })
+                }
+                #[inline(always)]
+                fn add(self, other: Self) -> Self {
+                    Self(unsafe { $add(self.0, other.0) })
+                }
+                #[inline(always)]
+                fn mul(self, other: Self) -> Self {
+                    Self(unsafe { $mul(self.0, other.0) })
+                }
+                #[inline(always)]
+                fn mul_add(self, factor: Self, addend: Self) -> Self {
+                    Self(unsafe { $fmadd(self.0, factor.0, addend.0) })
+                }
+                #[inline(always)]
+                fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+                    Self(unsafe { $fnmadd(self.0, factor.0, addend.0) })
+                }
+                #[inline(always)]
+                fn rotate(self) -> Self {
+                    Self(unsafe { $permute::<0b11_00_10_01>(self.0) })
+                }
+            }
+        };
+    }
+
+    vectors!(
+        Avx2Vector,
+        4,
+        _mm256_loadu_pd,
+        _mm256_storeu_pd,
+        _mm256_set1_pd,
+        _mm256_add_pd,
+        _mm256_mul_pd,
+        _mm256_fmadd_pd,
+        _mm256_fnmadd_pd,
+        _mm256_permute4x64_pd
+    );
+    vectors!(
+        Avx512Vectors,
+        8,
+        _mm512_loadu_pd,
+        _mm512_storeu_pd,
+        _mm512_set1_pd,
+        _mm512_add_pd,
+        _mm512_mul_pd,
+        _mm512_fmadd_pd,
+        _mm512_fnmadd_pd,
+        _mm512_permutex_pd
+    );
+
     #[allow(clippy::undocumented_unsafe_blocks)]
-    impl Triple for Avx2Triple {
+    impl TwoVectors<Avx2Vector> for Avx512Vectors {
         #[inline(always)]
-        fn load(numbers: &[f64]) -> Self {
-            let numbers: &[f64; 4] = numbers.first_chunk().expect("a triple is stored as four numbers");
-            Self(unsafe { _mm256_loadu_pd(numbers.as_ptr()) })
+        fn both(vector: Avx2Vector) -> Self {
+            Self(unsafe { _mm512_broadcast_f64x4(vector.0) })
         }
         #[inline(always)]
-        fn store(self, numbers: &mut [f64]) {
-            let numbers: &mut [f64; 4] = numbers.first_chunk_mut().expect("a triple is stored as four numbers");
-            unsafe { _mm256_storeu_pd(numbers.as_mut_ptr(), self.0) }
+        fn first(self) -> Avx2Vector {
+            Avx2Vector(unsafe { _mm512_castpd512_pd256(self.0) })
         }
         #[inline(always)]
-        fn splat(x: f64) -> Self {
-            Self(unsafe { _mm256_set1_pd(x) })
-        }
-        #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            Self(unsafe { _mm256_add_pd(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn sub(self, other: Self) -> Self {
-            Self(unsafe { _mm256_sub_pd(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn mul(self, other: Self) -> Self {
-            Self(unsafe { _mm256_mul_pd(self.0, other.0) })
-        }
-        #[inline(always)]
-        fn mul_add(self, factor: Self, addend: Self) -> Self {
-            Self(unsafe { _mm256_fmadd_pd(self.0, factor.0, addend.0) })
-        }
-        #[inline(always)]
-        fn rotate(self) -> Self {
-            Self(unsafe { _mm256_permute4x64_pd::<0b11_00_10_01>(self.0) })
+        fn second(self) -> Avx2Vector {
+            Avx2Vector(unsafe { _mm512_extractf64x4_pd::<1>(self.0) })
         }
     }
 
@@ -247,63 +532,47 @@ mod x86 {
         piece.run();
     }
 
-    #[allow(clippy::undocumented_unsafe_blocks)]
-    impl Lane for Single {
-        type Triple = Avx2Triple;
-        const WIDTH: usize = 1;
-        const REGISTERS: usize = 16;
+    #[inline(always)]
+    fn outline_one<P: Piece>(piece: P) {
+        // SAFETY: as all blocks of this module.
+        unsafe { outline_avx2(piece) }
+    }
+
+    scalar_lane!(One<f64>, f64, |x| x.0, One, outline_one);
+    scalar_lane!(One<f32>, f32, |x| x.0, One, outline_one);
+
+    impl Wide for One<f64> {
+        type Vector = Avx2Vector;
+        type TwoVectors = [Avx2Vector; 2];
+        type Narrow = Pair<One<f32>>;
         #[inline(always)]
-        fn splat(x: f64) -> Self {
-            Self(x)
+        fn narrow(low: Self, high: Self) -> Self::Narrow {
+            Pair([One(low.0 as f32), One(high.0 as f32)])
         }
         #[inline(always)]
-        fn add(self, other: Self) -> Self {
-            Self(self.0 + other.0)
-        }
-        #[inline(always)]
-        fn mul(self, other: Self) -> Self {
-            Self(self.0 * other.0)
-        }
-        #[inline(always)]
-        fn mul_add(self, factor: Self, addend: Self) -> Self {
-            Self(self.0.mul_add(factor.0, addend.0))
-        }
-        #[inline(always)]
-        fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
-            Self((-self.0).mul_add(factor.0, addend.0))
-        }
-        #[inline(always)]
-        fn abs(self) -> Self {
-            Self(self.0.abs())
-        }
-        #[inline(always)]
-        fn div(self, other: Self) -> Self {
-            Self(self.0 / other.0)
-        }
-        #[inline(always)]
-        fn sqrt(self) -> Self {
-            Self(self.0.sqrt())
-        }
-        #[inline(always)]
-        fn outline<P: Piece>(piece: P) {
-            unsafe { outline_avx2(piece) }
+        fn widen(narrow: Self::Narrow) -> (Self, Self) {
+            (One(narrow.0[0].0.into()), One(narrow.0[1].0.into()))
         }
     }
 
     macro_rules! lane {
-        ($lane:ident, $width:literal, $registers:literal, $splat:ident, $add:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $andnot:ident, $div:ident, $sqrt:ident, $outline:ident) => {
+        ($lane:ident, $number:ty, $width:literal, $registers:literal, $splat:ident, $add:ident, $sub:ident, $mul:ident, $fmadd:ident, $fnmadd:ident, $andnot:ident, $div:ident, $sqrt:ident, $outline:ident) => {
             #[allow(clippy::undocumented_unsafe_blocks)]
             impl Lane for $lane {
-                type Triple = Avx2Triple;
+                type Number = $number;
                 const WIDTH: usize = $width;
                 const REGISTERS: usize = $registers;
                 #[inline(always)]
                 fn splat(x: f64) -> Self {
-                    Self(unsafe { $splat(x) })
+                    Self(unsafe { $splat(<$number as Number>::of(x)) })
                 }
                 #[inline(always)]
                 fn add(self, other: Self) -> Self {
                     Self(unsafe { $add(self.0, other.0) })
+                }
+                #[inline(always)]
+                fn sub(self, other: Self) -> Self {
+                    Self(unsafe { $sub(self.0, other.0) })
                 }
                 #[inline(always)]
                 fn mul(self, other: Self) -> Self {
@@ -339,10 +608,12 @@ mod x86 {
 
     lane!(
         F64x8,
+        f64,
         8,
         32,
         _mm512_set1_pd,
         _mm512_add_pd,
+        _mm512_sub_pd,
         _mm512_mul_pd,
         _mm512_fmadd_pd,
         _mm512_fnmadd_pd,
@@ -352,11 +623,29 @@ mod x86 {
         outline_avx512
     );
     lane!(
+        F32x16,
+        f32,
+        16,
+        32,
+        _mm512_set1_ps,
+        _mm512_add_ps,
+        _mm512_sub_ps,
+        _mm512_mul_ps,
+        _mm512_fmadd_ps,
+        _mm512_fnmadd_ps,
+        _mm512_andnot_ps,
+        _mm512_div_ps,
+        _mm512_sqrt_ps,
+        outline_avx512
+    );
+    lane!(
         F64x4,
+        f64,
         4,
         16,
         _mm256_set1_pd,
         _mm256_add_pd,
+        _mm256_sub_pd,
         _mm256_mul_pd,
         _mm256_fmadd_pd,
         _mm256_fnmadd_pd,
@@ -365,6 +654,61 @@ mod x86 {
         _mm256_sqrt_pd,
         outline_avx2
     );
+    lane!(
+        F32x8,
+        f32,
+        8,
+        16,
+        _mm256_set1_ps,
+        _mm256_add_ps,
+        _mm256_sub_ps,
+        _mm256_mul_ps,
+        _mm256_fmadd_ps,
+        _mm256_fnmadd_ps,
+        _mm256_andnot_ps,
+        _mm256_div_ps,
+        _mm256_sqrt_ps,
+        outline_avx2
+    );
+
+    #[allow(clippy::undocumented_unsafe_blocks)]
+    impl Wide for F64x8 {
+        type Vector = Avx2Vector;
+        type TwoVectors = Avx512Vectors;
+        type Narrow = F32x16;
+        #[inline(always)]
+        fn narrow(low: Self, high: Self) -> F32x16 {
+            unsafe {
+                let low = _mm512_castps256_ps512(_mm512_cvtpd_ps(low.0));
+                F32x16(_mm512_insertf32x8::<1>(low, _mm512_cvtpd_ps(high.0)))
+            }
+        }
+        #[inline(always)]
+        fn widen(narrow: F32x16) -> (Self, Self) {
+            unsafe {
+                let (low, high) = (_mm512_castps512_ps256(narrow.0), _mm512_extractf32x8_ps::<1>(narrow.0));
+                (F64x8(_mm512_cvtps_pd(low)), F64x8(_mm512_cvtps_pd(high)))
+            }
+        }
+    }
+
+    #[allow(clippy::undocumented_unsafe_blocks)]
+    impl Wide for F64x4 {
+        type Vector = Avx2Vector;
+        type TwoVectors = [Avx2Vector; 2];
+        type Narrow = F32x8;
+        #[inline(always)]
+        fn narrow(low: Self, high: Self) -> F32x8 {
+            unsafe { F32x8(_mm256_set_m128(_mm256_cvtpd_ps(high.0), _mm256_cvtpd_ps(low.0))) }
+        }
+        #[inline(always)]
+        fn widen(narrow: F32x8) -> (Self, Self) {
+            unsafe {
+                let (low, high) = (_mm256_castps256_ps128(narrow.0), _mm256_extractf128_ps::<1>(narrow.0));
+                (F64x4(_mm256_cvtps_pd(low)), F64x4(_mm256_cvtps_pd(high)))
+            }
+        }
+    }
 }
 
 /// An instruction set that the kernels are compiled for.
@@ -443,13 +787,13 @@ impl Simd {
 
 /// A computation that is generic over the register it runs in.
 ///
-/// `run` and everything that it calls per step must be `#[inline(always)]`: only code inlined into the trampolines
-/// of [`dispatch`] is compiled for the wider instruction sets.
+/// What it calls must be `#[inline(always)]` or go through [`Lane::outline`]: only code inlined into the trampolines of
+/// [`dispatch`], or outlined, is compiled for the wider instruction sets.
 pub trait Task {
     /// What the computation returns.
     type Output;
     /// Does it with registers of type `V`.
-    fn run<V: Lane>(self) -> Self::Output;
+    fn run<V: Wide>(self) -> Self::Output;
 }
 
 /// Runs `task` with the registers of `simd`, or with scalars where the processor lacks them.
@@ -490,5 +834,5 @@ fn run_avx2<T: Task>(task: T) -> T::Output {
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2,fma")]
 fn run_single<T: Task>(task: T) -> T::Output {
-    task.run::<x86::Single>()
+    task.run::<x86::One<f64>>()
 }

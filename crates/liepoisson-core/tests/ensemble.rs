@@ -7,8 +7,7 @@ use liepoisson_core::analysis::lyapunov::growth;
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Observer, Outcome, Step, Summary};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::Field;
-use liepoisson_core::lanes::{Lane, Simd};
+use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::Taylor;
 use proptest::prelude::*;
 use std::sync::Mutex;
@@ -268,8 +267,8 @@ struct Impatient<'c> {
 
 impl Observer for Impatient<'_> {
     fn begin(&mut self, _lane: usize, _member: usize) {}
-    fn step<F: Field, V: Lane>(&mut self, _lane: usize, _step: &Step<'_, F, V>) {}
-    fn sample<F: Field, V: Lane>(&mut self, _lane: usize, _index: usize, _tau: f64, _step: &Step<'_, F, V>) {
+    fn step(&mut self, _lane: usize, _step: &Step<'_>) {}
+    fn sample(&mut self, _lane: usize, _index: usize, _tau: f64, _step: &Step<'_>) {
         self.control.cancel();
         self.seen.fetch_add(1, Ordering::Relaxed);
     }

@@ -6,7 +6,7 @@ use common::*;
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Field, Quadratic};
+use liepoisson_core::field::{Field, Quadratic, Space};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::Taylor;
 use proptest::prelude::*;

@@ -6,7 +6,7 @@ use common::{TWISTED_KOVALEVSKAYA, distance, run, starts, taylor};
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Field, Instruction, Tape};
+use liepoisson_core::field::{Field, Instruction, Space, Tape};
 use liepoisson_core::lanes::Simd;
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;

@@ -3,11 +3,10 @@
 mod common;
 
 use common::*;
-use liepoisson_core::analysis::orbit::orbits;
-use liepoisson_core::ensemble::{Control, Ensemble};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Field, SingleTop, Top};
+use liepoisson_core::field::{Field, Top};
 use liepoisson_core::lanes::Simd;
+use liepoisson_core::method::{AcrossComponents, Method, Taylor};
 use proptest::prelude::*;
 
 /// Coefficients of order 0 and 1 of the series of a state and one tangent vector.
@@ -38,36 +37,45 @@ proptest! {
     /// Agreement to round-off in every coefficient: each is a sum of up to 2 (k + 1) products of coefficients.
     #[test]
     fn kernel_for_one_trajectory_agrees_with_the_kernel_for_many(p in parameters(), x in vector9()) {
-        let (top, single) = (p.top(), SingleTop::new(p.top()));
-        let mut rows = vec![0.0_f64; 21 * top.row(0)];
-        rows[..9].copy_from_slice(&x);
-        let mut single_rows = vec![0.0_f64; 21 * single.row(0)];
-        single_rows[..12].copy_from_slice(&SingleTop::pad(&x));
-        for k in 0..20 {
-            top.derive_work(&mut rows, 0, k);
-            top.extend(&mut rows, 0, k);
-            single.derive_work(&mut single_rows, 0, k);
-            single.extend(&mut single_rows, 0, k);
-            let row = &rows[(k + 1) * top.row(0)..][..9];
-            let padded = &single_rows[(k + 1) * single.row(0)..][..12];
-            prop_assert!(padded.chunks(4).all(|vector| vector[3] == 0.0));
-            let size = rows[..(k + 2) * top.row(0)].iter().fold(1.0_f64, |size, c| size.max(c.abs()));
-            let bound = 4.0 * (k + 1) as f64 * f64::EPSILON * size * size;
-            prop_assert!(distance(row, &SingleTop::strip(padded)) < bound, "order {}: {row:?} {padded:?}", k + 1);
+        let (top, method) = (p.top(), Taylor::new(1e-12, Some(20), 1).unwrap());
+        let series = |simd: Simd, alone: bool| {
+            let mut block = if alone {
+                AcrossComponents(method).block_for(simd, &top, 0)
+            } else {
+                method.block_for(simd, &top, 0)
+            };
+            let mut longest = vec![0.0; block.n_lanes()];
+            block.load(0, 0, &x);
+            block.prepare(&mut longest);
+            let mut coefficients = Vec::new();
+            block.copy_series(0, &mut coefficients).unwrap();
+            (coefficients, longest[0])
+        };
+        let (many, step) = series(Simd::Scalar, false);
+        for simd in Simd::ALL.into_iter().filter(|simd| simd.is_available()) {
+            let (one, longest) = series(simd, true);
+            prop_assert_eq!(&one, &series(Simd::Scalar, true).0, "the same bits whatever the registers");
+            prop_assert!((longest / step - 1.0).abs() < 1e-9, "{longest} {step}");
+            for k in 1..=20 {
+                let size = many[..9 * (k + 1)].iter().fold(1.0_f64, |size, c| size.max(c.abs()));
+                let bound = 4.0 * k as f64 * f64::EPSILON * size * size;
+                prop_assert!(distance(&one[9 * k..9 * k + 9], &many[9 * k..9 * k + 9]) < bound, "order {k}");
+            }
         }
     }
 
     #[test]
-    fn orbit_of_the_kernel_for_one_trajectory_is_the_orbit(p in parameters(), x in vector9()) {
-        let times = [0.0, 3.0];
+    fn orbit_of_the_kernel_for_one_trajectory_is_the_orbit(p in parameters(), x in vector9(), order in 2..30_usize) {
+        let times = [0.0, 0.01, 3.0];
         let many = run(&p.top(), taylor(1e-15), &x, &[], &times, Simd::Scalar);
-        let field = SingleTop::new(p.top());
-        let states = SingleTop::pad(&x);
-        let ensemble = Ensemble { field: &field, method: taylor(1e-15), states: &states, tangents: &[], n_tangents: 0, times: &times };
-        let one = orbits(&ensemble, 1, Simd::Scalar, &Control::default(), false, |_| ()).unwrap();
+        let alone = |method| run(&p.top(), AcrossComponents(method), &x, &[], &times, Simd::widest());
+        let one = alone(taylor(1e-15));
         let size = x.iter().chain(&many.states[9..]).fold(1.0_f64, |size, c| size.max(c.abs()));
-        let end = SingleTop::strip(&one.states[12..]);
-        prop_assert!(distance(&end, &many.states[9..]) < 1e-11 * size.powi(3), "{end:?} {:?}", &many.states[9..]);
+        prop_assert!(distance(&one.states, &many.states) < 1e-11 * size.powi(3), "{:?} {:?}", one.states, many.states);
+        // every order, even and odd, sums its series rightly: the truncation error of one short step
+        let short = alone(Taylor::new(0.1, Some(order), 1_000_000).unwrap());
+        let same = run(&p.top(), Taylor::new(0.1, Some(order), 1_000_000).unwrap(), &x, &[], &times, Simd::Scalar);
+        prop_assert!(distance(&short.states[..18], &same.states[..18]) < 1e-12 * size.powi(3));
     }
 
     #[test]

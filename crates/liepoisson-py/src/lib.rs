@@ -3,9 +3,9 @@
 use liepoisson_core::analysis::{lyapunov, orbit, orbit::Orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{self, Instruction, Quadratic, SingleTop, Tape, Top};
+use liepoisson_core::field::{Instruction, Quadratic, Space, Tape, Top};
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::Taylor;
+use liepoisson_core::method::{AcrossComponents, Method, Taylor};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -37,7 +37,6 @@ impl Field {
     /// Dimension of the state.
     #[getter]
     fn n_components(&self) -> usize {
-        use field::Field as _;
         match &self.0 {
             Kind::Top(top) => top.n_components(),
             Kind::Quadratic(quadratic) => quadratic.n_components(),
@@ -139,9 +138,9 @@ fn add_summaries(result: &Bound<'_, PyDict>, summaries: &[Summary], n: usize) ->
     Ok(())
 }
 
-fn run_orbits<F: field::Field>(
+fn run_orbits<F: Space, M: Method<F> + Send>(
     py: Python<'_>,
-    ensemble: &Ensemble<'_, F>,
+    ensemble: &Ensemble<'_, F, M>,
     threads: usize,
     simd: Simd,
     dense: bool,
@@ -150,18 +149,6 @@ fn run_orbits<F: field::Field>(
     supervised(py, ensemble.n_members(), progress, |control, watch| {
         orbit::orbits(ensemble, threads, simd, control, dense, watch)
     })
-}
-
-/// Leaves the zeros out that [`SingleTop`] keeps behind each vector.
-fn stripped(mut orbits: Orbits) -> Orbits {
-    orbits.states = SingleTop::strip(&orbits.states);
-    for summary in &mut orbits.summaries {
-        summary.state = SingleTop::strip(&summary.state);
-    }
-    for series in &mut orbits.series {
-        series.coefficients = SingleTop::strip(&series.coefficients);
-    }
-    orbits
 }
 
 /// Orbits at `times`; arrays are flat, row-major: see `_core.pyi`.
@@ -192,9 +179,9 @@ fn orbits<'py>(
     }
     let (kernel, orbits) = match &field.0 {
         Kind::Top(top) if components => {
-            let (field, states) = (SingleTop::new(*top), SingleTop::pad(states));
-            let ensemble = Ensemble { field: &field, method: taylor, states: &states, tangents, n_tangents, times };
-            ("components", stripped(run_orbits(py, &ensemble, 1, Simd::Scalar, dense, progress)?))
+            let ensemble =
+                Ensemble { field: top, method: AcrossComponents(taylor), states, tangents, n_tangents, times };
+            ("components", run_orbits(py, &ensemble, 1, simd, dense, progress)?)
         }
         Kind::Top(top) => run!(top),
         Kind::Quadratic(quadratic) => run!(quadratic),

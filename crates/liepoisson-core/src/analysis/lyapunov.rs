@@ -1,11 +1,11 @@
 //! The largest Lyapunov exponent of each trajectory as a function of time.
 
-use super::orbit::UNREACHED;
-use super::unreached;
+use super::{UNREACHED, name_unreached, unreached};
 use crate::ensemble::{Control, Ensemble, Observer, Step, Summary};
 use crate::error::Error;
-use crate::field::Field;
-use crate::lanes::{Lane, Simd};
+use crate::field::Space;
+use crate::lanes::Simd;
+use crate::method::Method;
 use std::sync::Mutex;
 use std::time::Duration;
 
@@ -22,18 +22,21 @@ pub struct Growth {
 /// Tangent vectors are only ever scaled by powers of two, so no interval of renormalisation enters the result.
 ///
 /// # Errors
-/// See [`Ensemble::check`]; and a tangent vector that is zero or not finite.
+/// See [`Ensemble::check`]; an ensemble without tangent vectors, or with one that is zero or not finite.
 ///
 /// # References
 /// Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
-pub fn growth<F: Field>(
-    ensemble: &Ensemble<'_, F>,
+pub fn growth<F: Space, M: Method<F>>(
+    ensemble: &Ensemble<'_, F, M>,
     threads: usize,
     simd: Simd,
     control: &Control,
     watch: impl FnOnce(&dyn Fn(Duration) -> bool),
 ) -> Result<Growth, Error> {
     ensemble.check()?;
+    if ensemble.n_tangents == 0 {
+        return Err(Error::Length { name: "tangents", wanted: ensemble.states.len(), got: 0 });
+    }
     let (n, members, n_times) = (ensemble.field.n_components(), ensemble.n_members(), ensemble.times.len() - 1);
     // Only the direction of a tangent vector counts, so one whose square would leave the range of numbers is brought
     // near length one by a power of two, exactly.
@@ -65,7 +68,9 @@ pub fn growth<F: Field>(
     };
     let ensemble = Ensemble { tangents: &tangents, ..*ensemble };
     ensemble.run(threads, simd, control, recorder, watch)?;
-    Ok(growth.into_inner().expect("no worker panics while it writes"))
+    let mut growth = growth.into_inner().expect("no worker panics while it writes");
+    name_unreached(&mut growth.summaries, control);
+    Ok(growth)
 }
 
 #[inline(always)]
@@ -89,11 +94,9 @@ impl Observer for Recorder<'_> {
         self.exponents[lane].fill(f64::NAN);
     }
 
-    #[inline(always)]
-    fn step<F: Field, V: Lane>(&mut self, _lane: usize, _step: &Step<'_, F, V>) {}
+    fn step(&mut self, _lane: usize, _step: &Step<'_>) {}
 
-    #[inline(always)]
-    fn sample<F: Field, V: Lane>(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_, F, V>) {
+    fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
         if index > 0 {
             let scale = step.tangent(0, tau, &mut self.tangent);
             let length = libm::log(euclidean_norm(&self.tangent)) + scale as f64 * std::f64::consts::LN_2;

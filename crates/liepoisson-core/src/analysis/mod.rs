@@ -3,7 +3,20 @@
 pub mod lyapunov;
 pub mod orbit;
 
+use crate::ensemble::{Control, Outcome, Summary};
 use crate::error::Error;
+
+/// A member that no worker has started, because the run was ended before.
+const UNREACHED: Summary = Summary { outcome: Outcome::Cancelled, time: f64::NAN, n_steps: 0, state: Vec::new() };
+
+/// Says of members that no worker has started why the run was ended.
+fn name_unreached(summaries: &mut [Summary], control: &Control) {
+    if let Some(reason) = control.reason_to_stop() {
+        for summary in summaries.iter_mut().filter(|summary| summary.time.is_nan()) {
+            summary.outcome = reason;
+        }
+    }
+}
 
 /// An array of `len` NaN, or the refusal of the memory for it.
 fn unreached(len: usize) -> Result<Vec<f64>, Error> {

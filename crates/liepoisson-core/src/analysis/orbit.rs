@@ -1,12 +1,13 @@
 //! Orbits: states and tangent vectors at given times, and the power series of every step on request.
 
-use super::unreached;
-use crate::ensemble::{Control, Ensemble, Observer, Outcome, Step, Summary};
+use super::{UNREACHED, name_unreached, unreached};
+use crate::ensemble::{Control, Ensemble, Observer, Step, Summary};
 use crate::error::Error;
-use crate::field::Field;
-use crate::lanes::{Lane, Simd};
+use crate::field::Space;
+use crate::lanes::Simd;
+use crate::method::Method;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 /// States at the times of an ensemble. What a trajectory did not reach is NaN; its outcome says why.
@@ -34,8 +35,8 @@ pub struct Series {
 ///
 /// # Errors
 /// See [`Ensemble::check`].
-pub fn orbits<F: Field>(
-    ensemble: &Ensemble<'_, F>,
+pub fn orbits<F: Space, M: Method<F>>(
+    ensemble: &Ensemble<'_, F, M>,
     threads: usize,
     simd: Simd,
     control: &Control,
@@ -45,7 +46,7 @@ pub fn orbits<F: Field>(
     let (n, n_times, n_tangents) = (ensemble.field.n_components(), ensemble.times.len(), ensemble.n_tangents);
     let members = ensemble.n_members();
     let row = n_times * n;
-    let memory_is_full = AtomicBool::new(false);
+    let refused = AtomicUsize::new(0);
     let orbits = Mutex::new(Orbits {
         states: unreached(members.saturating_mul(row))?,
         tangents: unreached(members.saturating_mul(row).saturating_mul(n_tangents))?,
@@ -65,20 +66,18 @@ pub fn orbits<F: Field>(
             series: vec![Series::default(); lanes],
             dense,
             control,
-            memory_is_full: &memory_is_full,
+            refused: &refused,
         },
         watch,
     )?;
-    if memory_is_full.into_inner() {
-        let steps: u64 = orbits.into_inner().expect(POISONED).summaries.iter().map(|summary| summary.n_steps).sum();
-        return Err(Error::Memory { bytes: steps as usize * (ensemble.method.order() + 1) * n * 8 });
+    let bytes = refused.into_inner();
+    if bytes > 0 {
+        return Err(Error::Memory { bytes });
     }
-    Ok(orbits.into_inner().expect(POISONED))
+    let mut orbits = orbits.into_inner().expect(POISONED);
+    name_unreached(&mut orbits.summaries, control);
+    Ok(orbits)
 }
-
-/// A member that no worker has started, because the run was cancelled.
-pub(crate) const UNREACHED: Summary =
-    Summary { outcome: Outcome::Cancelled, time: f64::NAN, n_steps: 0, state: Vec::new() };
 
 const POISONED: &str = "no worker panics while it writes";
 
@@ -91,8 +90,8 @@ struct Recorder<'o> {
     series: Vec<Series>,
     dense: bool,
     control: &'o Control,
-    /// Set when dense output has used up the memory; the run is then cancelled.
-    memory_is_full: &'o AtomicBool,
+    /// Bytes that dense output could not have, because the memory is used up; the run is then cancelled.
+    refused: &'o AtomicUsize,
 }
 
 impl Observer for Recorder<'_> {
@@ -102,12 +101,11 @@ impl Observer for Recorder<'_> {
         self.series[lane] = Series::default();
     }
 
-    #[inline(always)]
-    fn step<F: Field, V: Lane>(&mut self, lane: usize, step: &Step<'_, F, V>) {
+    fn step(&mut self, lane: usize, step: &Step<'_>) {
         if self.dense {
             let Series { times, coefficients } = &mut self.series[lane];
             if times.try_reserve(1).is_err() || step.copy_series(coefficients).is_err() {
-                self.memory_is_full.store(true, Ordering::Relaxed);
+                self.refused.store((8 * coefficients.len()).max(1), Ordering::Relaxed);
                 self.control.cancel();
                 self.series[lane] = Series::default();
                 return;
@@ -116,8 +114,7 @@ impl Observer for Recorder<'_> {
         }
     }
 
-    #[inline(always)]
-    fn sample<F: Field, V: Lane>(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_, F, V>) {
+    fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
         let n = self.n;
         step.state(tau, &mut self.states[lane][index * n..(index + 1) * n]);
         for k in 0..self.n_tangents {

@@ -3,26 +3,27 @@
 mod convolution;
 mod cover;
 mod quadratic;
-mod single_top;
 mod tape;
 mod top;
 
 pub use quadratic::Quadratic;
-pub use single_top::SingleTop;
 pub use tape::{Instruction, Tape};
 pub use top::Top;
 
 use crate::lanes::Lane;
+
+/// Where a system lives.
+pub trait Space: Sync {
+    /// Number of components of the state.
+    fn n_components(&self) -> usize;
+}
 
 /// An autonomous vector field whose solutions are expanded in powers of time.
 ///
 /// The coefficients of one order form a *row*: the state, then work quantities that the field derives from it, then
 /// the same for each tangent vector (a field with tangent vectors attached is again a field). Rows follow one another
 /// from order 0 upwards.
-pub trait Field: Sync {
-    /// Number of components of the state.
-    fn n_components(&self) -> usize;
-
+pub trait Field: Space {
     /// Registers that one group (the state, or one tangent vector) takes in a row: components and work quantities.
     fn group(&self) -> usize;
 

@@ -1,8 +1,8 @@
 //! Any quadratic field, a sparse tensor given at run time, near the speed of a kernel compiled for it.
 
-use super::Field;
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
+use super::{Field, Space};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -119,11 +119,13 @@ fn collect<const D: usize>(
     Ok(sums)
 }
 
-impl Field for Quadratic {
+impl Space for Quadratic {
     fn n_components(&self) -> usize {
         self.n_components
     }
+}
 
+impl Field for Quadratic {
     fn group(&self) -> usize {
         self.group
     }

@@ -1,6 +1,6 @@
 //! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
 
-use super::Field;
+use super::{Field, Space};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -23,14 +23,14 @@ const OMEGA: usize = 9;
 /// Thiffeault and Morrison, *The twisted top* (2001), the three equations of motion of its section 3.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Top {
-    pub(super) a: [f64; 3],
-    pub(super) b: [f64; 3],
+    pub(crate) a: [f64; 3],
+    pub(crate) b: [f64; 3],
     /// epsilon a
-    pub(super) twist: [f64; 3],
-    pub(super) inverse_inertia: [f64; 3],
+    pub(crate) twist: [f64; 3],
+    pub(crate) inverse_inertia: [f64; 3],
     /// `(l x omega)_1 = (1 - I3/I2) l2 omega3` and cyclically: one product instead of two, and exactly zero for
     /// equal moments, so that a symmetric top keeps `l3` exactly.
-    pub(super) asymmetry: [f64; 3],
+    pub(crate) asymmetry: [f64; 3],
 }
 
 impl Top {
@@ -69,11 +69,13 @@ impl Top {
     }
 }
 
-impl Field for Top {
+impl Space for Top {
     fn n_components(&self) -> usize {
         N
     }
+}
 
+impl Field for Top {
     fn group(&self) -> usize {
         GROUP
     }

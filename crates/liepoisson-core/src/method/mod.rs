@@ -1,5 +1,125 @@
-//! How a field is advanced in time: one method per file.
+//! How a field is advanced in time: one method per file, each a [`Method`] that makes a [`Block`].
 
+mod components;
 mod taylor;
 
-pub use taylor::{Block, Taylor};
+pub use components::AcrossComponents;
+pub use taylor::Taylor;
+
+use crate::lanes::{Simd, Task, Wide, dispatch};
+use std::collections::TryReserveError;
+
+/// A method of integration, for vector fields of type `F`.
+pub trait Method<F>: Copy + Sync {
+    /// Room for as many trajectories as the registers `V` hold, at rest at the origin.
+    fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f>;
+
+    /// Most steps that a trajectory may take.
+    fn max_steps(&self) -> u64;
+
+    /// [`Method::block`] with the registers of `simd`.
+    fn block_for<'f>(&self, simd: Simd, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f>
+    where
+        Self: Sized,
+    {
+        dispatch(simd, MakeBlock { method: self, field, n_tangents })
+    }
+}
+
+struct MakeBlock<'m, 'f, M, F> {
+    method: &'m M,
+    field: &'f F,
+    n_tangents: usize,
+}
+
+impl<'f, F, M: Method<F>> Task for MakeBlock<'_, 'f, M, F> {
+    type Output = Box<dyn Block + 'f>;
+
+    fn run<V: Wide>(self) -> Box<dyn Block + 'f> {
+        self.method.block::<V>(self.field, self.n_tangents)
+    }
+}
+
+/// How the steps of a block come about.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stepping {
+    /// Each step is as long as its power series allows, and the series gives the state at any time inside it.
+    Series,
+    /// Steps are tried and may be refused; they end at every wanted time.
+    Trial,
+    /// Equal steps, at most this long, that end at every wanted time.
+    Fixed(f64),
+}
+
+/// What became of a step of one trajectory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It was taken.
+    Taken,
+    /// It was too long: the trajectory is where it was, and [`Block::prepare`] will propose a shorter one.
+    TooLong,
+    /// It led to numbers that are not finite: the trajectory is where it was.
+    NotFinite,
+    /// Its implicit equation was not solved: the trajectory is where it was.
+    NoConvergence,
+}
+
+/// Trajectories side by side, one in each lane, advanced together, each by steps of its own.
+///
+/// A trajectory consists of groups: the state (group 0) and its tangent vectors (1, 2, ...).
+pub trait Block {
+    /// Number of trajectories.
+    fn n_lanes(&self) -> usize;
+
+    /// How their steps come about.
+    fn stepping(&self) -> Stepping;
+
+    /// The size closest to `size` that a step can have.
+    fn representable(&self, size: f64) -> f64 {
+        size
+    }
+
+    /// Steps that [`Block::advance`] can take at once.
+    fn most_repeats(&self) -> u64 {
+        1
+    }
+
+    /// Puts values into one group of a lane; into group 0 (which comes first) those of a new trajectory.
+    fn load(&mut self, lane: usize, group: usize, values: &[f64]);
+
+    /// The present values of one group of a lane.
+    fn read(&self, lane: usize, group: usize, values: &mut [f64]);
+
+    /// For each lane the longest step that the method allows; NaN where a number is not finite.
+    fn prepare(&mut self, longest: &mut [f64]);
+
+    /// Advances each lane by `repeats` steps of its size (zero: the lane stays), and says what became of them.
+    fn advance(&mut self, sizes: &[f64], repeats: u64, verdicts: &mut [Verdict]);
+
+    /// One group of a lane a time `tau` after the start of the step that was prepared; methods without series know
+    /// the present values only.
+    fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
+        let _ = tau;
+        self.read(lane, group, values);
+    }
+
+    /// For each lane the sum of the absolute values of the components of one group.
+    fn norms(&self, group: usize, norms: &mut [f64]);
+
+    /// Tangent vectors whose norm leaves `[2^-r, 2^r)` for this r are to be rescaled.
+    fn range_exponent(&self) -> i32 {
+        256
+    }
+
+    /// Multiplies a tangent vector (group 1, 2, ...) of one lane by a power of two, which rounds nothing.
+    fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32);
+
+    /// Appends the power series of one lane's state, order by order, its components; nothing without series.
+    ///
+    /// # Errors
+    /// There is no memory for it.
+    fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        let _ = (lane, to);
+        Ok(())
+    }
+}

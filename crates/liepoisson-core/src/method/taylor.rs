@@ -6,7 +6,8 @@
 
 use crate::error::Error;
 use crate::field::Field;
-use crate::lanes::{Lane, Piece, as_scalars};
+use crate::lanes::{Lane, Piece, Wide, as_scalars};
+use crate::method::{Block, Method, Stepping, Verdict};
 use std::collections::TryReserveError;
 
 const MAX_ORDER: usize = 64;
@@ -41,6 +42,11 @@ impl Taylor {
         Ok(Taylor { tolerance, order, max_steps })
     }
 
+    /// Relative size of the last retained terms.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
     /// Order of the series.
     pub fn order(&self) -> usize {
         self.order
@@ -52,8 +58,19 @@ impl Taylor {
     }
 }
 
-/// As many trajectories as a register has lanes, with their tangent vectors and the power series of all of them.
-pub struct Block<'f, F, V> {
+impl<F: Field> Method<F> for Taylor {
+    fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
+        let rows = vec![V::splat(0.0); field.registers(n_tangents, self.order)];
+        Box::new(TaylorBlock { field, method: *self, n_tangents, row: field.row(n_tangents), rows })
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.max_steps
+    }
+}
+
+/// Trajectories with their tangent vectors and the power series of all of them.
+struct TaylorBlock<'f, F, V> {
     field: &'f F,
     method: Taylor,
     n_tangents: usize,
@@ -61,88 +78,71 @@ pub struct Block<'f, F, V> {
     rows: Vec<V>,
 }
 
-impl<'f, F: Field, V: Lane> Block<'f, F, V> {
-    /// A block of trajectories that rest at the origin.
-    #[inline(always)]
-    pub fn new(field: &'f F, method: Taylor, n_tangents: usize) -> Self {
-        let rows = vec![V::splat(0.0); field.registers(n_tangents, method.order)];
-        Block { field, method, n_tangents, row: field.row(n_tangents), rows }
+impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
+    fn n_lanes(&self) -> usize {
+        V::WIDTH
     }
 
-    /// Sets component `i` of group `group` (0: the state; k: tangent vector k) in one lane.
-    #[inline(always)]
-    pub fn set(&mut self, lane: usize, group: usize, i: usize, value: f64) {
-        self.rows[group * self.field.group() + i].as_scalars_mut()[lane] = value;
+    fn stepping(&self) -> Stepping {
+        Stepping::Series
     }
 
-    /// Component `i` of group `group` at the start of the step.
-    #[inline(always)]
-    pub fn get(&self, lane: usize, group: usize, i: usize) -> f64 {
-        self.rows[group * self.field.group() + i].as_scalars()[lane]
+    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+        let at = group * self.field.group();
+        for (register, &value) in self.rows[at..].iter_mut().zip(values) {
+            register.set(lane, value);
+        }
     }
 
+    fn read(&self, lane: usize, group: usize, values: &mut [f64]) {
+        let at = group * self.field.group();
+        for (register, value) in self.rows[at..].iter().zip(values) {
+            *value = register.get(lane);
+        }
+    }
+
+    fn prepare(&mut self, longest: &mut [f64]) {
+        V::outline(Expansion(self));
+        V::outline(Steps { block: self, sizes: longest });
+    }
+
+    fn advance(&mut self, sizes: &[f64], _repeats: u64, verdicts: &mut [Verdict]) {
+        verdicts.fill(Verdict::Taken);
+        V::outline(Advance { block: self, sizes });
+    }
+
+    fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
+        V::outline(Evaluation { block: self, lane, group, tau, values });
+    }
+
+    fn norms(&self, group: usize, norms: &mut [f64]) {
+        V::outline(Norms { block: self, group, norms });
+    }
+
+    fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32) {
+        let at = group * self.field.group();
+        for register in &mut self.rows[at..at + self.field.n_components()] {
+            register.set(lane, libm::scalbn(register.get(lane), exponent));
+        }
+    }
+
+    fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        to.try_reserve((self.method.order + 1) * self.field.n_components())?;
+        for k in 0..=self.method.order {
+            for i in 0..self.field.n_components() {
+                to.push(self.rows[k * self.row + i].get(lane));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<F: Field, V: Wide> TaylorBlock<'_, F, V> {
     /// Sum of the absolute values of the components of `group`, in coefficient `k`; not finite if one of them is not.
     #[inline(always)]
-    pub fn norm(&self, k: usize, group: usize) -> V {
+    fn norm(&self, k: usize, group: usize) -> V {
         let at = k * self.row + group * self.field.group();
-        let components = &self.rows[at..at + self.field.n_components()];
-        let mut sum = components[0].abs();
-        for component in &components[1..] {
-            sum = sum.add(component.abs());
-        }
-        sum
-    }
-
-    /// The power series, from its first coefficients.
-    #[inline(always)]
-    pub fn expand(&mut self) {
-        V::outline(Expansion(self));
-    }
-
-    /// For each lane the longest step for which each of the last two terms of the series of the state, and of every
-    /// tangent vector, stays below the tolerance; NaN where one of them is not finite.
-    ///
-    /// Tangent vectors have a say because the state alone does not see the linear flow about it: at an equilibrium its
-    /// own series allows any step.
-    #[inline(always)]
-    pub fn step_sizes(&self, sizes: &mut [f64]) {
-        let order = self.method.order;
-        sizes.fill(f64::INFINITY);
-        for group in 0..=self.n_tangents {
-            let (size, last, before) = (self.norm(0, group), self.norm(order, group), self.norm(order - 1, group));
-            // Each coefficient enters the next, so the first and the highest tell of all; zero times infinity is NaN.
-            let defect = size.add(last).mul(V::splat(0.0));
-            let (size, last, before) = (size.as_scalars(), last.as_scalars(), before.as_scalars());
-            for lane in 0..V::WIDTH {
-                let allowed = log2_estimate(self.method.tolerance * size[lane]);
-                let longest = |term: f64, power: usize| {
-                    if term > 0.0 { (allowed - log2_estimate(term)) / power as f64 } else { f64::INFINITY }
-                };
-                let (by_last, by_before) = (longest(last[lane], order), longest(before[lane], order - 1));
-                sizes[lane] = (if by_last < sizes[lane] { by_last } else { sizes[lane] }) + defect.as_scalars()[lane];
-                sizes[lane] = if by_before < sizes[lane] { by_before } else { sizes[lane] };
-            }
-        }
-        for size in sizes {
-            *size = exp2_estimate(*size);
-        }
-    }
-
-    /// Advances every lane by its own step: Horner's rule, several components at once to hide the latency of each.
-    #[inline(always)]
-    pub fn advance(&mut self, step: V) {
-        let (components, group) = (self.field.n_components(), self.field.group());
-        for first in (0..self.row).step_by(group) {
-            let (mut i, end) = (first, first + components);
-            while i < end {
-                i += match end - i {
-                    12.. => self.advance_components::<12>(i, step),
-                    9.. => self.advance_components::<9>(i, step),
-                    4.. => self.advance_components::<4>(i, step),
-                    _ => self.advance_components::<1>(i, step),
-                };
-            }
-        }
+        sum_of_sizes(&self.rows[at..at + self.field.n_components()])
     }
 
     #[inline(always)]
@@ -158,54 +158,25 @@ impl<'f, F: Field, V: Lane> Block<'f, F, V> {
         self.rows[first..first + M].copy_from_slice(&value);
         M
     }
-
-    /// Multiplies a tangent vector of one lane by a power of two, which rounds nothing.
-    #[inline(always)]
-    pub fn scale_tangent(&mut self, lane: usize, tangent: usize, factor: f64) {
-        for i in 0..self.field.n_components() {
-            let value = self.get(lane, tangent, i);
-            self.set(lane, tangent, i, value * factor);
-        }
-    }
-
-    /// Component `i` of group `group` of one lane, a time `tau` after the start of the step.
-    #[inline(always)]
-    pub fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
-        let scalars = as_scalars(&self.rows);
-        let (stride, at) = (self.row * V::WIDTH, group * self.field.group() * V::WIDTH + lane);
-        for (i, value) in values.iter_mut().enumerate() {
-            *value = scalars[self.method.order * stride + at + i * V::WIDTH];
-        }
-        for k in (0..self.method.order).rev() {
-            let row = &scalars[k * stride + at..];
-            for (i, value) in values.iter_mut().enumerate() {
-                *value = value.mul_add(tau, row[i * V::WIDTH]);
-            }
-        }
-    }
-
-    /// Appends the series of one lane's state: order by order, its components.
-    ///
-    /// # Errors
-    /// There is no memory for it.
-    pub fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
-        to.try_reserve((self.method.order + 1) * self.field.n_components())?;
-        for k in 0..=self.method.order {
-            for i in 0..self.field.n_components() {
-                to.push(self.rows[k * self.row + i].as_scalars()[lane]);
-            }
-        }
-        Ok(())
-    }
 }
 
-/// The series of a block: the large part of the code, shared by all analyses.
-struct Expansion<'b, 'f, F, V>(&'b mut Block<'f, F, V>);
+/// Sum of the absolute values of some components; not finite if one of them is not.
+#[inline(always)]
+pub(super) fn sum_of_sizes<V: Lane>(components: &[V]) -> V {
+    let mut sum = components[0].abs();
+    for component in &components[1..] {
+        sum = sum.add(component.abs());
+    }
+    sum
+}
 
-impl<F: Field, V: Lane> Piece for Expansion<'_, '_, F, V> {
+/// The power series, from its first coefficients.
+struct Expansion<'b, 'f, F, V>(&'b mut TaylorBlock<'f, F, V>);
+
+impl<F: Field, V: Wide> Piece for Expansion<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let Block { field, method, n_tangents, rows, .. } = self.0;
+        let TaylorBlock { field, method, n_tangents, rows, .. } = self.0;
         for k in 0..method.order {
             field.derive_work(rows, *n_tangents, k);
             field.extend(rows, *n_tangents, k);
@@ -213,28 +184,142 @@ impl<F: Field, V: Lane> Piece for Expansion<'_, '_, F, V> {
     }
 }
 
+/// For each lane the longest step for which each of the last two terms of the series of the state, and of every
+/// tangent vector, stays below the tolerance; NaN where one of them is not finite.
+///
+/// Tangent vectors have a say because the state alone does not see the linear flow about it: at an equilibrium its
+/// own series allows any step.
+struct Steps<'b, 'f, F, V> {
+    block: &'b TaylorBlock<'f, F, V>,
+    sizes: &'b mut [f64],
+}
+
+impl<F: Field, V: Wide> Piece for Steps<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Steps { block, sizes } = self;
+        let (sizes, order) = (&mut sizes[..V::WIDTH], block.method.order);
+        sizes.fill(f64::INFINITY);
+        for group in 0..=block.n_tangents {
+            let (size, last, before) = (block.norm(0, group), block.norm(order, group), block.norm(order - 1, group));
+            // Each coefficient enters the next, so the first and the highest tell of all; zero times infinity is NaN.
+            let defect = size.add(last).mul(V::splat(0.0));
+            let allowed = size.mul(V::splat(block.method.tolerance));
+            for (longest, defect) in sizes.iter_mut().zip(defect.as_scalars()) {
+                *longest += defect;
+            }
+            shorten(sizes, allowed.as_scalars(), last.as_scalars(), order);
+            shorten(sizes, allowed.as_scalars(), before.as_scalars(), order - 1);
+        }
+        for size in sizes {
+            *size = exp2_estimate(*size);
+        }
+    }
+}
+
+/// The logarithm of each size, at most that for which `term size^power` is `allowed`; NaN stays.
+#[inline(always)]
+fn shorten(sizes: &mut [f64], allowed: &[f64], terms: &[f64], power: usize) {
+    for ((size, &allowed), &term) in sizes.iter_mut().zip(allowed).zip(terms) {
+        let bound = (log2_estimate(allowed) - log2_estimate(term)) / power as f64;
+        let bound = if term > 0.0 { bound } else { f64::INFINITY };
+        *size = if bound < *size { bound } else { *size };
+    }
+}
+
+/// Advances every lane by its own step: Horner's rule, several components at once to hide the latency of each.
+struct Advance<'b, 'f, F, V> {
+    block: &'b mut TaylorBlock<'f, F, V>,
+    sizes: &'b [f64],
+}
+
+impl<F: Field, V: Wide> Piece for Advance<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Advance { block, sizes } = self;
+        let mut step = V::splat(0.0);
+        step.as_scalars_mut().copy_from_slice(sizes);
+        let (components, group) = (block.field.n_components(), block.field.group());
+        for first in (0..block.row).step_by(group) {
+            let (mut i, end) = (first, first + components);
+            while i < end {
+                i += match end - i {
+                    12.. => block.advance_components::<12>(i, step),
+                    9.. => block.advance_components::<9>(i, step),
+                    4.. => block.advance_components::<4>(i, step),
+                    _ => block.advance_components::<1>(i, step),
+                };
+            }
+        }
+    }
+}
+
+/// Sizes of one group of all lanes.
+struct Norms<'b, 'f, F, V> {
+    block: &'b TaylorBlock<'f, F, V>,
+    group: usize,
+    norms: &'b mut [f64],
+}
+
+impl<F: Field, V: Wide> Piece for Norms<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        self.norms.copy_from_slice(self.block.norm(0, self.group).as_scalars());
+    }
+}
+
+/// One group of one lane, some time after the start of the step.
+struct Evaluation<'b, 'f, F, V> {
+    block: &'b TaylorBlock<'f, F, V>,
+    lane: usize,
+    group: usize,
+    tau: f64,
+    values: &'b mut [f64],
+}
+
+impl<F: Field, V: Wide> Piece for Evaluation<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Evaluation { block, lane, group, tau, values } = self;
+        let scalars = as_scalars(&block.rows);
+        let (stride, at) = (block.row * V::WIDTH, group * block.field.group() * V::WIDTH + lane);
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = scalars[block.method.order * stride + at + i * V::WIDTH];
+        }
+        for k in (0..block.method.order).rev() {
+            let row = &scalars[k * stride + at..];
+            for (i, value) in values.iter_mut().enumerate() {
+                *value = value.mul_add(tau, row[i * V::WIDTH]);
+            }
+        }
+    }
+}
+
+/// 2^52: added to a whole number below it, it leaves that number in the lowest bits.
+const WHOLE: f64 = 4_503_599_627_370_496.0;
+
 /// `log2 x` of a positive number to 2e-5, without a branch; of zero a number below -1000, of infinity one above 1000.
 #[inline(always)]
-fn log2_estimate(x: f64) -> f64 {
+pub(super) fn log2_estimate(x: f64) -> f64 {
     const TWO_OVER_LN_2: f64 = 2.0 / std::f64::consts::LN_2;
     let bits = x.to_bits();
-    let exponent = ((bits >> 52) & 0x7ff) as i64 - 1023;
+    let exponent = f64::from_bits((bits >> 52) | WHOLE.to_bits()) - (WHOLE + 1023.0);
     let mantissa = f64::from_bits((bits & 0x000f_ffff_ffff_ffff) | 0x3ff0_0000_0000_0000);
     // artanh series in s = (m - 1)/(m + 1), which is at most 1/3
     let s = (mantissa - 1.0) / (mantissa + 1.0);
     let s2 = s * s;
-    exponent as f64 + TWO_OVER_LN_2 * s * (1.0 + s2 * (1.0 / 3.0 + s2 * (1.0 / 5.0 + s2 * (1.0 / 7.0))))
+    exponent + TWO_OVER_LN_2 * s * (1.0 + s2 * (1.0 / 3.0 + s2 * (1.0 / 5.0 + s2 * (1.0 / 7.0))))
 }
 
 /// `2^y` to 2e-5, for `y` clipped to [-1000, 1000]; NaN for NaN.
 #[inline(always)]
-fn exp2_estimate(y: f64) -> f64 {
+pub(super) fn exp2_estimate(y: f64) -> f64 {
     let y = y.clamp(-1000.0, 1000.0) + 1000.0;
-    let whole = y as i64;
-    let z = (y - whole as f64) * std::f64::consts::LN_2;
+    let whole = y.floor();
+    let z = (y - whole) * std::f64::consts::LN_2;
     let fraction =
         1.0 + z * (1.0 + z * (1.0 / 2.0 + z * (1.0 / 6.0 + z * (1.0 / 24.0 + z * (1.0 / 120.0 + z / 720.0)))));
-    fraction * f64::from_bits(((whole - 1000 + 1023) as u64) << 52)
+    fraction * f64::from_bits((whole + (WHOLE + 23.0)).to_bits() << 52)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble};
 use liepoisson_core::field::Top;
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::Taylor;
+use liepoisson_core::method::{Method, Taylor};
 use proptest::array::uniform3;
 use proptest::prelude::*;
 
@@ -100,7 +100,14 @@ pub fn taylor(tolerance: f64) -> Taylor {
 }
 
 /// Orbits of one or more members at `times`.
-pub fn run(top: &Top, method: Taylor, states: &[f64], tangents: &[f64], times: &[f64], simd: Simd) -> Orbits {
+pub fn run<M: Method<Top>>(
+    top: &Top,
+    method: M,
+    states: &[f64],
+    tangents: &[f64],
+    times: &[f64],
+    simd: Simd,
+) -> Orbits {
     let n_tangents = if states.is_empty() { 0 } else { tangents.len() / states.len() };
     let ensemble = Ensemble { field: top, method, states, tangents, n_tangents, times };
     orbits(&ensemble, 1, simd, &Control::default(), false, |_| ()).unwrap()

@@ -1,6 +1,6 @@
 //! Elementary functions of a register: the same bits for every width, from `+ - *` and fused multiply-add alone.
 
-use crate::lanes::Lane;
+use crate::lanes::{Lane, Number};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2, LN_2, LOG2_E};
 
 /// `FRAC_PI_2 + PI_2_MIDDLE + PI_2_LOW` is pi/2 to 160 bits.
@@ -88,7 +88,7 @@ fn reduce<V: Lane>(x: V, n: V, high: f64, middle: f64, low: f64) -> (V, V) {
 /// Whether no lane is larger than `limit` in size; NaN counts as small.
 #[inline(always)]
 fn all_within<V: Lane>(x: V, limit: f64) -> bool {
-    !x.as_scalars().iter().fold(false, |beyond, lane| beyond | (lane.abs() > limit))
+    !x.as_scalars().iter().fold(false, |beyond, lane| beyond | (lane.to_f64().abs() > limit))
 }
 
 /// Sine and cosine, each within one unit of round-off.
@@ -116,11 +116,11 @@ pub(super) fn sin_cos<V: Lane>(x: V) -> (V, V) {
     let mut result = (cosine.mul_add(odd_sign, sine.mul(even_sign)), sine.neg_mul_add(odd_sign, cosine.mul(even_sign)));
     if !all_within(x, LARGEST_ANGLE) {
         for lane in 0..V::WIDTH {
-            let angle = x.as_scalars()[lane];
+            let angle = x.get(lane);
             if angle.abs() > LARGEST_ANGLE {
                 let (sine, cosine) = libm::sincos(angle);
-                result.0.as_scalars_mut()[lane] = sine;
-                result.1.as_scalars_mut()[lane] = cosine;
+                result.0.set(lane, sine);
+                result.1.set(lane, cosine);
             }
         }
     }
@@ -136,14 +136,16 @@ pub(super) fn exp<V: Lane>(x: V) -> V {
     let mut power = n;
     for lane in power.as_scalars_mut() {
         // in range for every lane that keeps this result; whatever the others get is overwritten below
-        *lane = f64::from_bits((((*lane as i64).clamp(-1022, 1023) + 1023) as u64) << 52) + 0.0 * *lane;
+        let exponent = lane.to_f64();
+        *lane =
+            Number::of(f64::from_bits((((exponent as i64).clamp(-1022, 1023) + 1023) as u64) << 52) + 0.0 * exponent);
     }
     let mut result = power.mul_add(above_one, power);
     if !all_within(x, LARGEST_EXPONENT) {
         for lane in 0..V::WIDTH {
-            let exponent = x.as_scalars()[lane];
+            let exponent = x.get(lane);
             if exponent.abs() > LARGEST_EXPONENT {
-                result.as_scalars_mut()[lane] = libm::exp(exponent);
+                result.set(lane, libm::exp(exponent));
             }
         }
     }
@@ -154,7 +156,7 @@ pub(super) fn exp<V: Lane>(x: V) -> V {
 #[inline(always)]
 pub(super) fn each<V: Lane>(mut x: V, function: impl Fn(f64) -> f64) -> V {
     for lane in x.as_scalars_mut() {
-        *lane = function(*lane);
+        *lane = Number::of(function(lane.to_f64()));
     }
     x
 }

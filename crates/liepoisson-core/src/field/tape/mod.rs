@@ -8,7 +8,7 @@ mod program;
 mod rules;
 mod sums;
 
-use super::Field;
+use super::{Field, Space};
 use crate::error::Error;
 use crate::lanes::Lane;
 use graph::Graph;
@@ -221,11 +221,13 @@ impl Tape {
     }
 }
 
-impl Field for Tape {
+impl Space for Tape {
     fn n_components(&self) -> usize {
         self.n_components
     }
+}
 
+impl Field for Tape {
     fn group(&self) -> usize {
         self.n_components
     }

@@ -1,0 +1,313 @@
+//! The Taylor method for one trajectory of a top alone: registers hold the components of vectors instead of trajectories.
+
+use crate::field::Top;
+use crate::lanes::{Piece, TwoVectors, Vectors, Wide};
+use crate::method::taylor::{exp2_estimate, log2_estimate};
+use crate::method::{Block, Method, Stepping, Taylor, Verdict};
+use std::collections::TryReserveError;
+
+/// [`Taylor`] for one trajectory of a [`Top`] without tangent vectors.
+///
+/// With `r` for the rotation `(1, 2, 3) -> (2, 3, 1)`, `u x w = r(u r(w) - r(u) w)`, so a cross product is two products
+/// of registers, and the rotation of a sum is made once. What limits a single trajectory is not the number of
+/// operations but how long each waits for the one before: the newest coefficient enters each sum last, so that the rest
+/// of the sum is under way while it is computed. Results differ from those of the kernel for many in the last bits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AcrossComponents(pub Taylor);
+
+impl Method<Top> for AcrossComponents {
+    fn block<'f, V: Wide>(&self, field: &'f Top, n_tangents: usize) -> Box<dyn Block + 'f> {
+        assert_eq!(n_tangents, 0, "the kernel for one trajectory has no tangent vectors");
+        let rows = vec![Row::default(); self.0.order() + 1];
+        Box::new(SingleBlock::<V> {
+            top: SpreadTop::new(field),
+            method: self.0,
+            rows,
+            register: std::marker::PhantomData,
+        })
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.0.max_steps()
+    }
+}
+
+/// The coefficients of one order: each vector followed by a zero, and what is derived from them.
+#[derive(Clone, Copy, Default)]
+#[repr(align(64))]
+struct Row {
+    /// alpha and beta
+    fields: [f64; 8],
+    /// alpha and beta, rotated
+    fields_rotated: [f64; 8],
+    l: [f64; 4],
+    omega: [f64; 4],
+    omega_rotated: [f64; 4],
+}
+
+/// The parameters as vectors with a zero behind them.
+struct SpreadTop {
+    inverse_inertia: [f64; 4],
+    asymmetry: [f64; 4],
+    /// a, b; then epsilon a, 0, and the same rotated: what alpha and beta are multiplied with.
+    centres: [f64; 8],
+    centres_rotated: [f64; 8],
+    twist: [f64; 4],
+    twist_rotated: [f64; 4],
+}
+
+impl SpreadTop {
+    fn new(top: &Top) -> SpreadTop {
+        let spread = |v: [f64; 3]| [v[0], v[1], v[2], 0.0];
+        let pair = |u: [f64; 3], v: [f64; 3]| [u[0], u[1], u[2], 0.0, v[0], v[1], v[2], 0.0];
+        let turn = |v: [f64; 3]| [v[1], v[2], v[0]];
+        SpreadTop {
+            inverse_inertia: spread(top.inverse_inertia),
+            asymmetry: spread(top.asymmetry),
+            centres: pair(top.a, top.b),
+            centres_rotated: pair(turn(top.a), turn(top.b)),
+            twist: spread(top.twist),
+            twist_rotated: spread(turn(top.twist)),
+        }
+    }
+}
+
+struct SingleBlock<V> {
+    top: SpreadTop,
+    method: Taylor,
+    rows: Vec<Row>,
+    register: std::marker::PhantomData<V>,
+}
+
+impl<V: Wide> Block for SingleBlock<V> {
+    fn n_lanes(&self) -> usize {
+        1
+    }
+
+    fn stepping(&self) -> Stepping {
+        Stepping::Series
+    }
+
+    fn load(&mut self, _lane: usize, _group: usize, values: &[f64]) {
+        let row = &mut self.rows[0];
+        row.l[..3].copy_from_slice(&values[..3]);
+        row.fields[..3].copy_from_slice(&values[3..6]);
+        row.fields[4..7].copy_from_slice(&values[6..9]);
+    }
+
+    fn read(&self, _lane: usize, _group: usize, values: &mut [f64]) {
+        self.rows[0].copy_to(values);
+    }
+
+    fn prepare(&mut self, longest: &mut [f64]) {
+        V::outline(Expansion { block: self, longest });
+    }
+
+    fn advance(&mut self, sizes: &[f64], _repeats: u64, verdicts: &mut [Verdict]) {
+        verdicts.fill(Verdict::Taken);
+        V::outline(Advance { block: self, step: sizes[0] });
+    }
+
+    fn evaluate(&self, _lane: usize, _group: usize, tau: f64, values: &mut [f64]) {
+        let (l, fields) = self.sum(tau);
+        Row { l, fields, ..Row::default() }.copy_to(values);
+    }
+
+    fn norms(&self, _group: usize, norms: &mut [f64]) {
+        norms[0] = self.rows[0].norm();
+    }
+
+    fn scale_tangent(&mut self, _lane: usize, _group: usize, _exponent: i32) {}
+
+    fn copy_series(&self, _lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        to.try_reserve(9 * self.rows.len())?;
+        let mut values = [0.0; 9];
+        for row in &self.rows {
+            row.copy_to(&mut values);
+            to.extend_from_slice(&values);
+        }
+        Ok(())
+    }
+}
+
+impl Row {
+    fn copy_to(&self, values: &mut [f64]) {
+        values[..3].copy_from_slice(&self.l[..3]);
+        values[3..6].copy_from_slice(&self.fields[..3]);
+        values[6..9].copy_from_slice(&self.fields[4..7]);
+    }
+
+    /// Sum of the absolute values of the components; the zeros behind the vectors stay zeros, or become NaN.
+    #[inline(always)]
+    fn norm(&self) -> f64 {
+        let (l, fields) = (&self.l, &self.fields);
+        let sums: [f64; 4] = std::array::from_fn(|i| l[i].abs() + (fields[i].abs() + fields[4 + i].abs()));
+        (sums[0] + sums[1]) + (sums[2] + sums[3])
+    }
+}
+
+impl<V: Wide> SingleBlock<V> {
+    /// The sum of the series at `tau`; even and odd powers apart, so that two chains of operations run side by side.
+    #[inline(always)]
+    fn sum(&self, tau: f64) -> ([f64; 4], [f64; 8]) {
+        let (t, t2) = (V::Vector::splat(tau), V::Vector::splat(tau * tau));
+        let (s, s2) = (V::TwoVectors::splat(tau), V::TwoVectors::splat(tau * tau));
+        let row = |k: usize| (V::Vector::load(&self.rows[k].l), V::TwoVectors::load(&self.rows[k].fields));
+        let order = self.method.order();
+        let (mut high, mut low) = (row(order), row(order - 1));
+        let mut k = order - 1;
+        while k >= 2 {
+            let (next_high, next_low) = (row(k - 1), row(k - 2));
+            high = (high.0.mul_add(t2, next_high.0), high.1.mul_add(s2, next_high.1));
+            low = (low.0.mul_add(t2, next_low.0), low.1.mul_add(s2, next_low.1));
+            k -= 2;
+        }
+        // `high` stands at power k + 1, `low` at power k, which is 1 or 0
+        let (mut l, mut fields) = (high.0.mul_add(t, low.0), high.1.mul_add(s, low.1));
+        if k == 1 {
+            let first = row(0);
+            (l, fields) = (l.mul_add(t, first.0), fields.mul_add(s, first.1));
+        }
+        let (mut l_numbers, mut field_numbers) = ([0.0; 4], [0.0; 8]);
+        l.store(&mut l_numbers);
+        fields.store(&mut field_numbers);
+        (l_numbers, field_numbers)
+    }
+}
+
+/// The power series and the longest step that its last two terms allow; as [`Taylor`] chooses it.
+struct Expansion<'b, V> {
+    block: &'b mut SingleBlock<V>,
+    longest: &'b mut [f64],
+}
+
+impl<V: Wide> Piece for Expansion<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Expansion { block, longest } = self;
+        let order = block.method.order();
+        let top = &block.top;
+        let inverse_inertia = V::Vector::load(&top.inverse_inertia);
+        let asymmetry = V::Vector::load(&top.asymmetry);
+        let (centres, centres_rotated) = (V::TwoVectors::load(&top.centres), V::TwoVectors::load(&top.centres_rotated));
+        let (twist, twist_rotated) = (V::Vector::load(&top.twist), V::Vector::load(&top.twist_rotated));
+        let mut l = V::Vector::load(&block.rows[0].l);
+        let mut fields = V::TwoVectors::load(&block.rows[0].fields);
+        let zero = (V::Vector::splat(0.0), V::TwoVectors::splat(0.0));
+        let mut first: Option<Newest<V>> = None;
+        for k in 0..order {
+            let newest = Newest::<V>::of(l, fields, inverse_inertia);
+            newest.store(&mut block.rows[k]);
+            let first = *first.get_or_insert(newest);
+            // rows 1..k with one another: nothing here waits for the newest row
+            let (mut spin, mut turn) = (zero.0, zero.1);
+            if k >= 2 {
+                let (mut even, mut odd) = ((zero.0, zero.1, zero.1), (zero.0, zero.1, zero.1));
+                let inner = &block.rows[1..k];
+                let mut terms = inner.iter().zip(inner.iter().rev());
+                while let Some((x, y)) = terms.next() {
+                    even = add_term::<V>(even, x, y);
+                    if let Some((x, y)) = terms.next() {
+                        odd = add_term::<V>(odd, x, y);
+                    }
+                }
+                spin = even.0.add(odd.0);
+                turn = even.1.add(odd.1).add(even.2.add(odd.2).mul(V::TwoVectors::splat(-1.0)));
+            }
+            let inverse = 1.0 / (k + 1) as f64;
+            let (scale, scales) = (V::Vector::splat(inverse), V::TwoVectors::splat(inverse));
+            // constant vectors act on the newest row alone
+            let forces = fields.mul(centres_rotated);
+            let forces = newest.fields_rotated.neg_mul_add(centres, forces).rotate();
+            let force = forces.first().add(forces.second()).mul(scale);
+            let (beta, beta_rotated) = (fields.second(), newest.fields_rotated.second());
+            let twisted = beta_rotated.neg_mul_add(twist, beta.mul(twist_rotated)).rotate();
+            if k > 0 {
+                spin = newest.l.mul_add(first.omega_rotated, spin);
+                turn = fields.mul_add(V::TwoVectors::both(first.omega_rotated), turn);
+                turn = newest.fields_rotated.neg_mul_add(V::TwoVectors::both(first.omega), turn);
+            }
+            spin = first.l.mul_add(newest.omega_rotated, spin);
+            turn = first.fields_rotated.neg_mul_add(V::TwoVectors::both(newest.omega), turn);
+            turn = first.fields.mul_add(V::TwoVectors::both(newest.omega_rotated), turn);
+            // l omega_rotated = (l1 omega2, l2 omega3, l3 omega1): rotated, these are what `asymmetry` expects
+            l = spin.rotate().mul_add(asymmetry.mul(scale), force);
+            let mut twist_numbers = [0.0; 8];
+            twisted.mul(scale).store(&mut twist_numbers);
+            fields = turn.rotate().mul_add(scales, V::TwoVectors::load(&twist_numbers));
+        }
+        l.store(&mut block.rows[order].l);
+        fields.store(&mut block.rows[order].fields);
+        let (size, last, before) = (block.rows[0].norm(), block.rows[order].norm(), block.rows[order - 1].norm());
+        let defect = (size + last) * 0.0;
+        let allowed = log2_estimate(block.method.tolerance() * size);
+        let bound = |term: f64, power: usize| {
+            if term > 0.0 { (allowed - log2_estimate(term)) / power as f64 } else { f64::INFINITY }
+        };
+        let (by_last, by_before) = (bound(last, order), bound(before, order - 1));
+        longest[0] = exp2_estimate((if by_last < by_before { by_last } else { by_before }) + defect);
+    }
+}
+
+/// The newest row, in registers.
+struct Newest<V: Wide> {
+    l: V::Vector,
+    fields: V::TwoVectors,
+    fields_rotated: V::TwoVectors,
+    omega: V::Vector,
+    omega_rotated: V::Vector,
+}
+
+impl<V: Wide> Clone for Newest<V> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<V: Wide> Copy for Newest<V> {}
+
+impl<V: Wide> Newest<V> {
+    #[inline(always)]
+    fn of(l: V::Vector, fields: V::TwoVectors, inverse_inertia: V::Vector) -> Self {
+        let omega = l.mul(inverse_inertia);
+        Newest { l, fields, fields_rotated: fields.rotate(), omega, omega_rotated: omega.rotate() }
+    }
+
+    #[inline(always)]
+    fn store(&self, row: &mut Row) {
+        self.l.store(&mut row.l);
+        self.fields.store(&mut row.fields);
+        self.fields_rotated.store(&mut row.fields_rotated);
+        self.omega.store(&mut row.omega);
+        self.omega_rotated.store(&mut row.omega_rotated);
+    }
+}
+
+/// Adds `l omega_rotated`, `fields omega_rotated` and `fields_rotated omega` of one pair of rows.
+#[inline(always)]
+fn add_term<V: Wide>(
+    (l, plus, minus): (V::Vector, V::TwoVectors, V::TwoVectors),
+    x: &Row,
+    y: &Row,
+) -> (V::Vector, V::TwoVectors, V::TwoVectors) {
+    let (omega, omega_rotated) = (V::Vector::load(&y.omega), V::Vector::load(&y.omega_rotated));
+    (
+        V::Vector::load(&x.l).mul_add(omega_rotated, l),
+        V::TwoVectors::load(&x.fields).mul_add(V::TwoVectors::both(omega_rotated), plus),
+        V::TwoVectors::load(&x.fields_rotated).mul_add(V::TwoVectors::both(omega), minus),
+    )
+}
+
+struct Advance<'b, V> {
+    block: &'b mut SingleBlock<V>,
+    step: f64,
+}
+
+impl<V: Wide> Piece for Advance<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let (l, fields) = self.block.sum(self.step);
+        (self.block.rows[0].l, self.block.rows[0].fields) = (l, fields);
+    }
+}
