@@ -1,9 +1,10 @@
-"""On what was it measured?  The peer's own environment, the core that is used, the facts that go with the numbers."""
+"""On what was it measured?  The peers' own environments, the core that is used, the facts that go with the numbers."""
 
 from __future__ import annotations
 
 import os
 import platform
+import shutil
 import subprocess
 import sys
 import venv
@@ -17,15 +18,40 @@ FLAGS = ("avx", "avx2", "fma", "avx512f", "avx512dq", "avx512vl")
 
 
 def ensure_peer() -> None:
-    """Make benchmarks/.venv with the pinned peer, unless it is there and matches requirements.txt."""
-    requirements = measure.HERE / "requirements.txt"
-    stamp = measure.HERE / ".venv" / "installed.txt"
+    """Make benchmarks/.venv with the pinned heyoka, unless it is there and matches requirements.txt."""
+    _ensure(measure.HERE / ".venv", measure.HERE / "requirements.txt")
+
+
+def ensure_peers() -> dict[str, str]:
+    """Make target/benchmark-peers with the other tools; those that cannot be installed, and why."""
+    _ensure(measure.PEERS_VENV, measure.HERE / "requirements-peers.txt")
+    failure = _install_numbalsoda(measure.PYTHON["numbalsoda"])
+    return {"numbalsoda": failure} if failure else {}
+
+
+def _ensure(folder: Path, requirements: Path) -> None:
+    stamp = folder / "installed.txt"
     if stamp.exists() and stamp.read_text() == requirements.read_text():
         return
-    venv.create(measure.HERE / ".venv", clear=True, symlinks=True, with_pip=True)
-    python = str(measure.PYTHON["heyoka"])
+    venv.create(folder, clear=True, symlinks=True, with_pip=True)
+    python = str(folder / "bin" / "python")
     subprocess.run([python, "-m", "pip", "install", "--quiet", "-r", str(requirements)], check=True)
     stamp.write_text(requirements.read_text())
+
+
+def _install_numbalsoda(python: Path) -> str:
+    """Install it if it is not there yet; why that failed, or nothing."""
+    present = subprocess.run([str(python), "-c", "import numbalsoda"], capture_output=True, check=False)
+    if present.returncode == 0:
+        return ""
+    requirements = str(measure.HERE / "requirements-numbalsoda.txt")
+    command = [str(python), "-m", "pip", "install", "--quiet", "--no-deps", "-r", requirements]
+    installed = subprocess.run(command, capture_output=True, text=True, check=False)
+    if installed.returncode == 0:
+        return ""
+    if shutil.which("gfortran") is None:
+        return "not installable: no wheel for this Python, and no Fortran compiler (gfortran) to build it with"
+    return f"not installable: {installed.stderr.strip().splitlines()[-1]}"
 
 
 def pin(core: int | None) -> int:

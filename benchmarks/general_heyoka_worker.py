@@ -70,7 +70,7 @@ def scan(request: dict[str, Any]) -> dict[str, Any]:
         tol = float(np.exp(3.0 - 2.0 * order))
         integrator = make(request | {"tol": tol})
         ends.append(run_ensemble(integrator, x0, t_end))
-        settings.append({"tol": tol, "order": integrator.order})
+        settings.append({"request": {"tol": tol}, "order": integrator.order})
     np.save(request["out"], np.array(ends))
     return {"settings": settings}
 

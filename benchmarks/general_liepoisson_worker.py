@@ -67,7 +67,7 @@ def scan(request: dict[str, Any]) -> dict[str, Any]:
             threads=1,
         )
         ends.append(np.concatenate([orbit.state[:, -1], orbit.tangent[:, -1, 0]], axis=1))
-        settings.append({"tol": tol, "order": orbit.order})
+        settings.append({"request": {"tol": tol}, "order": orbit.order})
     np.save(request["out"], np.array(ends))
     return {"settings": settings}
 

@@ -67,19 +67,22 @@ def top_system(tangent: bool) -> list[tuple[Any, Any]]:
 def make_ensemble(request: dict[str, Any]) -> Any:
     """The batch integrator of state and tangent vector; heyoka's default flags unless the request has some."""
     flags: dict[str, Any] = request.get("flags", {})
+    number = np.float32 if request.get("precision") == "single" else np.float64
+    start = np.zeros((18, request["batch"]), dtype=number)
     return hy.taylor_adaptive_batch(
-        top_system(tangent=True), np.zeros((18, request["batch"])), tol=request["tol"], **flags
+        top_system(tangent=True), start, tol=number(request["tol"]), fp_type=number, **flags
     )
 
 
 def run_ensemble(integrator: Any, x0: Array, t_end: float) -> Array:
     """States and tangent vectors at `t_end`, shape (n, 18), from those at time 0."""
     batch: int = integrator.batch_size
+    number = integrator.state.dtype.type
     ends = np.empty_like(x0)
     for k in range(0, len(x0), batch):
-        integrator.set_time(0.0)
+        integrator.set_time(number(0.0))
         integrator.state[:] = x0[k : k + batch].T
-        integrator.propagate_until(t_end)
+        integrator.propagate_until(number(t_end))
         ends[k : k + batch] = integrator.state.T
     return ends
 
@@ -144,7 +147,7 @@ def scan(request: dict[str, Any]) -> dict[str, Any]:
             ends.append(run_ensemble(integrator, x0, t_end))
         if integrator.order != order:
             raise RuntimeError(f"heyoka's rule has changed: order {integrator.order}, not {order}, for tol={tol}")
-        settings.append({"tol": tol, "order": order})
+        settings.append({"request": {"tol": tol}, "order": order})
     end = np.array(ends)
     np.savez(request["out"], state=end[..., :9], tangent=end[..., 9:], exponent=_exponents(end, t_end))
     return {"settings": settings}

@@ -19,7 +19,15 @@ from typing import Any
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
-PYTHON = {"heyoka": HERE / ".venv" / "bin" / "python", "liepoisson": Path(sys.executable)}
+ROOT = HERE.parent
+PEERS_VENV = ROOT / "target" / "benchmark-peers"
+PEERS = ("scipy", "numbalsoda", "diffrax", "jitcode", "pynamicalsys")
+"""Sides that share an environment of their own."""
+PYTHON = {
+    "heyoka": HERE / ".venv" / "bin" / "python",
+    "liepoisson": Path(sys.executable),
+    **{peer: PEERS_VENV / "bin" / "python" for peer in PEERS},
+}
 
 
 @dataclass(frozen=True)
@@ -28,10 +36,12 @@ class Contender:
 
     Attributes:
         name: What the table calls it.
-        side: "heyoka" or "liepoisson".
+        side: "heyoka", "liepoisson" or one of the peers.
         request: What its worker is asked.
-        setting: Its tolerance and errors, for the table.
+        setting: Its choice and errors, for the table.
         simd: Kernel that liepoisson is told to use; by default the widest.
+        kind: What it competes as: "double", "mixed" or "single"; empty for one that is there for comparison.
+        work: Trajectories times time of its run, if it is not that of its row.
     """
 
     name: str
@@ -39,6 +49,8 @@ class Contender:
     request: dict[str, Any]
     setting: dict[str, Any] = field(default_factory=dict)
     simd: str | None = None
+    kind: str = ""
+    work: float | None = None
 
 
 @dataclass(frozen=True)
@@ -51,6 +63,8 @@ class Row:
     """Trajectories times time of one run, for the rate."""
     wall: bool = False
     """Time the whole process, from its start to its end, and not the run alone."""
+    absent: dict[str, str] = field(default_factory=dict)
+    """Who does not take part, and why."""
 
 
 @dataclass(frozen=True)

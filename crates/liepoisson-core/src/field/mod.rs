@@ -4,7 +4,7 @@ mod convolution;
 mod cover;
 mod quadratic;
 mod tape;
-mod top;
+pub(crate) mod top;
 
 pub use quadratic::Quadratic;
 pub use tape::{Instruction, Tape};

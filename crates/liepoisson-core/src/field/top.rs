@@ -4,10 +4,10 @@ use super::{Field, Space};
 use crate::error::Error;
 use crate::lanes::Lane;
 
-const N: usize = 9;
+pub(crate) const N: usize = 9;
 /// l, alpha, beta, and the angular velocity omega as work quantity.
-const GROUP: usize = 12;
-const OMEGA: usize = 9;
+pub(crate) const GROUP: usize = 12;
+pub(crate) const OMEGA: usize = 9;
 
 /// The twisted top with diagonal inertia, in the body frame.
 ///
@@ -118,7 +118,7 @@ impl Field for Top {
 }
 
 #[inline(always)]
-fn group_of<V>(rows: &[V], at: usize) -> &[V; GROUP] {
+pub(crate) fn group_of<V>(rows: &[V], at: usize) -> &[V; GROUP] {
     rows[at..].first_chunk().expect("a row holds whole groups")
 }
 
@@ -156,7 +156,7 @@ fn add_products<V: Lane>(sum: &mut [V; N], x: &[V], omega: &[V]) {
 }
 
 #[inline(always)]
-fn products_of_state<V: Lane>(rows: &[V], row: usize) -> [V; N] {
+pub(crate) fn products_of_state<V: Lane>(rows: &[V], row: usize) -> [V; N] {
     let mut sum = [V::splat(0.0); N];
     for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
         add_products(&mut sum, &x[..OMEGA], &y[OMEGA..GROUP]);
@@ -166,7 +166,7 @@ fn products_of_state<V: Lane>(rows: &[V], row: usize) -> [V; N] {
 
 /// The products of [`products_of_state`], and their directional derivative along the tangent vector in group `at`.
 #[inline(always)]
-fn products_of_state_and_tangent<V: Lane>(rows: &[V], row: usize) -> ([V; N], [V; N]) {
+pub(crate) fn products_of_state_and_tangent<V: Lane>(rows: &[V], row: usize) -> ([V; N], [V; N]) {
     let mut state = [V::splat(0.0); N];
     let mut tangent = [V::splat(0.0); N];
     for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
@@ -180,7 +180,7 @@ fn products_of_state_and_tangent<V: Lane>(rows: &[V], row: usize) -> ([V; N], [V
 }
 
 #[inline(always)]
-fn products_of_tangent<V: Lane>(rows: &[V], row: usize, at: usize) -> [V; N] {
+pub(crate) fn products_of_tangent<V: Lane>(rows: &[V], row: usize, at: usize) -> [V; N] {
     let mut tangent = [V::splat(0.0); N];
     for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
         add_products(&mut tangent, x, &y[at + OMEGA..at + GROUP]);

@@ -2,7 +2,7 @@
 
 use crate::field::Top;
 use crate::lanes::{Piece, TwoVectors, Vectors, Wide};
-use crate::method::taylor::{exp2_estimate, log2_estimate};
+use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::{Block, Method, Stepping, Taylor, Verdict};
 use std::collections::TryReserveError;
 

@@ -1,9 +1,12 @@
 //! How a field is advanced in time: one method per file, each a [`Method`] that makes a [`Block`].
 
 mod components;
+mod estimates;
+mod mixed_taylor;
 mod taylor;
 
 pub use components::AcrossComponents;
+pub use mixed_taylor::MixedTaylor;
 pub use taylor::Taylor;
 
 use crate::lanes::{Simd, Task, Wide, dispatch};

@@ -1,0 +1,449 @@
+//! The Taylor method of tops in mixed precision: what a step is made of in single precision, what it is added to in double.
+
+use crate::field::top::{GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangent};
+use crate::field::{Field, Top};
+use crate::lanes::{Lane, Piece, Wide};
+use crate::method::estimates::exp2_estimate;
+use crate::method::taylor::{shorten, sum_of_sizes};
+use crate::method::{Block, Method, Stepping, Taylor, Verdict};
+use std::collections::TryReserveError;
+
+/// [`Taylor`] for a [`Top`], with the high orders of the state and all of the tangent vectors in single precision.
+///
+/// A term of the series that is small beside the state need not be known to as many digits. The lowest orders of the
+/// state, those with terms above `2^22 tol` of it, are computed and summed in double precision; the rest in single
+/// precision, twice as many trajectories to a register. The state is then as accurate as with [`Taylor`] of the same
+/// tolerance. Tangent vectors are kept in single precision throughout, and their series is cut where its terms drop
+/// below `2^-24`, or `sqrt(tol)` if that is more: a step rounds them to 6e-8 of their length, independently from step to step, so that an exponent after
+/// a time `T` of `n` steps has an error of about `1e-7 sqrt(n) / T`. Measured on the twisted Kovalevskaya top, T = 20:
+/// see docs/benchmarks.md.
+///
+/// Time is measured in units of the step before, rounded to a power of two: else the coefficients of a fast top would
+/// leave the range of single precision.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MixedTaylor(pub Taylor);
+
+/// Longest step in units of the step before: the highest terms of the series must not vanish by underflow.
+const LONGEST: f64 = 8.0;
+
+/// Units in which a fast top's coefficients overflow are divided by this, until they do not.
+const SHORTER_UNIT: f64 = 1.0 / 256.0;
+
+/// Round-off of single precision, 2^-24.
+const ROUND_OFF: f64 = 1.0 / 16_777_216.0;
+
+impl MixedTaylor {
+    /// Highest order of the state that is computed in double precision.
+    fn double_order(&self) -> usize {
+        // tol^(k/N) <= 2^22 tol
+        let share = 1.0 - 22.0 * std::f64::consts::LN_2 / -libm::log(self.0.tolerance());
+        ((share * self.0.order() as f64).ceil().max(1.0) as usize).min(self.0.order() - 1)
+    }
+
+    /// Relative size of the terms of a tangent vector's series that are left out.
+    fn tangent_tolerance(&self) -> f64 {
+        ROUND_OFF.max(libm::pow(self.0.tolerance(), 0.5))
+    }
+
+    /// Highest order of the tangent vectors.
+    fn tangent_order(&self) -> usize {
+        let share = libm::log(self.tangent_tolerance()) / libm::log(self.0.tolerance());
+        ((share * self.0.order() as f64).ceil() as usize).clamp(2, self.0.order())
+    }
+}
+
+impl Method<Top> for MixedTaylor {
+    fn block<'f, V: Wide>(&self, field: &'f Top, n_tangents: usize) -> Box<dyn Block + 'f> {
+        let (n_double, row) = (self.double_order() + 1, field.row(n_tangents));
+        Box::new(MixedBlock::<V> {
+            top: field,
+            method: self.0,
+            double_order: self.double_order(),
+            tangent_order: self.tangent_order(),
+            tangent_tolerance: self.tangent_tolerance(),
+            n_tangents,
+            row,
+            double: [vec![V::splat(0.0); n_double * GROUP], vec![V::splat(0.0); n_double * GROUP]],
+            single: vec![V::Narrow::splat(0.0); (self.0.order() + 1) * row],
+            units: vec![1.0; 2 * V::WIDTH],
+        })
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.0.max_steps()
+    }
+}
+
+struct MixedBlock<'f, V: Wide> {
+    top: &'f Top,
+    method: Taylor,
+    double_order: usize,
+    tangent_order: usize,
+    tangent_tolerance: f64,
+    n_tangents: usize,
+    /// Registers of one order in `single`.
+    row: usize,
+    /// Low orders of the state, the first and the second half of the lanes.
+    double: [Vec<V>; 2],
+    /// All orders of state and tangent vectors.
+    single: Vec<V::Narrow>,
+    /// The unit of time of each lane, a power of two.
+    units: Vec<f64>,
+}
+
+impl<V: Wide> Block for MixedBlock<'_, V> {
+    fn n_lanes(&self) -> usize {
+        2 * V::WIDTH
+    }
+
+    fn stepping(&self) -> Stepping {
+        Stepping::Series
+    }
+
+    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+        for (i, &value) in values.iter().enumerate() {
+            if group == 0 {
+                self.double[lane / V::WIDTH][i].set(lane % V::WIDTH, value);
+            } else {
+                self.single[group * GROUP + i].set(lane, value);
+            }
+        }
+        if group == 0 {
+            self.units[lane] = first_unit(self.top, values);
+        }
+    }
+
+    fn read(&self, lane: usize, group: usize, values: &mut [f64]) {
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = if group == 0 {
+                self.double[lane / V::WIDTH][i].get(lane % V::WIDTH)
+            } else {
+                self.single[group * GROUP + i].get(lane)
+            };
+        }
+    }
+
+    fn prepare(&mut self, longest: &mut [f64]) {
+        loop {
+            V::outline(Expansion(self));
+            V::outline(Steps { block: self, sizes: longest });
+            let mut again = false;
+            for lane in 0..longest.len() {
+                if longest[lane].is_nan() && self.is_finite(lane) && self.units[lane] > 1e-200 {
+                    self.units[lane] *= SHORTER_UNIT;
+                    again = true;
+                } else {
+                    longest[lane] *= self.units[lane];
+                }
+            }
+            if !again {
+                break;
+            }
+        }
+    }
+
+    fn advance(&mut self, sizes: &[f64], _repeats: u64, verdicts: &mut [Verdict]) {
+        verdicts.fill(Verdict::Taken);
+        V::outline(Advance { block: self, sizes });
+        for (unit, &size) in self.units.iter_mut().zip(sizes).filter(|(_, size)| **size != 0.0) {
+            *unit = power_of_two(size.abs());
+        }
+    }
+
+    fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
+        V::outline(Evaluation { block: self, lane, group, tau, values });
+    }
+
+    fn norms(&self, group: usize, norms: &mut [f64]) {
+        V::outline(Norms { block: self, group, norms });
+    }
+
+    fn range_exponent(&self) -> i32 {
+        32
+    }
+
+    fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32) {
+        for register in &mut self.single[group * GROUP..][..N] {
+            register.set(lane, libm::scalbn(register.get(lane), exponent));
+        }
+    }
+
+    fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        to.try_reserve((self.method.order() + 1) * N)?;
+        for k in 0..=self.method.order() {
+            let scale = libm::pow(self.units[lane], -(k as f64));
+            for i in 0..N {
+                let coefficient = if k <= self.double_order {
+                    self.double[lane / V::WIDTH][k * GROUP + i].get(lane % V::WIDTH)
+                } else {
+                    self.single[k * self.row + i].get(lane)
+                };
+                to.push(coefficient * scale);
+            }
+        }
+        Ok(())
+    }
+}
+
+impl<V: Wide> MixedBlock<'_, V> {
+    fn is_finite(&self, lane: usize) -> bool {
+        self.double[lane / V::WIDTH][..N].iter().all(|component| component.get(lane % V::WIDTH).is_finite())
+    }
+
+    /// Sum of the absolute values of the components of `group`, in coefficient `k`.
+    #[inline(always)]
+    fn norm(&self, k: usize, group: usize) -> V::Narrow {
+        sum_of_sizes(&self.single[k * self.row + group * GROUP..][..N])
+    }
+}
+
+/// The time in which the state changes by its own size, as a power of two.
+fn first_unit(top: &Top, state: &[f64]) -> f64 {
+    let mut rows = [0.0; 2 * GROUP];
+    rows[..N].copy_from_slice(state);
+    top.derive_work(&mut rows, 0, 0);
+    top.extend(&mut rows, 0, 0);
+    let time = sum_of_sizes(&rows[..N]) / sum_of_sizes(&rows[GROUP..GROUP + N]);
+    if time.is_finite() { power_of_two(time) } else { 1.0 }
+}
+
+/// The power of two below a positive number, between 2^-500 and 2^500.
+fn power_of_two(x: f64) -> f64 {
+    libm::scalbn(1.0, (libm::frexp(x).1 - 1).clamp(-500, 500))
+}
+
+/// The parameters of the top with time in units of each lane.
+struct ScaledTop<'f, V> {
+    top: &'f Top,
+    unit: V,
+}
+
+impl<V: Lane> ScaledTop<'_, V> {
+    #[inline(always)]
+    fn derive_omega(&self, group: &mut [V]) {
+        for i in 0..3 {
+            group[OMEGA + i] = group[i].mul(self.unit.mul(V::splat(self.top.inverse_inertia[i])));
+        }
+    }
+
+    /// From sums of products to the next coefficients: terms linear in the last ones, and the factors.
+    #[inline(always)]
+    fn finish(&self, sum: &mut [V; N], last: &[V], next: &mut [V], k: usize) {
+        for i in 0..3 {
+            sum[i] = sum[i].mul(V::splat(self.top.asymmetry[i]));
+        }
+        self.add_cross(sum, 0, &last[3..6], &self.top.a);
+        self.add_cross(sum, 0, &last[6..9], &self.top.b);
+        self.add_cross(sum, 3, &last[6..9], &self.top.twist);
+        let scale = V::splat(1.0 / (k + 1) as f64);
+        for i in 0..N {
+            next[i] = sum[i].mul(scale);
+        }
+        self.derive_omega(next);
+    }
+
+    /// `sum[at..] += unit u x c`.
+    #[inline(always)]
+    fn add_cross(&self, sum: &mut [V; N], at: usize, u: &[V], c: &[f64; 3]) {
+        for axis in 0..3 {
+            if c[axis] != 0.0 {
+                let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+                let factor = self.unit.mul(V::splat(c[axis]));
+                sum[at + next] = u[last].mul_add(factor, sum[at + next]);
+                sum[at + last] = u[next].neg_mul_add(factor, sum[at + last]);
+            }
+        }
+    }
+}
+
+/// The power series: the low orders of the state in double precision, the rest from them in single precision.
+struct Expansion<'b, 'f, V: Wide>(&'b mut MixedBlock<'f, V>);
+
+impl<V: Wide> Piece for Expansion<'_, '_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let MixedBlock { top, method, double_order, tangent_order, n_tangents, row, double, single, units, .. } =
+            self.0;
+        let (row, n_tangents) = (*row, *n_tangents);
+        let mut unit = [V::splat(0.0); 2];
+        for (half, unit) in unit.iter_mut().enumerate() {
+            unit.as_scalars_mut().copy_from_slice(&units[half * V::WIDTH..][..V::WIDTH]);
+            let top = ScaledTop { top, unit: *unit };
+            let rows = &mut double[half];
+            top.derive_omega(&mut rows[..GROUP]);
+            for k in 0..*double_order {
+                let (known, next) = rows.split_at_mut((k + 1) * GROUP);
+                let mut sum = products_of_state(known, GROUP);
+                top.finish(&mut sum, &known[k * GROUP..], &mut next[..GROUP], k);
+            }
+        }
+        for k in 0..=*double_order {
+            for i in 0..GROUP {
+                single[k * row + i] = V::narrow(double[0][k * GROUP + i], double[1][k * GROUP + i]);
+            }
+        }
+        let top = ScaledTop { top, unit: V::narrow(unit[0], unit[1]) };
+        for tangent in 1..=n_tangents {
+            top.derive_omega(&mut single[tangent * GROUP..][..GROUP]);
+        }
+        for k in 0..method.order() {
+            let (known, next) = single.split_at_mut((k + 1) * row);
+            let (with_state, with_tangents) = (k >= *double_order, k < *tangent_order && n_tangents > 0);
+            let fused = with_state && with_tangents && V::Narrow::REGISTERS >= 32;
+            if fused {
+                let (mut sum, mut tangent) = products_of_state_and_tangent(known, row);
+                top.finish(&mut sum, &known[k * row..], &mut next[..GROUP], k);
+                top.finish(&mut tangent, &known[k * row + GROUP..], &mut next[GROUP..2 * GROUP], k);
+            } else if with_state {
+                let mut sum = products_of_state(known, row);
+                top.finish(&mut sum, &known[k * row..], &mut next[..GROUP], k);
+            }
+            if with_tangents {
+                for at in (1 + usize::from(fused)..=n_tangents).map(|tangent| tangent * GROUP) {
+                    let mut sum = products_of_tangent(known, row, at);
+                    top.finish(&mut sum, &known[k * row + at..], &mut next[at..at + GROUP], k);
+                }
+            }
+        }
+    }
+}
+
+/// For each lane the longest step, in its unit: as [`Taylor`] chooses it, but for the tolerance of tangent vectors.
+struct Steps<'b, 'f, V: Wide> {
+    block: &'b MixedBlock<'f, V>,
+    sizes: &'b mut [f64],
+}
+
+impl<V: Wide> Piece for Steps<'_, '_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Steps { block, sizes } = self;
+        let sizes = &mut sizes[..2 * V::WIDTH];
+        sizes.fill(libm::log2(LONGEST));
+        for group in 0..=block.n_tangents {
+            let (order, tolerance) = match group {
+                0 => (block.method.order(), block.method.tolerance()),
+                _ => (block.tangent_order, 8.0 * block.tangent_tolerance),
+            };
+            let (size, last, before) = (block.norm(0, group), block.norm(order, group), block.norm(order - 1, group));
+            let defect = size.add(last).mul(V::Narrow::splat(0.0));
+            // in double precision: the tolerance times the size may be less than single precision has numbers for
+            let [size, last, before, defect] = [size, last, before, defect].map(V::widen);
+            for half in 0..2 {
+                let pick = |pair: (V, V)| if half == 0 { pair.0 } else { pair.1 };
+                let allowed = pick(size).mul(V::splat(tolerance));
+                let sizes = &mut sizes[half * V::WIDTH..][..V::WIDTH];
+                for (longest, defect) in sizes.iter_mut().zip(pick(defect).as_scalars()) {
+                    *longest += defect;
+                }
+                shorten(sizes, allowed.as_scalars(), pick(last).as_scalars(), order);
+                shorten(sizes, allowed.as_scalars(), pick(before).as_scalars(), order - 1);
+            }
+        }
+        for size in sizes {
+            *size = exp2_estimate(*size);
+        }
+    }
+}
+
+/// One group of one lane, some time after the start of the step.
+struct Evaluation<'b, 'f, V: Wide> {
+    block: &'b MixedBlock<'f, V>,
+    lane: usize,
+    group: usize,
+    tau: f64,
+    values: &'b mut [f64],
+}
+
+impl<V: Wide> Piece for Evaluation<'_, '_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Evaluation { block, lane, group, tau, values } = self;
+        let s = tau / block.units[lane];
+        let top_order = if group == 0 { block.method.order() } else { block.tangent_order };
+        for (i, value) in values.iter_mut().enumerate() {
+            *value = (0..=top_order).rev().fold(0.0, |sum: f64, k| {
+                let coefficient = if group == 0 && k <= block.double_order {
+                    block.double[lane / V::WIDTH][k * GROUP + i].get(lane % V::WIDTH)
+                } else {
+                    block.single[k * block.row + group * GROUP + i].get(lane)
+                };
+                sum.mul_add(s, coefficient)
+            });
+        }
+    }
+}
+
+/// Sizes of one group of all lanes.
+struct Norms<'b, 'f, V: Wide> {
+    block: &'b MixedBlock<'f, V>,
+    group: usize,
+    norms: &'b mut [f64],
+}
+
+impl<V: Wide> Piece for Norms<'_, '_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let (low, high) = V::widen(self.block.norm(0, self.group));
+        self.norms[..V::WIDTH].copy_from_slice(low.as_scalars());
+        self.norms[V::WIDTH..].copy_from_slice(high.as_scalars());
+    }
+}
+
+/// Horner's rule: the high orders in single precision, then the low ones of the state in double precision.
+struct Advance<'b, 'f, V: Wide> {
+    block: &'b mut MixedBlock<'f, V>,
+    sizes: &'b [f64],
+}
+
+impl<V: Wide> Piece for Advance<'_, '_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Advance { block, sizes } = self;
+        let mut step = [V::splat(0.0); 2];
+        for (half, step) in step.iter_mut().enumerate() {
+            let lanes = half * V::WIDTH..(half + 1) * V::WIDTH;
+            let ratios = sizes[lanes.clone()].iter().zip(&block.units[lanes]).map(|(size, unit)| size / unit);
+            step.as_scalars_mut().iter_mut().zip(ratios).for_each(|(step, ratio)| *step = ratio);
+        }
+        let narrow = V::narrow(step[0], step[1]);
+        let (zero, orders) = ([V::Narrow::splat(0.0); N], block.double_order + 1..=block.method.order());
+        let high = horner(&block.single, block.row, 0, orders, narrow, zero);
+        let mut rest = [[V::splat(0.0); N]; 2];
+        for i in 0..N {
+            (rest[0][i], rest[1][i]) = V::widen(high[i].mul(narrow));
+        }
+        for half in 0..2 {
+            // the rest of the series stands at power `double_order + 1`, one of which is in it
+            let value = horner(&block.double[half], GROUP, 0, 0..=block.double_order, step[half], rest[half]);
+            block.double[half][..N].copy_from_slice(&value);
+        }
+        for at in (1..=block.n_tangents).map(|tangent| tangent * GROUP) {
+            let value = horner(&block.single, block.row, at, 0..=block.tangent_order, narrow, zero);
+            block.single[at..at + N].copy_from_slice(&value);
+        }
+    }
+}
+
+/// `rest + c_n`, then Horner's rule down to the lowest of `orders`, of which n is the highest.
+#[inline(always)]
+fn horner<V: Lane>(
+    rows: &[V],
+    row: usize,
+    at: usize,
+    orders: std::ops::RangeInclusive<usize>,
+    step: V,
+    rest: [V; N],
+) -> [V; N] {
+    let mut value = rest;
+    for i in 0..N {
+        value[i] = value[i].add(rows[*orders.end() * row + at + i]);
+    }
+    for k in (*orders.start()..*orders.end()).rev() {
+        let coefficients = &rows[k * row + at..][..N];
+        for i in 0..N {
+            value[i] = value[i].mul_add(step, coefficients[i]);
+        }
+    }
+    value
+}
