@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from liepoisson.exact.normal_forms import normal_forms
     from liepoisson.exact.system import System
     from liepoisson.exact.system_file import SystemFile, load_system_file
-    from liepoisson.field import QuadraticField, TapeField, TopField
+    from liepoisson.field import PiecesField, QuadraticField, TapeField, TopField
     from liepoisson.numeric.finite_time_fit import FiniteTimeFit, finite_time_fit, log_fit, mean_curve, window_scan
     from liepoisson.numeric.integrate import Orbit, integrate
     from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
-    from liepoisson.numeric.methods import Taylor
+    from liepoisson.numeric.methods import Gauss, RungeKutta, Splitting, Taylor
     from liepoisson.numeric.sampling import sample_states
     from liepoisson.tops import Top
 
@@ -36,10 +36,14 @@ __all__ = [
     "Bracket",
     "Extension",
     "FiniteTimeFit",
+    "Gauss",
     "Growth",
     "LieAlgebra",
     "Orbit",
+    "PiecesField",
     "QuadraticField",
+    "RungeKutta",
+    "Splitting",
     "System",
     "SystemFile",
     "TapeField",
@@ -82,10 +86,14 @@ _HOME = {
     "Bracket": "exact.bracket",
     "Extension": "exact.extension",
     "FiniteTimeFit": "numeric.finite_time_fit",
+    "Gauss": "numeric.methods",
     "Growth": "numeric.lyapunov",
     "LieAlgebra": "exact.lie_algebra",
     "Orbit": "numeric.integrate",
+    "PiecesField": "field",
     "QuadraticField": "field",
+    "RungeKutta": "numeric.methods",
+    "Splitting": "numeric.methods",
     "System": "exact.system",
     "SystemFile": "exact.system_file",
     "TapeField": "field",

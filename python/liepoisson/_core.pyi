@@ -6,14 +6,13 @@ from typing import TypedDict, final
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.field import Instruction, Vector3
+from liepoisson.field import Instruction, Piece, Vector3
 
-__all__ = ["Field", "__version__", "available_simd", "growth", "orbits", "outcomes", "simd"]
+__all__ = ["Field", "Method", "__version__", "available_simd", "growth", "orbits", "outcomes", "simd"]
 
 __version__: str
 
 _Array = NDArray[np.float64]
-_Taylor = tuple[float, int | None, int]
 
 @final
 class Field:
@@ -30,6 +29,21 @@ class Field:
     ) -> Field: ...
     @staticmethod
     def tape(n_components: int, instructions: Sequence[Instruction], outputs: Sequence[int]) -> Field: ...
+    @staticmethod
+    def pieces(n_components: int, pieces: Sequence[Piece]) -> Field: ...
+
+@final
+class Method:
+    @staticmethod
+    def taylor(tol: float, order: int | None, mixed: bool, max_steps: int) -> Method: ...
+    @staticmethod
+    def runge_kutta(
+        tol: float | None, step: float | None, single: bool, compensated: bool, max_steps: int
+    ) -> Method: ...
+    @staticmethod
+    def splitting(order: int, step: float, single: bool, max_steps: int) -> Method: ...
+    @staticmethod
+    def gauss(n_stages: int, step: float, max_steps: int) -> Method: ...
 
 class _Ends(TypedDict):
     outcome: NDArray[np.int8]
@@ -49,23 +63,25 @@ class _Growth(_Ends):
 
 def orbits(
     field: Field,
-    taylor: _Taylor,
+    method: Method,
     states: _Array,
     tangents: _Array,
     n_tangents: int,
     times: _Array,
     threads: int,
+    time_limit: float,
     dense: bool,
     components: bool,
     progress: Callable[[float], object] | None,
 ) -> _Orbits: ...
 def growth(
     field: Field,
-    taylor: _Taylor,
+    method: Method,
     states: _Array,
     tangents: _Array,
     times: _Array,
     threads: int,
+    time_limit: float,
     progress: Callable[[float], object] | None,
 ) -> _Growth: ...
 def simd() -> str: ...

@@ -20,7 +20,7 @@ from liepoisson.files import write_atomically
 from liepoisson.numeric._checks import shown
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
-from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.methods import Method, method_of, method_record
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -77,15 +77,13 @@ def _dataset(
     """The dataset, with all that its run depended on in its attributes; a long field becomes a variable."""
     import xarray as xr
 
-    method = result.method
-    taylor = {"name": "taylor", "tol": method.tol, "order": method.order, "max_steps": method.max_steps}
     # json writes a float with the digits that give the same float back
     field = json.dumps(record_of(result.field))
     attributes = {
         "format": _FORMAT,
         "kind": kind,
         "system": result.system,
-        "method": json.dumps(taylor),
+        "method": json.dumps(method_record(result.method)),
         "order": result.order,
         "kernel": result.kernel,
         "run": json.dumps(run),
@@ -197,16 +195,14 @@ def rerun(
     return run(system, method=method, threads=threads, progress=progress, **options)
 
 
-def _recorded_run(dataset: Dataset) -> tuple[_Recorded, Taylor, str, dict[str, Any]]:
+def _recorded_run(dataset: Dataset) -> tuple[_Recorded, Method, str, dict[str, Any]]:
     """What a dataset records of its run: system, method, kind and the other arguments."""
     attributes = dataset.attrs
     kind, run = attributes["kind"], json.loads(attributes["run"])
-    chosen, field = json.loads(attributes["method"]), _recorded_field(dataset)
+    method, field = method_of(json.loads(attributes["method"])), _recorded_field(dataset)
     _expect("format", attributes["format"], _FORMAT)
     _expect("kind", kind, "growth", "orbit")
-    _expect("method", chosen["name"], "taylor")
     system = _Recorded(attributes["system"], field, tuple(map(str, dataset["component"].to_numpy())))
-    method = Taylor(tol=chosen["tol"], order=chosen["order"], max_steps=chosen["max_steps"])
     times = dataset["time"].to_numpy()
     if kind == "growth":
         return system, method, kind, {

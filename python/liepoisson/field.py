@@ -12,6 +12,8 @@ from liepoisson.errors import ParameterError
 Vector3: TypeAlias = tuple[float, float, float]
 Instruction: TypeAlias = tuple[str, tuple[int, ...], tuple[float, ...]]
 """Name, registers that are read, numbers: one line of a tape."""
+Piece: TypeAlias = tuple[tuple[tuple[int, float], ...], tuple[float, ...], tuple[tuple[int, int, float], ...]]
+"""Linear form, derivative as a polynomial, matrix: one piece of a Hamiltonian."""
 
 
 class PlainField:
@@ -115,7 +117,31 @@ class TapeField(PlainField):
         object.__setattr__(self, "outputs", outputs)
 
 
-Field: TypeAlias = TopField | QuadraticField | TapeField
+@dataclass(frozen=True)
+class PiecesField(PlainField):
+    r"""A Lie-Poisson system by the pieces of its Hamiltonian, each with a known flow.
+
+    A piece is a function of one linear form, $F(y)$ with $y = \xi\cdot x$.  It keeps y, and since the bracket is linear
+    its field is $F'(y)\,Mx$ with a constant matrix M, $M_{ik} = \sum_j c_{ij}^k\xi_j$; so it flows by $\exp(tF'(y)M)$.
+
+    Attributes:
+        n_components: Dimension of the state.
+        pieces: (form, derivative, matrix): entries (i, c) of $\xi$; coefficients of $F'$ as a polynomial in y, lowest
+            first; entries (i, k, c) of M.
+    """
+
+    kind: ClassVar[str] = "pieces"
+
+    n_components: int
+    pieces: tuple[Piece, ...]
+
+    def __post_init__(self) -> None:
+        """Checks the entries."""
+        n, pieces = _count(self.n_components), _items(self.pieces, "pieces")
+        object.__setattr__(self, "pieces", tuple(_piece(piece, n) for piece in pieces))
+
+
+Field: TypeAlias = TopField | QuadraticField | TapeField | PiecesField
 
 
 def record_of(field: Field) -> dict[str, Any]:
@@ -137,7 +163,9 @@ def field_of(record: Mapping[str, Any]) -> Field:
         return QuadraticField(*(record[name] for name in ("n_components", "constant", "linear", "quadratic")))
     if kind == "tape":
         return TapeField(*(record[name] for name in ("n_components", "instructions", "outputs")))
-    raise ValueError(f"kind of field: wanted top, quadratic or tape; got {kind!r:.60}")
+    if kind == "pieces":
+        return PiecesField(record["n_components"], record["pieces"])
+    raise ValueError(f"kind of field: wanted top, quadratic, tape or pieces; got {kind!r:.60}")
 
 
 def _count(value: Any) -> int:
@@ -192,3 +220,23 @@ def _instruction(line: Any, end: int) -> Instruction:
     name = parts[0]
     registers = tuple(_index(r, end, name) for r in _items(parts[1], name))
     return name, registers, tuple(_number(c, name) for c in _items(parts[2], name))
+
+
+def _piece(piece: Any, n: int) -> Piece:
+    parts = _items(piece, "pieces")
+    if len(parts) != 3:
+        raise ParameterError(f"pieces: wanted (form, derivative, matrix); got {piece!r:.60}; write all three")
+    form, matrix = (_entries_as_given(part, n, count) for part, count in zip(parts[::2], (1, 2), strict=True))
+    derivative = tuple(_number(c, "pieces") for c in _items(parts[1], "pieces"))
+    return form, derivative, matrix
+
+
+def _entries_as_given(values: Any, n: int, n_indices: int) -> tuple[Any, ...]:
+    """Entries (i, ..., c) of a form or a matrix."""
+    entries: list[tuple[Any, ...]] = []
+    for entry in _items(values, "pieces"):
+        items = _items(entry, "pieces")
+        if len(items) != n_indices + 1:
+            raise ParameterError(f"pieces: wanted entries of {n_indices} indices and a number; got {entry!r:.60}")
+        entries.append((*(_index(i, n, "pieces") for i in items[:-1]), _number(items[-1], "pieces")))
+    return tuple(entries)

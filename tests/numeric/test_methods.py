@@ -1,9 +1,13 @@
 """Methods as data: their ranges."""
 
+import json
+
+import numpy as np
 import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
+from liepoisson.numeric.methods import method_of, method_record
 
 
 @pytest.mark.parametrize("tol", [0.0, -1.0, 1e-17, 0.5, float("nan")])
@@ -25,3 +29,86 @@ def test_a_budget_of_no_steps_is_refused():
 
 def test_a_given_order_is_used():
     assert lp.integrate(lp.Top.kovalevskaya(), [0.1] * 9, t=[0, 1], method=lp.Taylor(order=31)).order == 31
+
+
+METHODS = [
+    lp.Taylor(),
+    lp.Taylor(tol=1e-9, order=12, precision="mixed", max_steps=77),
+    lp.RungeKutta(),
+    lp.RungeKutta(tol=1e-5, precision="single"),
+    lp.RungeKutta(step=0.25, compensated=True),
+    lp.Splitting(step=0.5, order=8),
+    lp.Splitting(step=0.5, precision="single"),
+    lp.Gauss(step=0.125, order=2),
+]
+
+
+@pytest.mark.parametrize("method", METHODS, ids=str)
+def test_a_method_survives_its_record(method):
+    assert method_of(json.loads(json.dumps(method_record(method)))) == method
+
+
+@pytest.mark.parametrize("method", METHODS, ids=str)
+def test_every_method_follows_the_same_orbit(method):
+    top = lp.Top.twisted_kovalevskaya()
+    x0 = lp.sample_states(top, 3, seed=5)
+    exact = lp.integrate(top, x0, t=[0, 0.7, 2]).state
+    orbit = lp.integrate(top, x0, t=[0, 0.7, 2], method=method, tangents=[[1.0, *[0.0] * 8]])
+    assert (orbit.outcome == "finished").all()
+    # coarse steps on purpose: this finds wrong equations and wrong times, not small errors
+    assert np.abs(orbit.state - exact).max() < (2e-2 if method.name in ("splitting", "gauss") else 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: lp.RungeKutta(tol=1e-8, step=0.1), "got both"),
+        (lambda: lp.RungeKutta(tol=1e-9, precision="single"), "from 2.4e-7"),
+        (lambda: lp.RungeKutta(precision="mixed"), 'wanted "double" or "single"'),
+        (lambda: lp.Taylor(precision="single"), 'wanted "double" or "mixed"'),
+        (lambda: lp.Splitting(step=0), "step: wanted a positive number"),
+        (lambda: lp.Splitting(step=float("nan")), "step: wanted a positive number"),
+        (lambda: lp.Splitting(step=0.1, order=5), "order: wanted 2, 4, 6 or 8"),
+        (lambda: lp.Gauss(step="a"), "step: wanted a positive number"),
+        (lambda: lp.RungeKutta(compensated=True, precision="single"), "compensated"),
+    ],
+)
+def test_parameters_out_of_range_are_refused(make, message):
+    with pytest.raises(ParameterError, match=message):
+        make()
+
+
+def test_methods_that_do_not_apply_say_what_does():
+    manakov = lp.catalog.system("manakov-so4")
+    x0 = lp.sample_states(manakov, 2, seed=1)
+    with pytest.raises(ParameterError, match="which is for tops"):
+        lp.integrate(manakov, x0, t=[0, 1], method=lp.Taylor(tol=1e-8, precision="mixed"))
+    with pytest.raises(ParameterError, match="give the System itself"):
+        lp.integrate(manakov.field(), x0, t=[0, 1], method=lp.Splitting(step=0.1))
+    with pytest.raises(ParameterError, match="wanted Splitting for a field given by its pieces"):
+        lp.integrate(manakov.pieces(), x0, t=[0, 1], method=lp.Taylor())
+    with pytest.raises(ParameterError, match="wanted the Taylor method, which has power series"):
+        lp.integrate(manakov, x0, t=[0, 1], method=lp.RungeKutta(), dense=True)
+
+
+def test_splitting_of_any_polynomial_hamiltonian_keeps_casimirs():
+    manakov = lp.catalog.system("manakov-so4")
+    x0 = lp.sample_states(manakov, 4, seed=1)
+    orbit = lp.integrate(manakov, x0, t=[0, 50], method=lp.Splitting(step=0.05, order=4))
+    exact = lp.integrate(manakov, x0, t=[0, 50])
+    assert orbit.field == manakov.pieces()
+    assert np.abs(orbit.state - exact.state).max() < 1e-3
+    for name, values in manakov.invariant_values(orbit.state).items():
+        if name.startswith("C"):
+            # 1000 steps with 40 to 80 flows each, a few units of round-off a flow
+            assert np.abs(values[:, 1] - values[:, 0]).max() < 1e-11, name
+
+
+def test_a_run_with_any_method_can_be_repeated_from_its_file(tmp_path):
+    top = lp.Top.twisted_kovalevskaya()
+    x0 = lp.sample_states(top, 3, seed=5)
+    for k, method in enumerate(METHODS):
+        growth = lp.lyapunov_exponent(top, x0, times=[1, 2], method=method)
+        again = lp.rerun(growth.save(tmp_path / f"{k}.nc"))
+        assert again.method == method
+        assert again.exponent.tobytes() == growth.exponent.tobytes()

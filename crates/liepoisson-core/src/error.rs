@@ -31,8 +31,28 @@ pub enum Error {
         /// What came.
         got: f64,
     },
+    /// A tolerance below `2^-20` in single precision.
+    SingleTolerance {
+        /// What came.
+        got: f64,
+    },
+    /// A step that is not positive and finite.
+    StepSize {
+        /// What came.
+        got: f64,
+    },
+    /// A number of stages of a Gauss method outside `1..=4`.
+    Stages {
+        /// What came.
+        got: usize,
+    },
     /// An order of the Taylor series outside `2..=64`.
     Order {
+        /// What came.
+        got: usize,
+    },
+    /// An order that no splitting method has.
+    SplittingOrder {
         /// What came.
         got: usize,
     },
@@ -112,6 +132,8 @@ pub enum Error {
         /// Number of registers of the tape.
         available: usize,
     },
+    /// A method that does not know fields of this kind.
+    MethodForField,
     /// `LIEPOISSON_SIMD` names an instruction set that is unknown or that this processor lacks.
     SimdNotAvailable {
         /// What was asked for.
@@ -139,12 +161,22 @@ impl fmt::Display for Error {
             Error::Tolerance { got } => {
                 write!(f, "tol: wanted a number from 1.1e-16 to 0.1; got {got}; try 1e-15 for round-off accuracy")
             }
+            Error::SingleTolerance { got } => {
+                write!(f, "tol: wanted at least 1e-6 in single precision; got {got}; try double precision")
+            }
+            Error::StepSize { got } => {
+                write!(f, "step: wanted a positive finite number; got {got}; its sign follows from the times")
+            }
+            Error::Stages { got } => {
+                write!(f, "stages: wanted a whole number from 1 to 4; got {got}; the order is twice that number")
+            }
             Error::Order { got } => {
                 write!(
                     f,
                     "order: wanted a whole number from 2 to 64; got {got}; leave it out to have it chosen from tol"
                 )
             }
+            Error::SplittingOrder { got } => write!(f, "order: wanted 2, 4, 6 or 8; got {got}; try 4"),
             Error::Times { index } => write!(
                 f,
                 "times: wanted two or more finite times, strictly increasing or strictly decreasing; \
@@ -191,6 +223,11 @@ impl fmt::Display for Error {
                 f,
                 "output {component}: wanted a register below {available}; got {register}; \
                  name a component or the result of an instruction"
+            ),
+            Error::MethodForField => write!(
+                f,
+                "method: wanted one that applies to this kind of field; splitting needs a top or pieces, mixed precision \
+                 a top, single precision a top or a quadratic field; try the Taylor method in double precision"
             ),
             Error::SimdNotAvailable { wanted } => write!(
                 f,

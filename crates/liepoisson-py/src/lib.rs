@@ -1,11 +1,11 @@
 //! Python shell over `liepoisson-core`: arrays in, arrays out, errors translated, the interpreter released meanwhile.
 
-use liepoisson_core::analysis::{lyapunov, orbit, orbit::Orbits};
+use liepoisson_core::analysis::{lyapunov, orbit};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Instruction, Quadratic, Space, Tape, Top};
+use liepoisson_core::field::{Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::{AcrossComponents, Method, Taylor};
+use liepoisson_core::method::{AcrossComponents, Gauss, MixedTaylor, RungeKutta, Single, Splitting, Taylor};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -30,7 +30,11 @@ enum Kind {
     Top(Top),
     Quadratic(Quadratic),
     Tape(Tape),
+    Pieces(Pieces),
 }
+
+/// A linear form, the coefficients of a polynomial, a sparse matrix.
+type PieceParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
 
 #[pymethods]
 impl Field {
@@ -41,6 +45,7 @@ impl Field {
             Kind::Top(top) => top.n_components(),
             Kind::Quadratic(quadratic) => quadratic.n_components(),
             Kind::Tape(tape) => tape.n_components(),
+            Kind::Pieces(pieces) => pieces.n_components(),
         }
     }
 
@@ -76,13 +81,109 @@ impl Field {
             .map_err(translate)?;
         Tape::new(n_components, instructions, outputs).map(|tape| Field(Kind::Tape(tape))).map_err(translate)
     }
+
+    /// A Lie-Poisson system by pieces of its Hamiltonian, each with a known flow: form, derivative, matrix.
+    #[staticmethod]
+    fn pieces(n_components: usize, pieces: Vec<PieceParts>) -> PyResult<Field> {
+        let ridges =
+            pieces.into_iter().map(|(form, derivative, generator)| Ridge { form, generator, derivative }).collect();
+        Pieces::new(n_components, ridges).map(|pieces| Field(Kind::Pieces(pieces))).map_err(translate)
+    }
 }
 
-/// Tolerance, order (chosen from the tolerance if None), most steps per trajectory.
-type TaylorParameters = (f64, Option<usize>, u64);
+/// A method of integration.
+#[pyclass(frozen, module = "liepoisson._core")]
+struct Method(How);
 
-fn taylor_of((tolerance, order, max_steps): TaylorParameters) -> PyResult<Taylor> {
-    Taylor::new(tolerance, order, max_steps).map_err(translate)
+#[derive(Clone, Copy)]
+enum How {
+    Taylor(Taylor),
+    MixedTaylor(MixedTaylor),
+    RungeKutta(RungeKutta),
+    SingleRungeKutta(Single<RungeKutta>),
+    Splitting(Splitting),
+    SingleSplitting(Single<Splitting>),
+    Gauss(Gauss),
+}
+
+#[pymethods]
+impl Method {
+    /// Power series with adaptive steps.
+    #[staticmethod]
+    fn taylor(tol: f64, order: Option<usize>, mixed: bool, max_steps: u64) -> PyResult<Method> {
+        let taylor = Taylor::new(tol, order, max_steps).map_err(translate)?;
+        Ok(Method(if mixed { How::MixedTaylor(MixedTaylor(taylor)) } else { How::Taylor(taylor) }))
+    }
+
+    /// The explicit method of order 8, by tolerance or with equal steps.
+    #[staticmethod]
+    fn runge_kutta(
+        tol: Option<f64>,
+        step: Option<f64>,
+        single: bool,
+        compensated: bool,
+        max_steps: u64,
+    ) -> PyResult<Method> {
+        let method = match step {
+            Some(step) => RungeKutta::fixed(step, max_steps),
+            None => RungeKutta::new(tol.unwrap_or(1e-8), max_steps),
+        };
+        let method = method.map_err(translate)?;
+        if single {
+            return Single::<RungeKutta>::new(method)
+                .map(|single| Method(How::SingleRungeKutta(single)))
+                .map_err(translate);
+        }
+        Ok(Method(How::RungeKutta(if compensated { method.compensated() } else { method })))
+    }
+
+    /// Compositions of exact flows.
+    #[staticmethod]
+    fn splitting(order: usize, step: f64, single: bool, max_steps: u64) -> PyResult<Method> {
+        let method = Splitting::new(order, step, max_steps).map_err(translate)?;
+        Ok(Method(if single { How::SingleSplitting(Single(method)) } else { How::Splitting(method) }))
+    }
+
+    /// Gauss collocation.
+    #[staticmethod]
+    fn gauss(n_stages: usize, step: f64, max_steps: u64) -> PyResult<Method> {
+        Gauss::new(n_stages, step, max_steps).map(|gauss| Method(How::Gauss(gauss))).map_err(translate)
+    }
+}
+
+impl How {
+    fn order(self) -> usize {
+        match self {
+            How::Taylor(method) | How::MixedTaylor(MixedTaylor(method)) => method.order(),
+            How::RungeKutta(_) | How::SingleRungeKutta(_) => 8,
+            How::Splitting(method) | How::SingleSplitting(Single(method)) => method.order(),
+            How::Gauss(method) => method.order(),
+        }
+    }
+}
+
+/// Runs a macro with the field and the method of a call, as types of their own.
+macro_rules! with_field_and_method {
+    ($field:expr, $method:expr, $run:ident) => {
+        match (&$field.0, $method.0) {
+            (Kind::Top(field), How::Taylor(method)) => $run!(field, method),
+            (Kind::Top(field), How::MixedTaylor(method)) => $run!(field, method),
+            (Kind::Top(field), How::RungeKutta(method)) => $run!(field, method),
+            (Kind::Top(field), How::SingleRungeKutta(method)) => $run!(field, method),
+            (Kind::Top(field), How::Splitting(method)) => $run!(field, method),
+            (Kind::Top(field), How::SingleSplitting(method)) => $run!(field, method),
+            (Kind::Top(field), How::Gauss(method)) => $run!(field, method),
+            (Kind::Quadratic(field), How::Taylor(method)) => $run!(field, method),
+            (Kind::Quadratic(field), How::RungeKutta(method)) => $run!(field, method),
+            (Kind::Quadratic(field), How::SingleRungeKutta(method)) => $run!(field, method),
+            (Kind::Quadratic(field), How::Gauss(method)) => $run!(field, method),
+            (Kind::Tape(field), How::Taylor(method)) => $run!(field, method),
+            (Kind::Tape(field), How::RungeKutta(method)) => $run!(field, method),
+            (Kind::Tape(field), How::Gauss(method)) => $run!(field, method),
+            (Kind::Pieces(field), How::Splitting(method)) => $run!(field, method),
+            _ => return Err(translate(Error::MethodForField)),
+        }
+    };
 }
 
 /// How often the calling thread looks for Ctrl-C and reports progress.
@@ -93,10 +194,11 @@ const BETWEEN_SIGNALS: Duration = Duration::from_millis(100);
 fn supervised<R: Send>(
     py: Python<'_>,
     n_members: usize,
+    time_limit: f64,
     progress: Option<Py<PyAny>>,
     work: impl Send + FnOnce(&Control, &mut (dyn FnMut(&dyn Fn(Duration) -> bool) + Send)) -> Result<R, Error>,
 ) -> PyResult<R> {
-    let control = Control::default();
+    let control = Duration::try_from_secs_f64(time_limit).map_or_else(|_| Control::default(), Control::with_time_limit);
     let mut interruption: Option<PyErr> = None;
     let result = py.detach(|| {
         let mut watch = |ended_within: &dyn Fn(Duration) -> bool| {
@@ -138,54 +240,37 @@ fn add_summaries(result: &Bound<'_, PyDict>, summaries: &[Summary], n: usize) ->
     Ok(())
 }
 
-fn run_orbits<F: Space, M: Method<F> + Send>(
-    py: Python<'_>,
-    ensemble: &Ensemble<'_, F, M>,
-    threads: usize,
-    simd: Simd,
-    dense: bool,
-    progress: Option<Py<PyAny>>,
-) -> PyResult<Orbits> {
-    supervised(py, ensemble.n_members(), progress, |control, watch| {
-        orbit::orbits(ensemble, threads, simd, control, dense, watch)
-    })
-}
-
 /// Orbits at `times`; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
-#[pyo3(signature = (field, taylor, states, tangents, n_tangents, times, threads, dense, components, progress))]
+#[pyo3(signature = (field, method, states, tangents, n_tangents, times, threads, time_limit, dense, components, progress))]
 #[allow(clippy::too_many_arguments)] // a function of the shell takes what the Python side has checked, flat
 fn orbits<'py>(
     py: Python<'py>,
     field: &Field,
-    taylor: TaylorParameters,
+    method: &Method,
     states: PyReadonlyArray1<'py, f64>,
     tangents: PyReadonlyArray1<'py, f64>,
     n_tangents: usize,
     times: PyReadonlyArray1<'py, f64>,
     threads: usize,
+    time_limit: f64,
     dense: bool,
     components: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let taylor = taylor_of(taylor)?;
     let (states, tangents, times) = (states.as_slice()?, tangents.as_slice()?, times.as_slice()?);
     let simd = Simd::from_environment().map_err(translate)?;
     macro_rules! run {
-        ($field:expr) => {{
-            let ensemble = Ensemble { field: $field, method: taylor, states, tangents, n_tangents, times };
-            (simd.name(), run_orbits(py, &ensemble, threads, simd, dense, progress)?)
+        ($field:expr, $method:expr) => {{
+            let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents, times };
+            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
+                orbit::orbits(&ensemble, threads, simd, control, dense, watch)
+            })?
         }};
     }
-    let (kernel, orbits) = match &field.0 {
-        Kind::Top(top) if components => {
-            let ensemble =
-                Ensemble { field: top, method: AcrossComponents(taylor), states, tangents, n_tangents, times };
-            ("components", run_orbits(py, &ensemble, 1, simd, dense, progress)?)
-        }
-        Kind::Top(top) => run!(top),
-        Kind::Quadratic(quadratic) => run!(quadratic),
-        Kind::Tape(tape) => run!(tape),
+    let (kernel, orbits) = match (&field.0, method.0) {
+        (Kind::Top(top), How::Taylor(taylor)) if components => ("components", run!(top, AcrossComponents(taylor))),
+        _ => (simd.name(), with_field_and_method!(field, method, run)),
     };
     let result = PyDict::new(py);
     add_summaries(&result, &orbits.summaries, field.n_components())?;
@@ -195,45 +280,41 @@ fn orbits<'py>(
         orbits.series.into_iter().map(|series| (series.times.into_pyarray(py), series.coefficients.into_pyarray(py)));
     result.set_item("series", series.collect::<Vec<_>>())?;
     result.set_item("kernel", kernel)?;
-    result.set_item("order", taylor.order())?;
+    result.set_item("order", method.0.order())?;
     Ok(result)
 }
 
 /// Finite-time Lyapunov exponents at `times[1:]`; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
-#[pyo3(signature = (field, taylor, states, tangents, times, threads, progress))]
+#[pyo3(signature = (field, method, states, tangents, times, threads, time_limit, progress))]
 #[allow(clippy::too_many_arguments)]
 fn growth<'py>(
     py: Python<'py>,
     field: &Field,
-    taylor: TaylorParameters,
+    method: &Method,
     states: PyReadonlyArray1<'py, f64>,
     tangents: PyReadonlyArray1<'py, f64>,
     times: PyReadonlyArray1<'py, f64>,
     threads: usize,
+    time_limit: f64,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let taylor = taylor_of(taylor)?;
     let simd = Simd::from_environment().map_err(translate)?;
     let (states, tangents, times) = (states.as_slice()?, tangents.as_slice()?, times.as_slice()?);
     macro_rules! run {
-        ($field:expr) => {{
-            let ensemble = Ensemble { field: $field, method: taylor, states, tangents, n_tangents: 1, times };
-            supervised(py, ensemble.n_members(), progress, |control, watch| {
+        ($field:expr, $method:expr) => {{
+            let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents: 1, times };
+            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
                 lyapunov::growth(&ensemble, threads, simd, control, watch)
             })?
         }};
     }
-    let growth = match &field.0 {
-        Kind::Top(top) => run!(top),
-        Kind::Quadratic(quadratic) => run!(quadratic),
-        Kind::Tape(tape) => run!(tape),
-    };
+    let growth = with_field_and_method!(field, method, run);
     let result = PyDict::new(py);
     add_summaries(&result, &growth.summaries, field.n_components())?;
     result.set_item("exponent", growth.exponents.into_pyarray(py))?;
     result.set_item("kernel", simd.name())?;
-    result.set_item("order", taylor.order())?;
+    result.set_item("order", method.0.order())?;
     Ok(result)
 }
 
@@ -259,6 +340,7 @@ fn outcomes() -> Vec<&'static str> {
 fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add_class::<Field>()?;
+    module.add_class::<Method>()?;
     module.add_function(wrap_pyfunction!(orbits, module)?)?;
     module.add_function(wrap_pyfunction!(growth, module)?)?;
     module.add_function(wrap_pyfunction!(simd, module)?)?;

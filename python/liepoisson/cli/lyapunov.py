@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from liepoisson.cli.methods import named_method
 from liepoisson.cli.progress import progress_bar
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_file, with_settings
 from liepoisson.errors import OutputError, ParameterError
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.system_file import SystemFile
     from liepoisson.numeric.estimates import FloatArray
     from liepoisson.numeric.lyapunov import Growth
+    from liepoisson.numeric.methods import Method
 
 INTERRUPTED = 130
 OUT_HELP = "Also write the curves to this file; a folder that is missing is made."
@@ -35,7 +37,14 @@ def lyapunov(
     ensemble: Annotated[
         str, typer.Option(help="How starts are drawn: unit-vectors, cube or gaussian.")
     ] = "unit-vectors",
-    tol: Annotated[float, typer.Option(help="Tolerance of the Taylor method.")] = 1e-13,
+    method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting or gauss.")] = "taylor",
+    tol: Annotated[
+        float | None, typer.Option(help="Tolerance of taylor and runge-kutta.  [default: 1e-13, 1e-8]")
+    ] = None,
+    step: Annotated[float | None, typer.Option(help="Step of splitting and gauss.  [default: 0.1]")] = None,
+    order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
+    precision: Annotated[str, typer.Option(help="double; mixed (taylor); single (runge-kutta, splitting).")] = "double",
+    time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,
     threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
     out: Annotated[str | None, typer.Option(metavar="FILE.nc", help=OUT_HELP)] = None,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
@@ -53,10 +62,21 @@ def lyapunov(
     file = with_settings(read_file(system), settings or ())
     _check_values(file)
     chosen = file.system()
+    how = named_method(method, tol=tol, step=step, order=order, precision=precision)
     try:
         with progress_bar() as bar:
             listen = None if bar is None else (lambda done: bar("integrating", done * n * t_end, n * t_end))
-            growth = _growth(chosen, n, t_end, seed=seed, ensemble=ensemble, tol=tol, threads=threads, progress=listen)
+            growth = _growth(
+                chosen,
+                n,
+                t_end,
+                seed=seed,
+                ensemble=ensemble,
+                method=how,
+                threads=threads,
+                time_limit=time_limit,
+                progress=listen,
+            )
     except KeyboardInterrupt:
         print("interrupted; nothing was written.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
@@ -71,7 +91,7 @@ def summary(growth: Growth, ensemble: str) -> list[str]:
 
     n, t_end = len(growth.outcome), growth.time[-1]
     finished = growth.exponent[growth.outcome == "finished", -1]
-    method = f"Taylor method of order {growth.order}, tolerance {growth.method.tol:g}, {growth.field.kind} kernel"
+    method = f"{growth.method}, order {growth.order}, {growth.field.kind} kernel"
     lines = [
         f"{growth.system}: {n} random starts ({ensemble}, seed {growth.seed}) to t = {t_end:g}",
         f"{method} ({growth.kernel})",
@@ -98,17 +118,18 @@ def _growth(
     *,
     seed: int,
     ensemble: str,
-    tol: float,
+    method: Method,
     threads: int | None,
+    time_limit: float,
     progress: Callable[[float], object] | None,
 ) -> Growth:
     from liepoisson.numeric.lyapunov import lyapunov_exponent
-    from liepoisson.numeric.methods import Taylor
     from liepoisson.numeric.sampling import sample_states
 
     x0 = sample_states(system, n, seed=seed, ensemble=ensemble)
-    method = Taylor(tol=tol)
-    return lyapunov_exponent(system, x0, t_end=t_end, seed=seed, method=method, threads=threads, progress=progress)
+    return lyapunov_exponent(
+        system, x0, t_end=t_end, seed=seed, method=method, threads=threads, time_limit=time_limit, progress=progress
+    )
 
 
 def _check_values(file: SystemFile) -> None:

@@ -40,7 +40,7 @@ def lower(bracket: Bracket, hamiltonian: Expr) -> QuadraticField | TapeField:
         ParameterError: a parameter is symbolic (the message names it), or a coefficient does not fit into a double.
         UnsupportedFieldError: the Hamiltonian contains a function that is not smooth or not known.
     """
-    _check_numeric(bracket, hamiltonian)
+    check_numeric(bracket, hamiltonian)
     energy = quadratic_polynomial(hamiltonian, bracket.variables)
     if energy is not None:
         return _quadratic_field(bracket, energy)
@@ -102,7 +102,12 @@ def _rounded(value: Expr) -> Fraction:
 _ROUNDED: dict[Expr, Fraction] = {}
 
 
-def _check_numeric(bracket: Bracket, hamiltonian: Expr) -> None:
+def check_numeric(bracket: Bracket, hamiltonian: Expr) -> None:
+    """Refuse symbols without numbers.
+
+    Raises:
+        ParameterError: a parameter is symbolic; the message names it.
+    """
     names = {str(variable) for variable in bracket.variables}
     free = ({str(symbol) for symbol in hamiltonian.free_symbols} | bracket.symbols) - names
     if free:

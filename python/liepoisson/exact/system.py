@@ -29,7 +29,7 @@ from liepoisson.exact.hamiltonian import (
     with_exact_numbers,
 )
 from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
-from liepoisson.field import Field
+from liepoisson.field import Field, PiecesField
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -235,6 +235,17 @@ class System:
         from liepoisson.exact.lowering import lower
 
         return lower(self.bracket, self.hamiltonian)
+
+    def pieces(self) -> PiecesField:
+        """The Hamiltonian as a sum of pieces with known flows, for splitting methods.
+
+        Raises:
+            UnsupportedFieldError: the Hamiltonian is not a polynomial, or has too many pieces.
+            ParameterError: a parameter is symbolic.
+        """
+        from liepoisson.exact.pieces import pieces_of
+
+        return pieces_of(self.bracket, self.hamiltonian)
 
     def vector_field(self, x: ArrayLike) -> NDArray[np.float64]:
         r"""The right-hand side $J \nabla H$ at many states.

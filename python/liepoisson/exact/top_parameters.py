@@ -130,7 +130,7 @@ def _read_off(polynomials: Sequence[Any], bracket: Bracket) -> TopParameters | N
             epsilon = coefficient(3 + (k + 1) % 3, 6 + (k + 2) % 3) / a[k]
             break
     ordered = [[vector[k] for k in range(3)] for vector in (inverse, a, b)]
-    inertia = [S.One / value for value in ordered[0]]
+    inertia: list[Any] = [S.One / value for value in ordered[0]]
     return TopParameters(
         inertia=_read_triple(inertia, "inertia"),
         a=_read_triple(ordered[1], "a"),

@@ -13,10 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import Field, QuadraticField, TopField
+from liepoisson.field import Field, PiecesField, QuadraticField, TopField
 
 MOST = 2**63 - 1
 """Largest count: what a signed integer of 64 bits holds."""
+
+TIME_LIMIT = 3600.0
+"""Default budget: seconds that a run may take."""
 
 _MOST_THREADS = 4096
 
@@ -86,6 +89,8 @@ def core_field(field: Field) -> _core.Field:
         return _core.Field.top(field.inertia, field.a, field.b, field.epsilon)
     if isinstance(field, QuadraticField):
         return _core.Field.quadratic(field.n_components, field.constant, field.linear, field.quadratic)
+    if isinstance(field, PiecesField):
+        return _core.Field.pieces(field.n_components, field.pieces)
     return _core.Field.tape(field.n_components, field.instructions, field.outputs)
 
 
@@ -97,8 +102,12 @@ def component_names(system: Any, n: int) -> tuple[str, ...]:
     return TOP_COMPONENTS if n == len(TOP_COMPONENTS) else tuple(f"x{i + 1}" for i in range(n))
 
 
-def as_states(x0: ArrayLike, n_components: int, name: str = "x0") -> Array:
-    """States as an array of shape (trajectory, component); one state may come without the first axis."""
+def as_states(x0: ArrayLike, n_components: int, name: str = "x0", *, some_may_fail: bool = False) -> Array:
+    """States as an array of shape (trajectory, component); one state may come without the first axis.
+
+    Where some may fail, rows that are not finite are kept beside good ones: their trajectories end at once, with an
+    outcome, and the others run.
+    """
     states = as_array(x0, name)
     if states.ndim not in (1, 2) or states.shape[-1] != n_components:
         hint = " Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else ""
@@ -107,7 +116,7 @@ def as_states(x0: ArrayLike, n_components: int, name: str = "x0") -> Array:
         )
     states = np.atleast_2d(states)
     bad = ~np.isfinite(states).all(axis=1)
-    if bad.any():
+    if bad.any() and (bad.all() or not some_may_fail):
         raise ParameterError(
             f"{name}: wanted finite numbers; trajectory {int(np.argmax(bad))} of {len(states)} has a NaN or an "
             f"infinity ({int(bad.sum())} such in all); drop these rows"
@@ -134,6 +143,14 @@ def as_threads(threads: int | None) -> int:
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     return as_count(threads, "threads", least=1, most=_MOST_THREADS, hint="leave it out to use all processors")
+
+
+def as_time_limit(seconds: float) -> float:
+    """Seconds that a run may take."""
+    limit = as_number(seconds, "time_limit", "a positive number of seconds")
+    if not limit > 0:
+        raise ParameterError(f"time_limit: wanted a positive number of seconds; got {limit!r}; try 60")
+    return limit
 
 
 def outcome_names(codes: NDArray[np.int8]) -> NDArray[np.str_]:

@@ -15,16 +15,18 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, TopField
 from liepoisson.numeric._checks import (
+    TIME_LIMIT,
     HasField,
     as_field,
     as_states,
     as_threads,
+    as_time_limit,
     as_times,
     component_names,
     core_field,
     outcome_names,
 )
-from liepoisson.numeric.methods import Taylor, as_method
+from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -43,11 +45,11 @@ class Orbit:
         state: States, shape (trajectory, time, component); NaN from where a trajectory failed.
         tangent: Tangent vectors, shape (trajectory, time, tangent, component).
         outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite",
-            "max steps".
+            "max steps", "no convergence", "time limit".
         end_time: Time that each trajectory reached, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
         final_state: Last good state of each trajectory, shape (trajectory, component).
-        order: Order of the Taylor series.
+        order: Order of the method.
         kernel: The code that advanced the trajectories: the instruction set of the kernel for many ("avx512", "avx2",
             "scalar": the same bits), or "components", the kernel for one trajectory (other last bits).
         series: Dense output of each trajectory, if it was asked for: starts of the steps, shape (step,), and
@@ -57,7 +59,7 @@ class Orbit:
     system: str
     components: tuple[str, ...]
     field: Field
-    method: Taylor
+    method: Method
     time: Array
     state: Array
     tangent: Array
@@ -129,26 +131,30 @@ def integrate(
     *,
     t: ArrayLike,
     tangents: ArrayLike | None = None,
-    method: Taylor | None = None,
+    method: Method | None = None,
     dense: bool = False,
     kernel: Literal["lanes", "components"] | None = None,
     threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> Orbit:
     r"""Trajectories $\dot x = J(x)\nabla H(x)$ and their tangent vectors $\dot v = D(J\nabla H)(x)\,v$.
 
     Args:
         system: What is integrated.
-        x0: States at time `t[0]`, shape (component,) or (trajectory, component), dimensionless.
+        x0: States at time `t[0]`, shape (component,) or (trajectory, component), dimensionless; a row that is not
+            finite beside good ones ends at once, with the outcome "not finite".
         t: Times at which states are wanted, strictly monotone, shape (time,); decreasing times run backwards.
         tangents: Tangent vectors at `t[0]`, shape (tangent, component) for all trajectories or
             (trajectory, tangent, component).
-        method: How; by default `Taylor()`, to round-off.
+        method: How; by default `Taylor()`, to round-off.  Methods without power series step to every wanted time.
         dense: Keep the power series of every step, so that `orbit.at(t)` answers for any time.
         kernel: "lanes" advances trajectories side by side in registers, "components" one trajectory without tangent
             vectors, with the components of its vectors side by side, which is quicker and rounds differently; only tops
             have the latter.  By default "components" for one such trajectory, else "lanes".
         threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that the run may take; trajectories that are not done by then end with the outcome
+            "time limit", and all that is done is kept.
         progress: Called a few times a second with the fraction that is done.
 
     Returns:
@@ -156,15 +162,20 @@ def integrate(
 
     Raises:
         ShapeError: An array has another shape than stated.
-        ParameterError: Numbers that are not finite, times that are not monotone, a kernel that does not apply.
+        ParameterError: Numbers that are not finite, times that are not monotone, a method or kernel that does not
+            apply.
         KeyboardInterrupt: Ctrl-C.
     """
     method = as_method(method, Taylor())
-    field = as_field(system)
+    field = field_for(system, as_field(system), method)
     n = field.n_components
-    states, times = as_states(x0, n), as_times(t, "t", least=2)
+    states, times = as_states(x0, n, some_may_fail=True), as_times(t, "t", least=2)
     vectors = _as_tangents(tangents, len(states), n)
-    alone = isinstance(field, TopField) and len(states) == 1 and vectors.shape[1] == 0
+    in_series = isinstance(method, Taylor)
+    if dense and not in_series:
+        raise ParameterError(f"dense: wanted the Taylor method, which has power series; got {method}; leave dense out")
+    by_components = in_series and method.precision == "double" and isinstance(field, TopField)
+    alone = by_components and len(states) == 1 and vectors.shape[1] == 0
     if kernel not in (None, "lanes", "components") or (kernel == "components" and not alone):
         raise ParameterError(
             f'kernel: wanted "lanes", or "components" for one trajectory of a top without tangent vectors; got '
@@ -173,12 +184,13 @@ def integrate(
         )
     raw = _core.orbits(
         core_field(field),
-        method.parameters,
+        method.core(),
         states.ravel(),
         vectors.ravel(),
         vectors.shape[1],
         times,
         as_threads(threads),
+        as_time_limit(time_limit),
         dense,
         alone if kernel is None else kernel == "components",
         progress,

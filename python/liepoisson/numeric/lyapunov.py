@@ -15,17 +15,19 @@ from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import (
+    TIME_LIMIT,
     HasField,
     as_field,
     as_number,
     as_states,
     as_threads,
+    as_time_limit,
     as_times,
     component_names,
     core_field,
     outcome_names,
 )
-from liepoisson.numeric.methods import Taylor, as_method
+from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 
 if TYPE_CHECKING:
@@ -48,20 +50,20 @@ class Growth:
         time: Times, shape (time,).
         exponent: Finite-time exponents, in inverse time, shape (trajectory, time); NaN from where a trajectory failed.
         outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite",
-            "max steps".
+            "max steps", "no convergence", "time limit".
         end_time: Time that each trajectory reached, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
         initial_state: Shape (trajectory, component).
         initial_tangent: Shape (trajectory, component).
         final_state: Last good state, shape (trajectory, component).
-        order: Order of the Taylor series.
+        order: Order of the method.
         kernel: Instruction set used.
     """
 
     system: str
     components: tuple[str, ...]
     field: Field
-    method: Taylor
+    method: Method
     seed: int
     first: int
     time: Array
@@ -98,8 +100,9 @@ def lyapunov_exponent(
     tangents: ArrayLike | None = None,
     seed: int = 0,
     first: int = 0,
-    method: Taylor | None = None,
+    method: Method | None = None,
     threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> Growth:
     r"""Largest Lyapunov exponent along each trajectory, as a function of time.
@@ -113,7 +116,8 @@ def lyapunov_exponent(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless.
+        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
+            beside good ones ends at once, with the outcome "not finite".
         t_end: Last time, positive, in units of the system's own time; the exponent is then given at 200 times
             spaced evenly in the logarithm, from `t_end`/1000 on.
         times: The times themselves, positive and increasing, shape (time,), instead of `t_end`.
@@ -124,6 +128,8 @@ def lyapunov_exponent(
             vector in whichever piece it is.
         method: How; by default `Taylor(tol=1e-13)`.
         threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that the run may take; trajectories that are not done by then end with the outcome
+            "time limit", and all that is done is kept.
         progress: Called a few times a second with the fraction that is done.
 
     Returns:
@@ -139,9 +145,9 @@ def lyapunov_exponent(
         Benettin, Galgani, Giorgilli and Strelcyn, Meccanica 15 (1980) 9.
     """
     method = as_method(method, Taylor(tol=1e-13))
-    field = as_field(system)
+    field = field_for(system, as_field(system), method)
     n = field.n_components
-    states, wanted = as_states(x0, n), _as_exponent_times(t_end, times)
+    states, wanted = as_states(x0, n, some_may_fail=True), _as_exponent_times(t_end, times)
     seed, first = as_seed(seed), as_first(first, len(states))
     if tangents is None:
         vectors = sample_tangents(n, len(states), seed=seed, first=first)
@@ -155,11 +161,12 @@ def lyapunov_exponent(
         vectors = np.ascontiguousarray(np.broadcast_to(vectors, states.shape))
     raw = _core.growth(
         core_field(field),
-        method.parameters,
+        method.core(),
         states.ravel(),
         vectors.ravel(),
         np.concatenate([[0.0], wanted]),
         as_threads(threads),
+        as_time_limit(time_limit),
         progress,
     )
     return Growth(

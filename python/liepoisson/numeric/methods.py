@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, ClassVar, Literal, TypeAlias
 
+from liepoisson import _core
 from liepoisson.errors import ParameterError
+from liepoisson.field import Field, PiecesField, QuadraticField, TopField
 from liepoisson.numeric._checks import as_count, as_number, shown
 
 ROUND_OFF = 2.0**-53
+SINGLE_ROUND_OFF = 2.0**-24
 MAX_ORDER = 64
+MAX_STEPS = 10_000_000
+"""Default budget: most steps that one trajectory may take."""
 
 
 @dataclass(frozen=True)
 class Taylor:
-    r"""The adaptive Taylor method.
+    r"""The adaptive Taylor method: the default, to round-off or any tolerance, with dense output.
 
     Each step expands the solution in powers of time, $x(t+\tau) = \sum_{k\le N} x_k\tau^k$, and is as long as
     $\|x_k\|\,|\tau|^k \le \mathrm{tol}\,\|x_0\|$ allows for $k = N-1, N$, where $\|\cdot\|$ is the sum of the absolute
@@ -25,6 +31,10 @@ class Taylor:
         tol: Relative size of the last retained terms, from 1.1e-16 to 0.1.  The local error is smaller by about
             $h/\rho$, the step over the radius of convergence (about 0.15).
         order: $N$, from 2 to 64; by default the cheapest for `tol`.
+        precision: "double", or "mixed" (tops only): terms of the state's series below $2^{22}\,\mathrm{tol}$ of the
+            state, and all of the tangent vectors, in single precision.  The state is as accurate as in double
+            precision; a tangent vector gains a relative error of $\max(6\cdot10^{-8}, \sqrt{\mathrm{tol}})$ in a
+            step, so an exponent after $n$ steps and time T one of about $\sqrt n/T$ times that.
         max_steps: Most steps that one trajectory may take; one that needs more ends with the outcome "max steps".
 
     Raises:
@@ -34,29 +44,180 @@ class Taylor:
         Jorba and Zou, Experimental Mathematics 14 (2005) 99.
     """
 
+    name: ClassVar[str] = "taylor"
+
     tol: float = 1e-15
     order: int | None = None
-    max_steps: int = 100_000_000
+    precision: Literal["double", "mixed"] = "double"
+    max_steps: int = MAX_STEPS
 
     def __post_init__(self) -> None:
         """Checks the ranges and keeps plain numbers, which can be written to a file."""
-        tol = as_number(self.tol, "tol", "a number from 1.1e-16 to 0.1")
-        if not ROUND_OFF <= tol <= 0.1:
-            raise ParameterError(f"tol: wanted a number from 1.1e-16 to 0.1; got {tol!r}; try 1e-15")
-        object.__setattr__(self, "tol", tol)
+        _keep(self, tol=_as_tolerance(self.tol, ROUND_OFF, "1.1e-16", "try 1e-15"))
         if self.order is not None:
-            order = as_count(self.order, "order", least=2, most=MAX_ORDER, hint="leave it out to be chosen")
-            object.__setattr__(self, "order", order)
-        max_steps = as_count(self.max_steps, "max_steps", least=1, hint="try 1_000_000")
-        object.__setattr__(self, "max_steps", max_steps)
+            _keep(self, order=as_count(self.order, "order", least=2, most=MAX_ORDER, hint="leave it out to be chosen"))
+        _check_choice(self.precision, "precision", "double", "mixed")
+        _keep(self, max_steps=_as_budget(self.max_steps))
 
-    @property
-    def parameters(self) -> tuple[float, int | None, int]:
-        """What the core takes."""
-        return self.tol, self.order, self.max_steps
+    def core(self) -> _core.Method:
+        """The method as the core takes it."""
+        return _core.Method.taylor(self.tol, self.order, self.precision == "mixed", self.max_steps)
+
+    def __str__(self) -> str:
+        return f"Taylor method, tolerance {self.tol:g}" + _in_precision(self.precision)
 
 
-def as_method(method: Any, default: Taylor) -> Taylor:
+@dataclass(frozen=True)
+class RungeKutta:
+    r"""The explicit Runge-Kutta method of order 8 of Dormand and Prince, for coarse and middle accuracy and any field.
+
+    Twelve evaluations of the field a step.  Steps adapt to `tol`, by the embedded estimates of orders 5 and 3, or are
+    equal.  They end at every wanted time.  No conserved quantity is kept beyond the accuracy of the solution.
+
+    Args:
+        tol: Error of a step relative to the size of the state, and of each tangent vector, from 1.1e-16 to 0.1.
+        step: Equal steps of at most this size, instead of `tol`.
+        precision: "double", or "single" (tops and quadratic fields): everything in single precision, twice as many
+            trajectories to a register; each step rounds to 6e-8 of the state, and `tol` is at least 2.4e-7.
+        compensated: Carry the rounding error of the sums $x + h\sum_i b_i k_i$ of the state from step to step.
+        max_steps: Most steps that one trajectory may take, steps that were refused included.
+
+    Raises:
+        ParameterError: A value outside its range, or both `tol` and `step`.
+
+    References:
+        Hairer, Norsett and Wanner, Solving Ordinary Differential Equations I, 2nd ed. (1993), DOP853.
+    """
+
+    name: ClassVar[str] = "runge-kutta"
+
+    tol: float | None = None
+    step: float | None = None
+    precision: Literal["double", "single"] = "double"
+    compensated: bool = False
+    max_steps: int = MAX_STEPS
+
+    def __post_init__(self) -> None:
+        """Checks the ranges and keeps plain numbers, which can be written to a file."""
+        _check_choice(self.precision, "precision", "double", "single")
+        if self.tol is not None and self.step is not None:
+            raise ParameterError(
+                "RungeKutta: wanted tol for adaptive steps or step for equal ones; got both; leave out one"
+            )
+        if self.step is not None:
+            _keep(self, step=_as_step(self.step))
+        else:
+            least, name = (ROUND_OFF, "1.1e-16") if self.precision == "double" else (4 * SINGLE_ROUND_OFF, "2.4e-7")
+            default = 1e-8 if self.precision == "double" else 1e-5
+            _keep(self, tol=_as_tolerance(default if self.tol is None else self.tol, least, name, f"try {default:g}"))
+        if self.compensated not in (True, False):
+            raise ParameterError(f"compensated: wanted True or False; got {shown(self.compensated)}")
+        if self.compensated and self.precision == "single":
+            raise ParameterError('compensated: wanted precision="double"; got "single"; leave one of them out')
+        _keep(self, max_steps=_as_budget(self.max_steps))
+
+    def core(self) -> _core.Method:
+        """The method as the core takes it."""
+        return _core.Method.runge_kutta(
+            self.tol, self.step, self.precision == "single", self.compensated, self.max_steps
+        )
+
+    def __str__(self) -> str:
+        how = f"tolerance {self.tol:g}" if self.step is None else f"step {self.step:g}"
+        compensated = ", compensated sums" if self.compensated else ""
+        return f"Runge-Kutta method of order 8, {how}{compensated}" + _in_precision(self.precision)
+
+
+@dataclass(frozen=True)
+class Splitting:
+    r"""Composition of the exact flows of the pieces of the Hamiltonian: a Poisson map that keeps every Casimir.
+
+    For a top $H = T + V$: T flows by rotations (two for equal moments, else three), $V = a\cdot\alpha + b\cdot\beta$ by
+    a polynomial in time.  For any other `System` the Hamiltonian must be a polynomial, a sum of powers of linear forms:
+    $F(\xi\cdot x)$ flows by $\exp(t F'(\xi\cdot x)\,\mathrm{ad}^*_\xi)$.  The energy is not kept, but its error stays
+    bounded over very long times.  Steps are equal and end at every wanted time.
+
+    Args:
+        step: Largest step, in units of the system's own time.
+        order: 2, 4, 6 or 8.
+        precision: "double", or "single" (tops only): everything in single precision.
+        max_steps: Most steps that one trajectory may take.
+
+    Raises:
+        ParameterError: A value outside its range.
+
+    References:
+        McLachlan, Phys. Rev. Lett. 71 (1993) 3043 (Lie-Poisson splitting); Strang (1968); Blanes and Moan, J. Comput.
+        Appl. Math. 142 (2002) 313 (orders 4 and 6); Kahan and Li, Math. Comp. 66 (1997) 1089 (order 8).
+    """
+
+    name: ClassVar[str] = "splitting"
+
+    step: float
+    order: int = 4
+    precision: Literal["double", "single"] = "double"
+    max_steps: int = MAX_STEPS
+
+    def __post_init__(self) -> None:
+        """Checks the ranges and keeps plain numbers, which can be written to a file."""
+        _keep(self, step=_as_step(self.step), order=_as_even_order(self.order), max_steps=_as_budget(self.max_steps))
+        _check_choice(self.precision, "precision", "double", "single")
+
+    def core(self) -> _core.Method:
+        """The method as the core takes it."""
+        return _core.Method.splitting(self.order, self.step, self.precision == "single", self.max_steps)
+
+    def __str__(self) -> str:
+        return f"splitting of order {self.order}, step {self.step:g}" + _in_precision(self.precision)
+
+
+@dataclass(frozen=True)
+class Gauss:
+    r"""Gauss collocation: implicit, keeps every linear and quadratic invariant to round-off, at any step.
+
+    Order 2 is the implicit midpoint rule $x' = x + h f((x + x')/2)$.  For a canonical bracket these maps are
+    symplectic; for a Lie-Poisson bracket they are not Poisson maps.  The implicit equations are solved to round-off;
+    where that fails the trajectory ends with the outcome "no convergence".  Steps are equal and end at every wanted
+    time.
+
+    Args:
+        step: Largest step, in units of the system's own time.
+        order: 2, 4, 6 or 8: twice the number of stages.
+        max_steps: Most steps that one trajectory may take.
+
+    Raises:
+        ParameterError: A value outside its range.
+
+    References:
+        Hairer, Lubich and Wanner, Geometric Numerical Integration, 2nd ed. (2006), II.1.3 and IV.2; Ge and Marsden,
+        Phys. Lett. A 133 (1988) 134; Hairer, McLachlan and Razakarivony, BIT 48 (2008) 231 (iteration, sums).
+    """
+
+    name: ClassVar[str] = "gauss"
+
+    step: float
+    order: int = 4
+    max_steps: int = MAX_STEPS
+
+    def __post_init__(self) -> None:
+        """Checks the ranges and keeps plain numbers, which can be written to a file."""
+        _keep(self, step=_as_step(self.step), order=_as_even_order(self.order), max_steps=_as_budget(self.max_steps))
+
+    def core(self) -> _core.Method:
+        """The method as the core takes it."""
+        return _core.Method.gauss(self.order // 2, self.step, self.max_steps)
+
+    def __str__(self) -> str:
+        name = "implicit midpoint rule" if self.order == 2 else f"Gauss method of order {self.order}"
+        return f"{name}, step {self.step:g}"
+
+
+Method: TypeAlias = Taylor | RungeKutta | Splitting | Gauss
+METHODS: Mapping[str, type[Method]] = {method.name: method for method in (Taylor, RungeKutta, Splitting, Gauss)}
+"""All methods by name."""
+
+
+def as_method(method: Any, default: Method) -> Method:
     """The method, or the default one for None.
 
     Raises:
@@ -64,6 +225,96 @@ def as_method(method: Any, default: Taylor) -> Taylor:
     """
     if method is None:
         return default
-    if not isinstance(method, Taylor):
-        raise ParameterError(f"method: wanted a method object; got {shown(method)}; try method=Taylor(tol=1e-13)")
+    if not isinstance(method, tuple(METHODS.values())):
+        names = ", ".join(kind.__name__ for kind in METHODS.values())
+        raise ParameterError(
+            f"method: wanted a method object ({names}); got {shown(method)}; try method=Taylor(tol=1e-13)"
+        )
     return method
+
+
+def field_for(system: Any, field: Field, method: Method) -> Field:
+    """The description of the system that the method works on: its field, or the pieces of its Hamiltonian.
+
+    Raises:
+        ParameterError: The method does not apply to such a field.
+    """
+    if isinstance(field, PiecesField):
+        if not isinstance(method, Splitting):
+            raise ParameterError(
+                f"method: wanted Splitting for a field given by its pieces; got {method}; try Splitting(step=0.1)"
+            )
+        return _with_precision(field, method)
+    if isinstance(method, Splitting) and not isinstance(field, TopField):
+        if not callable(getattr(system, "pieces", None)):
+            raise ParameterError(
+                f"method: wanted a system whose Hamiltonian is a sum of pieces with known flows; got a {field.name}, "
+                "which does not tell its pieces; give the System itself, or use Taylor()"
+            )
+        return _with_precision(system.pieces(), method)
+    return _with_precision(field, method)
+
+
+def _with_precision(field: Field, method: Method) -> Field:
+    precision = getattr(method, "precision", "double")
+    allowed = (TopField, QuadraticField) if isinstance(method, RungeKutta) else TopField
+    if precision != "double" and not isinstance(field, allowed):
+        fields = "tops and quadratic fields" if isinstance(method, RungeKutta) else "tops"
+        raise ParameterError(
+            f'precision: wanted "double" for a {field.name}; got {precision!r}, which is for {fields}; leave it out'
+        )
+    return field
+
+
+def method_record(method: Method) -> dict[str, Any]:
+    """The method as plain data that JSON can write."""
+    return {"name": method.name, **asdict(method)}
+
+
+def method_of(record: Mapping[str, Any]) -> Method:
+    """The method that `method_record` has written.
+
+    Raises:
+        KeyError, TypeError, ValueError: the record is not one of ours.
+    """
+    values = dict(record)
+    return METHODS[values.pop("name")](**values)
+
+
+def _keep(method: Method, **values: object) -> None:
+    for name, value in values.items():
+        object.__setattr__(method, name, value)
+
+
+def _as_tolerance(value: Any, least: float, least_name: str, hint: str) -> float:
+    tol = as_number(value, "tol", f"a number from {least_name} to 0.1")
+    if not least <= tol <= 0.1:
+        raise ParameterError(f"tol: wanted a number from {least_name} to 0.1; got {tol!r}; {hint}")
+    return tol
+
+
+def _as_step(value: Any) -> float:
+    step = as_number(value, "step", "a positive number")
+    if not 1e-300 <= step <= 1e300:
+        raise ParameterError(f"step: wanted a positive number, from 1e-300 to 1e300; got {step!r}; try 0.1")
+    return step
+
+
+def _as_even_order(value: Any) -> int:
+    if value not in (2, 4, 6, 8):
+        raise ParameterError(f"order: wanted 2, 4, 6 or 8; got {shown(value)}; try 4")
+    return int(value)
+
+
+def _as_budget(value: Any) -> int:
+    return as_count(value, "max_steps", least=1, hint="try 1_000_000")
+
+
+def _check_choice(value: object, name: str, *choices: str) -> None:
+    if value not in choices:
+        wanted = " or ".join(f'"{choice}"' for choice in choices)
+        raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; leave it out for {choices[0]} precision")
+
+
+def _in_precision(precision: str) -> str:
+    return "" if precision == "double" else f", {precision} precision"

@@ -2,15 +2,17 @@
 
 mod convolution;
 mod cover;
+pub(crate) mod pieces;
 mod quadratic;
 mod tape;
 pub(crate) mod top;
 
+pub use pieces::{Pieces, Ridge};
 pub use quadratic::Quadratic;
 pub use tape::{Instruction, Tape};
 pub use top::Top;
 
-use crate::lanes::Lane;
+use crate::lanes::{Lane, Piece};
 
 /// Where a system lives.
 pub trait Space: Sync {
@@ -42,4 +44,45 @@ pub trait Field: Space {
 
     /// From the complete rows `0..=k` computes the components of row `k + 1`, of the state and of every tangent vector.
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize);
+
+    /// The vector field itself: from `x`, the state and every tangent vector, their rates of change; in both the components
+    /// of group after group, and nothing else.
+    ///
+    /// `work` has room for the rows 0 and 1 of a series. A function of its own for each register ([`Lane::outline`]): the code
+    /// of a large field, once for every method that asks for it, would be compiled for minutes.
+    #[inline(always)]
+    fn rates<V: Lane>(&self, x: &[V], n_tangents: usize, work: &mut [V], rates: &mut [V])
+    where
+        Self: Sized,
+    {
+        V::outline(Rates { field: self, x, n_tangents, work, rates });
+    }
 }
+
+/// The vector field as the first coefficient of its series.
+struct Rates<'a, F, V> {
+    field: &'a F,
+    x: &'a [V],
+    n_tangents: usize,
+    work: &'a mut [V],
+    rates: &'a mut [V],
+}
+
+impl<F: Field, V: Lane> Piece for Rates<'_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Rates { field, x, n_tangents, work, rates } = self;
+        let (row, group, n) = (field.row(n_tangents), field.group(), field.n_components());
+        for (to, from) in work.chunks_mut(group).zip(x.chunks_exact(n)) {
+            to[..n].copy_from_slice(from);
+        }
+        field.derive_work(work, n_tangents, 0);
+        field.extend(work, n_tangents, 0);
+        for (to, from) in rates.chunks_exact_mut(n).zip(work[row..].chunks(group)) {
+            to.copy_from_slice(&from[..n]);
+        }
+    }
+}
+
+/// A field that keeps its meaning in single precision: polynomials do, elementary functions are written for doubles.
+pub trait SinglePrecision {}

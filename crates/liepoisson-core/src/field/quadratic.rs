@@ -2,7 +2,7 @@
 
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
-use super::{Field, Space};
+use super::{Field, SinglePrecision, Space};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -124,6 +124,8 @@ impl Space for Quadratic {
         self.n_components
     }
 }
+
+impl SinglePrecision for Quadratic {}
 
 impl Field for Quadratic {
     fn group(&self) -> usize {

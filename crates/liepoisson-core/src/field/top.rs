@@ -1,6 +1,6 @@
 //! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
 
-use super::{Field, Space};
+use super::{Field, SinglePrecision, Space};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -57,9 +57,18 @@ impl Top {
         })
     }
 
+    #[inline(always)]
+    fn omega<V: Lane>(&self, group: &[V; N]) -> [V; 3] {
+        let mut omega = [V::splat(0.0); 3];
+        for i in 0..3 {
+            omega[i] = group[i].mul(V::splat(self.inverse_inertia[i]));
+        }
+        omega
+    }
+
     /// Terms linear in the coefficients, and the factor of `l x omega`: the sum of products becomes the derivative.
     #[inline(always)]
-    fn finish<V: Lane>(&self, derivative: &mut [V; N], row: &[V; GROUP]) {
+    fn finish<V: Lane>(&self, derivative: &mut [V; N], row: &[V]) {
         for i in 0..3 {
             derivative[i] = derivative[i].mul(V::splat(self.asymmetry[i]));
         }
@@ -115,7 +124,28 @@ impl Field for Top {
             store(next, i * GROUP, &tangent, scale);
         }
     }
+
+    /// The sums of [`Field::extend`] for order 0, in registers.
+    #[inline(always)]
+    fn rates<V: Lane>(&self, x: &[V], _n_tangents: usize, _work: &mut [V], rates: &mut [V]) {
+        let (groups, _) = x.as_chunks::<N>();
+        let state = groups[0];
+        let omega = self.omega(&state);
+        for (g, (group, to)) in groups.iter().zip(rates.as_chunks_mut::<N>().0).enumerate() {
+            let mut sum = [V::splat(0.0); N];
+            if g == 0 {
+                add_products(&mut sum, &state, &omega);
+            } else {
+                add_products(&mut sum, &state, &self.omega(group));
+                add_products(&mut sum, group, &omega);
+            }
+            self.finish(&mut sum, group);
+            *to = sum;
+        }
+    }
 }
+
+impl SinglePrecision for Top {}
 
 #[inline(always)]
 pub(crate) fn group_of<V>(rows: &[V], at: usize) -> &[V; GROUP] {
@@ -131,7 +161,7 @@ fn store<V: Lane>(next: &mut [V], at: usize, derivative: &[V; N], scale: V) {
 
 /// `sum[at..] += row[from..] x c`, skipping components of `c` that are zero.
 #[inline(always)]
-fn add_cross_with_constant<V: Lane>(sum: &mut [V; N], at: usize, row: &[V; GROUP], from: usize, c: &[f64; 3]) {
+fn add_cross_with_constant<V: Lane>(sum: &mut [V; N], at: usize, row: &[V], from: usize, c: &[f64; 3]) {
     for axis in 0..3 {
         if c[axis] != 0.0 {
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);

@@ -1,12 +1,21 @@
 //! How a field is advanced in time: one method per file, each a [`Method`] that makes a [`Block`].
 
 mod components;
+mod dop853;
 mod estimates;
+mod gauss;
+mod gauss_legendre;
 mod mixed_taylor;
+mod runge_kutta;
+mod splitting;
 mod taylor;
+mod variational;
 
 pub use components::AcrossComponents;
+pub use gauss::Gauss;
 pub use mixed_taylor::MixedTaylor;
+pub use runge_kutta::RungeKutta;
+pub use splitting::{Split, Splitting};
 pub use taylor::Taylor;
 
 use crate::lanes::{Simd, Task, Wide, dispatch};
@@ -28,6 +37,10 @@ pub trait Method<F>: Copy + Sync {
         dispatch(simd, MakeBlock { method: self, field, n_tangents })
     }
 }
+
+/// The same method in single precision: twice as many trajectories in a register.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Single<M>(pub M);
 
 struct MakeBlock<'m, 'f, M, F> {
     method: &'m M,

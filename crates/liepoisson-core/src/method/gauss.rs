@@ -1,0 +1,323 @@
+//! The implicit midpoint rule and the Gauss collocation methods: every quadratic invariant is kept.
+//!
+//! # References
+//! Hairer, Lubich and Wanner, *Geometric Numerical Integration*, 2nd ed. (2006), sections II.1.3, IV.2 (quadratic invariants)
+//! and VIII.6 (solution of the implicit equations). Hairer, McLachlan and Razakarivony, *Achieving Brouwer's law with
+//! implicit Runge-Kutta methods*, BIT 48 (2008): iteration to round-off, compensated summation.
+
+use crate::error::Error;
+use crate::field::Field;
+use crate::lanes::{Lane, Piece, Wide};
+use crate::method::gauss_legendre::{COLLOCATIONS, Collocation};
+use crate::method::taylor::sum_of_sizes;
+use crate::method::variational::{CompensatedUpdate, Sum, Update, Variational, copy_lane, in_chunks, spread};
+use crate::method::{Block, Method, Stepping, Verdict};
+
+const MAX_STAGES: usize = COLLOCATIONS.len();
+
+/// Sweeps after which a step is given up: a contraction by 3/4 has reached round-off before.
+const MOST_SWEEPS: usize = 100;
+
+/// Relative change in a sweep below which it may be round-off that hinders it from shrinking further.
+const ROUND_OFF: f64 = 1e-12;
+
+/// The method as data: `n_stages` stages, order `2 n_stages`, equal steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gauss {
+    n_stages: usize,
+    step: f64,
+    max_steps: u64,
+}
+
+impl Gauss {
+    /// Collocation at `n_stages` Gauss points (one: the implicit midpoint rule) with equal steps between wanted times, at
+    /// most `step` long, and at most `max_steps` of them.
+    ///
+    /// The equations `k_i = f(x + h sum_j a_ij k_j)` are solved by fixed-point iteration to round-off, for the state and
+    /// its tangent vectors together, so that a tangent vector is mapped by the derivative of the step. The iteration
+    /// contracts for steps well below the fastest time scale of the field; a trajectory for which it does not ends.
+    ///
+    /// # Errors
+    /// A number of stages outside `1..=4`; a step that is not positive and finite.
+    pub fn new(n_stages: usize, step: f64, max_steps: u64) -> Result<Gauss, Error> {
+        if !(1..=MAX_STAGES).contains(&n_stages) {
+            return Err(Error::Stages { got: n_stages });
+        }
+        if !(step.is_finite() && step > 0.0) {
+            return Err(Error::StepSize { got: step });
+        }
+        Ok(Gauss { n_stages, step, max_steps })
+    }
+
+    /// Number of stages.
+    pub fn n_stages(&self) -> usize {
+        self.n_stages
+    }
+
+    /// Order of the method.
+    pub fn order(&self) -> usize {
+        2 * self.n_stages
+    }
+
+    /// Length of the longest step.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Most steps that a trajectory may take.
+    pub fn max_steps(&self) -> u64 {
+        self.max_steps
+    }
+}
+
+impl<F: Field> Method<F> for Gauss {
+    fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
+        let system = Variational::<F, V>::new(field, n_tangents);
+        let zeros = |count: usize| vec![V::splat(0.0); count];
+        let (n, row) = (system.n_components(), system.row());
+        Box::new(GaussBlock {
+            step: self.step,
+            collocation: &COLLOCATIONS[self.n_stages - 1],
+            system,
+            low: zeros(n),
+            rates: zeros(self.n_stages * row),
+            other: zeros(self.n_stages * row),
+            one: zeros(row),
+            start: zeros(row),
+            start_low: zeros(n),
+            fresh: vec![true; V::WIDTH],
+            defects: vec![0.0; V::WIDTH],
+            lanes: vec![Progress::Settled; V::WIDTH],
+        })
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.max_steps
+    }
+}
+
+/// How far the iteration of one lane is.
+#[derive(Clone, Copy, PartialEq)]
+enum Progress {
+    /// Under way, with the relative change in the last sweep.
+    Iterates(f64),
+    /// The rates are those of the last sweep.
+    Settled,
+    /// The rates were put aside while other lanes went on.
+    PutAside,
+    /// It met numbers that are not finite.
+    Failed,
+}
+
+impl Progress {
+    /// After a sweep with this relative change: it goes on until the change no longer shrinks, at the level of round-off.
+    fn next(self, change: f64) -> Progress {
+        match self {
+            Progress::Iterates(_) if !change.is_finite() => Progress::Failed,
+            Progress::Iterates(last) if change == 0.0 || (change >= last && change < ROUND_OFF) => Progress::Settled,
+            Progress::Iterates(_) => Progress::Iterates(change),
+            ended => ended,
+        }
+    }
+}
+
+/// Trajectories with their tangent vectors and the rates at all stages.
+struct GaussBlock<'f, F, V> {
+    step: f64,
+    collocation: &'static Collocation,
+    system: Variational<'f, F, V>,
+    /// What rounding took from the state.
+    low: Vec<V>,
+    /// `k_i` of the last step, then of this one.
+    rates: Vec<V>,
+    /// Guesses of the rates while they are made, then the rates of lanes that have settled before others.
+    other: Vec<V>,
+    /// `k_i` of one stage.
+    one: Vec<V>,
+    /// State and `low` at the start of the step.
+    start: Vec<V>,
+    start_low: Vec<V>,
+    fresh: Vec<bool>,
+    /// NaN for a lane that started with numbers that are not finite, or whose rates were not.
+    defects: Vec<f64>,
+    lanes: Vec<Progress>,
+}
+
+impl<F: Field, V: Lane> GaussBlock<'_, F, V> {
+    /// The rates of a new trajectory are guessed to be constant.
+    #[inline(always)]
+    fn begin(&mut self) {
+        let row = self.system.row();
+        self.system.rates(&mut self.one);
+        let size = sum_of_sizes(&self.system.state).add(sum_of_sizes(&self.one));
+        for lane in 0..V::WIDTH {
+            if self.fresh[lane] {
+                self.fresh[lane] = false;
+                self.defects[lane] = size.get(lane) * 0.0;
+                for rates in self.rates.chunks_exact_mut(row) {
+                    copy_lane(&self.one, rates, lane);
+                }
+            }
+        }
+    }
+
+    /// Continues the collocation polynomial of the last step.
+    #[inline(always)]
+    fn guess(&mut self) {
+        let row = self.system.row();
+        for (terms, to) in self.collocation.continuation.iter().zip(self.other.chunks_exact_mut(row)) {
+            let (state, step) = (to, V::splat(1.0));
+            state.fill(V::splat(0.0));
+            in_chunks::<V>(row, &mut Update { state, step, sum: Sum { terms, known: &self.rates, row } });
+        }
+        std::mem::swap(&mut self.rates, &mut self.other);
+    }
+
+    /// Computes the rates at each stage from the newest at the others; adds the changes, each relative to the size of
+    /// its group, times the step.
+    #[inline(always)]
+    fn sweep(&mut self, step: V) -> V {
+        let row = self.system.row();
+        let mut largest = V::splat(0.0);
+        for (i, terms) in self.collocation.stages.iter().enumerate() {
+            self.system.rates_beside(step, terms, &self.rates, &mut self.one);
+            let rates = &mut self.rates[i * row..(i + 1) * row];
+            for group in self.system.groups() {
+                let size = sum_of_sizes(&self.system.state[group.clone()]);
+                let mut change = V::splat(0.0);
+                for (old, new) in rates[group.clone()].iter_mut().zip(&self.one[group]) {
+                    change = change.add(new.sub(*old).abs());
+                    *old = *new;
+                }
+                // a tangent vector that is zero changes by zero
+                let size = size.add(V::splat(f64::MIN_POSITIVE));
+                largest = largest.add(change.mul(step.abs()).div(size));
+            }
+        }
+        largest
+    }
+
+    /// Solves for the rates; a lane that has settled keeps its own whatever its neighbours need.
+    #[inline(always)]
+    fn solve(&mut self, step: V) {
+        for _ in 0..MOST_SWEEPS {
+            let change = self.sweep(step);
+            for (lane, progress) in self.lanes.iter_mut().enumerate() {
+                *progress = progress.next(change.get(lane));
+            }
+            if !self.lanes.iter().any(|progress| matches!(progress, Progress::Iterates(_))) {
+                break;
+            }
+            for lane in 0..V::WIDTH {
+                if self.lanes[lane] == Progress::Settled {
+                    copy_lane(&self.rates, &mut self.other, lane);
+                    self.lanes[lane] = Progress::PutAside;
+                }
+            }
+        }
+        for lane in 0..V::WIDTH {
+            if self.lanes[lane] == Progress::PutAside {
+                copy_lane(&self.other, &mut self.rates, lane);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn update(&mut self, step: V) {
+        let (row, n) = (self.system.row(), self.system.n_components());
+        let (state, tangents) = self.system.state.split_at_mut(n);
+        let sum = |first: usize| Sum { terms: self.collocation.weights, known: &self.rates[first..], row };
+        in_chunks::<V>(n, &mut CompensatedUpdate { state, low: &mut self.low, step, sum: sum(0) });
+        in_chunks::<V>(row - n, &mut Update { state: tangents, step, sum: sum(n) });
+    }
+}
+
+impl<F: Field, V: Wide> Block for GaussBlock<'_, F, V> {
+    fn n_lanes(&self) -> usize {
+        V::WIDTH
+    }
+
+    fn stepping(&self) -> Stepping {
+        Stepping::Fixed(self.step)
+    }
+
+    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+        self.system.load(lane, group, values);
+        if group == 0 {
+            self.fresh[lane] = true;
+            self.low.iter_mut().for_each(|register| register.set(lane, 0.0));
+        }
+    }
+
+    fn read(&self, lane: usize, group: usize, values: &mut [f64]) {
+        self.system.read(lane, group, values);
+    }
+
+    fn prepare(&mut self, longest: &mut [f64]) {
+        if self.fresh.iter().any(|&fresh| fresh) {
+            V::outline(Begin(self));
+        }
+        for (longest, defect) in longest.iter_mut().zip(&self.defects) {
+            *longest = f64::INFINITY + defect;
+        }
+    }
+
+    fn advance(&mut self, sizes: &[f64], _repeats: u64, verdicts: &mut [Verdict]) {
+        V::outline(Advance { block: self, sizes, verdicts });
+    }
+
+    fn norms(&self, group: usize, norms: &mut [f64]) {
+        self.system.norms(group, norms);
+    }
+
+    fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32) {
+        let (n, row) = (self.system.n_components(), self.system.row());
+        Variational::<F, V>::scale(n, &mut self.system.state, row, (lane, group), exponent);
+        Variational::<F, V>::scale(n, &mut self.rates, row, (lane, group), exponent);
+    }
+}
+
+struct Begin<'b, 'f, F, V>(&'b mut GaussBlock<'f, F, V>);
+
+impl<F: Field, V: Lane> Piece for Begin<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        self.0.begin();
+    }
+}
+
+/// One step of every lane.
+struct Advance<'b, 'f, F, V> {
+    block: &'b mut GaussBlock<'f, F, V>,
+    sizes: &'b [f64],
+    verdicts: &'b mut [Verdict],
+}
+
+impl<F: Field, V: Lane> Piece for Advance<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Advance { block, sizes, verdicts } = self;
+        let step: V = spread(&sizes[..V::WIDTH]);
+        block.start.copy_from_slice(&block.system.state);
+        block.start_low.copy_from_slice(&block.low);
+        for (progress, &size) in block.lanes.iter_mut().zip(sizes) {
+            *progress = if size == 0.0 { Progress::Settled } else { Progress::Iterates(f64::INFINITY) };
+        }
+        block.guess();
+        block.solve(step);
+        block.update(step);
+        let size = sum_of_sizes(&block.system.state);
+        for lane in 0..V::WIDTH {
+            verdicts[lane] = match block.lanes[lane] {
+                _ if sizes[lane] == 0.0 => Verdict::Taken,
+                Progress::Iterates(_) | Progress::Failed => Verdict::NoConvergence,
+                _ if size.get(lane).is_finite() => Verdict::Taken,
+                _ => Verdict::NotFinite,
+            };
+            if sizes[lane] == 0.0 || verdicts[lane] != Verdict::Taken {
+                copy_lane(&block.start, &mut block.system.state, lane);
+                copy_lane(&block.start_low, &mut block.low, lane);
+            }
+        }
+    }
+}

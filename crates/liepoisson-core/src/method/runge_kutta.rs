@@ -1,0 +1,448 @@
+//! The Runge-Kutta method of order 8 of Dormand and Prince, with adaptive or fixed steps.
+//!
+//! # References
+//! Hairer, Norsett and Wanner, *Solving Ordinary Differential Equations I*, 2nd ed. (1993), sections II.4 (choice of the
+//! step), II.5 and II.10 (the method, known as DOP853).
+
+use crate::error::Error;
+use crate::field::{Field, SinglePrecision};
+use crate::lanes::{Lane, Number, Piece, Wide};
+use crate::method::dop853::{ERROR_OF_ORDER_3, ERROR_OF_ORDER_5, STAGES, WEIGHTS};
+use crate::method::estimates::{exp2_estimate, log2_estimate};
+use crate::method::taylor::sum_of_sizes;
+use crate::method::variational::{Chunk, CompensatedUpdate, Sum, Update, Variational, copy_lane, in_chunks, spread};
+use crate::method::{Block, Method, Single, Stepping, Verdict};
+
+const ORDER: f64 = 8.0;
+
+/// Equal steps that are taken at once: what a turn of the ensemble costs is then small beside them.
+const MOST_REPEATS: u64 = 64;
+
+/// The smallest tolerance in single precision, 16 units of round-off: below it the estimated error is that of rounding.
+const SINGLE_TOLERANCE: f64 = 1.0 / 1_048_576.0;
+
+/// The method as data: twelve stages, order 8.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RungeKutta {
+    steps: Steps,
+    compensated: bool,
+    max_steps: u64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Steps {
+    Adaptive { tolerance: f64 },
+    Fixed { step: f64 },
+}
+
+impl RungeKutta {
+    /// A method whose estimated error of each step is at most `tolerance` times the size of the state (sum of the
+    /// absolute values of its components), and the same for every tangent vector; a trajectory may take at most
+    /// `max_steps` steps, those that were refused included.
+    ///
+    /// # Errors
+    /// Tolerance outside `[2^-53, 0.1]`.
+    pub fn new(tolerance: f64, max_steps: u64) -> Result<RungeKutta, Error> {
+        if !(f64::EPSILON / 2.0..=0.1).contains(&tolerance) {
+            return Err(Error::Tolerance { got: tolerance });
+        }
+        Ok(RungeKutta { steps: Steps::Adaptive { tolerance }, compensated: false, max_steps })
+    }
+
+    /// The method with equal steps between wanted times, at most `step` long.
+    ///
+    /// A trajectory whose numbers leave the finite ones ends with the last time before that at which its ensemble took
+    /// stock, up to 64 steps earlier.
+    ///
+    /// # Errors
+    /// A step that is not positive and finite.
+    pub fn fixed(step: f64, max_steps: u64) -> Result<RungeKutta, Error> {
+        if !(step.is_finite() && step > 0.0) {
+            return Err(Error::StepSize { got: step });
+        }
+        Ok(RungeKutta { steps: Steps::Fixed { step }, compensated: false, max_steps })
+    }
+
+    /// The same method with compensated summation of the state: what rounding takes from each step is added to the next.
+    /// For many short steps, where rounding and not the method limits the accuracy.
+    pub fn compensated(self) -> RungeKutta {
+        RungeKutta { compensated: true, ..self }
+    }
+
+    /// Relative size of the estimated error of a step, if steps are adaptive.
+    pub fn tolerance(&self) -> Option<f64> {
+        match self.steps {
+            Steps::Adaptive { tolerance } => Some(tolerance),
+            Steps::Fixed { .. } => None,
+        }
+    }
+
+    /// Length of a step, if steps are fixed.
+    pub fn step(&self) -> Option<f64> {
+        match self.steps {
+            Steps::Adaptive { .. } => None,
+            Steps::Fixed { step } => Some(step),
+        }
+    }
+
+    /// Most steps that a trajectory may take.
+    pub fn max_steps(&self) -> u64 {
+        self.max_steps
+    }
+}
+
+impl Single<RungeKutta> {
+    /// The method in single precision.
+    ///
+    /// # Errors
+    /// A tolerance below `2^-20`: it would ask for less than the round-off of single precision.
+    pub fn new(method: RungeKutta) -> Result<Self, Error> {
+        match method.tolerance() {
+            Some(got) if got < SINGLE_TOLERANCE => Err(Error::SingleTolerance { got }),
+            _ => Ok(Single(method)),
+        }
+    }
+}
+
+impl<F: Field> Method<F> for RungeKutta {
+    fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
+        Box::new(RungeKuttaBlock::<F, V>::new(*self, field, n_tangents))
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.max_steps
+    }
+}
+
+impl<F: Field + SinglePrecision> Method<F> for Single<RungeKutta> {
+    fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
+        let mut method = self.0;
+        if let Steps::Adaptive { tolerance } = &mut method.steps {
+            *tolerance = tolerance.max(SINGLE_TOLERANCE);
+        }
+        Box::new(RungeKuttaBlock::<F, V::Narrow>::new(method, field, n_tangents))
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.0.max_steps
+    }
+}
+
+/// What one lane knows about its steps.
+#[derive(Clone, Copy)]
+struct Control {
+    /// Its trajectory has not been looked at.
+    fresh: bool,
+    /// Its last step was refused.
+    refused: bool,
+    /// The next step that it would take.
+    longest: f64,
+}
+
+impl Control {
+    const FRESH: Control = Control { fresh: true, refused: false, longest: 0.0 };
+
+    /// What became of a step whose error is `error` times the tolerance, and the next step: `factor = 0.9 error^(-1/8)`
+    /// times as long, between a third of the last one and six times it; no longer than it after a refusal.
+    #[inline(always)]
+    fn judge(&mut self, size: f64, error: f64, factor: f64) -> Verdict {
+        let size = size.abs();
+        // written so that NaN is refused
+        if !(error <= 1.0) {
+            self.refused = true;
+            self.longest = size * if error.is_finite() { factor.clamp(1.0 / 3.0, 0.9) } else { 0.1 };
+            return Verdict::TooLong;
+        }
+        let next = size * factor.clamp(1.0 / 3.0, if self.refused { 1.0 } else { 6.0 });
+        // A step cut short to land on a wanted time says little about the longest one.
+        let cut_short = size < self.longest && factor >= 1.0;
+        self.longest = if cut_short { self.longest.max(next) } else { next };
+        self.refused = false;
+        Verdict::Taken
+    }
+}
+
+/// Trajectories with their tangent vectors and the rates at all stages.
+struct RungeKuttaBlock<'f, F, V> {
+    method: RungeKutta,
+    system: Variational<'f, F, V>,
+    /// What rounding took from the state; empty without compensation.
+    low: Vec<V>,
+    rates: Vec<V>,
+    /// State and `low` at the start of the step.
+    start: Vec<V>,
+    start_low: Vec<V>,
+    controls: Vec<Control>,
+    errors: Vec<f64>,
+    factors: Vec<f64>,
+}
+
+impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
+    fn new(method: RungeKutta, field: &'f F, n_tangents: usize) -> Self {
+        let system = Variational::new(field, n_tangents);
+        let zeros = |count: usize| vec![V::splat(0.0); count];
+        let (row, n) = (system.row(), if method.compensated { system.n_components() } else { 0 });
+        RungeKuttaBlock {
+            method,
+            low: zeros(n),
+            rates: zeros((1 + STAGES.len()) * row),
+            start: zeros(row),
+            start_low: zeros(n),
+            controls: vec![Control::FRESH; V::WIDTH],
+            errors: vec![0.0; V::WIDTH],
+            factors: vec![0.0; V::WIDTH],
+            system,
+        }
+    }
+
+    /// The rates at all stages after the first.
+    #[inline(always)]
+    fn stages(&mut self, step: V) {
+        let row = self.system.row();
+        for (i, terms) in STAGES.iter().enumerate() {
+            let (known, rates) = self.rates.split_at_mut((i + 1) * row);
+            self.system.rates_beside(step, terms, known, &mut rates[..row]);
+        }
+    }
+
+    /// Adds the increment of the step to the state and the tangent vectors.
+    #[inline(always)]
+    fn update(&mut self, step: V) {
+        let row = self.system.row();
+        let (compensated, rest) = self.system.state.split_at_mut(self.low.len());
+        let sum = |first: usize| Sum { terms: WEIGHTS, known: &self.rates[first..], row };
+        let (n, low) = (self.low.len(), &mut self.low);
+        in_chunks::<V>(n, &mut CompensatedUpdate { state: compensated, low, step, sum: sum(0) });
+        in_chunks::<V>(row - n, &mut Update { state: rest, step, sum: sum(n) });
+    }
+
+    #[inline(always)]
+    fn remember(&mut self) {
+        self.start.copy_from_slice(&self.system.state);
+        self.start_low.copy_from_slice(&self.low);
+    }
+
+    /// Brings one lane back to where it was.
+    #[inline(always)]
+    fn restore(&mut self, lane: usize) {
+        copy_lane(&self.start, &mut self.system.state, lane);
+        copy_lane(&self.start_low, &mut self.low, lane);
+    }
+
+    /// For each lane the estimated error of the step over what is allowed; NaN if a number is not finite.
+    ///
+    /// With the estimates `e5` and `e3` of orders 5 and 3, which are sums of absolute values over a group, the error is
+    /// `h e5^2 / sqrt(e5^2 + 0.01 e3^2)`, of order 8 in `h`; the largest over the groups, each relative to its own size,
+    /// decides. Tangent vectors have a say because an equilibrium allows any step, and the flow about it does not.
+    #[inline(always)]
+    fn estimate_errors(&mut self, sizes: &[f64]) {
+        let row = self.system.row();
+        let Steps::Adaptive { tolerance } = self.method.steps else { return };
+        self.errors.fill(0.0);
+        for group in self.system.groups() {
+            let known = &self.rates[group.start..];
+            let mut error_sizes = ErrorSizes {
+                of_order_5: Sum { terms: ERROR_OF_ORDER_5, known, row },
+                of_order_3: Sum { terms: ERROR_OF_ORDER_3, known, row },
+                sums: [V::splat(0.0); 2],
+            };
+            in_chunks::<V>(group.len(), &mut error_sizes);
+            let size = sum_of_sizes(&self.start[group.clone()]).add(sum_of_sizes(&self.system.state[group]));
+            let [e5, e3] = error_sizes.sums;
+            let (ratio, twice) = (e3.div(e5), V::splat(2.0));
+            let root = ratio.mul(ratio).mul_add(V::splat(0.01), V::splat(1.0)).sqrt();
+            let relative = e5.mul(twice).div(root.mul(size));
+            // zero times infinity is NaN
+            let defect = e5.add(e3).add(size).mul(V::splat(0.0));
+            let (relative, e5, defect) = (relative.as_scalars(), e5.as_scalars(), defect.as_scalars());
+            for (lane, largest) in self.errors[..V::WIDTH].iter_mut().enumerate() {
+                let relative = if e5[lane].to_f64() > 0.0 { relative[lane].to_f64() } else { 0.0 };
+                *largest = (if relative > *largest { relative } else { *largest }) + defect[lane].to_f64();
+            }
+        }
+        for (error, size) in self.errors[..V::WIDTH].iter_mut().zip(&sizes[..V::WIDTH]) {
+            *error *= size.abs() / tolerance;
+        }
+        self.factors.copy_from_slice(&self.errors);
+        for factor in &mut self.factors[..V::WIDTH] {
+            *factor = 0.9 * exp2_estimate(log2_estimate(*factor) * (-1.0 / ORDER));
+        }
+    }
+
+    /// The first proposal of a trajectory, NaN if it or its rates are not finite.
+    ///
+    /// `tolerance^(1/8) |x| / |x'|`, the least of all groups: the step for which the term of order 8 is as large as
+    /// allowed if each coefficient of the power series is to the one before as `x'` to `x`. A state next to the origin
+    /// tells no scale of time: there it is `10^-6 tolerance^(1/8)`, from which steps grow.
+    #[inline(always)]
+    fn first_step(&self, lane: usize) -> f64 {
+        let mut shortest = f64::INFINITY;
+        for group in self.system.groups() {
+            let size = sum_of_sizes(&self.system.state[group.clone()]).get(lane);
+            let rate = sum_of_sizes(&self.rates[group]).get(lane);
+            let ratio = if rate > 0.0 { (size / rate).max(1e-6) } else { f64::INFINITY };
+            shortest = shortest.min(ratio) + (size + rate) * 0.0;
+        }
+        let Steps::Adaptive { tolerance } = self.method.steps else { return shortest };
+        shortest * exp2_estimate(log2_estimate(tolerance) / ORDER)
+    }
+}
+
+/// Adds up the sizes of two sums over all components.
+struct ErrorSizes<'a, V> {
+    of_order_5: Sum<'a, V>,
+    of_order_3: Sum<'a, V>,
+    sums: [V; 2],
+}
+
+impl<V: Lane> Chunk for ErrorSizes<'_, V> {
+    #[inline(always)]
+    fn run<const M: usize>(&mut self, first: usize) {
+        for (total, sum) in self.sums.iter_mut().zip([self.of_order_5, self.of_order_3]) {
+            let sum = sum.of::<M>(first);
+            for i in 0..M {
+                *total = total.add(sum[i].abs());
+            }
+        }
+    }
+}
+
+impl<F: Field, V: Lane> Block for RungeKuttaBlock<'_, F, V> {
+    fn n_lanes(&self) -> usize {
+        V::WIDTH
+    }
+
+    fn stepping(&self) -> Stepping {
+        match self.method.steps {
+            Steps::Adaptive { .. } => Stepping::Trial,
+            Steps::Fixed { step } => Stepping::Fixed(step),
+        }
+    }
+
+    fn representable(&self, size: f64) -> f64 {
+        V::Number::of(size).to_f64()
+    }
+
+    fn most_repeats(&self) -> u64 {
+        if self.method.tolerance().is_some() { 1 } else { MOST_REPEATS }
+    }
+
+    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+        self.system.load(lane, group, values);
+        if group == 0 {
+            self.controls[lane] = Control::FRESH;
+            self.low.iter_mut().for_each(|register| register.set(lane, 0.0));
+        }
+    }
+
+    fn read(&self, lane: usize, group: usize, values: &mut [f64]) {
+        self.system.read(lane, group, values);
+    }
+
+    fn prepare(&mut self, longest: &mut [f64]) {
+        let any_fresh = self.controls.iter().any(|control| control.fresh);
+        if any_fresh || self.method.tolerance().is_some() {
+            V::outline(FirstRates(self));
+        }
+        for (lane, longest) in longest.iter_mut().enumerate() {
+            *longest = self.representable(self.controls[lane].longest);
+        }
+    }
+
+    fn advance(&mut self, sizes: &[f64], repeats: u64, verdicts: &mut [Verdict]) {
+        match self.method.steps {
+            Steps::Adaptive { .. } => V::outline(TrialStep { block: self, sizes, verdicts }),
+            Steps::Fixed { .. } => V::outline(FixedSteps { block: self, sizes, repeats, verdicts }),
+        }
+    }
+
+    fn norms(&self, group: usize, norms: &mut [f64]) {
+        self.system.norms(group, norms);
+    }
+
+    fn range_exponent(&self) -> i32 {
+        // an eighth of the exponents that a number has
+        if size_of::<V::Number>() == size_of::<f64>() { 256 } else { 32 }
+    }
+
+    fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32) {
+        let (n, row) = (self.system.n_components(), self.system.row());
+        Variational::<F, V>::scale(n, &mut self.system.state, row, (lane, group), exponent);
+    }
+}
+
+/// The rates at the present values, and the first proposals of new trajectories.
+struct FirstRates<'b, 'f, F, V>(&'b mut RungeKuttaBlock<'f, F, V>);
+
+impl<F: Field, V: Lane> Piece for FirstRates<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let block = self.0;
+        let row = block.system.row();
+        block.system.rates(&mut block.rates[..row]);
+        for lane in 0..V::WIDTH {
+            if block.controls[lane].fresh {
+                block.controls[lane] = Control { fresh: false, refused: false, longest: block.first_step(lane) };
+            }
+        }
+    }
+}
+
+/// One step of every lane, which is taken or refused.
+struct TrialStep<'b, 'f, F, V> {
+    block: &'b mut RungeKuttaBlock<'f, F, V>,
+    sizes: &'b [f64],
+    verdicts: &'b mut [Verdict],
+}
+
+impl<F: Field, V: Lane> Piece for TrialStep<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let TrialStep { block, sizes, verdicts } = self;
+        let (sizes, verdicts) = (&sizes[..V::WIDTH], &mut verdicts[..V::WIDTH]);
+        let step: V = spread(sizes);
+        block.stages(step);
+        block.remember();
+        block.update(step);
+        block.estimate_errors(sizes);
+        for lane in 0..V::WIDTH {
+            let stays = sizes[lane] == 0.0;
+            let (error, factor) = (block.errors[lane], block.factors[lane]);
+            verdicts[lane] =
+                if stays { Verdict::Taken } else { block.controls[lane].judge(sizes[lane], error, factor) };
+            if stays || verdicts[lane] == Verdict::TooLong {
+                block.restore(lane);
+            }
+        }
+    }
+}
+
+/// Several steps of every lane.
+struct FixedSteps<'b, 'f, F, V> {
+    block: &'b mut RungeKuttaBlock<'f, F, V>,
+    sizes: &'b [f64],
+    repeats: u64,
+    verdicts: &'b mut [Verdict],
+}
+
+impl<F: Field, V: Lane> Piece for FixedSteps<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let FixedSteps { block, sizes, repeats, verdicts } = self;
+        let (step, row): (V, usize) = (spread(&sizes[..V::WIDTH]), block.system.row());
+        block.remember();
+        for _ in 0..repeats {
+            block.system.rates(&mut block.rates[..row]);
+            block.stages(step);
+            block.update(step);
+        }
+        let size = sum_of_sizes(&block.system.state);
+        for lane in 0..V::WIDTH {
+            let finite = size.get(lane).is_finite();
+            verdicts[lane] = if finite || sizes[lane] == 0.0 { Verdict::Taken } else { Verdict::NotFinite };
+            if !finite || sizes[lane] == 0.0 {
+                block.restore(lane);
+            }
+        }
+    }
+}

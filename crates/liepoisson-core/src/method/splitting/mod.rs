@@ -1,0 +1,239 @@
+//! Splitting methods: compositions of the exact flows of pieces of a Hamiltonian, of order 2, 4, 6 and 8.
+//!
+//! Every flow is a Poisson map, so a method keeps all Casimirs for any step, is a Poisson map itself, and keeps a nearby
+//! energy for exponentially long times. Tangent vectors are advanced by the derivative of the numerical map.
+//!
+//! # References
+//! McLachlan and Quispel, *Splitting methods*, Acta Numerica 11 (2002); McLachlan, *On the numerical integration of
+//! ordinary differential equations by symmetric composition methods*, SIAM J. Sci. Comput. 16 (1995): splittings into
+//! two pieces and compositions with the adjoint have the same conditions on their coefficients.
+
+mod coefficients;
+mod pieces;
+mod rotation;
+mod top;
+
+use crate::error::Error;
+use crate::field::Space;
+use crate::lanes::{Lane, Number, Piece, Wide};
+use crate::method::{Block, Method, Single, Stepping, Verdict};
+use coefficients::{ORDERS, Scheme};
+
+/// Steps between two looks at whether the numbers are finite; the work between two turns of the ensemble's loop.
+const MOST_REPEATS: u64 = 64;
+
+/// The method as data.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Splitting {
+    order: usize,
+    step: f64,
+    max_steps: u64,
+}
+
+impl Splitting {
+    /// The method of order 2 (Strang), 4 and 6 (Blanes and Moan) or 8 (Kahan and Li), with equal steps of at most `step`
+    /// in units of time that end at every wanted time, and at most `max_steps` of them per trajectory.
+    ///
+    /// # Errors
+    /// Order not one of 2, 4, 6, 8; a step that is not positive and finite.
+    pub fn new(order: usize, step: f64, max_steps: u64) -> Result<Splitting, Error> {
+        if !ORDERS.contains(&order) {
+            return Err(Error::SplittingOrder { got: order });
+        }
+        if !(step.is_finite() && step > 0.0) {
+            return Err(Error::StepSize { got: step });
+        }
+        Ok(Splitting { order, step, max_steps })
+    }
+
+    /// Order of the composition.
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// Longest step.
+    pub fn step(&self) -> f64 {
+        self.step
+    }
+
+    /// Most steps that a trajectory may take.
+    pub fn max_steps(&self) -> u64 {
+        self.max_steps
+    }
+}
+
+/// A field whose Hamiltonian is a sum of pieces with known flows.
+pub trait Split: Space {
+    /// Takes `repeats` steps of each lane's size: `groups` holds the state and then the tangent vectors.
+    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64);
+}
+
+impl<F: Split> Method<F> for Splitting {
+    fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
+        Box::new(SplittingBlock::<F, V>::new(field, *self, n_tangents))
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.max_steps
+    }
+}
+
+impl<F: Split> Method<F> for Single<Splitting> {
+    fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
+        Box::new(SplittingBlock::<F, V::Narrow>::new(field, self.0, n_tangents))
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.0.max_steps
+    }
+}
+
+/// Trajectories with their tangent vectors.
+struct SplittingBlock<'f, F, V> {
+    field: &'f F,
+    scheme: Scheme,
+    step: f64,
+    /// State and tangent vectors, one after the other.
+    groups: Vec<V>,
+    /// The same before the last steps.
+    before: Vec<V>,
+    /// Steps that are still to be taken one at a time.
+    careful_steps: u64,
+}
+
+impl<'f, F: Split, V: Lane> SplittingBlock<'f, F, V> {
+    #[inline(always)]
+    fn new(field: &'f F, method: Splitting, n_tangents: usize) -> Self {
+        let groups = vec![V::splat(0.0); field.n_components() * (1 + n_tangents)];
+        let scheme = Scheme::of_order(method.order);
+        SplittingBlock { field, scheme, step: method.step, before: groups.clone(), groups, careful_steps: 0 }
+    }
+
+    fn group(&self, group: usize) -> std::ops::Range<usize> {
+        let n = self.field.n_components();
+        group * n..(group + 1) * n
+    }
+}
+
+impl<F: Split, V: Lane> Block for SplittingBlock<'_, F, V> {
+    fn n_lanes(&self) -> usize {
+        V::WIDTH
+    }
+
+    fn stepping(&self) -> Stepping {
+        Stepping::Fixed(self.step)
+    }
+
+    fn representable(&self, size: f64) -> f64 {
+        V::Number::of(size).to_f64()
+    }
+
+    fn most_repeats(&self) -> u64 {
+        if self.careful_steps > 0 { 1 } else { MOST_REPEATS }
+    }
+
+    fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
+        let at = self.group(group);
+        for (register, &value) in self.groups[at].iter_mut().zip(values) {
+            register.set(lane, value);
+        }
+    }
+
+    fn read(&self, lane: usize, group: usize, values: &mut [f64]) {
+        for (register, value) in self.groups[self.group(group)].iter().zip(values) {
+            *value = register.get(lane);
+        }
+    }
+
+    fn prepare(&mut self, longest: &mut [f64]) {
+        longest.fill(f64::INFINITY);
+    }
+
+    /// Steps are taken back where a number is no longer finite. If they were several, the next calls take one at a time:
+    /// a tangent vector is then rescaled often enough, and a trajectory that fails does so at its last good step,
+    /// whatever the number of steps that its neighbours allow at once.
+    fn advance(&mut self, sizes: &[f64], repeats: u64, verdicts: &mut [Verdict]) {
+        self.before.copy_from_slice(&self.groups);
+        self.field.advance(&self.scheme, &mut self.groups, sizes, repeats);
+        let mut all_finite = true;
+        V::outline(Finite { groups: &self.groups, answer: &mut all_finite });
+        verdicts.fill(Verdict::Taken);
+        self.careful_steps = self.careful_steps.saturating_sub(1);
+        if all_finite {
+            return;
+        }
+        let failed = if repeats > 1 { Verdict::TooLong } else { Verdict::NotFinite };
+        if repeats > 1 {
+            self.careful_steps = repeats;
+        }
+        for (lane, verdict) in verdicts.iter_mut().enumerate() {
+            if !self.groups.iter().all(|register| register.get(lane).is_finite()) {
+                *verdict = failed;
+                for (register, before) in self.groups.iter_mut().zip(&self.before) {
+                    register.as_scalars_mut()[lane] = before.as_scalars()[lane];
+                }
+            }
+        }
+    }
+
+    fn norms(&self, group: usize, norms: &mut [f64]) {
+        V::outline(Norms { group: &self.groups[self.group(group)], norms });
+    }
+
+    /// Far enough from overflow for the growth of many steps: a quarter of the exponents that there are.
+    fn range_exponent(&self) -> i32 {
+        if size_of::<V::Number>() == size_of::<f32>() { 32 } else { 256 }
+    }
+
+    fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32) {
+        let at = self.group(group);
+        for register in &mut self.groups[at] {
+            register.set(lane, libm::scalbn(register.get(lane), exponent));
+        }
+    }
+}
+
+/// One number for each lane, rounded to what it holds.
+#[inline(always)]
+fn lanes_of<V: Lane>(numbers: &[f64]) -> V {
+    let mut register = V::splat(0.0);
+    for (lane, &number) in numbers[..V::WIDTH].iter().enumerate() {
+        register.set(lane, number);
+    }
+    register
+}
+
+/// Whether all numbers are finite.
+struct Finite<'b, V> {
+    groups: &'b [V],
+    answer: &'b mut bool,
+}
+
+impl<V: Lane> Piece for Finite<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        // zero times infinity is NaN
+        let zero = V::splat(0.0);
+        let defect = self.groups.iter().fold(zero, |defect, register| register.mul_add(zero, defect));
+        *self.answer = defect.as_scalars().iter().all(|lane| lane.to_f64() == 0.0);
+    }
+}
+
+/// Sizes of one group of all lanes: sums of the absolute values of the components, which do not overflow before these.
+struct Norms<'b, V> {
+    group: &'b [V],
+    norms: &'b mut [f64],
+}
+
+impl<V: Lane> Piece for Norms<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let norms = &mut self.norms[..V::WIDTH];
+        norms.fill(0.0);
+        for register in self.group {
+            for (norm, lane) in norms.iter_mut().zip(register.abs().as_scalars()) {
+                *norm += lane.to_f64();
+            }
+        }
+    }
+}

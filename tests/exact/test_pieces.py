@@ -1,0 +1,80 @@
+"""Hamiltonians as sums of pieces: the pieces add up, and their fields to the field of the system."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError, UnsupportedFieldError
+from liepoisson.exact.lowering import Polynomial
+from liepoisson.exact.pieces import powers_of_forms
+from liepoisson.field import PiecesField
+
+COEFFICIENTS = st.fractions(min_value=-3, max_value=3, max_denominator=4).filter(bool)
+MONOMIALS = st.lists(st.integers(0, 4), min_size=1, max_size=4).map(lambda factors: tuple(sorted(factors)))
+
+
+@given(st.dictionaries(MONOMIALS, COEFFICIENTS, min_size=1, max_size=8))
+def test_every_polynomial_is_the_sum_of_its_pieces(energy: Polynomial) -> None:
+    powers = powers_of_forms(energy)
+    for point in ((1, 2, 3, 4, 5), (0, -1, 7, Fraction(1, 2), 2), (1, 1, -1, 0, 0)):
+        direct = sum(c * np.prod([Fraction(point[i]) for i in monomial]) for monomial, c in energy.items())
+        value = sum(
+            c * sum(entry * point[i] for i, entry in form) ** degree
+            for form, terms in powers.items()
+            for degree, c in terms.items()
+        )
+        assert value == direct
+
+
+def field_of_pieces(field: PiecesField, x: np.ndarray) -> np.ndarray:
+    """Sum over the pieces of F'(xi.x) M x."""
+    rate = np.zeros_like(x)
+    for form, derivative, matrix in field.pieces:
+        y = sum(c * x[i] for i, c in form)
+        slope = sum(c * y**k for k, c in enumerate(derivative))
+        for i, k, c in matrix:
+            rate[i] += slope * c * x[k]
+    return rate
+
+
+def test_fields_of_the_pieces_add_up_to_the_field_of_the_system() -> None:
+    rng = np.random.default_rng(3)
+    splittable = 0
+    for name in lp.catalog.names():
+        system = lp.catalog.system(name)
+        try:
+            pieces = system.pieces()
+        except (UnsupportedFieldError, ParameterError):
+            continue
+        splittable += 1
+        for x in rng.standard_normal((3, pieces.n_components)):
+            expected = system.vector_field(x)
+            size = 1.0 + np.abs(expected).max()
+            # sums of some dozens of products: polarised products cancel, hence 1e-12 and not 1e-15
+            assert np.abs(field_of_pieces(pieces, x) - expected).max() < 1e-12 * size, name
+    assert splittable >= 15
+
+
+def test_a_diagonal_kinetic_energy_splits_into_the_rotations_about_the_axes() -> None:
+    pieces = lp.Top(inertia=(3, 2, 1), a=(1, 0, 2), b=(0, 1, 0), epsilon=2).pieces().pieces
+    assert [form for form, _, _ in pieces] == [
+        ((3, 1.0), (5, 2.0), (7, 1.0)),
+        ((0, 1.0),),
+        ((1, 1.0),),
+        ((2, 1.0),),
+    ]
+    assert [derivative for _, derivative, _ in pieces] == [(1.0,), (0.0, 1 / 3), (0.0, 0.5), (0.0, 1.0)]
+
+
+def test_what_is_not_a_polynomial_is_refused() -> None:
+    bracket = lp.so(3) @ lp.leibniz(3, epsilon=1)
+    with pytest.raises(UnsupportedFieldError, match="polynomial"):
+        lp.System(bracket, "sqrt(1 + l1^2)").pieces()
+    with pytest.raises(ParameterError, match="mass"):
+        lp.System(bracket, "mass*dot(l, l)", symbols=["mass"]).pieces()
