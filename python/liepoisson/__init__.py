@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from liepoisson.numeric.finite_time_fit import FiniteTimeFit, finite_time_fit, log_fit, mean_curve, window_scan
     from liepoisson.numeric.integrate import Orbit, integrate
     from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
-    from liepoisson.numeric.methods import Gauss, RungeKutta, Splitting, Taylor
+    from liepoisson.numeric.methods import Gauss, LagrangeMap, RungeKutta, Splitting, Taylor
     from liepoisson.numeric.sampling import sample_states
     from liepoisson.tops import Top
 
@@ -38,6 +38,7 @@ __all__ = [
     "FiniteTimeFit",
     "Gauss",
     "Growth",
+    "LagrangeMap",
     "LieAlgebra",
     "Orbit",
     "PiecesField",
@@ -88,6 +89,7 @@ _HOME = {
     "FiniteTimeFit": "numeric.finite_time_fit",
     "Gauss": "numeric.methods",
     "Growth": "numeric.lyapunov",
+    "LagrangeMap": "numeric.methods",
     "LieAlgebra": "exact.lie_algebra",
     "Orbit": "numeric.integrate",
     "PiecesField": "field",

@@ -153,7 +153,7 @@ def test_fits_refuse_what_is_not_a_curve():
 
 def test_numbers_of_numpy_become_plain_ones_and_can_be_saved(tmp_path):
     method = lp.Taylor(tol=np.float32(1e-10), order=np.int64(20), max_steps=np.int32(1000))
-    assert [type(v) for v in method.parameters] == [float, int, int]
+    assert [type(v) for v in (method.tol, method.order, method.max_steps)] == [float, int, int]
     growth = exponent(seed=np.int64(5), first=np.int64(3), method=method)
     assert (type(growth.seed), type(growth.first)) == (int, int)
     attributes = lp.load(growth.save(tmp_path / "growth.nc")).attrs

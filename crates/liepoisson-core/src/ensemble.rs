@@ -304,6 +304,9 @@ struct Seat {
     /// Equal steps that are left up to the next wanted time, and their size.
     steps_left: u64,
     equal_step: f64,
+    /// Steps to be taken one by one, because several at once have left the finite numbers: a trajectory that fails does so
+    /// at its last good step, however many its neighbours allow at once, and tangent vectors are rescaled in between.
+    careful_steps: u64,
     /// Exponents of the powers of two taken out of the tangent vectors.
     scales: Vec<i64>,
     reported: u64,
@@ -390,6 +393,9 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
                 // a whole number of steps up to round-off is not one step more
                 let count = (interval.abs() / longest * (1.0 - 1e-12)).ceil().max(1.0);
                 (seat.steps_left, seat.equal_step) = (count as u64, block.representable(interval / count));
+            }
+            if seat.careful_steps > 0 {
+                repeats = 1;
             }
             repeats = repeats.min(max_steps.saturating_sub(seat.n_steps)).min((seat.steps_left - 1).max(1));
         }
@@ -493,6 +499,10 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
                 seat.n_refused += 1;
                 return;
             }
+            Verdict::NotFinite if repeats > 1 => {
+                seat.careful_steps = repeats;
+                return;
+            }
             Verdict::NotFinite => return self.dismiss(block, lane, seat, Outcome::NotFinite, observer),
             Verdict::NoConvergence => return self.dismiss(block, lane, seat, Outcome::NoConvergence, observer),
         }
@@ -502,6 +512,7 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         let step = Step { block, lane, time: seat.time, size: whole, scales: &seat.scales };
         observer.step(lane, &step);
         seat.n_steps += repeats;
+        seat.careful_steps = seat.careful_steps.saturating_sub(repeats);
         seat.steps_left = seat.steps_left.saturating_sub(repeats);
         if is_last {
             observer.sample(lane, seat.next_sample, whole, &step);
@@ -584,6 +595,7 @@ impl Seat {
             n_refused: 0,
             steps_left: 0,
             equal_step: 0.0,
+            careful_steps: 0,
             scales: vec![0; n_tangents],
             reported: 0,
         }
@@ -592,6 +604,7 @@ impl Seat {
     fn take(&mut self, member: usize, time: f64) {
         (self.member, self.occupied, self.time, self.time_low) = (member, true, time, 0.0);
         (self.next_sample, self.n_steps, self.n_refused, self.steps_left, self.reported) = (0, 0, 0, 0, 0);
+        self.careful_steps = 0;
         self.scales.fill(0);
     }
 

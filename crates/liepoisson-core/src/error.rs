@@ -132,6 +132,8 @@ pub enum Error {
         /// Number of registers of the tape.
         available: usize,
     },
+    /// The discrete Lagrange top for another top.
+    NotLagrange,
     /// A method that does not know fields of this kind.
     MethodForField,
     /// `LIEPOISSON_SIMD` names an instruction set that is unknown or that this processor lacks.
@@ -223,6 +225,11 @@ impl fmt::Display for Error {
                 f,
                 "output {component}: wanted a register below {available}; got {register}; \
                  name a component or the result of an instruction"
+            ),
+            Error::NotLagrange => write!(
+                f,
+                "LagrangeMap: wanted a top with I1 = I2 and with a and b along the third axis; got another one; \
+                 try Splitting"
             ),
             Error::MethodForField => write!(
                 f,

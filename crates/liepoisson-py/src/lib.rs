@@ -5,7 +5,9 @@ use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
 use liepoisson_core::field::{Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::{AcrossComponents, Gauss, MixedTaylor, RungeKutta, Single, Splitting, Taylor};
+use liepoisson_core::method::{
+    AcrossComponents, Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
+};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -104,6 +106,7 @@ enum How {
     Splitting(Splitting),
     SingleSplitting(Single<Splitting>),
     Gauss(Gauss),
+    LagrangeMap(LagrangeMap),
 }
 
 #[pymethods]
@@ -144,6 +147,12 @@ impl Method {
         Ok(Method(if single { How::SingleSplitting(Single(method)) } else { How::Splitting(method) }))
     }
 
+    /// The Lagrange top in discrete time.
+    #[staticmethod]
+    fn lagrange_map(step: f64, max_steps: u64) -> PyResult<Method> {
+        LagrangeMap::new(step, max_steps).map(|map| Method(How::LagrangeMap(map))).map_err(translate)
+    }
+
     /// Gauss collocation.
     #[staticmethod]
     fn gauss(n_stages: usize, step: f64, max_steps: u64) -> PyResult<Method> {
@@ -158,6 +167,7 @@ impl How {
             How::RungeKutta(_) | How::SingleRungeKutta(_) => 8,
             How::Splitting(method) | How::SingleSplitting(Single(method)) => method.order(),
             How::Gauss(method) => method.order(),
+            How::LagrangeMap(_) => 2,
         }
     }
 }
@@ -173,6 +183,10 @@ macro_rules! with_field_and_method {
             (Kind::Top(field), How::Splitting(method)) => $run!(field, method),
             (Kind::Top(field), How::SingleSplitting(method)) => $run!(field, method),
             (Kind::Top(field), How::Gauss(method)) => $run!(field, method),
+            (Kind::Top(field), How::LagrangeMap(_)) if !LagrangeMap::applies_to(field) => {
+                return Err(translate(Error::NotLagrange));
+            }
+            (Kind::Top(field), How::LagrangeMap(method)) => $run!(field, method),
             (Kind::Quadratic(field), How::Taylor(method)) => $run!(field, method),
             (Kind::Quadratic(field), How::RungeKutta(method)) => $run!(field, method),
             (Kind::Quadratic(field), How::SingleRungeKutta(method)) => $run!(field, method),

@@ -37,11 +37,11 @@ def lyapunov(
     ensemble: Annotated[
         str, typer.Option(help="How starts are drawn: unit-vectors, cube or gaussian.")
     ] = "unit-vectors",
-    method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting or gauss.")] = "taylor",
+    method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting, gauss or lagrange-map.")] = "taylor",
     tol: Annotated[
         float | None, typer.Option(help="Tolerance of taylor and runge-kutta.  [default: 1e-13, 1e-8]")
     ] = None,
-    step: Annotated[float | None, typer.Option(help="Step of splitting and gauss.  [default: 0.1]")] = None,
+    step: Annotated[float | None, typer.Option(help="Step of the methods with equal steps.  [default: 0.1]")] = None,
     order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
     precision: Annotated[str, typer.Option(help="double; mixed (taylor); single (runge-kutta, splitting).")] = "double",
     time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,

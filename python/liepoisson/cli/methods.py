@@ -16,6 +16,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
     "runge-kutta": {"tol": None, "step": None, "precision": "double"},
     "splitting": {"step": DEFAULT_STEP, "order": 4, "precision": "double"},
     "gauss": {"step": DEFAULT_STEP, "order": 4},
+    "lagrange-map": {"step": DEFAULT_STEP},
 }
 """The options of each method, with their defaults."""
 

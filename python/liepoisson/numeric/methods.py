@@ -6,13 +6,18 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Literal, TypeAlias
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from liepoisson import _core
-from liepoisson.errors import ParameterError
+from liepoisson.arrays import Array, as_array
+from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField, QuadraticField, TopField
 from liepoisson.numeric._checks import as_count, as_number, shown
 
 ROUND_OFF = 2.0**-53
-SINGLE_ROUND_OFF = 2.0**-24
+SINGLE_TOLERANCE = 2.0**-20
+"""Least tolerance in single precision, 16 units of round-off."""
 MAX_ORDER = 64
 MAX_STEPS = 10_000_000
 """Default budget: most steps that one trajectory may take."""
@@ -78,7 +83,7 @@ class RungeKutta:
         tol: Error of a step relative to the size of the state, and of each tangent vector, from 1.1e-16 to 0.1.
         step: Equal steps of at most this size, instead of `tol`.
         precision: "double", or "single" (tops and quadratic fields): everything in single precision, twice as many
-            trajectories to a register; each step rounds to 6e-8 of the state, and `tol` is at least 2.4e-7.
+            trajectories to a register; each step rounds to 6e-8 of the state, and `tol` is at least 9.6e-7.
         compensated: Carry the rounding error of the sums $x + h\sum_i b_i k_i$ of the state from step to step.
         max_steps: Most steps that one trajectory may take, steps that were refused included.
 
@@ -107,7 +112,7 @@ class RungeKutta:
         if self.step is not None:
             _keep(self, step=_as_step(self.step))
         else:
-            least, name = (ROUND_OFF, "1.1e-16") if self.precision == "double" else (4 * SINGLE_ROUND_OFF, "2.4e-7")
+            least, name = (ROUND_OFF, "1.1e-16") if self.precision == "double" else (SINGLE_TOLERANCE, "9.6e-7")
             default = 1e-8 if self.precision == "double" else 1e-5
             _keep(self, tol=_as_tolerance(default if self.tol is None else self.tol, least, name, f"try {default:g}"))
         if self.compensated not in (True, False):
@@ -212,8 +217,97 @@ class Gauss:
         return f"{name}, step {self.step:g}"
 
 
-Method: TypeAlias = Taylor | RungeKutta | Splitting | Gauss
-METHODS: Mapping[str, type[Method]] = {method.name: method for method in (Taylor, RungeKutta, Splitting, Gauss)}
+@dataclass(frozen=True)
+class LagrangeMap:
+    r"""The (charged, twisted) Lagrange top in discrete time: an integrable Poisson map, of order 2.
+
+    For tops with $I_1 = I_2$ and with a and b along the third axis.  As `Splitting(order=2)`, but $\alpha$ and $\beta$
+    turn about $\ell$ by $2\arctan(h|\ell|/2I_1)$, which is the flow of another function of $|\ell|$.  Besides the
+    Casimirs and $\ell_3$ it keeps deformed integrals, to round-off: with $s = a_3I_1$, $u = \epsilon a_3^2I_1^2$,
+    $k = -h/2I_1$, and with a half kick by the potential taken back, the coefficients of $|L(z)|^2$ in
+
+    $$L(z) = (e_3 + k\,\ell\times e_3 + k^2s\,\alpha) + (\ell + k^2u\,\beta)/z + s\,\alpha/z^2 + u\,\beta/z^3,$$
+
+    which for $h\to0$ are those of the Lax matrix of the top.  `integrals` computes them.
+
+    Args:
+        step: Largest step, in units of the system's own time; steps are equal and end at every wanted time.
+        max_steps: Most steps that one trajectory may take.
+
+    Raises:
+        ParameterError: A value outside its range.
+
+    References:
+        Bobenko and Suris, Commun. Math. Phys. 204 (1999) 147, for $\epsilon = 0$; for the twisted top, the Lax pair above
+        (docs/methods.md derives it).
+    """
+
+    name: ClassVar[str] = "lagrange-map"
+
+    step: float
+    max_steps: int = MAX_STEPS
+
+    def __post_init__(self) -> None:
+        """Checks the ranges and keeps plain numbers, which can be written to a file."""
+        _keep(self, step=_as_step(self.step), max_steps=_as_budget(self.max_steps))
+
+    def core(self) -> _core.Method:
+        """The method as the core takes it."""
+        return _core.Method.lagrange_map(self.step, self.max_steps)
+
+    def integrals(self, top: Any, x: ArrayLike) -> Array:
+        r"""The integrals of the map: coefficients of $z^0, z^{-1}, \dots, z^{-6}$ in $|L(z)|^2$.
+
+        Args:
+            top: A top with $I_1 = I_2$, and with a and b along the third axis, $a \ne 0$.
+            x: States, shape (..., 9), dimensionless.
+
+        Returns:
+            Shape (..., 7); exact for steps of exactly `step`.
+
+        Raises:
+            ParameterError: Another top.
+            ShapeError: The last axis of `x` is not 9.
+        """
+        field = top.field() if callable(getattr(top, "field", None)) else None
+        if not isinstance(field, TopField) or not _is_lagrange(field) or field.a[2] == 0.0:
+            raise ParameterError(f"integrals: {_NOT_LAGRANGE}, a not zero; got {shown(top)}")
+        states = as_array(x, "x")
+        if states.ndim == 0 or states.shape[-1] != 9:
+            raise ShapeError(f"x must end in 9 components (l, alpha, beta); got shape {states.shape}. Transpose it?")
+        return _lax_coefficients(field, self.step, states)
+
+    def __str__(self) -> str:
+        return f"discrete Lagrange top, step {self.step:g}"
+
+
+_NOT_LAGRANGE = "wanted a top with I1 = I2 and with a and b along the third axis"
+
+
+def _is_lagrange(field: TopField) -> bool:
+    return field.inertia[0] == field.inertia[1] and not any((*field.a[:2], *field.b[:2]))
+
+
+def _lax_coefficients(field: TopField, h: float, x: Array) -> Array:
+    """See `LagrangeMap.integrals`."""
+    axis = np.array([0.0, 0.0, 1.0])
+    a3, inertia = field.a[2], field.inertia[0]
+    beta = x[..., 6:]
+    alpha = x[..., 3:6] + field.b[2] / a3 * beta
+    # half a kick back: alpha += t eps beta x a, l += t (mean of alpha) x a
+    earlier = alpha - h / 2 * field.epsilon * a3 * np.cross(beta, axis)
+    l = x[..., :3] - h / 4 * a3 * np.cross(alpha + earlier, axis)
+    s, u, k = a3 * inertia, field.epsilon * a3**2 * inertia**2, -h / (2 * inertia)
+    terms = [axis + k * np.cross(l, axis) + k**2 * s * earlier, l + k**2 * u * beta, s * earlier, u * beta]
+    products = [[(u * v).sum(-1) for v in terms] for u in terms]
+    sums = [sum(products[i][m - i] for i in range(4) if 0 <= m - i < 4) for m in range(7)]
+    return np.stack(np.broadcast_arrays(*sums), axis=-1)
+
+
+Method: TypeAlias = Taylor | RungeKutta | Splitting | Gauss | LagrangeMap
+METHODS: Mapping[str, type[Method]] = {
+    method.name: method for method in (Taylor, RungeKutta, Splitting, Gauss, LagrangeMap)
+}
 """All methods by name."""
 
 
@@ -245,6 +339,8 @@ def field_for(system: Any, field: Field, method: Method) -> Field:
                 f"method: wanted Splitting for a field given by its pieces; got {method}; try Splitting(step=0.1)"
             )
         return _with_precision(field, method)
+    if isinstance(method, LagrangeMap) and not (isinstance(field, TopField) and _is_lagrange(field)):
+        raise ParameterError(f"method: LagrangeMap {_NOT_LAGRANGE}; got another field; try Splitting")
     if isinstance(method, Splitting) and not isinstance(field, TopField):
         if not callable(getattr(system, "pieces", None)):
             raise ParameterError(

@@ -78,6 +78,18 @@ fn euclidean_norm(vector: &[f64]) -> f64 {
     vector.iter().fold(0.0_f64, |sum, &component| component.mul_add(component, sum)).sqrt()
 }
 
+/// `ln(norm 2^scale)`, with the same bits however the product is divided between the two: when a tangent vector was
+/// rescaled depends on how many equal steps its neighbours allowed at once.
+fn logarithm(norm: f64, scale: i64) -> f64 {
+    const WITHOUT_OVERFLOW: i64 = 512;
+    let (_, exponent) = libm::frexp(norm);
+    let whole = scale.saturating_add(i64::from(exponent));
+    if whole.abs() < WITHOUT_OVERFLOW {
+        return libm::log(libm::scalbn(norm, scale as i32));
+    }
+    libm::log(libm::scalbn(norm, -exponent)) + whole as f64 * std::f64::consts::LN_2
+}
+
 struct Recorder<'g> {
     shared: &'g Mutex<Growth>,
     times: &'g [f64],
@@ -99,7 +111,7 @@ impl Observer for Recorder<'_> {
     fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
         if index > 0 {
             let scale = step.tangent(0, tau, &mut self.tangent);
-            let length = libm::log(euclidean_norm(&self.tangent)) + scale as f64 * std::f64::consts::LN_2;
+            let length = logarithm(euclidean_norm(&self.tangent), scale);
             let elapsed = self.times[index] - self.times[0];
             self.exponents[lane][index - 1] = (length - self.initial[self.members[lane]]) / elapsed;
         }

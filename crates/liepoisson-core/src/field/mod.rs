@@ -20,6 +20,12 @@ pub trait Space: Sync {
     fn n_components(&self) -> usize;
 }
 
+impl<S: Space> Space for &S {
+    fn n_components(&self) -> usize {
+        (**self).n_components()
+    }
+}
+
 /// An autonomous vector field whose solutions are expanded in powers of time.
 ///
 /// The coefficients of one order form a *row*: the state, then work quantities that the field derives from it, then

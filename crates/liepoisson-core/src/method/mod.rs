@@ -15,7 +15,7 @@ pub use components::AcrossComponents;
 pub use gauss::Gauss;
 pub use mixed_taylor::MixedTaylor;
 pub use runge_kutta::RungeKutta;
-pub use splitting::{Split, Splitting};
+pub use splitting::{LagrangeMap, Split, Splitting};
 pub use taylor::Taylor;
 
 use crate::lanes::{Simd, Task, Wide, dispatch};

@@ -276,15 +276,16 @@ impl<'f, F: Field, V: Lane> RungeKuttaBlock<'f, F, V> {
     /// tells no scale of time: there it is `10^-6 tolerance^(1/8)`, from which steps grow.
     #[inline(always)]
     fn first_step(&self, lane: usize) -> f64 {
-        let mut shortest = f64::INFINITY;
+        let (mut shortest, mut defect) = (f64::INFINITY, 0.0);
         for group in self.system.groups() {
             let size = sum_of_sizes(&self.system.state[group.clone()]).get(lane);
             let rate = sum_of_sizes(&self.rates[group]).get(lane);
             let ratio = if rate > 0.0 { (size / rate).max(1e-6) } else { f64::INFINITY };
-            shortest = shortest.min(ratio) + (size + rate) * 0.0;
+            shortest = shortest.min(ratio);
+            defect += (size + rate) * 0.0;
         }
-        let Steps::Adaptive { tolerance } = self.method.steps else { return shortest };
-        shortest * exp2_estimate(log2_estimate(tolerance) / ORDER)
+        let Steps::Adaptive { tolerance } = self.method.steps else { return shortest + defect };
+        shortest * exp2_estimate(log2_estimate(tolerance) / ORDER) + defect
     }
 }
 

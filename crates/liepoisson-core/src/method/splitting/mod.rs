@@ -14,10 +14,11 @@ mod rotation;
 mod top;
 
 use crate::error::Error;
-use crate::field::Space;
+use crate::field::{Space, Top};
 use crate::lanes::{Lane, Number, Piece, Wide};
 use crate::method::{Block, Method, Single, Stepping, Verdict};
 use coefficients::{ORDERS, Scheme};
+use top::DiscreteLagrange;
 
 /// Steps between two looks at whether the numbers are finite; the work between two turns of the ensemble's loop.
 const MOST_REPEATS: u64 = 64;
@@ -68,9 +69,15 @@ pub trait Split: Space {
     fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64);
 }
 
+impl<F: Split> Split for &F {
+    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64) {
+        (**self).advance(scheme, groups, sizes, repeats);
+    }
+}
+
 impl<F: Split> Method<F> for Splitting {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
-        Box::new(SplittingBlock::<F, V>::new(field, *self, n_tangents))
+        Box::new(SplittingBlock::<&F, V>::new(field, *self, n_tangents))
     }
 
     fn max_steps(&self) -> u64 {
@@ -80,7 +87,7 @@ impl<F: Split> Method<F> for Splitting {
 
 impl<F: Split> Method<F> for Single<Splitting> {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
-        Box::new(SplittingBlock::<F, V::Narrow>::new(field, self.0, n_tangents))
+        Box::new(SplittingBlock::<&F, V::Narrow>::new(field, self.0, n_tangents))
     }
 
     fn max_steps(&self) -> u64 {
@@ -88,25 +95,73 @@ impl<F: Split> Method<F> for Single<Splitting> {
     }
 }
 
+/// An integrable top in discrete time: the (charged, twisted) Lagrange top, `I1 = I2` with `a` and `b` along the third axis.
+///
+/// Strang's splitting, but alpha and beta turn about l by `2 arctan(h |l| / (2 I1))` instead of `h |l| / I1`, which is the
+/// flow of another function of `|l|`: so it is explicit, a Poisson map, and keeps all Casimirs and `l3`. With `s = a3 I1`,
+/// `u = eps a3^2 I1^2`, `k = -h/(2 I1)` and `e` the axis, after a turn and before the next kick,
+/// ```text
+/// L(z) = (e + k l x e + k^2 s alpha) + (l + k^2 u beta)/z + s alpha/z^2 + u beta/z^3
+/// ```
+/// becomes `(1 + k z e) L(z) (1 + k z e)^-1` in a step (in space, vectors as quaternions). So the coefficients of `|L(z)|^2`
+/// are constant to round-off: a deformed energy and a deformed `P = l.alpha + eps I1 a3 beta3` are among them. If b is
+/// not zero, alpha stands for `alpha + (b3/a3) beta`. For `eps = 0` it is the discrete top of Bobenko and Suris.
+///
+/// # References
+/// Bobenko and Suris, *Discrete time Lagrangian mechanics on Lie groups, with an application to the Lagrange top*,
+/// Commun. Math. Phys. 204 (1999), for the ordinary top; the twisted one was derived from this Lax pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LagrangeMap {
+    step: f64,
+    max_steps: u64,
+}
+
+impl LagrangeMap {
+    /// The map with equal steps of at most `step` that end at every wanted time.
+    ///
+    /// # Errors
+    /// A step that is not positive and finite.
+    pub fn new(step: f64, max_steps: u64) -> Result<LagrangeMap, Error> {
+        Splitting::new(2, step, max_steps).map(|_| LagrangeMap { step, max_steps })
+    }
+
+    /// Whether the top is one that this is made for.
+    pub fn applies_to(top: &Top) -> bool {
+        DiscreteLagrange::applies_to(top)
+    }
+}
+
+impl Method<Top> for LagrangeMap {
+    /// # Panics
+    /// The top is not one that [`LagrangeMap::applies_to`].
+    fn block<'f, V: Wide>(&self, field: &'f Top, n_tangents: usize) -> Box<dyn Block + 'f> {
+        assert!(LagrangeMap::applies_to(field), "a Lagrange top: I1 = I2, a and b along the third axis");
+        let composition = Splitting { order: 2, step: self.step, max_steps: self.max_steps };
+        Box::new(SplittingBlock::<_, V>::new(DiscreteLagrange(*field), composition, n_tangents))
+    }
+
+    fn max_steps(&self) -> u64 {
+        self.max_steps
+    }
+}
+
 /// Trajectories with their tangent vectors.
-struct SplittingBlock<'f, F, V> {
-    field: &'f F,
+struct SplittingBlock<F, V> {
+    field: F,
     scheme: Scheme,
     step: f64,
     /// State and tangent vectors, one after the other.
     groups: Vec<V>,
     /// The same before the last steps.
     before: Vec<V>,
-    /// Steps that are still to be taken one at a time.
-    careful_steps: u64,
 }
 
-impl<'f, F: Split, V: Lane> SplittingBlock<'f, F, V> {
+impl<F: Split, V: Lane> SplittingBlock<F, V> {
     #[inline(always)]
-    fn new(field: &'f F, method: Splitting, n_tangents: usize) -> Self {
+    fn new(field: F, method: Splitting, n_tangents: usize) -> Self {
         let groups = vec![V::splat(0.0); field.n_components() * (1 + n_tangents)];
         let scheme = Scheme::of_order(method.order);
-        SplittingBlock { field, scheme, step: method.step, before: groups.clone(), groups, careful_steps: 0 }
+        SplittingBlock { field, scheme, step: method.step, before: groups.clone(), groups }
     }
 
     fn group(&self, group: usize) -> std::ops::Range<usize> {
@@ -115,7 +170,7 @@ impl<'f, F: Split, V: Lane> SplittingBlock<'f, F, V> {
     }
 }
 
-impl<F: Split, V: Lane> Block for SplittingBlock<'_, F, V> {
+impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
     fn n_lanes(&self) -> usize {
         V::WIDTH
     }
@@ -129,7 +184,7 @@ impl<F: Split, V: Lane> Block for SplittingBlock<'_, F, V> {
     }
 
     fn most_repeats(&self) -> u64 {
-        if self.careful_steps > 0 { 1 } else { MOST_REPEATS }
+        MOST_REPEATS
     }
 
     fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
@@ -149,26 +204,18 @@ impl<F: Split, V: Lane> Block for SplittingBlock<'_, F, V> {
         longest.fill(f64::INFINITY);
     }
 
-    /// Steps are taken back where a number is no longer finite. If they were several, the next calls take one at a time:
-    /// a tangent vector is then rescaled often enough, and a trajectory that fails does so at its last good step,
-    /// whatever the number of steps that its neighbours allow at once.
     fn advance(&mut self, sizes: &[f64], repeats: u64, verdicts: &mut [Verdict]) {
         self.before.copy_from_slice(&self.groups);
         self.field.advance(&self.scheme, &mut self.groups, sizes, repeats);
         let mut all_finite = true;
         V::outline(Finite { groups: &self.groups, answer: &mut all_finite });
         verdicts.fill(Verdict::Taken);
-        self.careful_steps = self.careful_steps.saturating_sub(1);
         if all_finite {
             return;
         }
-        let failed = if repeats > 1 { Verdict::TooLong } else { Verdict::NotFinite };
-        if repeats > 1 {
-            self.careful_steps = repeats;
-        }
         for (lane, verdict) in verdicts.iter_mut().enumerate() {
             if !self.groups.iter().all(|register| register.get(lane).is_finite()) {
-                *verdict = failed;
+                *verdict = Verdict::NotFinite;
                 for (register, before) in self.groups.iter_mut().zip(&self.before) {
                     register.as_scalars_mut()[lane] = before.as_scalars()[lane];
                 }

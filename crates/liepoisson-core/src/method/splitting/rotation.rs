@@ -167,14 +167,44 @@ fn rotation_less_identity<V: Lane>(v: [V; 3], c1: V, c2: V) -> [[V; 3]; 3] {
     ]
 }
 
-/// The flow of `|l|^2 / 2` for the time `tau`: alpha and beta turn about l.
+/// The angle by which alpha and beta turn about l, and how it changes with l.
 ///
-/// With `v = tau l` and the rotation `R(v)`, a change of v turns what was rotated by
-/// `w = dv + c2 dv x v + c3 (dv x v) x v`, so that `alpha -> R alpha` has the derivative `R dalpha + (R alpha) x w`.
+/// With `v = tau l` and the rotation `R(v) u = u + c1 u x v + c2 (u x v) x v`, a change of v turns what was rotated by
+/// `w = k0 dv + k1 dv x v + k2 (dv x v) x v`, so that `alpha -> R alpha` has the derivative `R dalpha + (R alpha) x w`.
+pub(super) trait Angle {
+    /// `[c1, c2], [k0, k1, k2]` at `z = |v|^2`.
+    fn coefficients<V: Lane>(z: V) -> ([V; 2], [V; 3]);
+}
+
+/// `|v|`: the flow of `|l|^2 / 2`.
+pub(super) struct OfFlow;
+
+impl Angle for OfFlow {
+    #[inline(always)]
+    fn coefficients<V: Lane>(z: V) -> ([V; 2], [V; 3]) {
+        let [c1, c2, c3] = stumpff(z);
+        ([c1, c2], [V::splat(1.0), c2, c3])
+    }
+}
+
+/// `2 arctan(|v| / 2)`, the rotation `(u' - u) = (u' + u)/2 x v` of Cayley: the flow of another function of `|l|`.
+pub(super) struct OfCayley;
+
+impl Angle for OfCayley {
+    #[inline(always)]
+    fn coefficients<V: Lane>(z: V) -> ([V; 2], [V; 3]) {
+        let c1 = V::splat(1.0).div(z.mul_add(V::splat(0.25), V::splat(1.0)));
+        let half = c1.mul(V::splat(0.5));
+        ([c1, half], [c1, half, V::splat(0.0)])
+    }
+}
+
+/// The flow of a function of `|l|^2` for the time `tau`: alpha and beta turn about l.
 #[inline(always)]
-pub(super) fn turn_about_momentum<V: Lane>(x: &mut Group<V>, tangents: &mut [Group<V>], tau: V) {
+pub(super) fn turn_about_momentum<A: Angle, V: Lane>(x: &mut Group<V>, tangents: &mut [Group<V>], tau: V) {
     let v = vector(x, 0).map(|component| component.mul(tau));
-    let [c1, c2, c3] = stumpff(v[2].mul_add(v[2], v[1].mul_add(v[1], v[0].mul(v[0]))));
+    let z = v[2].mul_add(v[2], v[1].mul_add(v[1], v[0].mul(v[0])));
+    let ([c1, c2], [k0, k1, k2]) = A::coefficients(z);
     let matrix = rotation_less_identity(v, c1, c2);
     for at in [3, 6] {
         add_transformed(x, at, &matrix);
@@ -183,7 +213,7 @@ pub(super) fn turn_about_momentum<V: Lane>(x: &mut Group<V>, tangents: &mut [Gro
         let dv = vector(dx, 0).map(|component| component.mul(tau));
         let first = cross(dv, v);
         let second = cross(first, v);
-        let w = [0, 1, 2].map(|i| second[i].mul_add(c3, first[i].mul_add(c2, dv[i])));
+        let w = [0, 1, 2].map(|i| second[i].mul_add(k2, first[i].mul_add(k1, dv[i].mul(k0))));
         for at in [3, 6] {
             add_transformed(dx, at, &matrix);
             add_cross(dx, at, vector(x, at), w);

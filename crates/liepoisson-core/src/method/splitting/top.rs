@@ -1,9 +1,9 @@
 //! The top as a sum of two Hamiltonians: kinetic energy, whose flow is made of rotations, and potential, a shear.
 
 use super::coefficients::{Scheme, Stage};
-use super::rotation::{Group, turn_about_axis, turn_about_momentum};
+use super::rotation::{Group, OfCayley, OfFlow, turn_about_axis, turn_about_momentum};
 use super::{Split, lanes_of};
-use crate::field::Top;
+use crate::field::{Space, Top};
 use crate::lanes::{Lane, Piece};
 
 /// The flow of the kinetic energy `l1^2/(2 I1) + l2^2/(2 I2) + l3^2/(2 I3)`, or a symmetric composition in its place.
@@ -21,7 +21,7 @@ struct Spherical {
 impl Kinetic for Spherical {
     #[inline(always)]
     fn flow<V: Lane>(&self, stage: &Stage, step: V, x: &mut Group<V>, tangents: &mut [Group<V>]) {
-        turn_about_momentum(x, tangents, step.mul(V::splat(stage.innermost * self.inverse)));
+        turn_about_momentum::<OfFlow, V>(x, tangents, step.mul(V::splat(stage.innermost * self.inverse)));
     }
 }
 
@@ -35,8 +35,23 @@ struct Symmetric<const AXIS: usize> {
 impl<const AXIS: usize> Kinetic for Symmetric<AXIS> {
     #[inline(always)]
     fn flow<V: Lane>(&self, stage: &Stage, step: V, x: &mut Group<V>, tangents: &mut [Group<V>]) {
-        turn_about_momentum(x, tangents, step.mul(V::splat(stage.innermost * self.inverse)));
+        turn_about_momentum::<OfFlow, V>(x, tangents, step.mul(V::splat(stage.innermost * self.inverse)));
         turn_about_axis::<AXIS, V>(x, tangents, step.mul(V::splat(stage.innermost * self.excess)));
+    }
+}
+
+/// A Lagrange top in discrete time: as [`Symmetric`], but alpha and beta turn about l by another angle.
+#[derive(Clone, Copy)]
+struct Discrete {
+    inverse: f64,
+    excess: f64,
+}
+
+impl Kinetic for Discrete {
+    #[inline(always)]
+    fn flow<V: Lane>(&self, stage: &Stage, step: V, x: &mut Group<V>, tangents: &mut [Group<V>]) {
+        turn_about_momentum::<OfCayley, V>(x, tangents, step.mul(V::splat(stage.innermost * self.inverse)));
+        turn_about_axis::<2, V>(x, tangents, step.mul(V::splat(stage.innermost * self.excess)));
     }
 }
 
@@ -55,6 +70,31 @@ impl Kinetic for General {
         turn_about_axis::<2, V>(x, tangents, step.mul(V::splat(stage.innermost * i3)));
         turn_about_axis::<1, V>(x, tangents, step.mul(V::splat(stage.outwards * i2)));
         turn_about_axis::<0, V>(x, tangents, step.mul(V::splat(stage.outwards * i1)));
+    }
+}
+
+/// A top `I1 = I2` with `a` and `b` along the third axis, in discrete time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DiscreteLagrange(pub(super) Top);
+
+impl DiscreteLagrange {
+    /// Whether this is such a top.
+    pub(super) fn applies_to(top: &Top) -> bool {
+        top.asymmetry[2] == 0.0 && [top.a, top.b].iter().all(|v| v[0] == 0.0 && v[1] == 0.0)
+    }
+}
+
+impl Space for DiscreteLagrange {
+    fn n_components(&self) -> usize {
+        self.0.n_components()
+    }
+}
+
+impl Split for DiscreteLagrange {
+    fn advance<V: Lane>(&self, scheme: &Scheme, groups: &mut [V], sizes: &[f64], repeats: u64) {
+        let inverse = self.0.inverse_inertia;
+        let kinetic = Discrete { inverse: inverse[0], excess: inverse[2] - inverse[0] };
+        Run { top: &self.0, scheme, groups, sizes, repeats }.with(kinetic);
     }
 }
 
