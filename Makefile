@@ -15,7 +15,7 @@ help: ## list the recipes
 reproduce: $(VENV)/.built ## set up, then reproduce the paper: figure, data, claims and report in results/twisted-top
 	$(BIN)/liepoisson reproduce twisted-top --out $(OUT)
 
-test: $(VENV)/.built $(VENV)/.dev test-rust test-python wheel-check ## set up, then run the tests
+test: $(VENV)/.built $(VENV)/.dev test-rust test-python wheel-check guard ## set up, then run the tests
 
 test-slow: $(VENV)/.built $(VENV)/.dev ## the anchors at full size (the paper's numbers with 20,000 members)
 	$(BIN)/pytest -m slow
@@ -29,7 +29,13 @@ check: $(VENV)/.built $(VENV)/.dev ## format, lint, types and quick tests, in le
 	$(BIN)/python -m mypy.stubtest liepoisson._core --mypy-config-file pyproject.toml
 	$(BIN)/pytest -m "not slow and not thorough"
 
-bench: $(VENV)/.built ## speed against heyoka.py, side by side (its own environment; leave the machine alone meanwhile)
+guard: instructions sanitize ## instruction counts of the hot kernels, and the unsafe code under the address sanitizer
+
+audit: $(VENV)/.built ## evidence for each method: orders, drift, Poisson maps, work and precision (an hour; resumes)
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
+	$(BIN)/python verification/run.py
+
+bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (an hour; leave the machine alone meanwhile)
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/general.py
 
@@ -48,7 +54,8 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
-.PHONY: help reproduce test test-rust test-python test-slow check bench wheel wheel-check lock clean tools
+.PHONY: help reproduce test test-rust test-python test-slow check bench audit guard instructions sanitize wheel wheel-check \
+  lock clean tools
 
 test-rust:
 	cargo test --workspace --locked --quiet
@@ -56,6 +63,18 @@ test-rust:
 # Each instruction set that the processor has gets its turn; results must not depend on it.
 test-python:
 	$(BIN)/pytest -m "not slow"
+
+instructions: | tools
+	$(PYTHON) benchmarks/instructions.py
+
+# All unsafe code is in the core's lanes and tiles; these tests run every kernel in every register. The sanitizer comes
+# with the stable toolchain, its flag does not: hence RUSTC_BOOTSTRAP.
+SANITIZED := --test ensemble --test mixed_taylor --test quadratic --test splitting --test top
+sanitize: | tools
+	@if [ "$$(uname -sm)" = "Linux x86_64" ]; then \
+	  RUSTC_BOOTSTRAP=1 RUSTFLAGS=-Zsanitizer=address CARGO_TARGET_DIR=target/sanitize PROPTEST_CASES=16 \
+	    cargo test --locked --quiet -p liepoisson-core --target x86_64-unknown-linux-gnu --lib $(SANITIZED); \
+	else echo "sanitize: skipped, it is set up for Linux on x86-64"; fi
 
 # The wheel in an environment of its own that sees no Rust.
 wheel-check: wheel

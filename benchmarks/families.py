@@ -1,4 +1,4 @@
-"""Which methods of liepoisson take part?  Families of settings, each from loose to tight, and what a table calls them."""
+"""Which methods of liepoisson take part?  Families of settings, each from loose to tight."""
 
 from __future__ import annotations
 
@@ -60,5 +60,5 @@ SINGLE = [
     *_fixed_steps("single", ", single precision"),
 ]
 
-AT_LEVEL = {1e-13: [*DOUBLE[:3], MIXED], 1e-8: [*DOUBLE, MIXED], 1e-4: [*DOUBLE, MIXED]}
-"""Splitting is left out at 1e-13, where its round-off shows before its order does."""
+AT_LEVEL = {1e-13: [*DOUBLE[:3], MIXED], 1e-8: [*DOUBLE, MIXED], 1e-4: DOUBLE}
+"""Splitting is left out at 1e-13: at best its errors are 1.2e-13 (state) and 2.6e-13 (tangent)."""

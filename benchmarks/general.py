@@ -10,17 +10,18 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 import calibrate
-import environment
 import general_problems
 import measure
 import problem
 import report
+import run
 from calibrate import Setting
 from general_problems import PROBLEMS, Problem
 from measure import Contender, Row
@@ -28,7 +29,6 @@ from measure import Contender, Row
 if TYPE_CHECKING:
     from reference import Extended
 
-ROUNDS, QUICK_ROUNDS = 12, 3
 REPEATS = 3
 LEVELS = (1e-13, 1e-8)
 REFERENCE_TOLERANCES = (1e-18, 1e-19)
@@ -94,18 +94,18 @@ class Bench:
     def row(self, level: float) -> Row:
         """All contenders at one level of accuracy."""
         request = self.common | {"task": "ensemble", "t_end": self.one.t_end, "repeats": REPEATS}
-        contenders: list[Contender] = []
-        for side, variants in (("heyoka", self.peers), ("liepoisson", {simd: {} for simd in self.simds})):
-            setting, meets = calibrate.loosest(self.scans[side], level, level)
-            for name, extra in variants.items():
-                shown = name if side == "heyoka" else f"liepoisson {name or ''}".strip()
-                simd = None if side == "heyoka" else name
-                chosen = asdict(setting) | {"meets": meets}
-                contenders.append(Contender(shown, side, request | extra | {"tol": setting.tol}, chosen, simd))
+        peer, ours = (calibrate.loosest(self.scans[side], level, level) for side in ("heyoka", "liepoisson"))
+        theirs, mine = (asdict(setting) | {"meets": meets} for setting, meets in (peer, ours))
+        contenders = [
+            Contender(name, "heyoka", request | extra | peer[0].request, theirs) for name, extra in self.peers.items()
+        ]
+        contenders += [
+            Contender("liepoisson" + (f" {simd}" if simd else ""), "liepoisson", request | ours[0].request, mine, simd)
+            for simd in self.simds
+        ]
         kind = "quadratic field" if self.one.quadratic else "tape"
-        title = (
-            f"{self.one.name} as a {kind} at {level:.0e}: {general_problems.N_STARTS} starts, t = 0..{self.one.t_end:g}"
-        )
+        size = f"{general_problems.N_STARTS} starts, t = 0..{self.one.t_end:g}"
+        title = f"{self.one.name} as a {kind} at {problem.shown(level)}: {size}"
         return Row(title, contenders, general_problems.N_STARTS * self.one.t_end)
 
     def cold(self, level: float) -> Row:
@@ -115,8 +115,8 @@ class Bench:
         request: dict[str, Any] = {"problem": str(self.file), "t_end": problem.T_ACCURACY}
         peer, ours = (calibrate.loosest(self.scans[side], level, level) for side in ("heyoka", "liepoisson"))
         field = asdict(general_liepoisson_worker.field_of(self.one))
-        heyoka = request | {"task": "cold", "tol": peer[0].tol, "batch": self.peers["heyoka"]["batch"]}
-        plain = request | {"task": "cold", "tol": ours[0].tol, "system": self.one.name, "field": json.dumps(field)}
+        heyoka = request | {"task": "cold", **peer[0].request, "batch": self.peers["heyoka"]["batch"]}
+        plain = request | {"task": "cold", **ours[0].request, "system": self.one.name, "field": json.dumps(field)}
         contenders = [
             Contender("heyoka", "heyoka", heyoka, asdict(peer[0]) | {"meets": peer[1]}),
             Contender("liepoisson, field as data", "liepoisson", plain, asdict(ours[0]) | {"meets": ours[1]}),
@@ -131,33 +131,32 @@ class Bench:
         return Row(title, contenders, general_problems.N_STARTS * problem.T_ACCURACY, wall=True)
 
 
+def file_name(name: str, what: str) -> str:
+    """The name of a table: `general-twisted-top-1e-13`."""
+    words = re.sub(r"[^a-z0-9]+", "-", name.lower()).strip("-")
+    return f"general-{words}-{what}"
+
+
 def main() -> None:
-    """Measure, print tables, and write results/general.json or results/general-quick.json."""
+    """Measure, print tables, and write their data."""
     parser = argparse.ArgumentParser(description="fields without a kernel of their own, against heyoka.py")
-    parser.add_argument("--quick", action="store_true", help=f"{QUICK_ROUNDS} processes a contender, not {ROUNDS}")
-    parser.add_argument("--rounds", type=int, help="processes a contender")
-    parser.add_argument("--core", type=int, help="core to use; by default the last one")
+    run.add_options(parser)
     parser.add_argument("--system", action="append", choices=list(PROBLEMS), help="only this one (may be repeated)")
     arguments = parser.parse_args()
-    rounds = arguments.rounds or (QUICK_ROUNDS if arguments.quick else ROUNDS)
-    (measure.HERE / "results").mkdir(exist_ok=True)
-    environment.ensure_peer()
-    facts = environment.facts(environment.pin(arguments.core))
+    facts, rounds, folder = run.start(arguments)
     ours = facts["liepoisson"]
     avx2 = "avx2" in ours["available"] and ours["kernel"] != "avx2"
-    records: list[dict[str, Any]] = []
     for name in arguments.system or PROBLEMS:
         bench = Bench(PROBLEMS[name], avx2)
-        described = report.environment_text(facts | {"reference_error": bench.reference_error, "batch": bench.peers})
-        print(described, flush=True)
-        rows = [bench.row(level) for level in LEVELS]
-        rows += [bench.cold(LEVELS[0])] if name == "twisted top" else []
-        for row in rows:
-            measured = measure.run_row(row, rounds)
-            print("\n" + report.table(row, measured), flush=True)
-            records.append(report.record(row, measured))
-    path = measure.HERE / "results" / ("general-quick.json" if arguments.quick else "general.json")
-    path.write_text(json.dumps({"facts": facts, "rows": records}, indent=1))
+        known = facts | {"reference_error": bench.reference_error, "batch": bench.peers}
+        print(report.environment_text(known), flush=True)
+        rows = {problem.shown(level): bench.row(level) for level in LEVELS}
+        if name == "twisted top":
+            rows["cold"] = bench.cold(LEVELS[0])
+        for what, row in rows.items():
+            data = report.record(row, measure.run_row(row, rounds), rounds)
+            report.save(folder, file_name(name, what), data, known)
+            print("\n" + report.render(data), flush=True)
 
 
 if __name__ == "__main__":

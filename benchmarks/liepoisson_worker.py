@@ -16,6 +16,7 @@ import numpy as np
 
 import liepoisson as lp
 import problem
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
     from problem import Array
@@ -91,22 +92,22 @@ def cold(request: dict[str, Any]) -> dict[str, Any]:
 def scan(request: dict[str, Any]) -> dict[str, Any]:
     """For each method: states, tangent vectors and exponents at `t_end`, written to the file `request["out"]`.
 
-    A setting that the package refuses is left out; one whose trajectories do not finish has errors that are not numbers.
+    A setting that the package refuses is left out; one whose trajectories do not finish has NaN for errors.
     """
     data, t_end = np.load(request["problem"]), request["t_end"]
     settings: list[dict[str, Any]] = []
     found: dict[str, list[Array]] = {"state": [], "tangent": [], "exponent": []}
     for one in request["methods"]:
-        try:
-            method = _method(one)
-        except lp.ParameterError:
-            continue
         reach = _ends_of_single if request["single"] else _ends_of_ensemble
-        order, ends = reach(data, t_end, method)
+        try:
+            order, ends = reach(data, t_end, _method(one))
+        except ParameterError:
+            continue
         for name, values in ends.items():
             found[name].append(values)
         settings.append({"request": one, "order": order})
-    np.savez(request["out"], **{name: np.array(values) for name, values in found.items()})
+    state, tangent, exponent = (np.array(found[name]) for name in ("state", "tangent", "exponent"))
+    np.savez(request["out"], state=state, tangent=tangent, exponent=exponent)
     return {"settings": settings}
 
 
@@ -122,9 +123,7 @@ def _ends_of_ensemble(data: Array, t_end: float, method: Any) -> tuple[int, dict
     from `integrate`, which must arrive at the same states.
     """
     growth = run_ensemble(data[:, :9], t_end, method)
-    orbit = lp.integrate(
-        _top(), data[:, :9], t=[0.0, t_end], tangents=data[:, None, 9:], method=method, threads=1
-    )
+    orbit = lp.integrate(_top(), data[:, :9], t=[0.0, t_end], tangents=data[:, None, 9:], method=method, threads=1)
     finished = growth.outcome == "finished"
     # either call may rescale tangent vectors at other times; in single precision that can change last bits of a step
     if not np.allclose(orbit.state[finished, -1], growth.final_state[finished], rtol=0.0, atol=1e-4):

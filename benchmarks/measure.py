@@ -16,8 +16,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parent
 PEERS_VENV = ROOT / "target" / "benchmark-peers"
@@ -26,7 +24,7 @@ PEERS = ("scipy", "numbalsoda", "diffrax", "jitcode", "pynamicalsys")
 PYTHON = {
     "heyoka": HERE / ".venv" / "bin" / "python",
     "liepoisson": Path(sys.executable),
-    **{peer: PEERS_VENV / "bin" / "python" for peer in PEERS},
+    **dict.fromkeys(PEERS, PEERS_VENV / "bin" / "python"),
 }
 
 
@@ -91,8 +89,13 @@ def call(side: str, request: dict[str, Any], simd: str | None = None) -> tuple[d
     process = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
     wall = time.perf_counter() - begin
     if process.returncode != 0:
-        raise RuntimeError(f"{side} worker failed on {request}:\n{process.stderr}")
-    return json.loads(process.stdout), wall
+        raise RuntimeError(f"{side} worker failed on {_shortened(request)}:\n{process.stderr}")
+    return json.loads(process.stdout.splitlines()[-1]), wall
+
+
+def _shortened(request: dict[str, Any]) -> dict[str, Any]:
+    """The request without its long lists."""
+    return {name: value for name, value in request.items() if not isinstance(value, list)}
 
 
 def run_row(row: Row, rounds: int) -> list[Measured]:
@@ -107,13 +110,3 @@ def run_row(row: Row, rounds: int) -> list[Measured]:
             one.seconds.append(wall if row.wall else min(answer["seconds"]))
             one.answers.append(answer)
     return measured
-
-
-def ratios(peer: Measured, ours: Measured) -> tuple[float, float, float]:
-    """How many times faster than the peer: by best times, by medians, and the median over rounds."""
-    theirs, mine = np.array(peer.seconds), np.array(ours.seconds)
-    return (
-        float(theirs.min() / mine.min()),
-        float(np.median(theirs) / np.median(mine)),
-        float(np.median(theirs / mine)),
-    )

@@ -36,13 +36,18 @@ N_SINGLE = 8
 """Starts over which the time of a single trajectory is averaged: they differ in their numbers of steps."""
 
 
+def shown(level: float) -> str:
+    """A level of accuracy as text: 1e-8."""
+    return f"{level:.0e}".replace("e-0", "e-")
+
+
 def starts() -> Array:
     """States x = (l, alpha, beta) of independent vectors uniform on the unit sphere, shape (N_STARTS, 9)."""
     v = np.random.default_rng(SEED).standard_normal((N_STARTS, 3, 3))
     return (v / np.linalg.norm(v, axis=2, keepdims=True)).reshape(N_STARTS, 9)
 
 
-def relative_error(x: Array, exact: NDArray[Any]) -> Array:
+def relative_error(x: NDArray[Any], exact: NDArray[Any]) -> Array:
     """|x - exact| / |exact| over the last axis: shape (n, 9) gives (n,).
 
     The difference is formed in the precision of `exact`, so that an extended reference is not rounded first.

@@ -1,195 +1,105 @@
-"""How fast is liepoisson against heyoka.py, at equal accuracy?  `python benchmarks/run.py`, or `--quick` for a look.
+"""How fast is liepoisson against the tools that Python users have, at equal accuracy?  `python benchmarks/run.py`.
 
-Rules and meaning are in docs/benchmarks.md.  Run it with the Python that has liepoisson; heyoka gets an environment of
-its own in benchmarks/.venv.  Nothing else should be computing meanwhile.  Results: benchmarks/results/.
+Rules and meaning are in docs/benchmarks.md.  Run it with the Python that has liepoisson; heyoka and the other tools get
+environments of their own.  Nothing else should be computing meanwhile.  Results: benchmarks/results/tables/, or quick/.
+`python benchmarks/report.py` then puts the tables into the docs.
 """
 
 from __future__ import annotations
 
 import argparse
-import json
-from dataclasses import asdict
+from collections.abc import Callable
+from functools import cache
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-import calibrate
+import bench
+import dispatch
 import environment
+import kernels
 import measure
+import peers
 import problem
 import reference
 import report
-from calibrate import Setting
-from measure import Contender, Row
+from bench import RESULTS, Bench
+from measure import Row
 
-ROUNDS, QUICK_ROUNDS = 12, 3
-REPEATS = 5
-ENSEMBLE_LEVELS = (1e-13, 1e-8)
-SINGLE_LEVEL = 1e-14
-"""Round-off: on both sides errors stop falling just below it."""
-SINGLE_TOLERANCE = 1e-15
-"""What a user types who wants round-off, on either side."""
-BATCHES = (4, 8)
-FAST_MATH: dict[str, Any] = {"flags": {"fast_math": True}}
-"""Not heyoka's default, and it lets the compiler reorder roundings; faster on some machines, so it takes part."""
-RESULTS = measure.HERE / "results"
+ROUNDS, QUICK_ROUNDS, PEER_ROUNDS = 12, 3, 3
+"""Processes of each contender; the other tools, which are slower by far, need no fine distinction."""
 
 
-def prepare(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Write starts and first tangent vectors for both sides; the latter are those that liepoisson itself draws."""
-    from liepoisson.numeric.sampling import sample_tangents
+class Run:
+    """One run of the benchmark: what each row's name stands for."""
 
-    x0, tangents = problem.starts(), sample_tangents(9, problem.N_STARTS, seed=problem.SEED)
-    np.save(path, np.concatenate([x0, tangents], axis=1))
-    return x0, tangents
-
-
-class Bench:
-    """The contenders of every row, with the tolerances that their measured errors allow."""
-
-    def __init__(self, problem_file: Path, exact: reference.Extended, batches: tuple[int, ...], avx2: bool) -> None:
-        self.exact = exact
-        self.common: dict[str, Any] = {"problem": str(problem_file)}
-        self.simds: tuple[str | None, ...] = (None, "avx2") if avx2 else (None,)
-        self.batch = self._fastest_batch(batches)
-        self.scans = {
-            (side, single): calibrate.scan(side, self._scan_request(side, single), exact, RESULTS)
-            for side in ("heyoka", "liepoisson")
-            for single in (False, True)
+    def __init__(self, facts: dict[str, Any], rounds: int) -> None:
+        x0, tangents = bench.prepare(RESULTS / "problem.npy")
+        exact, facts["reference_error"] = reference.cached_flow(x0, tangents, problem.T_ACCURACY, RESULTS)
+        available, widest = facts["liepoisson"]["available"], facts["liepoisson"]["kernel"]
+        self.simds = [widest] + (["avx2"] if "avx2" in available and widest != "avx2" else [])
+        self.bench = Bench(RESULTS / "problem.npy", exact, avx2=len(self.simds) > 1)
+        self.rounds = rounds
+        self.peers = cache(lambda: peers.Peers(self.bench, environment.ensure_peers()))
+        self.rows: dict[str, Callable[[], dict[str, Any]]] = {
+            "1e-13": lambda: self._time(self.bench.ensemble(1e-13)),
+            "1e-8": lambda: self._time(self.bench.ensemble(1e-8)),
+            "1e-4": lambda: self._time(self.bench.ensemble(1e-4)),
+            "single-precision": lambda: self._time(self.bench.single_precision()),
+            "single-tolerance": lambda: self._time(self.bench.single(None)),
+            "single-level": lambda: self._time(self.bench.single(bench.SINGLE_LEVEL)),
+            "cold-20": lambda: self._time(self.bench.cold(problem.T_ACCURACY)),
+            "cold-200": lambda: self._time(self.bench.cold(problem.T_END)),
+            "kernels": lambda: kernels.run(self.bench, self.simds, self.rounds),
+            "dispatch": lambda: dispatch.run(widest, self.rounds),
+            "peers-1e-13": lambda: self._peers(1e-13),
+            "peers-1e-8": lambda: self._peers(1e-8),
+            "peers-1e-4": lambda: self._peers(1e-4),
         }
 
-    def _fastest_batch(self, batches: tuple[int, ...]) -> int:
-        """heyoka's batch size, by measurement on this machine, at an order near that of the tightest level."""
-        request = {"task": "ensemble", "t_end": problem.T_ACCURACY, "tol": 1e-12, "repeats": REPEATS} | self.common
-        contenders = [Contender(str(batch), "heyoka", request | {"batch": batch}) for batch in batches]
-        measured = measure.run_row(Row("batch", contenders, 1.0), QUICK_ROUNDS)
-        return int(min(measured, key=lambda one: min(one.seconds)).contender.name)
+    def _time(self, row: Row, rounds: int | None = None) -> dict[str, Any]:
+        rounds = rounds or self.rounds
+        if row.wall:  # once without the clock: fills file caches, Python's and heyoka's
+            measure.run_row(row, 1)
+        return report.record(row, measure.run_row(row, rounds), rounds)
 
-    def _scan_request(self, side: str, single: bool) -> dict[str, Any]:
-        choice: dict[str, Any] = (
-            {"orders": list(calibrate.HEYOKA_ORDERS), "batch": self.batch}
-            if side == "heyoka"
-            else {"tols": [tol for tol in calibrate.LIEPOISSON_TOLERANCES if not single or tol < 1e-11]}
-        )
-        return self.common | choice | {"single": single}
-
-    def _contender(
-        self, name: str, side: str, request: dict[str, Any], chosen: tuple[Setting, bool], simd: str | None = None
-    ) -> Contender:
-        setting, meets = chosen
-        request = self.common | request | {"tol": setting.tol} | ({"batch": self.batch} if side == "heyoka" else {})
-        return Contender(name, side, request, asdict(setting) | {"meets": meets}, simd)
-
-    def _loosest(self, side: str, single: bool, level: float) -> tuple[Setting, bool]:
-        return calibrate.loosest(self.scans[side, single], level, level)
-
-    def _ours(self, request: dict[str, Any], chosen: tuple[Setting, bool], suffix: str = "") -> list[Contender]:
-        """liepoisson with its widest kernel, and with the AVX2 one where that is another."""
-        return [
-            self._contender("liepoisson" + (f" {simd}" if simd else "") + suffix, "liepoisson", request, chosen, simd)
-            for simd in self.simds
-        ]
-
-    def ensemble(self, level: float) -> Row:
-        """Exponents of the whole ensemble at one level of accuracy."""
-        request = {"task": "ensemble", "t_end": problem.T_END, "repeats": REPEATS}
-        peer = self._loosest("heyoka", False, level)
-        fast = self._scan_request("heyoka", False) | FAST_MATH | {"orders": [peer[0].order]}
-        reordered = calibrate.loosest(calibrate.scan("heyoka", fast, self.exact, RESULTS), level, level)
-        strict = calibrate.loosest(self.scans["liepoisson", False], peer[0].state, peer[0].tangent)
-        return Row(
-            f"Ensemble exponent at {level:.0e}: {problem.N_STARTS} starts, t = 0..{problem.T_END:g}",
-            [
-                self._contender("heyoka", "heyoka", request, peer),
-                self._contender("heyoka, fast_math", "heyoka", request | FAST_MATH, reordered),
-                *self._ours(request, self._loosest("liepoisson", False, level)),
-                *self._ours(request, strict, ", both errors at most heyoka's")[:1],
-            ],
-            problem.N_STARTS * problem.T_END,
-        )
-
-    def single(self, level: float | None) -> Row:
-        """One trajectory at round-off: each side's fastest that meets the level, or the tolerance that users type."""
-        request = {"task": "single", "t_end": problem.T_SINGLE, "repeats": REPEATS}
-        if level is None:
-            chosen = {side: (self._nearest(side, SINGLE_TOLERANCE), True) for side in ("heyoka", "liepoisson")}
-            what = f"tol = {SINGLE_TOLERANCE:g} on both sides"
-        else:
-            chosen = {side: self._loosest(side, True, level) for side in ("heyoka", "liepoisson")}
-            what = f"errors at most {level:g}"
-        return Row(
-            f"Single trajectory at round-off, {what}: state only, t = 0..{problem.T_SINGLE:g}",
-            [
-                self._contender("heyoka", "heyoka", request, chosen["heyoka"]),
-                # the kernel for one trajectory is the same on every processor with AVX2
-                *self._ours(request, chosen["liepoisson"])[:1],
-            ],
-            problem.T_SINGLE,
-        )
-
-    def _nearest(self, side: str, tol: float) -> Setting:
-        return min(self.scans[side, True], key=lambda setting: abs(np.log(setting.tol / tol)))
-
-    def cold(self, t_end: float) -> Row:
-        """From starting Python to the mean exponent of the ensemble at the tightest level."""
-        request = {"task": "cold", "t_end": t_end}
-        peer = self._loosest("heyoka", False, ENSEMBLE_LEVELS[0])
-        ours = self._loosest("liepoisson", False, ENSEMBLE_LEVELS[0])
-        variants = {
-            "heyoka, default flags": {},
-            "heyoka, opt_level=0 (compiles faster)": {"flags": {"opt_level": 0}},
-            "heyoka, code already in its disk cache": {"diskcache": str(RESULTS / "heyoka-cache")},
-        }
-        return Row(
-            f"Cold start: new Python process to {problem.N_STARTS} exponents at t = {t_end:g}, 1e-13 level",
-            [
-                *(self._contender(name, "heyoka", request | extra, peer) for name, extra in variants.items()),
-                *self._ours(request, ours)[:1],
-            ],
-            problem.N_STARTS * t_end,
-            wall=True,
-        )
-
-    def rows(self) -> list[Row]:
-        """All questions."""
-        return [
-            *(self.ensemble(level) for level in ENSEMBLE_LEVELS),
-            self.single(None),
-            self.single(SINGLE_LEVEL),
-            *(self.cold(t_end) for t_end in (problem.T_ACCURACY, problem.T_END)),
-        ]
+    def _peers(self, level: float) -> dict[str, Any]:
+        return self._time(self.peers().row(level), min(self.rounds, PEER_ROUNDS))
 
 
-def main() -> None:
-    """Measure, print tables, and write results/full.json or results/quick.json."""
-    parser = argparse.ArgumentParser(description="liepoisson against heyoka.py at equal accuracy, on one core")
+def add_options(parser: argparse.ArgumentParser) -> None:
+    """The options that all benchmarks have."""
     parser.add_argument("--quick", action="store_true", help=f"{QUICK_ROUNDS} processes a contender, not {ROUNDS}")
+    parser.add_argument("--rounds", type=int, help=f"processes a contender, by default {ROUNDS}")
     parser.add_argument("--core", type=int, help="core to use; by default the last one")
-    arguments = parser.parse_args()
-    name, rounds = ("quick", QUICK_ROUNDS) if arguments.quick else ("full", ROUNDS)
+
+
+def start(arguments: argparse.Namespace) -> tuple[dict[str, Any], int, Path]:
+    """The facts of this run, its rounds, and where its tables go: those of a quick look never to the docs."""
     RESULTS.mkdir(exist_ok=True)
     environment.ensure_peer()
     facts = environment.facts(environment.pin(arguments.core))
-    x0, tangents = prepare(RESULTS / "problem.npy")
-    exact, facts["reference_error"] = reference.cached_flow(x0, tangents, problem.T_ACCURACY, RESULTS)
-    batches = tuple({*BATCHES, facts["heyoka"]["recommended_batch"]})
-    ours = facts["liepoisson"]
-    bench = Bench(RESULTS / "problem.npy", exact, batches, "avx2" in ours["available"] and ours["kernel"] != "avx2")
-    facts["batch"] = bench.batch
+    rounds = arguments.rounds or (QUICK_ROUNDS if arguments.quick else ROUNDS)
+    return facts, rounds, report.TABLES if rounds >= ROUNDS else RESULTS / "quick"
+
+
+def main() -> None:
+    """Measure, print tables, and write their data."""
+    parser = argparse.ArgumentParser(description="liepoisson against other tools at equal accuracy, on one core")
+    add_options(parser)
+    parser.add_argument("--only", nargs="+", metavar="ROW", help="only these rows; an unknown one lists them")
+    arguments = parser.parse_args()
+    facts, rounds, folder = start(arguments)
+    run = Run(facts, rounds)
+    wanted = arguments.only or list(run.rows)
+    unknown = [name for name in wanted if name not in run.rows]
+    if unknown:
+        parser.error(f"--only: wanted rows out of {', '.join(run.rows)}; got {', '.join(unknown)}")
     print(report.environment_text(facts), flush=True)
-    records: list[dict[str, Any]] = []
-    for row in bench.rows():
-        if row.wall:  # once without the clock: fills file caches, Python's and heyoka's
-            measure.run_row(row, 1)
-        measured = measure.run_row(row, rounds)
-        print("\n" + report.table(row, measured), flush=True)
-        records.append(report.record(row, measured))
-    scans = {
-        side + (" single" if single else ""): [asdict(setting) for setting in scan]
-        for (side, single), scan in bench.scans.items()
-    }
-    (RESULTS / f"{name}.json").write_text(json.dumps({"facts": facts, "scans": scans, "rows": records}, indent=1))
+    for name in wanted:
+        data = run.rows[name]()
+        report.save(folder, name, data, facts)
+        print("\n" + report.render(data), flush=True)
+    print("\n" + report.summary({name: data for name, data in report.load(folder).items() if name in wanted}))
 
 
 if __name__ == "__main__":

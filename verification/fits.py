@@ -29,7 +29,7 @@ class Power:
 
 
 def slope(x: Array, y: Array) -> tuple[float, float]:
-    """p and ln c of y = c x^p by least squares in logarithms; positive numbers, shape (point,)."""
+    """The power p and ln c of y = c x^p by least squares in logarithms; positive numbers, shape (point,)."""
     p, log_c = np.polyfit(np.log(x), np.log(y), 1)
     return float(p), float(log_c)
 
@@ -37,8 +37,8 @@ def slope(x: Array, y: Array) -> tuple[float, float]:
 def measured_order(steps: Array, errors: Array, low: float, high: float, least: int = 3) -> Power | None:
     """The order of a method: the mean over starts of the slope of the error against the step.
 
-    Each start has a slope of its own from its errors between `low` and `high`; the starts are independent, so the standard error
-    is that of their mean.  The residuals of one line would say nothing: they are curvature, not noise.
+    Each start has a slope of its own from its errors between `low` and `high`; the starts are independent, so the
+    standard error is that of their mean.  The residuals of one line would say nothing: they are curvature, not noise.
 
     Args:
         steps: Step sizes, shape (step,), or for each start, (start, step).
@@ -80,7 +80,9 @@ def growth_of_rms(time: Array, squares: Array) -> Power:
     n, windows = squares.shape
     total = squares.sum(axis=0)
     if n < 2 or windows < 2 or not (total > 0).all():
-        raise ValueError(f"wanted errors that are not zero, of at least 2 members in 2 windows; got shape {squares.shape}")
+        raise ValueError(
+            f"wanted errors that are not zero, of at least 2 members in 2 windows; got shape {squares.shape}"
+        )
     p, log_c = slope(time, np.sqrt(total / n))
     # A member may hold all of the error of a window; its absence must not make the logarithm infinite.
     without = np.sqrt(np.maximum(total - squares, 1e-30 * total) / (n - 1))

@@ -1,7 +1,7 @@
 r"""The tops of the audit, their invariants and Poisson tensors in extended precision, and how errors are measured.
 
-States $x = (\ell, \alpha, \beta)$, dimensionless.  Invariants are evaluated in `numpy.longdouble` (80 bits on x86-64) from
-states in double precision, so what is shown is the error of the states and not that of the evaluation.
+States $x = (\ell, \alpha, \beta)$, dimensionless.  Invariants are evaluated in `numpy.longdouble` (80 bits on x86-64)
+from states in double precision, so what is shown is the error of the states and not that of the evaluation.
 """
 
 from __future__ import annotations
@@ -104,7 +104,8 @@ def invariant_errors(top: lp.Top, x0: Array, states: Array) -> dict[str, Array]:
 def poisson_tensor(top: lp.Top, x: NDArray[Any]) -> Extended:
     r"""$J(x)$, shape (..., 9, 9), of the Leibniz bracket: $\dot x = J(x)\nabla H(x)$.
 
-    Blocks $((\hat\ell, \hat\alpha, \hat\beta), (\hat\alpha, \epsilon\hat\beta, 0), (\hat\beta, 0, 0))$ with $\hat u v = u\times v$.
+    Blocks $((\hat\ell, \hat\alpha, \hat\beta), (\hat\alpha, \epsilon\hat\beta, 0), (\hat\beta, 0, 0))$ with $\hat u v
+    = u\times v$.
     """
     l, alpha, beta = (_hat(u) for u in np.split(x.astype(np.longdouble), 3, axis=-1))
     zero, epsilon = np.zeros_like(l), _parameters(top)[3]

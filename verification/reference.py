@@ -5,12 +5,13 @@ With $\omega = I^{-1}\ell$, the equations of a top as they are printed,
 $$\dot\ell = \ell\times\omega + \alpha\times a + \beta\times b,\quad
   \dot\alpha = \alpha\times\omega + \epsilon\,\beta\times a,\quad \dot\beta = \beta\times\omega,$$
 
-and the tangent equations, their derivative, give each coefficient of the power series from those before it.  Nothing is shared
-with the integrators under test: neither code nor arithmetic.  The parameters are the doubles that those use, taken as
-exact numbers, and so are the starts.
+and the tangent equations, their derivative, give each coefficient of the power series from those before it.  Nothing
+is shared with the integrators under test: neither code nor arithmetic.  The parameters are the doubles that those
+use, taken as exact numbers, and so are the starts.
 
-The digits of a result are measured by computing it twice, with other precision and order (`agreed_digits`).  Balls of `arb` would
-bound the round-off rigorously, but over many steps they grow far faster than errors do; so each step starts from their centres.
+The digits of a result are measured by computing it twice, with other precision and order (`agreed_digits`).  Balls of
+`arb` would bound the round-off rigorously, but over many steps they grow far faster than errors do; so each step
+starts from their centres.
 
 `python verification/reference.py` writes verification/reference_orbits.json.
 """
@@ -25,9 +26,9 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
+from flint import arb, arb_mat, ctx
 
 import liepoisson as lp
-from flint import arb, arb_mat, ctx
 from problems import NONLINEAR, TOPS, Array, first_tangents, starts
 
 FILE = Path(__file__).with_name("reference_orbits.json")
@@ -101,7 +102,7 @@ class _Top:
             for g, first in enumerate(groups):
                 for i in range(3):
                     omega[3 * g + i].append(series[first + i][k] / self.moments[i])
-            # Sums over j of x_m^(j) omega_n^(k-j) for all m and n: one product of matrices, most of whose entries are used.
+            # Sums over j of x_m^(j) omega_n^(k-j) for all m and n: one product of matrices; most entries are used.
             sums = (arb_mat(series) * arb_mat([[w[k - j] for w in omega] for j in range(k + 1)])).tolist()
             rate = self._rate([row[k] for row in series], sums)
             for row, r in zip(series, rate, strict=True):
@@ -167,7 +168,9 @@ def as_two_doubles(values: list[Vector]) -> tuple[Array, Array]:
     """Numbers as sums of two doubles each, 32 digits: their nearest doubles and what is left."""
     high = np.array([[float(c.mid()) for c in row] for row in values])
     with decimal_digits(STRICT_DIGITS):
-        low = np.array([[float((c - arb(h)).mid()) for c, h in zip(*rows, strict=True)] for rows in zip(values, high, strict=True)])
+        low = np.array(
+            [[float((c - arb(h)).mid()) for c, h in zip(*rows, strict=True)] for rows in zip(values, high, strict=True)]
+        )
     return high, low
 
 
@@ -176,7 +179,9 @@ def agreed_digits(first: Vector, second: Vector) -> int:
     with decimal_digits(STRICT_DIGITS):
         size = max(float(abs(c).mid()) for c in second)
         distance = max((abs(p - q).mid() for p, q in zip(first, second, strict=True)), key=float)
-        return STRICT_DIGITS if not distance > 0 else math.floor(math.log10(size) - float(distance.log()) / math.log(10))
+        return (
+            STRICT_DIGITS if not distance > 0 else math.floor(math.log10(size) - float(distance.log()) / math.log(10))
+        )
 
 
 def orbit_record(top: str, x0: Array, tangent: Array) -> dict[str, Any]:
@@ -221,8 +226,8 @@ def write_orbits(path: Path = FILE) -> None:
         for x0, tangent in zip(starts(top, N_ORBITS), first_tangents(N_ORBITS), strict=True)
     ]
     content = {
-        "what": "Reference orbits and tangent vectors of two twisted tops, x = (l, alpha, beta), dimensionless. Numbers that "
-        "go in are doubles; digits are those to which two precisions and orders agree.",
+        "what": "Reference orbits and tangent vectors of two twisted tops, x = (l, alpha, beta), dimensionless. What "
+        "goes in are doubles; digits are those to which two precisions and orders agree.",
         "made by": "python verification/reference.py",
         "precisions": [DIGITS, STRICT_DIGITS],
         "orbits": orbits,

@@ -42,9 +42,11 @@ def spectrum(l, alpha, beta, *, inertia, a3, epsilon, h):
     return [sum(terms[i] @ terms[m - i] for i in range(4) if 0 <= m - i < 4) for m in range(7)]
 
 
-@given(VECTORS, VECTORS, VECTORS, POSITIVE, POSITIVE, FRACTIONS, POSITIVE)
-def test_the_spectrum_of_the_lax_matrix_is_constant_exactly(l, alpha, beta, inertia, a3, epsilon, h):
-    parameters = {"inertia": inertia, "a3": a3, "epsilon": epsilon, "h": h}
+PARAMETERS = st.fixed_dictionaries({"inertia": POSITIVE, "a3": POSITIVE, "epsilon": FRACTIONS, "h": POSITIVE})
+
+
+@given(VECTORS, VECTORS, VECTORS, PARAMETERS)
+def test_the_spectrum_of_the_lax_matrix_is_constant_exactly(l, alpha, beta, parameters):
     state = l, alpha, beta
     before = spectrum(*state, **parameters)
     assert spectrum(*kick_and_turn(*state, **parameters), **parameters) == before

@@ -44,8 +44,9 @@ fn errors<M: Method<liepoisson_core::field::Top>>(p: &Parameters, method: M, tim
 /// Slope of `log error` over `log step`, errors near round-off masked.
 #[test]
 fn fixed_steps_have_order_eight() {
-    let steps = [0.2, 0.16, 0.125, 0.1, 0.08];
-    let measured = steps.map(|step| errors(&GENERAL, fixed(step), &[0.0, 4.0]));
+    // whole numbers of them make two units of time; over longer times slopes scatter more, between 7.7 and 8.7
+    let steps = [0.5, 0.4, 0.25, 0.2, 0.125, 0.1];
+    let measured = steps.map(|step| errors(&GENERAL, fixed(step), &[0.0, 2.0]));
     for errors in [measured.map(|(state, _)| state), measured.map(|(_, tangent)| tangent)] {
         let points: Vec<_> =
             steps.iter().zip(errors).filter(|&(_, e)| e > 3e-13).map(|(h, e)| (h.ln(), e.ln())).collect();

@@ -238,8 +238,8 @@ class LagrangeMap:
         ParameterError: A value outside its range.
 
     References:
-        Bobenko and Suris, Commun. Math. Phys. 204 (1999) 147, for $\epsilon = 0$; for the twisted top, the Lax pair above
-        (docs/methods.md derives it).
+        Bobenko and Suris, Commun. Math. Phys. 204 (1999) 147, for $\epsilon = 0$; for the twisted top, the Lax pair
+        above (docs/methods.md derives it).
     """
 
     name: ClassVar[str] = "lagrange-map"

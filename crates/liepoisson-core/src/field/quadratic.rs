@@ -2,7 +2,7 @@
 
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
-use super::{Field, SinglePrecision, Space};
+use super::{Field, SinglePrecision, Space, needs_remainder, over};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -140,12 +140,17 @@ impl Field for Quadratic {
         let row = self.row(n_tangents);
         let (known, next) = rows.split_at_mut((k + 1) * row);
         let next = &mut next[..row];
-        let scale = 1.0 / (k + 1) as f64;
+        let scale = if needs_remainder(k + 1) { 1.0 } else { 1.0 / (k + 1) as f64 };
         self.begin(&known[k * row..], next, n_tangents, k, scale);
         let series = Series::new(known, row, self.group, k);
         for placed in &self.tiles {
             let terms = &self.terms[placed.first..placed.end];
             placed.tile.run(AddProducts { series, terms, next, group: self.group, n_tangents, scale });
+        }
+        if needs_remainder(k + 1) {
+            for value in next {
+                *value = over(*value, k + 1);
+            }
         }
     }
 }

@@ -1,8 +1,8 @@
 //! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
 
-use super::{Field, SinglePrecision, Space};
+use super::{Field, SinglePrecision, Space, over};
 use crate::error::Error;
-use crate::lanes::Lane;
+use crate::lanes::{Lane, Piece};
 
 pub(crate) const N: usize = 9;
 /// l, alpha, beta, and the angular velocity omega as work quantity.
@@ -103,43 +103,56 @@ impl Field for Top {
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
         let row = self.row(n_tangents);
         let (known, next) = rows.split_at_mut((k + 1) * row);
-        let scale = V::splat(1.0 / (k + 1) as f64);
         // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
         // the same, term by term, so a trajectory has the same bits either way.
         let fused = n_tangents > 0 && V::REGISTERS >= 32;
         if fused {
             let (mut derivative, mut tangent) = products_of_state_and_tangent(known, row);
             self.finish(&mut derivative, group_of(known, k * row));
-            store(next, 0, &derivative, scale);
+            store(next, 0, &derivative, k + 1);
             self.finish(&mut tangent, group_of(known, k * row + GROUP));
-            store(next, GROUP, &tangent, scale);
+            store(next, GROUP, &tangent, k + 1);
         } else {
             let mut derivative = products_of_state(known, row);
             self.finish(&mut derivative, group_of(known, k * row));
-            store(next, 0, &derivative, scale);
+            store(next, 0, &derivative, k + 1);
         }
         for i in 1 + usize::from(fused)..=n_tangents {
             let mut tangent = products_of_tangent(known, row, i * GROUP);
             self.finish(&mut tangent, group_of(known, k * row + i * GROUP));
-            store(next, i * GROUP, &tangent, scale);
+            store(next, i * GROUP, &tangent, k + 1);
         }
     }
 
     /// The sums of [`Field::extend`] for order 0, in registers.
     #[inline(always)]
     fn rates<V: Lane>(&self, x: &[V], _n_tangents: usize, _work: &mut [V], rates: &mut [V]) {
+        V::outline(Rates { top: self, x, rates });
+    }
+}
+
+struct Rates<'a, V> {
+    top: &'a Top,
+    x: &'a [V],
+    rates: &'a mut [V],
+}
+
+impl<V: Lane> Piece for Rates<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Rates { top, x, rates } = self;
         let (groups, _) = x.as_chunks::<N>();
         let state = groups[0];
-        let omega = self.omega(&state);
+        let omega = top.omega(&state);
         for (g, (group, to)) in groups.iter().zip(rates.as_chunks_mut::<N>().0).enumerate() {
             let mut sum = [V::splat(0.0); N];
             if g == 0 {
                 add_products(&mut sum, &state, &omega);
             } else {
-                add_products(&mut sum, &state, &self.omega(group));
+                add_products(&mut sum, &state, &top.omega(group));
                 add_products(&mut sum, group, &omega);
             }
-            self.finish(&mut sum, group);
+            top.finish(&mut sum, group);
             *to = sum;
         }
     }
@@ -153,9 +166,9 @@ pub(crate) fn group_of<V>(rows: &[V], at: usize) -> &[V; GROUP] {
 }
 
 #[inline(always)]
-fn store<V: Lane>(next: &mut [V], at: usize, derivative: &[V; N], scale: V) {
+fn store<V: Lane>(next: &mut [V], at: usize, derivative: &[V; N], order: usize) {
     for i in 0..N {
-        next[at + i] = derivative[i].mul(scale);
+        next[at + i] = over(derivative[i], order);
     }
 }
 

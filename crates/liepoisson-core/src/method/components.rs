@@ -1,6 +1,6 @@
 //! The Taylor method for one trajectory of a top alone: registers hold the components of vectors instead of trajectories.
 
-use crate::field::Top;
+use crate::field::{Top, needs_remainder};
 use crate::lanes::{Piece, TwoVectors, Vectors, Wide};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::{Block, Method, Stepping, Taylor, Verdict};
@@ -214,7 +214,8 @@ impl<V: Wide> Piece for Expansion<'_, V> {
                 spin = even.0.add(odd.0);
                 turn = even.1.add(odd.1).add(even.2.add(odd.2).mul(V::TwoVectors::splat(-1.0)));
             }
-            let inverse = 1.0 / (k + 1) as f64;
+            let careful = needs_remainder(k + 1);
+            let inverse = if careful { 1.0 } else { 1.0 / (k + 1) as f64 };
             let (scale, scales) = (V::Vector::splat(inverse), V::TwoVectors::splat(inverse));
             // constant vectors act on the newest row alone
             let forces = fields.mul(centres_rotated);
@@ -235,6 +236,9 @@ impl<V: Wide> Piece for Expansion<'_, V> {
             let mut twist_numbers = [0.0; 8];
             twisted.mul(scale).store(&mut twist_numbers);
             fields = turn.rotate().mul_add(scales, V::TwoVectors::load(&twist_numbers));
+            if careful {
+                (l, fields) = (divided(l, k + 1), divided(fields, k + 1));
+            }
         }
         l.store(&mut block.rows[order].l);
         fields.store(&mut block.rows[order].fields);
@@ -247,6 +251,14 @@ impl<V: Wide> Piece for Expansion<'_, V> {
         let (by_last, by_before) = (bound(last, order), bound(before, order - 1));
         longest[0] = exp2_estimate((if by_last < by_before { by_last } else { by_before }) + defect);
     }
+}
+
+/// `sum / order`, corrected with the remainder as [`crate::field::over`] does.
+#[inline(always)]
+fn divided<T: Vectors>(sum: T, order: usize) -> T {
+    let inverse = T::splat(1.0 / order as f64);
+    let quotient = sum.mul(inverse);
+    quotient.neg_mul_add(T::splat(order as f64), sum).mul_add(inverse, quotient)
 }
 
 /// The newest row, in registers.

@@ -140,7 +140,8 @@ mod tests {
         let nodes: Vec<f64> = std::iter::once(0.0).chain(STAGES.iter().map(|row| sum(row))).collect();
         for (i, row) in STAGES.iter().enumerate().skip(1) {
             let second = row.iter().map(|&(j, a)| a * nodes[j]).sum::<f64>();
-            assert!((second - nodes[i + 1] * nodes[i + 1] / 2.0).abs() < 1e-14, "stage {}: {second}", i + 2);
+            // coefficients of up to 43 cancel, so round-off is 1e-14 here
+            assert!((second - nodes[i + 1] * nodes[i + 1] / 2.0).abs() < 1e-13, "stage {}: {second}", i + 2);
         }
     }
 }

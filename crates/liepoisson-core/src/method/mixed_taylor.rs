@@ -1,7 +1,7 @@
 //! The Taylor method of tops in mixed precision: what a step is made of in single precision, what it is added to in double.
 
 use crate::field::top::{GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangent};
-use crate::field::{Field, Top};
+use crate::field::{Field, Top, over};
 use crate::lanes::{Lane, Piece, Wide};
 use crate::method::estimates::exp2_estimate;
 use crate::method::taylor::{shorten, sum_of_sizes};
@@ -235,9 +235,8 @@ impl<V: Lane> ScaledTop<'_, V> {
         self.add_cross(sum, 0, &last[3..6], &self.top.a);
         self.add_cross(sum, 0, &last[6..9], &self.top.b);
         self.add_cross(sum, 3, &last[6..9], &self.top.twist);
-        let scale = V::splat(1.0 / (k + 1) as f64);
         for i in 0..N {
-            next[i] = sum[i].mul(scale);
+            next[i] = over(sum[i], k + 1);
         }
         self.derive_omega(next);
     }

@@ -82,14 +82,12 @@ impl<'f, F: Field, V: Lane> Variational<'f, F, V> {
     }
 
     /// The rates at the present values.
-    #[inline(always)]
     pub(super) fn rates(&mut self, rates: &mut [V]) {
         let Variational { field, n_tangents, state, work, .. } = self;
         V::outline(Rates { field: *field, n_tangents: *n_tangents, x: state, work, rates });
     }
 
     /// The rates at `state + step sum_j a_j k_j`, where `k_j` are rows of `known`.
-    #[inline(always)]
     pub(super) fn rates_beside(&mut self, step: V, terms: &[Term], known: &[V], rates: &mut [V]) {
         let (state, row) = (&self.state[..], self.row());
         in_chunks::<V>(row, &mut Beside { state, step, sum: Sum { terms, known, row }, to: &mut self.beside });
@@ -135,26 +133,38 @@ pub(super) trait Chunk {
 }
 
 /// Runs `task` for `n` components, in chunks whose sums fit into the registers; nines are what tops are made of.
-#[inline(always)]
+///
+/// A function of its own for each register and task, whatever the field: it is compiled once.
 pub(super) fn in_chunks<V: Lane>(n: usize, task: &mut impl Chunk) {
-    let mut first = 0;
-    while first < n {
-        let (left, many_registers) = (n - first, V::REGISTERS >= 32);
-        if many_registers && left >= 18 {
-            task.run::<18>(first);
-            first += 18;
-        } else if left.is_multiple_of(9) {
-            task.run::<9>(first);
-            first += 9;
-        } else if left >= 12 {
-            task.run::<12>(first);
-            first += 12;
-        } else if left >= 4 {
-            task.run::<4>(first);
-            first += 4;
-        } else {
-            task.run::<1>(first);
-            first += 1;
+    V::outline(InChunks::<_, V> { n, task, register: std::marker::PhantomData });
+}
+
+struct InChunks<'t, T, V> {
+    n: usize,
+    task: &'t mut T,
+    register: std::marker::PhantomData<V>,
+}
+
+impl<T: Chunk, V: Lane> Piece for InChunks<'_, T, V> {
+    #[inline(always)]
+    fn run(self) {
+        let InChunks { n, task, .. } = self;
+        let mut first = 0;
+        while first < n {
+            let (left, many_registers) = (n - first, V::REGISTERS >= 32);
+            if many_registers && left >= 18 {
+                task.run::<18>(first);
+                first += 18;
+            } else if left.is_multiple_of(9) {
+                task.run::<9>(first);
+                first += 9;
+            } else if left >= 4 {
+                task.run::<4>(first);
+                first += 4;
+            } else {
+                task.run::<1>(first);
+                first += 1;
+            }
         }
     }
 }

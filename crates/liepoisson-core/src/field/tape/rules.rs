@@ -7,6 +7,7 @@ use super::graph::Function;
 use super::joint::{self, Phase};
 use super::program::{Form, Program, Slot, Step, TangentStep};
 use super::sums;
+use crate::field::over;
 use crate::lanes::Lane;
 
 /// Where things are for one order of the series.
@@ -193,21 +194,21 @@ pub(super) fn complete_order<V: Lane>(program: &Program, frame: &Frame, row: &[V
 #[inline(always)]
 pub(super) fn write_outputs<V: Lane>(program: &Program, frame: &Frame, next: &mut [V], work: &[V]) {
     let n = program.outputs.len();
-    let scale = V::splat(1.0 / (frame.k + 1) as f64);
+    let order = frame.k + 1;
     let defect = work[frame.state(program).singles + program.defect];
     if frame.n_tangents == 0 {
-        joint::outputs::<V, false>(program, frame, work, |i, [value, _]| next[i] = value.mul_add(scale, defect));
+        joint::outputs::<V, false>(program, frame, work, |i, [value, _]| next[i] = over(value, order).add(defect));
     } else {
         let (values, derivatives) = next.split_at_mut(n);
         joint::outputs::<V, true>(program, frame, work, |i, [value, derivative]| {
-            values[i] = value.mul_add(scale, defect);
-            derivatives[i] = derivative.mul(scale);
+            values[i] = over(value, order).add(defect);
+            derivatives[i] = over(derivative, order);
         });
     }
     for tangent in 1..frame.n_tangents {
         let group = frame.tangent(program, tangent);
         for (to, form) in next[(1 + tangent) * n..].iter_mut().zip(&program.tangent_outputs) {
-            *to = group.form(work, form).mul(scale);
+            *to = over(group.form(work, form), order);
         }
     }
 }

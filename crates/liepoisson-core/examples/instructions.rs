@@ -1,0 +1,102 @@
+//! A fixed piece of work for each hot kernel, to count its instructions: `instructions KERNEL T_END`, or `instructions list`.
+//!
+//! Prints the steps that all members took. `benchmarks/instructions.py` runs it under a counting emulator.
+
+use liepoisson_core::analysis::orbit::orbits;
+use liepoisson_core::ensemble::{Control, Ensemble};
+use liepoisson_core::error::Error;
+use liepoisson_core::field::{Instruction, Quadratic, Space, Tape, Top};
+use liepoisson_core::lanes::Simd;
+use liepoisson_core::method::{
+    AcrossComponents, Gauss, LagrangeMap, Method, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
+};
+
+const KERNELS: [&str; 13] = [
+    "taylor",
+    "taylor-state",
+    "taylor-mixed",
+    "taylor-components",
+    "taylor-quadratic",
+    "taylor-tape",
+    "runge-kutta",
+    "runge-kutta-adaptive",
+    "splitting-4",
+    "splitting-4-single",
+    "splitting-6-general",
+    "gauss-4",
+    "lagrange-map",
+];
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let arguments: Vec<String> = std::env::args().skip(1).collect();
+    let [kernel, t_end] = arguments.as_slice() else {
+        println!("{}", KERNELS.join("\n"));
+        return Ok(());
+    };
+    println!("{}", steps(kernel, t_end.parse()?)?);
+    Ok(())
+}
+
+fn steps(kernel: &str, t_end: f64) -> Result<u64, Box<dyn std::error::Error>> {
+    let kovalevskaya = Top::new([2.0, 2.0, 1.0], [-1.0, 0.0, 0.0], [0.0; 3], 1.0)?;
+    let general = Top::new([1.7, 1.1, 0.6], [0.4, -0.3, 0.9], [0.2, 0.5, -0.1], 1.0)?;
+    let lagrange = Top::new([2.0, 2.0, 1.0], [0.0, 0.0, 1.0], [0.0; 3], 1.0)?;
+    let (series, max) = (Taylor::new(1e-13, None, u64::MAX)?, u64::MAX);
+    Ok(match kernel {
+        "taylor" => run(&kovalevskaya, series, 1, 64, t_end)?,
+        "taylor-state" => run(&kovalevskaya, series, 0, 64, t_end)?,
+        "taylor-mixed" => run(&kovalevskaya, MixedTaylor(series), 1, 64, t_end)?,
+        "taylor-components" => run(&kovalevskaya, AcrossComponents(series), 0, 1, 16.0 * t_end)?,
+        "taylor-quadratic" => run(&kovalevskaya_as_quadratic()?, series, 1, 64, t_end)?,
+        "taylor-tape" => run(&pendulum()?, series, 1, 64, t_end)?,
+        "runge-kutta" => run(&kovalevskaya, RungeKutta::fixed(0.25, max)?, 1, 64, t_end)?,
+        "runge-kutta-adaptive" => run(&kovalevskaya, RungeKutta::new(1e-8, max)?, 1, 64, t_end)?,
+        "splitting-4" => run(&kovalevskaya, Splitting::new(4, 0.25, max)?, 1, 64, t_end)?,
+        "splitting-4-single" => run(&kovalevskaya, Single(Splitting::new(4, 0.25, max)?), 1, 64, t_end)?,
+        "splitting-6-general" => run(&general, Splitting::new(6, 0.25, max)?, 1, 64, t_end)?,
+        "gauss-4" => run(&kovalevskaya, Gauss::new(2, 0.125, max)?, 1, 64, t_end)?,
+        "lagrange-map" => run(&lagrange, LagrangeMap::new(0.25, max)?, 1, 64, t_end)?,
+        unknown => return Err(format!("no kernel {unknown}; there are {}", KERNELS.join(", ")).into()),
+    })
+}
+
+fn run<F: Space, M: Method<F>>(
+    field: &F,
+    method: M,
+    n_tangents: usize,
+    members: usize,
+    t_end: f64,
+) -> Result<u64, Error> {
+    let n = field.n_components();
+    // any fixed numbers of modest size
+    let number = |k: usize| 0.7 * (1.0 - 2.0 * ((k as f64 * 0.618_033_988_75) % 1.0));
+    let states: Vec<f64> = (0..n * members).map(number).collect();
+    let tangents: Vec<f64> = (1..=n * members * n_tangents).map(number).collect();
+    let times = [0.0, t_end];
+    let ensemble = Ensemble { field, method, states: &states, tangents: &tangents, n_tangents, times: &times };
+    let run = orbits(&ensemble, 1, Simd::from_environment()?, &Control::default(), false, |_| ())?;
+    Ok(run.summaries.iter().map(|summary| summary.n_steps).sum())
+}
+
+/// The twisted Kovalevskaya top as a sparse tensor.
+fn kovalevskaya_as_quadratic() -> Result<Quadratic, Error> {
+    let inverse = [0.5, 0.5, 1.0];
+    let cyclic = [(0, 1, 2), (1, 2, 0), (2, 0, 1)];
+    let mut products = vec![(0, 1, 2, inverse[2] - inverse[1]), (1, 0, 2, inverse[0] - inverse[2])];
+    for vector in [3, 6] {
+        for (i, j, k) in cyclic {
+            products.push((vector + i, k, vector + j, inverse[k]));
+            products.push((vector + i, j, vector + k, -inverse[j]));
+        }
+    }
+    // alpha x a and eps beta x a for a = (-1, 0, 0)
+    let linear = [(1, 5, -1.0), (2, 4, 1.0), (4, 8, -1.0), (5, 7, 1.0)];
+    Quadratic::new(9, &[], &linear, &products)
+}
+
+/// `q' = p`, `p' = -sin q`.
+fn pendulum() -> Result<Tape, Error> {
+    let sine = Instruction::from_parts("sin", &[0], &[])?;
+    let minus = Instruction::from_parts("linear", &[2], &[-1.0, 0.0])?;
+    Tape::new(2, vec![sine, minus], vec![1, 3])
+}
