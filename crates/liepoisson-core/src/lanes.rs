@@ -42,6 +42,8 @@ pub trait TwoVectors<One: Vectors>: Vectors {
     fn first(self) -> One;
     /// The second vector.
     fn second(self) -> One;
+    /// The second vector, then the first.
+    fn swap(self) -> Self;
 }
 
 /// What a lane holds: `f64` or `f32`.
@@ -242,6 +244,10 @@ impl<T: Vectors> TwoVectors<T> for [T; 2] {
     #[inline(always)]
     fn second(self) -> T {
         self[1]
+    }
+    #[inline(always)]
+    fn swap(self) -> Self {
+        [self[1], self[0]]
     }
 }
 
@@ -517,6 +523,10 @@ mod x86 {
         #[inline(always)]
         fn second(self) -> Avx2Vector {
             Avx2Vector(unsafe { _mm512_extractf64x4_pd::<1>(self.0) })
+        }
+        #[inline(always)]
+        fn swap(self) -> Self {
+            Self(unsafe { _mm512_shuffle_f64x2::<0b01_00_11_10>(self.0, self.0) })
         }
     }
 

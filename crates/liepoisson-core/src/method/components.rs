@@ -3,6 +3,7 @@
 use crate::field::{Top, needs_remainder};
 use crate::lanes::{Piece, TwoVectors, Vectors, Wide};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
+use crate::method::taylor::MAX_ORDER;
 use crate::method::{Block, Method, Stepping, Taylor, Verdict};
 use std::collections::TryReserveError;
 
@@ -18,7 +19,7 @@ pub struct AcrossComponents(pub Taylor);
 impl Method<Top> for AcrossComponents {
     fn block<'f, V: Wide>(&self, field: &'f Top, n_tangents: usize) -> Box<dyn Block + 'f> {
         assert_eq!(n_tangents, 0, "the kernel for one trajectory has no tangent vectors");
-        let rows = vec![Row::default(); self.0.order() + 1];
+        let rows = Box::new([Row::default(); MAX_ORDER + 1]);
         Box::new(SingleBlock::<V> {
             top: SpreadTop::new(field),
             method: self.0,
@@ -45,15 +46,19 @@ struct Row {
     omega_rotated: [f64; 4],
 }
 
+/// The rows of a series, as many as the highest order needs.
+type Rows = [Row; MAX_ORDER + 1];
+
 /// The parameters as vectors with a zero behind them.
 struct SpreadTop {
     inverse_inertia: [f64; 4],
     asymmetry: [f64; 4],
-    /// a, b; then epsilon a, 0, and the same rotated: what alpha and beta are multiplied with.
+    /// a and b, and rotated: what alpha and beta are multiplied with.
     centres: [f64; 8],
     centres_rotated: [f64; 8],
-    twist: [f64; 4],
-    twist_rotated: [f64; 4],
+    /// epsilon a and 0, and rotated: what beta and alpha are multiplied with.
+    twist: [f64; 8],
+    twist_rotated: [f64; 8],
 }
 
 impl SpreadTop {
@@ -66,8 +71,8 @@ impl SpreadTop {
             asymmetry: spread(top.asymmetry),
             centres: pair(top.a, top.b),
             centres_rotated: pair(turn(top.a), turn(top.b)),
-            twist: spread(top.twist),
-            twist_rotated: spread(turn(top.twist)),
+            twist: pair(top.twist, [0.0; 3]),
+            twist_rotated: pair(turn(top.twist), [0.0; 3]),
         }
     }
 }
@@ -75,7 +80,7 @@ impl SpreadTop {
 struct SingleBlock<V> {
     top: SpreadTop,
     method: Taylor,
-    rows: Vec<Row>,
+    rows: Box<Rows>,
     register: std::marker::PhantomData<V>,
 }
 
@@ -120,9 +125,10 @@ impl<V: Wide> Block for SingleBlock<V> {
     fn scale_tangent(&mut self, _lane: usize, _group: usize, _exponent: i32) {}
 
     fn copy_series(&self, _lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
-        to.try_reserve(9 * self.rows.len())?;
+        let rows = &self.rows[..=self.method.order()];
+        to.try_reserve(9 * rows.len())?;
         let mut values = [0.0; 9];
-        for row in &self.rows {
+        for row in rows {
             row.copy_to(&mut values);
             to.extend_from_slice(&values);
         }
@@ -181,67 +187,43 @@ struct Expansion<'b, V> {
     longest: &'b mut [f64],
 }
 
+/// Runs `extend` for the orders named, one after the other, as straight-line code, up to `$order`.
+///
+/// With the number of terms known to the compiler no loop ends at a place that the processor has to guess, and the
+/// products of one order are under way while the last order is being finished.
+macro_rules! straight_line {
+    ($order:expr, $series:lifetime, $extend:expr, $($k:literal)*) => {
+        $(
+            if $order == $k {
+                break $series;
+            }
+            $extend($k);
+        )*
+    };
+}
+
+/// Orders that have straight-line code.
+const STRAIGHT_ORDERS: usize = 26;
+
 impl<V: Wide> Piece for Expansion<'_, V> {
     #[inline(always)]
     fn run(self) {
         let Expansion { block, longest } = self;
         let order = block.method.order();
-        let top = &block.top;
-        let inverse_inertia = V::Vector::load(&top.inverse_inertia);
-        let asymmetry = V::Vector::load(&top.asymmetry);
-        let (centres, centres_rotated) = (V::TwoVectors::load(&top.centres), V::TwoVectors::load(&top.centres_rotated));
-        let (twist, twist_rotated) = (V::Vector::load(&top.twist), V::Vector::load(&top.twist_rotated));
-        let mut l = V::Vector::load(&block.rows[0].l);
-        let mut fields = V::TwoVectors::load(&block.rows[0].fields);
-        let zero = (V::Vector::splat(0.0), V::TwoVectors::splat(0.0));
-        let mut first: Option<Newest<V>> = None;
-        for k in 0..order {
-            let newest = Newest::<V>::of(l, fields, inverse_inertia);
-            newest.store(&mut block.rows[k]);
-            let first = *first.get_or_insert(newest);
-            // rows 1..k with one another: nothing here waits for the newest row
-            let (mut spin, mut turn) = (zero.0, zero.1);
-            if k >= 2 {
-                let (mut even, mut odd) = ((zero.0, zero.1, zero.1), (zero.0, zero.1, zero.1));
-                let inner = &block.rows[1..k];
-                let mut terms = inner.iter().zip(inner.iter().rev());
-                while let Some((x, y)) = terms.next() {
-                    even = add_term::<V>(even, x, y);
-                    if let Some((x, y)) = terms.next() {
-                        odd = add_term::<V>(odd, x, y);
-                    }
-                }
-                spin = even.0.add(odd.0);
-                turn = even.1.add(odd.1).add(even.2.add(odd.2).mul(V::TwoVectors::splat(-1.0)));
-            }
-            let careful = needs_remainder(k + 1);
-            let inverse = if careful { 1.0 } else { 1.0 / (k + 1) as f64 };
-            let (scale, scales) = (V::Vector::splat(inverse), V::TwoVectors::splat(inverse));
-            // constant vectors act on the newest row alone
-            let forces = fields.mul(centres_rotated);
-            let forces = newest.fields_rotated.neg_mul_add(centres, forces).rotate();
-            let force = forces.first().add(forces.second()).mul(scale);
-            let (beta, beta_rotated) = (fields.second(), newest.fields_rotated.second());
-            let twisted = beta_rotated.neg_mul_add(twist, beta.mul(twist_rotated)).rotate();
-            if k > 0 {
-                spin = newest.l.mul_add(first.omega_rotated, spin);
-                turn = fields.mul_add(V::TwoVectors::both(first.omega_rotated), turn);
-                turn = newest.fields_rotated.neg_mul_add(V::TwoVectors::both(first.omega), turn);
-            }
-            spin = first.l.mul_add(newest.omega_rotated, spin);
-            turn = first.fields_rotated.neg_mul_add(V::TwoVectors::both(newest.omega), turn);
-            turn = first.fields.mul_add(V::TwoVectors::both(newest.omega_rotated), turn);
-            // l omega_rotated = (l1 omega2, l2 omega3, l3 omega1): rotated, these are what `asymmetry` expects
-            l = spin.rotate().mul_add(asymmetry.mul(scale), force);
-            let mut twist_numbers = [0.0; 8];
-            twisted.mul(scale).store(&mut twist_numbers);
-            fields = turn.rotate().mul_add(scales, V::TwoVectors::load(&twist_numbers));
-            if careful {
-                (l, fields) = (divided(l, k + 1), divided(fields, k + 1));
+        let mut series = Growing::<V>::new(&block.top, &block.rows[0]);
+        let rows: &mut Rows = &mut block.rows;
+        'series: {
+            #[rustfmt::skip]
+            straight_line!(
+                order, 'series, |k| series.extend(rows, k),
+                0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25
+            );
+            for k in STRAIGHT_ORDERS..order {
+                series.extend(rows, k);
             }
         }
-        l.store(&mut block.rows[order].l);
-        fields.store(&mut block.rows[order].fields);
+        series.l.store(&mut block.rows[order].l);
+        series.fields.store(&mut block.rows[order].fields);
         let (size, last, before) = (block.rows[0].norm(), block.rows[order].norm(), block.rows[order - 1].norm());
         let defect = (size + last) * 0.0;
         let allowed = log2_estimate(block.method.tolerance() * size);
@@ -251,6 +233,88 @@ impl<V: Wide> Piece for Expansion<'_, V> {
         let (by_last, by_before) = (bound(last, order), bound(before, order - 1));
         longest[0] = exp2_estimate((if by_last < by_before { by_last } else { by_before }) + defect);
     }
+}
+
+/// A series under way: its newest coefficients, and the parameters in registers.
+struct Growing<V: Wide> {
+    l: V::Vector,
+    fields: V::TwoVectors,
+    inverse_inertia: V::Vector,
+    asymmetry: V::Vector,
+    centres: V::TwoVectors,
+    centres_rotated: V::TwoVectors,
+    twist: V::TwoVectors,
+    twist_rotated: V::TwoVectors,
+    first: Newest<V>,
+}
+
+impl<V: Wide> Growing<V> {
+    #[inline(always)]
+    fn new(top: &SpreadTop, row: &Row) -> Self {
+        let inverse_inertia = V::Vector::load(&top.inverse_inertia);
+        let (l, fields) = (V::Vector::load(&row.l), V::TwoVectors::load(&row.fields));
+        Growing {
+            l,
+            fields,
+            inverse_inertia,
+            asymmetry: V::Vector::load(&top.asymmetry),
+            centres: V::TwoVectors::load(&top.centres),
+            centres_rotated: V::TwoVectors::load(&top.centres_rotated),
+            twist: V::TwoVectors::load(&top.twist),
+            twist_rotated: V::TwoVectors::load(&top.twist_rotated),
+            first: Newest::of(l, fields, inverse_inertia),
+        }
+    }
+
+    /// Stores row k and goes on to the coefficients of order k + 1.
+    #[inline(always)]
+    fn extend(&mut self, rows: &mut Rows, k: usize) {
+        let newest = Newest::<V>::of(self.l, self.fields, self.inverse_inertia);
+        newest.store(&mut rows[k]);
+        let (mut spin, mut turn) = inner_products::<V>(rows, k);
+        let first = self.first;
+        let careful = needs_remainder(k + 1);
+        let inverse = if careful { 1.0 } else { 1.0 / (k + 1) as f64 };
+        let (scale, scales) = (V::Vector::splat(inverse), V::TwoVectors::splat(inverse));
+        // constant vectors act on the newest row alone
+        let forces = self.fields.mul(self.centres_rotated);
+        let forces = newest.fields_rotated.neg_mul_add(self.centres, forces).rotate();
+        let force = forces.first().add(forces.second()).mul(scale);
+        let (betas, betas_rotated) = (self.fields.swap(), newest.fields_rotated.swap());
+        let twisted = betas_rotated.neg_mul_add(self.twist, betas.mul(self.twist_rotated)).rotate().mul(scales);
+        if k > 0 {
+            spin = newest.l.mul_add(first.omega_rotated, spin);
+            turn = self.fields.mul_add(V::TwoVectors::both(first.omega_rotated), turn);
+            turn = newest.fields_rotated.neg_mul_add(V::TwoVectors::both(first.omega), turn);
+        }
+        spin = first.l.mul_add(newest.omega_rotated, spin);
+        turn = first.fields_rotated.neg_mul_add(V::TwoVectors::both(newest.omega), turn);
+        turn = first.fields.mul_add(V::TwoVectors::both(newest.omega_rotated), turn);
+        // l omega_rotated = (l1 omega2, l2 omega3, l3 omega1): rotated, these are what `asymmetry` expects
+        self.l = spin.rotate().mul_add(self.asymmetry.mul(scale), force);
+        self.fields = turn.rotate().mul_add(scales, twisted);
+        if careful {
+            (self.l, self.fields) = (divided(self.l, k + 1), divided(self.fields, k + 1));
+        }
+    }
+}
+
+/// Sums of products of the rows 1..k with one another, for `l` and for the fields: nothing here waits for row k.
+#[inline(always)]
+fn inner_products<V: Wide>(rows: &Rows, k: usize) -> (V::Vector, V::TwoVectors) {
+    let zero = (V::Vector::splat(0.0), V::TwoVectors::splat(0.0), V::TwoVectors::splat(0.0));
+    let (mut even, mut odd) = (zero, zero);
+    let mut j = 1;
+    while j + 1 < k {
+        even = add_term::<V>(even, &rows[j], &rows[k - j]);
+        odd = add_term::<V>(odd, &rows[j + 1], &rows[k - j - 1]);
+        j += 2;
+    }
+    if j < k {
+        even = add_term::<V>(even, &rows[j], &rows[k - j]);
+    }
+    let minus = even.2.add(odd.2).mul(V::TwoVectors::splat(-1.0));
+    (even.0.add(odd.0), even.1.add(odd.1).add(minus))
 }
 
 /// `sum / order`, corrected with the remainder as [`crate::field::over`] does.

@@ -11,7 +11,7 @@ use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::{Block, Method, Stepping, Verdict};
 use std::collections::TryReserveError;
 
-const MAX_ORDER: usize = 64;
+pub(super) const MAX_ORDER: usize = 64;
 
 /// The method as data.
 #[derive(Clone, Copy, Debug, PartialEq)]
