@@ -168,7 +168,7 @@ mod tests {
         for (n, method) in (1..).zip(&COLLOCATIONS) {
             let nodes: Vec<f64> = method.stages.iter().map(|row| row.iter().map(|term| term.1).sum()).collect();
             for (i, row) in method.continuation.iter().enumerate() {
-                for q in 0..n as i32 {
+                for q in 0..n {
                     let continued: f64 = row.iter().map(|&(j, e)| e * nodes[j].powi(q)).sum();
                     let error = continued - (1.0 + nodes[i]).powi(q);
                     assert!(error.abs() < 1e-13, "{n} stages, power {q}: {error:e}");

@@ -147,8 +147,7 @@ impl Control {
     #[inline(always)]
     fn judge(&mut self, size: f64, error: f64, factor: f64) -> Verdict {
         let size = size.abs();
-        // written so that NaN is refused
-        if !(error <= 1.0) {
+        if error.is_nan() || error > 1.0 {
             self.refused = true;
             self.longest = size * if error.is_finite() { factor.clamp(1.0 / 3.0, 0.9) } else { 0.1 };
             return Verdict::TooLong;
