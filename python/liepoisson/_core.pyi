@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from liepoisson.field import Instruction, Piece, Vector3
 
-__all__ = ["Field", "Method", "__version__", "available_simd", "growth", "orbits", "outcomes", "simd"]
+__all__ = ["Field", "Method", "__version__", "available_simd", "growth", "orbits", "outcomes", "sections", "simd"]
 
 __version__: str
 
@@ -63,6 +63,17 @@ class _Orbits(_Ends):
 class _Growth(_Ends):
     exponent: _Array
 
+class _Sections(_Ends):
+    count: NDArray[np.int64]
+    touch_count: NDArray[np.int64]
+    unbounded_steps: NDArray[np.int64]
+    undefined_steps: NDArray[np.int64]
+    time: _Array
+    state: _Array
+    sign: NDArray[np.int8]
+    touch_time: _Array
+    touch_state: _Array
+
 def orbits(
     field: Field,
     method: Method,
@@ -89,3 +100,15 @@ def growth(
 def simd() -> str: ...
 def available_simd() -> list[str]: ...
 def outcomes() -> list[str]: ...
+def sections(
+    field: Field,
+    method: Method,
+    surface: tuple[int, Sequence[Instruction], Sequence[int]],
+    states: _Array,
+    times: _Array,
+    direction: int,
+    n_crossings: int | None,
+    threads: int,
+    time_limit: float,
+    progress: Callable[[float], object] | None,
+) -> _Sections: ...

@@ -5,6 +5,7 @@ use crate::field::Space;
 use crate::lanes::Simd;
 use crate::method::{Block, Method, Stepping, Verdict};
 use std::collections::TryReserveError;
+use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::{Condvar, Mutex};
 use std::time::{Duration, Instant};
@@ -106,10 +107,15 @@ impl Step<'_> {
 pub trait Observer: Send {
     /// `member` starts in `lane`.
     fn begin(&mut self, lane: usize, member: usize);
-    /// A step was accepted.
-    fn step(&mut self, lane: usize, step: &Step<'_>);
+    /// A step was accepted. Breaks where the trajectory has served its purpose: it then ends with this step.
+    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<()> {
+        let _ = (lane, step);
+        ControlFlow::Continue(())
+    }
     /// The step contains time number `index` of the ensemble, `tau` after its start.
-    fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>);
+    fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
+        let _ = (lane, index, tau, step);
+    }
     /// `member` has ended.
     fn end(&mut self, lane: usize, member: usize, summary: Summary);
 }
@@ -460,7 +466,7 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
     ) -> f64 {
         let times = self.ensemble.times;
         let step = Step { block, lane, time: seat.time, size, scales: &seat.scales };
-        observer.step(lane, &step);
+        let enough = observer.step(lane, &step).is_break();
         while seat.next_sample < times.len() {
             let tau = seat.until(times[seat.next_sample]);
             if !is_last && tau.abs() > size.abs() {
@@ -480,6 +486,9 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
             seat.move_clock(size);
         }
         seat.n_steps += 1;
+        if enough {
+            seat.next_sample = times.len();
+        }
         size
     }
 
@@ -510,7 +519,7 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         let is_last = size == seat.until(target) && repeats == 1;
         let whole = size * repeats as f64;
         let step = Step { block, lane, time: seat.time, size: whole, scales: &seat.scales };
-        observer.step(lane, &step);
+        let enough = observer.step(lane, &step).is_break();
         seat.n_steps += repeats;
         seat.careful_steps = seat.careful_steps.saturating_sub(repeats);
         seat.steps_left = seat.steps_left.saturating_sub(repeats);
@@ -520,6 +529,9 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
             seat.next_sample += 1;
         } else {
             seat.move_clock(whole);
+        }
+        if enough {
+            seat.next_sample = self.ensemble.times.len();
         }
     }
 

@@ -160,6 +160,18 @@ pub fn as_scalars<V: Lane>(registers: &[V]) -> &[V::Number] {
     unsafe { std::slice::from_raw_parts(registers.as_ptr().cast(), registers.len() * V::WIDTH) }
 }
 
+/// Numbers as registers that hold one each.
+///
+/// # Panics
+/// A register holds more than one.
+#[inline(always)]
+pub fn as_single_registers<V: Lane>(numbers: &mut [V::Number]) -> &mut [V] {
+    assert!(V::WIDTH == 1 && align_of::<V>() == align_of::<V::Number>(), "registers of one number");
+    // SAFETY: every implementor of Lane consists of exactly WIDTH numbers, without padding, and any bits are valid in
+    // them; the alignment has just been compared.
+    unsafe { std::slice::from_raw_parts_mut(numbers.as_mut_ptr().cast(), numbers.len()) }
+}
+
 impl Vectors for [f64; 4] {
     #[inline(always)]
     fn load(numbers: &[f64]) -> Self {

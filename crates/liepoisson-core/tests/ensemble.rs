@@ -267,7 +267,7 @@ struct Impatient<'c> {
 
 impl Observer for Impatient<'_> {
     fn begin(&mut self, _lane: usize, _member: usize) {}
-    fn step(&mut self, _lane: usize, _step: &Step<'_>) {}
+
     fn sample(&mut self, _lane: usize, _index: usize, _tau: f64, _step: &Step<'_>) {
         self.control.cancel();
         self.seen.fetch_add(1, Ordering::Relaxed);

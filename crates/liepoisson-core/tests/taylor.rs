@@ -5,7 +5,7 @@ mod common;
 use common::*;
 use liepoisson_core::error::Error;
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::Taylor;
+use liepoisson_core::method::{AcrossComponents, MixedTaylor, RungeKutta, Taylor};
 use proptest::prelude::*;
 
 /// Free symmetric top: `l1 + i l2` turns at the rate `(1/I1 - 1/I3) l3`, `l3` is constant.
@@ -149,4 +149,28 @@ fn tolerance_and_order_out_of_range_are_refused() {
     assert!(matches!(Taylor::new(f64::NAN, None, 1), Err(Error::Tolerance { .. })));
     assert_eq!(Taylor::new(1e-10, Some(1), 1), Err(Error::Order { got: 1 }));
     assert_eq!(Taylor::new(1e-10, Some(65), 1), Err(Error::Order { got: 65 }));
+}
+
+/// `l = alpha = 0`, `beta` across `a`: a planar motion in which only every sixth order of a component is not zero, so that
+/// for many orders the last two terms of all components vanish together.
+#[test]
+fn a_symmetric_motion_whose_last_terms_vanish_takes_no_endless_step() {
+    let p = Parameters { inertia: [2.0, 1.5, 1.0], a: [0.0, 0.0, 1.0], b: [0.0; 3], epsilon: 1.0 };
+    let start = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0];
+    let tangent = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0]; // a symmetric one
+    let times = [0.0, 10.0];
+    let reference = run(&p.top(), RungeKutta::new(1e-14, 1_000_000).unwrap(), &start, &[], &times, Simd::Scalar);
+    for order in 8..=40 {
+        let method = Taylor::new(1e-15, Some(order), 1_000_000).unwrap();
+        let runs = [
+            run(&p.top(), method, &start, &[], &times, Simd::Scalar),
+            run(&p.top(), method, &start, &tangent, &times, Simd::Scalar),
+            run(&p.top(), AcrossComponents(method), &start, &[], &times, Simd::Scalar),
+            run(&p.top(), MixedTaylor(method), &start, &[], &times, Simd::Scalar),
+        ];
+        for orbit in runs {
+            let error = distance(&orbit.states[9..18], &reference.states[9..18]);
+            assert!(error < 1e-11, "order {order}: {error:e} in {} steps", orbit.summaries[0].n_steps);
+        }
+    }
 }

@@ -1,9 +1,10 @@
 //! Python shell over `liepoisson-core`: arrays in, arrays out, errors translated, the interpreter released meanwhile.
 
+use liepoisson_core::analysis::section::{self, Doubts, Surface};
 use liepoisson_core::analysis::{lyapunov, orbit};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
+use liepoisson_core::field::{Functions, Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{
     AcrossComponents, Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
@@ -38,6 +39,14 @@ enum Kind {
 /// A linear form, the coefficients of a polynomial, a sparse matrix.
 type PieceParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
 
+/// Name, registers, numbers.
+type InstructionParts = (String, Vec<usize>, Vec<f64>);
+
+fn read_instructions(instructions: &[InstructionParts]) -> PyResult<Vec<Instruction>> {
+    let read = |(name, registers, numbers): &InstructionParts| Instruction::from_parts(name, registers, numbers);
+    instructions.iter().map(read).collect::<Result<_, _>>().map_err(translate)
+}
+
 #[pymethods]
 impl Field {
     /// Dimension of the state.
@@ -71,16 +80,8 @@ impl Field {
 
     /// Any smooth field, by the instructions that compute it.
     #[staticmethod]
-    fn tape(
-        n_components: usize,
-        instructions: Vec<(String, Vec<usize>, Vec<f64>)>,
-        outputs: Vec<usize>,
-    ) -> PyResult<Field> {
-        let instructions = instructions
-            .iter()
-            .map(|(name, registers, numbers)| Instruction::from_parts(name, registers, numbers))
-            .collect::<Result<_, _>>()
-            .map_err(translate)?;
+    fn tape(n_components: usize, instructions: Vec<InstructionParts>, outputs: Vec<usize>) -> PyResult<Field> {
+        let instructions = read_instructions(&instructions)?;
         Tape::new(n_components, instructions, outputs).map(|tape| Field(Kind::Tape(tape))).map_err(translate)
     }
 
@@ -332,6 +333,66 @@ fn growth<'py>(
     Ok(result)
 }
 
+/// Crossings of a surface; arrays are flat, row-major: see `_core.pyi`.
+#[pyfunction]
+#[pyo3(signature = (field, method, surface, states, times, direction, n_crossings, threads, time_limit, progress))]
+#[allow(clippy::too_many_arguments)]
+fn sections<'py>(
+    py: Python<'py>,
+    field: &Field,
+    method: &Method,
+    surface: (usize, Vec<InstructionParts>, Vec<usize>),
+    states: PyReadonlyArray1<'py, f64>,
+    times: PyReadonlyArray1<'py, f64>,
+    direction: i8,
+    n_crossings: Option<usize>,
+    threads: usize,
+    time_limit: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let simd = Simd::from_environment().map_err(translate)?;
+    let (states, times) = (states.as_slice()?, times.as_slice()?);
+    let How::Taylor(method) = method.0 else { return Err(translate(Error::MethodForField)) };
+    let (n_components, instructions, outputs) = surface;
+    let instructions = read_instructions(&instructions)?;
+    let functions = |outputs: &[usize]| Functions::new(n_components, instructions.clone(), outputs.to_vec());
+    let (first, further) = outputs.split_at(outputs.len().min(1));
+    let kept = (!further.is_empty()).then(|| functions(further)).transpose().map_err(translate)?;
+    let surface = Surface { function: functions(first).map_err(translate)?, kept, direction, n_crossings };
+    macro_rules! run {
+        ($field:expr) => {{
+            let ensemble = Ensemble { field: $field, method, states, tangents: &[], n_tangents: 0, times };
+            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
+                section::sections(&ensemble, &surface, threads, simd, control, watch)
+            })?
+        }};
+    }
+    let sections = match &field.0 {
+        Kind::Top(field) => run!(field),
+        Kind::Quadratic(field) => run!(field),
+        Kind::Tape(field) => run!(field),
+        Kind::Pieces(_) => return Err(translate(Error::MethodForField)),
+    };
+    let result = PyDict::new(py);
+    add_summaries(&result, &sections.summaries, field.n_components())?;
+    let counts = |counts: Vec<usize>| PyArray1::from_iter(py, counts.into_iter().map(|count| count as i64));
+    let doubts = |count: &dyn Fn(&Doubts) -> u64| {
+        PyArray1::from_iter(py, sections.doubts.iter().map(|doubts| count(doubts) as i64))
+    };
+    result.set_item("unbounded_steps", doubts(&|doubts| doubts.n_unbounded))?;
+    result.set_item("undefined_steps", doubts(&|doubts| doubts.n_undefined))?;
+    result.set_item("count", counts(sections.crossing_counts))?;
+    result.set_item("time", sections.crossings.times.into_pyarray(py))?;
+    result.set_item("state", sections.crossings.states.into_pyarray(py))?;
+    result.set_item("sign", sections.crossings.signs.into_pyarray(py))?;
+    result.set_item("touch_count", counts(sections.touch_counts))?;
+    result.set_item("touch_time", sections.touches.times.into_pyarray(py))?;
+    result.set_item("touch_state", sections.touches.states.into_pyarray(py))?;
+    result.set_item("kernel", simd.name())?;
+    result.set_item("order", method.order())?;
+    Ok(result)
+}
+
 /// Name of the instruction set that the kernels use, after `LIEPOISSON_SIMD`.
 #[pyfunction]
 fn simd() -> PyResult<&'static str> {
@@ -357,6 +418,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Method>()?;
     module.add_function(wrap_pyfunction!(orbits, module)?)?;
     module.add_function(wrap_pyfunction!(growth, module)?)?;
+    module.add_function(wrap_pyfunction!(sections, module)?)?;
     module.add_function(wrap_pyfunction!(simd, module)?)?;
     module.add_function(wrap_pyfunction!(available_simd, module)?)?;
     module.add_function(wrap_pyfunction!(outcomes, module)?)

@@ -106,8 +106,6 @@ impl Observer for Recorder<'_> {
         self.exponents[lane].fill(f64::NAN);
     }
 
-    fn step(&mut self, _lane: usize, _step: &Step<'_>) {}
-
     fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
         if index > 0 {
             let scale = step.tangent(0, tau, &mut self.tangent);

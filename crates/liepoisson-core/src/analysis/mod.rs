@@ -2,6 +2,7 @@
 
 pub mod lyapunov;
 pub mod orbit;
+pub mod section;
 
 use crate::ensemble::{Control, Outcome, Summary};
 use crate::error::Error;

@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::field::Space;
 use crate::lanes::Simd;
 use crate::method::Method;
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
@@ -101,17 +102,18 @@ impl Observer for Recorder<'_> {
         self.series[lane] = Series::default();
     }
 
-    fn step(&mut self, lane: usize, step: &Step<'_>) {
+    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<()> {
         if self.dense {
             let Series { times, coefficients } = &mut self.series[lane];
             if times.try_reserve(1).is_err() || step.copy_series(coefficients).is_err() {
                 self.refused.store((8 * coefficients.len()).max(1), Ordering::Relaxed);
                 self.control.cancel();
                 self.series[lane] = Series::default();
-                return;
+                return ControlFlow::Break(());
             }
             times.push(step.time);
         }
+        ControlFlow::Continue(())
     }
 
     fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {

@@ -9,7 +9,7 @@ pub(crate) mod top;
 
 pub use pieces::{Pieces, Ridge};
 pub use quadratic::Quadratic;
-pub use tape::{Instruction, Tape};
+pub use tape::{Functions, Instruction, Tape};
 pub use top::Top;
 
 use crate::lanes::{Lane, Piece};
@@ -18,12 +18,32 @@ use crate::lanes::{Lane, Piece};
 pub trait Space: Sync {
     /// Number of components of the state.
     fn n_components(&self) -> usize;
+
+    /// What its rates of change are bounded by, if they are polynomials of degree two.
+    fn majorant(&self) -> Option<Majorant> {
+        None
+    }
 }
 
 impl<S: Space> Space for &S {
     fn n_components(&self) -> usize {
         (**self).n_components()
     }
+
+    fn majorant(&self) -> Option<Majorant> {
+        (**self).majorant()
+    }
+}
+
+/// Bounds of a field of degree two: with `|x|` the largest absolute value of a component, every component of the part of
+/// degree one is at most `linear |x|`, and of that of degree two `quadratic |x|^2`; sums of absolute coefficients, so they
+/// hold for power series in place of numbers, too.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Majorant {
+    /// Of the part of degree one.
+    pub linear: f64,
+    /// Of the part of degree two.
+    pub quadratic: f64,
 }
 
 /// An autonomous vector field whose solutions are expanded in powers of time.

@@ -2,7 +2,7 @@
 
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
-use super::{Field, SinglePrecision, Space, needs_remainder, over};
+use super::{Field, Majorant, SinglePrecision, Space, needs_remainder, over};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -23,6 +23,7 @@ pub struct Quadratic {
     tiles: Vec<PlacedTile>,
     /// Where the products of the tiles enter.
     terms: Vec<Term>,
+    majorant: Majorant,
 }
 
 /// `x_target' += coefficient * source`; the source is a component, or the number of a product in its tile.
@@ -64,6 +65,15 @@ impl Quadratic {
         let mut products: Vec<[usize; 2]> = quadratic.iter().map(|&([j, k, _], _)| [j, k]).collect();
         products.dedup();
 
+        let rows = |entries: &mut dyn Iterator<Item = (usize, f64)>| {
+            let mut sums = vec![0.0; n_components];
+            entries.for_each(|(i, c)| sums[i] += c.abs());
+            sums.into_iter().fold(0.0, f64::max)
+        };
+        let majorant = Majorant {
+            linear: rows(&mut linear.iter().map(|&([i, _], c)| (i, c))),
+            quadratic: rows(&mut quadratic.iter().map(|&([_, _, i], c)| (i, c))),
+        };
         let mut terms = Vec::new();
         let tiles = cover(n_components, &products)
             .into_iter()
@@ -90,6 +100,7 @@ impl Quadratic {
             linear: linear.iter().map(|&([i, j], c)| Term { target: i, source: j, coefficient: c }).collect(),
             tiles,
             terms,
+            majorant,
         })
     }
 }
@@ -122,6 +133,10 @@ fn collect<const D: usize>(
 impl Space for Quadratic {
     fn n_components(&self) -> usize {
         self.n_components
+    }
+
+    fn majorant(&self) -> Option<Majorant> {
+        Some(self.majorant)
     }
 }
 

@@ -1,6 +1,6 @@
 //! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
 
-use super::{Field, SinglePrecision, Space, over};
+use super::{Field, Majorant, SinglePrecision, Space, over};
 use crate::error::Error;
 use crate::lanes::{Lane, Piece};
 
@@ -81,6 +81,19 @@ impl Top {
 impl Space for Top {
     fn n_components(&self) -> usize {
         N
+    }
+
+    fn majorant(&self) -> Option<Majorant> {
+        // a row of the matrix of u -> u x v: the two components of v that stand in it
+        let row = |v: &[f64; 3], i: usize| v[(i + 1) % 3].abs() + v[(i + 2) % 3].abs();
+        let mut majorant = Majorant::default();
+        for i in 0..3 {
+            let linear = (row(&self.a, i) + row(&self.b, i)).max(row(&self.twist, i));
+            let omega = self.asymmetry[i].abs() * self.inverse_inertia[(i + 2) % 3];
+            majorant.linear = majorant.linear.max(linear);
+            majorant.quadratic = majorant.quadratic.max(omega.max(row(&self.inverse_inertia, i)));
+        }
+        Some(majorant)
     }
 }
 

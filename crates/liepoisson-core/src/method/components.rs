@@ -3,7 +3,7 @@
 use crate::field::{Top, needs_remainder};
 use crate::lanes::{Piece, TwoVectors, Vectors, Wide};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
-use crate::method::taylor::MAX_ORDER;
+use crate::method::taylor::{MAX_ORDER, Terms, Trend};
 use crate::method::{Block, Method, Stepping, Taylor, Verdict};
 use std::collections::TryReserveError;
 
@@ -23,6 +23,7 @@ impl Method<Top> for AcrossComponents {
         Box::new(SingleBlock::<V> {
             top: SpreadTop::new(field),
             method: self.0,
+            trend: Trend::new(self.0.tolerance(), self.0.order()),
             rows,
             register: std::marker::PhantomData,
         })
@@ -48,6 +49,13 @@ struct Row {
 
 /// The rows of a series, as many as the highest order needs.
 type Rows = [Row; MAX_ORDER + 1];
+
+impl Terms<f64> for Rows {
+    #[inline(always)]
+    fn size(&self, k: usize, _group: usize) -> f64 {
+        self[k].norm()
+    }
+}
 
 /// The parameters as vectors with a zero behind them.
 struct SpreadTop {
@@ -80,6 +88,7 @@ impl SpreadTop {
 struct SingleBlock<V> {
     top: SpreadTop,
     method: Taylor,
+    trend: Trend,
     rows: Box<Rows>,
     register: std::marker::PhantomData<V>,
 }
@@ -231,7 +240,12 @@ impl<V: Wide> Piece for Expansion<'_, V> {
             if term > 0.0 { (allowed - log2_estimate(term)) / power as f64 } else { f64::INFINITY }
         };
         let (by_last, by_before) = (bound(last, order), bound(before, order - 1));
-        longest[0] = exp2_estimate((if by_last < by_before { by_last } else { by_before }) + defect);
+        let mut logarithm = [(if by_last < by_before { by_last } else { by_before }) + defect];
+        longest[0] = exp2_estimate(logarithm[0]);
+        if block.trend.suspects(longest[0], &*block.rows, 0) {
+            block.trend.shorten(&mut logarithm, &*block.rows, 0);
+            longest[0] = exp2_estimate(logarithm[0]);
+        }
     }
 }
 

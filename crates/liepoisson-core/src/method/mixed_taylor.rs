@@ -3,8 +3,7 @@
 use crate::field::top::{GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangent};
 use crate::field::{Field, Top, over};
 use crate::lanes::{Lane, Piece, Wide};
-use crate::method::estimates::exp2_estimate;
-use crate::method::taylor::{shorten, sum_of_sizes};
+use crate::method::taylor::{Terms, Trend, shorten, shorten_by_trend, sum_of_sizes};
 use crate::method::{Block, Method, Stepping, Taylor, Verdict};
 use std::collections::TryReserveError;
 
@@ -61,6 +60,10 @@ impl Method<Top> for MixedTaylor {
             double_order: self.double_order(),
             tangent_order: self.tangent_order(),
             tangent_tolerance: self.tangent_tolerance(),
+            trends: [
+                Trend::new(self.0.tolerance(), self.0.order()),
+                Trend::new(8.0 * self.tangent_tolerance(), self.tangent_order()),
+            ],
             n_tangents,
             row,
             double: [vec![V::splat(0.0); n_double * GROUP], vec![V::splat(0.0); n_double * GROUP]],
@@ -80,6 +83,8 @@ struct MixedBlock<'f, V: Wide> {
     double_order: usize,
     tangent_order: usize,
     tangent_tolerance: f64,
+    /// Of the state, and of the tangent vectors.
+    trends: [Trend; 2],
     n_tangents: usize,
     /// Registers of one order in `single`.
     row: usize,
@@ -339,9 +344,23 @@ impl<V: Wide> Piece for Steps<'_, '_, V> {
                 shorten(sizes, allowed.as_scalars(), pick(before).as_scalars(), order - 1);
             }
         }
-        for size in sizes {
-            *size = exp2_estimate(*size);
-        }
+        let (first, second) = sizes.split_at_mut(V::WIDTH);
+        shorten_by_trend(block.trends.each_ref(), block.n_tangents, first, &Half::<V> { block, second: false });
+        shorten_by_trend(block.trends.each_ref(), block.n_tangents, second, &Half::<V> { block, second: true });
+    }
+}
+
+/// One half of the lanes, in double precision.
+struct Half<'h, 'f, V: Wide> {
+    block: &'h MixedBlock<'f, V>,
+    second: bool,
+}
+
+impl<V: Wide> Terms<V> for Half<'_, '_, V> {
+    #[inline(always)]
+    fn size(&self, k: usize, group: usize) -> V {
+        let (first, second) = V::widen(self.block.norm(k, group));
+        if self.second { second } else { first }
     }
 }
 

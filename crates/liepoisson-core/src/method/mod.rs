@@ -16,6 +16,7 @@ pub use gauss::Gauss;
 pub use mixed_taylor::MixedTaylor;
 pub use runge_kutta::RungeKutta;
 pub use splitting::{LagrangeMap, Split, Splitting};
+pub(crate) use taylor::MAX_ORDER;
 pub use taylor::Taylor;
 
 use crate::lanes::{Simd, Task, Wide, dispatch};

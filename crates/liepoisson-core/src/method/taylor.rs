@@ -11,7 +11,7 @@ use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::{Block, Method, Stepping, Verdict};
 use std::collections::TryReserveError;
 
-pub(super) const MAX_ORDER: usize = 64;
+pub(crate) const MAX_ORDER: usize = 64;
 
 /// The method as data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,7 +62,8 @@ impl Taylor {
 impl<F: Field> Method<F> for Taylor {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
         let rows = vec![V::splat(0.0); field.registers(n_tangents, self.order)];
-        Box::new(TaylorBlock { field, method: *self, n_tangents, row: field.row(n_tangents), rows })
+        let trend = Trend::new(self.tolerance, self.order);
+        Box::new(TaylorBlock { field, method: *self, trend, n_tangents, row: field.row(n_tangents), rows })
     }
 
     fn max_steps(&self) -> u64 {
@@ -74,6 +75,7 @@ impl<F: Field> Method<F> for Taylor {
 struct TaylorBlock<'f, F, V> {
     field: &'f F,
     method: Taylor,
+    trend: Trend,
     n_tangents: usize,
     row: usize,
     rows: Vec<V>,
@@ -129,10 +131,9 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
 
     fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
         to.try_reserve((self.method.order + 1) * self.field.n_components())?;
-        for k in 0..=self.method.order {
-            for i in 0..self.field.n_components() {
-                to.push(self.rows[k * self.row + i].get(lane));
-            }
+        let (scalars, n) = (as_scalars(&self.rows), self.field.n_components());
+        for row in scalars.chunks_exact(self.row * V::WIDTH).take(self.method.order + 1) {
+            to.extend(row[lane..].iter().step_by(V::WIDTH).take(n));
         }
         Ok(())
     }
@@ -186,7 +187,8 @@ impl<F: Field, V: Wide> Piece for Expansion<'_, '_, F, V> {
 }
 
 /// For each lane the longest step for which each of the last two terms of the series of the state, and of every
-/// tangent vector, stays below the tolerance; NaN where one of them is not finite.
+/// tangent vector, stays below the tolerance; less where the terms before them foretell larger ones ([`Trend`]); NaN where
+/// one of them is not finite.
 ///
 /// Tangent vectors have a say because the state alone does not see the linear flow about it: at an equilibrium its
 /// own series allows any step.
@@ -212,8 +214,35 @@ impl<F: Field, V: Wide> Piece for Steps<'_, '_, F, V> {
             shorten(sizes, allowed.as_scalars(), last.as_scalars(), order);
             shorten(sizes, allowed.as_scalars(), before.as_scalars(), order - 1);
         }
-        for size in sizes {
-            *size = exp2_estimate(*size);
+        shorten_by_trend([&block.trend; 2], block.n_tangents, sizes, block);
+    }
+}
+
+/// Turns logarithms of steps into steps, shortened where the terms before the last two foretell larger ones; by the trends
+/// of the state and of tangent vectors.
+#[inline(always)]
+pub(super) fn shorten_by_trend<V: Lane<Number = f64>>(
+    trends: [&Trend; 2],
+    n_tangents: usize,
+    steps: &mut [f64],
+    terms: &impl Terms<V>,
+) {
+    let (mut logarithms, mut step) = (V::splat(0.0), V::splat(0.0));
+    logarithms.as_scalars_mut().copy_from_slice(steps);
+    for step in steps.iter_mut() {
+        *step = exp2_estimate(*step);
+    }
+    step.as_scalars_mut().copy_from_slice(steps);
+    let mut suspicious = false;
+    for group in 0..=n_tangents {
+        suspicious |= trends[usize::from(group > 0)].suspects(step, terms, group);
+    }
+    if suspicious {
+        for group in 0..=n_tangents {
+            trends[usize::from(group > 0)].shorten(logarithms.as_scalars_mut(), terms, group);
+        }
+        for (step, &logarithm) in steps.iter_mut().zip(logarithms.as_scalars()) {
+            *step = exp2_estimate(logarithm);
         }
     }
 }
@@ -250,6 +279,97 @@ impl<F: Field, V: Wide> Piece for Advance<'_, '_, F, V> {
                     4.. => block.advance_components::<4>(i, step),
                     _ => block.advance_components::<1>(i, step),
                 };
+            }
+        }
+    }
+}
+
+/// The sizes of the terms of a series.
+///
+/// A trait, since what is compiled for wide registers has to be inlined, and a closure can not be told to be.
+pub(super) trait Terms<V> {
+    /// Sum of the absolute values of the components of order `k` of a group.
+    fn size(&self, k: usize, group: usize) -> V;
+}
+
+impl<F: Field, V: Wide> Terms<V> for TaylorBlock<'_, F, V> {
+    #[inline(always)]
+    fn size(&self, k: usize, group: usize) -> V {
+        self.norm(k, group)
+    }
+}
+
+/// What terms of lower order foretell of the last ones, if they all decay alike: with the last two, the last eight are looked at.
+///
+/// The last two vanish together where a solution has a symmetry: on planar orbits of the twisted top only every sixth order
+/// of a component differs from zero, and of all components together every second or third. The step would be unlimited.
+///
+/// `|c_k| = |c_0| rho^-k` allows a step of `rho tol^(1/(N-1))`. Such a forecast does not see a factor in front of `rho^-k`, so a
+/// step that the last terms allow is shortened only where it is longer by more than a factor of a million would explain.
+#[derive(Clone, Debug)]
+pub(super) struct Trend {
+    order: usize,
+    tolerance: f64,
+    /// Power of the term, and the size up to which it is beyond suspicion, in units of the first.
+    limits: Vec<(usize, f64)>,
+}
+
+impl Trend {
+    pub(super) fn new(tolerance: f64, order: usize) -> Trend {
+        let mut trend = Trend { order, tolerance, limits: vec![] };
+        let powers = order.saturating_sub(7).max(1)..=order.saturating_sub(2);
+        // The suspicion is a little wider than the verdict, so that whom it spares the verdict would spare, too: what a
+        // lane does must not depend on its neighbours.
+        const CAUTION: f64 = 0.01;
+        trend.limits = powers.map(|k| (k, libm::exp2(k as f64 * (trend.longest(k) - CAUTION)))).collect();
+        trend
+    }
+
+    /// Logarithm of the longest step that a term of order `k` lets pass, in units of `(|c_0| / |c_k|)^(1/k)`.
+    #[inline(always)]
+    fn longest(&self, power: usize) -> f64 {
+        const LOG2_OF_A_MILLION: f64 = 20.0;
+        const FLUCTUATION: f64 = 0.1;
+        self.allowed() + FLUCTUATION + LOG2_OF_A_MILLION * (1.0 / power as f64 - 1.0 / self.order as f64)
+    }
+
+    /// Logarithm of the step that the forecast allows, in these units.
+    #[inline(always)]
+    fn allowed(&self) -> f64 {
+        log2_estimate(self.tolerance) / (self.order as f64 - 1.0)
+    }
+
+    /// Whether a step is under suspicion in any lane, given the sizes of the terms; a few operations for each.
+    #[inline(always)]
+    pub(super) fn suspects<V: Lane<Number = f64>>(&self, step: V, terms: &impl Terms<V>, group: usize) -> bool {
+        let start = terms.size(0, group);
+        let Some(&(lowest, _)) = self.limits.first() else { return false };
+        let mut power = V::splat(1.0);
+        for _ in 0..lowest {
+            power = power.mul(step);
+        }
+        let mut suspicious = false;
+        for &(k, limit) in &self.limits {
+            let excess = start.neg_mul_add(V::splat(limit), terms.size(k, group).mul(power));
+            for &lane in excess.as_scalars() {
+                suspicious |= lane > 0.0;
+            }
+            power = power.mul(step);
+        }
+        suspicious
+    }
+
+    /// Shortens the logarithms of steps.
+    #[inline(always)]
+    pub(super) fn shorten<V: Lane<Number = f64>>(&self, steps: &mut [f64], terms: &impl Terms<V>, group: usize) {
+        let start = terms.size(0, group);
+        for &(k, _) in &self.limits {
+            let (term, allowed, longest) = (terms.size(k, group), self.allowed(), self.longest(k));
+            for ((step, &start), &term) in steps.iter_mut().zip(start.as_scalars()).zip(term.as_scalars()) {
+                let unit = (log2_estimate(start) - log2_estimate(term)) / k as f64;
+                if term > 0.0 && *step > unit + longest {
+                    *step = unit + allowed;
+                }
             }
         }
     }

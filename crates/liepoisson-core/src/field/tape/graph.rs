@@ -188,6 +188,19 @@ impl Graph {
     }
 
     /// Whether the rule of `node` has a tangent part: for a pair, if either of the two needs one.
+    /// The outputs as linear combinations of components, if they are such.
+    pub(super) fn affine_outputs(&self) -> Option<Vec<Affine>> {
+        let component = |&(node, c): &(Node, f64)| match self.rules[node] {
+            Rule::Component(component) => Some((component, c)),
+            _ => None,
+        };
+        let form = |output: &Affine| {
+            let terms = output.terms.iter().map(component).collect::<Option<_>>()?;
+            Some(Affine { constant: output.constant, terms })
+        };
+        self.outputs.iter().map(form).collect()
+    }
+
     pub(super) fn has_tangent_part(&self, node: Node) -> bool {
         self.has_tangent[node] || (matches!(self.rules[node], Rule::Pair { .. }) && self.has_tangent[node + 1])
     }

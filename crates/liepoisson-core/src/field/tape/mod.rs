@@ -2,11 +2,14 @@
 
 mod convolution;
 mod elementary;
+mod functions;
 mod graph;
 mod joint;
 mod program;
 mod rules;
 mod sums;
+
+pub use functions::Functions;
 
 use super::{Field, Space};
 use crate::error::Error;
@@ -203,21 +206,27 @@ impl Tape {
     /// No component; an instruction that reads a register not yet written, or has a number that is not finite; outputs
     /// that are not one existing register for each component.
     pub fn new(n_components: usize, instructions: Vec<Instruction>, outputs: Vec<usize>) -> Result<Tape, Error> {
-        if n_components == 0 {
-            return Err(Error::NoComponents);
-        }
-        for (index, instruction) in instructions.iter().enumerate() {
-            instruction.check(index, n_components + index)?;
-        }
+        check(n_components, &instructions, &outputs)?;
         if outputs.len() != n_components {
             return Err(Error::Outputs { wanted: n_components, got: outputs.len() });
         }
-        let available = n_components + instructions.len();
-        if let Some(component) = outputs.iter().position(|&register| register >= available) {
-            return Err(Error::OutputRegister { component, register: outputs[component], available });
-        }
         let program = Program::new(&Graph::new(n_components, &instructions, &outputs));
         Ok(Tape { n_components, program })
+    }
+}
+
+/// Refuses instructions and outputs that read what is not there.
+fn check(n_components: usize, instructions: &[Instruction], outputs: &[usize]) -> Result<(), Error> {
+    if n_components == 0 {
+        return Err(Error::NoComponents);
+    }
+    for (index, instruction) in instructions.iter().enumerate() {
+        instruction.check(index, n_components + index)?;
+    }
+    let available = n_components + instructions.len();
+    match outputs.iter().position(|&register| register >= available) {
+        Some(component) => Err(Error::OutputRegister { component, register: outputs[component], available }),
+        None => Ok(()),
     }
 }
 

@@ -197,19 +197,33 @@ pub(super) fn write_outputs<V: Lane>(program: &Program, frame: &Frame, next: &mu
     let order = frame.k + 1;
     let defect = work[frame.state(program).singles + program.defect];
     if frame.n_tangents == 0 {
-        joint::outputs::<V, false>(program, frame, work, |i, [value, _]| next[i] = over(value, order).add(defect));
+        for (i, to) in next[..n].iter_mut().enumerate() {
+            let [value, _] = joint::output::<V, false>(program, frame, work, i);
+            *to = over(value, order).add(defect);
+        }
     } else {
         let (values, derivatives) = next.split_at_mut(n);
-        joint::outputs::<V, true>(program, frame, work, |i, [value, derivative]| {
-            values[i] = over(value, order).add(defect);
-            derivatives[i] = over(derivative, order);
-        });
+        for (i, (to, derivative_to)) in values.iter_mut().zip(derivatives.iter_mut()).enumerate() {
+            let [value, derivative] = joint::output::<V, true>(program, frame, work, i);
+            *to = over(value, order).add(defect);
+            *derivative_to = over(derivative, order);
+        }
     }
     for tangent in 1..frame.n_tangents {
         let group = frame.tangent(program, tangent);
         for (to, form) in next[(1 + tangent) * n..].iter_mut().zip(&program.tangent_outputs) {
             *to = over(group.form(work, form), order);
         }
+    }
+}
+
+/// The coefficients of order `k` of functions, which are the outputs of a program that is not a field.
+#[inline(always)]
+pub(super) fn write_functions<V: Lane>(program: &Program, frame: &Frame, to: &mut [f64], work: &[V]) {
+    let defect = work[frame.state(program).singles + program.defect];
+    for (i, to) in to[..program.outputs.len()].iter_mut().enumerate() {
+        let [value, _] = joint::output::<V, false>(program, frame, work, i);
+        *to = value.add(defect).get(0);
     }
 }
 

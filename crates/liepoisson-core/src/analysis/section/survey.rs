@@ -1,0 +1,261 @@
+//! The sign of a polynomial along an interval, by tests that leave no pair of zeros out.
+//!
+//! On a piece with centre `m` and half-width `r`, the polynomial is `sum c_k v^k` with `v` in `[-1, 1]`. It has no zero
+//! there if `|c_0| > sum_{k>0} |c_k|`, and at most one if `|c_1| > sum_{k>1} k |c_k|`: then it is monotone. Where neither
+//! holds, the piece is halved. Near a simple zero the second test succeeds, elsewhere the first, once the piece is small;
+//! near a double zero neither does until the polynomial is below the given error on the whole piece.
+
+use crate::method::MAX_ORDER;
+
+/// What is known of the sign at a point or a piece, in the order of the interval; places are in `[0, 1]`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Mark {
+    /// From here on the polynomial is positive, or negative, by more than the error.
+    Sign {
+        /// Where this begins.
+        at: f64,
+        /// Whether it is positive.
+        positive: bool,
+    },
+    /// It passes through zero here, once, from beyond the error on one side to beyond it on the other.
+    Zero {
+        /// Where.
+        at: f64,
+        /// Whether it is positive afterwards.
+        positive: bool,
+    },
+    /// It comes within the error of zero here, and its sign is not known.
+    Near {
+        /// Where it is least.
+        at: f64,
+        /// Its size there.
+        size: f64,
+    },
+}
+
+/// Pieces are halved at most so often: then they are as short as the spacing of numbers near 1.
+const MOST_HALVINGS: u32 = 52;
+
+/// Goes along `sum c_k u^k`, `u` from 0 to 1, whose values are known up to `error`.
+pub(super) fn survey(coefficients: &[f64], error: f64, mark: &mut impl FnMut(Mark)) {
+    let rest = sum_of_sizes(&coefficients[1..]);
+    if coefficients[0].abs() > rest + error {
+        return mark(Mark::Sign { at: 0.0, positive: coefficients[0] > 0.0 });
+    }
+    let mut centred = [0.0; MAX_ORDER + 1];
+    let centred = &mut centred[..coefficients.len()];
+    centred.copy_from_slice(coefficients);
+    shift_and_halve(centred, 0.5);
+    Survey { coefficients, error, mark }.piece(centred, Place { centre: 0.5, half: 0.5 }, 0);
+}
+
+#[derive(Clone, Copy)]
+struct Place {
+    centre: f64,
+    half: f64,
+}
+
+impl Place {
+    fn at(self, v: f64) -> f64 {
+        self.centre + self.half * v
+    }
+
+    fn part(self, side: f64) -> Place {
+        Place { centre: self.centre + side * self.half / 2.0, half: self.half / 2.0 }
+    }
+}
+
+struct Survey<'s, M> {
+    coefficients: &'s [f64],
+    error: f64,
+    mark: &'s mut M,
+}
+
+impl<M: FnMut(Mark)> Survey<'_, M> {
+    fn piece(&mut self, c: &[f64], place: Place, halvings: u32) {
+        let rest = sum_of_sizes(&c[1..]);
+        if c[0].abs() > rest + self.error {
+            (self.mark)(Mark::Sign { at: place.at(-1.0), positive: c[0] > 0.0 });
+        } else if c[0].abs() + rest <= self.error || halvings == MOST_HALVINGS {
+            (self.mark)(Mark::Near { at: place.centre, size: c[0].abs() });
+        } else if is_monotone(c) {
+            self.monotone(c, place);
+        } else {
+            for side in [-1.0, 1.0] {
+                let mut part = [0.0; MAX_ORDER + 1];
+                let part = &mut part[..c.len()];
+                part.copy_from_slice(c);
+                shift_and_halve(part, side * 0.5);
+                self.piece(part, place.part(side), halvings + 1);
+            }
+        }
+    }
+
+    fn monotone(&mut self, c: &[f64], place: Place) {
+        let (left, right) = (value(c, -1.0), value(c, 1.0));
+        let is_known = |end: f64| end.abs() > self.error;
+        if is_known(left) {
+            (self.mark)(Mark::Sign { at: place.at(-1.0), positive: left > 0.0 });
+        }
+        if is_known(left) && is_known(right) {
+            if (left > 0.0) != (right > 0.0) {
+                let at = self.zero(c, place);
+                (self.mark)(Mark::Zero { at, positive: right > 0.0 });
+            }
+            return;
+        }
+        if (left > 0.0) != (right > 0.0) {
+            let at = self.zero(c, place);
+            (self.mark)(Mark::Near { at, size: 0.0 });
+        } else {
+            let (end, size) = if left.abs() < right.abs() { (-1.0, left.abs()) } else { (1.0, right.abs()) };
+            (self.mark)(Mark::Near { at: place.at(end), size });
+        }
+        if is_known(right) {
+            (self.mark)(Mark::Sign { at: place.at(1.0), positive: right > 0.0 });
+        }
+    }
+
+    /// The only zero on a piece with a change of sign, by Newton's method between two ends that enclose it; with the original
+    /// coefficients, which no shift has rounded.
+    fn zero(&self, c: &[f64], place: Place) -> f64 {
+        let rises = value(c, 1.0) > value(c, -1.0);
+        let (mut low, mut high) = (place.at(-1.0), place.at(1.0));
+        let mut at = 0.5 * (low + high);
+        for _ in 0..200 {
+            let (value, slope) = value_and_slope(self.coefficients, at);
+            *(if (value > 0.0) == rises { &mut high } else { &mut low }) = at;
+            let newton = at - value / slope;
+            let next = if low <= newton && newton <= high { newton } else { 0.5 * (low + high) };
+            if next == at || value == 0.0 {
+                break;
+            }
+            at = next;
+        }
+        at
+    }
+}
+
+fn is_monotone(c: &[f64]) -> bool {
+    let bends: f64 = c.iter().enumerate().skip(2).map(|(k, c)| k as f64 * c.abs()).sum();
+    c.len() > 1 && c[1].abs() > bends
+}
+
+fn sum_of_sizes(c: &[f64]) -> f64 {
+    c.iter().map(|c| c.abs()).sum()
+}
+
+/// The coefficients about `v = by`, in units of half the present width.
+fn shift_and_halve(c: &mut [f64], by: f64) {
+    let n = c.len();
+    for k in 0..n {
+        for j in (k..n - 1).rev() {
+            c[j] += by * c[j + 1];
+        }
+    }
+    let mut scale = 1.0;
+    for c in c {
+        *c *= scale;
+        scale *= 0.5;
+    }
+}
+
+fn value(c: &[f64], v: f64) -> f64 {
+    c.iter().rev().fold(0.0, |sum, c| sum * v + c)
+}
+
+fn value_and_slope(c: &[f64], u: f64) -> (f64, f64) {
+    c.iter().rev().fold((0.0, 0.0), |(value, slope), c| (value * u + c, slope * u + value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The polynomial with these zeros and this factor.
+    fn with_zeros(zeros: &[f64], factor: f64) -> Vec<f64> {
+        zeros.iter().fold(vec![factor], |c, zero| {
+            let mut product = vec![0.0; c.len() + 1];
+            for (k, c) in c.iter().enumerate() {
+                product[k + 1] += c;
+                product[k] -= zero * c;
+            }
+            product
+        })
+    }
+
+    fn marks(c: &[f64], error: f64) -> Vec<Mark> {
+        let mut marks = vec![];
+        survey(c, error, &mut |mark| marks.push(mark));
+        marks
+    }
+
+    fn zeros(c: &[f64], error: f64) -> Vec<f64> {
+        let found = marks(c, error).into_iter();
+        found.filter_map(|mark| if let Mark::Zero { at, .. } = mark { Some(at) } else { None }).collect()
+    }
+
+    #[test]
+    fn a_double_crossing_of_width_1e_6_is_found() {
+        // (u - 0.3)^2 - 1e-12: two zeros 2e-6 apart; the depth 1e-12 is beyond the error
+        let c = [0.09 - 1e-12, -0.6, 1.0];
+        let found = zeros(&c, 1e-14);
+        assert_eq!(found.len(), 2, "{found:?}");
+        assert!((found[0] - (0.3 - 1e-6)).abs() < 1e-9 && (found[1] - (0.3 + 1e-6)).abs() < 1e-9, "{found:?}");
+    }
+
+    #[test]
+    fn a_tangency_is_near_and_not_decided() {
+        let c = [0.09, -0.6, 1.0];
+        let found = marks(&c, 1e-14);
+        assert!(zeros(&c, 1e-14).is_empty());
+        assert!(found.iter().any(|mark| matches!(mark, Mark::Near { at, .. } if (at - 0.3).abs() < 1e-6)), "{found:?}");
+    }
+
+    #[test]
+    fn a_minimum_above_the_error_is_no_tangency() {
+        let found = marks(&[0.09 + 1e-12, -0.6, 1.0], 1e-14);
+        assert!(found.iter().all(|mark| matches!(mark, Mark::Sign { positive: true, .. })), "{found:?}");
+    }
+
+    proptest! {
+        #[test]
+        fn every_zero_of_a_polynomial_with_known_zeros_is_found(
+            inside in prop::collection::vec(0.02_f64..0.98, 0..5),
+            outside in prop::collection::vec(1.1_f64..4.0, 0..4),
+            factor in 0.1_f64..10.0,
+        ) {
+            let mut wanted = inside.clone();
+            wanted.sort_by(f64::total_cmp);
+            prop_assume!(wanted.windows(2).all(|pair| pair[1] - pair[0] > 1e-3));
+            let c = with_zeros(&[inside, outside].concat(), factor);
+            let found = zeros(&c, 1e-15 * sum_of_sizes(&c));
+            prop_assert_eq!(found.len(), wanted.len());
+            for (found, wanted) in found.iter().zip(&wanted) {
+                prop_assert!((found - wanted).abs() < 1e-7, "{} for {}", found, wanted);
+            }
+        }
+
+        #[test]
+        fn signs_are_those_of_the_polynomial(c in prop::collection::vec(-1.0_f64..1.0, 2..24)) {
+            let error = 1e-13;
+            let mut known = None;
+            for mark in marks(&c, error) {
+                match mark {
+                    Mark::Sign { at, positive } => {
+                        let value = value(&c, at + 1e-14);
+                        prop_assert!(value.abs() < 1e-12 || (value > 0.0) == positive);
+                        known = Some(positive);
+                    }
+                    Mark::Zero { at, positive } => {
+                        prop_assert!(value(&c, at).abs() < 1e-13);
+                        prop_assert!(known != Some(positive));
+                        known = Some(positive);
+                    }
+                    Mark::Near { at, .. } => prop_assert!(value(&c, at).abs() < 10.0 * error),
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! Surfaces of section: crossings of known solutions, tangencies, and what does not depend on how the work is done.
+
+mod common;
+
+use common::{TWISTED_KOVALEVSKAYA, taylor};
+use liepoisson_core::analysis::orbit::orbits;
+use liepoisson_core::analysis::section::{Sections, Surface, sections};
+use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
+use liepoisson_core::error::Error;
+use liepoisson_core::field::{Field, Functions, Instruction, Quadratic, Tape};
+use liepoisson_core::lanes::Simd;
+use proptest::prelude::*;
+use std::f64::consts::PI;
+
+const TOLERANCE: f64 = f64::EPSILON;
+
+/// `x' = y, y' = -x`, as data.
+fn oscillator() -> Quadratic {
+    Quadratic::new(2, &[], &[(0, 1, 1.0), (1, 0, -1.0)], &[]).unwrap()
+}
+
+/// The surface `c . x + constant = 0`.
+fn plane(coefficients: &[f64], constant: f64) -> Surface {
+    let terms = coefficients.iter().copied().enumerate().collect();
+    surface(coefficients.len(), vec![Instruction::Linear { terms, constant }])
+}
+
+/// The surface on which the last of some instructions is zero.
+fn surface(n: usize, instructions: Vec<Instruction>) -> Surface {
+    let output = n + instructions.len() - 1;
+    Surface {
+        function: Functions::new(n, instructions, vec![output]).unwrap(),
+        kept: None,
+        direction: 0,
+        n_crossings: None,
+    }
+}
+
+fn run<F: Field>(
+    field: &F,
+    states: &[f64],
+    times: [f64; 2],
+    surface: &Surface,
+    threads: usize,
+    simd: Simd,
+) -> Sections {
+    let ensemble = Ensemble { field, method: taylor(TOLERANCE), states, tangents: &[], n_tangents: 0, times: &times };
+    sections(&ensemble, surface, threads, simd, &Control::default(), |_| ()).unwrap()
+}
+
+fn alone<F: Field>(field: &F, start: &[f64], times: [f64; 2], surface: &Surface) -> Sections {
+    run(field, start, times, surface, 1, Simd::widest())
+}
+
+#[test]
+fn an_oscillator_crosses_where_its_cosine_is_zero() {
+    // x = cos t, from (1, 0): zero at pi/2 + k pi, falling first
+    for end in [40.0, -40.0] {
+        let found = alone(&oscillator(), &[1.0, 0.0], [0.0, end], &plane(&[1.0, 0.0], 0.0));
+        assert_eq!(found.crossing_counts, [13]);
+        for (k, (time, sign)) in found.crossings.times.iter().zip(&found.crossings.signs).enumerate() {
+            let wanted = (0.5 + k as f64) * PI * end.signum();
+            assert!((time - wanted).abs() < 2e-14, "{time} for {wanted}");
+            assert_eq!(*sign, if k % 2 == 0 { -1 } else { 1 });
+        }
+        assert!(found.crossings.states.chunks(2).all(|state| state[0].abs() < 1e-15));
+        assert_eq!(found.touch_counts, [0]);
+        assert_eq!(found.doubts[0].n_unbounded, 0);
+    }
+}
+
+#[test]
+fn a_pair_of_crossings_at_the_top_of_a_swing_is_found_down_to_round_off() {
+    // x = cos t meets x = 1 - d twice a period, 2 sqrt(2 d) apart, and x = 1 + d never
+    let turns = 50;
+    let end = turns as f64 * 2.0 * PI;
+    for d in [1e-4, 1e-6, 1e-8, 1e-10, 1e-12] {
+        let inside = alone(&oscillator(), &[-1.0, 0.0], [0.0, end], &plane(&[1.0, 0.0], d - 1.0));
+        assert_eq!(inside.crossing_counts, [2 * turns], "d = {d}");
+        for pair in inside.crossings.times.chunks(2) {
+            let wanted = 2.0 * libm::acos(1.0 - d);
+            // a double zero moves as the square root of the round-off of the state
+            assert!((pair[1] - pair[0] - wanted).abs() < 1e-13 / d.sqrt(), "d = {d}: {pair:?}");
+        }
+        let outside = alone(&oscillator(), &[-1.0, 0.0], [0.0, end], &plane(&[1.0, 0.0], -d - 1.0));
+        assert_eq!((outside.crossing_counts, outside.touch_counts), (vec![0], vec![0]), "d = {d}");
+    }
+}
+
+#[test]
+fn a_tangency_is_a_touch_or_a_pair_and_never_one_crossing() {
+    let end = 40.0 * PI;
+    let found = alone(&oscillator(), &[-1.0, 0.0], [0.0, end + 1.0], &plane(&[1.0, 0.0], -1.0));
+    assert_eq!(found.crossing_counts[0] % 2, 0);
+    assert_eq!(found.crossing_counts[0] / 2 + found.touch_counts[0], 20);
+    for time in &found.touches.times {
+        assert!(((time / PI).rem_euclid(2.0) - 1.0).abs() < 1e-6, "{time}");
+    }
+}
+
+#[test]
+fn a_start_on_the_surface_is_no_crossing() {
+    let found = alone(&oscillator(), &[0.0, 1.0], [0.0, 3.0], &plane(&[1.0, 0.0], 0.0));
+    assert_eq!((found.crossing_counts, found.touch_counts), (vec![0], vec![0]));
+    let found = alone(&oscillator(), &[0.0, 1.0], [0.0, 4.0], &plane(&[1.0, 0.0], 0.0));
+    assert_eq!(found.crossing_counts, [1]);
+    assert!((found.crossings.times[0] - PI).abs() < 1e-14);
+}
+
+#[test]
+fn direction_and_number_of_crossings_are_kept_to() {
+    let all = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &plane(&[1.0, 0.0], 0.0));
+    for direction in [-1, 1] {
+        let surface = Surface { direction, n_crossings: Some(4), ..plane(&[1.0, 0.0], 0.0) };
+        let found = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &surface);
+        let wanted = all.crossings.times.iter().zip(&all.crossings.signs);
+        let wanted: Vec<f64> = wanted.filter(|pair| *pair.1 == direction).map(|pair| *pair.0).take(4).collect();
+        assert_eq!(found.crossings.times, wanted);
+        assert_eq!(found.summaries[0].outcome, Outcome::Finished);
+        assert!(found.summaries[0].time >= wanted[3] && found.summaries[0].time < wanted[3] + 4.0);
+    }
+}
+
+#[test]
+fn kept_numbers_are_functions_of_the_state_at_the_crossing() {
+    let kept = Functions::new(2, vec![Instruction::Product(1, 1), Instruction::Sin(1)], vec![2, 3, 0]).unwrap();
+    let surface = Surface { kept: Some(kept), ..plane(&[1.0, 0.0], 0.0) };
+    let states = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &plane(&[1.0, 0.0], 0.0)).crossings.states;
+    let found = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &surface).crossings.states;
+    assert_eq!(found.len(), 3 * 13);
+    for (kept, state) in found.chunks(3).zip(states.chunks(2)) {
+        assert!((kept[0] - state[1] * state[1]).abs() < 1e-15);
+        assert!((kept[1] - libm::sin(state[1])).abs() < 1e-15);
+        assert_eq!(kept[2], state[0]);
+    }
+}
+
+/// `factor x + constant`
+fn line(register: usize, factor: f64, constant: f64) -> Instruction {
+    Instruction::Linear { terms: vec![(register, factor)], constant }
+}
+
+/// What is found on the surface over ten turns of `x = cos t`, which begin beside a zero of no function below.
+fn ten_turns(instructions: Vec<Instruction>) -> Sections {
+    let start = [libm::cos(0.1), -libm::sin(0.1)];
+    alone(&oscillator(), &start, [0.1, 0.1 + 20.0 * PI], &surface(2, instructions))
+}
+
+#[test]
+fn steep_functions_are_followed_on_shorter_parts_of_a_step() {
+    let zeros_of_sine = |factor: f64| (factor / PI).floor() as usize * 2 + 1;
+    for factor in [5.0, 20.0, 50.0, 200.0] {
+        let found = ten_turns(vec![line(0, factor, 0.0), Instruction::Sin(2)]);
+        assert_eq!(found.crossing_counts, [20 * zeros_of_sine(factor)], "sin({factor} x)");
+        assert!(found.crossings.states.chunks(2).all(|x| libm::sin(factor * x[0]).abs() < 2e-14 * factor));
+        let found = ten_turns(vec![line(0, factor, 0.0), Instruction::Tanh(2)]);
+        assert_eq!(found.crossing_counts, [20], "tanh({factor} x)");
+        let farthest = found.crossings.states.chunks(2).fold(0.0_f64, |farthest, x| farthest.max(x[0].abs()));
+        assert!(farthest < 1e-14, "tanh({factor} x): {farthest:e}");
+        assert_eq!(found.doubts[0].n_undefined, 0);
+    }
+    // exp(-100 (x - 1/10)^2) = 1/2 where x = 1/10 +- sqrt(ln 2 / 100)
+    let bell = vec![
+        line(0, 1.0, -0.1),
+        Instruction::Product(2, 2),
+        line(3, -100.0, 0.0),
+        Instruction::Exp(4),
+        line(5, 1.0, -0.5),
+    ];
+    assert_eq!(ten_turns(bell).crossing_counts, [40]);
+}
+
+#[test]
+fn a_polynomial_of_high_degree_is_followed() {
+    // x^12 = 1/1000 where |x| = 1000^(-1/12)
+    let power = Instruction::Power(0, 12.0);
+    let found = ten_turns(vec![power, line(2, 1.0, -1e-3)]);
+    assert_eq!((found.crossing_counts, found.touch_counts), (vec![40], vec![0]));
+    assert_eq!(found.doubts[0].n_unbounded, 0);
+}
+
+#[test]
+fn close_pairs_on_the_long_steps_of_a_free_body_are_found() {
+    // l1 swings between +-1/2, since the start is its largest value: l1' = 0 and the body turns about the third axis
+    let body = liepoisson_core::field::Top::new([1.0, 2.0, 3.0], [0.0; 3], [0.0; 3], 0.0).unwrap();
+    let start = [0.5, 0.0, 2.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    let mut normal = [0.0; 9];
+    normal[0] = 1.0;
+    let zeros = alone(&body, &start, [0.0, 200.0], &plane(&normal, 0.0)).crossings.times;
+    // a swing from zero to zero on the positive side holds one pair
+    let swings = zeros.windows(2).skip(1).step_by(2).count();
+    let end = zeros[2 * swings];
+    for depth in [1e-6, 1e-9, 1e-11] {
+        let found = alone(&body, &start, [0.0, end], &plane(&normal, depth - 0.5));
+        // and the first way down from the start, which is on the other side of the surface
+        assert_eq!(found.crossing_counts[0], 1 + 2 * swings, "depth {depth:e}");
+    }
+}
+
+#[test]
+fn a_pole_is_no_crossing() {
+    let reciprocal = |constant: f64| vec![line(0, 0.0, 1.0), Instruction::Quotient(2, 0), line(3, 1.0, constant)];
+    let found = ten_turns(reciprocal(0.0));
+    assert_eq!(found.crossing_counts, [0]);
+    assert!(found.doubts[0].n_undefined >= 20);
+    // 1/x = 2 where x = 1/2
+    let found = ten_turns(reciprocal(-2.0));
+    assert_eq!(found.crossing_counts, [20]);
+    assert!(found.crossings.states.chunks(2).all(|x| (x[0] - 0.5).abs() < 1e-12));
+}
+
+#[test]
+fn where_the_surface_does_not_exist_nothing_is_found_and_it_is_counted() {
+    // sqrt(x) - 1/2 exists for x >= 0 only; every turn has two crossings of x = 1/4
+    let found = ten_turns(vec![Instruction::Sqrt(0), line(2, 1.0, -0.5)]);
+    assert_eq!(found.crossing_counts, [20]);
+    assert!(found.crossings.states.chunks(2).all(|state| (state[0] - 0.25).abs() < 1e-12));
+    assert!(found.doubts[0].n_undefined > 0);
+    assert!(found.doubts[0].n_unbounded > 0, "a root has no bound of ours");
+    // sqrt(x) is zero where it ends, and never crosses
+    assert_eq!(ten_turns(vec![Instruction::Sqrt(0)]).crossing_counts, [0]);
+}
+
+#[test]
+fn a_surface_of_another_dimension_is_refused() {
+    let (field, start) = (oscillator(), [1.0, 0.0]);
+    let ensemble = Ensemble {
+        field: &field,
+        method: taylor(TOLERANCE),
+        states: &start,
+        tangents: &[],
+        n_tangents: 0,
+        times: &[0.0, 1.0],
+    };
+    let refusal = sections(&ensemble, &plane(&[1.0; 3], 0.0), 1, Simd::Scalar, &Control::default(), |_| ()).err();
+    assert_eq!(refusal, Some(Error::Length { name: "variables of the surface", wanted: 2, got: 3 }));
+}
+
+#[test]
+fn a_tape_has_the_same_section_with_estimated_errors() {
+    let minus = Instruction::Linear { terms: vec![(0, -1.0)], constant: 0.0 };
+    let tape = Tape::new(2, vec![minus], vec![1, 2]).unwrap();
+    let found = alone(&tape, &[1.0, 0.0], [0.0, 40.0], &plane(&[1.0, 0.0], 0.0));
+    let wanted = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &plane(&[1.0, 0.0], 0.0));
+    assert_eq!(found.crossings.signs, wanted.crossings.signs);
+    assert!(found.crossings.times.iter().zip(&wanted.crossings.times).all(|(a, b)| (a - b).abs() < 1e-13));
+    assert!(found.doubts[0].n_unbounded > 0);
+}
+
+/// `a . (alpha x beta)` for `a = -e1`.
+fn good_surface() -> Surface {
+    let difference = Instruction::Linear { terms: vec![(9, -1.0), (10, 1.0)], constant: 0.0 };
+    surface(9, vec![Instruction::Product(4, 8), Instruction::Product(5, 7), difference])
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// The count is that of sign changes on a grid much finer than any two crossings.
+    #[test]
+    fn crossings_of_the_twisted_top_are_those_of_a_fine_grid(start in prop::array::uniform9(-1.0_f64..1.0)) {
+        let top = TWISTED_KOVALEVSKAYA.top();
+        let found = alone(&top, &start, [0.0, 50.0], &good_surface());
+        let times: Vec<f64> = (0..=50_000).map(|k| f64::from(k) * 1e-3).collect();
+        let ensemble = Ensemble {
+            field: &top, method: taylor(TOLERANCE), states: &start, tangents: &[], n_tangents: 0, times: &times,
+        };
+        let orbit = orbits(&ensemble, 1, Simd::widest(), &Control::default(), false, |_| ()).unwrap();
+        let s = |x: &[f64]| x[5] * x[7] - x[4] * x[8];
+        let values: Vec<f64> = orbit.states.chunks(9).map(s).collect();
+        let changes: Vec<usize> = (1..values.len()).filter(|&k| (values[k] > 0.0) != (values[k - 1] > 0.0)).collect();
+        let extra = found.crossing_counts[0] - changes.len();
+        // pairs within one interval of the grid
+        prop_assert!(extra.is_multiple_of(2) && extra <= 2, "{} and {}", found.crossing_counts[0], changes.len());
+        prop_assert!(found.crossings.states.chunks(9).all(|x| s(x).abs() < 1e-15));
+        prop_assert_eq!(found.doubts[0].n_unbounded, 0);
+    }
+}
+
+#[test]
+fn sections_are_the_same_for_every_number_of_threads_and_every_instruction_set() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let states: Vec<f64> = (0..9 * 37).map(|k| libm::sin(f64::from(k) * 1.7)).collect();
+    let surface = Surface { n_crossings: Some(11), direction: 1, ..good_surface() };
+    let wanted = run(&top, &states, [0.0, 60.0], &surface, 1, Simd::Scalar);
+    assert!(wanted.crossing_counts.iter().sum::<usize>() > 300);
+    for simd in Simd::ALL {
+        for threads in [1, 2, 3] {
+            let found = run(&top, &states, [0.0, 60.0], &surface, threads, simd);
+            assert_eq!(found.crossings, wanted.crossings);
+            assert_eq!(found.crossing_counts, wanted.crossing_counts);
+            assert_eq!(found.touches, wanted.touches);
+            assert_eq!(found.summaries, wanted.summaries);
+        }
+    }
+}
