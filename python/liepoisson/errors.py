@@ -73,6 +73,25 @@ class UnsupportedFieldError(LiePoissonError):
     """The numeric core has no kernel for this vector field."""
 
 
+class LeafError(LiePoissonError, ValueError):
+    """A state, an energy or values of Casimirs that belong to no point of the leaf that was asked for."""
+
+
+class ChartError(LiePoissonError, ValueError):
+    """A state outside the domain of a canonical chart.
+
+    Attributes:
+        condition: The condition of the domain that fails, for example "sin(theta) != 0".
+    """
+
+    def __init__(self, message: str, condition: str) -> None:
+        self.condition = condition
+        super().__init__(message)
+
+    def __reduce__(self) -> tuple[type[ChartError], tuple[str, str]]:
+        return type(self), (str(self), self.condition)
+
+
 class OutputError(LiePoissonError, OSError):
     """A result could not be written (path below a file, no permission, disk full)."""
 

@@ -118,6 +118,27 @@ class TapeField(PlainField):
 
 
 @dataclass(frozen=True)
+class TapeFunction:
+    """Functions on phase space, as a straight line of the operations of a `TapeField`; as many outputs as functions.
+
+    Attributes:
+        n_components: Dimension of the state.
+        instructions: (name, registers, numbers), in the order of execution.
+        outputs: The register of each function.
+    """
+
+    n_components: int
+    instructions: tuple[Instruction, ...]
+    outputs: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        """Checks names, registers and numbers."""
+        tape = TapeField(self.n_components, self.instructions, self.outputs)
+        object.__setattr__(self, "instructions", tape.instructions)
+        object.__setattr__(self, "outputs", tape.outputs)
+
+
+@dataclass(frozen=True)
 class PiecesField(PlainField):
     r"""A Lie-Poisson system by the pieces of its Hamiltonian, each with a known flow.
 

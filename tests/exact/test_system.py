@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.errors import BracketError, ExpressionError, ParameterError, ShapeError
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.extensions import leibniz, semidirect
 from liepoisson.exact.lie_algebras import so
@@ -285,3 +285,32 @@ def test_derivatives_of_texts():
     system = System(so(3) @ semidirect(2), "l1^2/4 + l2^2/4 + l3^2/2 + alpha3")
     assert system.is_constant("l3")
     assert system.derivative("l1") == system.equations[system.variables[0]]
+
+
+def test_invariants_are_known_by_their_names_alone():
+    top = Top.kovalevskaya()
+    for name, value in top.invariants.items():
+        if name != "l.alpha":
+            assert top.expression(name) == top.functions.of(name).expression == value
+    with pytest.raises(ExpressionError, match=r"Build the expression from system.invariants\['K'\]"):
+        top.expression("K - 1")
+    with pytest.raises(ExpressionError, match="unknown"):
+        top.expression("K2")
+
+
+def test_functions_are_texts_expressions_or_phase_functions():
+    top = Top.kovalevskaya()
+    slope = top.functions.of("l1 - alpha2/3")
+    assert top.expression(slope) == slope.expression
+    assert top.functions.of(slope) is slope
+    for bad in (None, 3, ["l1"], slope.gradient, top):
+        with pytest.raises(ParameterError, match="must be a text"):
+            top.expression(bad)
+        with pytest.raises(ParameterError, match="must be a text"):
+            top.functions.of(bad)
+
+
+def test_the_poisson_tensor_needs_numbers():
+    bracket = so(3) @ leibniz(3, sp.Symbol("epsilon"))
+    with pytest.raises(ParameterError, match="epsilon has none"):
+        System(bracket, "dot(l, l)/2").functions.poisson_tensor(np.ones(9))

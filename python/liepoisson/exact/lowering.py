@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.parameters import as_float
-from liepoisson.field import Instruction, QuadraticField, TapeField
+from liepoisson.field import Instruction, QuadraticField, TapeField, TapeFunction
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -192,6 +192,22 @@ def tape_of_equations(variables: Sequence[Symbol], derivatives: Sequence[Expr]) 
     writer = _TapeWriter(variables)
     registers = writer.write_all(derivatives)
     return writer.tape([writer.linear([], 0.0) if register is None else register for register in registers])
+
+
+def tape_of_functions(variables: Sequence[Symbol], functions: Sequence[Expr]) -> TapeFunction:
+    """Functions of the variables as one tape.
+
+    Raises:
+        UnsupportedFieldError: a function is not smooth or not known.
+        ParameterError: a symbol is not among the variables.
+    """
+    free = sorted({str(s) for function in functions for s in function.free_symbols if s not in variables})
+    if free:
+        raise ParameterError(f"every parameter must be a number for numerical work; {', '.join(free)} has none.")
+    writer = _TapeWriter(variables)
+    registers = [writer.linear([], 0.0) if r is None else r for r in writer.write_all(functions)]
+    tape = writer.tape(registers)
+    return TapeFunction(tape.n_components, tape.instructions, tape.outputs)
 
 
 class _TapeWriter:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import as_array
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.hamiltonian import (
     GivenValue,
@@ -29,12 +30,15 @@ from liepoisson.exact.hamiltonian import (
     with_exact_numbers,
 )
 from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
-from liepoisson.field import Field, PiecesField
+from liepoisson.field import Field, PiecesField, TapeFunction
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
+    from liepoisson.exact.phase_functions import PhaseFunction, PhaseFunctions
     from liepoisson.exact.top_parameters import TopParameters
+
+_NAME = re.compile(r"[A-Za-z_]\w*")
 
 
 class System:
@@ -277,6 +281,66 @@ class System:
         """
         return dict(zip(self.invariants, self._evaluate(list(self.invariants.values()), x), strict=True))
 
+    @cached_property
+    def functions(self) -> PhaseFunctions:
+        """Energy, Casimirs, Poisson tensor and any other function on phase space, as functions of arrays."""
+        from liepoisson.exact.phase_functions import PhaseFunctions
+
+        return PhaseFunctions(self)
+
+    def expression(self, function: str | Expr | PhaseFunction) -> Expr:
+        """A function on phase space with the parameters inserted.
+
+        Args:
+            function: A text like that of a Hamiltonian, or the name of an invariant alone (one of the keys of
+                `invariants`, such as "C1"); a SymPy expression; or a PhaseFunction.
+
+        Raises:
+            ExpressionError: the text is not in the grammar, or a name in it is not known; with the position.
+            ParameterError: the function is none of these.
+        """
+        from liepoisson.exact.phase_functions import PhaseFunction
+
+        given: Any = function.expression if isinstance(function, PhaseFunction) else function
+        if not isinstance(given, str):
+            if not is_expression(given):
+                raise ParameterError(
+                    f"a function on phase space must be a text such as 'l1 - 1/2', a SymPy expression or a "
+                    f"PhaseFunction; got {given!r:.60}."
+                )
+            return self._function(given)
+        try:
+            return self._function(given)
+        except ExpressionError as error:
+            return self._named_invariant(given, error)
+
+    def _named_invariant(self, text: str, error: ExpressionError) -> Expr:
+        """The invariant that a text names, which is no formula; if it only contains such a name, say what to write."""
+        names = set(_NAME.findall(text))
+        known = [name for name in self.invariants if name in names]
+        if not known:
+            raise error
+        if text.strip() == known[0]:
+            return self.invariants[known[0]]
+        hint = ", ".join(f"system.invariants[{name!r}]" for name in known)
+        raise ExpressionError(
+            f"{error.message}; an invariant is known by its name only where that is the whole text. Build the "
+            f"expression from {hint}",
+            text,
+            error.position,
+        ) from None
+
+    def function_tape(self, *functions: str | Expr) -> TapeFunction:
+        """Functions on phase space as plain data for the numeric core, one output each.
+
+        Raises:
+            UnsupportedFieldError: a function is not smooth.
+            ParameterError: a parameter is symbolic.
+        """
+        from liepoisson.exact.lowering import tape_of_functions
+
+        return tape_of_functions(self.variables, [self._function(function) for function in functions])
+
     def describe(self) -> str:
         """The bracket, the Hamiltonian, the equations and the invariants as text."""
         from liepoisson.exact.describe import describe
@@ -285,7 +349,7 @@ class System:
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: everything but the compiled functions, which are made again when they are asked for."""
-        return {name: value for name, value in self.__dict__.items() if name != "_numpy_functions"}
+        return {name: value for name, value in self.__dict__.items() if name not in {"_numpy_functions", "functions"}}
 
     def __repr__(self) -> str:
         return f"<System {self.name!r} on {self.bracket!r}>"

@@ -1,0 +1,1 @@
+"""Canonical coordinates on symplectic leaves: charts with their domains, and reduced Hamiltonians."""

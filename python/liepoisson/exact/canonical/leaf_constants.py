@@ -1,0 +1,228 @@
+r"""The constants of a leaf of the charged or twisted top: v, w and eta in place of the Casimirs.
+
+$C_3 = w^2$, $C_2 = vw$, $C_1 = \eta + v^2$ with $C_1 = |\alpha|^2 + 2\epsilon\,\ell\cdot\beta$.
+
+References: Thiffeault and Morrison (2001), section "Canonical description".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.arrays import Array
+from liepoisson.errors import ChartError, ParameterError, ShapeError
+from liepoisson.exact.parameters import Parameter, as_float, is_zero, read_parameter, to_sympy
+from liepoisson.exact.phase_functions import as_phase_points
+from liepoisson.exact.top_parameters import TopParameters
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+FIELDS = ("l", "alpha", "beta")
+
+ON_LEAF = 1e-8
+"""How far the Casimirs of a state may be from those of the chart, relative to the terms they are sums of.
+
+Orbits of a million time units keep them to 1e-11; a state that was typed with nine digits passes.
+"""
+
+
+@dataclass(frozen=True)
+class LeafConstants:
+    r"""The constants v, w and eta of a leaf with $\beta\neq0$; symbols if no leaf is given.
+
+    Attributes:
+        epsilon: Strength of the cocycle.
+        v: The component of alpha along beta, $C_2/w$.
+        w: The length of beta, $\sqrt{C_3}$.
+        eta: $C_1 - v^2$.
+    """
+
+    epsilon: Expr
+    v: Expr
+    w: Expr
+    eta: Expr
+
+    @classmethod
+    def of(
+        cls, system: Any, top: TopParameters, casimirs: Mapping[str, Parameter] | None, x: ArrayLike | None
+    ) -> LeafConstants:
+        """The constants from values of C1, C2, C3 as the bracket of the system has them, from a state, or as symbols.
+
+        Raises:
+            ParameterError: both are given, or a Casimir is missing, unknown or not exact.
+            ShapeError: `x` is not one state of nine components.
+            ChartError: beta = 0.
+        """
+        from sympy import symbols
+
+        epsilon = to_sympy(top.epsilon)
+        if casimirs is not None and x is not None:
+            raise ParameterError("a leaf is given by casimirs or by a state x; got both. Leave one out.")
+        if casimirs is not None:
+            return cls(epsilon, *_from_casimirs(system, casimirs))
+        if x is not None:
+            return cls(epsilon, *_from_state(x, as_float(top.epsilon, "epsilon")))
+        v, w, eta = symbols("v w eta")
+        return cls(epsilon, v, w, eta)
+
+    @property
+    def casimirs(self) -> tuple[Expr, Expr, Expr]:
+        r"""$C_1 = |\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $C_2 = \alpha\cdot\beta$ and $C_3 = |\beta|^2$."""
+        v, w, eta = (to_any(value) for value in (self.v, self.w, self.eta))
+        return eta + v**2, v * w, w**2
+
+    @property
+    def numbers(self) -> tuple[float, float, float, float]:
+        """(v, w, eta, epsilon) as doubles.
+
+        Raises:
+            ParameterError: one of them is symbolic.
+        """
+        names = ("v", "w", "eta", "epsilon")
+        v, w, eta, epsilon = (
+            as_float(value, name) for value, name in zip((self.v, self.w, self.eta, self.epsilon), names, strict=True)
+        )
+        return v, w, eta, epsilon
+
+    def check_on_leaf(self, x: Array) -> None:
+        """Refuse states of other leaves.
+
+        Raises:
+            ChartError: a Casimir differs from that of the leaf; the message names it.
+        """
+        v, w, eta, epsilon = self.numbers
+        l, alpha, beta = vectors(x)
+        lb, aa, bb = dot(l, beta), dot(alpha, alpha), dot(beta, beta)
+        sizes = aa + 2 * abs(epsilon) * np.sqrt(dot(l, l) * bb), np.sqrt(aa * bb), bb
+        values = aa + 2 * epsilon * lb, dot(alpha, beta), bb
+        wanted = eta + v * v, v * w, w * w
+        names = "|alpha|^2 + 2 epsilon l.beta", "alpha.beta", "|beta|^2"
+        for name, value, want, size in zip(names, values, wanted, sizes, strict=True):
+            refuse(
+                np.abs(value - want) > ON_LEAF * (size + abs(want)),
+                value,
+                "on the leaf",
+                f"{name} = {want:.9g}, the value of its leaf",
+                quantity=name,
+                hint="Make a chart with x=state for the leaf of that state.",
+            )
+
+
+def _from_casimirs(system: Any, casimirs: Mapping[str, Parameter]) -> tuple[Any, Any, Any]:
+    from sympy import Poly, sqrt
+
+    given = to_any(casimirs)
+    if not isinstance(given, Mapping) or set(given) != {"C1", "C2", "C3"}:
+        raise ParameterError(
+            f"casimirs must give C1, C2 and C3; got {given!r:.60}. Write for example "
+            'casimirs={"C1": 1, "C2": 0, "C3": 1}, or give a state with x=.'
+        )
+    C1, C2, C3 = (to_sympy(read_parameter(casimirs[name], name)) for name in ("C1", "C2", "C3"))
+    if is_zero(C3) or to_any(C3).is_negative:
+        raise beta_is_zero(f"C3 = {C3}")
+    # The bracket has its first Casimir free of fractions: 3 |alpha|^2 - 2 l.beta for epsilon = -1/3.
+    first = system.bracket.casimirs()[0]
+    factor = Poly(first, *system.variables).coeff_monomial(system.variables[3] ** 2)
+    w = sqrt(C3)
+    return C2 / w, w, C1 / factor - C2**2 / to_any(C3)
+
+
+def _from_state(x: ArrayLike, epsilon: float) -> tuple[Any, Any, Any]:
+    state = chart_points(x, 9, FIELDS)
+    if state.ndim != 1:
+        raise ShapeError(f"x must be one state of shape (9,); got shape {state.shape}. Every leaf needs its own chart.")
+    l, alpha, beta = vectors(state)
+    w = float(np.linalg.norm(beta))
+    if not w > 0:
+        raise beta_is_zero(f"|beta| = {w:.3g}")
+    v, normal = float(alpha @ beta) / w, np.cross(alpha, beta) / w
+    # |alpha x beta|^2/w^2 instead of |alpha|^2 - v^2, which cancels for nearly parallel fields
+    eta = float(normal @ normal + 2 * epsilon * l @ beta)
+    v, w, eta = (to_sympy(read_parameter(value, name)) for value, name in ((v, "v"), (w, "w"), (eta, "eta")))
+    return v, w, eta
+
+
+def beta_is_zero(got: str) -> ChartError:
+    """The error for a leaf without a second field."""
+    return ChartError(
+        f"a chart of this kind needs beta != 0; got {got}. On beta = 0 the motion is that of an ordinary heavy top: "
+        "integrate the top itself, or use ReducedLagrange.ordinary for a Lagrange top.",
+        "beta != 0",
+    )
+
+
+def refuse(failing: Any, values: Any, condition: str, wanted: str, *, quantity: str, hint: str) -> None:
+    """Raise a ChartError if any state fails, quoting the first of them.
+
+    Args:
+        failing: Which states fail, shape (...).
+        values: The quantity of the condition at each state, shape (...).
+        condition: The condition of the domain, for the error.
+        wanted: What was wanted, in words.
+        quantity: What the values are.
+        hint: What to try.
+    """
+    bad = np.atleast_1d(failing).ravel()
+    if not bad.any():
+        return
+    first = int(np.argmax(bad))
+    value = np.broadcast_to(np.asarray(values, dtype=np.float64), np.shape(failing)).ravel()[first]
+    where = f" at state {first} ({int(bad.sum())} of {bad.size} such)" if bad.size > 1 else ""
+    raise ChartError(f"the chart needs {wanted}; got {quantity} = {value:.3g}{where}. {hint}", condition)
+
+
+LARGEST = 1e75
+"""Largest component of a state that a chart takes: the Casimirs are compared by products of four components."""
+
+
+def chart_points(x: ArrayLike, n: int, names: Sequence[str]) -> Array:
+    """States of shape (..., n), each of them NaN or with products that are doubles.
+
+    Raises:
+        ParameterError: a component is infinite or larger than 1e75.
+        ShapeError: the last axis has another length.
+    """
+    states = as_phase_points(x, n, names)
+    size = np.abs(states)
+    if (size > LARGEST).any():
+        raise ParameterError(
+            f"a chart takes states with components up to {LARGEST:.0e}; got {size[size > LARGEST].max():.3g}. Measure "
+            "in other units, so that the largest is about 1."
+        )
+    return states
+
+
+def vectors(x: Array) -> tuple[Array, Array, Array]:
+    """The vectors l, alpha and beta of states of shape (..., 9)."""
+    return x[..., 0:3], x[..., 3:6], x[..., 6:9]
+
+
+def dot(u: Array, v: Array) -> Array:
+    """Scalar products along the last axis."""
+    return np.einsum("...i,...i->...", u, v)
+
+
+def to_any(value: Any) -> Any:
+    """The value, whose arithmetic SymPy's annotations do not cover."""
+    return value
+
+
+def top_of(system: Any) -> TopParameters:
+    """The parameters of a charged or twisted top.
+
+    Raises:
+        ParameterError: the system has not the equations of such a top.
+    """
+    top = getattr(system, "top_parameters", None)
+    if not isinstance(top, TopParameters):
+        raise ParameterError(
+            "these charts are those of the charged and the twisted top, H = l.I^-1 l/2 + a.alpha + b.beta; got "
+            f"{getattr(system, 'name', type(system).__name__)!s:.60}. Use for example Top.twisted_kovalevskaya()."
+        )
+    return top

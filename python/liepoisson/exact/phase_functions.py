@@ -1,0 +1,172 @@
+r"""Functions on phase space as functions of arrays: the Hamiltonian, Casimirs, any expression, with derivatives.
+
+The expressions are the exact ones of a system, compiled to NumPy when they are first evaluated.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.arrays import Array, as_array
+from liepoisson.errors import ParameterError, ShapeError
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+
+
+class PhaseFunction:
+    """A function on phase space: its values, gradients and second derivatives at many states.
+
+    Args:
+        system: The system whose coordinates it depends on.
+        expression: A SymPy expression in them, without free parameters.
+
+    Raises:
+        ParameterError: a parameter in it has no number.
+    """
+
+    def __init__(self, system: System, expression: Expr) -> None:
+        free = {symbol for symbol in expression.free_symbols if symbol not in system.variables}
+        if free:
+            names = ", ".join(sorted(map(str, free)))
+            raise ParameterError(f"{system.name} must have numbers for all parameters; {names} has none. Give values.")
+        self.expression: Expr = expression
+        self._variables = system.variables
+        self._fields = system.bracket.field_names
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """Values, shape (...), at states of shape (..., N)."""
+        return self._evaluate(self._value, x, ())
+
+    def gradient(self, x: ArrayLike) -> Array:
+        r"""Gradients $\partial f/\partial x_i$, shape (..., N)."""
+        return self._evaluate(self._gradient, x, (len(self._variables),))
+
+    def hessian(self, x: ArrayLike) -> Array:
+        r"""Second derivatives $\partial^2 f/\partial x_i\partial x_j$, shape (..., N, N)."""
+        n = len(self._variables)
+        return self._evaluate(self._hessian, x, (n, n))
+
+    @cached_property
+    def _value(self) -> Callable[..., list[Any]]:
+        return compiled(self._variables, [self.expression])
+
+    @cached_property
+    def _gradient(self) -> Callable[..., list[Any]]:
+        return compiled(self._variables, [self.expression.diff(v) for v in self._variables])
+
+    @cached_property
+    def _hessian(self) -> Callable[..., list[Any]]:
+        slopes = [self.expression.diff(v) for v in self._variables]
+        return compiled(self._variables, [slope.diff(v) for slope in slopes for v in self._variables])
+
+    def _evaluate(self, function: Callable[..., list[Any]], x: ArrayLike, shape: tuple[int, ...]) -> Array:
+        states = as_phase_points(x, len(self._variables), self._fields)
+        values = evaluated(function, states)
+        return values.reshape(states.shape[:-1] + shape)
+
+    def __repr__(self) -> str:
+        return f"<PhaseFunction {self.expression}>"
+
+
+class PhaseFunctions:
+    """The functions on phase space that belong to a system, ready for arrays.
+
+    Args:
+        system: A system whose parameters are all numbers.
+    """
+
+    def __init__(self, system: System) -> None:
+        self._system = system
+        self._known: dict[Any, PhaseFunction] = {}
+
+    @cached_property
+    def energy(self) -> PhaseFunction:
+        """The Hamiltonian."""
+        return self.of(self._system.hamiltonian)
+
+    @cached_property
+    def casimirs(self) -> dict[str, PhaseFunction]:
+        """The Casimirs of the open stratum by name, C1, C2, ..."""
+        return {f"C{k}": self.of(casimir) for k, casimir in enumerate(self._system.bracket.casimirs(), start=1)}
+
+    def of(self, function: str | Expr | PhaseFunction) -> PhaseFunction:
+        """Any function on phase space: a text, a SymPy expression or a PhaseFunction, as `System.expression` takes it.
+
+        Raises:
+            ExpressionError: the text is not in the grammar, or a name in it is not known.
+            ParameterError: the function is none of these, or a parameter in it has no number.
+        """
+        expression = self._system.expression(function)
+        known = self._known.get(expression)
+        if known is None:
+            known = self._known[expression] = PhaseFunction(self._system, expression)
+        return known
+
+    def poisson_tensor(self, x: ArrayLike) -> Array:
+        r"""The Poisson tensor $J_{ij}(x) = \{x_i, x_j\}$, shape (..., N, N).
+
+        Raises:
+            ParameterError: a parameter of the bracket has no number.
+        """
+        if free := self._system.bracket.symbols:
+            names = ", ".join(sorted(free))
+            raise ParameterError(
+                f"{self._system.name} must have numbers for all parameters of its bracket; {names} has none. "
+                "Give values."
+            )
+        n = self._system.bracket.dimension
+        states = as_phase_points(x, n, self._system.bracket.field_names)
+        tensor = np.zeros((*states.shape[:-1], n, n))
+        for i, j, m, c in self._system.bracket.entries():
+            tensor[..., i, j] += float(cast("Any", c)) * states[..., m]
+            tensor[..., j, i] -= float(cast("Any", c)) * states[..., m]
+        return tensor
+
+    def rates(self, x: ArrayLike) -> Array:
+        r"""The vector field $J\nabla H$, shape (..., N)."""
+        return self._system.vector_field(x)
+
+    def jacobian(self, x: ArrayLike) -> Array:
+        r"""Its derivative $\partial\dot x_i/\partial x_j$, shape (..., N, N)."""
+        n = self._system.bracket.dimension
+        states = as_phase_points(x, n, self._system.bracket.field_names)
+        return evaluated(self._jacobian, states).reshape(*states.shape[:-1], n, n)
+
+    @cached_property
+    def _jacobian(self) -> Callable[..., list[Any]]:
+        return compiled(self._system.variables, self._system.jacobian.flat())
+
+
+def compiled(variables: Sequence[Any], expressions: Sequence[Any]) -> Callable[..., list[Any]]:
+    """A NumPy function of the variables that returns the values of all expressions."""
+    from sympy import lambdify
+
+    return cast("Callable[..., list[Any]]", lambdify(tuple(variables), list(expressions), modules="numpy", cse=True))
+
+
+def evaluated(function: Callable[..., list[Any]], states: Array) -> Array:
+    """The values of a compiled function at states of shape (..., N), stacked along a new last axis."""
+    values = function(*np.moveaxis(states, -1, 0))
+    columns = [np.broadcast_to(np.asarray(value, dtype=np.float64), states.shape[:-1]) for value in values]
+    return np.stack(columns, axis=-1)
+
+
+def as_phase_points(x: ArrayLike, n: int, fields: Sequence[str]) -> Array:
+    """States of shape (..., n).
+
+    Raises:
+        ShapeError: the last axis has another length.
+    """
+    states = as_array(x, "x")
+    if states.ndim == 0 or states.shape[-1] != n:
+        hint = " Transpose it?" if states.ndim > 1 and states.shape[0] == n else ""
+        raise ShapeError(f"x must end in {n} components ({', '.join(fields)}); got shape {states.shape}.{hint}")
+    return states
