@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, UnknownNameError
-from liepoisson.numeric.sampling import ENSEMBLES, sample_tangents
+from liepoisson.numeric.sampling import ENSEMBLES, sample_alignment_vectors, sample_tangents
 
 TOP = lp.Top.twisted_kovalevskaya()
 
@@ -24,6 +24,17 @@ def test_no_two_members_are_equal_and_states_differ_from_tangents():
     tangents = sample_tangents(9, 1000, seed=1)
     assert len(np.unique(states[:, 0])) == 1000
     assert len(np.intersect1d(states, tangents)) == 0
+
+
+@pytest.mark.parametrize("n_vectors", [1, 2, 3])
+def test_alignment_vectors_are_none_of_the_tangents(n_vectors):
+    """SALI votes beside indicators made of `sample_tangents`, with the same seed."""
+    vectors = sample_alignment_vectors(9, 300, n_vectors, seed=1)
+    assert vectors.shape == (300, n_vectors, 9)
+    assert np.abs(np.linalg.norm(vectors, axis=-1) - 1).max() < 1e-15
+    assert len(np.intersect1d(vectors, sample_tangents(9, 300 * n_vectors, seed=1))) == 0
+    part = sample_alignment_vectors(9, 40, n_vectors, seed=1, first=230)
+    assert np.array_equal(part, vectors[230:270])
 
 
 def test_unit_vectors_are_unit_and_uniform():

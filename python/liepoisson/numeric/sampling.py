@@ -14,7 +14,9 @@ from liepoisson.numeric._checks import MOST, HasField, as_count, as_field, shown
 BLOCK = 256
 """Members that share a stream; a member's numbers depend on the seed and on its own number only."""
 
-_STATES, _TANGENTS = 0, 1
+# Purposes of the random numbers, the first part of a stream's key.  2 and 3 are taken: `tangent_frames.py` and
+# `covariant_vectors.py`.
+_STATES, _TANGENTS, _ALIGNMENT = 0, 1, 4
 
 
 def _unit_vectors(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
@@ -98,6 +100,29 @@ def as_first(first: int, n: int) -> int:
 def sample_tangents(n_components: int, n: int, *, seed: int, first: int = 0) -> NDArray[np.float64]:
     """Random tangent vectors, uniform on the unit sphere of the state space, shape (trajectory, component)."""
     return _draw(_unit_tangent, n_components, n, seed, length=n_components, first=first, purpose=_TANGENTS)
+
+
+def sample_alignment_vectors(
+    n_components: int, n: int, n_vectors: int, *, seed: int, first: int = 0
+) -> NDArray[np.float64]:
+    """Random tangent vectors for alignment indices, uniform on the unit sphere of the state space.
+
+    Their stream is not that of `sample_tangents`: SALI and an exponent with the same seed are made of independent
+    vectors.
+
+    Returns:
+        Vectors, shape (trajectory, tangent, component).
+    """
+    vectors = _draw(
+        _unit_tangent,
+        n_components,
+        n * n_vectors,
+        seed,
+        length=n_components,
+        first=first * n_vectors,
+        purpose=_ALIGNMENT,
+    )
+    return vectors.reshape(n, n_vectors, n_components)
 
 
 def _draw(

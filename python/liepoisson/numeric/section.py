@@ -1,0 +1,428 @@
+"""Surfaces of section: the crossings of a surface along orbits, to round-off, and the map of first return."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson import _core
+from liepoisson.arrays import Array, as_array
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.field import Field, TapeFunction
+from liepoisson.numeric._checks import (
+    TIME_LIMIT,
+    HasField,
+    as_count,
+    as_field,
+    as_number,
+    as_states,
+    as_threads,
+    as_time_limit,
+    component_names,
+    core_field,
+    outcome_names,
+    shown,
+)
+from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+
+if TYPE_CHECKING:
+    from sympy import Expr
+    from xarray import Dataset
+
+
+class HasExpression(Protocol):
+    """A function of the state that knows its formula, as `System.functions` makes them."""
+
+    @property
+    def expression(self) -> Expr: ...  # noqa: D102
+
+
+Function: TypeAlias = "str | Expr | HasExpression"
+"""A function of the state."""
+_SAME_POINT = 1e-9
+"""Distance, relative to the size of the state, within which a start counts as on the surface in `first_return`: above
+what integration to round-off adds up in a long run, far below any section."""
+
+
+class FirstReturn(NamedTuple):
+    """Images of the map of first return.
+
+    Attributes:
+        state: Where each orbit returned, shape (..., component); NaN where it did not.
+        time: When, shape (...).
+        outcome: "returned"; "no return" until `t_max`; or why the orbit ended before, as for `integrate`.  Shape (...).
+    """
+
+    state: Array
+    time: Array
+    outcome: NDArray[np.str_]
+
+
+@dataclass(frozen=True)
+class Section:
+    """Crossings of a surface $s(x) = 0$ along trajectories, ordered by trajectory, then in the order of travel.
+
+    Attributes:
+        system: Name of the system.
+        components: Names of the components of the phase space.
+        coordinates: Names of what is kept of each crossing: the components, or the functions in `keep`.
+        surface: The function $s$ as it was written, for labels.
+        tape: It and the kept functions as data.
+        field: The vector field of the system.
+        method: How it was integrated.
+        direction: Which crossings were wanted: +1 where $s$ increases in the order of travel, -1 where it decreases,
+            0 both.
+        n_crossings: After how many a trajectory was ended, or None.
+        initial_state: Starts, shape (trajectory, component).
+        t_end: Time at which a trajectory ended at the latest.
+        trajectory: Trajectory of each crossing, shape (crossing,).
+        time: Its time, shape (crossing,).
+        state: Its state, or the kept functions there, shape (crossing, coordinate).
+        sign: +1 where $s$ increases in the order of travel, else -1, shape (crossing,).
+        touch_trajectory, touch_time, touch_state: Like the crossings: points where $s$ comes closer to zero than its
+            error and leaves to the side that it came from; whether it crossed in between is not decided.
+        unbounded_steps: Steps of each trajectory whose error was estimated and not bounded, shape (trajectory,).
+        undefined_steps: Steps of each trajectory in which $s$ or its series does not exist: crossings there are not
+            found, shape (trajectory,).
+        outcome: How each trajectory ended, shape (trajectory,); "finished" also after `n_crossings` crossings.
+        end_time: Time that each trajectory reached, shape (trajectory,).
+        n_steps: Accepted steps of each trajectory.
+        final_state: Last good state of each trajectory, shape (trajectory, component).
+        order: Order of the method.
+        kernel: The instruction set that was used; all give the same bits.
+    """
+
+    system: str
+    components: tuple[str, ...]
+    coordinates: tuple[str, ...]
+    surface: str
+    tape: TapeFunction
+    field: Field
+    method: Method
+    direction: int
+    n_crossings: int | None
+    initial_state: Array
+    t_end: float
+    trajectory: NDArray[np.int64]
+    time: Array
+    state: Array
+    sign: NDArray[np.int8]
+    touch_trajectory: NDArray[np.int64]
+    touch_time: Array
+    touch_state: Array
+    unbounded_steps: NDArray[np.int64]
+    undefined_steps: NDArray[np.int64]
+    outcome: NDArray[np.str_]
+    end_time: Array
+    n_steps: NDArray[np.int64]
+    final_state: Array
+    order: int
+    kernel: str
+
+    @property
+    def n_trajectories(self) -> int:
+        """Number of trajectories."""
+        return len(self.outcome)
+
+    @property
+    def count(self) -> NDArray[np.int64]:
+        """Number of crossings of each trajectory, shape (trajectory,)."""
+        return np.bincount(self.trajectory, minlength=self.n_trajectories)
+
+    def of(self, trajectory: int) -> Array:
+        """Crossings of one trajectory, shape (crossing, coordinate), in the order of travel.
+
+        Raises:
+            ParameterError: there is no such trajectory.
+        """
+        k = as_count(trajectory, "trajectory", most=self.n_trajectories - 1, hint="they count from 0")
+        first, end = np.searchsorted(self.trajectory, (k, k + 1))
+        return self.state[first:end]
+
+    @property
+    def dataset(self) -> Dataset:
+        """The same as a labelled xarray Dataset, whose attributes suffice to run it again."""
+        from liepoisson.dataset import section_dataset
+
+        return section_dataset(self)
+
+    def save(self, path: str | Path) -> Path:
+        """Writes the dataset to a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run."""
+        from liepoisson.dataset import save
+
+        return save(self.dataset, path)
+
+    def __repr__(self) -> str:
+        n, of = len(self.time), self.n_trajectories
+        return f"<Section {self.surface} = 0 of {self.system}: {n} crossings of {of} trajectories>"
+
+
+def section(
+    system: HasField,
+    x0: ArrayLike,
+    *,
+    surface: Function | TapeFunction,
+    t_end: float,
+    direction: int = 0,
+    n_crossings: int | None = None,
+    keep: Sequence[Function] | None = None,
+    method: Method | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> Section:
+    r"""Crossings of the surface $s(x) = 0$ along orbits that start at time 0, to round-off.
+
+    s may be any smooth function.  Along a step of the Taylor method it is a power series $s(t)$.  What is certain, and
+    what not:
+
+    - Every crossing and every pair of crossings of the Taylor polynomial is found if it goes beyond its error between
+      them: the step is divided until on each part an exclusion test shows that the polynomial has one sign, is
+      monotone, or stays within the error.
+    - The error is what separates the polynomial from the solution through the start of the step, and round-off.  It is
+      bounded by a majorant if the field (of degree two at most) and the surface are polynomials.  Otherwise the
+      step is divided until the series of s converges on each part, and the error is estimated from its last terms;
+      `unbounded_steps` counts these steps.
+    - Where s does not exist (the square root of a negative number) nothing is found, and `undefined_steps` counts
+      the steps.  A pole, at which s changes its sign, is no crossing.
+    - Where $|s|$ falls below the error and returns to the side that it came from, the point is reported as a touch and
+      not decided.  A tangency is one.
+
+    A start on the surface, within the error, is not counted, and orbits that lie in the surface cross it nowhere.  An
+    orbit that never meets the surface runs to `t_end`, whatever `n_crossings`; `time_limit` ends it sooner.  Errors
+    that accumulate from step to step are those of `integrate`.
+
+    Args:
+        system: What is integrated.
+        x0: States at time 0, shape (component,) or (trajectory, component).
+        surface: The function $s$: a text like that of a Hamiltonian ("dot(l, beta)"), a SymPy expression in the
+            variables of the system, a function of `System.functions`, or a `TapeFunction`, whose first output is $s$
+            and whose further ones are kept.
+        t_end: Time at which each trajectory ends at the latest; negative: backwards.
+        direction: +1 for crossings where $s$ increases in the order of travel, -1 where it decreases, 0 for both.
+        n_crossings: End each trajectory after so many crossings.
+        keep: Functions whose values are kept of each crossing instead of the state (texts or expressions); with a
+            `TapeFunction`, the names of its further outputs.
+        method: `Taylor()`, in double precision, by default to round-off.
+        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that the run may take; what is done by then is kept, with the outcome "time limit".
+        progress: Called a few times a second with the fraction that is done.
+
+    Returns:
+        Section; without any crossing if the orbits meet none.
+
+    Raises:
+        ExpressionError: A text is not a formula, or names what the system does not have.
+        UnsupportedFieldError: The surface is not smooth.
+        ShapeError: `x0` has another shape than stated.
+        ParameterError: Another method, a direction that is none, numbers that are not finite, a surface that is no
+            function or is constant along every orbit of the bracket (a number, a Casimir).
+        KeyboardInterrupt: Ctrl-C.
+    """
+    method = as_method(method, Taylor())
+    if not isinstance(method, Taylor) or method.precision != "double":
+        raise ParameterError(
+            f"method: wanted Taylor() in double precision, whose series sections are made from; got {method}; leave "
+            "it out"
+        )
+    field = field_for(system, as_field(system), method)
+    n = field.n_components
+    states = as_states(x0, n, some_may_fail=True)
+    tape, names = _as_surface(system, surface, keep)
+    if tape.n_components != n:
+        raise ShapeError(f"surface: wanted a function of {n} components; got one of {tape.n_components}")
+    coordinates = component_names(system, n) if names is None else names
+    wanted = None if n_crossings is None else as_count(n_crossings, "n_crossings", least=1)
+    end, sense = _as_end(t_end), _as_direction(direction)
+    raw = _core.sections(
+        core_field(field),
+        method.core(),
+        (tape.n_components, list(tape.instructions), list(tape.outputs)),
+        states.ravel(),
+        np.array([0.0, end]),
+        sense,
+        wanted,
+        as_threads(threads),
+        as_time_limit(time_limit),
+        progress,
+    )
+    width, members = len(coordinates), np.arange(len(states))
+    return Section(
+        system=system.name,
+        components=component_names(system, n),
+        coordinates=coordinates,
+        surface="s" if isinstance(surface, TapeFunction) else str(_formula(surface, "surface")),
+        tape=tape,
+        field=field,
+        method=method,
+        direction=sense,
+        n_crossings=wanted,
+        initial_state=states,
+        t_end=end,
+        trajectory=np.repeat(members, raw["count"]),
+        time=raw["time"],
+        state=raw["state"].reshape(len(raw["time"]), width),
+        sign=raw["sign"],
+        touch_trajectory=np.repeat(members, raw["touch_count"]),
+        touch_time=raw["touch_time"],
+        touch_state=raw["touch_state"].reshape(len(raw["touch_time"]), width),
+        unbounded_steps=raw["unbounded_steps"],
+        undefined_steps=raw["undefined_steps"],
+        outcome=outcome_names(raw["outcome"]),
+        end_time=raw["end_time"],
+        n_steps=raw["n_steps"],
+        final_state=raw["final_state"].reshape(len(states), n),
+        order=raw["order"],
+        kernel=raw["kernel"],
+    )
+
+
+def first_return(
+    system: HasField,
+    x: ArrayLike,
+    *,
+    surface: Function | TapeFunction,
+    t_max: float,
+    direction: int = 1,
+    method: Method | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> FirstReturn:
+    r"""The map of first return to the side of a surface, $P(x) = \varphi_{\tau(x)}(x)$, and the times $\tau(x)$.
+
+    $\tau(x)$ is the first time after 0 at which $s(\varphi_t(x))$ passes zero in the given direction.  The map can be
+    applied to its own results; with a negative `t_max` and the opposite direction it is the inverse map.
+
+    A state counts as on the surface if its orbit meets it within the first step and within $10^{-9}$ of the largest
+    component of x: images that other programs computed, or that were rounded, do not return at once.
+
+    Args:
+        system: What is integrated.
+        x: States on the surface (elsewhere it is the map of first arrival), shape (..., component).
+        surface: The function $s$, as for `section`.
+        t_max: Longest time that is waited.
+        direction: +1, -1 or 0, as for `section`.
+        method: `Taylor()`, as for `section`.
+        threads: By default all processors.
+        time_limit: Seconds that the run may take, as for `section`.
+        progress: As for `section`.
+
+    Returns:
+        `state`, `time` and `outcome`, which says why the first two are NaN where they are.
+
+    Raises:
+        As `section`.
+    """
+    states = as_array(x, "x")
+    n = as_field(system).n_components
+    if states.ndim == 0 or states.shape[-1] != n:
+        raise ShapeError(f"x must end in {n} components; got shape {states.shape}")
+    options: dict[str, Any] = {
+        "surface": _surface_alone(surface), "t_end": t_max, "direction": direction, "method": method,
+        "threads": threads, "time_limit": time_limit, "progress": progress,
+    }  # fmt: skip
+    returned, times, outcome = _arrivals(system, states.reshape(-1, n), options)
+    shape = states.shape[:-1]
+    return FirstReturn(returned.reshape(states.shape), times.reshape(shape), outcome.reshape(shape))
+
+
+def _arrivals(system: HasField, x: Array, options: dict[str, Any]) -> tuple[Array, Array, NDArray[np.str_]]:
+    """State and time of the first crossing of each trajectory that is not its start, and the outcomes."""
+    found = section(system, x, n_crossings=1, **options)
+    returned, times = np.full(x.shape, np.nan), np.full(len(x), np.nan)
+    returned[found.trajectory], times[found.trajectory] = found.state, found.time
+    outcome = np.where(found.outcome == "finished", "no return", found.outcome)
+    outcome[found.trajectory] = "returned"
+    # Within one step of a power series no orbit is periodic: a near crossing there is the start itself.
+    near = np.abs(returned - x).max(axis=1) <= _SAME_POINT * np.abs(x).max(axis=1)
+    again = np.flatnonzero(near & (found.n_steps <= 1))
+    if again.size:
+        second = section(system, x[again], n_crossings=2, **options)
+        last = np.cumsum(second.count) - 1
+        there = second.count == 2
+        returned[again], times[again] = np.nan, np.nan
+        returned[again[there]], times[again[there]] = second.state[last[there]], second.time[last[there]]
+        ended = np.where(second.outcome == "finished", "no return", second.outcome)
+        outcome[again] = np.where(there, "returned", ended)
+    return returned, times, outcome
+
+
+def _surface_alone(surface: Function | TapeFunction) -> Function | TapeFunction:
+    """The surface without further outputs, so that whole states are kept."""
+    if not isinstance(surface, TapeFunction):
+        return surface
+    return TapeFunction(surface.n_components, surface.instructions, surface.outputs[:1])
+
+
+def _formula(given: Any, what: str) -> str | Expr:
+    """A function of the state as text or expression."""
+    formula = given if isinstance(given, str) else getattr(given, "expression", given)
+    if not isinstance(formula, str) and not (hasattr(formula, "free_symbols") and hasattr(formula, "diff")):
+        raise ParameterError(
+            f'{what}: wanted a function of the state; got {shown(given)}; try a text such as "l3", or an expression in '
+            "System.variables"
+        )
+    return formula
+
+
+def _check_that_it_varies(system: Any, surface: str | Expr) -> None:
+    """Refuses a surface function that is proved constant on every leaf: no orbit crosses it."""
+    bracket, read = getattr(system, "bracket", None), getattr(system, "expression", None)
+    if bracket is None or read is None:
+        return
+    s = read(surface)
+    if all(bracket(s, component) == 0 for component in system.variables):
+        kind = "its bracket with every component is zero" if s.free_symbols else "no component occurs in it"
+        raise ParameterError(
+            f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
+            f'leaf: {kind}; try a component such as "{component_names(system, len(system.variables))[0]}"'
+        )
+
+
+def _as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[TapeFunction, tuple[str, ...] | None]:
+    """Surface function and kept functions as data, and the names of the latter; None for whole states."""
+    if keep is not None and (isinstance(keep, str) or not hasattr(keep, "__len__") or not len(keep)):
+        raise ParameterError(f'keep: wanted a sequence of functions such as ("l3", "alpha1"); got {shown(keep)}')
+    kept = None if keep is None else [_formula(function, "keep") for function in keep]
+    names = None if kept is None else tuple(map(str, kept))
+    if isinstance(surface, TapeFunction):
+        further = len(surface.outputs) - 1
+        if further < 0:
+            raise ParameterError("surface: wanted a tape with one output at least, the surface function; got none")
+        if names is None and further:
+            names = tuple(f"y{k + 1}" for k in range(further))
+        if further != (0 if names is None else len(names)):
+            raise ParameterError(
+                f"keep: wanted names for the {further} further outputs of the surface; got {shown(keep)}"
+            )
+        return surface, names
+    write = getattr(system, "function_tape", None)
+    if write is None:
+        raise ParameterError(
+            f"surface: wanted a TapeFunction, since {shown(system)} can not read formulas; got {shown(surface)}; "
+            "try a System, or System.function_tape"
+        )
+    formula = _formula(surface, "surface")
+    _check_that_it_varies(system, formula)
+    return write(formula, *(kept or ())), names
+
+
+def _as_end(t_end: Any) -> float:
+    end = as_number(t_end, "t_end", "a finite time, not zero")
+    if not np.isfinite(end) or end == 0:
+        raise ParameterError(f"t_end: wanted a finite time, not zero; got {end}; try t_end=1000")
+    return end
+
+
+def _as_direction(direction: Any) -> int:
+    if isinstance(direction, bool) or not np.isscalar(direction) or direction not in (-1, 0, 1):
+        raise ParameterError(
+            f"direction: wanted +1 (the surface function increases), -1 (it decreases) or 0; got {shown(direction)}"
+        )
+    return int(direction)

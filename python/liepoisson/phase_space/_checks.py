@@ -1,0 +1,51 @@
+"""Checks that the functions on phase space share: systems with numbers for all parameters, and energies."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.errors import ParameterError
+from liepoisson.numeric._checks import as_number, shown
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system import System
+
+
+def as_system(system: Any) -> System:
+    """A system whose parameters are all numbers.
+
+    Raises:
+        ParameterError: it is no system (a text, a class, ...), or a parameter has no number.
+    """
+    from liepoisson.exact.system import System
+
+    if not isinstance(system, System):
+        raise ParameterError(
+            f"system: wanted a system such as Top.kovalevskaya(); got {shown(system)}; make one, or call its class"
+        )
+    in_energy = {str(symbol) for symbol in system.hamiltonian.free_symbols if symbol not in system.variables}
+    if free := in_energy | system.bracket.symbols:
+        names = ", ".join(sorted(free))
+        raise ParameterError(f"{system.name} must have numbers for all parameters; {names} has none. Give values.")
+    return system
+
+
+def as_energy(value: Any, name: str = "energy") -> float:
+    """A finite energy as a plain float.
+
+    Raises:
+        ParameterError: it is no finite real number.
+    """
+    energy = as_number(value, name, "a finite number")
+    if not np.isfinite(energy):
+        raise ParameterError(f"{name} must be a finite number; got {energy}. Take one of leaf.energy_range().")
+    return energy
+
+
+def first_casimir_scale(system: System) -> float:
+    """What clears the first Casimir of a top of fractions: 3 for 3 |alpha|^2 - 2 l.beta, that is epsilon = -1/3."""
+    state = np.zeros(9)
+    state[3] = 1.0
+    return float(system.functions.casimirs["C1"](state))

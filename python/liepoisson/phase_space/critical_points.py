@@ -1,0 +1,194 @@
+r"""Newton's method for critical points of the Hamiltonian on a leaf, or on a level set of integrals in it.
+
+Solved are $f_H(x) - \sum_j\Omega_j f_{K_j}(x) = 0$ and $K_j(x) = \kappa_j$ for a state on the leaf, where
+$f_F = J\nabla F$. A step is taken in the tangent space of the leaf, then the state is projected back.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.phase_space.leaf_projection import CONVERGED, solve
+from liepoisson.phase_space.linearisation import leaf_tangent
+
+if TYPE_CHECKING:
+    from liepoisson.exact.phase_functions import PhaseFunction
+    from liepoisson.exact.system import System
+    from liepoisson.phase_space.leaf import Leaf
+
+VANISHES = 1e-8
+"""A vector field below this fraction of its scale counts as zero."""
+_MAX_STEPS = 100
+_ROUND_OFF = 1e-14
+"""Relative residual at which the iteration stops; what it can not reach by round-off is stopped by `_MAX_STEPS`."""
+
+
+class HamiltonianFields:
+    r"""The vector fields $J\nabla F$ of several functions and their derivatives, at many states.
+
+    Args:
+        system: The system whose bracket is meant.
+        functions: F, such as the Hamiltonian and integrals.
+    """
+
+    def __init__(self, system: System, functions: Sequence[PhaseFunction]) -> None:
+        self._system = system
+        self.functions = tuple(functions)
+
+    @cached_property
+    def _constants(self) -> Array:
+        """The derivative of J, which is linear: [m, i, j] is that of J_ij along x_m."""
+        return self._system.functions.poisson_tensor(np.eye(self._system.bracket.dimension))
+
+    def poisson(self, x: Array) -> Array:
+        """Poisson tensors, shape (..., N, N)."""
+        return np.einsum("...m,mij->...ij", x, self._constants)
+
+    def fields(self, x: Array) -> Array:
+        """The vector fields, shape (..., N, function)."""
+        gradients = np.stack([f.gradient(x) for f in self.functions], axis=-1)
+        return self.poisson(x) @ gradients
+
+    def derivatives(self, x: Array) -> Array:
+        """Their derivatives, shape (..., N, N, function)."""
+        poisson = self.poisson(x)
+        parts = [
+            np.einsum("mij,...j->...im", self._constants, f.gradient(x)) + poisson @ f.hessian(x)
+            for f in self.functions
+        ]
+        return np.stack(parts, axis=-1)
+
+    def scale(self, x: Array) -> Array:
+        """What the size of the vector fields is compared with: the norm of their derivatives times that of x."""
+        return np.linalg.norm(self.derivatives(x), axis=(-3, -2)) * np.linalg.norm(x, axis=-1)[..., None]
+
+
+@dataclass
+class _Search:
+    """States on a leaf with the multipliers of the integrals, and the equations that they are to satisfy."""
+
+    leaf: Leaf
+    fields: HamiltonianFields
+    values: Array
+
+    def tangents(self, x: Array) -> Array:
+        return leaf_tangent(self.fields.poisson(x), self.leaf.rank)
+
+    def residual(self, x: Array, omega: Array) -> Array:
+        """The vector field of H - sum Omega K and the integrals' distances from their values, relative, (row, ...)."""
+        rates = self.fields.fields(x)
+        scale = self.fields.scale(x)[:, :1]
+        missing = [f(x) - v for f, v in zip(self.fields.functions[1:], self.values, strict=True)]
+        parts = [(rates[..., 0] - np.einsum("rij,rj->ri", rates[..., 1:], omega)) / np.where(scale > 0, scale, 1.0)]
+        return np.concatenate(parts + [m[:, None] / (1 + abs(v)) for m, v in zip(missing, self.values, strict=True)], 1)
+
+    def newton_matrix(self, x: Array, omega: Array, basis: Array) -> Array:
+        """Derivative of the residual along the leaf and the multipliers, shape (row, N + k, rank + k)."""
+        slopes = self.fields.derivatives(x)
+        scale = self.fields.scale(x)[:, :1, None]
+        scale = np.where(scale > 0, scale, 1.0)
+        along = (slopes[..., 0] - np.einsum("rimj,rj->rim", slopes[..., 1:], omega)) @ basis / scale
+        matrix = np.concatenate([along, -self.fields.fields(x)[..., 1:] / scale], axis=2)
+        for f, value in zip(self.fields.functions[1:], self.values, strict=True):
+            row = np.einsum("ri,rij->rj", f.gradient(x), basis) / (1 + abs(value))
+            row = np.concatenate([row, np.zeros((len(x), len(self.values)))], axis=1)
+            matrix = np.concatenate([matrix, row[:, None]], axis=1)
+        return matrix
+
+    def projected(self, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """The states projected to the leaf, and for which of them that was possible."""
+        found, residual = solve(self.leaf.equations, x)
+        return found, residual <= CONVERGED
+
+
+def critical_points(leaf: Leaf, fields: HamiltonianFields, starts: Array, values: Array) -> tuple[Array, Array]:
+    r"""Critical points of H on the leaf, on the level sets $K_j = \kappa_j$, from many starts.
+
+    Levenberg–Marquardt with a damping proportional to the squared residual, which converges quadratically also to
+    points of a family, where the linear equations are singular.
+
+    Args:
+        leaf: The leaf.
+        fields: Those of H and of the integrals K_j.
+        starts: States near or on the leaf, shape (start, N).
+        values: The values kappa_j.
+
+    Returns:
+        States (start, N), and the relative residuals (start,) that are left; those far from round-off did not
+        converge.
+
+    References: Yamashita and Fukushima (2001), for the damping.
+    """
+    search = _Search(leaf, fields, values)
+    x, alive = search.projected(starts)
+    x = x[alive]
+    omega = multipliers(fields.fields(x), fields.scale(x))
+    residual = search.residual(x, omega)
+    damping = np.ones(len(x))
+    for _ in range(_MAX_STEPS):
+        rows = np.flatnonzero((np.linalg.norm(residual, axis=1) > _ROUND_OFF) & (damping < 1e12))
+        if not rows.size:
+            break
+        trial, trial_omega, possible = _step(search, x[rows], omega[rows], residual[rows], damping[rows])
+        new = search.residual(trial, trial_omega)
+        better = possible & (np.linalg.norm(new, axis=1) < np.linalg.norm(residual[rows], axis=1))
+        taken = rows[better]
+        x[taken], omega[taken], residual[taken] = trial[better], trial_omega[better], new[better]
+        damping[rows] *= np.where(better, 0.25, 4.0)
+        damping = np.maximum(damping, 1e-10)
+    return x, np.linalg.norm(residual, axis=1)
+
+
+def _step(
+    search: _Search, x: Array, omega: Array, residual: Array, damping: Array
+) -> tuple[Array, Array, NDArray[np.bool_]]:
+    """One damped Newton step of each row."""
+    basis = search.tangents(x)
+    matrix = search.newton_matrix(x, omega, basis)
+    transposed = np.swapaxes(matrix, 1, 2)
+    normal = transposed @ matrix
+    size = np.trace(normal, axis1=1, axis2=2)
+    weight = damping * np.sum(residual**2, axis=1) * size + 1e-15 * size + 1e-300
+    normal = normal + weight[:, None, None] * np.eye(normal.shape[1])
+    step = -np.linalg.solve(normal, transposed @ residual[..., None])[..., 0]
+    move = np.einsum("rij,rj->ri", basis, step[:, : basis.shape[2]])
+    # A step longer than the state itself says nothing about the neighbourhood in which it was computed.
+    length, limit = np.linalg.norm(move, axis=1), 0.5 * (np.linalg.norm(x, axis=1) + 1e-3)
+    shrink = np.minimum(1.0, limit / np.maximum(length, 1e-300))[:, None]
+    trial, possible = search.projected(x + shrink * move)
+    return trial, omega + shrink * step[:, basis.shape[2] :], possible
+
+
+def multipliers(fields: Array, scale: Array) -> Array:
+    r"""The least-squares $\Omega$ in $f_H = \sum_j\Omega_j f_{K_j}$, shape (row, k).
+
+    An integral whose vector field depends on those of the integrals before it has the multiplier 0.
+
+    Args:
+        fields: Vector fields of H and the K_j, shape (row, N, 1 + k).
+        scale: Their scales, shape (row, 1 + k); what is below 1e-8 of its scale counts as zero.
+    """
+    result = np.zeros((len(fields), fields.shape[2] - 1))
+    for row, (field, size) in enumerate(zip(fields, np.where(scale > 0, scale, 1.0), strict=True)):
+        kept = independent_columns(field[:, 1:] / size[1:])
+        result[row, kept] = np.linalg.lstsq(field[:, 1:][:, kept], field[:, 0])[0]
+    return result
+
+
+def independent_columns(columns: Array) -> list[int]:
+    """The columns that do not depend on those before them, to 1e-8."""
+    kept: list[int] = []
+    basis = np.zeros((len(columns), 0))
+    for k, column in enumerate(columns.T):
+        new = column - basis @ (basis.T @ column)
+        if np.linalg.norm(new) > VANISHES:
+            kept.append(k)
+            basis = np.column_stack([basis, new / np.linalg.norm(new)])
+    return kept

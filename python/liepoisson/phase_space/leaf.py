@@ -1,0 +1,318 @@
+r"""Symplectic leaves: the sets on which a Lie-Poisson system lives.
+
+A leaf is the orbit of a state under all Hamiltonian flows (a coadjoint orbit).  Its tangent space at x is the image of
+$J(x)$, its dimension the rank of $J$.  On the open stratum it is a level set of the Casimirs; where the rank drops,
+fields vanish or are parallel, and other functions are constant.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
+from liepoisson.numeric._checks import as_number, shown
+from liepoisson.phase_space._checks import as_energy, as_system
+from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, mixing_of, solve
+from liepoisson.phase_space.leaf_stratum import Place, open_place, place_of
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+
+
+class Leaf:
+    r"""A symplectic leaf, given by the values of the Casimirs C1, C2, ... of the open stratum.
+
+    A level set may consist of several leaves, such as the two sheets of a hyperboloid; they are not told apart.
+    Leaves of lower rank come from a state, see `leaf_of`.
+
+    Args:
+        system: A system whose parameters are all numbers.
+        casimirs: A value for each Casimir, by name: `{"C1": 1.2, "C2": 0.3, "C3": 1}`.
+
+    Raises:
+        LeafError: no state was found with these values, or those found lie on leaves of lower rank, of which the
+            values determine none; or too few Casimirs are known.
+        ParameterError: a name is missing or unknown, a value is not finite, or a parameter of the system has no number.
+
+    References: [marsden1999], chapter 14.
+    """
+
+    def __init__(self, system: System, casimirs: Mapping[str, float]) -> None:
+        from liepoisson.phase_space.leaf_search import find_state
+
+        place = open_place(as_system(system))
+        if not place.is_known:
+            raise LeafError(_unknown(system, place))
+        values = _values(casimirs, place)
+        self._set(system, place, values, find_state(system, place, values))
+
+    @classmethod
+    def _through(cls, system: System, x: Array) -> Leaf:
+        leaf = cls.__new__(cls)
+        place = place_of(system, x)
+        with np.errstate(over="ignore", invalid="ignore"):
+            values = np.array([float(f(x)) for f in place.casimirs.values()])
+        if not np.isfinite(values).all():
+            shown_values = dict(zip(place.casimirs, values.tolist(), strict=True))
+            raise ParameterError(
+                f"the Casimirs at x must be finite doubles; got {shown_values}. Choose units in which x is smaller, or "
+                "a state where they are defined."
+            )
+        leaf._set(system, place, values, x)
+        return leaf
+
+    def _set(self, system: System, place: Place, values: Array, state: Array) -> None:
+        self.system: System = system
+        self.place: Place = place
+        self.state: Array = state
+        self._values = values
+
+    @property
+    def rank(self) -> int:
+        """The dimension of the leaf, an even number."""
+        return self.place.rank
+
+    @property
+    def stratum(self) -> str:
+        """Where in phase space the leaf lies, for example "beta != 0"."""
+        return self.place.stratum
+
+    @property
+    def is_regular(self) -> bool:
+        """Whether the leaf lies in the open stratum, where the rank is the largest."""
+        return self.place.is_open
+
+    @property
+    def casimirs(self) -> dict[str, float]:
+        """The values of the Casimirs: C1, C2, ... on the open stratum, else named by their formulas."""
+        return dict(zip(self.place.casimirs, self._values.tolist(), strict=True))
+
+    @property
+    def casimir_functions(self) -> dict[str, PhaseFunction]:
+        """The functions that are constant on the leaves of this stratum, by the names of `casimirs`."""
+        return dict(self.place.casimirs)
+
+    @cached_property
+    def equations(self) -> Equations:
+        """Independent equations of the leaf, N - rank of them.
+
+        Raises:
+            LeafError: they are not known, as this set of lower rank is not listed, or too few Casimirs are known.
+        """
+        if not self.place.is_known:
+            raise LeafError(_unknown(self.system, self.place))
+        functions, pinned = tuple(self.place.casimirs.values()), self.place.pinned
+        mixing = mixing_of(functions, pinned, self.state, len(self.state) - self.rank if self.rank else len(pinned))
+        return Equations(pinned, functions, self._values, mixing)
+
+    def residual(self, x: ArrayLike) -> Array:
+        r"""The largest relative violation of the equations, $|f - c| / (|c| + |x||\nabla f|)$, shape (...).
+
+        A field that must vanish counts relative to the length of the whole state.  On a stratum that is not listed only
+        the Casimirs are compared: necessary, not sufficient.
+        """
+        states = self._points(x)
+        if not self.place.is_known:
+            functions = tuple(self.place.casimirs.values())
+            return Equations(self.place.pinned, functions, self._values, np.eye(len(functions))).residual(states)
+        return self.equations.residual(states)
+
+    def contains(self, x: ArrayLike, tol: float = 1e-10) -> NDArray[np.bool_]:
+        """Whether the states lie on the leaf to a relative tolerance, shape (...)."""
+        return self.residual(x) <= tol
+
+    def project(
+        self, x: ArrayLike, *, energy: float | None = None, surface: str | Expr | PhaseFunction | None = None
+    ) -> Array:
+        """States on the leaf near the given ones, by Newton steps of minimum norm, to round-off.
+
+        Args:
+            x: States, shape (..., N).
+            energy: The value that the Hamiltonian shall have.
+            surface: A function that shall vanish: text, SymPy expression or PhaseFunction.
+
+        Raises:
+            LeafError: Newton's method does not converge for one of the states, so there is most likely no such state
+                nearby; the message gives the residuals, and the range of the energy if one was asked for.
+            ShapeError: the last axis of x is not N.
+        """
+        states = self._points(x)
+        equations = self.constraints(energy, surface)
+        found, residual = solve(equations, states.reshape(-1, states.shape[-1]))
+        if found.size and not residual.max() <= CONVERGED:
+            self._refuse(equations, found, residual, energy)
+        return found.reshape(states.shape)
+
+    def constraints(self, energy: float | None, surface: str | Expr | PhaseFunction | None = None) -> Equations:
+        """The equations of the leaf, and those of the energy surface and of a surface f = 0."""
+        equations, functions = self.equations, self.system.functions
+        if energy is not None:
+            equations = equations.with_function(functions.energy, as_energy(energy))
+        if surface is not None:
+            equations = equations.with_function(functions.of(surface), 0.0)
+        return equations
+
+    def tangent_projector(self, x: ArrayLike, *, energy: bool = False) -> Array:
+        """Orthogonal projectors onto the tangent spaces of the leaf (of the energy surface on it), shape (..., N, N).
+
+        The tangent space is the image of J, spanned by the singular vectors of its `rank` largest singular values.
+        At an equilibrium, where the energy surface has no tangent space, the one of the leaf is returned.
+
+        Raises:
+            LeafError: J has another rank at one of the states.
+        """
+        states = self._points(x)
+        basis = self.tangent_basis(states)
+        projector = basis @ np.swapaxes(basis, -1, -2)
+        if not energy:
+            return projector
+        slope = np.einsum("...ij,...j->...i", projector, self.system.functions.energy.gradient(states))
+        length = np.linalg.norm(slope, axis=-1, keepdims=True)
+        normal = np.divide(slope, length, out=np.zeros_like(slope), where=length > 0)
+        return projector - normal[..., :, None] * normal[..., None, :]
+
+    def tangent_basis(self, x: ArrayLike) -> Array:
+        """Orthonormal bases of the tangent spaces of the leaf, as columns, shape (..., N, rank).
+
+        Raises:
+            LeafError: J has another rank at one of the states.
+            ParameterError: a state is not finite.
+        """
+        states = _finite(self._points(x), "x")
+        vectors, sizes, _ = np.linalg.svd(self.system.functions.poisson_tensor(states))
+        if self.rank and not np.all(sizes[..., self.rank - 1] > 0):
+            raise LeafError(
+                f"J must have rank {self.rank} on this leaf; it is lower at one of the states. Project them."
+            )
+        return vectors[..., : self.rank]
+
+    def project_tangent(self, x: ArrayLike, v: ArrayLike, *, energy: bool = False) -> Array:
+        """The parts of the vectors v, shape (..., N), that are tangent to the leaf (to its energy surface).
+
+        Raises:
+            LeafError: J has another rank at one of the states x.
+            ParameterError: x or v has a NaN or an infinity.
+        """
+        vectors = _finite(self._points(v), "v")
+        return np.einsum("...ij,...j->...i", self.tangent_projector(x, energy=energy), vectors)
+
+    def energy_range(self) -> tuple[float, float]:
+        """The lowest and the highest energy on the leaf, -inf and inf where the energy is unbounded.
+
+        By minimising from up to 65 states, for at most 5 s of processor time at each end: what is returned was reached,
+        but nothing proves that it is the global extremum.  Infinite is what grows with the distance, or comes 10^4
+        times as far as the leaf's own state or 10^9 times as deep as the median of |H| at the starts.
+
+        Raises:
+            LeafError: the energy is not defined there, or the equations of the leaf are not known.
+        """
+        return self._energy_range
+
+    @cached_property
+    def _energy_range(self) -> tuple[float, float]:
+        from liepoisson.phase_space.leaf_search import energy_range
+
+        return energy_range(self)
+
+    def sample(self, n: int, *, seed: int, energy: float | None = None, energy_below: float | None = None) -> Array:
+        """Random states on the leaf with the Liouville measure, shape (n, N).
+
+        See `liepoisson.phase_space.leaf_sampling`: independent states for a top, a Markov chain for other systems.
+
+        Args:
+            n: How many.
+            seed: Draws them.
+            energy: Only states of this energy, with the microcanonical measure, which the flow preserves.
+            energy_below: Only states of at most this energy.
+
+        Raises:
+            LeafError: the set is empty or has infinite volume.
+            ParameterError: both energies are given, n or seed is no whole number, or the Lie algebra is not unimodular.
+        """
+        from liepoisson.phase_space.leaf_sampling import sample_leaf
+
+        return sample_leaf(self, n, seed=seed, energy=energy, energy_below=energy_below)
+
+    def _points(self, x: ArrayLike) -> Array:
+        return as_phase_points(x, self.system.bracket.dimension, self.system.bracket.field_names)
+
+    @np.errstate(all="ignore")
+    def _refuse(self, equations: Equations, x: Array, residual: Array, energy: float | None) -> None:
+        worst = int(np.argmax(np.where(np.isnan(residual), np.inf, residual)))
+        parts = np.abs(equations.relative(x[worst])[0])
+        failed = int(np.sum(~(residual <= CONVERGED)))
+        hint = "Start nearer to it, or check that it exists."
+        if energy is not None:
+            lowest, highest = self.energy_range()
+            hint = f"On this leaf the energy lies between {lowest:.6g} and {highest:.6g}; {energy:.6g} was asked for."
+        raise LeafError(
+            f"states on {self!r} were wanted; Newton's method ends with relative residuals "
+            f"{np.array2string(parts, precision=2)} for {failed} of {len(x)} states. {hint}"
+        )
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} = {value:.6g}" for name, value in self.casimirs.items())
+        return (
+            f"<Leaf of dimension {self.rank} of {self.system.name!r}, {self.stratum}{': ' if values else ''}{values}>"
+        )
+
+
+def leaf_of(system: System, x: ArrayLike) -> Leaf:
+    """The symplectic leaf through a state.
+
+    Args:
+        system: A system whose parameters are all numbers.
+        x: One state, shape (N,).
+
+    Raises:
+        ShapeError: not one state of N components.
+        ParameterError: a component or a Casimir is not finite, or a parameter of the system has no number.
+    """
+    bracket = as_system(system).bracket
+    state = as_phase_points(x, bracket.dimension, bracket.field_names)
+    if state.ndim != 1:
+        raise ShapeError(f"x must be one state, shape ({state.shape[-1]},); got shape {state.shape}. Pass one of them.")
+    return Leaf._through(system, _finite(state, "x").copy())  # pyright: ignore[reportPrivateUsage]
+
+
+def _finite(states: Array, name: str) -> Array:
+    if not np.isfinite(states).all():
+        raise ParameterError(f"{name} must be finite; got {shown(states)}. Leave out what has failed.")
+    return states
+
+
+def _unknown(system: System, place: Place) -> str:
+    """Why the equations of a leaf are not known."""
+    if not place.is_open:
+        return (
+            f"the equations of this leaf are not known: {place.stratum}. Only its tangent spaces are; take a state on "
+            "a listed stratum to project or sample."
+        )
+    n, known = system.bracket.dimension, ", ".join(place.casimirs) or "none"
+    return (
+        f"the equations of the leaves of {system.name!r} are not known: {n} - {place.rank} = {n - place.rank} "
+        f"independent Casimirs cut out those of its open stratum, and the search found {len(place.casimirs)} of them "
+        f"within its limits ({known}). Only tangent spaces are known, from a state: leaf_of(system, x)."
+    )
+
+
+def _values(casimirs: Mapping[str, float], place: Place) -> Array:
+    wanted = ", ".join(place.casimirs)
+    if not isinstance(casimirs, Mapping) or set(casimirs) != set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(
+            f"casimirs must give a value by name for each of {wanted}; got {shown(casimirs)}. Those of a state: "
+            "leaf_of(system, x).casimirs."
+        )
+    values = np.array([as_number(casimirs[name], name, "a finite number") for name in place.casimirs])
+    if not np.isfinite(values).all():
+        raise ParameterError(f"casimirs must be finite; got {dict(casimirs)}.")
+    return values

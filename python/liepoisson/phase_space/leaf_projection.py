@@ -1,0 +1,132 @@
+r"""Newton's method onto a set of equations: the nearest solution to first order, for many states at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from liepoisson.arrays import Array
+from liepoisson.exact.phase_functions import PhaseFunction
+from liepoisson.phase_space.leaf_stratum import gradients_of
+
+CONVERGED = 1e-13
+"""Largest relative residual of a solution; Newton's method usually ends at 2e-16."""
+
+_MOST_STEPS, _HALVINGS = 80, 14
+
+
+@dataclass(frozen=True)
+class Equations:
+    r"""The equations $P x = 0$ and $M (f(x) - c) = 0$.
+
+    Attributes:
+        pinned: The rows of P, orthonormal, shape (k, N).
+        functions: The functions f.
+        values: Their values c.
+        mixing: Independent combinations M of the functions, shape (m, function).
+    """
+
+    pinned: Array
+    functions: tuple[PhaseFunction, ...]
+    values: Array
+    mixing: Array
+
+    def with_function(self, function: PhaseFunction, value: float) -> Equations:
+        """One equation more, f(x) = value."""
+        m, n = self.mixing.shape
+        mixing = np.zeros((m + 1, n + 1))
+        mixing[:m, :n], mixing[m, n] = self.mixing, 1.0
+        return Equations(self.pinned, (*self.functions, function), np.append(self.values, value), mixing)
+
+    def rows(self, x: Array) -> Array:
+        """The gradients of all equations, shape (..., equation, N)."""
+        pinned = np.broadcast_to(self.pinned, (*x.shape[:-1], *self.pinned.shape))
+        return np.concatenate([pinned, self.mixing @ gradients_of(self.functions, x)], axis=-2)
+
+    def relative(self, x: Array) -> tuple[Array, Array]:
+        r"""Residuals and gradients, both divided by $|c| + |x||\nabla f|$, the size of the terms that must cancel.
+
+        Both are NaN where a function has no finite gradient, as that of a square root at zero.
+        """
+        size = np.linalg.norm(x, axis=-1)[..., None]
+        values = np.stack([f(x) for f in self.functions], axis=-1) if self.functions else np.zeros((*x.shape[:-1], 0))
+        rows = self.mixing @ gradients_of(self.functions, x)
+        residuals = np.einsum("ij,...j->...i", self.mixing, values - self.values)
+        scales = np.abs(self.mixing) @ np.abs(self.values) + size * np.linalg.norm(rows, axis=-1)
+        # Against an infinite gradient any residual would count as zero.
+        scales = np.select([scales == 0, np.isinf(scales)], [1.0, np.nan], scales)
+        pinned = np.broadcast_to(self.pinned, (*x.shape[:-1], *self.pinned.shape))
+        lengths = np.where(size > 0, size, 1.0)
+        residuals = np.concatenate([x @ self.pinned.T / lengths, residuals / scales], axis=-1)
+        return residuals, np.concatenate([pinned / lengths[..., None], rows / scales[..., None]], axis=-2)
+
+    def residual(self, x: Array) -> Array:
+        """The largest relative residual, shape (...)."""
+        residuals = self.relative(x)[0]
+        return np.abs(residuals).max(axis=-1) if residuals.shape[-1] else np.zeros(x.shape[:-1])
+
+
+@np.errstate(all="ignore")  # functions need not exist at guesses; such states do not converge
+def solve(equations: Equations, x: Array, *, most_steps: int = _MOST_STEPS) -> tuple[Array, Array]:
+    r"""Solutions near x, by Newton steps of minimum norm, $\delta = -G^+ F$, halved where they do not help.
+
+    Args:
+        equations: What must hold.
+        x: States, shape (trajectory, N).
+        most_steps: Where to give up.
+
+    Returns:
+        The states and their largest relative residuals; above `CONVERGED` there is no solution near this state, and
+        infinite where a function or its gradient does not exist at it.
+    """
+    x = x - x @ equations.pinned.T @ equations.pinned  # exact for fields that vanish, and the origin has no scale
+    residual = _finite_or_infinity(equations.residual(x))
+    active = np.flatnonzero(np.isfinite(residual))
+    for _ in range(most_steps):
+        active = active[residual[active] > 2e-16]
+        if not active.size:
+            break
+        moved, reached = _step(equations, x[active], residual[active])
+        better = reached < residual[active]
+        x[active[better]], residual[active[better]] = moved[better], reached[better]
+        active = active[better]
+    return x, residual
+
+
+def _step(equations: Equations, x: Array, residual: Array) -> tuple[Array, Array]:
+    values, rows = equations.relative(x)
+    rows[~np.isfinite(rows).all(axis=(-2, -1))] = 0.0  # divided by a length that underflows: no step
+    delta = -np.einsum("...ij,...j->...i", np.linalg.pinv(rows, rcond=1e-12), values)
+    best, reached = x.copy(), np.full(len(x), np.inf)
+    left = np.arange(len(x))
+    for halvings in range(_HALVINGS):
+        trial = x[left] + delta[left] * 0.5**halvings
+        found = _finite_or_infinity(equations.residual(trial))
+        best[left], reached[left] = trial, found
+        left = left[found >= residual[left]]
+        # At round-off no step helps, and a shorter one helps no more.
+        left = left[residual[left] > CONVERGED]
+        if not left.size:
+            break
+    return best, reached
+
+
+def _finite_or_infinity(residual: Array) -> Array:
+    return np.where(np.isfinite(residual), residual, np.inf)
+
+
+def mixing_of(functions: Sequence[PhaseFunction], pinned: Array, x: Array, n_equations: int) -> Array:
+    r"""Combinations of the functions that are independent on the leaf through x, shape (m, function).
+
+    On a lower stratum more Casimirs may be listed than the leaf has equations: for $\alpha = p\,n$, $\beta = q\,n$ the
+    three $|\alpha|^2, \alpha\cdot\beta, |\beta|^2$ say one thing.  The relations between their differentials are the
+    same along the whole leaf, since coadjoint motions carry $dC$ along; the singular vectors at one point give them.
+    """
+    m = n_equations - len(pinned)
+    if m == len(functions):
+        return np.eye(m)
+    rows = gradients_of(functions, x)
+    rows = rows - rows @ pinned.T @ pinned
+    return np.linalg.svd(rows)[0][:, :m].T

@@ -1,0 +1,190 @@
+"""States with given Casimirs, and the lowest and the highest energy on a leaf, from many random starts."""
+
+from __future__ import annotations
+
+import time
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.arrays import Array
+from liepoisson.errors import LeafError
+from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
+from liepoisson.phase_space.leaf_stratum import Place, place_of
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system import System
+    from liepoisson.phase_space.leaf import Leaf
+
+_STARTS, _STEPS, _HALVINGS, _FAR_STEPS = 64, 100, 30, 30
+_FAR = 1e4
+"""A descent that comes this many times further from the origin than the leaf's own state is taken as unbounded."""
+
+_DEEP = 1e9
+"""So is one that comes this many times deeper than the median of |H| at its starts, as in a well like -1/r."""
+
+_NEWTON = 8
+"""Newton steps back onto the leaf after a step of a descent; one that needs more was too long, and is halved."""
+
+_STRETCH = 3.0
+"""A step of a descent is at most this many times as long as the state."""
+
+_SECONDS = 5.0
+"""Processor time for each end of the range."""
+
+
+def find_state(system: System, place: Place, values: Array) -> Array:
+    """A state of the open stratum with these values of the Casimirs, by Newton's method from random states.
+
+    Raises:
+        LeafError: none was found.
+    """
+    _refuse_impossible(system, place, values)
+    equations = Equations(place.pinned, tuple(place.casimirs.values()), values, np.eye(len(values)))
+    rng = np.random.default_rng(0)
+    n, size = system.bracket.dimension, max(1.0, float(np.abs(values).max(initial=0.0)) ** 0.5)
+    starts = rng.standard_normal((_STARTS, n)) * np.geomspace(0.1, 10.0, _STARTS)[:, None] * size
+    found, residual = solve(equations, starts)
+    reached = found[residual <= CONVERGED]
+    asked = ", ".join(f"{name} = {value:g}" for name, value in zip(place.casimirs, values, strict=True))
+    if not len(reached):
+        raise LeafError(
+            f"no state of {system.name!r} has {asked}: Newton's method from {_STARTS} random states leaves a relative "
+            f"residual of {residual.min():.1e}. Values of a state: system.functions.casimirs."
+        )
+    for state in reached[np.argsort(np.linalg.norm(reached, axis=-1))]:
+        if place_of(system, state).is_open:
+            return state
+    raise LeafError(
+        f"{asked} are attained only where the rank of J is lower ({place_of(system, reached[0]).stratum}), and do not "
+        "determine a leaf there. Give a state: leaf_of(system, x)."
+    )
+
+
+def _refuse_impossible(system: System, place: Place, values: Array) -> None:
+    """Refuse a negative sum of squares, and values that violate the inequality of Cauchy and Schwarz."""
+    for (name, function), value in zip(place.casimirs.items(), values, strict=True):
+        if value < 0 and _is_sum_of_squares(function.expression, system.variables):
+            raise LeafError(
+                f"{name} = {function.expression} is a sum of squares; {value:g} was asked for. Make it >= 0."
+            )
+    top = system.top_parameters
+    if top is not None and list(place.casimirs) == ["C1", "C2", "C3"] and top.epsilon == 0:
+        first, mixed, last = values
+        if mixed**2 >= first * last:
+            raise LeafError(
+                f"C2^2 = (alpha.beta)^2 must be smaller than C1 C3 = |alpha|^2 |beta|^2 where alpha x beta != 0; got "
+                f"{mixed**2:g} and {first * last:g}. For parallel vectors give a state: leaf_of(system, x)."
+            )
+    elif top is not None and list(place.casimirs) == ["C1", "C2", "C3"] and values[2] == 0:
+        raise LeafError(
+            "C3 = |beta|^2 must be positive where beta != 0; got 0. The leaves with beta = 0 have other Casimirs: "
+            "give a state, leaf_of(system, x)."
+        )
+
+
+def _is_sum_of_squares(expression: Any, variables: tuple[Any, ...]) -> bool:
+    from sympy import Poly
+
+    polynomial = Poly(expression, *variables) if expression.is_polynomial(*variables) else None
+    if polynomial is None:
+        return False
+    return all(c.is_number and c > 0 and all(e % 2 == 0 for e in m) for m, c in polynomial.terms())
+
+
+def energy_range(leaf: Leaf) -> tuple[float, float]:
+    """The lowest and the highest energy on a leaf, -inf and inf if it is unbounded."""
+    if not leaf.rank:
+        with np.errstate(all="ignore"):
+            energy = float(leaf.system.functions.energy(leaf.state))
+        if not np.isfinite(energy):
+            raise LeafError(f"{leaf!r} is a point, and the energy is not defined at it: {energy}. Take another state.")
+        return energy, energy
+    lowest, highest = (sign * (-np.inf if _grows(leaf, sign) else _lowest(leaf, sign)) for sign in (1.0, -1.0))
+    return float(lowest), float(highest)
+
+
+def _grows(leaf: Leaf, sign: float) -> bool:
+    """Whether sign * H decreases tenfold and more, below zero, between states 1e2 and 1e4 times as far as its own."""
+    lowest: list[float] = []
+    for distance in (1e2, 1e4):
+        states = _spread(leaf, distance, distance, most_steps=_FAR_STEPS)
+        lowest.append(float(np.nanmin(sign * leaf.system.functions.energy(states), initial=np.inf)))
+    return lowest[1] < 10 * lowest[0] < 0
+
+
+def _lowest(leaf: Leaf, sign: float) -> float:
+    """The minimum of sign * H, by Newton steps in tangent coordinates with the moduli of the eigenvalues."""
+    x, lowest = _starts(leaf, sign)
+    far, deep = _FAR * (1.0 + float(np.linalg.norm(leaf.state))), _DEEP * (1.0 + float(np.median(np.abs(lowest))))
+    active, start = np.arange(len(x)), time.process_time()
+    for _ in range(_STEPS):
+        moved, reached = _descend(leaf, x[active], lowest[active], sign)
+        gain = lowest[active] - reached
+        x[active], lowest[active] = moved, reached
+        if np.any(np.linalg.norm(x, axis=-1) > far) or lowest.min() < -deep:
+            return -np.inf
+        active = active[gain > 1e-14 * np.abs(reached)]
+        if not active.size or time.process_time() - start > _SECONDS:
+            break
+    return float(lowest.min())
+
+
+@np.errstate(all="ignore")
+def _starts(leaf: Leaf, sign: float) -> tuple[Array, Array]:
+    """States to descend from and their sign * H, where the energy is defined."""
+    x = _spread(leaf, 0.1, 3.0)
+    values = sign * leaf.system.functions.energy(x)
+    defined = np.isfinite(values)
+    if not defined.any():
+        raise LeafError(f"the energy is not defined at any of {len(x)} states of {leaf!r}. Take another leaf.")
+    return x[defined], values[defined]
+
+
+def _spread(leaf: Leaf, nearest: float, farthest: float, *, most_steps: int = 80) -> Array:
+    """Random states on the leaf, at several distances from its own."""
+    rng = np.random.default_rng(1)
+    size = float(np.linalg.norm(leaf.state))
+    noise = rng.standard_normal((_STARTS, len(leaf.state))) * np.geomspace(nearest, farthest, _STARTS)[:, None] * size
+    found, residual = solve(leaf.equations, leaf.state + noise, most_steps=most_steps)
+    return np.concatenate([leaf.state[None], found[residual <= CONVERGED]])
+
+
+def _descend(leaf: Leaf, x: Array, before: Array, sign: float) -> tuple[Array, Array]:
+    """One damped Newton step of each state, projected back onto the leaf, and the energies after it."""
+    energy = leaf.system.functions.energy
+    basis = leaf.tangent_basis(x)
+    slope, curvature = reduced_derivatives(leaf, x, basis)
+    values, vectors = np.linalg.eigh(sign * curvature)
+    moduli = np.maximum(np.abs(values), 1e-8 * np.abs(values).max(axis=-1, keepdims=True) + 1e-300)
+    along = np.einsum("...ji,...j->...i", vectors, sign * slope) / moduli
+    step = -np.einsum("...ij,...j->...i", basis @ vectors, along)
+    length, size = (np.linalg.norm(v, axis=-1, keepdims=True) for v in (step, x))
+    step *= np.minimum(1.0, _STRETCH * size / np.maximum(length, 1e-300))
+    best, reached = x.copy(), before.copy()
+    left = np.arange(len(x))
+    for halvings in range(_HALVINGS):
+        trial, residual = solve(leaf.equations, x[left] + step[left] * 0.5**halvings, most_steps=_NEWTON)
+        energies = sign * energy(trial)
+        good = (residual <= CONVERGED) & (energies < before[left])
+        best[left[good]], reached[left[good]] = trial[good], energies[good]
+        left = left[~good]
+        if not left.size:
+            break
+    return best, reached
+
+
+def reduced_derivatives(leaf: Leaf, x: Array, basis: Array) -> tuple[Array, Array]:
+    r"""Gradient $T^t\nabla H$ and second derivative $T^t(H'' - \lambda C'')T$ of H on the leaf in a tangent basis T.
+
+    The multipliers $\lambda$ solve $\nabla H = \lambda\nabla C$ by least squares; linear equations do not curve.
+    """
+    energy, equations = leaf.system.functions.energy, leaf.equations
+    gradient, hessian = energy.gradient(x), energy.hessian(x)
+    rows = equations.rows(x)
+    multipliers = np.einsum("...ij,...i->...j", np.linalg.pinv(rows), gradient)[..., len(equations.pinned) :]
+    weights = multipliers @ equations.mixing
+    for k, function in enumerate(equations.functions):
+        hessian = hessian - weights[..., k, None, None] * function.hessian(x)
+    transposed = np.swapaxes(basis, -1, -2)
+    return np.einsum("...ij,...j->...i", transposed, gradient), transposed @ hessian @ basis

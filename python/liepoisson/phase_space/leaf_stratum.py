@@ -1,0 +1,176 @@
+r"""The stratum that a state lies on: which fields vanish or are parallel, and what is constant on its leaf.
+
+The conditions of `Bracket.strata` are read as numbers here.  A field counts as zero, and two as parallel, when this
+holds to 1e-14 and 1e-13 relative: states computed in doubles can not say more.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.arrays import Array
+from liepoisson.exact.phase_functions import PhaseFunction
+
+if TYPE_CHECKING:
+    from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.strata import Stratum
+    from liepoisson.exact.system import System
+
+ZERO, PARALLEL, RANK = 1e-14, 1e-13, 1e-11
+MOST_COORDINATES = 16
+"""Brackets beyond this size are not asked for their strata, which can take minutes; the rank of J decides."""
+
+_COMMAS = re.compile(r", (?![^(]*\))")
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a state lies.
+
+    Attributes:
+        stratum: The condition in words, for example "beta = 0, alpha != 0".
+        rank: The dimension of the leaf.
+        is_open: Whether this is the open stratum, where the Casimirs C1, C2, ... of the bracket fix the leaf.
+        casimirs: Functions that are constant on the leaf, by name.
+        pinned: Orthonormal rows; their products with a state vanish on the leaf, shape (k, N).
+        is_known: Whether functions and rows cut out the leaf; False for a set of lower rank that is not listed, and on
+            the open stratum if fewer Casimirs are known than cut out its leaves.
+    """
+
+    stratum: str
+    rank: int
+    is_open: bool
+    casimirs: dict[str, PhaseFunction]
+    pinned: Array
+    is_known: bool
+
+
+def place_of(system: System, x: Array) -> Place:
+    """The place of one state, shape (N,).
+
+    J is linear and the conditions are homogeneous: x and any multiple of it lie on one stratum, and the multiple by a
+    power of two that is of order one neither overflows nor underflows.
+    """
+    x = np.ldexp(x, -int(np.frexp(np.abs(x).max(initial=0.0))[1]))
+    rank = numeric_rank(system, x)
+    listed = strata_of(system.bracket)
+    for k, stratum in enumerate(listed):
+        if (stratum.proved or stratum.rank == rank) and _holds(stratum.condition, system.bracket, x):
+            place = _place(system, stratum, x, is_open=k == 0)
+            return place if _cuts_out(place, x) else _unlisted(system, rank)
+    if not listed and rank == system.bracket.rank():
+        place = open_place(system)
+        return place if not place.is_known or _cuts_out(place, x) else _unlisted(system, rank)
+    return _unlisted(system, rank)
+
+
+def open_place(system: System) -> Place:
+    """The open stratum, whose leaves are level sets of the Casimirs."""
+    listed = strata_of(system.bracket)
+    words, rank = (listed[0].condition, listed[0].rank) if listed else ("generic", system.bracket.rank())
+    n, casimirs = system.bracket.dimension, system.functions.casimirs
+    return Place(words, rank, True, casimirs, np.zeros((0, n)), is_known=len(casimirs) >= n - rank)
+
+
+def numeric_rank(system: System, x: Array) -> int:
+    """The rank of J at one state; singular values below 1e-11 of the largest count as zero."""
+    sizes = np.linalg.svd(system.functions.poisson_tensor(x), compute_uv=False)
+    return int(np.sum(sizes > RANK * sizes[0])) if sizes.size and sizes[0] > 0 else 0
+
+
+def gradients_of(functions: Sequence[PhaseFunction], x: Array) -> Array:
+    """The gradients of several functions, shape (..., function, N)."""
+    if not functions:
+        return np.zeros((*x.shape[:-1], 0, x.shape[-1]))
+    return np.stack([function.gradient(x) for function in functions], axis=-2)
+
+
+@lru_cache(maxsize=32)
+def strata_of(bracket: Bracket) -> tuple[Stratum, ...]:
+    """The strata of a bracket, computed once; none for a large one."""
+    return tuple(bracket.strata()) if bracket.dimension <= MOST_COORDINATES else ()
+
+
+def _place(system: System, stratum: Stratum, x: Array, *, is_open: bool) -> Place:
+    functions = system.functions
+    if is_open:
+        casimirs = functions.casimirs
+    else:
+        from liepoisson.exact.report.vector_notation import VectorNotation
+
+        notation = VectorNotation(system.bracket)
+        # Where J vanishes the coordinates are constant, and the rows say so already.
+        own = stratum.casimirs if stratum.rank else ()
+        casimirs = {notation.formula(casimir).plain: functions.of(casimir) for casimir in own}
+    pinned = _pinned(stratum.condition, system.bracket, x)
+    return Place(stratum.condition, stratum.rank, is_open, casimirs, pinned, is_known=True)
+
+
+def _unlisted(system: System, rank: int) -> Place:
+    words = f"J has rank {rank} here; a stratum that is not listed"
+    pinned = np.zeros((0, system.bracket.dimension))
+    return Place(words, rank, False, system.functions.casimirs, pinned, is_known=False)
+
+
+def _cuts_out(place: Place, x: Array) -> bool:
+    """Whether gradients and rows span the normal space of the leaf, of dimension N - rank, at this state."""
+    if not place.rank:
+        return True
+    rows = gradients_of(list(place.casimirs.values()), x)
+    lengths = np.linalg.norm(rows, axis=-1, keepdims=True)
+    rows = np.concatenate([place.pinned, np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)])
+    sizes = np.linalg.svd(rows, compute_uv=False)
+    return int(np.sum(sizes > RANK)) == len(x) - place.rank
+
+
+def _atoms(condition: str) -> list[str]:
+    return [atom for atom in _COMMAS.split(condition) if atom not in {"generic", "everywhere"}]
+
+
+def _field(bracket: Bracket, name: str, x: Array) -> Array:
+    n, k = bracket.algebra.dimension, bracket.field_names.index(name)
+    return x[k * n : (k + 1) * n]
+
+
+def _holds(condition: str, bracket: Bracket, x: Array) -> bool:
+    return all(_atom_holds(atom, bracket, x) for atom in _atoms(condition))
+
+
+def _atom_holds(atom: str, bracket: Bracket, x: Array) -> bool:
+    left, right = (atom.split(" != ") if " != " in atom else atom.split(" = "))[0], " = " in atom
+    if " x " in left:
+        u, v = (_field(bracket, name, x) for name in left.split(" x "))
+        return _are_parallel(u, v) is right
+    names = left.strip("()").split(", ")
+    size = max(float(np.abs(_field(bracket, name, x)).max()) for name in names)
+    return (size <= ZERO * float(np.abs(x).max())) is right
+
+
+def _are_parallel(u: Array, v: Array) -> bool:
+    sizes = np.linalg.svd(np.stack([u, v]), compute_uv=False)
+    return bool(sizes[1] <= PARALLEL * sizes[0])
+
+
+def _pinned(condition: str, bracket: Bracket, x: Array) -> Array:
+    """The linear equations of the set: fields that vanish, and p u - q v = 0 for two parallel ones."""
+    n, names, N = bracket.algebra.dimension, bracket.field_names, bracket.dimension
+    rows: list[Array] = []
+    for atom in _atoms(condition):
+        if " != " in atom:
+            continue
+        left = atom.split(" = ")[0]
+        weights: Any = np.zeros(len(names))
+        if " x " in left:
+            pair = [names.index(name) for name in left.split(" x ")]
+            fields = np.stack([x[k * n : (k + 1) * n] for k in pair])
+            weights[pair] = np.linalg.svd(fields)[0][:, 1]
+        else:
+            weights[names.index(left)] = 1.0
+        rows.append(np.kron(weights[None, :], np.eye(n)))
+    return np.concatenate(rows) if rows else np.zeros((0, N))

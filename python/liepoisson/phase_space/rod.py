@@ -1,0 +1,241 @@
+r"""Rods: an orbit read as the shape of an elastic rod that carries a current in a uniform magnetic field.
+
+Kirchhoff's equations of an inextensible, unshearable rod with arclength s, directors d1, d2, d3 = r' and the laws of
+force and moment balance are, in space,
+
+$$r' = d_3,\qquad n' = J B\times d_3,\qquad m' = n\times d_3,\qquad B' = 0 ,$$
+
+with the force n and the moment m that the part beyond s exerts, and Lorentz's force $J d_3\times B$ per length, J the
+current.  In the frame of the directors, which turns at the rate u (curvatures u1, u2, twist u3),
+$m' = m\times u + n\times e_3$, $n' = n\times u + J B\times e_3$, $B' = B\times u$: the twisted top with $\ell = m$,
+$\omega = u$, $a_3\alpha = n$, $\epsilon a_3^2\beta = J B$.  The moments of inertia are the stiffnesses.
+
+References: Sinden and van der Heijden, Integrability of a conducting elastic rod in a magnetic field, arXiv:0708.1114
+(2007); Kirchhoff, J. reine angew. Math. 56 (1859) 285, for the analogy of rod and top; Antman, Nonlinear Problems of
+Elasticity, second edition (2005), chapter 8, for rods.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.arrays import Array, as_array
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric._checks import TIME_LIMIT, as_count, as_number, as_states
+from liepoisson.numeric.integrate import integrate
+from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+    from liepoisson.numeric.methods import Method
+
+Weights: TypeAlias = "tuple[Expr, ...]"
+"""An element of the extension's algebra A: one exact number per field."""
+
+_POINTS = 401
+"""Points along a rod that is given by its length: enough for a smooth picture of some twenty turns."""
+
+
+@dataclass(frozen=True)
+class Rod:
+    """Shapes of rods; vectors are in the space frame unless they are called strain.
+
+    Attributes:
+        attitude: The same runs with the directors as an attitude; `attitude.orbit` is the integrated orbit.
+        s: Arclength, shape (point,).
+        centre_line: The curve r(s), shape (trajectory, point, 3).
+        directors: d1, d2, d3, shape (trajectory, point, director, 3); d3 is the tangent.
+        strain: Curvatures u1, u2 and twist u3 in the frame of the directors, shape (trajectory, point, 3).
+        moment: m, shape (trajectory, point, 3).
+        force: n, shape (trajectory, point, 3).
+        field: J B, current times magnetic field, a force per length; shape (trajectory, point, 3), the same at all
+            points.
+    """
+
+    attitude: Attitude
+    s: Array
+    centre_line: Array
+    directors: Array
+    strain: Array
+    moment: Array
+    force: Array
+    field: Array
+
+    @property
+    def system(self) -> System:
+        """The system whose orbit it is."""
+        return self.attitude.system
+
+    @property
+    def outcome(self) -> NDArray[np.str_]:
+        """How each trajectory ended, as in an Orbit."""
+        return self.attitude.outcome
+
+    @property
+    def curvature(self) -> Array:
+        r"""Curvature of the centre line, $|r''| = \sqrt{u_1^2 + u_2^2}$, shape (trajectory, point)."""
+        return np.hypot(self.strain[..., 0], self.strain[..., 1])
+
+    @property
+    def twist(self) -> Array:
+        r"""Twist $u_3$, the rate at which d1 turns about the tangent, shape (trajectory, point)."""
+        return self.strain[..., 2]
+
+    @property
+    def tension(self) -> Array:
+        r"""Tension $n\cdot d_3$, negative where the rod is compressed, shape (trajectory, point)."""
+        return np.einsum("...i,...i->...", self.force, self.directors[..., 2, :])
+
+    def __repr__(self) -> str:
+        n, points = self.centre_line.shape[:2]
+        first, last = self.s[0], self.s[-1]
+        return f"<Rod of {self.system.name!r}: {extent(n, self.outcome)}, {points} points, s = {first:g} to {last:g}>"
+
+
+def rod(
+    system: System,
+    x0: ArrayLike,
+    *,
+    length: float | None = None,
+    n_points: int = _POINTS,
+    s: ArrayLike | None = None,
+    attitude: str | ArrayLike | None = None,
+    origin: ArrayLike = (0.0, 0.0, 0.0),
+    method: Method | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> Rod:
+    r"""Orbits as shapes of elastic rods: arclength for time, the attitude for the directors, $r' = d_3$.
+
+    A system on so(3) (x) A is a rod when $H = W(\ell) + \sum_\mu f_\mu\, x_{\mu,3}$ with $\mu \ge 1$: W is the
+    complementary strain energy, $u = \partial W/\partial m$, and with $f = \sum_\mu f_\mu e_\mu$ in A the force is
+    $n = \langle x, f\rangle$ and the field $J B = \langle x, f^2\rangle$; B is fixed in space: $f^3 = 0$.  For the top
+    with a = (0, 0, a3), b = (0, 0, b3): $n = a_3\alpha + b_3\beta$, $J B = \epsilon a_3^2\beta$.  Unequal I1, I2 are a
+    rod with unequal bending stiffnesses; a linear term of W is a rod that is bent or twisted when it is free.
+
+    Args:
+        system: A system of this form.
+        x0: State at the beginning of each rod, shape (component,) or (trajectory, component).
+        length: Length of the rod; a negative one continues it backwards.
+        n_points: Points along it, equally spaced.
+        s: Arclengths in place of the two, strictly monotone, shape (point,); `x0` is the state at `s[0]`.
+        attitude: Directors at `s[0]`, as in `attitude`; "beta" puts the magnetic field upright.
+        origin: Beginning of the centre line, shape (3,) or (trajectory, 3).
+        method: How; by default `Taylor()`.
+        threads: By default all processors.
+        time_limit: Seconds that the run may take.
+        progress: Called a few times a second with the fraction that is done.
+
+    Returns:
+        Rod; a trajectory that fails is an outcome in it, not an error.
+
+    Raises:
+        ParameterError: the system is not of this form; neither or both of `length` and `s` are given.
+        ShapeError: an array has another shape than stated.
+    """
+    carried = FrameSystem(system, centre_line=True)
+    force, field = loads(system)
+    n = len(system.component_names)
+    states = as_states(x0, n, some_may_fail=True)
+    start = np.hstack([states, initial_quaternions(system, states, attitude), _origins(origin, len(states))])
+    orbit = integrate(
+        carried,
+        start,
+        t=_arclengths(length, n_points, s),
+        method=method,
+        threads=threads,
+        time_limit=time_limit,
+        progress=progress,
+    )
+    frames = attitude_of(system, orbit)
+    fields = frames.state.reshape(*frames.state.shape[:-1], -1, 3)
+    in_space = [
+        frames.space(np.einsum("f,...fi->...i", np.array(weights, dtype=np.float64), fields))
+        for weights in (force, field)
+    ]
+    return Rod(
+        attitude=frames,
+        s=orbit.time,
+        centre_line=orbit.state[..., n + 4 :],
+        directors=np.swapaxes(frames.rotation, -1, -2),
+        strain=frames.angular_velocity,
+        moment=frames.space(fields[..., 0, :]),
+        force=in_space[0],
+        field=in_space[1],
+    )
+
+
+def loads(system: System) -> tuple[Weights, Weights]:
+    r"""The elements f and $f^2$ of A with $n = \langle x, f\rangle$ and $J B = \langle x, f^2\rangle$.
+
+    From $x_\nu' = x_\nu\times\omega + \sum_{\lambda\mu} W_\lambda{}^{\nu\mu} f_\mu\, x_\lambda\times e_3$ follow
+    $m' = m\times\omega + n\times e_3$, $n' = n\times\omega + \langle x, f^2\rangle\times e_3$ and, for $f^2$ in place
+    of f, $\langle x, f^2\rangle' = \langle x, f^2\rangle\times\omega + \langle x, f^3\rangle\times e_3$.
+
+    Raises:
+        ParameterError: the Hamiltonian couples to the fields in another way, or $f^3 \ne 0$.
+    """
+    from sympy import Integer, expand
+
+    check_rotates(system)
+    variables, weights = system.variables, [Integer(0)]
+    for k in range(3, len(variables), 3):
+        slopes: list[Any] = [expand(system.hamiltonian.diff(v)) for v in variables[k : k + 3]]
+        if any(slope != 0 for slope in slopes[:2]) or not slopes[2].is_number:
+            raise ParameterError(
+                "rod: wanted a Hamiltonian W(l) + a3 alpha3 + b3 beta3, in which the fields couple to the tangent "
+                f"(0, 0, 1) alone; got the derivatives {slopes!s:.80} along "
+                f"({', '.join(map(str, variables[k : k + 3]))}); try a top with a = (0, 0, a3) and b = (0, 0, b3)"
+            )
+        weights.append(slopes[2])
+    force = tuple(weights)
+    field = _product(system, force, force)
+    if any(value != 0 for value in _product(system, field, force)):
+        raise ParameterError(
+            f"rod: wanted a field that is fixed in space, that is f^3 = 0 for f = {force!s:.60} in the algebra of "
+            f"{system.bracket!r}; got f^3 != 0; try an extension of at most three fields"
+        )
+    return force, field
+
+
+def _product(system: System, first: Weights, second: Weights) -> Weights:
+    from sympy import Integer, simplify
+
+    from liepoisson.exact.parameters import to_sympy
+
+    sums: list[Any] = [Integer(0)] * len(first)
+    for (mu, nu), row in system.bracket.extension.products.items():
+        pairs = {(mu, nu), (nu, mu)}
+        weight: Any = sum((first[i] * second[j] for i, j in pairs), Integer(0))
+        for k, value in row.items():
+            sums[k] += to_sympy(value) * weight
+    return tuple(simplify(value) for value in sums)
+
+
+def _arclengths(length: float | None, n_points: int, s: ArrayLike | None) -> Array:
+    if (length is None) == (s is None):
+        both = "both" if s is not None else "neither"
+        raise ParameterError(f"rod: wanted either length or s; got {both}; try length=20")
+    if s is not None:
+        return as_array(s, "s")
+    end = as_number(length, "length", "a finite number other than 0")
+    if not np.isfinite(end) or end == 0:
+        raise ParameterError(f"length: wanted a finite number other than 0; got {end!r}; try length=20")
+    return np.linspace(0.0, end, as_count(n_points, "n_points", least=2, most=10_000_000, hint="try n_points=401"))
+
+
+def _origins(origin: ArrayLike, n: int) -> Array:
+    values = as_array(origin, "origin")
+    if values.shape not in ((3,), (n, 3)):
+        raise ShapeError(f"origin must have shape (3,) or ({n}, 3); got shape {values.shape}. One point for each rod.")
+    if not np.isfinite(values).all():
+        raise ParameterError("origin: wanted finite numbers; got a NaN or an infinity; leave it out")
+    return np.broadcast_to(values, (n, 3))

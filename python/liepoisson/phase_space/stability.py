@@ -1,0 +1,329 @@
+r"""The stability of one state: the linearised flow and the energy-Casimir test, and what they say.
+
+At a critical point of H on its leaf, $\nabla H = \sum_k\lambda_k\nabla C_k$, perhaps with integrals,
+$\nabla H = \sum_k\lambda_k\nabla C_k + \sum_j\Omega_j\nabla K_j$.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.arrays import Array
+from liepoisson.errors import ParameterError
+from liepoisson.numeric._checks import as_number, shown
+from liepoisson.phase_space.critical_points import VANISHES, HamiltonianFields, multipliers
+from liepoisson.phase_space.leaf import Leaf, leaf_of
+from liepoisson.phase_space.linearisation import (
+    ComplexArray,
+    LinearFlow,
+    definite_combination,
+    linear_flow,
+    spectral_verdict,
+)
+
+if TYPE_CHECKING:
+    from liepoisson.exact.phase_functions import PhaseFunction
+    from liepoisson.exact.system import System
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    r"""An equilibrium of a leaf, or a relative equilibrium with respect to integrals, and its stability.
+
+    Attributes:
+        leaf: The leaf that it lies on.
+        state: The state, shape (N,).
+        energy: The value of H.
+        omega: The multipliers $\Omega_j$ of the integrals, by name; empty for an equilibrium. An integral whose vector
+            field vanishes here, or depends on those of the integrals before it, has 0.
+        multipliers: The multipliers $\lambda_k$ of the Casimirs, by name; empty on singular leaves, where other
+            equations than the Casimirs hold too.
+        residual: $|f_H - \sum_j\Omega_j f_{K_j}|$ relative to the derivative of $f_H$ times $|x|$.
+        asymmetry: Relative antisymmetric part of the second variation as computed; round-off if the linearised flow
+            is Hamiltonian, so that its eigenvalues form quadruples $\pm\sigma, \pm\bar\sigma$.
+        spectrum: Eigenvalues of the linearised flow of $H - \sum_j\Omega_j K_j$ on the symplectic slice, in inverse
+            time, real parts below the round-off set to 0. The slice is the tangent space of the leaf; with integrals,
+            that of their level set modulo their flows.
+        growth_rate: The largest real part in the spectrum; 0 unless it exceeds the round-off.
+        nullity: Dimension of the kernel of the linearised flow: at least the dimension of a family of equilibria.
+        linear_stability: "stable spectrum" (all eigenvalues imaginary and not zero), "unstable", "degenerate" (stable
+            but for zero eigenvalues) or "undecided" (imaginary eigenvalues collide, within round-off).
+        signature: Numbers $(n_+, n_-, n_0)$ of positive, negative and vanishing eigenvalues of the second variation of
+            `combination` on the slice.
+        combination: Coefficients of H and the integrals, by name. Where the vector fields of the integrals vanish or
+            depend on each other there is a choice; a definite combination is taken if one is found.
+        n_found: From how many starts a search came here, or to the same family; 1 if it was no search.
+    """
+
+    leaf: Leaf
+    state: Array
+    energy: float
+    omega: dict[str, float]
+    multipliers: dict[str, float]
+    residual: float
+    asymmetry: float
+    spectrum: ComplexArray
+    growth_rate: float
+    nullity: int
+    linear_stability: str
+    signature: tuple[int, int, int]
+    combination: dict[str, float]
+    n_found: int = 1
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.leaf.system
+
+    @property
+    def casimirs(self) -> dict[str, float]:
+        """The values of the Casimirs."""
+        return self.leaf.casimirs
+
+    @property
+    def nonlinear_stability(self) -> str:
+        r"""The energy-Casimir verdict: "stable", "no conclusion" or "undecided".
+
+        - "stable": the second variation is definite. The (relative) equilibrium is stable for the nonlinear motion on
+          its leaf, and on the leaves nearby if the leaf is regular; proved up to the accuracy of the numbers. With
+          integrals, stable modulo their flows.
+        - "no conclusion": it is indefinite. The state may be stable or not.
+        - "undecided": it is semidefinite, up to round-off.
+
+        References: [arnold1965]; [holm1985]; with integrals: [simo1991].
+        """
+        positive, negative, zero = self.signature
+        if positive and negative:
+            return "no conclusion"
+        return "undecided" if zero else "stable"
+
+    @cached_property
+    def frequencies(self) -> Array:
+        """The positive imaginary parts in the spectrum, ascending, in inverse time."""
+        return np.sort(self.spectrum.imag[self.spectrum.imag > 0])
+
+    def __repr__(self) -> str:
+        grows = f" (grows at {self.growth_rate:.4g})" if self.linear_stability == "unstable" else ""
+        return (
+            f"<Equilibrium of {self.system.name!r}: energy {self.energy:.6g}, {self.linear_stability}{grows}, "
+            f"signature {self.signature}: {self.nonlinear_stability}>"
+        )
+
+
+def stability(system: System, x: ArrayLike, *, along: Sequence[str] = (), tol: float = 1e-8) -> Equilibrium:
+    r"""Linear and energy-Casimir stability of an equilibrium, or of a relative equilibrium with respect to integrals.
+
+    The linear one is the spectrum of the flow linearised on the leaf. The energy-Casimir one is the sign of the second
+    variation of $H - \sum_k\lambda_k C_k - \sum_j\Omega_j K_j$ on the tangent space of the common level set, modulo the
+    flows of the $K_j$: definite proves stability, up to the accuracy of the numbers. Where an integral is critical at
+    x, such as $\ell_3$ at the sleeping top, its $\Omega$ is free, and a definite combination is looked for.
+
+    Args:
+        system: A system whose parameters are all numbers.
+        x: The state, shape (N,).
+        along: Integrals, by their names in `system.invariants` or as formulas.
+        tol: How large $|\dot x - \sum_j\Omega_j f_{K_j}|$ may be, relative to the size of the terms in it.
+
+    Raises:
+        ParameterError: x is not a (relative) equilibrium, an integral is not constant or has no motion of its own, or
+            `tol` is no finite number.
+        ShapeError: x is not one state.
+
+    References: [arnold1965]; [holm1985]; [simo1991].
+    """
+    leaf = leaf_of(system, x)
+    integrals = integrals_of(system, along)
+    tol = as_number(tol, "tol", "a finite number >= 0")
+    if not 0 <= tol < np.inf:
+        raise ParameterError(f"tol: wanted a finite number >= 0; got {tol}; try tol=1e-8")
+    fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
+    rates, scale = fields.fields(leaf.state), fields.scale(leaf.state)
+    omega = multipliers(rates[None], scale[None])[0]
+    left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
+    if not left <= tol * float(scale[0]):
+        raise ParameterError(_not_an_equilibrium(left, float(np.linalg.norm(rates[:, 0])), integrals))
+    return analysis(leaf, leaf.state, integrals)
+
+
+def _not_an_equilibrium(left: float, rate: float, integrals: Iterable[str]) -> str:
+    named = ", ".join(integrals)
+    if named:
+        return (
+            f"x must be a relative equilibrium with respect to {named}; |x'| = {rate:.3g}, of which {left:.3g} is not "
+            "a motion of these integrals. relative_equilibrium(system, x, along=...) looks for one nearby."
+        )
+    return (
+        f"x must be an equilibrium; |x'| = {rate:.3g} there. relative_equilibrium(system, x, along=()) looks for one "
+        "nearby, equilibria(system, leaf_of(system, x)) for those of its leaf; name integrals in along= for a steady "
+        "motion."
+    )
+
+
+def integrals_of(system: System, along: Sequence[str]) -> dict[str, PhaseFunction]:
+    """Integrals by name.
+
+    Raises:
+        ParameterError: not a sequence of texts; or one of them is not constant along the motion, is a Casimir, or has
+            the motion of the Hamiltonian itself.
+        ExpressionError: a formula is not in the grammar.
+    """
+    if isinstance(along, str):
+        raise ParameterError(f"along must be a sequence of integrals; got the text {along!r}. Write ({along!r},).")
+    if not _are_texts(along):
+        raise ParameterError(
+            f"along must be a sequence of integrals, each a name or a formula; got {shown(along)}. Write for example "
+            'along=("l3",), or along=() for an equilibrium.'
+        )
+    found: dict[str, PhaseFunction] = {}
+    for name in along:
+        known = system.invariants.get(name)
+        if known is None and not system.is_constant(name):
+            raise ParameterError(
+                f"along must name integrals of {system.name!r}; {name} is not constant: its derivative is "
+                f"{system.derivative(name)}. Known: {', '.join(system.invariants)}."
+            )
+        found[name] = system.functions.of(name if known is None else known)
+        _refuse_idle(system, name, found[name])
+    return found
+
+
+def _are_texts(given: Any) -> bool:
+    return isinstance(given, Sequence) and all(isinstance(name, str) for name in cast("Sequence[object]", given))
+
+
+def _refuse_idle(system: System, name: str, integral: PhaseFunction) -> None:
+    """Refuse a Casimir, and a multiple of H plus a Casimir: no relative equilibria belong to them.
+
+    Decided at random states: there $f_K = c f_H$ with one number c, which is 0 for a Casimir.
+    """
+    x = np.random.default_rng(0).normal(size=(_TRIED, system.bracket.dimension))
+    with np.errstate(all="ignore"):  # a formula may be undefined at some of them; it is not judged there
+        fields = HamiltonianFields(system, [system.functions.energy, integral])
+        both = fields.fields(x)
+        size = float(np.linalg.norm(fields.poisson(x)) * np.linalg.norm(integral.gradient(x)))
+    energy, own = both[..., 0].ravel(), both[..., 1].ravel()
+    if np.linalg.norm(own) <= VANISHES * size:
+        raise ParameterError(
+            f"along must name integrals with a motion of their own; {name} is a Casimir: it has the same value on the "
+            "whole leaf. Leave it out, or choose another leaf."
+        )
+    ratio = float(energy @ own / (energy @ energy)) if energy.any() else 0.0
+    if np.linalg.norm(own - ratio * energy) <= VANISHES * size:
+        raise ParameterError(
+            f"along must name integrals with a motion of their own; that of {name} is the motion itself"
+            f"{'' if np.isclose(ratio, 1) else f', {ratio:.4g} times as fast'}: every state would be a relative "
+            "equilibrium. Leave it out."
+        )
+
+
+_TRIED = 4
+"""Random states at which two vector fields are compared."""
+
+
+def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction]) -> Equilibrium:
+    """The linear and the energy-Casimir stability of a critical point."""
+    system = leaf.system
+    fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
+    rates, scale = fields.fields(x), fields.scale(x)
+    omega = multipliers(rates[None], scale[None])[0]
+    point = _Point(fields, leaf, x, omega)
+    flow, asymmetry = point.linear_flow(np.array([1.0, *-omega]))
+    basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
+    flow = flow.restricted(basis)
+    reduced = flow.without_zeros()
+    eigenvalues, bounds = reduced.eigenvalues()
+    n_zero = flow.size - reduced.size
+    verdict = spectral_verdict(eigenvalues, bounds, n_zero)
+    eigenvalues.real[np.abs(eigenvalues.real) <= bounds] = 0.0
+    combination, best = _best_combination(point, flow, basis)
+    left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
+    return Equilibrium(
+        leaf=leaf,
+        state=x,
+        energy=float(system.functions.energy(x)),
+        omega=dict(zip(integrals, (omega + 0.0).tolist(), strict=True)),
+        multipliers=_casimir_multipliers(leaf, fields, x, omega),
+        residual=left / float(scale[0]) if scale[0] else left,
+        asymmetry=asymmetry,
+        spectrum=_ordered(np.append(eigenvalues, np.zeros(n_zero, dtype=np.complex128))),
+        growth_rate=float(eigenvalues.real.max()) if verdict == "unstable" else 0.0,
+        nullity=flow.kernel().shape[1],
+        linear_stability=verdict,
+        signature=best.signature(),
+        combination=dict(zip(("H", *integrals), (combination + 0.0).tolist(), strict=True)),
+    )
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A critical point with what its second variations are made of."""
+
+    fields: HamiltonianFields
+    leaf: Leaf
+    x: Array
+    omega: Array
+
+    @cached_property
+    def tangents(self) -> Array:
+        return self.leaf.tangent_basis(self.x)
+
+    @cached_property
+    def _directions(self) -> tuple[Array, Array, Array]:
+        """Singular vectors and values of the vector fields of the integrals, each relative to its scale."""
+        rates, scale = self.fields.fields(self.x)[:, 1:], self.fields.scale(self.x)[1:]
+        vectors, sizes, rows = np.linalg.svd(rates / np.where(scale > 0, scale, 1.0))
+        return vectors[:, : int((sizes > VANISHES).sum())], sizes, rows
+
+    @property
+    def symmetry(self) -> Array:
+        """Basis of the span of the vector fields of the integrals, in coordinates of the tangent space of the leaf."""
+        return self.tangents.T @ self._directions[0]
+
+    def free(self) -> Array:
+        """Combinations of the integrals whose vector fields vanish here, shape (free, k)."""
+        vectors, _, rows = self._directions
+        scale = self.fields.scale(self.x)[1:]
+        return rows[vectors.shape[1] :] / np.where(scale > 0, scale, 1.0)
+
+    def linear_flow(self, coefficients: Array) -> tuple[LinearFlow, float]:
+        """The linearised flow of a combination of H and the integrals on the leaf, and its asymmetry."""
+        derivative = self.fields.derivatives(self.x) @ coefficients
+        return linear_flow(self.fields.poisson(self.x), derivative, self.tangents)
+
+
+def _best_combination(point: _Point, flow: LinearFlow, basis: Array) -> tuple[Array, LinearFlow]:
+    """Coefficients of H and the integrals with a definite second variation on the slice, if they can be found.
+
+    There is a choice where combinations of the integrals are critical themselves, as l3 at the sleeping top.
+    """
+    own = np.array([1.0, *-point.omega])
+    others = [np.array([0.0, *row]) for row in point.free()]
+    flows = [point.linear_flow(row)[0].restricted(basis) for row in others]
+    # on a slice of dimension 0 nothing is left to be definite
+    found = definite_combination([flow.hessian, *(o.hessian for o in flows)]) if others and flow.size else None
+    if found is None:
+        return own, flow
+    total = np.tensordot(found, np.array([own, *others]), axes=1)
+    scale = abs(total[0]) if abs(total[0]) > 1e-6 * np.abs(total).max() else np.abs(total).max()
+    hessian = np.tensordot(found, np.array([flow.hessian, *(other.hessian for other in flows)]), axes=1)
+    return total / scale, flow.with_hessian(hessian / scale)
+
+
+def _casimir_multipliers(leaf: Leaf, fields: HamiltonianFields, x: Array, omega: Array) -> dict[str, float]:
+    if not leaf.is_regular or not leaf.casimir_functions:
+        return {}
+    slopes = np.stack([f.gradient(x) for f in fields.functions], axis=-1) @ np.array([1.0, *-omega])
+    gradients = np.stack([f.gradient(x) for f in leaf.casimir_functions.values()], axis=-1)
+    return dict(zip(leaf.casimir_functions, np.linalg.lstsq(gradients, slopes)[0].tolist(), strict=True))
+
+
+def _ordered(values: ComplexArray) -> ComplexArray:
+    """By decreasing real part, then imaginary part; real parts that differ by round-off count as equal."""
+    unit = 1e-9 * float(np.abs(values).max(initial=0.0)) or 1.0
+    return (values + 0j)[np.lexsort((values.imag, -np.round(values.real / unit)))]

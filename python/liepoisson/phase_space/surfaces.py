@@ -1,0 +1,256 @@
+r"""Surfaces of section of Lie-Poisson systems: a good one for tops with two fields, and states on them.
+
+A section of an energy surface on a leaf of dimension 2d has dimension 2d - 2.  Its states fulfil the equations of the
+leaf, $H = E$ and $s = 0$, and are found by Newton's method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.arrays import Array
+from liepoisson.errors import LeafError, ParameterError
+from liepoisson.exact.parameters import is_zero
+from liepoisson.exact.phase_functions import as_phase_points
+from liepoisson.numeric._checks import as_count, shown
+from liepoisson.phase_space.leaf_projection import CONVERGED, solve
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+    from liepoisson.phase_space.leaf import Leaf
+
+_ROUNDS, _VAIN = 24, 3
+"""Rounds of guesses in all, and those after which the surface counts as out of reach if no guess converged."""
+_GUESSES = 64
+"""Guesses of a round at least; one round for each start if more are wanted."""
+_PER_START, _MOST_GUESSES = 32, 20_000
+"""Guesses of which spread states are chosen: for each start that is wanted, and in all."""
+_FREQUENT = 1e-3
+"""Independent samples of a top are cheap if at least this fraction of proposals is accepted."""
+_TRY = "Try another energy or surface, or give a start."
+_STREAM = 0x5EC7
+"""Keeps the random numbers of sections apart from others of the same seed."""
+
+
+def good_surface(top: System) -> str:
+    r"""The surface $a\cdot(\alpha\times\beta) = 0$ of a top with two fields, where $\ell\cdot\beta$ is extremal.
+
+    $$\frac{d}{dt}\,\ell\cdot\beta = -a\cdot(\alpha\times\beta) = -s .$$
+
+    Energy surfaces on leaves are bounded and carry an invariant measure, so almost every orbit is recurrent; a
+    recurrent orbit on which $\ell\cdot\beta$ is not constant passes s = 0 infinitely often, alternately at maxima of
+    $\ell\cdot\beta$ (s increases, direction +1) and at minima (-1).  The flow is tangent to the surface where
+
+    $$\dot s = (\alpha\times\beta)\cdot(\omega\times a) + \epsilon\,|a\times\beta|^2 = 0 ,$$
+
+    a set of codimension one in it.  Where $\alpha$ and $\beta$ are parallel it is transverse, unless $\epsilon = 0$ or
+    $\beta\parallel a$.  On leaves with $\beta = 0$ (or, for $\epsilon = 0$, $\alpha\parallel\beta$) s vanishes
+    everywhere.
+
+    Args:
+        top: A top with two fields $\alpha, \beta$.
+
+    Returns:
+        The function s with numbers for a, for `section`.
+
+    Raises:
+        ParameterError: the system is no top with numbers for parameters, or a = 0, so that $\ell\cdot\beta$ is
+            constant.
+
+    References: [twistedtop2001], the equation for the derivative of $\ell\cdot\beta$.
+    """
+    parameters = top.top_parameters
+    if parameters is None:
+        raise ParameterError(
+            f"a top with fields alpha, beta and numbers for its parameters was wanted; {top.name} is none. For another "
+            "system choose the zeros of the time derivative of a bounded function."
+        )
+    if all(is_zero(value) for value in parameters.a):
+        raise ParameterError(
+            "a must not be zero: a = 0 keeps dot(l, beta) constant. The top with inertia and b alone is a heavy top in "
+            '(l, beta); try a surface such as "l3".'
+        )
+    terms = [
+        f"({value})*(alpha{i}*beta{j} - alpha{j}*beta{i})"
+        for value, (i, j) in zip(parameters.a, ((2, 3), (3, 1), (1, 2)), strict=True)
+        if not is_zero(value)
+    ]
+    return " + ".join(terms)
+
+
+def section_starts(
+    leaf: Leaf, surface: str | Expr, *, energy: float, n: int, seed: int, direction: int = 0, spread: bool = False
+) -> Array:
+    """Random states on a leaf, an energy surface and a surface of section.
+
+    Guesses are moved onto the section by Newton steps of minimum norm.  For a top whose energy surface can be sampled
+    independently they are samples of it, with the Liouville measure; else normally distributed states of the size of
+    `leaf.state`, as a Markov chain would take seconds.  The starts have no measure of their own: the first are what
+    Newton's method makes of the Liouville measure, the second what it makes of a normal distribution.  Neither is the
+    one that the map of first return preserves, so that averages over starts mean nothing; their orbits do.
+
+    Args:
+        leaf: The leaf.
+        surface: The function that is zero on the section.
+        energy: The energy.
+        n: How many states.
+        seed: Draws them.
+        direction: +1 or -1: only states where the orbit passes the surface in this direction; 0: all.
+        spread: Whether to choose states far from each other, for a figure of the whole section: of 32 n normally
+            distributed guesses (20 000 at most) those that converge, and of these the first, then always the one that
+            is farthest from all before.
+
+    Returns:
+        States, shape (n, N).
+
+    Raises:
+        LeafError: the leaf does not reach this energy, or too few guesses converged, of at most 24 rounds of
+            max(n, 64); the message says which share did.
+        ParameterError: the direction is none, or n or seed is no whole number.
+    """
+    n, seed = as_count(n, "n"), as_count(seed, "seed")
+    if np.ndim(direction) or direction not in (-1, 0, 1):
+        raise ParameterError(f"direction must be +1, -1 or 0; got {shown(direction)}.")
+    equations = leaf.constraints(energy, surface)
+    if spread:
+        guesses = _many_guesses(leaf, n, seed)
+        found = _crossed(leaf, surface, energy, guesses, direction)
+        if len(found) >= n:
+            return _farthest(found, n)
+        if not len(found):
+            raise LeafError(
+                f"orbits of this leaf and energy must cross {surface} = 0; none of {len(guesses)} random states "
+                f"could be moved to a crossing. {_hint(leaf, energy)}"
+            )
+    slope, functions = leaf.system.functions.of(surface), leaf.system.functions
+    draw, size = _guesses_for(leaf, energy), max(n, _GUESSES)
+    found, converged, drawn = np.empty((0, leaf.system.bracket.dimension)), 0, 0
+    for attempt in range(_ROUNDS):
+        stream = np.random.SeedSequence(seed, spawn_key=(_STREAM, attempt))
+        states, residual = solve(equations, draw(stream, size))
+        states = states[residual <= CONVERGED]
+        converged, drawn = converged + len(states), drawn + size
+        if direction:
+            rate = np.einsum("...i,...i->...", slope.gradient(states), functions.rates(states))
+            states = states[direction * rate > 0]
+        found = np.concatenate([found, states])
+        if len(found) >= n:
+            return found[:n]
+        if attempt + 1 >= _VAIN and not converged:
+            break
+    passing = f", {len(found)} of them where the orbit passes in direction {direction:+d}" if direction else ""
+    hint = _TRY if converged else _hint(leaf, energy)
+    raise LeafError(
+        f"{n} states with {surface} = 0 and energy {energy:.6g} were wanted on {leaf!r}; Newton's method converged "
+        f"from {converged} of {drawn} guesses, {100 * converged / drawn:.2g} %{passing}. {hint}"
+    )
+
+
+def _hint(leaf: Leaf, energy: float) -> str:
+    """What to try where no state was found: an energy that the leaf reaches, or another section."""
+    low, high = leaf.energy_range()
+    if not low <= energy <= high:
+        return f"On this leaf the energy lies between {low:.6g} and {high:.6g}."
+    return _TRY
+
+
+def _many_guesses(leaf: Leaf, n: int, seed: int) -> Array:
+    """Normally distributed states of the size of the leaf's own."""
+    from liepoisson.numeric.sampling import sample_states
+
+    size = np.abs(leaf.state).max() or 1.0
+    return size * sample_states(leaf.system, min(_PER_START * n, _MOST_GUESSES), seed=seed, ensemble="gaussian")
+
+
+@np.errstate(all="ignore")  # a surface may not exist everywhere, as that of a square root
+def _crossed(leaf: Leaf, surface: str | Expr, energy: float, guesses: Array, direction: int) -> Array:
+    """The guesses that converge to states where the orbit passes the surface, in the wanted direction."""
+    x, residual = solve(leaf.constraints(energy, surface), guesses)
+    slope, rates = leaf.system.functions.of(surface).gradient(x), leaf.system.functions.rates(x)
+    rate = np.einsum("ij,ij->i", slope, rates)
+    return x[(residual <= CONVERGED) & ((direction * rate > 0) if direction else (rate != 0))]
+
+
+def _farthest(x: Array, n: int) -> Array:
+    """The first state, then n - 1 times the one that is farthest from all that are taken."""
+    taken, distance = [0], np.linalg.norm(x - x[0], axis=1)
+    for _ in range(n - 1):
+        taken.append(int(np.argmax(distance)))
+        distance = np.minimum(distance, np.linalg.norm(x - x[taken[-1]], axis=1))
+    return x[taken]
+
+
+def _guesses_for(leaf: Leaf, energy: float) -> Callable[[np.random.SeedSequence, int], Array]:
+    """How to draw guesses: from the energy surface where that is cheap, else anywhere."""
+    from liepoisson.phase_space.leaf_sampling import acceptance
+
+    try:
+        is_cheap = acceptance(leaf, energy=energy) >= _FREQUENT
+    except LeafError:  # not the leaf of a top
+        is_cheap = False
+    if is_cheap:
+        return lambda stream, n: leaf.sample(n, seed=int(stream.generate_state(1, np.uint64)[0]), energy=energy)
+    size = float(np.linalg.norm(leaf.state)) / np.sqrt(len(leaf.state)) or 1.0
+    return lambda stream, n: size * np.random.default_rng(stream).standard_normal((n, len(leaf.state)))
+
+
+def section_state(
+    leaf: Leaf,
+    surface: str | Expr,
+    energy: float,
+    coordinates: Mapping[str, float],
+    *,
+    guess: ArrayLike | None = None,
+) -> Array:
+    """The state of a section with given values of some coordinates.
+
+    Args:
+        leaf: The leaf.
+        surface: The function that is zero on the section.
+        energy: The energy.
+        coordinates: Values of functions of the state, such as `{"l3": 0.2, "dot(l, beta)": 0.1}`; as many as the
+            section has dimensions determine the state up to finitely many, fewer leave the rest near the guess.
+        guess: Where Newton's method starts, shape (N,); it decides between several solutions.  By default a state of
+            the leaf, then random ones (the same in every call).
+
+    Returns:
+        The state, shape (N,).
+
+    Raises:
+        LeafError: no such state was found.
+    """
+    functions, equations = leaf.system.functions, leaf.constraints(energy, surface)
+    for name, value in coordinates.items():
+        if not np.isfinite(value):
+            raise ParameterError(f"coordinates must be finite; got {name} = {value}.")
+        equations = equations.with_function(functions.of(name), float(value))
+    guesses = _guesses(leaf, guess)
+    states, residual = solve(equations, guesses.copy())
+    good = np.flatnonzero(residual <= CONVERGED)
+    if not good.size:
+        raise LeafError(
+            f"a state with {_shown(coordinates)}, {surface} = 0 and energy {energy:.6g} was wanted on {leaf!r}; the "
+            f"least residual reached from {len(guesses)} {'guess' if len(guesses) == 1 else 'guesses'} is "
+            f"{np.nanmin(residual):.1e}. Try other values, or a guess near the state."
+        )
+    return states[good[0]]
+
+
+def _guesses(leaf: Leaf, guess: ArrayLike | None) -> Array:
+    if guess is not None:
+        bracket = leaf.system.bracket
+        return np.atleast_2d(as_phase_points(guess, bracket.dimension, bracket.field_names)).astype(float)
+    n = len(leaf.state)
+    size = max(1.0, float(np.abs(leaf.state).max()))
+    random = np.random.default_rng(np.random.SeedSequence(_STREAM)).standard_normal((_GUESSES, n))
+    return np.concatenate([leaf.state[None], size * random])
+
+
+def _shown(coordinates: Mapping[str, float]) -> str:
+    return ", ".join(f"{name} = {value:.6g}" for name, value in coordinates.items()) or "no coordinate given"

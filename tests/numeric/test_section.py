@@ -1,0 +1,359 @@
+"""Sections: crossings lie on the surface and on the levels of the integrals; none is missed, none is counted twice."""
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import DamagedFileError, ExpressionError, ParameterError, ShapeError
+from liepoisson.field import TapeFunction, TopField
+
+KOVALEVSKAYA = lp.catalog.system("kovalevskaya")
+TWISTED = lp.Top.twisted_kovalevskaya()
+LEVEL = 1e-10
+"""How far section points of an integrable top may be from the level of an integral: the acceptance of the feature."""
+
+PRECESSION = 0.6
+"""l3 (1/I3 - 1/I1) of the free symmetric body below, for l3 = 0.6."""
+FREE = lp.Top(inertia=(1, 1, "1/2"), a=(0, 0, 0), name="free symmetric body")
+
+
+def free_start(phase=0.3):
+    """A start of l = (0.5 cos(Wt + phase), -0.5 sin(Wt + phase), 0.6), W = 0.6; alpha and beta are idle."""
+    return np.array([0.5 * np.cos(phase), -0.5 * np.sin(phase), 0.6, 1, 0, 0, 0, 1, 0])
+
+
+def test_crossings_of_the_free_symmetric_body_are_at_the_times_of_the_formula():
+    found = lp.section(FREE, free_start(), surface="l1", t_end=100)
+    # l1 = 0 where W t + 0.3 = pi/2 + k pi
+    exact = (np.pi / 2 - 0.3 + np.pi * np.arange(len(found.time))) / PRECESSION
+    np.testing.assert_allclose(found.time, exact, rtol=1e-13, atol=1e-13)
+    assert len(found.time) == int((100 * PRECESSION + 0.3 - np.pi / 2) / np.pi) + 1
+    assert list(found.sign[:4]) == [-1, 1, -1, 1]
+    assert np.abs(found.state[:, 0]).max() < 1e-15
+
+
+@pytest.mark.parametrize("depth", [1e-3, 1e-6, 1e-9, 1e-11])
+def test_a_pair_of_close_crossings_in_one_step_is_not_missed(depth):
+    """l1 exceeds its largest value less `depth` twice in each period, sqrt(2 depth/0.5) apart in phase."""
+    found = lp.section(FREE, free_start(), surface=f"l1 - {0.5 - depth!r}", t_end=200)
+    first = (np.arccos(1 - depth / 0.5) - 0.3) / PRECESSION
+    periods = np.arange(1, 1 + int((200 * PRECESSION + 0.3) / (2 * np.pi)))
+    wanted = (2 * np.pi * periods - 0.3) / PRECESSION
+    half = first + 0.3 / PRECESSION
+    exact = np.stack([wanted - half, wanted + half], axis=1).ravel()
+    # a time is as uncertain as round-off over the slope at the surface
+    np.testing.assert_allclose(found.time, exact, atol=1e-13 * 200 + 1e-15 / np.sqrt(depth))
+    assert list(found.sign) == [1, -1] * len(periods)
+
+
+def test_a_tangency_is_a_touch_and_not_decided():
+    found = lp.section(FREE, free_start(), surface="l1 - 0.5", t_end=100)
+    maxima = (2 * np.pi * np.arange(1, 1 + int((100 * PRECESSION + 0.3) / (2 * np.pi))) - 0.3) / PRECESSION
+    decided = len(found.time)
+    assert decided + len(found.touch_time) >= len(maxima), "each maximum is a touch, or a pair of crossings"
+    for time in np.concatenate([found.time, found.touch_time]):
+        assert np.abs(maxima - time).min() < 1e-6
+    assert np.abs(found.touch_state[:, 0] - 0.5).max() < 1e-13
+
+
+def test_an_orbit_far_from_the_surface_has_no_crossings_and_no_touches():
+    found = lp.section(FREE, free_start(), surface="l1 - 0.51", t_end=100)
+    assert found.state.shape == (0, 9)
+    assert not len(found.touch_time)
+    assert list(found.outcome) == ["finished"]
+    assert list(found.count) == [0]
+
+
+INTEGRABLE = {
+    "kovalevskaya": (KOVALEVSKAYA, "l3", "K"),
+    "lagrange": (lp.catalog.system("lagrange"), "l1", "l3"),
+    "twisted-lagrange": (lp.catalog.system("twisted-lagrange"), "l1", "P"),
+}
+
+
+@pytest.mark.parametrize("name", INTEGRABLE)
+def test_section_points_of_integrable_tops_lie_on_the_levels_of_their_integrals(name):
+    system, surface, integral = INTEGRABLE[name]
+    x0 = lp.sample_states(system, 6, seed=2)
+    found = lp.section(system, x0, surface=surface, t_end=300)
+    start, there = system.invariant_values(x0), system.invariant_values(found.state)
+    assert len(found.time) > 300
+    assert np.abs(system.functions.of(surface)(found.state)).max() < 1e-13
+    for key, values in there.items():
+        off = np.abs(values - start[key][found.trajectory]).max()
+        assert off < LEVEL, f"{key} is off by {off:.1e}"
+    assert integral in there
+
+
+@pytest.mark.parametrize(
+    ("inertia", "a", "integral", "surface"),
+    [
+        ((2, 2, "11/10"), (-1, 0, 0), "(l1**2/4 - l2**2/4 + alpha1)**2 + (l1*l2/2 + alpha2)**2", "l3"),
+        ((2, 2, 1), (-1, 0, "-1/10"), "(l1**2/4 - l2**2/4 + alpha1)**2 + (l1*l2/2 + alpha2)**2", "l3"),
+        ((1, "11/10", "1/2"), (0, 0, 1), "l3", "l1"),
+        ((1, 1, "1/2"), ("1/10", 0, 1), "l3", "l1"),
+    ],
+)
+def test_section_points_of_perturbed_tops_do_not(inertia, a, integral, surface):
+    top = lp.Top(inertia=inertia, a=a)
+    x0 = np.pad(lp.sample_states(KOVALEVSKAYA, 6, seed=2), ((0, 0), (0, 3)))
+    found = lp.section(top, x0, surface=surface, t_end=300)
+    function = top.functions.of(integral)
+    off = np.abs(function(found.state) - function(x0)[found.trajectory])
+    worst = np.array([off[found.trajectory == k].max() for k in np.flatnonzero(found.count)])
+    assert len(worst) >= 4
+    assert worst.min() > 1e-3, f"the integral of the integrable top changes by {worst}"
+
+
+def test_the_perturbed_controls_differ_in_the_parameter_alone():
+    """With the parameters of the integrable top the control's own function is constant on the same starts."""
+    top, x0 = (
+        lp.Top(inertia=(2, 2, 1), a=(-1, 0, 0)),
+        np.pad(lp.sample_states(KOVALEVSKAYA, 6, seed=2), ((0, 0), (0, 3))),
+    )
+    found = lp.section(top, x0, surface="l3", t_end=300)
+    function = top.functions.of("(l1**2/4 - l2**2/4 + alpha1)**2 + (l1*l2/2 + alpha2)**2")
+    assert np.abs(function(found.state) - function(x0)[found.trajectory]).max() < LEVEL
+
+
+def test_signs_alternate_and_directions_divide_the_crossings():
+    x0 = lp.sample_states(TWISTED, 5, seed=3)
+    both, up, down = (lp.section(TWISTED, x0, surface="l3", t_end=100, direction=d) for d in (0, 1, -1))
+    for k in range(5):
+        signs = both.sign[both.trajectory == k]
+        assert np.array_equal(signs[1:], -signs[:-1])
+    assert np.array_equal(both.state[both.sign == 1], up.state)
+    assert np.array_equal(both.state[both.sign == -1], down.state)
+
+
+def test_backwards_the_same_crossings_come_in_the_other_direction():
+    x0 = lp.sample_states(TWISTED, 1, seed=3)
+    there = lp.section(TWISTED, x0, surface="l3", t_end=20)
+    end = lp.integrate(TWISTED, x0, t=[0, 20]).state[0, -1]
+    back = lp.section(TWISTED, end, surface="l3", t_end=-20)
+    np.testing.assert_allclose(back.time[::-1] + 20, there.time, atol=1e-9)
+    np.testing.assert_allclose(back.state[::-1], there.state, atol=1e-9)
+    assert np.array_equal(back.sign[::-1], -there.sign)
+
+
+def test_crossings_agree_with_dense_output():
+    x0 = lp.sample_states(TWISTED, 2, seed=5)
+    found = lp.section(TWISTED, x0, surface="dot(l, beta) - 1/10", t_end=50)
+    orbit = lp.integrate(TWISTED, x0, t=[0, 50], dense=True)
+    fine = np.linspace(0, 50, 20_001)
+    values = TWISTED.functions.of("dot(l, beta) - 1/10")(orbit.at(fine))
+    for k in range(2):
+        assert found.count[k] == np.count_nonzero(np.diff(np.sign(values[k])))
+        times = found.time[found.trajectory == k]
+        np.testing.assert_allclose(orbit.at(times)[k], found.of(k), atol=1e-13)
+
+
+def test_a_start_on_the_surface_is_not_counted():
+    x0 = lp.sample_states(KOVALEVSKAYA, 4, seed=1)
+    first = lp.section(KOVALEVSKAYA, x0, surface="l3", t_end=100)
+    again = lp.section(KOVALEVSKAYA, first.of(0)[0], surface="l3", t_end=100 - first.time[0])
+    assert len(again.time) == first.count[0] - 1
+    np.testing.assert_allclose(again.time + first.time[0], first.time[1 : first.count[0]], atol=1e-10)
+
+
+def test_a_trajectory_ends_after_the_number_of_crossings_that_is_wanted():
+    x0 = lp.sample_states(TWISTED, 3, seed=1)
+    some = lp.section(TWISTED, x0, surface="l3", t_end=1e9, n_crossings=7)
+    assert list(some.count) == [7, 7, 7]
+    assert list(some.outcome) == ["finished"] * 3
+    assert some.end_time.max() < 1e3
+    assert np.array_equal(some.of(1), some.state[7:14])
+
+
+def test_functions_are_kept_instead_of_states():
+    x0 = lp.sample_states(TWISTED, 3, seed=1)
+    whole = lp.section(TWISTED, x0, surface="l3", t_end=50)
+    part = lp.section(TWISTED, x0, surface="l3", t_end=50, keep=("alpha1", "dot(l, beta)"))
+    assert part.coordinates == ("alpha1", "dot(l, beta)")
+    assert part.components == whole.components
+    np.testing.assert_allclose(part.state[:, 0], whole.state[:, 3], atol=1e-15)
+    np.testing.assert_allclose(part.state[:, 1], TWISTED.functions.of("dot(l, beta)")(whole.state), atol=1e-14)
+
+
+def test_a_surface_may_be_text_expression_or_tape():
+    x0, variables = lp.sample_states(TWISTED, 2, seed=1), TWISTED.variables
+    text = lp.section(TWISTED, x0, surface="l3 - alpha2", t_end=30)
+    expression = lp.section(TWISTED, x0, surface=variables[2] - variables[4], t_end=30)
+    tape = lp.section(TWISTED, x0, surface=TWISTED.function_tape("l3 - alpha2", "l1"), t_end=30, keep=("first",))
+    assert np.array_equal(text.state, expression.state)
+    assert np.array_equal(text.time, tape.time)
+    assert np.array_equal(text.state[:, 0], tape.state[:, 0])
+    assert tape.coordinates == ("first",)
+    assert text.surface == "l3 - alpha2"
+    functions = TWISTED.functions
+    function = lp.section(TWISTED, x0, surface=functions.of("l3 - alpha2"), t_end=30, keep=[functions.energy])
+    assert np.array_equal(text.time, function.time)
+    np.testing.assert_allclose(function.state[:, 0], functions.energy(text.state), atol=1e-14)
+
+
+def test_the_bits_do_not_depend_on_the_number_of_threads():
+    x0 = lp.sample_states(TWISTED, 33, seed=1)
+    one, three = (lp.section(TWISTED, x0, surface="l3", t_end=30, threads=n) for n in (1, 3))
+    assert np.array_equal(one.state, three.state)
+    assert np.array_equal(one.time, three.time)
+
+
+def test_steps_of_surfaces_that_are_no_polynomials_are_counted_as_not_bounded():
+    x0 = lp.sample_states(TWISTED, 2, seed=1)
+    smooth = lp.section(TWISTED, x0, surface="sin(l3)", t_end=30)
+    plain = lp.section(TWISTED, x0, surface="l3", t_end=30)
+    assert (plain.unbounded_steps == 0).all()
+    assert (smooth.unbounded_steps > 0).all()
+    near = np.abs(smooth.state[:, 2]) < 1  # sin vanishes at other multiples of pi as well
+    np.testing.assert_allclose(smooth.state[near], plain.state, atol=1e-12)
+
+
+def test_a_row_that_is_not_finite_fails_alone():
+    x0 = lp.sample_states(TWISTED, 3, seed=1)
+    good = lp.section(TWISTED, x0, surface="l3", t_end=30)
+    x0[1, 4] = np.nan
+    found = lp.section(TWISTED, x0, surface="l3", t_end=30)
+    assert list(found.outcome) == ["finished", "not finite", "finished"]
+    assert found.count[1] == 0
+    assert np.array_equal(found.of(2), good.of(2))
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "message"),
+    [
+        ({"surface": "l3 + nothing"}, ExpressionError, "nothing"),
+        ({"surface": "l3", "direction": 2}, ParameterError, "direction"),
+        ({"surface": "l3", "direction": True}, ParameterError, "direction"),
+        ({"surface": "l3", "t_end": 0}, ParameterError, "t_end"),
+        ({"surface": "l3", "t_end": np.inf}, ParameterError, "t_end"),
+        ({"surface": "l3", "n_crossings": 0}, ParameterError, "n_crossings"),
+        ({"surface": "l3", "keep": "l1"}, ParameterError, "keep"),
+        ({"surface": "l3", "keep": ()}, ParameterError, "keep"),
+        ({"surface": "l3", "method": lp.RungeKutta()}, ParameterError, "Taylor"),
+        ({"surface": "l3", "method": lp.Taylor(precision="mixed")}, ParameterError, "double precision"),
+        ({"surface": None}, ParameterError, "surface: wanted a function of the state; got None"),
+        ({"surface": 3}, ParameterError, "surface: wanted a function of the state"),
+        ({"surface": ["l1"]}, ParameterError, "surface: wanted a function of the state"),
+        ({"surface": "0"}, ParameterError, "constant on each leaf"),
+        ({"surface": "1"}, ParameterError, "constant on each leaf"),
+        ({"surface": "dot(beta, beta) - 1"}, ParameterError, "its bracket with every component is zero"),
+        ({"surface": "exp(dot(alpha, beta)) - 2"}, ParameterError, "its bracket with every component is zero"),
+        ({"surface": "l3", "keep": [1]}, ParameterError, "keep: wanted a function"),
+        ({"surface": "l3", "keep": 1}, ParameterError, "keep: wanted a sequence"),
+        ({"surface": "l3", "direction": np.ones(2)}, ParameterError, "direction"),
+        ({"surface": "l3", "direction": "up"}, ParameterError, "direction"),
+        ({"surface": TapeFunction(3, (), (0,))}, ShapeError, "9 components"),
+        ({"surface": TapeFunction(9, (), ())}, ParameterError, "one output"),
+        ({"surface": TapeFunction(9, (), (0, 1)), "keep": ("a", "b")}, ParameterError, "1 further"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(options, error, message):
+    with pytest.raises(error, match=message):
+        lp.section(TWISTED, lp.sample_states(TWISTED, 1, seed=1), **({"t_end": 1} | options))
+
+
+def test_a_field_without_formulas_wants_a_tape():
+    field = TopField((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1.0)
+    x0 = lp.sample_states(field, 2, seed=1)
+    with pytest.raises(ParameterError, match="wanted a TapeFunction"):
+        lp.section(field, x0, surface="l3", t_end=10)
+    found = lp.section(field, x0, surface=TapeFunction(9, (), (2,)), t_end=30)
+    assert np.array_equal(found.state, lp.section(TWISTED, x0, surface="l3", t_end=30).state)
+
+
+def test_the_return_map_steps_from_crossing_to_crossing_and_back():
+    x0 = lp.sample_states(KOVALEVSKAYA, 4, seed=1)
+    orbit = lp.section(KOVALEVSKAYA, x0, surface="l3", t_end=400, direction=1, n_crossings=3)
+    points = orbit.state.reshape(4, 3, 6)
+    images, times, outcome = lp.first_return(KOVALEVSKAYA, points[:, :2], surface="l3", t_max=400)
+    assert (outcome == "returned").all()
+    assert outcome.shape == (4, 2)
+    np.testing.assert_allclose(images, points[:, 1:], atol=1e-11)
+    np.testing.assert_allclose(times, np.diff(orbit.time.reshape(4, 3)), atol=1e-11)
+    back = lp.first_return(KOVALEVSKAYA, images, surface="l3", t_max=-400, direction=-1)
+    np.testing.assert_allclose(back.state, points[:, :2], atol=1e-11)
+
+
+def test_a_point_that_does_not_return_in_time_has_no_image():
+    x0 = lp.section(KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 1, seed=1), surface="l3", t_end=100).state[0]
+    image, time, outcome = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_max=1e-3)
+    assert image.shape == (6,)
+    assert np.isnan(image).all()
+    assert np.isnan(time)
+    assert str(outcome) == "no return"
+    with pytest.raises(ShapeError, match="6 components"):
+        lp.first_return(KOVALEVSKAYA, np.zeros(5), surface="l3", t_max=1)
+
+
+def test_points_that_return_late_have_no_image_beside_those_that_do():
+    x0 = lp.section(
+        KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 6, seed=1), surface="l3", t_end=200, n_crossings=1
+    ).state
+    all_images, times, _ = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_max=400)
+    late = times > np.median(times)
+    assert late[: np.flatnonzero(~late)[-1]].any(), "a missing image must come before one that is there"
+    images, _, outcome = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_max=np.median(times))
+    assert np.array_equal(outcome == "no return", late)
+    assert np.isnan(images[late]).all()
+    assert np.array_equal(images[~late], all_images[~late])
+
+
+def test_the_return_map_takes_the_surface_of_a_tape_and_nothing_else_of_it():
+    x0 = lp.section(TWISTED, lp.sample_states(TWISTED, 2, seed=1), surface="l3", t_end=50, n_crossings=1).state
+    text = lp.first_return(TWISTED, x0, surface="l3", t_max=50)
+    tape = lp.first_return(TWISTED, x0, surface=TWISTED.function_tape("l3", "l1"), t_max=50)
+    assert np.array_equal(text.state, tape.state)
+
+
+@pytest.mark.parametrize("offset", [1e-11, -1e-11, 0.0])
+@pytest.mark.parametrize("direction", [-1, 0, 1])
+def test_states_a_little_off_the_surface_return_where_those_on_it_do(direction, offset):
+    on = lp.section(
+        KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 5, seed=1), surface="l3", t_end=50, n_crossings=1
+    ).state
+    off = on + offset * np.eye(6)[2]
+    exact, near = (lp.first_return(KOVALEVSKAYA, x, surface="l3", t_max=100, direction=direction) for x in (on, off))
+    assert near.time.min() > 1e-3
+    np.testing.assert_allclose(near.state, exact.state, atol=1e-8)
+    assert (near.outcome == "returned").all()
+
+
+def test_a_state_a_little_off_the_surface_that_does_not_return_in_time_has_no_image():
+    on = lp.section(KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 5, seed=1), surface="l3", t_end=50, n_crossings=1)
+    off = on.state - 1e-11 * on.sign[:, None] * np.eye(6)[2]  # they pass the surface once more, at once
+    image, time, outcome = lp.first_return(KOVALEVSKAYA, off, surface="l3", t_max=1e-3, direction=0)
+    assert np.isnan(image).all()
+    assert np.isnan(time).all()
+    assert (outcome == "no return").all()
+
+
+def test_the_return_map_says_why_an_orbit_ended():
+    x = np.zeros((2, 6))
+    x[0] = [1, 0, 0, 0, 0.6, 0.8]
+    x[1] = np.nan
+    assert lp.first_return(KOVALEVSKAYA, x, surface="l3", t_max=100).outcome.tolist() == ["returned", "not finite"]
+
+
+@pytest.mark.parametrize("options", [{}, {"keep": ("alpha1", "dot(l, beta)")}, {"n_crossings": 4, "direction": -1}])
+def test_a_section_is_labelled_and_repeats_from_its_file_alone(tmp_path, options):
+    found = lp.section(TWISTED, lp.sample_states(TWISTED, 3, seed=1), surface="l3 - alpha2", t_end=30, **options)
+    path = found.save(tmp_path / "section.nc")
+    dataset, again = lp.load(path), lp.rerun(path, threads=1)
+    for name in ("state", "time", "sign"):
+        assert np.array_equal(dataset[name].to_numpy(), getattr(found, name))
+        assert np.array_equal(getattr(again, name), getattr(found, name))
+    assert np.array_equal(dataset["crossing_trajectory"], found.trajectory)
+    assert tuple(map(str, dataset["coordinate" if "keep" in options else "component"].to_numpy())) == found.coordinates
+    assert (again.coordinates, again.direction, again.n_crossings) == (
+        found.coordinates,
+        found.direction,
+        found.n_crossings,
+    )
+    assert again.tape == found.tape
+
+
+def test_an_altered_surface_is_not_rerun():
+    dataset = lp.section(TWISTED, lp.sample_states(TWISTED, 1, seed=1), surface="l3", t_end=3).dataset
+    dataset.attrs["surface"] = "{}"
+    with pytest.raises(DamagedFileError, match="does not record a run"):
+        lp.rerun(dataset)

@@ -1,0 +1,236 @@
+"""The attitude along an orbit: against scipy's rotations, space-frame laws, Euler angles, reversal, bad input."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.phase_space.frames import quaternion_of, rotation_matrix
+
+HEAVY = lp.Top.heavy(inertia=(2, 1.5, 1), a=(0.3, -0.4, 1))
+TWISTED = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.3, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
+TIMES = np.linspace(0, 10, 201)
+
+
+def unit_quaternions(n, seed):
+    q = np.random.default_rng(seed).standard_normal((n, 4))
+    return q / np.linalg.norm(q, axis=1, keepdims=True)
+
+
+def hat(v):
+    return np.cross(np.asarray(v)[..., None, :], np.eye(3)).swapaxes(-1, -2)
+
+
+def derivative(t, values):
+    """By a cubic spline: error of the order of the third power of the distance of the points."""
+    return CubicSpline(t, values, axis=1)(t, 1)
+
+
+@settings(max_examples=30)
+@given(st.integers(0, 10_000))
+def test_quaternion_and_rotation_matrix_agree_with_scipy(seed):
+    """SciPy has the scalar last and the same rotation, v -> q v q*."""
+    q = unit_quaternions(5, seed)
+    R = rotation_matrix(q)
+    assert np.abs(R - Rotation.from_quat(q[:, [1, 2, 3, 0]]).as_matrix()).max() < 1e-15
+    back = quaternion_of(R)
+    assert np.abs(back * np.sign(np.sum(back * q, axis=1, keepdims=True)) - q).max() < 1e-15
+
+
+@pytest.mark.parametrize("axis", range(3))
+def test_half_turns_have_a_quaternion(axis):
+    R = 2 * np.outer(np.eye(3)[axis], np.eye(3)[axis]) - np.eye(3)
+    assert np.abs(quaternion_of(R)[1:] - np.eye(3)[axis]).max() == 0
+
+
+def test_orbit_is_that_of_the_system_alone():
+    """The same field in other kernels: round-off of 10 time units, grown by the exponent of the orbits."""
+    x0 = lp.sample_states(TWISTED, 4, seed=3)
+    run = lp.attitude(TWISTED, x0, t=TIMES)
+    assert run.state.shape == (4, 201, 9)
+    assert run.quaternion.shape == (4, 201, 4)
+    assert np.abs(run.state - lp.integrate(TWISTED, x0, t=TIMES).state).max() < 1e-12
+    assert np.abs(run.norm_error).max() < 1e-14
+    assert set(run.outcome) == {"finished"}
+    assert repr(run) == f"<Attitude of {TWISTED.name!r}: 4 trajectories, 201 times>"
+
+
+def test_rotation_obeys_its_equation():
+    """R' = R hat(omega), by central differences of the dense output; h^2 max|R'''| / 6 is 1e-7 for h = 1e-4."""
+    run = lp.attitude(TWISTED, lp.sample_states(TWISTED, 3, seed=3), t=[0, 10], dense=True)
+    t, h = np.linspace(0.5, 9.5, 19), 1e-4
+    here = run.at(t)
+    slope = (run.at(t + h).rotation - run.at(t - h).rotation) / (2 * h)
+    omega = here.state[..., :3] / np.array([2, 1.5, 1])
+    assert np.abs(here.angular_velocity - omega).max() < 1e-15
+    assert np.abs(slope - here.rotation @ hat(omega)).max() < 1e-5
+    assert np.abs(here.rotation @ here.rotation.swapaxes(-1, -2) - np.eye(3)).max() < 1e-14
+
+
+def test_free_rigid_body_keeps_its_momentum_in_space():
+    top = lp.Top.free_rigid_body(inertia=(3, 2, 1))
+    run = lp.attitude(top, lp.sample_states(top, 5, seed=1), t=np.linspace(0, 50, 101))
+    assert np.ptp(run.space("l"), axis=1).max() < 1e-12
+
+
+def test_ordinary_top_keeps_its_fields_in_space_and_torque_changes_the_momentum():
+    """(R l)' = R (alpha x a) = g x R a with the fixed vector g = R alpha."""
+    x0 = lp.sample_states(HEAVY, 3, seed=5)
+    run = lp.attitude(HEAVY, x0, t=np.linspace(0, 10, 2001))
+    assert np.ptp(run.space("alpha"), axis=1).max() < 1e-12
+    torque = np.cross(run.space("alpha"), run.space([0.3, -0.4, 1]))
+    assert np.abs(derivative(run.time, run.space("l")) - torque).max() < 1e-5
+
+
+def test_twisted_top_keeps_beta_in_space_and_turns_alpha():
+    """(R alpha)' = eps R (beta x a): alpha is not fixed in space, so a formula of the ordinary top would fail."""
+    run = lp.attitude(TWISTED, lp.sample_states(TWISTED, 3, seed=5), t=np.linspace(0, 10, 2001))
+    assert np.ptp(run.space("beta"), axis=1).max() < 1e-12
+    assert np.ptp(run.space("alpha"), axis=1).max() > 0.1
+    a, b = run.space([-1, 0.3, 0.2]), run.space([0.4, 0, -0.7])
+    alpha, beta = run.space("alpha"), run.space("beta")
+    assert np.abs(derivative(run.time, alpha) - 0.8 * np.cross(beta, a)).max() < 1e-5
+    assert np.abs(derivative(run.time, run.space("l")) - np.cross(alpha, a) - np.cross(beta, b)).max() < 1e-5
+
+
+def test_lagrange_top_has_the_euler_angles_of_the_textbook():
+    r"""R = Rz(phi) Rx(theta) Rz(psi), phi' = (L - l3 cos theta)/(I1 sin^2 theta), psi' = l3/I3 - phi' cos theta.
+
+    L is the momentum about the vertical; theta'' follows from the energy, and theta is compared by cos theta = alpha3.
+    """
+    top = lp.Top.lagrange(transverse=1, axial="1/2", a3=1)
+    x0 = np.array([0.4, 0.3, 1.5, 0.6, 0.0, 0.8, 0, 0, 0])
+    run = lp.attitude(top, x0, t=[0, 10], attitude="alpha", dense=True)
+    l3, vertical = x0[2], x0[:3] @ x0[3:6]
+
+    def rates(t, _):
+        cosine = run.at([t]).state[0, 0, 5]
+        phi = (vertical - l3 * cosine) / (1 - cosine**2)
+        return [phi, 2 * l3 - phi * cosine]
+
+    angles = solve_ivp(rates, (0, 10), [0, 0], method="DOP853", rtol=1e-11, atol=1e-11, t_eval=np.linspace(0, 10, 41))
+    R = run.at(angles.t).rotation[0]
+    phi = np.unwrap(np.arctan2(R[:, 0, 2], -R[:, 1, 2]))
+    psi = np.unwrap(np.arctan2(R[:, 2, 0], R[:, 2, 1]))
+    theta = np.arccos(run.at(angles.t).state[0, :, 5])
+    assert np.abs(phi - phi[0] - angles.y[0]).max() < 1e-9
+    assert np.abs(psi - psi[0] - angles.y[1]).max() < 1e-9
+    assert np.abs(R[:, 2, 2] - np.cos(theta)).max() < 1e-12
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_named_field_starts_upright(sign):
+    x0 = lp.sample_states(TWISTED, 20, seed=2)
+    x0[0, 6:] = [0, 0, 2]
+    x0[1, 6:] = [1e-9, 0, -2]
+    run = lp.attitude(TWISTED, sign * x0, t=[0, 1], attitude="beta")
+    length = np.linalg.norm(x0[:, 6:], axis=1)[:, None]
+    assert np.abs(run.space("beta")[:, 0] / length - [0, 0, 1]).max() < 1e-15
+
+
+def test_attitudes_compose_and_runs_reverse():
+    """Another attitude at the start is a rotation of space; the run back ends where it began."""
+    x0, q0 = lp.sample_states(TWISTED, 3, seed=4), unit_quaternions(3, 6)
+    plain, turned = lp.attitude(TWISTED, x0, t=TIMES), lp.attitude(TWISTED, x0, t=TIMES, attitude=q0)
+    assert np.abs(rotation_matrix(q0)[:, None] @ plain.rotation - turned.rotation).max() < 1e-13
+    by_matrix = lp.attitude(TWISTED, x0, t=TIMES, attitude=rotation_matrix(q0))
+    assert np.abs(by_matrix.rotation - turned.rotation).max() < 1e-13
+    back = lp.attitude(TWISTED, turned.state[:, -1], t=TIMES[::-1], attitude=turned.quaternion[:, -1])
+    assert np.abs(back.quaternion[:, -1] - q0).max() < 1e-11
+    assert np.abs(back.state[:, -1] - x0).max() < 1e-11
+
+
+def test_body_undoes_space():
+    run = lp.attitude(TWISTED, lp.sample_states(TWISTED, 2, seed=4), t=TIMES)
+    assert np.abs(run.body(run.space("l")) - run.state[..., :3]).max() < 1e-14
+
+
+@pytest.mark.parametrize("name", ["kirchhoff", "leibniz-top-4", "zhukovsky-volterra-gyrostat", "goryachev"])
+def test_other_systems_on_so3_have_an_attitude(name):
+    """omega = dH/dl is not l/I for Kirchhoff's equations or a gyrostat; the last field there is fixed in space."""
+    system = lp.catalog.system(name)
+    x0 = lp.sample_states(system, 2, seed=7)
+    if name == "goryachev":
+        x0[:, 5] = 1.0  # its potential has a pole at p3 = 0
+    run = lp.attitude(system, x0, t=[0, 0.3])
+    last = system.bracket.field_names[-1]
+    fixed = run.space(last)
+    assert np.abs(fixed[:, 1] - fixed[:, 0]).max() < 1e-12
+    assert run.orbit.field.kind == ("tape" if name == "goryachev" else "quadratic")
+
+
+def test_a_run_is_saved_and_run_again(tmp_path):
+    run = lp.attitude(TWISTED, lp.sample_states(TWISTED, 2, seed=4), t=[0, 1])
+    path = run.orbit.save(tmp_path / "attitude.nc")
+    assert list(lp.load(path).component.values[-4:]) == ["q0", "q1", "q2", "q3"]
+    np.testing.assert_array_equal(lp.rerun(path).state, run.orbit.state)
+
+
+def test_a_system_with_a_field_called_q_keeps_its_names():
+    system = lp.System((lp.so(3) @ lp.leibniz(2)).rename("l", "q"), "dot(l, l)/2 + q3")
+    run = lp.attitude(system, [1, 0, 0.2, 0.3, 0, 1], t=[0, 1])
+    assert run.orbit.components[-4:] == ("q0", "frame_q1", "frame_q2", "frame_q3")
+    assert np.ptp(run.space("q"), axis=1).max() < 1e-14
+
+
+def test_a_bad_start_is_an_outcome():
+    x0 = lp.sample_states(TWISTED, 2, seed=4)
+    x0[0, 8] = np.inf
+    run = lp.attitude(TWISTED, x0, t=[0, 1], attitude="beta")
+    assert list(run.outcome) == ["not finite", "finished"]
+    assert np.isnan(run.quaternion[0, 1]).all()
+    assert np.isfinite(run.quaternion[1]).all()
+
+
+@pytest.mark.parametrize(
+    "name", ["manakov-so4", "so21-heavy-top", "poincare-ellipsoidal-cavity", "rattleback", "zeitlin-3", "reduced-mhd-3"]
+)
+def test_groups_without_one_rotation_are_refused(name):
+    system = lp.catalog.system(name)
+    with pytest.raises(ParameterError, match="no single rotation"):
+        lp.attitude(system, np.ones(len(system.component_names)), t=[0, 1])
+
+
+def test_complex_numbers_as_the_algebra_are_refused():
+    """so(3) (x) C = so(3, 1) is simple: e1 e1 = -e0, so e1 spans no ideal and there is no quotient of rotations."""
+    complex_numbers = lp.Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 1): {0: -1}})
+    system = lp.System(lp.so(3) @ complex_numbers, "dot(l, l)/2 + alpha3")
+    with pytest.raises(ParameterError, match="no single rotation"):
+        lp.attitude(system, np.ones(6), t=[0, 1])
+
+
+@pytest.mark.parametrize(
+    ("given", "error", "words"),
+    [
+        ([1, 1, 0, 0], ParameterError, "unit quaternions"),
+        ([np.nan, 0, 0, 1], ParameterError, "unit quaternions"),
+        (-np.eye(3), ParameterError, "det R"),
+        (2 * np.eye(3), ParameterError, "rotation matrices"),
+        (np.ones((2, 4)) / 2, ShapeError, "attitude must have shape"),
+        ("gravity", ParameterError, "alpha"),
+        ("beta", ParameterError, "beta = 0"),
+    ],
+)
+def test_what_is_no_attitude_is_refused(given, error, words):
+    with pytest.raises(error, match=words):
+        lp.attitude(TWISTED, np.array([1.0, 0, 0, 1, 0, 0, 0, 0, 0]), t=[0, 1], attitude=given)
+
+
+def test_other_mistakes_are_refused():
+    x0 = lp.sample_states(TWISTED, 1, seed=0)
+    run = lp.attitude(TWISTED, x0, t=[0, 1])
+    with pytest.raises(ParameterError, match="System"):
+        lp.attitude(lp.TopField((1, 1, 1), (0, 0, 1), (0, 0, 0), 0.0), x0, t=[0, 1])
+    with pytest.raises(ParameterError, match="I1"):
+        lp.attitude(lp.Top.heavy(inertia=("I1", 1, 1), a=(0, 0, 1)), x0, t=[0, 1])
+    with pytest.raises(ShapeError, match="broadcast"):
+        run.space(np.ones((5, 3)))
+    with pytest.raises(ParameterError, match="dense"):
+        run.at([0.5])
+    with pytest.raises(ParameterError, match="pieces"):
+        lp.attitude(TWISTED, x0, t=[0, 1], method=lp.Splitting(step=0.1, order=2))

@@ -1,0 +1,231 @@
+"""Leaves: the stratum and rank of a state, projection to round-off, tangent spaces, the range of the energy."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import liepoisson as lp
+from liepoisson.errors import LeafError, ParameterError, ShapeError
+
+TWISTED = lp.Top(inertia=(2, "3/2", 1), a=(-1, "1/3", "1/5"), b=("1/5", "1/2", "-1/3"), epsilon=1)
+CHARGED = lp.Top(inertia=(2, "3/2", 1), a=(-1, "1/3", "1/5"), b=("1/5", "1/2", "-1/3"), epsilon=0)
+PLACES = [
+    (TWISTED, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9], "beta != 0", 6),
+    (TWISTED, [0.1, 0.2, 0.3, 0.2, 0.4, 0.6, 0.1, 0.2, 0.3], "beta != 0", 6),  # parallel, yet regular
+    (TWISTED, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0, 0, 0], "beta = 0, alpha != 0", 4),
+    (TWISTED, [1, 2, 3, 0, 0, 0, 0, 0, 0], "beta = 0, alpha = 0, l != 0", 2),
+    (TWISTED, [0] * 9, "beta = 0, alpha = 0, l = 0", 0),
+    (CHARGED, [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, -0.9], "alpha x beta != 0", 6),
+    (CHARGED, [0.1, 0.2, 0.3, 0.2, 0.4, 0.6, 0.1, 0.2, 0.3], "alpha x beta = 0, (alpha, beta) != 0", 4),
+    (CHARGED, [0.1, 0.2, 0.3, 0, 0, 0, 0.1, 0.2, 0.3], "alpha x beta = 0, (alpha, beta) != 0", 4),
+    (CHARGED, [1, 2, 3, 0, 0, 0, 0, 0, 0], "beta = 0, alpha = 0, l != 0", 2),
+]
+
+
+@pytest.mark.parametrize(("top", "x", "stratum", "rank"), PLACES)
+def test_a_state_lies_on_the_leaf_of_its_stratum(top, x, stratum, rank):
+    leaf = lp.leaf_of(top, x)
+    assert (leaf.stratum, leaf.rank, leaf.is_regular) == (stratum, rank, rank == 6)
+    assert leaf.contains(x, tol=1e-14)
+    assert not leaf.contains(np.add(x, [0.01, 0, 0.02, 0.03, 0, 0.01, 0.01, 0.02, 0.05]), tol=1e-4)
+
+
+@pytest.mark.parametrize(("top", "x", "stratum", "rank"), PLACES)
+def test_an_orbit_stays_on_its_leaf(top, x, stratum, rank):
+    """Measured 2e-15 at t = 20, at the tolerance of round-off; the bound leaves a factor of fifty."""
+    orbit = lp.integrate(top, np.array(x, dtype=float), t=[0, 5, 20])
+    assert lp.leaf_of(top, x).residual(orbit.state).max() < 1e-13
+
+
+@pytest.mark.parametrize(("top", "x", "stratum", "rank"), PLACES)
+def test_projection_lands_on_the_leaf_to_round_off_and_leaves_its_states_alone(top, x, stratum, rank):
+    leaf = lp.leaf_of(top, x)
+    noise = 0.05 * np.random.default_rng(0).standard_normal((2, 10, 9))
+    found = leaf.project(np.array(x) + noise)
+    assert found.shape == (2, 10, 9)
+    assert leaf.residual(found).max() < 1e-15
+    again = leaf.project(found)
+    assert np.abs(again - found).max() < 1e-14
+
+
+@pytest.mark.parametrize(("top", "x", "stratum", "rank"), [place for place in PLACES if place[3] > 2])
+def test_projection_meets_energy_and_surface(top, x, stratum, rank):
+    leaf, energy = lp.leaf_of(top, x), float(TWISTED.functions.energy(x))
+    noise = 0.03 * np.random.default_rng(0).standard_normal((10, 9))
+    for surface in ("l1 - l2/3", top.functions.of("l1 - l2/3")):
+        found = leaf.project(np.array(x) + noise, energy=energy, surface=surface)
+        assert leaf.residual(found).max() < 1e-15
+        assert np.abs(top.functions.energy(found) - energy).max() < 1e-14
+        assert np.abs(found[:, 0] - found[:, 1] / 3).max() < 1e-15
+
+
+def test_projection_is_the_nearest_point_to_first_order():
+    """On |l| = r the nearest point is r l / |l|."""
+    leaf = lp.leaf_of(lp.catalog.system("free-rigid-body"), [0.0, 0.6, 0.8])
+    assert np.allclose(leaf.project([0.0, 1.2, 1.6]), [0.0, 0.6, 0.8], atol=1e-15)
+
+
+@pytest.mark.parametrize(("top", "x", "stratum", "rank"), PLACES)
+def test_the_projector_is_that_of_the_image_of_J(top, x, stratum, rank):
+    """P is symmetric, P^2 = P, P J = J, P dC = 0, tr P = rank; the energy takes one dimension, where dH is not 0."""
+    leaf = lp.leaf_of(top, x)
+    x = np.array(x, dtype=float)
+    P, J = leaf.tangent_projector(x), top.functions.poisson_tensor(x)
+    assert np.abs(P - P.T).max() < 1e-15
+    assert np.abs(P @ P - P).max() < 1e-14
+    assert np.abs(P @ J - J).max() < 1e-14
+    assert abs(np.trace(P) - rank) < 1e-13
+    for function in leaf.casimir_functions.values():
+        assert np.abs(P @ function.gradient(x)).max() < 1e-14
+    Q = leaf.tangent_projector(x, energy=True)
+    assert np.abs(Q @ top.functions.rates(x) - top.functions.rates(x)).max() < 1e-13
+    assert abs(np.trace(Q) - max(rank - 1, 0)) < 1e-13
+    assert abs(leaf.project_tangent(x, np.ones(9), energy=True) @ top.functions.energy.gradient(x)) < 1e-13 * (1 + rank)
+
+
+@given(st.integers(0, 10_000))
+def test_a_leaf_by_values_is_the_leaf_of_a_state_with_these_values(seed):
+    x = lp.sample_states(TWISTED, 1, seed=seed, ensemble="gaussian")[0]
+    values = lp.leaf_of(TWISTED, x).casimirs
+    leaf = lp.Leaf(TWISTED, values)
+    assert leaf.casimirs == values
+    assert leaf.residual(x) < 1e-14
+    assert leaf.residual(leaf.state) < 1e-13
+
+
+@pytest.mark.parametrize(
+    ("top", "values", "message"),
+    [
+        (TWISTED, {"C1": 1, "C2": 0, "C3": -1}, "sum of squares"),
+        (TWISTED, {"C1": 1, "C2": 0, "C3": 0}, r"leaf_of\(system, x\)"),
+        (CHARGED, {"C1": 1, "C2": 2, "C3": 1}, "smaller than C1 C3"),
+        (CHARGED, {"C1": 1, "C2": 1, "C3": 1}, "parallel vectors"),
+    ],
+)
+def test_values_that_no_state_of_the_stratum_has_are_refused(top, values, message):
+    with pytest.raises(LeafError, match=message):
+        lp.Leaf(top, values)
+
+
+def test_values_are_refused_by_search_where_no_inequality_is_known():
+    """|Pf| <= |M|^2/2 on so(4)."""
+    with pytest.raises(LeafError, match="no state"):
+        lp.Leaf(lp.catalog.system("manakov-so4"), {"C1": 2, "C2": 1})
+
+
+def test_an_unlisted_stratum_says_so():
+    """M12 = M34 alone: one of the two so(3) in so(4) vanishes, so the rank is 2, and the list knows no such set."""
+    leaf = lp.leaf_of(lp.catalog.system("manakov-so4"), [1, 0, 0, 0, 0, 1])
+    assert (leaf.rank, leaf.is_regular) == (2, False)
+    assert "not listed" in leaf.stratum
+    assert np.trace(leaf.tangent_projector(leaf.state)) == pytest.approx(2)
+    assert leaf.contains(leaf.state)
+    with pytest.raises(LeafError, match="not listed"):
+        leaf.project(leaf.state)
+
+
+def test_the_range_of_the_energy_has_its_closed_forms():
+    r"""Free body: |l|^2/(2 Imax), |l|^2/(2 Imin).  Two fields: minus the singular values of alpha a^t + beta b^t."""
+    body = lp.leaf_of(TWISTED, [1, 2, 3, 0, 0, 0, 0, 0, 0])
+    assert body.energy_range() == pytest.approx((14 / 4, 14 / 2), rel=1e-12)
+    x = np.array(PLACES[5][1])
+    M = np.outer(x[3:6], [-1, 1 / 3, 1 / 5]) + np.outer(x[6:], [1 / 5, 1 / 2, -1 / 3])
+    low, high = lp.leaf_of(CHARGED, x).energy_range()
+    assert low == pytest.approx(-np.linalg.svd(M, compute_uv=False).sum(), rel=1e-12)
+    assert high == np.inf
+
+
+def test_bad_requests_are_refused():
+    leaf = lp.leaf_of(TWISTED, PLACES[0][1])
+    with pytest.raises(LeafError, match=r"the energy lies between -2\.\d+ and inf; -9 was asked for"):
+        leaf.project(PLACES[0][1], energy=-9)
+    with pytest.raises(ShapeError, match="one state"):
+        lp.leaf_of(TWISTED, np.ones((2, 9)))
+    with pytest.raises(ParameterError, match="finite"):
+        lp.leaf_of(TWISTED, [np.nan] * 9)
+    with pytest.raises(ParameterError, match="C1, C2, C3"):
+        lp.Leaf(TWISTED, {"C1": 1})
+    with pytest.raises(ParameterError, match="finite"):
+        lp.Leaf(TWISTED, {"C1": np.inf, "C2": 0, "C3": 1})
+
+
+@pytest.mark.parametrize(
+    ("surface", "l1"), [("sqrt(l1) - 1/2", -9.0), ("sqrt(l1) - 1/2", 0.0), ("sqrt(l1) + 1", 0.0), ("log(l1)", -9.0)]
+)
+def test_surfaces_that_do_not_exist_at_a_guess_count_as_not_converged(surface, l1):
+    """Left of l1 = 0 the value, at it the gradient does not exist; an infinite one must not make sqrt(l1) + 1 zero."""
+    leaf = lp.leaf_of(TWISTED, PLACES[0][1])
+    good = np.array([0.9, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9])
+    guess = np.array([l1, *good[1:]])
+    with pytest.raises(LeafError, match="1 of 1 states"):
+        leaf.project(guess, surface=surface)
+    with pytest.raises(LeafError, match="1 of 2 states"):
+        leaf.project([guess, good], surface="sqrt(l1) - 1/2")
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf, 1e200, 1e-320])
+def test_guesses_that_are_no_states_end_with_a_typed_error(bad):
+    leaf = lp.leaf_of(TWISTED, PLACES[2][1])  # beta = 0 is pinned
+    guess = np.zeros(9)
+    guess[0] = bad
+    with pytest.raises(LeafError, match="relative residuals"):
+        leaf.project(guess)
+
+
+def test_an_open_stratum_with_too_few_known_casimirs_says_so():
+    """su(5) has four Casimirs, of degrees 2 to 5; the search ends at degree 3."""
+    fluid = lp.catalog.system("zeitlin-5")
+    leaf = lp.leaf_of(fluid, lp.sample_states(fluid, 1, seed=1)[0])
+    assert (leaf.rank, leaf.is_regular, leaf.stratum) == (20, True, "generic")
+    assert np.trace(leaf.tangent_projector(leaf.state)) == pytest.approx(20)
+    with pytest.raises(LeafError, match=r"24 - 20 = 4 independent Casimirs .* found 2 of them .*C1, C2"):
+        leaf.project(leaf.state)
+    with pytest.raises(LeafError, match="24 - 20 = 4"):
+        lp.Leaf(fluid, leaf.casimirs)
+
+
+def test_states_of_any_size_have_their_stratum():
+    for top, x, stratum, rank in PLACES:
+        for size in (1e-200, 1e-300, 1e100):
+            leaf = lp.leaf_of(top, np.array(x) * size)
+            assert (leaf.stratum, leaf.rank) == (stratum, rank)
+    with pytest.raises(ParameterError, match="Choose units"):
+        lp.leaf_of(TWISTED, np.array(PLACES[0][1]) * 1e160)
+
+
+def test_an_energy_without_a_lower_bound_is_told():
+    """-1/r is not bounded below at the centre; nor is a Leibniz top whose fields are not bounded on its leaf."""
+    for name in ("kepler-on-the-sphere", "leibniz-lagrange-5"):
+        system = lp.catalog.system(name)
+        leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+        assert leaf.energy_range() == (-np.inf, np.inf)
+
+
+def test_a_point_without_an_energy_is_refused():
+    leaf = lp.leaf_of(lp.System(lp.catalog.system("free-rigid-body").bracket, "1/l1"), [0, 0, 0])
+    with pytest.raises(LeafError, match="not defined"):
+        leaf.energy_range()
+    with pytest.raises(LeafError, match="not defined"):
+        leaf.sample(3, seed=1)
+
+
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+def test_tangent_vectors_that_are_not_finite_are_refused(bad):
+    leaf, x = lp.leaf_of(TWISTED, PLACES[0][1]), np.array(PLACES[0][1])
+    wrong = np.where(np.arange(9) == 4, bad, x)
+    for arguments in ((wrong, x), (x, wrong)):
+        with pytest.raises(ParameterError, match="must be finite"):
+            leaf.project_tangent(*arguments)
+
+
+@pytest.mark.parametrize("bad", ["a", 1j, [1, 2], np.inf])
+def test_energies_that_are_no_numbers_are_refused(bad):
+    leaf = lp.leaf_of(TWISTED, PLACES[0][1])
+    for call in (
+        lambda: leaf.project(leaf.state, energy=bad),
+        lambda: leaf.sample(2, seed=0, energy=bad),
+        lambda: leaf.sample(2, seed=0, energy_below=bad),
+    ):
+        with pytest.raises(ParameterError, match="energy"):
+            call()
