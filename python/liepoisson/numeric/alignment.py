@@ -1,0 +1,297 @@
+r"""SALI and GALI: how nearly parallel tangent vectors of an orbit have become."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.errors import ParameterError
+from liepoisson.numeric._checks import (
+    TIME_LIMIT,
+    HasField,
+    as_count,
+    as_field,
+    as_number,
+    as_states,
+    as_time_limit,
+    as_times,
+    shown,
+)
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
+
+Within: TypeAlias = Literal["space", "leaf", "energy"]
+
+FLOOR = 1e-16
+"""Least distance between two unit vectors that doubles resolve: the unit round-off, 1.1e-16, to a power of ten."""
+
+N_TIMES = 100
+
+MOST_BYTES = 4 * 2**30
+"""Most memory that the samples of the trajectories that run at once may take."""
+
+# The largest number is e^709.  A vector that grew by more than e^600 within a piece, or may have overflowed, has the
+# piece repeated in two halves.
+_MOST_GROWTH = 600.0
+
+
+@dataclass(frozen=True)
+class Alignment:
+    r"""Alignment indices of unit vectors $\hat v_1, \hat v_2, \ldots$ along trajectories.
+
+    Attributes:
+        system: Name of the system.
+        method: How it was integrated.
+        seed: Seed of the tangent vectors.
+        first: Number of the first member.
+        within: Where the vectors started: "space", "leaf" or "energy".
+        time: Times, shape (time,).
+        sali: $\min(|\hat v_1 + \hat v_2|, |\hat v_1 - \hat v_2|)$, between 1e-16 and $\sqrt 2$, shape
+            (trajectory, time); NaN from where a trajectory failed.
+        log_gali: $\ln\mathrm{GALI}_k$ for k = 2, 3, ..., shape (trajectory, time, order).
+        outcome: How each trajectory ended, shape (trajectory,).
+    """
+
+    system: str
+    method: Method
+    seed: int
+    first: int
+    within: Within
+    time: Array
+    sali: Array
+    log_gali: Array
+    outcome: NDArray[np.str_]
+
+    def gali(self, k: int) -> Array:
+        r"""$\mathrm{GALI}_k = |\hat v_1\wedge\cdots\wedge\hat v_k|$, shape (trajectory, time); 0 where it underflows.
+
+        Raises:
+            ParameterError: k is not from 2 to the number of vectors.
+        """
+        k = as_count(k, "k", least=2, most=self.log_gali.shape[-1] + 1)
+        return np.exp(self.log_gali[..., k - 2])
+
+
+def alignment(
+    system: HasField,
+    x0: ArrayLike,
+    *,
+    t_end: float | None = None,
+    times: ArrayLike | None = None,
+    n_vectors: int = 2,
+    within: Within = "space",
+    seed: int = 0,
+    first: int = 0,
+    method: Method | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> Alignment:
+    r"""Smaller and generalized alignment indices: SALI of two tangent vectors, GALI_k of k.
+
+    Each vector follows the variational equations by itself and is only scaled to length one, never made orthogonal.
+    $\mathrm{GALI}_k$ is the volume of the parallelepiped that they span, the product of the diagonal of R in a QR
+    decomposition; SALI measures the angle of the first two.  With exponents $\lambda_1\ge\lambda_2\ge\ldots$ a chaotic
+    orbit has $\mathrm{SALI}\sim e^{-(\lambda_1-\lambda_2)t}$ and
+    $\mathrm{GALI}_k\sim e^{-\sum_{j=2}^k(\lambda_1-\lambda_j)t}$.  On a torus of n dimensions whose frequencies depend
+    on all actions, tangent vectors turn into the n directions of the torus.  There $\mathrm{GALI}_k$ stays of order one
+    for $k\le n$ and falls like a power of t for more vectors.  Vectors that are tangent to the energy surface, too,
+    know one action less: $\mathrm{GALI}_n$ then falls like 1/t.
+
+    Directions closer than the round-off cannot be told apart: SALI and each factor of GALI_k are 1e-16 at least, and
+    what has come down to that floor says no more than "at most this".
+
+    Args:
+        system: The system.
+        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
+            beside good ones ends at once, with the outcome "not finite".
+        t_end: Last time, positive; the indices are then given at 100 times spaced evenly in the logarithm, from
+            `t_end`/1000 on.
+        times: The times themselves, positive and increasing, shape (time,), instead of `t_end`.
+        n_vectors: Number of tangent vectors, from 2 to the number of components.
+        within: Where the vectors start: "space", uniform directions in the whole phase space; "leaf", tangent to the
+            symplectic leaf, $v = J(x_0)w$ with w uniform; "energy", tangent to the energy surface on the leaf, with
+            $w\perp J\nabla H$.  The flow keeps them there.
+        seed: Draws the tangent vectors, in a stream of their own: they are independent of the vector of an exponent or
+            MEGNO with the same seed.
+        first: Number of the first member: member k has the same vectors in whichever piece of an ensemble it is.
+        method: How; by default `Taylor(tol=1e-13)`.
+        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".
+        progress: Called after each of the times with the fraction that is done.
+
+    Returns:
+        Alignment; a trajectory that fails is an outcome in it, not an error.
+
+    Raises:
+        ShapeError: An array has another shape than stated.
+        ParameterError: Numbers that are not finite, a time that is not positive, both or neither of `t_end` and
+            `times`, an unknown `within`, or more vectors than the leaf or its energy surface has dimensions.
+        KeyboardInterrupt: Ctrl-C.
+
+    References:
+        Skokos, J. Phys. A 34 (2001) 10029; Skokos, Bountis and Antonopoulos, Physica D 231 (2007) 30.
+    """
+    method = as_method(method, Taylor(tol=1e-13))
+    n = as_field(system).n_components
+    # copied, since it is advanced in place and may be the caller's
+    states, wanted = as_states(x0, n, some_may_fail=True).copy(), _as_alignment_times(t_end, times)
+    k = as_count(n_vectors, "n_vectors", least=2, most=n)
+    seed, first = as_seed(seed), as_first(first, len(states))
+    drawn = sample_alignment_vectors(n, len(states), k, seed=seed, first=first)
+    vectors = _first_vectors(system, states, drawn, within)
+    sali = np.full((len(states), len(wanted)), np.nan)
+    log_gali = np.full((len(states), len(wanted), k - 1), np.nan)
+    outcome = np.where(np.isfinite(states).all(axis=1), "finished", "not finite").astype("<U16")
+    travel = _Travel(system, method, threads, clock.monotonic() + as_time_limit(time_limit))
+    before = 0.0
+    for i, now in enumerate(wanted.tolist()):
+        alive = np.flatnonzero(outcome == "finished")
+        if not len(alive):
+            break
+        states[alive], vectors[alive], outcome[alive] = travel(states[alive], vectors[alive], before, now)
+        good = np.flatnonzero(outcome == "finished")
+        sali[good, i], log_gali[good, i] = _sali(vectors[good]), _log_gali(vectors[good])
+        before = now
+        if progress is not None:
+            progress((i + 1) / len(wanted))
+    return Alignment(system.name, method, seed, first, within, wanted, sali, log_gali, outcome)
+
+
+class _Travel:
+    """Carries states and unit vectors from one time to another; the vectors come back with length one."""
+
+    def __init__(self, system: HasField, method: Method, threads: int | None, deadline: float) -> None:
+        self.system, self.method, self.threads, self.deadline = system, method, threads, deadline
+
+    def __call__(
+        self, states: Array, vectors: Array, start: float, end: float
+    ) -> tuple[Array, Array, NDArray[np.str_]]:
+        orbit = integrate(
+            self.system,
+            states,
+            t=[start, end],
+            tangents=vectors,
+            method=self.method,
+            threads=self.threads,
+            # a run needs a positive limit; one that has passed ends all trajectories at once
+            time_limit=max(self.deadline - clock.monotonic(), 1e-9),
+        )
+        after, grown, outcome = orbit.state[:, 1].copy(), orbit.tangent[:, 1].copy(), orbit.outcome.copy()
+        arrived = outcome == "finished"
+        longest = np.abs(grown).max(axis=(1, 2))
+        # Halving depends on the member alone, so a member is the same in any ensemble.
+        again = np.flatnonzero(arrived & ~(longest < np.exp(_MOST_GROWTH)))
+        middle = 0.5 * (start + end)
+        if len(again) and start < middle < end:
+            half, turned, ended = self(states[again], vectors[again], start, middle)
+            after[again], grown[again], outcome[again] = half, turned, ended
+            onward = again[ended == "finished"]
+            if len(onward):
+                after[onward], grown[onward], outcome[onward] = self(after[onward], grown[onward], middle, end)
+        return after, _unit(grown), outcome
+
+
+def _unit(vectors: Array) -> Array:
+    """Vectors scaled to length one; first by their largest component, whose square may overflow or underflow."""
+    largest = np.abs(vectors).max(axis=-1, keepdims=True)
+    vectors = np.divide(vectors, largest, out=np.full_like(vectors, np.nan), where=(largest > 0) & (largest < np.inf))
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def _sali(vectors: Array) -> Array:
+    one, other = vectors[:, 0], vectors[:, 1]
+    distances = np.linalg.norm([one - other, one + other], axis=-1)
+    return np.maximum(distances.min(axis=0), FLOOR)
+
+
+def _log_gali(vectors: Array) -> Array:
+    """Logarithms of the volumes of the first 2, 3, ... unit vectors, shape (trajectory, order)."""
+    if not len(vectors):
+        return np.empty((0, vectors.shape[1] - 1))
+    upper = np.linalg.qr(np.swapaxes(vectors, -1, -2), mode="r")
+    heights = np.maximum(np.abs(np.diagonal(upper, axis1=-2, axis2=-1)), FLOOR)
+    return np.cumsum(np.log(heights[:, 1:]), axis=1)
+
+
+def _first_vectors(system: Any, states: Array, drawn: Array, within: Within) -> Array:
+    """Unit tangent vectors made of drawn ones, shape (trajectory, tangent, component)."""
+    if within == "space":
+        return drawn
+    if within not in ("leaf", "energy"):
+        raise ParameterError(f'within: wanted "space", "leaf" or "energy"; got {shown(within)}; leave it out')
+    if not hasattr(system, "functions"):
+        raise ParameterError(
+            f'within: wanted a system with a bracket for "{within}"; got {shown(system)}; try within="space"'
+        )
+    good = np.flatnonzero(np.isfinite(states).all(axis=1))
+    tensor = system.functions.poisson_tensor(states[good])
+    covectors = drawn[good]
+    if within == "energy":
+        # dH(J w) = -w.(J dH): J w is tangent to the energy surface if w is orthogonal to the flow.
+        flow = (tensor * system.functions.energy.gradient(states[good])[:, None, :]).sum(axis=-1)
+        speed = np.linalg.norm(flow, axis=1, keepdims=True)
+        along = np.divide(flow, speed, out=np.zeros_like(flow), where=speed > 0)
+        along = along[:, None, :]
+        covectors = covectors - (covectors * along).sum(axis=-1, keepdims=True) * along
+    drawn[good] = _unit((tensor[:, None] * covectors[:, :, None, :]).sum(axis=-1))
+    _refuse_dependent(drawn, good, within)
+    return drawn
+
+
+def _refuse_dependent(vectors: Array, good: NDArray[np.int64], within: Within) -> None:
+    """Vectors that span no volume would look like those of a chaotic orbit."""
+    k = vectors.shape[1]
+    sizes = np.linalg.svd(np.nan_to_num(vectors[good]), compute_uv=False)[:, -1]
+    flat = good[~(sizes > 1e-12)]
+    if len(flat):
+        space = "leaf" if within == "leaf" else "energy surface on its leaf"
+        raise ParameterError(
+            f"n_vectors: wanted at most as many as there are independent directions; the {space} through member "
+            f"{int(flat[0])} has fewer than {k}; take fewer vectors, or within='space'"
+        )
+
+
+def _as_alignment_times(t_end: float | None, times: ArrayLike | None) -> Array:
+    if (t_end is None) == (times is None):
+        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1_000")
+    if times is None:
+        end = as_positive_time(t_end, "t_end")
+        wanted = np.geomspace(end / 1000.0, end, N_TIMES)
+        wanted[-1] = end
+        return wanted
+    wanted = as_times(times, "times", least=1)
+    if wanted[0] <= 0.0 or wanted[-1] < wanted[0]:
+        raise ParameterError(
+            f"times: wanted positive increasing times; got {wanted[0]} to {wanted[-1]}; time starts at 0"
+        )
+    return wanted
+
+
+def bound_memory(size: int, n_samples: int, n_trajectories: int) -> None:
+    """Refuses samples that would take more than 4 GiB.
+
+    Raises:
+        ParameterError: they would.
+    """
+    if size > MOST_BYTES:
+        raise ParameterError(
+            f"n_samples: wanted at most {MOST_BYTES / 2**30:g} GiB of samples at once; got {size / 2**30:.3g} GiB for "
+            f"n_samples={n_samples} of {n_trajectories} trajectories; take fewer samples, or fewer trajectories at a "
+            "time"
+        )
+
+
+def as_positive_time(value: Any, name: str) -> float:
+    """A time, positive and finite, as a plain float."""
+    time = as_number(value, name, "a positive finite time")
+    if not 0.0 < time < np.inf:
+        raise ParameterError(f"{name}: wanted a positive finite time; got {time}; try {name}=1_000")
+    return time

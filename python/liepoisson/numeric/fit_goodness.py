@@ -1,0 +1,120 @@
+r"""Whether the mean of an ensemble follows the law that `finite_time_fit` fits, with its correlations in time.
+
+The curves of all members are correlated in time, so residuals of the mean curve are not independent and their size over
+the error band tells nothing.  Combinations of p + 3 sample times that vanish for every $\lambda + c_1/\sqrt t + c_0/t$
+make p numbers of each member.  Hotelling's statistic of their means,
+
+$$ T^2 = n\,\bar z^T S^{-1}\bar z, \qquad F = \frac{n - p}{p (n - 1)}\,T^2, $$
+
+has the F distribution with p and n - p degrees of freedom if the mean curve is of that form, whatever its coefficients.
+
+References: Hotelling, Ann. Math. Statist. 2 (1931) 360; the normal approximation of F: Paulson, Ann. Math. Statist. 13
+(1942) 233.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from statistics import NormalDist
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.arrays import Array, as_array
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric._checks import as_count
+from liepoisson.numeric.estimates import Window
+from liepoisson.numeric.finite_time_fit import finite_time_fit
+
+_COEFFICIENTS = 3
+# Contrasts are known to some 1e-16 of the curves, and eigenvalues, squares of spreads, to 1e-16 of the largest: spreads
+# below are round-off.  Those of ensembles of tops differ by factors of up to 60.
+_ROUND_OFF = 1e-14
+_SINGULAR = 1e-7
+
+
+@dataclass(frozen=True)
+class FitGoodness:
+    """Goodness of the fit of a mean finite-time exponent.
+
+    Attributes:
+        chi_squared: Hotelling's T^2: chi squared with `n_degrees` degrees of freedom for very many members.
+        n_degrees: Degrees of freedom p.
+        p_value: Probability of a larger value if the law holds, from the F distribution.
+        autocorrelation: Correlation of neighbouring residuals of the mean curve: near 1, the residuals are a smooth
+            curve, which may be the correlations of the members or a law that does not fit; `p_value` tells which.
+        n_members: Members that finished.
+    """
+
+    chi_squared: float
+    n_degrees: int
+    p_value: float
+    autocorrelation: float
+    n_members: int
+
+    def __str__(self) -> str:
+        verdict = "not refused" if self.p_value > 0.05 else "refused"
+        return (
+            f"chi squared {self.chi_squared:.1f} for {self.n_degrees} degrees of freedom: the law is "
+            f"{verdict} (p = {self.p_value:.2g}); neighbouring residuals correlate by {self.autocorrelation:.2f}"
+        )
+
+
+def fit_goodness(
+    time: ArrayLike, exponent: ArrayLike, *, window: Window = (20.0, 200.0), n_degrees: int = 6
+) -> FitGoodness:
+    r"""Goodness of $\lambda + c_1/\sqrt t + c_0/t$ for the mean of an ensemble in a window.
+
+    Args:
+        time: Sample times, shape (time,), positive and increasing.
+        exponent: Finite-time exponents, shape (trajectory, time).  Members that did not finish are left out.
+        window: First and last time used.
+        n_degrees: Degrees of freedom p: p + 3 of the sample times, evenly spread in order, are used.  The p-value
+            depends on it: more degrees see finer structure and dilute what is coarse.  Choose it before looking.
+
+    Raises:
+        ShapeError: `exponent` is not (trajectory, time).
+        ParameterError: bad times or window, fewer than p + 3 sample times in it, fewer than 10 p members, or
+            members whose differences from the law do not vary independently, as where all are the same.
+    """
+    fit = finite_time_fit(time, exponent, window=window, n_bootstrap=2)
+    times, curves = as_array(time, "time"), as_array(exponent, "exponent")
+    if curves.ndim != 2:
+        raise ShapeError(f"exponent must have shape (trajectory, time); got {curves.shape}. Transpose it?")
+    inside = np.flatnonzero((times >= window[0]) & (times <= window[1]))
+    p = as_count(n_degrees, "n_degrees", least=1, most=max(1, len(inside) - _COEFFICIENTS))
+    curves = curves[np.isfinite(curves).all(axis=1)]
+    if len(curves) < 10 * p:
+        raise ParameterError(
+            f"goodness: wanted at least {10 * p} members for {p} degrees; got {len(curves)}; take more"
+        )
+    picked = inside[np.round(np.linspace(0, len(inside) - 1, p + _COEFFICIENTS)).astype(int)]
+    contrasts = curves[:, picked] @ _contrasts(times[picked])
+    mean = contrasts.mean(axis=0)
+    covariance = np.atleast_2d(np.cov(contrasts, rowvar=False))
+    spread = np.sqrt(np.maximum(np.linalg.eigvalsh(covariance), 0.0))
+    if spread[0] <= max(_ROUND_OFF * np.abs(curves[:, picked]).max(), _SINGULAR * spread[-1]):
+        raise ParameterError(
+            f"goodness: wanted members that differ from each other in all {p} degrees; got (nearly) the same curve, or "
+            "curves of too few kinds; take other members, or a smaller n_degrees"
+        )
+    squared = float(len(curves) * mean @ np.linalg.solve(covariance, mean))
+    ratio = squared * (len(curves) - p) / (p * (len(curves) - 1))
+    residual = curves[:, inside].mean(axis=0) - fit.curve(times[inside])
+    return FitGoodness(squared, p, _f_tail(ratio, p, len(curves) - p), _neighbours(residual), len(curves))
+
+
+def _contrasts(times: Array) -> Array:
+    """Orthonormal combinations of samples at these times that vanish for the law, as columns."""
+    design = np.stack([np.ones_like(times), 1 / np.sqrt(times), 1 / times], axis=1)
+    return np.linalg.qr(design, mode="complete")[0][:, _COEFFICIENTS:]
+
+
+def _neighbours(residual: Array) -> float:
+    return float(residual[1:] @ residual[:-1] / (residual @ residual))
+
+
+def _f_tail(ratio: float, p: int, q: int) -> float:
+    """Probability that F with p and q degrees of freedom exceeds `ratio`; within 0.01 for q > 10."""
+    a, b, root = 2 / (9 * p), 2 / (9 * q), ratio ** (1 / 3)
+    return 1.0 - NormalDist().cdf(((1 - b) * root - (1 - a)) / np.sqrt(b * root**2 + a))

@@ -1,0 +1,173 @@
+r"""MEGNO: the mean exponential growth of nearby orbits, which tends to 2 on a torus and grows with t in chaos."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_states, as_time_limit
+from liepoisson.numeric.alignment import as_positive_time, bound_memory
+from liepoisson.numeric.lyapunov import lyapunov_exponent
+from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.sampling import as_first, as_seed
+
+_N_TIMES = 200
+# Members whose fine samples are in memory at once: 256 x 4,096 numbers are 8 MB.
+_CHUNK = 256
+# Arrays of doubles of that size at once: exponents, logarithms, Y, its mean, and what they are made from.  Measured: 45
+# bytes for each sample.
+_ARRAYS = 6
+
+
+@dataclass(frozen=True)
+class Megno:
+    r"""MEGNO along trajectories.
+
+    Attributes:
+        system: Name of the system.
+        method: How it was integrated.
+        seed: Seed of the tangent vectors.
+        first: Number of the first member.
+        time: Times, evenly spaced up to `t_end`, shape (time,).
+        megno: $Y(t)$, shape (trajectory, time); NaN from where a trajectory failed.
+        mean: $\bar Y(t) = t^{-1}\int_0^t Y\,ds$, shape (trajectory, time).
+        log_growth: $\ln(|v(t)|/|v(0)|)$, that is t times the finite-time exponent, shape (trajectory, time).
+        quadrature_error: The largest change of Y at any of the times when only every second sample is used, shape
+            (trajectory,); the error of Y is most likely smaller.
+        outcome: How each trajectory ended, shape (trajectory,).
+    """
+
+    system: str
+    method: Method
+    seed: int
+    first: int
+    time: Array
+    megno: Array
+    mean: Array
+    log_growth: Array
+    quadrature_error: Array
+    outcome: NDArray[np.str_]
+
+
+def megno(
+    system: HasField,
+    x0: ArrayLike,
+    *,
+    t_end: float,
+    n_samples: int = 4096,
+    seed: int = 0,
+    first: int = 0,
+    method: Method | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+    progress: Callable[[float], Any] | None = None,
+) -> Megno:
+    r"""Mean exponential growth factor of nearby orbits along each trajectory.
+
+    For a tangent vector v,
+
+    $$Y(t) = \frac2t\int_0^t\frac{d\ln|v|}{ds}\,s\,ds = 2\Bigl[\ln\frac{|v(t)|}{|v(0)|}
+      - \frac1t\int_0^t\ln\frac{|v(s)|}{|v(0)|}\,ds\Bigr],\qquad \bar Y(t) = \frac1t\int_0^t Y\,ds.$$
+
+    $\bar Y\to 2$ where v grows linearly, as on a torus whose frequencies depend on the actions; 2p where it grows like
+    $t^p$; 0 where it stays bounded (isochronous motion, a stable equilibrium); $\bar Y\sim\lambda t/2$ and
+    $Y\sim\lambda t$ on an orbit with exponent $\lambda > 0$.
+
+    The second form needs no derivative.  Its integral is taken by the trapezoidal rule on equal steps of
+    `t_end/n_samples`; `quadrature_error` says how much the result changes with half as many.
+
+    Args:
+        system: The system.
+        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
+            beside good ones ends at once, with the outcome "not finite".
+        t_end: Last time, positive, in units of the system's own time.
+        n_samples: Samples of $\ln|v|$, at least 8, rounded up to a multiple of twice the number of times returned.
+        seed: Draws the tangent vectors, uniform on the unit sphere of the phase space.
+        first: Number of the first member: member k has the same vector in whichever piece of an ensemble it is.
+        method: How; by default `Taylor(tol=1e-13)`.  Methods without power series step to every sample.
+        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".
+        progress: Called a few times a second with the fraction that is done.
+
+    Returns:
+        Megno, at 200 times (fewer if `n_samples` is below 400); a trajectory that fails is an outcome in it.
+
+    Raises:
+        ShapeError: `x0` has another shape than stated.
+        ParameterError: Numbers that are not finite, a time that is not positive, a count that is none, or samples of
+            more than 4 GiB for the 256 trajectories that run at once.
+        KeyboardInterrupt: Ctrl-C.
+
+    References:
+        Cincotta and Simó, Astron. Astrophys. Suppl. 147 (2000) 205; Cincotta, Giordano and Simó, Physica D
+        182 (2003) 151.
+    """
+    method = as_method(method, Taylor(tol=1e-13))
+    states = as_states(x0, as_field(system).n_components, some_may_fail=True)
+    end = as_positive_time(t_end, "t_end")
+    samples = as_count(n_samples, "n_samples", least=8, most=2**26, hint="try n_samples=4096")
+    seed, first = as_seed(seed), as_first(first, len(states))
+    n_times = min(_N_TIMES, samples // 2)
+    stride = 2 * -(-samples // (2 * n_times))
+    at_once = min(_CHUNK, len(states))
+    bound_memory(8 * _ARRAYS * (at_once + 1) * stride * n_times, samples, at_once)
+    fine = end * np.arange(1, stride * n_times + 1) / (stride * n_times)
+    deadline = clock.monotonic() + as_time_limit(time_limit)
+    parts: list[tuple[Array, ...]] = []
+    outcome: list[NDArray[np.str_]] = []
+    for start in range(0, max(1, len(states)), _CHUNK):  # once for no states: empty arrays of the right shapes
+        chunk = states[start : start + _CHUNK]
+        growth = lyapunov_exponent(
+            system,
+            # an ensemble may have bad rows, but not only bad ones: a good one stands beside them and is dropped
+            np.concatenate([chunk, states[np.isfinite(states).all(axis=1)][:1]]),
+            times=fine,
+            seed=seed,
+            first=first + start,
+            method=method,
+            threads=threads,
+            time_limit=max(deadline - clock.monotonic(), 1e-9),
+            progress=_share_of(progress, start, len(chunk), len(states)),
+        )
+        parts.append(_indicators(fine, growth.exponent[: len(chunk)] * fine, stride))
+        outcome.append(growth.outcome[: len(chunk)])
+    values, means, logs, errors = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return Megno(
+        system=system.name,
+        method=method,
+        seed=seed,
+        first=first,
+        time=fine[stride - 1 :: stride],
+        megno=values,
+        mean=means,
+        log_growth=logs,
+        quadrature_error=errors,
+        outcome=np.concatenate(outcome),
+    )
+
+
+def _indicators(time: Array, log_growth: Array, stride: int) -> tuple[Array, Array, Array, Array]:
+    """Y, its mean, ln|v| at every `stride`-th time, and the change of Y with every second sample."""
+    values = 2.0 * (log_growth - _integral(time[0], log_growth) / time)
+    means = _integral(time[0], values) / time
+    every, pairs = slice(stride - 1, None, stride), slice(1, None, 2)
+    coarse = 2.0 * (log_growth[:, pairs] - _integral(time[1], log_growth[:, pairs]) / time[pairs])
+    change = np.abs(coarse[:, stride // 2 - 1 :: stride // 2] - values[:, every])
+    return values[:, every], means[:, every], log_growth[:, every], change.max(axis=1)
+
+
+def _integral(step: float, values: Array) -> Array:
+    """Trapezoidal rule from 0, where the integrand vanishes, to each of the equally spaced times."""
+    return step * (np.cumsum(values, axis=1) - 0.5 * values)
+
+
+def _share_of(progress: Callable[[float], Any] | None, start: int, n: int, total: int) -> Callable[[float], Any] | None:
+    if progress is None:
+        return None
+    return lambda fraction: progress((start + fraction * n) / max(1, total))

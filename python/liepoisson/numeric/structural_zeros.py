@@ -1,0 +1,132 @@
+r"""How many Lyapunov exponents must vanish, from the Poisson tensor and the known constants of the motion.
+
+The gradients dF of constants F are carried along by the (co)tangent flow, and so are their Hamiltonian vector fields
+$J\,dF$.  Neither grows while they stay bounded and independent, so with G the matrix of all gradients at a state
+
+$$ n_0 = \mathrm{rank}\,G + \mathrm{rank}\,JG - \mathrm{rank}\,G^T J G $$
+
+exponents vanish: the first term counts the directions across the common level sets, the other two those fields that lie
+in them.  For corank c and k further integrals in involution this is c + 2 (1 + k).
+
+The Casimirs count by the null space of J where the rank of J is the largest.  On leaves of lower rank only the
+gradients of the known Casimirs count: other directions across such a leaf may grow.
+
+All ranks are those at the start.  They are assumed to stay along the orbit, and the gradients to stay bounded: an orbit
+that tends to a leaf of lower rank or to a critical point of an integral has other zeros.
+
+References: Pikovsky and Politi, Lyapunov Exponents (Cambridge, 2016), chapter 2.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.field import Field, PiecesField
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import Method, Taylor
+
+# Singular values below this fraction of the largest count as zero: gradients are evaluated to some 1e-15.
+_NEGLIGIBLE = 1e-9
+# The part of the time from which the derivative of the field is taken, and the part of it that counts as divergence.
+_SHORT, _DIVERGENCE = 1e-9, 1e-5
+
+
+@dataclass(frozen=True)
+class PoissonStructure:
+    """What the bracket says about the spectrum of each trajectory.
+
+    Attributes:
+        n_zeros: Exponents that must vanish while the gradients of the known constants stay independent, shape
+            (trajectory,).
+        corank: N minus the rank of J at the start, shape (trajectory,).
+        is_regular: Whether J has its largest rank at the start, shape (trajectory,): then the exponents come in pairs.
+    """
+
+    n_zeros: NDArray[np.int64]
+    corank: NDArray[np.int64]
+    is_regular: NDArray[np.bool_]
+
+
+def poisson_structure(system: Any, states: Array) -> PoissonStructure | None:
+    """The structure at each start, shape (trajectory, component); None for a system without a Poisson tensor.
+
+    Where the start or a gradient there is not finite, corank and number of zeros are 0.
+    """
+    functions = getattr(system, "functions", None)
+    if functions is None:
+        return None
+    constants = _constants(system)
+    n = states.shape[1]
+    with np.errstate(all="ignore"):  # overflow makes a gradient that is not finite, and the start is left out
+        gradients = np.stack([constant.gradient(states) for constant in constants], axis=-1)
+    good = np.isfinite(states).all(axis=1) & np.isfinite(gradients).all(axis=(1, 2))
+    n_zeros, corank = np.zeros(len(states), dtype=np.int64), np.zeros(len(states), dtype=np.int64)
+    tensors = functions.poisson_tensor(states[good])
+    corank[good] = n - np.array([_rank(tensor) for tensor in tensors], dtype=np.int64)
+    least = n - max(_rank(tensor) for tensor in functions.poisson_tensor(_generic_states(n)))
+    for k, tensor, gradient in zip(np.flatnonzero(good), tensors, gradients[good], strict=True):
+        known = np.concatenate([gradient, _null_space(tensor, least)], axis=1) if corank[k] == least else gradient
+        n_zeros[k] = _n_zeros(tensor, known)
+    return PoissonStructure(n_zeros, corank, good & (corank == least))
+
+
+def keeps_volume(field: Field, states: Array, *, time: float, method: Method) -> bool:
+    r"""Whether $\mathrm{div} f = \mathrm{tr}\,Df$ vanishes at the given states, shape (trajectory, component).
+
+    It does everywhere for the flow of any Hamiltonian on a unimodular algebra, $\sum_j c_{ij}^j = 0$.  Df is read off
+    the variational equations, $M(h) = 1 + h\,Df + O(h^2)$ at $h = 10^{-9}$ of a time in which the flow changes by order
+    one: it has relative errors of 1e-7 from round-off.
+    """
+    step, n = _SHORT * time, states.shape[1]
+    identity = np.tile(np.eye(n), (len(states), 1, 1))
+    # whatever the method of the run, but a field that is given by its pieces knows no other
+    how = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
+    change = (integrate(field, states, t=[0.0, step], tangents=identity, method=how).tangent[:, 1] - identity) / step
+    size = np.linalg.norm(change, axis=(1, 2))
+    divergence = np.abs(np.trace(change, axis1=1, axis2=2))
+    return bool((divergence <= _DIVERGENCE * np.maximum(size, 1.0 / time)).all())
+
+
+def _constants(system: Any) -> list[Any]:
+    """The known constants of the motion as functions; H alone where a system lists no others."""
+    invariants = getattr(system, "invariants", None)
+    if invariants is None:
+        return [system.functions.energy]
+    return [system.functions.of(expression) for expression in invariants.values()]
+
+
+def _generic_states(n: int) -> Array:
+    """A few states of no special position: a rank is the largest on an open dense set."""
+    return np.random.default_rng(0).standard_normal((4, n))
+
+
+def _n_zeros(tensor: Array, gradients: Array) -> int:
+    lengths = np.abs(gradients).max(axis=0)
+    basis = _range(gradients[:, lengths > 0] / lengths[lengths > 0])
+    if basis.shape[1] == 0:
+        return 0
+    fields = tensor @ basis / (np.linalg.norm(tensor, 2) or 1.0)
+    return basis.shape[1] + _rank(fields, 1.0) - _rank(basis.T @ fields, 1.0)
+
+
+def _range(matrix: Array) -> Array:
+    """An orthonormal basis of the range, as columns."""
+    if matrix.shape[1] == 0:
+        return matrix
+    vectors, sizes, _ = np.linalg.svd(matrix, full_matrices=False)
+    return vectors[:, sizes > _NEGLIGIBLE * max(sizes[0], np.finfo(float).tiny)]
+
+
+def _null_space(tensor: Array, corank: int) -> Array:
+    return np.linalg.svd(tensor)[0][:, len(tensor) - corank :]
+
+
+def _rank(matrix: Array, scale: float | None = None) -> int:
+    sizes = np.linalg.svd(matrix, compute_uv=False)
+    largest = (sizes[0] if len(sizes) else 0.0) if scale is None else scale
+    return int(np.sum(sizes > _NEGLIGIBLE * largest)) if largest > 0 else 0

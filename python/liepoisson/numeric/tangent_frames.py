@@ -1,0 +1,246 @@
+r"""Orthonormal frames of tangent vectors, carried along trajectories and made orthonormal again after each interval.
+
+Over an interval the tangent flow D takes the frame Q to $DQ = Q'R$: the new frame Q' is orthonormal, R is upper
+triangular with a positive diagonal, and $\ln R_{kk}$ is what direction k has grown.
+
+References: [benettin1980]; Eckmann and Ruelle, Rev. Mod. Phys. 57 (1985) 617.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.errors import ParameterError
+from liepoisson.field import Field
+from liepoisson.numeric._checks import HasField, as_count, as_field, as_number, as_states, as_threads, as_time_limit
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.sampling import BLOCK, as_first, as_seed, sample_tangents
+
+MOST_INTERVALS = 10_000_000
+"""Most intervals of a run: each costs some 0.1 ms at least, so that these take a quarter of an hour."""
+
+_FRAMES = 2  # purpose of the random numbers; 0 are states, 1 are single tangent vectors
+
+
+class TangentFrames:
+    """Trajectories with orthonormal tangent frames, advanced interval by interval.
+
+    Args:
+        system: The system.
+        x0: States at time 0, shape (component,) or (trajectory, component).
+        n_vectors: Vectors of each frame.
+        seed: Draws the frames; the first vector is the one that `lyapunov_exponent` starts with.
+        first: Number of the first member.
+        method: How; by default `Taylor(tol=1e-13)`.
+        threads: By default all processors.
+        time_limit: Seconds that all intervals may take together.
+
+    Attributes:
+        state: Last good states, shape (trajectory, component).
+        frame: Orthonormal columns, shape (trajectory, component, vector); meaningless where a trajectory has failed.
+        outcome: "finished" for the trajectories that still go on, else how they ended.
+        end_time: Time reached, shape (trajectory,).
+        n_steps: Accepted steps, shape (trajectory,).
+        largest_ratio: The largest ratio of two stretchings in one interval, shape (trajectory,).  Contracting
+            directions are lost in round-off where it nears 1e16.
+    """
+
+    def __init__(
+        self,
+        system: HasField,
+        x0: ArrayLike,
+        *,
+        n_vectors: int | None = None,
+        seed: int = 0,
+        first: int = 0,
+        method: Method | None = None,
+        threads: int | None = None,
+        time_limit: float,
+    ) -> None:
+        self.method: Method = as_method(method, Taylor(tol=1e-13))
+        self.field: Field = field_for(system, as_field(system), self.method)
+        n = self.field.n_components
+        self.state: Array = as_states(x0, n, some_may_fail=True).copy()
+        k = n if n_vectors is None else as_count(n_vectors, "n_exponents", least=1, most=n)
+        self.seed, self.first = as_seed(seed), as_first(first, len(self.state))
+        self.frame: Array = orthonormal_frames(n, k, len(self.state), seed=self.seed, first=self.first)
+        finite = np.isfinite(self.state).all(axis=1)
+        self.outcome: NDArray[np.str_] = np.where(finite, "finished", "not finite").astype("<U32")
+        self.end_time: Array = np.zeros(len(self.state))
+        self.n_steps: NDArray[np.int64] = np.zeros(len(self.state), dtype=np.int64)
+        self.largest_ratio: Array = np.ones(len(self.state))
+        self.order, self.kernel = 0, ""
+        self._system = _Prepared(system.name, self.field)
+        self._threads = as_threads(threads)
+        self._deadline = time.monotonic() + as_time_limit(time_limit)
+
+    def goes_on(self, only: NDArray[np.bool_] | None = None) -> NDArray[np.bool_]:
+        """Which of the (given) trajectories have not ended, shape (trajectory,)."""
+        going = self.outcome == "finished"
+        return going if only is None else going & only
+
+    def advance(
+        self,
+        duration: float,
+        progress: Callable[[float], Any] | None = None,
+        *,
+        only: NDArray[np.bool_] | None = None,
+    ) -> Array:
+        """Advances trajectories that still go on, and makes their frames orthonormal.
+
+        Args:
+            duration: Length of the interval, positive.
+            progress: Called with the fraction of the interval that is done.
+            only: Which ones, shape (trajectory,); by default all.
+
+        Returns:
+            The triangular matrices R, shape (trajectory, vector, vector); NaN where a trajectory has failed
+            or was not asked for.
+        """
+        n_vectors = self.frame.shape[2]
+        triangles = np.full((len(self.state), n_vectors, n_vectors), np.nan)
+        going = np.flatnonzero(self.goes_on(only))
+        left = self._deadline - time.monotonic()
+        if left <= 0.0:
+            self.outcome[going] = "time limit"
+        elif len(going):
+            triangles[going] = self._advance(going, duration, left, progress)
+        return triangles
+
+    def _advance(
+        self, going: NDArray[np.intp], duration: float, left: float, progress: Callable[[float], Any] | None
+    ) -> Array:
+        orbit = integrate(
+            self._system,
+            self.state[going],
+            t=[0.0, duration],
+            tangents=np.ascontiguousarray(np.swapaxes(self.frame[going], 1, 2)),
+            method=self.method,
+            threads=self._threads,
+            time_limit=left,
+            progress=progress,
+        )
+        self.order, self.kernel = orbit.order, orbit.kernel
+        pushed = np.swapaxes(orbit.tangent[:, -1], 1, 2)
+        overflown = (orbit.outcome == "finished") & ~np.isfinite(pushed).all(axis=(1, 2))
+        self.outcome[going] = np.where(overflown, "not finite", orbit.outcome)
+        self.state[going] = orbit.final_state
+        self.end_time[going] += orbit.end_time
+        self.n_steps[going] += orbit.n_steps
+        good = self.outcome[going] == "finished"
+        frames, triangles = np.full_like(pushed, np.nan), np.full((len(going), *(pushed.shape[2],) * 2), np.nan)
+        frames[good], triangles[good] = positive_qr(pushed[good])
+        self.frame[going] = frames
+        diagonal = np.diagonal(triangles[good], axis1=1, axis2=2)
+        ratio = np.divide(diagonal.max(axis=1), diagonal.min(axis=1), out=np.full(len(diagonal), np.inf),
+                          where=diagonal.min(axis=1) > 0)  # fmt: skip
+        self.largest_ratio[going[good]] = np.maximum(self.largest_ratio[going[good]], ratio)
+        return triangles
+
+
+class Clock:
+    """Counts the intervals of a run and tells its progress, a few times a second and at the end.
+
+    Args:
+        n_intervals: Intervals of the whole run.
+        progress: Called with the fraction that is done.
+    """
+
+    def __init__(self, n_intervals: int, progress: Callable[[float], Any] | None) -> None:
+        self._total, self._done, self._progress = n_intervals, 0, progress
+        self._told = time.monotonic()
+
+    def run(self, frames: TangentFrames, duration: float, *, only: NDArray[np.bool_] | None = None) -> Array:
+        """Advances by one interval; the triangular matrices."""
+        triangles = frames.advance(duration, None if self._progress is None else self._tell, only=only)
+        self._done += 1
+        if self._progress is not None and (time.monotonic() - self._told > 0.2 or self._done == self._total):
+            self._tell(0.0)
+        return triangles
+
+    def intervals(self, frames: TangentFrames, n: int, duration: float) -> Iterator[Array]:
+        """The triangular matrices of n intervals of a duration, of fewer if no trajectory goes on."""
+        for _ in range(n):
+            if not frames.goes_on().any():
+                break
+            yield self.run(frames, duration)
+
+    def _tell(self, part: float) -> None:
+        self._told = time.monotonic()
+        if self._progress is not None:
+            self._progress((self._done + part) / self._total)
+
+
+class _Prepared:
+    """A system whose field has been made."""
+
+    def __init__(self, name: str, field: Field) -> None:
+        self.name = name
+        self._field = field
+
+    def field(self) -> Field:
+        return self._field
+
+
+def positive_qr(matrices: Array) -> tuple[Array, Array]:
+    """Householder's factors Q R of matrices (..., component, vector), with a positive diagonal of R."""
+    frames, triangles = np.linalg.qr(matrices)
+    sign = np.where(np.diagonal(triangles, axis1=-2, axis2=-1) < 0, -1.0, 1.0)
+    return frames * sign[..., None, :], triangles * sign[..., :, None]
+
+
+def stretchings(triangles: Array) -> Array:
+    r"""$\ln R_{kk}$, shape (trajectory, vector): what each direction has grown; minus infinity if nothing is left."""
+    with np.errstate(divide="ignore"):
+        return np.log(np.diagonal(triangles, axis1=1, axis2=2))
+
+
+def orthonormal_frames(n_components: int, n_vectors: int, n: int, *, seed: int, first: int = 0) -> Array:
+    """Random orthonormal frames, shape (trajectory, component, vector); a member is the same whatever `n` and `first`.
+
+    The first vector has the direction of `sample_tangents`, the others are normal random vectors made orthonormal.
+    """
+    vectors = np.empty((n, n_components, n_vectors))
+    for block in range(first // BLOCK, -(-(first + n) // BLOCK)):
+        stream = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_FRAMES, block)))
+        drawn = stream.standard_normal((BLOCK, n_components, n_components))[:, :, :n_vectors]
+        start = block * BLOCK - first
+        kept = slice(max(start, 0), min(start + BLOCK, n))
+        vectors[kept] = drawn[kept.start - start : kept.stop - start]
+    vectors[:, :, 0] = sample_tangents(n_components, n, seed=seed, first=first)
+    return positive_qr(vectors)[0]
+
+
+def as_duration(value: Any, name: str, *, zero: bool = False) -> float:
+    """A finite time > 0 (or >= 0) as a plain float.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    wanted = "a finite time >= 0" if zero else "a positive finite time"
+    duration = as_number(value, name, wanted)
+    if not (0.0 <= duration < np.inf) or (duration == 0.0 and not zero):
+        raise ParameterError(f"{name}: wanted {wanted}; got {duration}; try {name}={0 if zero else 5}")
+    return duration
+
+
+def n_intervals(duration: float, interval: float, *, names: tuple[str, str] = ("t_end", "interval")) -> int:
+    """The smallest number of equal intervals, at most `interval` long, that make up a duration.
+
+    Raises:
+        ParameterError: more than 10,000,000; `names` are those of the two times in the message.
+    """
+    number = np.ceil(duration / interval * (1.0 - 1e-12))
+    if not number <= MOST_INTERVALS:
+        raise ParameterError(
+            f"{names[0]}: wanted at most {MOST_INTERVALS} intervals; got {names[0]}={duration:g} with "
+            f"{names[1]}={interval:g}; take a shorter time, or a longer {names[1]}"
+        )
+    return max(1, int(number)) if duration else 0

@@ -1,0 +1,109 @@
+"""Covariant Lyapunov vectors: carried into themselves, growing with the exponents, placed as the integrals demand."""
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric.spectrum import lyapunov_spectrum
+
+TOP = lp.Top.twisted_kovalevskaya()
+INTERVAL = 2.0
+
+
+@pytest.fixture(scope="module")
+def spectrum():
+    x0 = lp.sample_states(TOP, 2, seed=1)
+    return lyapunov_spectrum(TOP, x0, t_end=400, transient=1000, interval=INTERVAL, covariant=True)
+
+
+def test_the_tangent_flow_carries_them_into_themselves(spectrum):
+    vectors = spectrum.covariant
+    for k in (0, 77, 199):
+        orbit = lp.integrate(TOP, vectors.state[:, k], t=[0, INTERVAL], tangents=vectors.vector[:, k])
+        pushed = orbit.tangent[:, -1]
+        length = np.linalg.norm(pushed, axis=-1)
+        assert np.abs(pushed / length[..., None] - vectors.vector[:, k + 1]).max() < 1e-8  # measured 3e-15
+        assert np.abs(np.log(length) / INTERVAL - vectors.growth[:, k]).max() < 1e-8
+
+
+def test_they_are_unit_vectors_and_the_first_is_that_of_the_frame(spectrum):
+    vectors = spectrum.covariant
+    assert np.abs(np.linalg.norm(vectors.vector, axis=-1) - 1).max() < 1e-14
+    assert np.abs(vectors.exponent[:, 0] - spectrum.exponents[:, 0]).max() < 1e-12
+
+
+def test_exponents_from_their_growth_agree_with_those_of_the_frames(spectrum):
+    # both are averages over one orbit: they differ by logarithms of sines of angles at its ends, over t = 400; the
+    # angles come down to 0.01 (ln 0.01 = -4.6)
+    assert np.abs(spectrum.covariant.exponent - spectrum.exponents).max() < 10 / 400
+
+
+def test_the_flow_lies_in_the_centre_space(spectrum):
+    """J dH neither grows nor shrinks. The space is reached like exp(-gap * transient), gap about 0.02."""
+    vectors = spectrum.covariant
+    distance = vectors.distance_from_centre(TOP.functions.rates(vectors.state), 5)
+    assert distance[:, 20:-20].max() < 1e-5
+    # a random direction is far from it: the five of nine dimensions hold sqrt(5/9) of its length
+    other = np.random.default_rng(0).standard_normal(vectors.state.shape)
+    assert np.median(vectors.distance_from_centre(other, 5)) > 0.3
+
+
+def test_gradients_of_constants_vanish_on_all_that_grows_or_shrinks(spectrum):
+    """dF(v) is constant along the tangent flow, so it is 0 for a vector whose length goes to 0 at one of the ends."""
+    vectors = spectrum.covariant
+    for constant in (TOP.functions.energy, *TOP.functions.casimirs.values()):
+        gradient = constant.gradient(vectors.state)
+        slope = np.einsum("tsi,tski->tsk", gradient, vectors.vector) / np.linalg.norm(gradient, axis=-1)[..., None]
+        assert np.abs(slope[:, 20:-20, [0, 1, 7, 8]]).max() < 1e-5
+        assert np.abs(slope[:, :, 2:7]).max() > 1e-3
+
+
+def test_growing_and_shrinking_spaces_are_told_apart(spectrum):
+    angle = spectrum.covariant.angle(5)
+    assert angle.min() > 0
+    assert angle.max() <= np.pi / 2
+    with pytest.raises(ParameterError, match="come in pairs"):
+        spectrum.covariant.angle(4)
+    with pytest.raises(ParameterError, match="wanted at most 7, so that some vectors grow"):
+        spectrum.covariant.angle(9)
+
+
+def test_vectors_of_a_saddle_are_its_eigenvectors():
+    """H = (p^2 - 4 q^2)/2: exponents +-2, eigenvectors (1, 2) and (1, -2), which are not orthogonal."""
+    saddle = lp.CanonicalSystem(["q"], ["p"], "(p^2 - 4*q^2)/2")
+    vectors = lyapunov_spectrum(saddle, np.zeros(2), t_end=20, transient=20, interval=1, covariant=True).covariant
+    expected = np.array([[1, 2], [1, -2]]) / np.sqrt(5)
+    overlap = np.abs(np.einsum("tski,ki->tsk", vectors.vector, expected))
+    assert np.abs(overlap - 1).max() < 1e-12
+    assert vectors.exponent[0] == pytest.approx([2, -2], abs=1e-10)
+    assert vectors.angle(0)[0, 5] == pytest.approx(np.arccos(3 / 5), abs=1e-10)
+
+
+def test_a_trajectory_that_fails_has_no_vectors():
+    x0 = np.array([np.ones(9), np.full(9, 1e200)])
+    vectors = lyapunov_spectrum(TOP, x0, t_end=20, transient=10, covariant=True).covariant
+    assert np.isnan(vectors.vector[1]).all()
+    assert np.isfinite(vectors.vector[0]).all()
+    angle = vectors.angle(5)
+    assert np.isnan(angle[1]).all()
+    assert np.isfinite(angle[0]).all()
+    assert np.isnan(vectors.centre(5)[1]).all()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"transient": 0}, "wanted a transient > 0"),
+        ({"transient": 10, "n_exponents": 4}, "wanted all 9 exponents"),
+        ({"transient": 10, "interval": 1e-5}, "GiB of frames"),
+    ],
+)
+def test_bad_arguments_are_refused(arguments, words):
+    with pytest.raises(ParameterError, match=words):
+        lyapunov_spectrum(TOP, np.ones(9), t_end=20, covariant=True, **arguments)
+
+
+def test_one_vector_for_each_time_is_wanted(spectrum):
+    with pytest.raises(ShapeError, match="one at each time"):
+        spectrum.covariant.distance_from_centre(np.ones(9), 5)
