@@ -1,0 +1,1 @@
+"""Sweeps: one quantity over a grid of parameters, energies and Casimirs, on one machine or many."""

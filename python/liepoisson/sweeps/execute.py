@@ -1,0 +1,303 @@
+"""Pieces of a sweep on threads of this process, or on the workers of a Dask cluster."""
+
+from __future__ import annotations
+
+import os
+import queue
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, Protocol, cast
+
+from liepoisson.sweeps.errors import SweepError
+from liepoisson.sweeps.tasks import Piece, PieceResult, run_piece
+
+RETRIES = 2
+"""How often a piece that fails is tried again."""
+PATIENCE = 60.0
+"""Seconds to wait for a scheduler that is gone, or for a first worker."""
+
+
+@dataclass(frozen=True)
+class Event:
+    """What became of a piece.
+
+    Attributes:
+        index: Which piece.
+        result: What it gave, or None.
+        error: Why it failed, or None.
+        is_lost: Whether it must be handed out again through no fault of its own.
+        remark: What to report, or None.
+    """
+
+    index: int
+    result: PieceResult | None = None
+    error: str | None = None
+    is_lost: bool = False
+    remark: str | None = None
+
+
+class Executor(Protocol):
+    """Where pieces are computed."""
+
+    @property
+    def workers(self) -> int:
+        """How many pieces are computed at once."""
+        ...
+
+    def submit(self, piece: Piece) -> None:
+        """Hand out a piece."""
+        ...
+
+    def next(self) -> Event:
+        """Wait for what becomes of a piece that was handed out."""
+        ...
+
+    def close(self) -> None:
+        """Give up what is not done."""
+        ...
+
+
+class Threads:
+    """Threads of this process, one piece on each; the core has no threads of its own then."""
+
+    def __init__(self, threads: int | None, n_pieces: int) -> None:
+        available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        wanted = threads or available
+        self.workers = max(1, min(wanted, n_pieces))
+        # Fewer pieces than threads: the core shares out the members of each.
+        self._inner = max(1, wanted // self.workers)
+        self._events: queue.SimpleQueue[Event] = queue.SimpleQueue()
+        self._pool = ThreadPoolExecutor(self.workers, thread_name_prefix="sweep")
+
+    def submit(self, piece: Piece) -> None:
+        """Hand out a piece."""
+        future = self._pool.submit(run_piece, replace(piece, threads=self._inner))
+        future.add_done_callback(lambda done: self._events.put(_event(piece.index, done)))
+
+    def next(self) -> Event:
+        """Wait for a piece; in short waits, so that Ctrl-C comes through."""
+        while True:
+            try:
+                return self._events.get(timeout=0.5)
+            except queue.Empty:
+                continue
+
+    def close(self) -> None:
+        """Wait for the pieces that run; the others are dropped."""
+        self._pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _event(index: int, future: Future[PieceResult]) -> Event:
+    if future.cancelled():
+        return Event(index, is_lost=True)
+    error = future.exception()
+    return Event(index, error=_words(error)) if error else Event(index, result=future.result())
+
+
+def _words(error: BaseException) -> str:
+    return f"{type(error).__name__}: {error}"
+
+
+class Cluster:
+    """The workers of a scheduler of `dask.distributed`.
+
+    A worker with another version of liepoisson refuses; it is reported and not asked again.  When the connection to the
+    scheduler is lost, this waits for one at the same address and hands out again what is not done.
+
+    Args:
+        address: Of the scheduler, such as "tcp://127.0.0.1:8786"; None makes processes on this machine.
+        processes: How many.
+        patience: Seconds to wait for a scheduler and for a worker.
+
+    Raises:
+        SweepError: there is no scheduler, or no worker.
+    """
+
+    def __init__(self, address: str | None, processes: int | None, patience: float = PATIENCE) -> None:
+        from liepoisson.sweeps.remote import packed, portable
+
+        self._pack, self._function = packed, portable()
+        self._patience = patience
+        self._local: Any = None
+        self._pending: dict[int, tuple[Piece, Any]] = {}
+        self._events: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
+        self.refused: dict[str, str] = {}
+        if address is None:
+            self._folder = TemporaryDirectory(prefix="liepoisson-sweep-")
+            self._local = _processes(processes or 1, self._folder.name)
+            address = self._local.scheduler_address
+        self._address = address
+        self._client: Any = self._connect(processes or 1)
+
+    def _connect(self, n_workers: int = 1) -> Any:
+        from distributed import Client
+
+        end = time.monotonic() + self._patience
+        while True:
+            try:
+                client = Client(self._address, timeout=min(5.0, self._patience), set_as_default=False)
+            except (OSError, ValueError) as error:
+                if time.monotonic() > end or isinstance(error, ValueError):
+                    raise SweepError(
+                        f"no scheduler answers at {self._address} ({error}). Start one (dask scheduler), or check the "
+                        "address; what is finished is kept."
+                    ) from error
+                time.sleep(0.5)
+                continue
+            try:
+                client.wait_for_workers(n_workers, timeout=max(1.0, end - time.monotonic()))
+            except TimeoutError as error:
+                client.close()
+                raise SweepError(
+                    f"the scheduler at {self._address} has no workers. Start some: dask worker {self._address}."
+                ) from error
+            return client
+
+    @property
+    def workers(self) -> int:
+        """Threads of the workers that may be asked."""
+        known = self._client.scheduler_info(n_workers=-1)["workers"]
+        return max(1, sum(w["nthreads"] for address, w in known.items() if address not in self.refused))
+
+    def submit(self, piece: Piece) -> None:
+        """Hand out a piece, to workers that have not refused."""
+        where = self._willing(piece.version) if self.refused else None
+        future = self._client.submit(
+            self._function, self._pack(piece), piece.version, pure=False, workers=where, allow_other_workers=False
+        )
+        self._pending[piece.index] = piece, future
+        future.add_done_callback(lambda done: self._events.put((piece.index, done)))
+
+    def _willing(self, version: str) -> list[str]:
+        """The workers that have not refused; waits for one where there is none."""
+        end = time.monotonic() + self._patience
+        while True:
+            willing = [w for w in self._client.scheduler_info(n_workers=-1)["workers"] if w not in self.refused]
+            if willing:
+                return willing
+            if time.monotonic() > end:
+                raise SweepError(
+                    f"no worker may compute this sweep: {next(iter(self.refused.values()))}. Install liepoisson "
+                    f"{version} on the workers."
+                )
+            time.sleep(0.2)
+
+    def next(self) -> Event:
+        """Wait for what becomes of a piece."""
+        while True:
+            try:
+                index, future = self._events.get(timeout=1.0)
+            except queue.Empty:
+                if self._client.status in ("closed", "closing"):
+                    self._start_again()
+                continue
+            if index not in self._pending or self._pending[index][1] is not future:
+                continue  # of a connection that is gone
+            if future.status in ("cancelled", "lost"):
+                self._start_again()
+                continue
+            piece, _ = self._pending.pop(index)
+            if future.status == "error":
+                return Event(index, error=_words(cast("BaseException", future.exception())))
+            kind, content, worker = future.result()
+            if kind == "done":
+                return Event(index, result=content)
+            remark = None if worker in self.refused else f"worker {worker} is not asked: {content}"
+            self.refused[worker] = content
+            return Event(piece.index, is_lost=True, remark=remark)
+
+    def _start_again(self) -> None:
+        """Connect anew and hand out all that is not done."""
+        self._client.close(timeout=1)
+        self._client = self._connect()
+        self.refused.clear()
+        for piece, _ in list(self._pending.values()):
+            self.submit(piece)
+
+    def close(self) -> None:
+        """Drop what is not done, and leave the scheduler, or end it where it is ours."""
+        if self._client.status == "running":
+            self._client.cancel([future for _, future in self._pending.values()], force=True)
+        self._client.close(timeout=5)
+        if self._local is not None:
+            self._local.close()
+            self._folder.cleanup()
+
+
+def _processes(count: int, folder: str) -> Any:
+    """A scheduler and workers in processes of their own, which do not run the user's script again as forks would."""
+    from distributed.deploy.subprocess import SubprocessCluster
+
+    return SubprocessCluster(
+        n_workers=count,
+        threads_per_worker=1,
+        dashboard_address=cast("Any", None),
+        scheduler_kwargs={"scheduler_file": str(Path(folder) / "scheduler.json")},
+        worker_kwargs={"local_directory": folder, "memory_limit": 0, "dashboard": False},
+    )
+
+
+@dataclass
+class Report:
+    """How the pieces of a level went.
+
+    Attributes:
+        failed: Pieces that failed for good, with the reason.
+        points: Points that failed, likewise, by their number in the level.
+        retried: How many tries failed and were repeated.
+        remarks: Workers that refused, and the like.
+        wall_seconds: From the first piece handed out to the last one back.
+        task_seconds: Sum of the times of the pieces.
+        workers: How many pieces were computed at once.
+        n_pieces: How many were computed.
+    """
+
+    failed: dict[int, str] = field(default_factory=dict[int, str])
+    points: dict[int, str] = field(default_factory=dict[int, str])
+    retried: int = 0
+    remarks: list[str] = field(default_factory=list[str])
+    wall_seconds: float = 0.0
+    task_seconds: float = 0.0
+    workers: int = 1
+    n_pieces: int = 0
+
+    @property
+    def overhead_per_piece(self) -> float:
+        """Seconds of a worker that are not spent in a piece, for each piece; at the end some workers idle, too."""
+        return max(0.0, self.wall_seconds * self.workers - self.task_seconds) / max(1, self.n_pieces)
+
+
+def run_pieces(
+    executor: Executor, pieces: Sequence[Piece], *, keep: Callable[[PieceResult], None], retries: int = RETRIES
+) -> Report:
+    """Compute pieces; each result goes to `keep` at once, in this thread."""
+    began, report = time.perf_counter(), Report(workers=executor.workers)
+    waiting = {piece.index: piece for piece in pieces}
+    tries = dict.fromkeys(waiting, 0)
+    for piece in pieces:
+        executor.submit(piece)
+    while waiting:
+        event = executor.next()
+        if event.remark is not None:
+            report.remarks.append(event.remark)
+        if event.result is not None:
+            report.task_seconds += event.result.seconds
+            report.n_pieces += 1
+            report.retried += event.result.retried
+            keep(event.result)
+            del waiting[event.index]
+        elif event.is_lost:
+            executor.submit(waiting[event.index])
+        elif tries[event.index] < retries:
+            tries[event.index] += 1
+            report.retried += 1
+            executor.submit(waiting[event.index])
+        else:
+            report.failed[event.index] = event.error or "unknown"
+            del waiting[event.index]
+    report.wall_seconds = time.perf_counter() - began
+    return report

@@ -1,0 +1,267 @@
+"""Systems as functions of their parameters, and tops among them as plain numbers."""
+
+from __future__ import annotations
+
+import inspect
+import pickle
+import re
+import warnings
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from pathlib import Path
+from threading import RLock
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+import numpy as np
+
+from liepoisson.arrays import Array
+from liepoisson.errors import InertiaWarning, ParameterError
+from liepoisson.field import Field, TopField
+from liepoisson.numeric._checks import HasField, shown
+from liepoisson.sweeps.identity import is_system_file
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system_file import SystemFile
+
+Shape: TypeAlias = tuple[int, ...]
+_SYMPY = RLock()
+"""SymPy's caches, and the list of warning filters, are not made for several threads."""
+
+
+@dataclass(frozen=True)
+class NumericTop:
+    """A top as plain numbers: what integration needs, without the exact wing.
+
+    Attributes:
+        name: How it is called.
+        top: Its parameters.
+    """
+
+    name: str
+    top: TopField
+    vector_length: int = 3
+
+    def field(self) -> Field:
+        """The vector field as plain data."""
+        return self.top
+
+
+class Family(ABC):
+    """The systems that a sweep runs through.
+
+    Attributes:
+        name: How they are called.
+        shapes: Shapes of the parameters that can be set, by name.
+        defaults: Values of those that need not be.
+    """
+
+    name: str
+    shapes: Mapping[str, Shape]
+    defaults: Mapping[str, Any]
+
+    @property
+    def bracket_parameters(self) -> set[str]:
+        """Parameters that the bracket is known to depend on."""
+        return set()
+
+    def check(self, parameters: Mapping[str, Array]) -> None:
+        """Refuse unknown names, missing values and wrong shapes.
+
+        Raises:
+            ParameterError: one of these.
+        """
+        for name, values in parameters.items():
+            if name not in self.shapes:
+                known = ", ".join(self.shapes) or "none"
+                raise ParameterError(f"{self.name} has no parameter {name!r} that can be set; known: {known}.")
+            wanted, got = self.shapes[name], values.shape[1:]
+            if wanted is not _ANY and wanted != got:
+                raise ParameterError(f"{name} must have the shape {wanted}; got {got}. Give a list of its components.")
+        missing = [name for name in self.shapes if name not in parameters and name not in self.defaults]
+        if missing:
+            raise ParameterError(f"{self.name} must have numbers for all parameters; {', '.join(missing)} have none.")
+
+    @abstractmethod
+    def system(self, values: Mapping[str, Any]) -> Any:
+        """The system with these values (numbers, tuples of them)."""
+
+    def top(self, values: Mapping[str, Any]) -> TopField | None:
+        """The system as a top, if it is one and this can be told without building it."""
+        return None
+
+    def numeric(self, values: Mapping[str, Any]) -> HasField:
+        """What integration needs of the system."""
+        top = self.top(values)
+        return self.system(values) if top is None else NumericTop(self.name, top)
+
+
+_ANY: Shape = (-1,)
+
+
+class FileFamily(Family):
+    """A system file whose parameters and symbols have values that vary."""
+
+    def __init__(self, tables: Mapping[str, Any], path: str) -> None:
+        self._tables = dict(tables)
+        self._path = path
+        self.name = self._file.name
+        self.shapes = self._file.scope.shapes
+        self.defaults = self._file.parameters
+
+    def __reduce__(self) -> tuple[Callable[..., FileFamily], tuple[bytes, str]]:
+        """Pickled are the tables; a process that unpickles them for every piece reads and compiles them once."""
+        return _unpickled, (pickle.dumps(self._tables), self._path)
+
+    @cached_property
+    def _file(self) -> SystemFile:
+        from liepoisson.exact.formula.system_file_reader import read_tables
+        from liepoisson.exact.formula.toml_text import TomlText
+
+        return read_tables(TomlText(self._path, "", self._tables))
+
+    @property
+    def bracket_parameters(self) -> set[str]:
+        """Those whose names, or names of components, are in the tables of the bracket."""
+        text = repr(self._tables.get("bracket"))
+        return {name for name in self.shapes if re.search(rf"\b{re.escape(name)}_?\d*\b", text)}
+
+    def system(self, values: Mapping[str, Any]) -> Any:
+        """The system with these values, as a Top where it is one."""
+        top = self.top(values)
+        if top is not None:
+            return _top_of(top, self.name)
+        with _SYMPY:
+            return _file_system(self._file, values)
+
+    def top(self, values: Mapping[str, Any]) -> TopField | None:
+        """The parameters of the top, from formulas in those of the file."""
+        formulas = self._top_formulas
+        if formulas is None:
+            return None
+        names = [name for name in self.shapes if name not in values]
+        known = {**{name: self.defaults[name] for name in names}, **values}
+        numbers = np.array(formulas(*(x for name in self.shapes for x in np.ravel(_floats(known[name])))), np.float64)
+        if not np.isfinite(numbers).all() or not (numbers[:3] > 0).all():
+            raise ParameterError(f"{self.name} must have finite parameters and positive moments; got {dict(values)}.")
+        inertia, a, b = (cast("Any", tuple(numbers[k : k + 3].tolist())) for k in (0, 3, 6))
+        return TopField(inertia=inertia, a=a, b=b, epsilon=float(numbers[9]))
+
+    @cached_property
+    def _top_formulas(self) -> Callable[..., Any] | None:
+        """Inertia, a, b and epsilon as functions of all components of all parameters; None if it is no top."""
+        from sympy import Symbol, lambdify
+
+        from liepoisson.exact.formula.scope import component_name
+        from liepoisson.exact.parameters import to_sympy
+
+        with _SYMPY:
+            declared = tuple(f"{n}[{','.join(map(str, s))}]" if s else n for n, s in self.shapes.items())
+            system = replace(self._file, parameters={}, symbols=declared, integrals={}).system()
+            top = system.top_parameters
+            if top is None or not _is_written_as_top(system, top):
+                return None
+            names = [
+                component_name(n, tuple(k + 1 for k in index), s)
+                for n, s in self.shapes.items()
+                for index in np.ndindex(s)
+            ]
+            values = [to_sympy(v) for v in (*top.inertia, *top.a, *top.b, top.epsilon)]
+            return cast("Callable[..., Any]", lambdify([Symbol(name) for name in names], values, modules="numpy"))
+
+
+@lru_cache(maxsize=16)
+def _unpickled(tables: bytes, path: str) -> FileFamily:
+    return FileFamily(pickle.loads(tables), path)
+
+
+class FunctionFamily(Family):
+    """A Python function from parameters, by keyword, to a system."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self.function = function
+        self.name = getattr(function, "__qualname__", "system")
+        known = inspect.signature(function).parameters
+        self.shapes = dict.fromkeys(known, _ANY)
+        self.defaults = {name: p.default for name, p in known.items() if p.default is not inspect.Parameter.empty}
+
+    def system(self, values: Mapping[str, Any]) -> Any:
+        """What the function returns."""
+        with _SYMPY, warnings.catch_warnings():
+            warnings.simplefilter("ignore", InertiaWarning)
+            return self.function(**values)
+
+
+class OneSystem(Family):
+    """A system without parameters to set."""
+
+    def __init__(self, system: HasField) -> None:
+        self._system = system
+        self.name = system.name
+        self.shapes, self.defaults = {}, {}
+
+    def system(self, values: Mapping[str, Any]) -> Any:
+        """The system."""
+        return self._system
+
+
+def as_family(system: Any) -> Family:
+    """The family that a sweep's `system` stands for.
+
+    Raises:
+        UnknownNameError: no such name in the catalog.
+        SystemFileError: the file or its tables describe no system.
+        ParameterError: it is something else.
+    """
+    if isinstance(system, Family):
+        return system
+    if isinstance(system, Mapping):
+        return FileFamily(cast("Mapping[str, Any]", system), "the system of the sweep")
+    if isinstance(system, (str, Path)):
+        from liepoisson import catalog
+        from liepoisson.exact.formula.toml_text import read_toml
+
+        text = str(system)
+        path = Path(text) if is_system_file(text) else catalog.path(text)
+        return FileFamily(read_toml(path).tables, text)
+    if callable(getattr(system, "field", None)):
+        return OneSystem(system)
+    if callable(system):
+        return FunctionFamily(system)
+    raise ParameterError(f"system: wanted a name, a file, a system or a function of parameters; got {shown(system)}.")
+
+
+def _is_written_as_top(system: Any, top: Any) -> bool:
+    """Whether bracket and Hamiltonian are those of the top, not only the equations."""
+    from sympy import expand
+
+    from liepoisson.exact.extensions import leibniz
+    from liepoisson.exact.lie_algebras import so
+
+    fields = tuple(system.bracket.fields.values())
+    is_bracket = system.bracket.entries() == (so(3) @ leibniz(3, top.epsilon)).entries()
+    return is_bracket and expand(system.hamiltonian - top.hamiltonian(*fields)) == 0
+
+
+def _floats(value: Any) -> Array:
+    return np.array([[float(v) for v in np.ravel(np.asarray(value, object))]])
+
+
+@lru_cache(maxsize=256)
+def _top_of(top: TopField, name: str) -> Any:
+    from liepoisson.tops import Top
+
+    with _SYMPY, warnings.catch_warnings():
+        warnings.simplefilter("ignore", InertiaWarning)
+        return Top(inertia=top.inertia, a=top.a, b=top.b, epsilon=top.epsilon, name=name)
+
+
+def _file_system(file: SystemFile, values: Mapping[str, Any]) -> Any:
+    exact = {name: _exact(value) for name, value in values.items()}
+    return replace(file, parameters={**file.parameters, **exact}, symbols=(), integrals={}).system()
+
+
+def _exact(value: Any) -> Any:
+    return tuple(Fraction(v) for v in value) if isinstance(value, tuple) else Fraction(value)

@@ -1,0 +1,300 @@
+"""Sweeps: one quantity over a grid of parameters, energies and Casimirs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import fields
+from pathlib import Path
+from typing import Any, cast
+
+import numpy as np
+
+from liepoisson import __version__
+from liepoisson.arrays import Array
+from liepoisson.errors import ParameterError
+from liepoisson.files import exclusive
+from liepoisson.numeric._checks import as_count
+from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
+from liepoisson.sweeps.family import Family, as_family
+from liepoisson.sweeps.lattice import Lattice, Place, split
+from liepoisson.sweeps.result import Sweep
+from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
+from liepoisson.sweeps.spec_file import read_sweep_file
+from liepoisson.sweeps.starts import check_casimirs
+from liepoisson.sweeps.store import Level, SweepStore
+from liepoisson.sweeps.targets import evaluate_targets
+from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, resolve
+
+PIECE_TIME = 1e6
+"""Orbits times their time in a piece: 0.3 s of a core at 3.5e6 a second (tops, default method). A worker adds 3 ms."""
+LEAST_PIECES = 16
+"""Of a sweep that has as many points, so that several cores have work."""
+
+Progress = Callable[[str, float, float], Any]
+"""Called with what is done, orbits times time that are done, and those of the whole level."""
+
+
+def sweep(
+    spec: SweepSpec | str | Path | Mapping[str, Any] | None = None,
+    *,
+    store: str | Path | None = None,
+    scheduler: str | None = None,
+    processes: int | None = None,
+    threads: int | None = None,
+    points_per_piece: int | None = None,
+    fresh: bool = False,
+    patience: float = PATIENCE,
+    progress: Progress | None = None,
+    **settings: Any,
+) -> Sweep:
+    """One quantity over a grid of parameters, energies and Casimirs, on one machine or many.
+
+    The numbers depend on the spec only: not on threads, workers, pieces, or on how often the sweep was interrupted.
+
+    Args:
+        spec: What to compute: a `SweepSpec`, the path of a sweep file, or its tables; or leave it out and give the
+            arguments of `SweepSpec` by name.
+        store: Folder (FILE.zarr) in which results are kept piece by piece.  A sweep that was interrupted goes on from
+            there; one that is complete is read.
+        scheduler: Address of a `dask.distributed` scheduler, such as "tcp://node1:8786", whose workers shall compute.
+        processes: Or: this many processes on this machine.
+        threads: Or: this many threads of this process; by default all processors that it may use.
+        points_per_piece: Points of a task; by default as many as take about 0.3 s, fewer for small sweeps.
+        fresh: Discard what the store holds.
+        patience: Seconds to wait for a scheduler that does not answer.
+        progress: Called as (activity, done, total) when a piece is done.
+        **settings: The arguments of `SweepSpec`.  Plain mappings do for some:
+            `axes={"epsilon": np.linspace(0, 1, 21)}`, `starts={"energy": 1, "C1": 1}`,
+            `refine={"levels": 2, "difference": 0.1}`.
+
+    Returns:
+        Sweep.  An orbit that fails is an outcome in it; a point or a piece that fails is tried thrice and reported.
+
+    Raises:
+        ParameterError: the spec is not one, or names what the system does not have.
+        OtherSweepError: the store holds another sweep, or numbers of another version of liepoisson.
+        OutputError: the store can not be written, or another process is using it.
+        DamagedFileError: the description of the store can not be read.
+        SweepError: no scheduler answers, or none of its workers may compute the sweep.
+        KeyboardInterrupt: Ctrl-C; what is stored stays.
+    """
+    spec = as_spec(spec, settings)
+    if sum(option is not None for option in (scheduler, processes, threads)) > 1:
+        raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
+    family = as_family(spec.system)
+    if not spec.is_exponent:
+        resolve(spec.quantity)
+    lattice = Lattice(spec)
+    # Said before anything is made: wrong names and values.
+    if points_per_piece is not None:
+        as_count(points_per_piece, "points_per_piece", least=1, most=2**31, hint="leave it out")
+    check_casimirs(family, evaluate_targets(spec, family, lattice.coordinates(lattice.grid())))
+    path = None if store is None else Path(store)
+    if path is not None:
+        spec.fingerprint()
+    with nullcontext() if path is None else exclusive(path):
+        kept = None if path is None else SweepStore(path, spec, fresh=fresh)
+        where = _Where(scheduler, processes, threads, patience)
+        with _closing(where):
+            return _Run(
+                spec,
+                family,
+                lattice,
+                store=kept,
+                where=where,
+                points_per_piece=points_per_piece,
+                progress=progress,
+            ).result()
+
+
+def as_spec(spec: Any, settings: Mapping[str, Any]) -> SweepSpec:
+    """The spec that the arguments of `sweep` stand for.
+
+    Raises:
+        ParameterError: neither or both of a spec and its arguments are given, or an unknown one.
+    """
+    if spec is None:
+        known = [entry.name for entry in fields(SweepSpec)]
+        if unknown := [name for name in settings if name not in known]:
+            raise ParameterError(f"a sweep has no setting {unknown[0]!r}; known: {', '.join(known)}. Correct the name.")
+        if missing := [name for name in ("system", "axes") if name not in settings]:
+            raise ParameterError(f"a sweep must have {' and '.join(missing)}. Give it, or a spec, or a sweep file.")
+        return SweepSpec(**_made(settings))
+    if settings:
+        raise ParameterError(f"wanted a spec or its arguments by name; got a spec and {', '.join(settings)}.")
+    return spec if isinstance(spec, SweepSpec) else read_sweep_file(spec)
+
+
+def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """The arguments of `SweepSpec`, made of the plain mappings that `sweep` takes for them."""
+    made = dict(settings)
+    if isinstance(axes := made.get("axes"), Mapping):
+        made["axes"] = tuple(Axis(name, values) for name, values in cast("Mapping[str, Any]", axes).items())
+    if isinstance(starts := made.get("starts"), Mapping):
+        given = dict(cast("Mapping[str, Any]", starts))
+        known = {key: given.pop(key) for key in ("ensemble", "energy", "sampling") if key in given}
+        made["starts"] = Starts(**known, casimirs=given)
+    if isinstance(refine := made.get("refine"), Mapping):
+        given = dict(cast("Mapping[str, Any]", refine))
+        if {*given} != {"levels", "difference"}:
+            raise ParameterError(
+                f"refine: wanted levels and difference; got {', '.join(map(str, given)) or 'neither'}."
+            )
+        made["refine"] = Refinement(**given)
+    return made
+
+
+class _Where:
+    """Makes the executor when a piece is to be computed, once."""
+
+    def __init__(self, scheduler: str | None, processes: int | None, threads: int | None, patience: float) -> None:
+        for name, value in (("processes", processes), ("threads", threads)):
+            if value is not None:
+                as_count(value, name, least=1, most=4096, hint="try 2")
+        self._given = scheduler, processes, threads, patience
+        self._executor: Executor | None = None
+
+    def executor(self, n_pieces: int) -> Executor:
+        scheduler, processes, threads, patience = self._given
+        if self._executor is None:
+            if scheduler is None and processes is None:
+                self._executor = Threads(threads, n_pieces)
+            else:
+                self._executor = Cluster(scheduler, processes, patience)
+        return self._executor
+
+    def close(self) -> None:
+        if self._executor is not None:
+            self._executor.close()
+
+
+@contextmanager
+def _closing(where: _Where) -> Generator[None]:
+    try:
+        yield
+    finally:
+        where.close()
+
+
+class _Run:
+    """A sweep under way, level by level."""
+
+    def __init__(
+        self,
+        spec: SweepSpec,
+        family: Family,
+        lattice: Lattice,
+        *,
+        store: SweepStore | None,
+        where: _Where,
+        points_per_piece: int | None,
+        progress: Progress | None,
+    ) -> None:
+        self.spec, self.family, self.lattice, self.store = spec, family, lattice, store
+        self.where, self.progress = where, progress
+        self.points_per_piece = points_per_piece
+        self.places: list[Place] = []
+        self.levels: list[Level] = []
+        self.reports: list[Report] = []
+        self.n_reused = 0
+
+    def result(self) -> Sweep:
+        cells, places, statistic = self.lattice.cells(), self.lattice.grid(), dict[Place, float]()
+        for number in range(self.lattice.levels + 1):
+            level = self._level(number, places)
+            self.places += places
+            found = self._sweep()
+            if number == self.lattice.levels:
+                return found
+            if self.reports[-1].failed or self.reports[-1].points:
+                self.reports[-1].remarks.append(f"refinement stops at level {number}: a part of it failed")
+                return found
+            statistic.update(zip(places, found.statistic[-len(level.points) :].tolist(), strict=True))
+            assert self.spec.refine is not None
+            cells, places = split(cells, statistic, self.spec.refine.difference)
+            if not places:
+                return found
+        return self._sweep()
+
+    def _level(self, number: int, places: Sequence[Place]) -> Level:
+        points, n = self.lattice.coordinates(places), self.spec.n
+        size = self.points_per_piece or piece_size(self.spec, len(points))
+        level = Level.empty(points, size, n) if self.store is None else self.store.level(number, points, size, n)
+        self.levels.append(level)
+        self.n_reused += int(sum(len(points[level.rows(int(k))]) for k in np.flatnonzero(level.done)))
+        missing = np.flatnonzero(~level.done).tolist()
+        self.reports.append(self._compute(number, level, missing) if missing else Report())
+        return level
+
+    def _compute(self, number: int, level: Level, missing: Sequence[int]) -> Report:
+        activity = f"level {number}" if number else (self.spec.name or "sweep")
+        unit = self.spec.n * self.spec.t_end
+
+        told: dict[int, str] = {}
+
+        def keep(result: PieceResult) -> None:
+            level.keep(result)
+            told.update({level.rows(result.index).start + k: why for k, why in result.failed.items()})
+            if self.store is not None:
+                self.store.save(number, level, result)
+            if self.progress is not None:
+                done = sum(len(level.points[level.rows(int(k))]) for k in np.flatnonzero(level.done))
+                self.progress(activity, done * unit, len(level.points) * unit)
+
+        report = run_pieces(self.where.executor(len(missing)), self._pieces(level, missing), keep=keep)
+        report.points |= {k: why for k, why in sorted(told.items()) if (level.outcome[k] == FAILED).any()}
+        if absent := [why for k, why in sorted(told.items()) if k not in report.points]:
+            report.remarks.append(f"{activity}: {len(absent)} points have no system; the first of them: {absent[0]}")
+        if self.store is not None:
+            self.store.save_facts(number, level)
+        return report
+
+    def _pieces(self, level: Level, missing: Sequence[int]) -> list[Piece]:
+        spec, targets = self.spec, evaluate_targets(self.spec, self.family, level.points)
+        return [
+            Piece(
+                index=index,
+                family=self.family,
+                targets=targets.rows(level.rows(index)),
+                n_points=len(level.points[level.rows(index)]),
+                starts=spec.starts,
+                n=spec.n,
+                t_end=float(spec.t_end),
+                quantity="exponent" if spec.is_exponent else spec.quantity,
+                method=spec.method,
+                seed=spec.seed,
+                version=__version__,
+            )
+            for index in missing
+        ]
+
+    def _sweep(self) -> Sweep:
+        counts = [len(level.points) for level in self.levels]
+        return Sweep(
+            spec=self.spec,
+            places=tuple(self.places),
+            points=_joined([level.points for level in self.levels]),
+            level=np.repeat(np.arange(len(counts)), counts),
+            value=_joined([level.value for level in self.levels]),
+            outcome_code=np.concatenate([level.outcome for level in self.levels]),
+            method=next((level.method for level in self.levels if level.method), str(self.spec.method)),
+            held=tuple(self.spec.held()),
+            reports=tuple(self.reports),
+            n_reused=self.n_reused,
+            n_damaged=0 if self.store is None else self.store.damaged,
+            store=None if self.store is None else self.store.path,
+        )
+
+
+def piece_size(spec: SweepSpec, n_points: int) -> int:
+    """Points of a piece; whole rows of the grid where they are short, as points of a row often share a system."""
+    by_time = max(1, round(PIECE_TIME / (spec.n * spec.t_end)))
+    size = max(1, min(by_time, math.ceil(n_points / LEAST_PIECES)))
+    row = spec.shape[-1] if len(spec.shape) == 2 else 1
+    return size - size % row if size > row else size
+
+
+def _joined(parts: Sequence[Array]) -> Array:
+    return np.concatenate(parts)

@@ -1,0 +1,331 @@
+"""What a sweep is: axes, starts, a quantity and a method, as data that determine every number."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from functools import cached_property
+from keyword import iskeyword
+from typing import Any, Literal, TypeAlias, cast
+
+import numpy as np
+
+from liepoisson import __version__
+from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.numeric._checks import as_count, as_number, shown
+from liepoisson.numeric.methods import Method, Taylor, as_method, method_record
+from liepoisson.numeric.sampling import ENSEMBLES, as_seed
+from liepoisson.sweeps.identity import function_record, system_tables
+
+Value: TypeAlias = "float | int | str | Fraction | Sequence[float | int | str | Fraction]"
+"""A number, a formula in the names of the axes, or a list of them."""
+
+DEFAULT_METHOD = Taylor(tol=1e-9, precision="mixed")
+"""For tops. Largest error of 512 orbits of the twisted Kovalevskaya top at T = 20: 3.4e-7 (median 6e-9)."""
+DEFAULT_GENERAL = Taylor(tol=1e-9)
+"""For systems that are no tops, which have no kernel of mixed precision."""
+
+QUANTITIES = ("exponent", "chaotic_fraction")
+_MOST_POINTS = 2**28
+CASIMIR = re.compile(r"C[1-9][0-9]?")
+"""Names of Casimirs."""
+COMPONENT = re.compile(r"(.*?)_?([1-9][0-9]?)")
+"""Names of components: a2 or a_2."""
+_DOTTED = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*")
+
+
+@dataclass(frozen=True)
+class Axis:
+    """A named list of values over which a sweep runs.
+
+    Args:
+        name: A parameter of the system ("epsilon"), a component of one ("a1", "I3"), "energy", a Casimir ("C1"), or any
+            name that formulas of the sweep use.
+        values: Increasing or decreasing, shape (point,).
+        label: How figures call it; mathematical text in dollar signs is set as such.
+
+    Raises:
+        ParameterError: the name is no identifier, or the values are not finite and strictly monotonic.
+    """
+
+    name: str
+    values: tuple[float, ...]
+    label: str | None = None
+
+    def __post_init__(self) -> None:
+        if not (isinstance(self.name, str) and self.name.isidentifier()):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ParameterError(f"an axis must be named like a parameter; got {shown(self.name)}. Write epsilon.")
+        if iskeyword(self.name):
+            raise ParameterError(f"an axis can not have the name {self.name}, a word of Python. Write {self.name}_.")
+        values = np.asarray(self.values, np.float64)
+        steps = np.diff(values) if values.ndim == 1 else np.zeros(1)
+        monotonic = np.all(steps > 0) or np.all(steps < 0)
+        if values.ndim != 1 or not values.size or not np.isfinite(values).all() or not monotonic:
+            raise ParameterError(
+                f"axis {self.name}: wanted finite values, increasing or decreasing; got {shown(self.values)}. "
+                "Sort them and remove equal ones."
+            )
+        object.__setattr__(self, "values", tuple(values.tolist()))
+
+    @classmethod
+    def linear(cls, name: str, start: float, stop: float, count: int, label: str | None = None) -> Axis:
+        """`count` values at equal distances from start to stop, both included."""
+        return cls(name, _spaced(name, start, stop, count, np.linspace), label)
+
+    @classmethod
+    def logarithmic(cls, name: str, start: float, stop: float, count: int, label: str | None = None) -> Axis:
+        """`count` values at equal ratios from start to stop, both positive and included."""
+        if not (start > 0 and stop > 0):
+            raise ParameterError(f"axis {name}: a logarithmic axis runs between positive values; got {start}, {stop}.")
+        return cls(name, _spaced(name, start, stop, count, np.geomspace), label)
+
+
+def _spaced(name: str, start: float, stop: float, count: int, space: Callable[..., Any]) -> tuple[float, ...]:
+    least, most = as_number(start, f"axis {name}: from", "a number"), as_number(stop, f"axis {name}: to", "a number")
+    n = as_count(count, f"axis {name}: count", least=1, most=_MOST_POINTS, hint="try 21")
+    return tuple(space(least, most, n).tolist())
+
+
+@dataclass(frozen=True)
+class Starts:
+    r"""Where the orbits of a point of the grid start, from the same random numbers at every point.
+
+    Member k is member k of an ensemble of `sample_states`.  Where an energy or Casimirs are given, it is moved to the
+    nearest state that has them (Newton steps of least norm), so that it depends smoothly on the point; the measure
+    is then not the Liouville measure.  With `sampling="liouville"` all Casimirs must be given, and the states are those
+    of `Leaf.sample`, with the same seed at every point.
+
+    Args:
+        ensemble: "unit-vectors", "cube" or "gaussian".
+        energy: Value of the Hamiltonian: a number, or a formula in the names of the axes.
+        casimirs: Values of Casimirs by name, likewise: {"C1": 1, "C2": "c"}; what is not named is not prescribed.
+        sampling: "projection" or "liouville".
+
+    Raises:
+        UnknownNameError: no such ensemble.
+        ParameterError: no such kind of sampling, or a name that is none of a Casimir.
+    """
+
+    ensemble: str = "unit-vectors"
+    energy: Value | None = None
+    casimirs: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    sampling: Literal["projection", "liouville"] = "projection"
+
+    def __post_init__(self) -> None:
+        if self.ensemble not in ENSEMBLES:
+            raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(self.ensemble)}")
+        if self.sampling not in ("projection", "liouville"):
+            raise ParameterError(f'sampling: wanted "projection" or "liouville"; got {shown(self.sampling)}')
+        for name in self.casimirs:
+            if not (isinstance(name, str) and CASIMIR.fullmatch(name)):  # pyright: ignore[reportUnnecessaryIsInstance]
+                raise ParameterError(f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}.")
+
+
+@dataclass(frozen=True)
+class Refinement:
+    """Where a sweep looks closer: cells whose corners differ are halved, level by level.
+
+    Args:
+        levels: How often a cell may be halved.
+        difference: Least difference of the statistic (mean exponent, or chaotic fraction) between corners.
+
+    Raises:
+        ParameterError: `levels` is not a whole number from 1 to 12, or `difference` is not positive.
+    """
+
+    levels: int
+    difference: float
+
+    def __post_init__(self) -> None:
+        as_count(self.levels, "refine levels", least=1, most=12, hint="try 2")
+        if not as_number(self.difference, "refine difference", "a positive number") > 0:
+            raise ParameterError(f"refine difference: wanted a positive number; got {self.difference}; try 0.1")
+
+
+@dataclass(frozen=True)
+class SweepSpec:
+    """Everything that determines the numbers of a sweep.
+
+    Args:
+        system: Name of the catalog, path of a system file, tables of one, a system without free parameters, or a
+            function of parameters (by keyword) that returns a system, such as `lp.Top.kovalevskaya`.
+        axes: One or two.
+        parameters: Values of the system's other parameters: numbers, formulas in the names of the axes, lists of them,
+            such as `{"a": ["cos(phi)", "sin(phi)", 0]}`.
+        starts: Where the orbits start.
+        n: Orbits at each point.
+        t_end: Time of each orbit, in units of the system's own time.
+        quantity: "exponent", "chaotic_fraction", the dotted name "package.module:function", or a function
+            `f(system, x0, *, t_end, method, seed, threads)` that returns a number for each start, shape (start,).
+        threshold: Exponent above which an orbit counts as chaotic, in inverse time; by default 2 ln(t)/t at t = t_end.
+            Of 8,192 orbits of unit-vector starts to t = 250, 500 and 1,000, none of the Euler and the twisted Lagrange
+            top is above, and 2, 3 and 4 of the Kovalevskaya top.
+        method: How orbits are integrated; by default `Taylor(tol=1e-9, precision="mixed")` for tops, in double
+            precision for other systems.
+        seed: Draws starts and tangent vectors.
+        refine: Where to look closer, or None.
+        name: How the sweep is called.
+
+    Raises:
+        ParameterError: a value outside its range; what a formula or a system says wrong comes from `sweep`.
+    """
+
+    system: Any
+    axes: tuple[Axis, ...]
+    parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    starts: Starts = field(default_factory=Starts)
+    n: int = 64
+    t_end: float = 1000.0
+    quantity: str | Callable[..., Any] = "exponent"
+    threshold: float | None = None
+    method: Method | None = None
+    seed: int = 0
+    refine: Refinement | None = None
+    name: str | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "axes", tuple(self.axes))
+        if len(self.axes) not in (1, 2) or not all(isinstance(axis, Axis) for axis in self.axes):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ParameterError(f"axes: wanted one or two of Axis; got {shown(self.axes)}. See Axis.linear.")
+        if len({axis.name for axis in self.axes}) != len(self.axes):
+            raise ParameterError(f"axes: wanted two different names; got {self.axes[0].name!r} twice.")
+        if math.prod(self.shape) > _MOST_POINTS:
+            raise ParameterError(f"axes: wanted at most {_MOST_POINTS} points; got {' x '.join(map(str, self.shape))}.")
+        as_count(self.n, "n", least=1, most=2**31, hint="try 64")
+        as_seed(self.seed)
+        if not 0 < as_number(self.t_end, "t_end", "a positive number") < math.inf:
+            raise ParameterError(f"t_end: wanted a positive number; got {self.t_end}; try 1_000")
+        if self.threshold is not None and not 0 < as_number(self.threshold, "threshold", "a number") < math.inf:
+            raise ParameterError(f"threshold: wanted a positive number; got {self.threshold}; leave it out")
+        as_method(self.method, DEFAULT_METHOD)
+        if not isinstance(self.starts, Starts):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ParameterError(f'starts: wanted Starts or a mapping, such as {{"C1": 1}}; got {shown(self.starts)}.')
+        self._check_quantity()
+
+    def _check_quantity(self) -> None:
+        given, wanted = self.quantity, f"one of {', '.join(QUANTITIES)}, a function, or package.module:function"
+        if isinstance(given, str) and given not in QUANTITIES and not _DOTTED.fullmatch(given):
+            raise UnknownNameError(f"quantity: wanted {wanted}; got {shown(given)}")
+        if not isinstance(given, str) and not callable(given):  # pyright: ignore[reportUnnecessaryComparison]
+            raise ParameterError(f"quantity: wanted {wanted}; got {shown(given)}")
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values of each axis."""
+        return tuple(len(axis.values) for axis in self.axes)
+
+    @property
+    def is_exponent(self) -> bool:
+        """Whether the values are finite-time exponents."""
+        return self.quantity in QUANTITIES
+
+    @property
+    def chaos_threshold(self) -> float:
+        """The exponent above which an orbit counts as chaotic, in inverse time."""
+        if self.threshold is not None:
+            return float(self.threshold)
+        return 2 * math.log(max(self.t_end, math.e)) / self.t_end
+
+    def record(self) -> dict[str, Any]:
+        """The spec as plain data that JSON can write; system files by their tables, functions by name and digest."""
+        return {
+            "system": self._system_record,
+            "axes": [{"name": axis.name, "values": list(axis.values)} for axis in self.axes],
+            "parameters": _plain(self.parameters),
+            "starts": _plain(vars(self.starts)),
+            "n": int(self.n),
+            "t_end": float(self.t_end),
+            "quantity": _plain(self.quantity) if not self.is_exponent else "exponent",
+            "method": None if self.method is None else method_record(self.method),
+            "seed": int(self.seed),
+            "refine": None if self.refine is None else {**vars(self.refine), "by": self._refined_by()},
+            "version": __version__,
+        }
+
+    def fingerprint(self) -> str:
+        """Digest of everything that determines the numbers, the version of the package included.
+
+        Raises:
+            ParameterError: a function depends on something of which no digest is known.
+        """
+        for key, value in (("system", self._system_record), ("quantity", _plain(self.quantity))):
+            if isinstance(value, dict) and "unknown" in value:
+                raise ParameterError(
+                    f"{key}: what the function {value['function']} computes can not be recorded, as "
+                    f"{value['unknown']}. Name a module function, or leave out the store."
+                )
+        return hashlib.sha256(json.dumps(self.record(), sort_keys=True).encode()).hexdigest()
+
+    @cached_property
+    def _system_record(self) -> Any:
+        """Read once: a file that is changed while the sweep runs does not change what the sweep is."""
+        return _plain(system_tables(self.system))
+
+    def _refined_by(self) -> list[Any]:
+        return [self.quantity, self.chaos_threshold] if self.quantity == "chaotic_fraction" else ["mean"]
+
+    def held(self) -> list[str]:
+        """What is the same at all points, in words."""
+        fixed = [line for name, value in self.parameters.items() for line in self._fixed(name, value)]
+        prescribed = {**self.starts.casimirs, **({} if self.starts.energy is None else {"H": self.starts.energy})}
+        held = [f"{name} = {_text(value)}" for name, value in prescribed.items() if not _varies(value, self.axes)]
+        lines = [f"parameters: {', '.join(fixed)}"] if fixed else []
+        if prescribed or self._axes_of_starts():
+            lines.append(f"of the starts: {', '.join(held) or 'nothing but what the axes say'}")
+        else:
+            lines.append(f"the starts: member k of {self.starts.ensemble!r} is the same state at every point")
+        if any(axis.name == "epsilon" for axis in self.axes) or _varies(self.parameters.get("epsilon", 0), self.axes):
+            lines.append("epsilon by itself is a scale: what varies is epsilon |beta|, at the |beta| of the starts")
+        return lines
+
+    def _axes_of_starts(self) -> set[str]:
+        """Axes that set the energy or a Casimir; one that a formula uses is no Casimir by itself."""
+        values = [*self.parameters.values(), *self.starts.casimirs.values(), self.starts.energy or 0]
+        free = [axis.name for axis in self.axes if not any(_varies(value, [axis]) for value in values)]
+        energy = {"energy"} & {axis.name for axis in self.axes} if self.starts.energy is None else set[str]()
+        return energy | {name for name in free if CASIMIR.fullmatch(name)}
+
+    def _fixed(self, name: str, value: Value) -> list[str]:
+        """A parameter in words, or its components that no axis changes."""
+        found = [COMPONENT.fullmatch(axis.name) for axis in self.axes]
+        set_by_axis = {int(match[2]) for match in found if match is not None and match[1] == name}
+        if not isinstance(value, Sequence) or isinstance(value, str):
+            return [] if _varies(value, self.axes) else [f"{name} = {_text(value)}"]
+        same = [k for k, item in enumerate(value, 1) if k not in set_by_axis and not _varies(item, self.axes)]
+        if len(same) == len(value):
+            return [f"{name} = {_text(value)}"]
+        return [f"{name}{k} = {_text(value[k - 1])}" for k in same]
+
+
+def _varies(value: Value, axes: Sequence[Axis]) -> bool:
+    from liepoisson.exact.formula.grammar import names_in, parse
+
+    items = value if isinstance(value, Sequence) and not isinstance(value, str) else [value]
+    names = {name for item in items if isinstance(item, str) for name in names_in(parse(item))}
+    return bool(names & {axis.name for axis in axes})
+
+
+def _text(value: Value) -> str:
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return f"({', '.join(map(_text, value))})"
+    return f"{float(value):g}" if isinstance(value, (float, Fraction)) else str(value)
+
+
+def _plain(value: Any) -> Any:
+    """Plain data that stand for a value in a fingerprint: the same in every process."""
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in cast("Mapping[Any, Any]", value).items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(item) for item in cast("Sequence[Any]", value)]
+    if callable(value):
+        return cast("Any", function_record(value))
+    if hasattr(value, "bracket") and hasattr(value, "hamiltonian"):
+        return {"bracket": str(value.bracket.entries()), "hamiltonian": str(value.hamiltonian)}
+    return str(value)

@@ -1,0 +1,196 @@
+"""Sweep files: a sweep in TOML.
+
+    name = "twist"
+    system = "twisted-top"                   # a name of the catalog, a system file, or tables [system.bracket], ...
+    quantity = "chaotic_fraction"            # or "exponent", or "package.module:function"
+    n = 64                                   # orbits at each point
+    t_end = 1000
+    seed = 1
+    [parameters]                             # numbers, formulas in the names of the axes, lists of them
+    I = [2, 2, 1]
+    a = [-1, 0, 0]
+    b = [0, 0, 0]
+    [[axes]]
+    name = "epsilon"                         # a parameter, a component such as "a1", "energy", "C1", or a new name
+    from = 0
+    to = 1
+    count = 21                               # or values = [...]; spacing = "logarithmic"
+    label = "twist"
+    [starts]
+    ensemble = "unit-vectors"
+    energy = "1/2"                           # and Casimirs: C1 = 1, C2 = "c"; sampling = "liouville"
+    [method]
+    name = "taylor"
+    tol = 1e-9
+    precision = "mixed"
+    [refine]
+    levels = 2
+    difference = 0.1
+
+A path of a system file is looked for beside the sweep file.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, cast
+
+from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.exact.formula.toml_text import TomlText, read_toml
+from liepoisson.numeric._checks import shown
+from liepoisson.numeric.methods import METHODS, Method
+from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
+
+_KEYS = (
+    "name", "system", "axes", "parameters", "starts", "n", "t_end", "quantity", "threshold", "method", "seed", "refine",
+)  # fmt: skip
+_PLAIN = ("name", "n", "quantity", "seed")
+_AXIS_KEYS = ("name", "values", "from", "to", "count", "spacing", "label")
+_STARTS_KEYS = ("ensemble", "energy", "sampling")
+
+
+def read_sweep_file(source: str | Path | Mapping[str, Any]) -> SweepSpec:
+    """Read a sweep file, or its tables.
+
+    Raises:
+        SystemFileError: there is no such file, it is not TOML, or a key is unknown, missing, or has a wrong value.
+    """
+    if isinstance(source, Mapping):
+        text, folder = TomlText("the sweep", "", dict(source)), None
+    else:
+        text, folder = read_toml(source), Path(source).parent
+    return _Reader(text, folder).spec()
+
+
+class _Reader:
+    """Turns tables into a spec; every error names the key."""
+
+    def __init__(self, toml: TomlText, folder: Path | None) -> None:
+        self.toml = toml
+        self.folder = folder
+
+    def spec(self) -> SweepSpec:
+        tables = self.toml.tables
+        self.check_keys((), tables, _KEYS)
+        for key in ("system", "axes"):
+            if key not in tables:
+                raise self.toml.error((), f"wanted {key}; there is none. Add it.")
+        settings: dict[str, Any] = {key: _number(tables[key]) for key in _PLAIN if key in tables}
+        settings |= {key: self.real((key,), tables[key]) for key in ("t_end", "threshold") if key in tables}
+        return self.made(
+            (),
+            lambda: SweepSpec(
+                system=self.system(tables["system"]),
+                axes=self.axes(tables["axes"]),
+                parameters=self.table("parameters"),
+                starts=self.starts(self.table("starts")),
+                method=self.method(self.table("method")),
+                refine=self.refinement(self.table("refine")),
+                **settings,
+            ),
+        )
+
+    def made(self, keys: Sequence[str | int], make: Any) -> Any:
+        """What `make` returns; what it refuses is told with the key and the line."""
+        try:
+            return make()
+        except (ParameterError, UnknownNameError) as error:
+            raise self.toml.error(keys, str(error)) from error
+
+    def system(self, given: object) -> Any:
+        if isinstance(given, str) and (given.endswith(".toml") or "/" in given) and self.folder is not None:
+            return str(self.folder / given)
+        if not isinstance(given, (str, dict)):
+            raise self.toml.error(("system",), f"wanted a name or tables; got {shown(given)}. Correct it.")
+        return cast("Any", given)
+
+    def axes(self, given: object) -> tuple[Axis, ...]:
+        if not isinstance(given, list):
+            raise self.toml.error(("axes",), "wanted [[axes]] tables. Use two brackets.")
+        return tuple(self.axis(k, table) for k, table in enumerate(cast("list[Any]", given)))
+
+    def axis(self, k: int, table: Any) -> Axis:
+        keys = ("axes", k)
+        if not isinstance(table, dict):
+            raise self.toml.error(keys, "wanted [[axes]] tables. Use two brackets.")
+        axis = cast("dict[str, Any]", table)
+        self.check_keys(keys, axis, _AXIS_KEYS)
+        name, label = axis.get("name"), axis.get("label")
+        if "values" in axis:
+            values = axis["values"]
+            if not isinstance(values, list):
+                raise self.toml.error((*keys, "values"), f"wanted a list of numbers; got {shown(values)}.")
+            items = cast("list[Any]", values)
+            numbers = tuple(self.real((*keys, "values"), value) for value in items)
+            return self.made(keys, lambda: Axis(cast("str", name), numbers, label))
+        missing = [key for key in ("from", "to", "count") if key not in axis]
+        if missing:
+            raise self.toml.error(keys, f"wanted values, or from, to and count; {missing[0]} is missing. Add it.")
+        spacing = axis.get("spacing", "linear")
+        if spacing not in ("linear", "logarithmic"):
+            raise self.toml.error((*keys, "spacing"), f'wanted "linear" or "logarithmic"; got {shown(spacing)}.')
+        make = Axis.linear if spacing == "linear" else Axis.logarithmic
+        start, stop = (self.real((*keys, key), axis[key]) for key in ("from", "to"))
+        return self.made(keys, lambda: make(cast("str", name), start, stop, axis["count"], label))
+
+    def starts(self, table: dict[str, Any]) -> Starts:
+        known = {key: value for key, value in table.items() if key in _STARTS_KEYS}
+        casimirs = {key: value for key, value in table.items() if key not in _STARTS_KEYS}
+        for key in casimirs:
+            if not (key[:1] == "C" and key[1:].isdigit()):
+                self.check_keys(("starts",), {key: None}, (*_STARTS_KEYS, "C1", "C2", "C3"))
+        return self.made(("starts",), lambda: Starts(**known, casimirs=casimirs))
+
+    def method(self, table: dict[str, Any]) -> Method | None:
+        if not table:
+            return None
+        options = {key: _number(value) for key, value in table.items()}
+        name = options.pop("name", None)
+        if name not in METHODS:
+            raise self.toml.error(("method", "name"), f"wanted one of {', '.join(METHODS)}; got {shown(name)}.")
+        try:
+            return self.made(("method",), lambda: METHODS[name](**options))
+        except TypeError as error:
+            raise self.toml.error(("method",), f"{name} has no such option ({error}). Leave it out.") from error
+
+    def refinement(self, table: dict[str, Any]) -> Refinement | None:
+        if not table:
+            return None
+        self.check_keys(("refine",), table, ("levels", "difference"))
+        if "levels" not in table or "difference" not in table:
+            raise self.toml.error(("refine",), "wanted levels and difference. Add what is missing.")
+        difference = self.real(("refine", "difference"), table["difference"])
+        return self.made(("refine",), lambda: Refinement(table["levels"], difference))
+
+    def table(self, name: str) -> dict[str, Any]:
+        given = self.toml.tables.get(name, {})
+        if not isinstance(given, dict):
+            raise self.toml.error((name,), f"wanted a table; got {shown(given)}. Write [{name}] on a line of its own.")
+        return cast("dict[str, Any]", given)
+
+    def real(self, keys: Sequence[str | int], given: object) -> float:
+        """A number, or a formula without names, such as "pi/2"."""
+        from liepoisson.exact.expression import evaluate
+        from liepoisson.exact.formula.grammar import parse
+        from liepoisson.exact.formula.scope import Scope
+
+        if isinstance(given, str):
+            return self.made(keys, lambda: float(evaluate(parse(given), given, Scope())))
+        if isinstance(given, bool) or not isinstance(given, (int, float, Fraction)):
+            raise self.toml.error(keys, f"wanted a number; got {shown(given)}. Correct it.")
+        return float(given)
+
+    def check_keys(self, keys: Sequence[str | int], table: Mapping[str, object], known: Sequence[str]) -> None:
+        from difflib import get_close_matches
+
+        for key in table:
+            if key not in known:
+                near = get_close_matches(key, known, n=1)
+                hint = f"Did you mean {near[0]}?" if near else "Remove it."
+                raise self.toml.error((*keys, key), f"the key is unknown; known are {', '.join(known)}. {hint}")
+
+
+def _number(given: Any) -> Any:
+    return float(given) if isinstance(given, Fraction) else given

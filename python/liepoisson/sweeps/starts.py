@@ -1,0 +1,223 @@
+r"""Starts of a sweep: states with prescribed energy and Casimirs, from the same random numbers at every point."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.errors import LeafError, ParameterError
+from liepoisson.field import TopField
+from liepoisson.sweeps.family import Family, NumericTop
+
+if TYPE_CHECKING:
+    from liepoisson.sweeps.targets import Targets
+
+Bools: TypeAlias = NDArray[np.bool_]
+Functions: TypeAlias = Callable[[Array, NDArray[np.int64]], tuple[Array, Array]]
+"""Values (row, function) and gradients (row, function, component) at states; which rows of the whole they are."""
+
+_CONVERGED = 1e-12
+_MOST_STEPS, _MOST_HALVINGS = 50, 12
+
+
+@dataclass(frozen=True)
+class TopRows:
+    r"""Tops with a row of parameters for each state: energy and Casimirs, without the exact wing.
+
+    $C_1 = |\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $C_2 = \alpha\cdot\beta$, $C_3 = |\beta|^2$, whatever epsilon.
+
+    Attributes:
+        inertia: Shape (row, 3), as a and b.
+        a: Centre of mass.
+        b: Centre of charge.
+        epsilon: Shape (row, 1).
+    """
+
+    inertia: Array
+    a: Array
+    b: Array
+    epsilon: Array
+
+    @classmethod
+    def of(cls, tops: Sequence[TopField], repeats: int) -> TopRows:
+        """The parameters of these tops, each for `repeats` states in turn."""
+        columns = ([top.inertia for top in tops], [top.a for top in tops], [top.b for top in tops])
+        inertia, a, b = (np.repeat(np.array(column), repeats, axis=0) for column in columns)
+        return cls(inertia, a, b, np.repeat(np.array([[top.epsilon] for top in tops]), repeats, axis=0))
+
+    def functions(self, names: Sequence[str]) -> Functions:
+        """The functions of these names, "energy" or a Casimir, in this order."""
+        forms = {"energy": self._energy, "C1": self._first, "C2": self._second, "C3": self._third}
+        if unknown := [name for name in names if name not in forms]:
+            raise ParameterError(f"a top has the Casimirs C1, C2 and C3; got {', '.join(unknown)}. Correct the name.")
+
+        def evaluate(x: Array, rows: NDArray[np.int64]) -> tuple[Array, Array]:
+            found = [forms[name](x[:, :3], x[:, 3:6], x[:, 6:], rows) for name in names]
+            gradients = [np.concatenate(parts, axis=-1) for _, parts in found]
+            return np.stack([value for value, _ in found], axis=-1), np.stack(gradients, axis=1)
+
+        return evaluate
+
+    def _energy(self, l: Array, alpha: Array, beta: Array, rows: Any) -> tuple[Array, tuple[Array, ...]]:
+        omega, a, b = l / self.inertia[rows], self.a[rows], self.b[rows]
+        return (l * omega / 2 + a * alpha + b * beta).sum(-1), (omega, a, b)
+
+    def _first(self, l: Array, alpha: Array, beta: Array, rows: Any) -> tuple[Array, tuple[Array, ...]]:
+        twice = 2 * self.epsilon[rows]
+        return (alpha**2 + twice * l * beta).sum(-1), (twice * beta, 2 * alpha, twice * l)
+
+    def _second(self, l: Array, alpha: Array, beta: Array, rows: Any) -> tuple[Array, tuple[Array, ...]]:
+        return (alpha * beta).sum(-1), (0 * l, beta, alpha)
+
+    def _third(self, l: Array, alpha: Array, beta: Array, rows: Any) -> tuple[Array, tuple[Array, ...]]:
+        return (beta**2).sum(-1), (0 * l, 0 * alpha, 2 * beta)
+
+
+def is_top(system: Any) -> bool:
+    """Whether energy and Casimirs of a system are those of `TopRows`."""
+    from liepoisson.tops import Top
+
+    return isinstance(system, (NumericTop, Top))
+
+
+def check_casimirs(family: Family, targets: Targets) -> None:
+    """Refuse Casimirs that the systems do not have, or that are not the same functions at all points.
+
+    The exact wing multiplies a Casimir by the denominators of its coefficients, which change with the parameters of the
+    bracket: C1 = 1 is then another leaf at each point.  Tops have Casimirs of their own here, see `TopRows`.  Looked at
+    are the formulas of a file, and the first, middle and last point.
+
+    Raises:
+        ParameterError: one of these.
+    """
+    if not targets.casimirs:
+        return
+    n, systems = len(next(iter(targets.casimirs.values()))), list[Any]()
+    for point in sorted({0, n // 2, n - 1}):
+        with suppress(Exception):  # told of its point when it is computed
+            systems.append(family.numeric(targets.values(point)))
+    others = [system for system in systems if not is_top(system)]
+    known = {*(("C1", "C2", "C3") if len(others) < len(systems) else ()), *(c for s in others for c in _casimirs_of(s))}
+    if systems and (unknown := [name for name in targets.casimirs if name not in known]):
+        has = ", ".join(sorted(known)) or "no Casimirs"
+        raise ParameterError(f"{family.name} has {has}; got {', '.join(unknown)}. Correct the name.")
+    varying = {name for name, values in targets.parameters.items() if (values != values[:1]).any()}
+    names = sorted(varying & {*family.bracket_parameters})
+    brackets = {str(s.bracket.entries()) for s in others if hasattr(s, "bracket")}
+    if others and (names or len(brackets) > 1):
+        raise ParameterError(
+            f"Casimirs of {family.name} can not be prescribed while its bracket varies ({', '.join(names) or 'axes'}): "
+            "they are other functions at each point, as their fractions are cleared. Use a system file of a top, such "
+            "as twisted-top, or a function that returns lp.Top, or hold the bracket."
+        )
+
+
+def _casimirs_of(system: Any) -> Sequence[str]:
+    return tuple(system.functions.casimirs) if hasattr(system, "functions") else ()
+
+
+def system_functions(system: Any, names: Sequence[str]) -> Functions:
+    """The energy and Casimirs of any system, as `TopRows.functions`.
+
+    Raises:
+        ParameterError: the system has no such Casimir.
+    """
+    known = {"energy": system.functions.energy, **system.functions.casimirs}
+    if unknown := [name for name in names if name not in known]:
+        raise ParameterError(
+            f"{system.name} has the Casimirs {', '.join(system.functions.casimirs)}; got {unknown[0]}."
+        )
+
+    def evaluate(x: Array, rows: NDArray[np.int64]) -> tuple[Array, Array]:
+        values = np.stack([known[name](x) for name in names], axis=-1)
+        return values, np.stack([known[name].gradient(x) for name in names], axis=1)
+
+    return evaluate
+
+
+@np.errstate(all="ignore")
+def project(functions: Functions, wanted: Array, x: Array) -> tuple[Array, Bools]:
+    r"""States near x at which functions have the wanted values, by Newton steps of minimum norm, $\delta = -G^+ F$.
+
+    Each row is worked on by itself, whatever rows are beside it: its bits do not depend on them.
+
+    Args:
+        functions: What is prescribed.
+        wanted: Its values, shape (row, function).
+        x: Shape (row, component).
+
+    Returns:
+        The states, and for which of them the largest relative residual is below 1e-12.
+    """
+    x = x.copy()
+    rows = np.arange(len(x))
+    residual = _residual(functions, wanted, x, rows)
+    active = rows
+    for _ in range(_MOST_STEPS):
+        active = active[(residual[active] > 4e-16) & np.isfinite(residual[active])]
+        if not active.size:
+            break
+        values, gradients = functions(x[active], active)
+        step = (np.linalg.pinv(gradients) * (wanted[active] - values)[:, None, :]).sum(-1)
+        moved, reached = _residual_after(functions, wanted, x, step, active)
+        for k in range(1, _MOST_HALVINGS + 1):
+            worse = ~(reached < residual[active])
+            if not worse.any():
+                break
+            again = _residual_after(functions, wanted, x, step[worse] / 2**k, active[worse])
+            moved[worse], reached[worse] = again
+        better = reached < residual[active]
+        x[active[better]], residual[active[better]] = moved[better], reached[better]
+        active = active[better]
+    return x, residual <= _CONVERGED
+
+
+def _residual_after(
+    functions: Functions, wanted: Array, x: Array, step: Array, rows: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Some of the states after a step, and their residuals."""
+    moved = x[rows] + step
+    return moved, _residual(functions, wanted, moved, rows)
+
+
+def _residual(functions: Functions, wanted: Array, x: Array, rows: NDArray[np.int64]) -> Array:
+    r"""The largest of $|f - c|/(|c| + |x||\nabla f|)$, shape (row,); infinite where it does not exist."""
+    values, gradients = functions(x, rows)
+    goal = wanted[rows]
+    size = np.sqrt((x**2).sum(-1))[:, None] * np.sqrt((gradients**2).sum(-1)) + np.abs(goal)
+    relative = np.abs(values - goal) / np.where(size > 0, size, 1.0)
+    return np.where(np.isfinite(relative) & np.isfinite(size), relative, np.inf).max(axis=-1)
+
+
+def casimir_scale(system: Any) -> dict[str, float]:
+    """What the exact wing multiplies the Casimirs of `TopRows` by, to clear denominators; empty if it is no top."""
+    from liepoisson.tops import Top
+
+    if not isinstance(system, Top):
+        return {}
+    x, names = np.arange(1.0, 10.0)[None], ("C1", "C2", "C3")
+    top = cast("TopField", system.field())
+    ours, exact = (
+        f(x, np.arange(1))[0][0] for f in (TopRows.of([top], 1).functions(names), system_functions(system, names))
+    )
+    return dict(zip(names, (exact / ours).tolist(), strict=True))
+
+
+def liouville(system: Any, n: int, seed: int, casimirs: dict[str, float], energy: float | None) -> Array:
+    """States on a leaf with the Liouville measure; NaN where there is no such leaf or energy, shape (n, N).
+
+    Raises:
+        ParameterError: a Casimir has no value.
+    """
+    from liepoisson.phase_space.leaf import Leaf
+
+    try:
+        return Leaf(system, casimirs).sample(n, seed=seed, energy=energy)
+    except LeafError:
+        return np.full((n, system.bracket.dimension), np.nan)

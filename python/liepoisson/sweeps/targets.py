@@ -1,0 +1,157 @@
+"""The values that parameters, energy and Casimirs have at the points of a sweep: axes and formulas, evaluated."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from liepoisson.arrays import Array
+from liepoisson.errors import ExpressionError, ParameterError
+from liepoisson.numeric._checks import shown
+from liepoisson.sweeps.spec import CASIMIR, COMPONENT
+
+if TYPE_CHECKING:
+    from liepoisson.sweeps.family import Family
+    from liepoisson.sweeps.spec import SweepSpec, Value
+
+
+@dataclass(frozen=True)
+class Targets:
+    """What is prescribed at each of some points.
+
+    Attributes:
+        parameters: Values of parameters by name, shape (point,) or (point, component).
+        energy: Shape (point,), or None where it is free.
+        casimirs: Shape (point,) each.
+    """
+
+    parameters: Mapping[str, Array]
+    energy: Array | None
+    casimirs: Mapping[str, Array]
+
+    def values(self, point: int) -> dict[str, Any]:
+        """The parameters of one point: numbers, and tuples of them."""
+        rows = {name: array[point] for name, array in self.parameters.items()}
+        return {name: tuple(row.tolist()) if np.ndim(row) else float(row) for name, row in rows.items()}
+
+    def rows(self, rows: slice | list[int]) -> Targets:
+        """Those of some of the points."""
+        return Targets(
+            {name: values[rows] for name, values in self.parameters.items()},
+            None if self.energy is None else self.energy[rows],
+            {name: values[rows] for name, values in self.casimirs.items()},
+        )
+
+
+def evaluate_targets(spec: SweepSpec, family: Family, points: Array) -> Targets:
+    """The prescribed values at points of shape (point, axis).
+
+    An axis that is named like a parameter, a component of one, the energy or a Casimir sets it, unless a formula does.
+
+    Raises:
+        ParameterError: a name that nothing uses, two values for one thing, or a value that is not finite.
+        ExpressionError: a formula is not in the grammar.
+    """
+    columns = {axis.name: points[:, k] for k, axis in enumerate(spec.axes)}
+    used: set[str] = set()
+    parameters = {name: _values(value, columns, name, used) for name, value in spec.parameters.items()}
+    casimirs = {name: _values(value, columns, name, used) for name, value in spec.starts.casimirs.items()}
+    energy = None if spec.starts.energy is None else _values(spec.starts.energy, columns, "energy", used)
+    for name, values in columns.items():
+        owner = _owner(name, family)
+        if name in family.shapes:
+            _refuse_twice(name, name in parameters)
+            parameters[name] = values
+            used.add(name)
+        elif owner is not None:
+            _set_component(parameters, family, owner, name, values)
+            used.add(name)
+        elif name == "energy" and energy is None:
+            energy = values
+            used.add(name)
+        elif CASIMIR.fullmatch(name) and name not in casimirs and name not in used:
+            casimirs[name] = values
+            used.add(name)
+    _refuse_unused(columns, used, family)
+    family.check(parameters)
+    _refuse_nonfinite({**parameters, **casimirs, **({} if energy is None else {"energy": energy})})
+    return Targets(parameters, energy, casimirs)
+
+
+def _values(value: Value, columns: Mapping[str, Array], name: str, used: set[str]) -> Array:
+    """A value or a list of them at all points, shape (point,) or (point, component)."""
+    n = len(next(iter(columns.values())))
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return np.stack([_values(item, columns, f"{name}{k + 1}", used) for k, item in enumerate(value)], axis=-1)
+    if isinstance(value, str):
+        return _formula(value, columns, name, used)
+    if isinstance(value, bool) or not isinstance(value, (int, float, Fraction)):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(f"{name}: wanted a number, a formula or a list of them; got {shown(value)}.")
+    return np.full(n, float(value))
+
+
+def _formula(text: str, columns: Mapping[str, Array], name: str, used: set[str]) -> Array:
+    from sympy import lambdify
+
+    from liepoisson.exact.expression import read_expression
+    from liepoisson.exact.formula.scope import Scope
+
+    try:
+        expression = read_expression(text, Scope(symbols=tuple(columns)))
+    except ExpressionError as error:
+        raise ParameterError(f"{name}: {error.within_formula()}") from error
+    used.update(str(symbol) for symbol in expression.free_symbols)
+    function = lambdify([*columns], expression, modules="numpy")
+    with np.errstate(all="ignore"):
+        values = np.asarray(cast("Any", function)(*columns.values()), np.float64)
+    return np.array(np.broadcast_to(values, len(next(iter(columns.values())))))
+
+
+def _owner(name: str, family: Family) -> tuple[str, int] | None:
+    """The vector parameter of which a name is a component, and which: a2 is ("a", 1)."""
+    found = COMPONENT.fullmatch(name)
+    if found is None:
+        return None
+    shape, index = family.shapes.get(found[1]), int(found[2]) - 1
+    return (found[1], index) if shape is not None and len(shape) == 1 and index < shape[0] else None
+
+
+def _set_component(
+    parameters: dict[str, Array], family: Family, owner: tuple[str, int], name: str, values: Array
+) -> None:
+    vector, index = owner
+    if vector not in parameters:
+        default = family.defaults.get(vector)
+        if default is None:
+            raise ParameterError(f"axis {name}: {vector} has no value for its other components. Give {vector} one.")
+        parameters[vector] = np.tile(np.array([float(v) for v in default]), (len(values), 1))
+    if parameters[vector].ndim != 2 or parameters[vector].shape[1] <= index:
+        raise ParameterError(f"axis {name}: {vector} must have {index + 1} components or more. Give a list.")
+    parameters[vector] = parameters[vector].copy()
+    parameters[vector][:, index] = values
+
+
+def _refuse_twice(name: str, given: bool) -> None:
+    if given:
+        raise ParameterError(f"axis {name}: the parameter has another value or formula, too. Remove one of them.")
+
+
+def _refuse_unused(columns: Mapping[str, Array], used: set[str], family: Family) -> None:
+    for name in columns:
+        if name not in used:
+            known = ", ".join((*family.shapes, "energy", "C1, C2, ..."))
+            raise ParameterError(
+                f"axis {name}: nothing depends on it. Name it like one of {known}, or use it in a formula, such as "
+                f'a = ["cos({name})", "sin({name})", 0].'
+            )
+
+
+def _refuse_nonfinite(values: Mapping[str, Array]) -> None:
+    for name, array in values.items():
+        bad = ~np.isfinite(array.reshape(len(array), -1)).all(axis=1)
+        if bad.any():
+            raise ParameterError(f"{name}: its formula is not a finite number at point {int(np.argmax(bad))}.")

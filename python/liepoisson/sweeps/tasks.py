@@ -1,0 +1,308 @@
+"""One piece of a sweep, wherever it runs: starts, integration, and what came out, as plain arrays."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import liepoisson
+from liepoisson import _core
+from liepoisson.arrays import Array
+from liepoisson.errors import LiePoissonError, ParameterError
+from liepoisson.field import TopField
+from liepoisson.numeric._checks import shown
+from liepoisson.numeric.lyapunov import lyapunov_exponent
+from liepoisson.numeric.methods import Method
+from liepoisson.numeric.sampling import sample_states, sample_tangents
+from liepoisson.sweeps.errors import WorkerVersionError
+from liepoisson.sweeps.family import Family, NumericTop
+from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD
+from liepoisson.sweeps.starts import TopRows, casimir_scale, is_top, liouville, project, system_functions
+
+if TYPE_CHECKING:
+    from liepoisson.sweeps.spec import Starts
+    from liepoisson.sweeps.targets import Targets
+
+OUTCOMES: tuple[str, ...] = (*_core.outcomes(), "no start", "not computed", "no system", "failed")
+"""How orbits end; "no start": no state with the wanted energy and Casimirs was found; "no system": the system can not
+be made at the point, as where a moment is not positive; "failed": its quantity raised an error."""
+NO_START, NOT_COMPUTED, NO_SYSTEM, FAILED = range(len(OUTCOMES) - 4, len(OUTCOMES))
+POINT_TRIES = 3
+"""How often a point is tried whose quantity raises an error."""
+_NOT_FINITE = OUTCOMES.index("not finite")
+_TIME_LIMIT = 1e9
+_NO_SYSTEM = (LiePoissonError, ValueError, ArithmeticError)
+"""Errors that say that there is no such system; any other is a failure of what makes it."""
+
+
+@dataclass(frozen=True)
+class Piece:
+    """A task: some points of a sweep, with everything that their numbers depend on.
+
+    Attributes:
+        index: Which piece of its level.
+        family: The systems.
+        targets: Parameters, energy and Casimirs of the points.
+        n_points: How many points.
+        starts: How starts are drawn.
+        n: Orbits of a point.
+        t_end: Their time.
+        quantity: "exponent", a dotted name, or a function.
+        method: How they are integrated, or None for the default.
+        seed: Draws starts and tangent vectors.
+        version: Version of liepoisson that may compute it.
+        threads: Threads of the core.
+    """
+
+    index: int
+    family: Family
+    targets: Targets
+    n_points: int
+    starts: Starts
+    n: int
+    t_end: float
+    quantity: str | Callable[..., Any]
+    method: Method | None
+    seed: int
+    version: str
+    threads: int | None = 1
+
+
+@dataclass(frozen=True)
+class PieceResult:
+    """What a piece gives.
+
+    Attributes:
+        index: Which piece.
+        value: Shape (point, member); NaN where an orbit failed.
+        outcome: Codes of `OUTCOMES`, shape (point, member).
+        seconds: Time that it took.
+        method: How it was integrated, in words.
+        failed: Why points failed or have no system, by their number in the piece.
+        retried: How many tries of points failed and were repeated.
+    """
+
+    index: int
+    value: Array
+    outcome: NDArray[np.int8]
+    seconds: float
+    method: str
+    failed: Mapping[int, str] = field(default_factory=dict[int, str])
+    retried: int = 0
+
+
+def run_piece(piece: Piece) -> PieceResult:
+    """Compute a piece.
+
+    Raises:
+        WorkerVersionError: this process has another version of liepoisson.
+    """
+    began = time.perf_counter()
+    if liepoisson.__version__ != piece.version:
+        raise WorkerVersionError(
+            f"the sweep needs liepoisson {piece.version} on all workers; this one has {liepoisson.__version__}. "
+            "Install the same version there."
+        )
+    if piece.quantity != "exponent":
+        resolve(piece.quantity)
+    points = _Points(piece)
+    points.compute()
+    return PieceResult(
+        piece.index,
+        points.value,
+        points.outcome,
+        time.perf_counter() - began,
+        points.method,
+        points.failed,
+        points.retried,
+    )
+
+
+class _Points:
+    """The points of a piece: what one of them can not have is said of this one, and the others are computed."""
+
+    def __init__(self, piece: Piece) -> None:
+        self.piece = piece
+        self.value = np.full((piece.n_points, piece.n), np.nan)
+        self.outcome = np.full((piece.n_points, piece.n), NO_START, np.int8)
+        self.method = ""
+        self.failed: dict[int, str] = {}
+        self.retried = 0
+        self.systems = _systems(piece)
+
+    def compute(self) -> None:
+        """All points: together where it is the exponent, unless one of them fails."""
+        good = [point for point, system in enumerate(self.systems) if not isinstance(system, Exception)]
+        for point, system in enumerate(self.systems):
+            if isinstance(system, Exception):
+                self._mark(point, NO_SYSTEM if isinstance(system, _NO_SYSTEM) else FAILED, system)
+        if self.piece.quantity == "exponent" and good:
+            try:
+                self._together(good)
+            except Exception:
+                pass
+            else:
+                return
+        for point in good:
+            self._alone(point)
+
+    def _alone(self, point: int) -> None:
+        for tried in range(1, POINT_TRIES + 1):
+            try:
+                return self._together([point])
+            except Exception as error:
+                if tried == POINT_TRIES:
+                    return self._mark(point, FAILED, error)
+                self.retried += 1
+        return None
+
+    def _mark(self, point: int, code: int, error: Exception) -> None:
+        self.value[point], self.outcome[point] = np.nan, code
+        self.failed[point] = f"{OUTCOMES[code]}: {type(error).__name__}: {error}"
+
+    def _together(self, chosen: list[int]) -> None:
+        piece = replace(self.piece, targets=self.piece.targets.rows(chosen), n_points=len(chosen))
+        systems = [self.systems[point] for point in chosen]
+        x0, found = _starts(piece, systems)
+        for rows in _groups(systems):
+            system, points = systems[rows[0]], [chosen[row] for row in rows]
+            if piece.quantity != "exponent":
+                self.method = str(piece.method or "the default of the quantity")
+                for row, point in zip(rows, points, strict=True):
+                    self.value[point], self.outcome[point] = _call(piece, system, x0[row], found[row])
+                continue
+            self.method = str(_method(piece, system))
+            if found[rows].any():
+                self.value[points], self.outcome[points] = _exponents(piece, system, x0[rows], found[rows])
+
+
+def _systems(piece: Piece) -> list[Any]:
+    """The system of each point, as numbers where that is enough, or why there is none; equal points share one."""
+    known: dict[str, Any] = {}
+    systems: list[Any] = []
+    for point in range(piece.n_points):
+        values = piece.targets.values(point)
+        key = repr(values)
+        if key not in known:
+            make = piece.family.numeric if piece.quantity == "exponent" else piece.family.system
+            try:
+                known[key] = make(values)
+            except Exception as error:
+                known[key] = error
+        systems.append(known[key])
+    return systems
+
+
+def _groups(systems: list[Any]) -> list[list[int]]:
+    groups: dict[int, list[int]] = {}
+    for point, system in enumerate(systems):
+        groups.setdefault(id(system), []).append(point)
+    return list(groups.values())
+
+
+def _starts(piece: Piece, systems: list[Any]) -> tuple[Array, NDArray[np.bool_]]:
+    """States, shape (point, member, component), and which of them have the prescribed energy and Casimirs."""
+    targets, n = piece.targets, piece.n
+    if piece.starts.sampling == "liouville":
+        return _liouville(piece, systems)
+    x = np.tile(sample_states(systems[0], n, seed=piece.seed, ensemble=piece.starts.ensemble), (piece.n_points, 1))
+    shape = (piece.n_points, n)
+    prescribed = {**({} if targets.energy is None else {"energy": targets.energy}), **targets.casimirs}
+    if not prescribed:
+        return x.reshape(*shape, -1), np.ones(shape, bool)
+    wanted = np.repeat(np.stack([*prescribed.values()], axis=-1), n, axis=0)
+    names, fields = tuple(prescribed), [system.field() for system in systems]
+    if all(is_top(system) for system in systems):
+        tops = [data for data in fields if isinstance(data, TopField)]
+        x, found = project(TopRows.of(tops, n).functions(names), wanted, x)
+        return x.reshape(*shape, -1), found.reshape(shape)
+    x, found = x.reshape(*shape, -1), np.zeros(shape, bool)
+    for points in _groups(systems):
+        states, good = project(
+            system_functions(systems[points[0]], names),
+            wanted.reshape(*shape, -1)[points].reshape(len(points) * n, -1),
+            x[points].reshape(len(points) * n, -1),
+        )
+        x[points], found[points] = states.reshape(len(points), n, -1), good.reshape(len(points), n)
+    return x, found
+
+
+def _liouville(piece: Piece, systems: list[Any]) -> tuple[Array, NDArray[np.bool_]]:
+    targets = piece.targets
+    x: list[Array] = []
+    for point, system in enumerate(systems):
+        whole = piece.family.system(piece.targets.values(point)) if isinstance(system, NumericTop) else system
+        scale = casimir_scale(whole)
+        casimirs = {name: float(values[point]) * scale.get(name, 1.0) for name, values in targets.casimirs.items()}
+        energy = None if targets.energy is None else float(targets.energy[point])
+        x.append(liouville(whole, piece.n, piece.seed, casimirs, energy))
+    states = np.stack(x)
+    return states, np.asarray(np.isfinite(states).all(axis=-1), np.bool_)
+
+
+def _method(piece: Piece, system: Any) -> Method:
+    return piece.method or (DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL)
+
+
+def _exponents(piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int8]]:
+    """Exponents and outcomes of points that share a system, shape (point, member)."""
+    value, outcome = np.full(found.shape, np.nan), np.full(found.shape, NO_START, np.int8)
+    member = np.broadcast_to(np.arange(piece.n), found.shape)[found]
+    growth = lyapunov_exponent(
+        system,
+        x0[found],
+        times=[piece.t_end],
+        tangents=sample_tangents(x0.shape[-1], piece.n, seed=piece.seed)[member],
+        method=_method(piece, system),
+        threads=piece.threads,
+        time_limit=_TIME_LIMIT,
+    )
+    value[found] = growth.exponent[:, -1]  # NaN where an orbit failed
+    outcome[found] = _ORDER[np.searchsorted(_SORTED, growth.outcome)]
+    return value, outcome
+
+
+_ORDER = np.argsort(np.array(OUTCOMES))
+_SORTED = np.array(OUTCOMES)[_ORDER]
+
+
+def _call(piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int8]]:
+    """The values of a function of the user for one point; one that is not finite is an outcome."""
+    function = resolve(piece.quantity)
+    values, codes = np.full(piece.n, np.nan), np.full(piece.n, NO_START, np.int8)
+    if found.any():
+        given = function(
+            system, x0[found], t_end=piece.t_end, method=piece.method, seed=piece.seed, threads=piece.threads
+        )
+        returned = np.asarray(given, np.float64)
+        if returned.shape not in ((), (int(found.sum()),)):
+            raise ParameterError(
+                f"quantity: wanted one number or one for each of {int(found.sum())} starts; got shape {returned.shape}."
+            )
+        values[found] = returned
+        codes[found] = np.where(np.isfinite(values[found]), 0, _NOT_FINITE)
+    return np.where(codes == 0, values, np.nan), codes
+
+
+def resolve(quantity: str | Callable[..., Any]) -> Callable[..., Any]:
+    """The function that a dotted name "package.module:function" stands for.
+
+    Raises:
+        ParameterError: there is none.
+    """
+    if callable(quantity):
+        return quantity
+    module, _, name = quantity.partition(":")
+    try:
+        function = getattr(import_module(module), name)
+    except (ImportError, AttributeError) as error:
+        raise ParameterError(f"quantity: wanted package.module:function; {quantity!r} is none ({error}).") from error
+    if not callable(function):
+        raise ParameterError(f"quantity: wanted a function; {quantity} is {shown(function)}. Correct the name.")
+    return function

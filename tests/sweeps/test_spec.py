@@ -1,0 +1,249 @@
+"""What a sweep is: axes, formulas, files, and what is refused."""
+
+import json
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError, SystemFileError, UnknownNameError
+from liepoisson.sweeps.family import as_family
+from liepoisson.sweeps.lattice import Lattice
+from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
+from liepoisson.sweeps.spec_file import read_sweep_file
+from liepoisson.sweeps.targets import evaluate_targets
+
+KOVALEVSKAYA = {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}
+
+
+def targets(spec):
+    lattice = Lattice(spec)
+    return evaluate_targets(spec, as_family(spec.system), lattice.coordinates(lattice.grid()))
+
+
+def test_formulas_set_vectors():
+    spec = SweepSpec(
+        system="twisted-top",
+        axes=(Axis("ratio", (1.0, 2.0)), Axis("phi", (0.0, 0.5, 1.0))),
+        parameters={"I": [2, 2, "2/ratio"], "a": ["cos(phi)", "sin(phi)", 0], "b": [0, 0, 0], "epsilon": 1},
+    )
+    found = targets(spec)
+    ratio, phi = np.repeat([1.0, 2.0], 3), np.tile([0.0, 0.5, 1.0], 2)
+    np.testing.assert_array_equal(found.parameters["I"], np.stack([2 + 0 * phi, 2 + 0 * phi, 2 / ratio], axis=-1))
+    np.testing.assert_array_equal(found.parameters["a"], np.stack([np.cos(phi), np.sin(phi), 0 * phi], axis=-1))
+    assert found.energy is None
+    assert found.casimirs == {}
+
+
+def test_axes_set_components_energy_and_casimirs():
+    spec = SweepSpec(
+        system="twisted-top",
+        axes=(Axis("b3", (0.0, 1.0)), Axis("energy", (2.0, 3.0))),
+        parameters={**KOVALEVSKAYA, "epsilon": 1},
+        starts=Starts(casimirs={"C1": "1 + b3"}),
+    )
+    found = targets(spec)
+    np.testing.assert_array_equal(found.parameters["b"], [[0, 0, 0], [0, 0, 0], [0, 0, 1], [0, 0, 1]])
+    np.testing.assert_array_equal(found.energy, [2, 3, 2, 3])
+    np.testing.assert_array_equal(found.casimirs["C1"], [1, 1, 2, 2])
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        pytest.param("twisted-top", id="catalog"),
+        pytest.param(lp.catalog.path("twisted-top"), id="file"),
+    ],
+)
+def test_the_top_of_a_file_is_found_without_building_it(system):
+    top = as_family(system).top({"I": (3.0, 2.0, 1.5), "a": (0.0, 1.0, 2.0), "b": (0.5, 0.0, 0.0), "epsilon": 0.25})
+    assert top == lp.Top(inertia=(3, 2, 1.5), a=(0, 1, 2), b=(0.5, 0, 0), epsilon=0.25).field()
+
+
+def test_other_systems_are_not_taken_for_tops():
+    family = as_family("clebsch")
+    assert family.top({}) is None
+    assert family.system({}).field() == lp.catalog.system("clebsch").field()
+
+
+def test_functions_are_families():
+    spec = SweepSpec(system=lp.Top.kovalevskaya, axes=(Axis("epsilon", (0.0, 1.0)),))
+    assert targets(spec).parameters["epsilon"].tolist() == [0, 1]
+    assert as_family(lp.Top.kovalevskaya).system({"epsilon": 0.5}).epsilon == Fraction(1, 2)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"axes": (Axis("bogus", (0.0, 1.0)),)}, "nothing depends on it"),
+        ({"axes": ()}, "one or two"),
+        ({"axes": (Axis("epsilon", (0.0, 1.0)), Axis("epsilon", (2.0, 3.0)))}, "two different names"),
+        ({"parameters": {**KOVALEVSKAYA, "a": [1, 0]}}, "shape"),
+        ({"parameters": {**KOVALEVSKAYA, "c": 1}}, "no parameter 'c'"),
+        ({"parameters": {"I": [2, 2, 1], "a": [1, 0, 0]}}, "b have none"),
+        ({"parameters": {**KOVALEVSKAYA, "a": ["log(epsilon)", 0, 0]}}, "not a finite number"),
+        ({"parameters": {**KOVALEVSKAYA, "a": ["cos(", 0, 0]}}, "formula"),
+        ({"parameters": {**KOVALEVSKAYA, "epsilon": 1}}, "another value"),
+        ({"n": 0}, "n"),
+        ({"t_end": -1.0}, "t_end"),
+        ({"t_end": float("inf")}, "t_end"),
+        ({"quantity": 3}, "quantity: wanted one of exponent"),
+        ({"starts": "cube"}, "starts: wanted"),
+        ({"threshold": 0.0}, "threshold"),
+    ],
+)
+def test_what_is_no_sweep_is_refused(change, message):
+    given = {"system": "twisted-top", "axes": (Axis("epsilon", (0.0, 1.0)),), "parameters": KOVALEVSKAYA, **change}
+    with pytest.raises(ParameterError, match=message):
+        targets(SweepSpec(**given))
+
+
+def test_other_refusals():
+    for name in (":", "a.:b", ".a:b", "a:", "a:b.c"):
+        with pytest.raises(UnknownNameError, match="quantity"):
+            SweepSpec(system="twisted-top", axes=(Axis("epsilon", (0.0, 1.0)),), quantity=name)
+    with pytest.raises(ParameterError, match="a word of Python"):
+        Axis("lambda", (0.0, 1.0))
+    with pytest.raises(ParameterError, match="starts: wanted ensemble"):
+        Starts(casimirs={"foo": 1})
+    with pytest.raises(UnknownNameError, match="quantity"):
+        SweepSpec(system="twisted-top", axes=(Axis("epsilon", (0.0, 1.0)),), quantity="bogus")
+    with pytest.raises(UnknownNameError, match="ensemble"):
+        Starts(ensemble="bogus")
+    with pytest.raises(ParameterError, match="increasing or decreasing"):
+        Axis("x", (0.0, 1.0, 1.0))
+    with pytest.raises(ParameterError, match="positive"):
+        Axis.logarithmic("x", 0, 1, 3)
+    with pytest.raises(ParameterError, match="difference"):
+        Refinement(levels=1, difference=0)
+
+
+FILE = """
+system = "twisted-top"
+quantity = "chaotic_fraction"
+n = 8
+t_end = "100*2"
+threshold = 0.03
+seed = 5
+[parameters]
+I = [2, 2, "1"]
+a = ["-cos(phi)", 0, 0]
+b = [0, 0, 0]
+[[axes]]
+name = "phi"
+from = 0
+to = "pi/2"
+count = 3
+[[axes]]
+name = "epsilon"
+values = [0, 0.5, 1]
+label = "twist"
+[starts]
+ensemble = "gaussian"
+energy = "phi"
+C1 = 1
+[method]
+name = "splitting"
+step = 0.1
+order = 6
+[refine]
+levels = 2
+difference = 0.25
+"""
+
+
+def test_a_file_says_the_same_as_python(tmp_path):
+    (tmp_path / "map.toml").write_text(FILE)
+    wanted = SweepSpec(
+        system="twisted-top",
+        axes=(Axis.linear("phi", 0, np.pi / 2, 3), Axis("epsilon", (0.0, 0.5, 1.0))),
+        parameters={"I": [2, 2, "1"], "a": ["-cos(phi)", 0, 0], "b": [0, 0, 0]},
+        starts=Starts(ensemble="gaussian", energy="phi", casimirs={"C1": 1}),
+        n=8,
+        t_end=200.0,
+        quantity="chaotic_fraction",
+        threshold=0.03,
+        method=lp.Splitting(step=0.1, order=6),
+        seed=5,
+        refine=Refinement(2, 0.25),
+    )
+    found = read_sweep_file(tmp_path / "map.toml")
+    assert found.fingerprint() == wanted.fingerprint()
+    assert found.axes[1].label == "twist"
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("seed = 5", "sead = 5", "Did you mean seed"),
+        ('name = "phi"', 'nam = "phi"', "Did you mean name"),
+        ("count = 3", "", "count is missing"),
+        ('name = "splitting"', 'name = "split"', "wanted one of"),
+        ("step = 0.1", "stepp = 0.1", "no such option"),
+        ("levels = 2", "", "levels and difference"),
+        ('energy = "phi"', 'enrgy = "phi"', "Did you mean energy"),
+        ("n = 8", "n = 0.5", "n: wanted"),
+        ('to = "pi/2"', 'to = "pi/"', "formula"),
+    ],
+)
+def test_a_wrong_file_is_refused_with_the_key(tmp_path, old, new, message):
+    (tmp_path / "map.toml").write_text(FILE.replace(old, new, 1))
+    with pytest.raises(SystemFileError, match=message):
+        read_sweep_file(tmp_path / "map.toml")
+
+
+def test_the_fingerprint_tells_sweeps_apart():
+    base = {"system": "twisted-top", "axes": (Axis("epsilon", (0.0, 1.0)),), "parameters": KOVALEVSKAYA}
+    changes = [
+        {"seed": 1},
+        {"n": 65},
+        {"t_end": 999.0},
+        {"axes": (Axis("epsilon", (0.0, 2.0)),)},
+        {"parameters": {**KOVALEVSKAYA, "a": [1, 0, 0]}},
+        {"method": lp.Taylor()},
+        {"starts": Starts(ensemble="cube")},
+        {"quantity": "json:loads"},
+        {"refine": Refinement(1, 0.5)},
+        {"system": lp.Top.kovalevskaya},
+    ]
+    prints = [SweepSpec(**{**base, **change}).fingerprint() for change in ({}, *changes)]
+    assert len(set(prints)) == len(prints)
+    assert SweepSpec(**base, quantity="chaotic_fraction", name="other").fingerprint() == prints[0]
+    json.dumps(SweepSpec(**base).record())
+
+
+def test_what_is_held_is_said():
+    spec = SweepSpec(
+        system="twisted-top",
+        axes=(Axis("epsilon", (0.0, 1.0)), Axis("e", (0.0, 1.0))),
+        parameters=KOVALEVSKAYA,
+        starts=Starts(energy="e", casimirs={"C1": 1, "C3": 2}),
+    )
+    lines = spec.held()
+    assert "a = (-1, 0, 0)" in lines[0]
+    assert lines[1] == "of the starts: C1 = 1, C3 = 2"
+    assert "epsilon |beta|" in lines[2]
+
+
+def held(axes, parameters, **starts):
+    spec = SweepSpec(
+        system="twisted-top",
+        axes=tuple(Axis(a, (0.0, 1.0)) for a in axes),
+        parameters=parameters,
+        starts=Starts(**starts),
+    )
+    return spec.held()
+
+
+def test_what_varies_is_not_said_to_be_held():
+    assert held(["C1"], {"epsilon": 1})[1] == "of the starts: nothing but what the axes say"
+    assert "same state" in held(["C1"], {"epsilon": "C1"})[0]  # a name in a formula
+    assert held(["energy"], {"epsilon": 1}, casimirs={"C1": "energy", "C3": 1})[1] == "of the starts: C3 = 1"
+    assert held(["b1"], {"a": [1, 0, 0], "b": [0, 0, 2]})[0] == "parameters: a = (1, 0, 0), b2 = 0, b3 = 2"
+    assert held(["s"], {"b": ["s", 0, 3]})[0] == "parameters: b2 = 0, b3 = 3"
+
+
+def test_an_epsilon_by_a_formula_is_a_scale_too():
+    assert "epsilon |beta|" in held(["s"], {"epsilon": "s"})[-1]
+    assert "epsilon |beta|" not in held(["s"], {"epsilon": 1, "b": ["s", 0, 0]})[-1]

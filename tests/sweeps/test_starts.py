@@ -1,0 +1,115 @@
+"""Starts with prescribed energy and Casimirs."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError
+from liepoisson.sweeps.run import sweep
+from liepoisson.sweeps.starts import TopRows, casimir_scale, project, system_functions
+
+NAMES = ("energy", "C1", "C2", "C3")
+TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.5, 0.2), b=(0.3, 0, -0.4), epsilon=0.5)
+
+
+def test_the_functions_of_a_top_are_those_of_the_exact_wing():
+    x = lp.sample_states(TOP, 20, seed=1, ensemble="gaussian")
+    rows = np.arange(20)
+    values, gradients = TopRows.of([TOP.field()], 20).functions(NAMES)(x, rows)
+    exact_values, exact_gradients = system_functions(TOP, NAMES)(x, rows)
+    np.testing.assert_allclose(values, exact_values, rtol=1e-13, atol=1e-13)
+    np.testing.assert_allclose(gradients, exact_gradients, rtol=1e-13, atol=1e-13)
+
+
+def test_casimirs_do_not_change_their_scale_with_epsilon():
+    """For epsilon = 7/10 the exact wing clears denominators: its C1 is 5 |alpha|^2 + 7 l.beta."""
+    top = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0, 0), epsilon="7/10")
+    assert casimir_scale(top) == pytest.approx({"C1": 5, "C2": 1, "C3": 1}, rel=1e-14)
+
+
+def test_projection_reaches_the_wanted_values():
+    x = lp.sample_states(TOP, 200, seed=2)
+    wanted = np.tile([0.8, 1.0, 0.2, 1.0], (200, 1))
+    functions = TopRows.of([TOP.field()], 200).functions(NAMES)
+    moved, found = project(functions, wanted, x)
+    assert found.mean() > 0.95
+    values, _ = functions(moved[found], np.flatnonzero(found))
+    assert np.abs(values - wanted[found]).max() < 1e-11
+
+
+def test_a_row_does_not_depend_on_its_neighbours():
+    x = lp.sample_states(TOP, 50, seed=2)
+    wanted = np.tile([0.8, 1.0, 0.2, 1.0], (50, 1))
+    functions = TopRows.of([TOP.field()], 50).functions(NAMES)
+    together, _ = project(functions, wanted, x)
+    for k in (0, 7, 49):
+        alone, _ = project(TopRows.of([TOP.field()], 1).functions(NAMES), wanted[k : k + 1], x[k : k + 1])
+        np.testing.assert_array_equal(alone[0], together[k])
+
+
+def test_values_that_no_state_has_are_told():
+    x = lp.sample_states(TOP, 5, seed=2)
+    functions = TopRows.of([TOP.field()], 5).functions(("C3",))
+    _, found = project(functions, np.full((5, 1), -1.0), x)
+    assert not found.any()
+
+
+def test_an_unknown_casimir_is_refused():
+    with pytest.raises(ParameterError, match="C1, C2 and C3"):
+        TopRows.of([TOP.field()], 1).functions(("C4",))
+    with pytest.raises(ParameterError, match="has the Casimirs"):
+        system_functions(lp.catalog.system("clebsch"), ("C7",))
+
+
+NO_TOP = {
+    "name": "quadratic",
+    "bracket": {"algebra": "so(3)", "extension": "leibniz(3, epsilon)", "variables": ["l", "alpha", "beta"]},
+    "parameters": {"symbols": ["epsilon", "k"]},
+    "hamiltonian": {"expression": "dot(l, l)/2 + k*alpha[1]^2 + alpha[2]"},
+}
+
+
+def test_casimirs_of_a_varying_bracket_are_refused():
+    """C1 of the exact wing is multiplied by the denominator of epsilon: not one leaf at all points."""
+    given = {"system": NO_TOP, "n": 2, "t_end": 1.0, "threads": 1, "quantity": lambda system, x0, **_: 0.0}
+    fixed = {**given, "parameters": {"epsilon": 0.5}, "axes": {"k": [0.5, 1.0]}}
+    with pytest.raises(ParameterError, match=r"bracket varies \(epsilon\).*system file of a top"):
+        sweep(**given, parameters={"k": 1}, axes={"epsilon": [0.25, 0.3, 0.5]}, starts={"C1": 1})
+    with pytest.raises(ParameterError, match="bracket varies"):
+        sweep(**given, parameters={"k": 1, "epsilon": "s^2"}, axes={"s": [-1.0, 1.0, 2.0]}, starts={"C1": 1})
+    assert sweep(**fixed, starts={"C1": 1}).outcomes == {"finished": 4}
+    assert sweep(**given, parameters={"k": 1}, axes={"epsilon": [0.25, 0.5]}, starts={"energy": 1}).is_complete
+
+
+def test_unknown_casimirs_and_bad_pieces_are_refused_before_anything_is_made(tmp_path):
+    top = {"parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}, "axes": {"epsilon": [0.0, 1.0]}}
+    given = {"system": "twisted-top", **top, "n": 2, "t_end": 1.0, "store": tmp_path / "a.zarr"}
+    for more, message in (
+        ({"starts": {"C4": 1}}, "C1, C2, C3; got C4"),
+        ({"starts": {"foo": 1}}, "got 'foo'"),
+        ({"points_per_piece": 0}, "points_per_piece"),
+        ({"points_per_piece": -1}, "points_per_piece"),
+        ({"points_per_piece": 0.5}, "points_per_piece"),
+        ({"quantity": "os:sep"}, "wanted a function"),
+        ({"bogus": 1}, "no setting 'bogus'"),
+        ({"refine": {"levels": 2}}, "levels and difference"),
+    ):
+        with pytest.raises(ParameterError, match=message):
+            sweep(**given, **more)
+    assert not (tmp_path / "a.zarr").exists()
+
+
+def test_the_command_takes_pieces_and_patience(tmp_path):
+    (tmp_path / "a.toml").write_text(
+        'system = "twisted-top"\nn = 1\nt_end = 1\nparameters = {I = [2, 2, 1], a = [1, 0, 0], b = [0, 0, 0]}\n'
+        'axes = [{name = "epsilon", values = [0, 1, 2, 3]}]\n'
+    )
+    options = [str(tmp_path / "a.toml"), "--points-per-piece", "3", "--patience", "2"]
+    command = [str(Path(sys.executable).with_name("liepoisson")), "sweep", *options]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert sorted(p.name for p in (tmp_path / "a.zarr" / "level0" / "value").glob("*.0")) == ["0.0", "1.0"]

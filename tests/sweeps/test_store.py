@@ -1,0 +1,202 @@
+"""Stores: interrupted sweeps go on, damage is found, other sweeps are refused."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import liepoisson as lp
+from liepoisson.errors import DamagedFileError, OutputError
+from liepoisson.files import exclusive
+from liepoisson.sweeps import store as store_module
+from liepoisson.sweeps.errors import OtherSweepError
+from liepoisson.sweeps.run import sweep
+from liepoisson.sweeps.spec import Axis, Refinement
+
+SPEC = {
+    "system": "twisted-top",
+    "parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
+    "axes": (Axis.linear("epsilon", 0, 1, 12),),
+    "n": 100,
+    "t_end": 20.0,
+    "seed": 3,
+    "points_per_piece": 2,
+}
+CHILD = """
+    import os, resource, signal, sys
+    from liepoisson.sweeps.run import sweep
+    from liepoisson.sweeps.spec import Axis
+    count = 0
+    def progress(*_):
+        global count
+        count += 1
+        if count == 3:
+            {then}
+    sweep(
+        system="twisted-top", parameters={{"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}},
+        axes=(Axis.linear("epsilon", 0, 1, 12),), n=100, t_end=20.0, seed=3, points_per_piece=2,
+        store=sys.argv[1], threads=1, progress=progress,
+    )
+"""
+
+
+def child(path, then):
+    """A process that computes SPEC and does something to itself after three of six pieces."""
+    code = textwrap.dedent(CHILD).format(then=then)
+    return subprocess.run([sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=False)
+
+
+@pytest.fixture(scope="module")
+def right():
+    return sweep(**SPEC).value
+
+
+def test_a_complete_store_is_read(tmp_path, right):
+    path = tmp_path / "a.zarr"
+    first, second = (sweep(**SPEC, store=path) for _ in range(2))
+    assert (first.n_reused, second.n_reused) == (0, 12)
+    assert second.reports[0].n_pieces == 0
+    for result in (first, second):
+        np.testing.assert_array_equal(result.value, right)
+        assert result.outcomes == {"finished": 1200}
+
+
+def test_other_tools_can_read_it(tmp_path, right):
+    sweep(**SPEC, store=tmp_path / "a.zarr")
+    with xr.open_dataset(tmp_path / "a.zarr" / "level0", engine="zarr", consolidated=False) as data:
+        np.testing.assert_array_equal(data["value"], right)
+        assert dict(data.sizes) == {"point": 12, "axis": 1, "member": 100, "piece": 6}
+        assert np.isfinite(data["seconds"]).all()
+
+
+def test_a_store_has_few_files(tmp_path):
+    sweep(**SPEC, store=tmp_path / "a.zarr")
+    files = [f for _, _, names in os.walk(tmp_path) for f in names]
+    assert len(files) == 2 * 6 + 2 + 6  # chunks of values and outcomes; points, seconds; descriptions
+
+
+def test_a_killed_sweep_goes_on(tmp_path, right):
+    path = tmp_path / "a.zarr"
+    done = child(path, "os.kill(os.getpid(), signal.SIGKILL)")
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    result = sweep(**SPEC, store=path)
+    assert result.n_reused == 6
+    assert result.reports[0].n_pieces == 3
+    np.testing.assert_array_equal(result.value, right)
+
+
+def test_a_full_disk_is_told_and_what_is_done_is_kept(tmp_path, right):
+    path = tmp_path / "a.zarr"
+    done = child(path, "resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))")
+    assert done.returncode == 1
+    assert "OutputError: could not write" in done.stderr
+    assert "what is finished is kept" in done.stderr
+    result = sweep(**SPEC, store=path)
+    assert result.n_reused == 6
+    np.testing.assert_array_equal(result.value, right)
+
+
+def truncate(file):
+    file.write_bytes(file.read_bytes()[:-10])
+
+
+def flip(file):
+    content = bytearray(file.read_bytes())
+    content[len(content) // 2] ^= 4
+    file.write_bytes(content)
+
+
+def empty(file):
+    file.write_bytes(b"")
+
+
+@pytest.mark.parametrize("damage", [truncate, flip, empty])
+@pytest.mark.parametrize("name", ["value", "outcome"])
+def test_damaged_pieces_are_computed_anew(tmp_path, right, damage, name):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    damage(path / "level0" / name / "2.0")
+    (path / "level0" / name / "4.0").unlink()
+    result = sweep(**SPEC, store=path)
+    assert (result.n_damaged, result.n_reused, result.reports[0].n_pieces) == (1, 8, 2)
+    np.testing.assert_array_equal(result.value, right)
+    assert sweep(**SPEC, store=path).n_damaged == 0
+
+
+@pytest.mark.parametrize("name", ["zarr.json", "level0/zarr.json", "level0/value/zarr.json", "level0/point/0.0"])
+def test_a_damaged_description_is_refused_and_fresh_helps(tmp_path, right, name):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    truncate(path / name)
+    with pytest.raises(DamagedFileError):
+        sweep(**SPEC, store=path)
+    if name != "zarr.json":  # without which nobody knows whose folder it is
+        np.testing.assert_array_equal(sweep(**SPEC, store=path, fresh=True).value, right)
+
+
+def test_another_sweep_is_refused(tmp_path, right):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    with pytest.raises(OtherSweepError, match=r"seed 3 instead of 4.*fresh"):
+        sweep(**{**SPEC, "seed": 4}, store=path)
+    assert sweep(**SPEC, store=path).n_reused == 12
+    assert sweep(**{**SPEC, "seed": 4}, store=path, fresh=True).n_reused == 0
+
+
+def test_another_version_is_refused(tmp_path, monkeypatch):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    monkeypatch.setattr("liepoisson.sweeps.spec.__version__", "9.9.9")
+    with pytest.raises(OtherSweepError, match=rf"version {lp.__version__} instead of 9.9.9"):
+        sweep(**SPEC, store=path)
+
+
+def test_foreign_folders_and_files_are_left_alone(tmp_path):
+    (tmp_path / "data").mkdir()
+    (tmp_path / "data" / "precious").write_text("x")
+    for path in (tmp_path / "data", tmp_path / "data" / "precious"):
+        with pytest.raises(OutputError):
+            sweep(**SPEC, store=path, fresh=True)
+    (tmp_path / "data" / "zarr.json").write_text(json.dumps({"attributes": {"kind": "other"}}))
+    with pytest.raises(DamagedFileError, match="no sweep"):
+        sweep(**SPEC, store=tmp_path / "data", fresh=True)
+    assert (tmp_path / "data" / "precious").read_text() == "x"
+
+
+def test_one_process_writes(tmp_path):
+    with exclusive(tmp_path / "a.zarr"), pytest.raises(OutputError, match="another run"):
+        sweep(**SPEC, store=tmp_path / "a.zarr")
+
+
+def test_refined_levels_are_stored(tmp_path):
+    given = {**SPEC, "n": 20, "quantity": "chaotic_fraction", "t_end": 200.0, "refine": Refinement(2, 0.2)}
+    path = tmp_path / "a.zarr"
+    first = sweep(**given, store=path)
+    assert first.level.max() > 0
+    assert (path / "level1").is_dir()
+    second = sweep(**given, store=path)
+    assert second.n_reused == len(second.points)
+    np.testing.assert_array_equal(first.value, second.value)
+    np.testing.assert_array_equal(first.value, sweep(**given).value)
+
+
+def test_outcomes_come_last(tmp_path, monkeypatch, right):
+    """A piece whose values were written and whose outcomes were not is not done."""
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    (path / "level0" / "outcome" / "0.0").unlink()
+    level = store_module.SweepStore(path, lp_spec()).level(0, np.linspace(0, 1, 12)[:, None], 2, 100)
+    assert level.done.tolist() == [False, True, True, True, True, True]
+    assert np.isnan(level.value[:2]).all()
+
+
+def lp_spec():
+    from liepoisson.sweeps.spec import SweepSpec
+
+    return SweepSpec(**{key: value for key, value in SPEC.items() if key != "points_per_piece"})

@@ -1,0 +1,99 @@
+"""Figures of sweeps show the numbers of the sweep."""
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from liepoisson.plot.sweep import axis_label, lattice_image
+from liepoisson.plot.sweep import sweep as draw
+from liepoisson.sweeps.run import sweep
+from liepoisson.sweeps.spec import Axis
+
+mpl.use("Agg")
+
+
+@pytest.fixture(autouse=True)
+def close():
+    yield
+    import matplotlib.pyplot as plt
+
+    plt.close("all")
+
+
+def top(x, y=0.0):
+    import liepoisson as lp
+
+    return lp.Top.heavy((2, 2, 1), (x, y, 0))
+
+
+def disc(system, x0, **_):
+    x, y = (float(v) for v in system.a[:2])
+    return np.full(len(x0), float(x**2 + y**2 < 0.5))
+
+
+def slope(system, x0, **_):
+    return float(system.a[0]) + np.linspace(-1, 1, len(x0))
+
+
+def test_a_curve_and_its_band():
+    result = sweep(system=top, axes={"x": [0.0, 1.0, 2.0]}, quantity=slope, n=5, t_end=1.0)
+    ax = draw(result)
+    (line,) = ax.lines
+    np.testing.assert_allclose(line.get_xydata(), [[0, 0], [1, 1], [2, 2]], atol=1e-15)
+    low, high = result.interval()
+    band = ax.collections[0].get_paths()[0].vertices[:, 1]
+    assert band.min() == pytest.approx(low.min())
+    assert band.max() == pytest.approx(high.max())
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$", "mean value")
+
+
+def test_a_map_paints_each_point():
+    result = sweep(system=top, axes={"x": [0.0, 1.0, 2.0], "y": [0.0, 0.5]}, quantity=slope, n=3, t_end=1.0)
+    xs, ys, image = lattice_image(result)
+    np.testing.assert_allclose(image, [[0, 0], [1, 1], [2, 2]], atol=1e-15)
+    np.testing.assert_allclose(xs, [-0.5, 0.5, 1.5, 2.5])
+    np.testing.assert_allclose(ys, [-0.25, 0.25, 0.75])
+    ax = draw(result)
+    assert len(ax.figure.axes) == 2  # the map and its colour bar
+    np.testing.assert_allclose(ax.collections[0].get_array(), image.T)
+
+
+def test_a_refined_map_has_the_right_value_at_every_point():
+    grid = np.linspace(0, 1, 5)
+    result = sweep(
+        system=top,
+        axes={"x": grid, "y": grid},
+        quantity=disc,
+        n=1,
+        t_end=1.0,
+        refine={"levels": 2, "difference": 0.5},
+    )
+    assert set(result.level) == {0, 1, 2}
+    xs, ys, image = lattice_image(result)
+    assert image.shape == (17, 17)
+    assert np.isfinite(image).all()
+    x, y = (xs[1:] + xs[:-1]) / 2, (ys[1:] + ys[:-1]) / 2
+    wanted = (x[:, None] ** 2 + y[None, :] ** 2 < 0.5).astype(float)
+    coarse = np.repeat(np.repeat(wanted[::4, ::4], 4, 0), 4, 1)[2:-1, 2:-1]
+    assert np.mean(image != wanted) < 0.06 < np.mean(coarse != wanted)
+    draw(result)
+
+
+def test_what_is_not_known_stays_empty():
+    result = sweep(system=top, axes={"x": [0.0, 1.0], "y": [0.0, 1.0]}, quantity=fails, n=1, t_end=1.0)
+    assert not result.is_complete
+    assert np.isnan(lattice_image(result)[2]).any()
+    draw(result)
+
+
+def fails(system, x0, **_):
+    if system.a[0] == 1:
+        raise ArithmeticError
+    return 1.0
+
+
+def test_labels():
+    assert axis_label(Axis("epsilon", (0.0, 1.0))) == r"$\epsilon$"
+    assert axis_label(Axis("b3", (0.0, 1.0))) == "$b_{3}$"
+    assert axis_label(Axis("energy", (0.0, 1.0))) == "energy $H$"
+    assert axis_label(Axis("x", (0.0, 1.0), "own label")) == "own label"
