@@ -10,6 +10,7 @@ import liepoisson as lp
 
 def loaded(program):
     heavy = ("sympy", "xarray", "matplotlib", "typer", "rich", "jinja2", "h5py", "pandas", "scipy")
+    heavy += ("zarr", "dask", "distributed")
     code = f"import sys\n{program}\nprint(*[name for name in {heavy!r} if name in sys.modules])"
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import warnings
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,12 +16,15 @@ import numpy as np
 
 from liepoisson import _core
 from liepoisson.errors import DamagedFileError
-from liepoisson.field import Field, field_of, record_of
+from liepoisson.field import Field, TapeFunction, field_of, record_of
 from liepoisson.files import write_atomically
 from liepoisson.numeric._checks import shown
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
 from liepoisson.numeric.methods import Method, method_of, method_record
+from liepoisson.numeric.section import Section, section
+from liepoisson.numeric.spectrum import Spectrum, lyapunov_spectrum
+from liepoisson.numeric.structural_zeros import PoissonStructure
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -62,7 +66,73 @@ def growth_dataset(growth: Growth) -> Dataset:
     return _dataset(growth, "growth", {"seed": growth.seed, "first": growth.first}, variables, coordinates)
 
 
-def _ends(result: Orbit | Growth) -> dict[str, Any]:
+def section_dataset(section: Section) -> Dataset:
+    """Crossings of a surface with labelled axes; the starts and ends of the trajectories beside them."""
+    kept = "component" if section.coordinates == section.components else "coordinate"
+    state = {"long_name": "what is kept of the crossing", "units": "dimensionless"}
+    variables: dict[str, Any] = {
+        "state": (("crossing", kept), section.state, state),
+        "sign": ("crossing", section.sign, {"long_name": "+1 where the surface function increases, else -1"}),
+        "touch_state": (("touch", kept), section.touch_state, {"long_name": "what is kept of a point not decided"}),
+        "unbounded_steps": ("trajectory", section.unbounded_steps, {"long_name": "steps with an estimated error"}),
+        "undefined_steps": ("trajectory", section.undefined_steps, {"long_name": "steps without a surface function"}),
+        "initial_state": (("trajectory", "component"), section.initial_state, {"long_name": "state at time 0"}),
+        **_ends(section),
+    }
+    coordinates = {
+        "crossing_trajectory": ("crossing", section.trajectory, {"long_name": "trajectory of the crossing"}),
+        "time": ("crossing", section.time, _TIME),
+        "touch_trajectory": ("touch", section.touch_trajectory, {"long_name": "trajectory of the point"}),
+        "touch_time": ("touch", section.touch_time, _TIME),
+        "component": list(section.components),
+        kept: list(section.coordinates),
+    }
+    run = {
+        "surface": section.surface,
+        "t_end": section.t_end,
+        "direction": section.direction,
+        "n_crossings": section.n_crossings,
+    }
+    return _dataset(section, "section", run, variables, coordinates, surface=asdict(section.tape))
+
+
+def spectrum_dataset(spectrum: Spectrum) -> Dataset:
+    """Lyapunov spectra with labelled axes; covariant vectors with times of their own."""
+    exponent = {"long_name": "finite-time Lyapunov exponents", "units": "inverse time, dimensionless"}
+    variables: dict[str, Any] = {
+        "exponent": (("trajectory", "time", "k"), spectrum.exponent, exponent),
+        "error": (("trajectory", "k"), spectrum.error, {"long_name": "statistical error at the last time"}),
+        "largest_ratio": ("trajectory", spectrum.largest_ratio, {"long_name": "of stretchings within one interval"}),
+        "initial_state": (("trajectory", "component"), spectrum.initial_state, {"long_name": "state at time 0"}),
+        **_ends(spectrum),
+    }
+    if spectrum.structure is not None:
+        variables |= {name: ("trajectory", value) for name, value in vars(spectrum.structure).items()}
+    coordinates = {
+        "time": ("time", spectrum.time, _TIME),
+        "component": list(spectrum.components),
+        "trajectory": np.arange(spectrum.first, spectrum.first + len(spectrum.outcome)),
+    }
+    if (vectors := spectrum.covariant) is not None:
+        moments = ("trajectory", "covariant_time")
+        variables |= {
+            "covariant_vector": ((*moments, "k", "component"), vectors.vector, {"long_name": "covariant vectors"}),
+            "covariant_state": ((*moments, "component"), vectors.state, {"long_name": "states where they are"}),
+            "covariant_growth": (("trajectory", "covariant_interval", "k"), vectors.growth, exponent),
+        }
+        coordinates["covariant_time"] = ("covariant_time", vectors.time, _TIME)
+    run = {
+        "seed": spectrum.seed,
+        "first": spectrum.first,
+        "interval": spectrum.interval,
+        "transient": spectrum.transient,
+        "n_exponents": spectrum.exponent.shape[2],
+        "covariant": vectors is not None,
+    }
+    return _dataset(spectrum, "spectrum", run, variables, coordinates)
+
+
+def _ends(result: Orbit | Growth | Section | Spectrum) -> dict[str, Any]:
     return {
         "outcome": ("trajectory", result.outcome.astype(object), {"long_name": "how the trajectory ended"}),
         "end_time": ("trajectory", result.end_time, {"long_name": "time reached"}),
@@ -72,13 +142,16 @@ def _ends(result: Orbit | Growth) -> dict[str, Any]:
 
 
 def _dataset(
-    result: Orbit | Growth, kind: str, run: dict[str, Any], variables: dict[str, Any], coordinates: dict[str, Any]
+    result: Orbit | Growth | Section | Spectrum,
+    kind: str,
+    run: dict[str, Any],
+    variables: dict[str, Any],
+    coordinates: dict[str, Any],
+    **records: dict[str, Any],
 ) -> Dataset:
-    """The dataset, with all that its run depended on in its attributes; a long field becomes a variable."""
+    """The dataset, with all that its run depended on in its attributes; a long record becomes a variable."""
     import xarray as xr
 
-    # json writes a float with the digits that give the same float back
-    field = json.dumps(record_of(result.field))
     attributes = {
         "format": _FORMAT,
         "kind": kind,
@@ -89,17 +162,20 @@ def _dataset(
         "run": json.dumps(run),
         "version": _core.__version__,
     }
-    if len(field) <= _LONGEST_ATTRIBUTE:
-        attributes["field"] = field
-    else:
-        text = np.frombuffer(field.encode(), dtype=np.uint8)
-        variables = variables | {"field": ("byte", text, {"long_name": "the vector field, as JSON in UTF-8"})}
+    for name, record in {"field": record_of(result.field), **records}.items():
+        # json writes a float with the digits that give the same float back
+        text = json.dumps(record)
+        if len(text) <= _LONGEST_ATTRIBUTE:
+            attributes[name] = text
+        else:
+            data = np.frombuffer(text.encode(), dtype=np.uint8)
+            variables = variables | {name: (f"{name}_byte", data, {"long_name": f"the {name}, as JSON in UTF-8"})}
     return xr.Dataset(variables, coordinates, attributes)
 
 
-def _recorded_field(dataset: Dataset) -> Field:
-    text = dataset.attrs["field"] if "field" in dataset.attrs else dataset["field"].to_numpy().tobytes().decode()
-    return field_of(json.loads(text))
+def _record(dataset: Dataset, name: str) -> dict[str, Any]:
+    text = dataset.attrs[name] if name in dataset.attrs else dataset[name].to_numpy().tobytes().decode()
+    return json.loads(text)
 
 
 def netcdf(dataset: Dataset) -> memoryview:
@@ -162,7 +238,7 @@ class _Recorded:
 
 def rerun(
     source: str | Path | Dataset, *, threads: int | None = None, progress: Callable[[float], Any] | None = None
-) -> Orbit | Growth:
+) -> Orbit | Growth | Section | Spectrum:
     """Repeats the run that made a file (or a dataset), from what it records alone.
 
     The result has the same bits as the original on any processor, with the same version of liepoisson: starts, tangent
@@ -191,19 +267,26 @@ def rerun(
             UserWarning,
             stacklevel=2,
         )
-    run: Any = lyapunov_exponent if kind == "growth" else integrate
+    run: Any = _RUNS[kind]
     return run(system, method=method, threads=threads, progress=progress, **options)
+
+
+_RUNS = {"growth": lyapunov_exponent, "orbit": integrate, "section": section, "spectrum": lyapunov_spectrum}
 
 
 def _recorded_run(dataset: Dataset) -> tuple[_Recorded, Method, str, dict[str, Any]]:
     """What a dataset records of its run: system, method, kind and the other arguments."""
     attributes = dataset.attrs
     kind, run = attributes["kind"], json.loads(attributes["run"])
-    method, field = method_of(json.loads(attributes["method"])), _recorded_field(dataset)
+    method, field = method_of(json.loads(attributes["method"])), field_of(_record(dataset, "field"))
     _expect("format", attributes["format"], _FORMAT)
-    _expect("kind", kind, "growth", "orbit")
+    _expect("kind", kind, *_RUNS)
     system = _Recorded(attributes["system"], field, tuple(map(str, dataset["component"].to_numpy())))
     times = dataset["time"].to_numpy()
+    if kind == "section":
+        return system, method, kind, _recorded_section(dataset, run)
+    if kind == "spectrum":
+        return system, method, kind, _recorded_spectrum(dataset, run)
     if kind == "growth":
         return system, method, kind, {
             "x0": dataset["initial_state"].to_numpy(),
@@ -219,6 +302,32 @@ def _recorded_run(dataset: Dataset) -> tuple[_Recorded, Method, str, dict[str, A
         "dense": bool(run["dense"]),
         "kernel": "components" if attributes["kernel"] == "components" else "lanes",
     }  # fmt: skip
+
+
+def _recorded_section(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
+    """The arguments of `section`, but for system and method."""
+    tape = _record(dataset, "surface")
+    kept = dataset["coordinate"].to_numpy() if "coordinate" in dataset.coords else None
+    return {
+        "x0": dataset["initial_state"].to_numpy(),
+        "surface": TapeFunction(tape["n_components"], tape["instructions"], tape["outputs"]),
+        "keep": None if kept is None else tuple(map(str, kept)),
+        "t_end": run["t_end"],
+        "direction": run["direction"],
+        "n_crossings": run["n_crossings"],
+    }
+
+
+def _recorded_spectrum(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
+    """The arguments of `lyapunov_spectrum`, but for system and method; zeros and pairs are those that were found."""
+    names = ("n_zeros", "corank", "is_regular")
+    known = names[0] in dataset
+    return {
+        "x0": dataset["initial_state"].to_numpy(),
+        "t_end": float(dataset["time"].to_numpy()[-1]),
+        "structure": PoissonStructure(*(dataset[name].to_numpy() for name in names)) if known else None,
+        **{name: run[name] for name in ("seed", "first", "interval", "transient", "n_exponents", "covariant")},
+    }
 
 
 def _expect(name: str, got: object, *wanted: str) -> None:

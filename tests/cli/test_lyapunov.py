@@ -87,6 +87,7 @@ def test_one_run_has_no_standard_error(command):
         (["lagrange", "--n", "0"], "--n must be at least 1"),
         (["lagrange", "--t-end", "-5"], "positive finite time"),
         (["lagrange", "--t-end", "nan"], "positive finite time"),
+        (["lagrange", "--spectrum", "--t-end", "1e12", "--time-limit", "3"], "at most 10000000 intervals"),
         (["lagrange", "--ensemble", "sphere"], "wanted one of unit-vectors, cube, gaussian; got 'sphere'"),
         (["lagrange", "--tol", "2"], "tol"),
         (["lagrange", "--threads", "0"], "threads"),
@@ -99,3 +100,27 @@ def test_refusals_are_plain(command, arguments, words):
     assert (code, out) == (2, "")
     assert words in err
     assert "Traceback" not in err
+
+
+def test_spectrum_prints_the_mean_of_the_runs_and_the_check(command, tmp_path):
+    path = tmp_path / "spectrum.nc"
+    code, out, err = command(
+        "lyapunov", "twisted-kovalevskaya", "--spectrum", "--n", 4, "--t-end", 100, "--seed", 3, "--out", path
+    )
+    assert (code, err) == (0, "")
+    rows = np.array([line.split() for line in re.findall(r"^ +\d .*$", out, re.MULTILINE)], dtype=float)
+    saved = lp.load(path)
+    last = saved["exponent"].to_numpy()[:, -1]
+    assert rows[:, 1] == pytest.approx(last.mean(axis=0), abs=1e-5)
+    assert rows[:, 3] == pytest.approx(last.min(axis=0), abs=1e-5)
+    assert rows[:, 4] == pytest.approx(last.max(axis=0), abs=1e-5)
+    assert "structural zeros: 5 of 9" in out
+    assert "pairs +x, -x" in out
+    assert np.array_equal(lp.rerun(path).exponent, saved["exponent"].to_numpy())
+
+
+def test_spectrum_of_runs_that_failed_has_nothing_to_tell():
+    from liepoisson.numeric.spectrum import lyapunov_spectrum
+
+    failed = lyapunov_spectrum(lp.Top.twisted_kovalevskaya(), np.full((2, 9), 1e200), t_end=5)
+    assert "no run finished" in "\n".join(summary(failed, "by hand"))

@@ -10,21 +10,22 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from liepoisson.cli.methods import named_method
-from liepoisson.cli.progress import progress_bar
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_file, with_settings
+from liepoisson.cli.progress import INTERRUPTED, progress_bar
+from liepoisson.cli.starts import read_numeric_system
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
 from liepoisson.errors import OutputError, ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from liepoisson.exact.system import System
-    from liepoisson.exact.system_file import SystemFile
     from liepoisson.numeric.estimates import FloatArray
     from liepoisson.numeric.lyapunov import Growth
     from liepoisson.numeric.methods import Method
+    from liepoisson.numeric.spectrum import Spectrum
 
-INTERRUPTED = 130
 OUT_HELP = "Also write the curves to this file; a folder that is missing is made."
+SPECTRUM_HELP = "All exponents, with errors and the check of pairs and zeros, instead of the largest."
 _QUANTILES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 
 
@@ -45,11 +46,12 @@ def lyapunov(
     order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
     precision: Annotated[str, typer.Option(help="double; mixed (taylor); single (runge-kutta, splitting).")] = "double",
     time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,
+    spectrum: Annotated[bool, typer.Option("--spectrum", help=SPECTRUM_HELP)] = False,
     threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
     out: Annotated[str | None, typer.Option(metavar="FILE.nc", help=OUT_HELP)] = None,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
 ) -> None:
-    """Print largest Lyapunov exponents of random starts.
+    """Print Lyapunov exponents of random starts: the largest ones, or whole spectra.
 
     Finite-time exponents: their mean with its standard error, quantiles, and how the runs ended.
     """
@@ -59,14 +61,12 @@ def lyapunov(
         raise ParameterError(f"--out must name a file; got {out!r}. Write for example --out exponents.nc.")
     if out is not None and Path(out).is_dir():  # said before the runs, not after them
         raise OutputError(f"--out must be a file; {out} is a folder. Write for example --out {out}/exponents.nc.")
-    file = with_settings(read_file(system), settings or ())
-    _check_values(file)
-    chosen = file.system()
+    chosen = read_numeric_system(system, settings or ())
     how = named_method(method, tol=tol, step=step, order=order, precision=precision)
     try:
         with progress_bar() as bar:
             listen = None if bar is None else (lambda done: bar("integrating", done * n * t_end, n * t_end))
-            growth = _growth(
+            result = (_spectrum if spectrum else _growth)(
                 chosen,
                 n,
                 t_end,
@@ -81,24 +81,50 @@ def lyapunov(
         print("interrupted; nothing was written.", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
     if out is not None:
-        growth.save(Path(out))
-    print("\n".join(summary(growth, ensemble)))
+        result.save(Path(out))
+    print("\n".join(summary(result, ensemble)))
 
 
-def summary(growth: Growth, ensemble: str) -> list[str]:
+def summary(result: Growth | Spectrum, ensemble: str) -> list[str]:
     """The lines that the command prints."""
     import numpy as np
 
-    n, t_end = len(growth.outcome), growth.time[-1]
-    finished = growth.exponent[growth.outcome == "finished", -1]
-    method = f"{growth.method}, order {growth.order}, {growth.field.kind} kernel"
+    from liepoisson.numeric.spectrum import Spectrum
+
+    outcome = result.outcome
+    method = f"{result.method}, order {result.order}, {result.field.kind} kernel"
     lines = [
-        f"{growth.system}: {n} random starts ({ensemble}, seed {growth.seed}) to t = {t_end:g}",
-        f"{method} ({growth.kernel})",
-        "outcomes: " + ", ".join(f"{name} {np.sum(growth.outcome == name)}" for name in np.unique(growth.outcome)),
+        f"{result.system}: {len(outcome)} random starts ({ensemble}, seed {result.seed}) to t = {result.time[-1]:g}",
+        f"{method} ({result.kernel})",
+        "outcomes: " + ", ".join(f"{name} {np.sum(outcome == name)}" for name in np.unique(outcome)),
     ]
-    if not finished.size:
+    if not np.any(outcome == "finished"):
         return [*lines, "no run finished: there is no exponent to tell"]
+    return lines + (_spectrum_lines(result) if isinstance(result, Spectrum) else _growth_lines(result))
+
+
+def _spectrum_lines(spectrum: Spectrum) -> list[str]:
+    """Mean spectrum, its errors and those of one run, and the self-check."""
+    import numpy as np
+
+    finished = spectrum.outcome == "finished"
+    mean, error = spectrum.mean
+    least, largest = spectrum.exponents[finished].min(axis=0), spectrum.exponents[finished].max(axis=0)
+    typical = np.median(spectrum.error[finished], axis=0)
+    lines = [
+        f"exponents at t = {spectrum.time[-1]:g}, in inverse time, of the {finished.sum()} finished runs:",
+        "   k       mean  its error      least    largest  error of one run",
+    ]
+    for k, row in enumerate(zip(mean, error, least, largest, typical, strict=True), start=1):
+        lines.append("{:4}  {:9.5f}  {:9.1e}  {:9.5f}  {:9.5f}  {:16.1e}".format(k, *row))
+    return [*lines, spectrum.check()]
+
+
+def _growth_lines(growth: Growth) -> list[str]:
+    import numpy as np
+
+    t_end, finished = growth.time[-1], growth.exponent[growth.outcome == "finished", -1]
+    lines: list[str] = []
     lines.append(f"largest exponent at t = {t_end:g}, in inverse time, of the {finished.size} finished runs:")
     lines.append(f"  mean {_mean(finished)}")
     quantiles = zip(_QUANTILES, np.quantile(finished, _QUANTILES), strict=True)
@@ -132,17 +158,25 @@ def _growth(
     )
 
 
-def _check_values(file: SystemFile) -> None:
-    """Refuse symbols at once, all of them together."""
-    if file.symbols:
-        from liepoisson.exact.formula.scope import read_declaration
+def _spectrum(
+    system: System,
+    n: int,
+    t_end: float,
+    *,
+    seed: int,
+    ensemble: str,
+    method: Method,
+    threads: int | None,
+    time_limit: float,
+    progress: Callable[[float], object] | None,
+) -> Spectrum:
+    from liepoisson.numeric.sampling import sample_states
+    from liepoisson.numeric.spectrum import lyapunov_spectrum
 
-        name, shape = read_declaration(file.symbols[0])
-        value = ",".join("1" * shape[0]) if shape else "1"
-        raise ParameterError(
-            f"{file.name} must have numbers for all parameters; {', '.join(file.symbols)} have none. "
-            f"Give them, for example --set {name}={value}."
-        )
+    x0 = sample_states(system, n, seed=seed, ensemble=ensemble)
+    return lyapunov_spectrum(
+        system, x0, t_end=t_end, seed=seed, method=method, threads=threads, time_limit=time_limit, progress=progress
+    )
 
 
 def _mean(exponents: FloatArray) -> str:

@@ -35,7 +35,10 @@ def application() -> typer.Typer:
     from liepoisson.cli.catalog import catalog
     from liepoisson.cli.inspect import inspect
     from liepoisson.cli.lyapunov import lyapunov
+    from liepoisson.cli.orbit import orbit
     from liepoisson.cli.reproduce import reproduce
+    from liepoisson.cli.section import section
+    from liepoisson.cli.sweep import sweep
 
     app = typer.Typer(
         name="liepoisson",
@@ -62,6 +65,6 @@ def application() -> typer.Typer:
         """The laboratory for Lie-Poisson dynamics."""
 
     app.callback()(options)
-    for command in (reproduce, inspect, catalog, lyapunov):
+    for command in (reproduce, inspect, catalog, lyapunov, orbit, section, sweep):
         app.command()(command)
     return app

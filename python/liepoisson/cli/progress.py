@@ -13,6 +13,9 @@ if TYPE_CHECKING:
 
     from liepoisson.studies.twisted_top.integration import Progress
 
+INTERRUPTED = 130
+"""Exit code of a command that Ctrl-C has ended."""
+
 
 @contextmanager
 def progress_bar() -> Generator[Progress | None]:

@@ -8,11 +8,10 @@ from typing import Annotated
 
 import typer
 
-from liepoisson.cli.progress import progress_bar
+from liepoisson.cli.progress import INTERRUPTED, progress_bar
 from liepoisson.errors import ParameterError
 from liepoisson.studies import STUDIES, check_study
 
-INTERRUPTED = 130
 QUICK_MEMBERS, QUICK_END_TIME = 1000, 200.0
 
 

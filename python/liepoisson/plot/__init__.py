@@ -1,6 +1,26 @@
 """Figures of results.  They see result objects and Datasets only, and import matplotlib when they draw."""
 
+from liepoisson.plot.equilibria import sleeping_diagram
 from liepoisson.plot.exponents import convergence, exponent_distribution, window_scan
+from liepoisson.plot.indicators import indicators
+from liepoisson.plot.orbits import orbit
+from liepoisson.plot.rod import rod
+from liepoisson.plot.section import section
+from liepoisson.plot.spectrum import spectrum
 from liepoisson.plot.style import house_style, save_figure
+from liepoisson.plot.sweep import sweep
 
-__all__ = ["convergence", "exponent_distribution", "house_style", "save_figure", "window_scan"]
+__all__ = [
+    "convergence",
+    "exponent_distribution",
+    "house_style",
+    "indicators",
+    "orbit",
+    "rod",
+    "save_figure",
+    "section",
+    "sleeping_diagram",
+    "spectrum",
+    "sweep",
+    "window_scan",
+]

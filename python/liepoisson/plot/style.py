@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,6 +88,25 @@ def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> 
     import matplotlib.pyplot as plt
 
     return plt.figure(figsize=(width, height)).add_subplot()
+
+
+def as_colours(colour: Any) -> tuple[Any, ...]:
+    """One colour or a sequence of them, as Matplotlib reads them; without any, those of the house.
+
+    Raises:
+        ParameterError: it is no colour, or a sequence without any.
+    """
+    from matplotlib.colors import is_color_like
+
+    if colour is None:
+        return SEQUENCE
+    one = (colour,) if isinstance(colour, str) or not isinstance(colour, Sequence) or is_color_like(colour) else colour
+    colours = tuple(one)
+    if not colours or not all(map(is_color_like, colours)):
+        raise ParameterError(
+            f'colour must be a colour of Matplotlib or a sequence of them; got {colour!r:.80}. Try "#1668b8".'
+        )
+    return colours
 
 
 def new_figure(width: float, height: float) -> Figure:

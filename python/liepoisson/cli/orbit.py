@@ -1,0 +1,142 @@
+"""The command `liepoisson orbit`: one orbit from a given start, or from a leaf and an energy."""
+
+from __future__ import annotations
+
+import math
+import sys
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import numpy as np
+import typer
+
+from liepoisson.cli.methods import named_method
+from liepoisson.cli.output import (
+    FIGURE_HELP,
+    KEEP_HINT,
+    OUT_HELP,
+    PLOT_HELP,
+    data_file,
+    figure_stem,
+    file_stem,
+    write_figure,
+    write_table,
+)
+from liepoisson.cli.progress import INTERRUPTED, progress_bar
+from liepoisson.cli.starts import (
+    ENERGY_HELP,
+    GUESS_HELP,
+    LEAF_HELP,
+    SEED_HELP,
+    START_HELP,
+    find_start,
+    read_numeric_system,
+    start_lines,
+)
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
+from liepoisson.errors import ParameterError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from numpy.typing import NDArray
+
+    from liepoisson.exact.system import System
+    from liepoisson.numeric.integrate import Orbit
+
+    FloatArray: TypeAlias = NDArray[np.float64]
+
+_MOST_POINTS = 10_000_000
+_ROUND_OFF = 1e-15
+"""The tolerance of power series that is the default of `integrate`: one orbit costs little."""
+
+
+def orbit(
+    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    *,
+    start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
+    guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
+    leaf: Annotated[str | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
+    energy: Annotated[float | None, typer.Option(help=ENERGY_HELP)] = None,
+    seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
+    t: Annotated[float, typer.Option("--t", help="Time of the run; a negative one runs backwards.")] = 100.0,
+    points: Annotated[int, typer.Option(help="Times at which the state is kept, evenly spaced.")] = 2001,
+    method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting, gauss or lagrange-map.")] = "taylor",
+    tol: Annotated[
+        float | None, typer.Option(help="Tolerance of taylor and runge-kutta.  [default: 1e-15, 1e-8]")
+    ] = None,
+    step: Annotated[float | None, typer.Option(help="Step of the methods with equal steps.  [default: 0.1]")] = None,
+    order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
+    time_limit: Annotated[float, typer.Option(help="Seconds that the run may take.")] = 3600.0,
+    out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
+    plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
+    figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
+    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+) -> None:
+    """Print where an orbit begins, how it ended and how well its invariants are kept.
+
+    Without --start, a random state is taken; --leaf and --energy move it onto the symplectic leaf with these values
+    of the Casimirs and to this energy.
+    """
+    chosen = read_numeric_system(system, settings or ())
+    _check_times(t, points)
+    slug = file_stem(chosen.name)
+    data = data_file(out, f"{slug}-orbit.nc")
+    stem = figure_stem(plot, figure, f"{slug}-orbit")
+    how = named_method(method, tol=_ROUND_OFF if tol is None and method == "taylor" else tol, step=step, order=order)
+    begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf, energy=energy, seed=seed)
+    print(f"{chosen.name}: one orbit to t = {t:g}, {points} points")
+    print("\n".join(start_lines(chosen, begin)), flush=True)
+    try:
+        run = _integrated(chosen, begin.state, t, points, method=how, time_limit=time_limit)
+    except KeyboardInterrupt:
+        print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    print("\n".join(run_lines(chosen, run)), flush=True)
+    for path in _written(chosen, run, data, stem):
+        print(f"wrote    {path}")
+
+
+@np.errstate(all="ignore")
+def run_lines(system: System, run: Orbit) -> list[str]:
+    """What the command prints about the run: the method, the outcome, the largest change of each invariant."""
+    lines = [
+        f"method   {run.method}, order {run.order}, {run.field.kind} kernel ({run.kernel})",
+        f"outcome  {run.outcome[0]} at t = {run.end_time[0]:g}, {run.n_steps[0]} steps",
+    ]
+    state = run.state[0][np.isfinite(run.state[0]).all(axis=1)]
+    if len(state) < 2:
+        return [*lines, "drift    not known: no state beyond the start was reached"]
+    lines.append(f"drift    largest change along {len(state)} points")
+    values = system.invariant_values(state)
+    width = max(map(len, values))
+    return lines + [f"  {name:<{width}}  {np.abs(f - f[0]).max():.0e}" for name, f in values.items()]
+
+
+def _integrated(system: System, x0: FloatArray, t: float, points: int, **options: Any) -> Orbit:
+    from liepoisson.numeric.integrate import integrate
+
+    with progress_bar() as bar:
+        listen = None if bar is None else (lambda done: bar("integrating", done * abs(t), abs(t)))
+        return integrate(system, x0, t=np.linspace(0.0, t, points), progress=listen, **options)
+
+
+def _written(system: System, run: Orbit, data: Path | None, stem: Path | None) -> list[Path]:
+    """The files that were asked for."""
+    written: list[Path] = []
+    if data is not None and data.suffix == ".nc":
+        written.append(run.save(data))
+    elif data is not None:
+        write_table(data, {"t": run.time, **dict(zip(run.components, run.state[0].T, strict=True))})
+        written.append(data)
+    if stem is not None:
+        from liepoisson.plot.orbits import orbit as draw
+
+        written += write_figure(draw(run, invariants=system.invariant_values(run.state[0])), stem)
+    return written
+
+
+def _check_times(t: float, points: int) -> None:
+    if not (math.isfinite(t) and t != 0):
+        raise ParameterError(f"--t must be a finite time other than 0; got {t:g}. Try 100.")
+    if not 2 <= points <= _MOST_POINTS:
+        raise ParameterError(f"--points must be from 2 to {_MOST_POINTS}; got {points}. Try 2001.")

@@ -1,0 +1,111 @@
+"""Where the commands `orbit` and `section` write: data by --out, figures by --plot and --figure."""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory, TemporaryFile
+from typing import TYPE_CHECKING
+
+from liepoisson.errors import OutputError, ParameterError
+from liepoisson.files import write_atomically, writing
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+    from numpy.typing import ArrayLike
+
+OUT_HELP = "Also write the result to this file: .nc (which can be rerun) or .csv."
+PLOT_HELP = "Draw a figure, in the working folder: .png, .svg and .pdf."
+FIGURE_HELP = "Draw the figure into this file: .png, .svg or .pdf; without an ending, all three."
+KEEP_HINT = "With --time-limit SECONDS a run ends by itself and keeps what is done by then."
+"""What to try after Ctrl-C."""
+
+DATA_ENDINGS = (".nc", ".csv")
+
+
+def file_stem(name: str) -> str:
+    """The name of a system as the beginning of file names: what is neither letter nor digit becomes a hyphen."""
+    return re.sub(r"\W+", "-", name).strip("-") or "system"
+
+
+def data_file(out: str | None, example: str) -> Path | None:
+    """The path that --out names, refused before the run and not after it.
+
+    Raises:
+        ParameterError: it names no file, or one of another kind.
+        OutputError: it is a folder, or lies in one that can not be written to.
+    """
+    return None if out is None else _checked(out, "--out", DATA_ENDINGS, example)
+
+
+def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:
+    """What the figure is called, with an ending if only one format is wanted; None where none is wanted.
+
+    Raises:
+        ParameterError: --figure names no file, or one of another kind.
+        OutputError: it is a folder, or lies in one that can not be written to.
+    """
+    from liepoisson.plot.style import FORMATS
+
+    if figure is None and plot:
+        _check_folder(Path(default))
+    if figure is None:
+        return Path(default) if plot else None
+    return _checked(figure, "--figure", ("", *(f".{extension}" for extension in FORMATS)), f"{default}.png")
+
+
+def _checked(name: str, option: str, endings: Sequence[str], example: str) -> Path:
+    if not name.strip():
+        raise ParameterError(f"{option} must name a file; got {name!r}. Write for example {option} {example}.")
+    path = Path(name)
+    if path.is_dir():
+        raise OutputError(f"{option} must be a file; {name} is a folder. Write for example {option} {path / example}.")
+    if path.suffix not in endings:
+        known = ", ".join(filter(None, endings))
+        raise ParameterError(
+            f"{option} must end in one of {known}; got {name!r:.120}. Write for example {option} {example}."
+        )
+    _check_folder(path)
+    return path
+
+
+def _check_folder(path: Path) -> None:
+    """Refuse a folder that nothing can be written to; one that is not there yet is made with the file."""
+    folder = next((parent for parent in path.absolute().parents if parent.exists()), path.absolute().parent)
+    with writing(path), TemporaryFile(dir=folder):
+        pass
+
+
+def write_table(path: Path, columns: Mapping[str, ArrayLike]) -> None:
+    """Write columns of equal length as comma-separated values under their names.
+
+    Numbers have 17 significant digits, which give the same doubles back.
+
+    Raises:
+        OutputError: the file can not be written.
+    """
+    import numpy as np
+
+    text = io.StringIO()
+    table = np.column_stack([np.asarray(column, np.float64) for column in columns.values()])
+    np.savetxt(text, table, fmt="%.17g", delimiter=",", header=",".join(columns), comments="")
+    write_atomically(path, text.getvalue().encode())
+
+
+def write_figure(figure: Figure, stem: Path) -> list[Path]:
+    """Write a figure in the format that its name ends in, or in all of them.
+
+    Raises:
+        OutputError: a file can not be written.
+    """
+    from liepoisson.plot.style import save_figure
+
+    written: list[Path] = []
+    with TemporaryDirectory() as folder:
+        for path in save_figure(figure, Path(folder) / "figure"):
+            if stem.suffix in ("", path.suffix):
+                written.append(stem.with_suffix(path.suffix))
+                write_atomically(written[-1], path.read_bytes())
+    return written

@@ -1,0 +1,260 @@
+"""The command `liepoisson section`: where orbits of one leaf and one energy cross a surface."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+
+import numpy as np
+import typer
+
+from liepoisson.cli.output import (
+    FIGURE_HELP,
+    KEEP_HINT,
+    OUT_HELP,
+    PLOT_HELP,
+    data_file,
+    figure_stem,
+    file_stem,
+    write_figure,
+    write_table,
+)
+from liepoisson.cli.progress import INTERRUPTED, progress_bar
+from liepoisson.cli.starts import (
+    ENERGY_HELP,
+    GUESS_HELP,
+    LEAF_HELP,
+    SEED_HELP,
+    START_HELP,
+    find_start,
+    leaf_lines,
+    read_numeric_system,
+    start_lines,
+)
+from liepoisson.cli.surfaces import Direction, Surface, default_surface
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
+from liepoisson.errors import ParameterError
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+    from numpy.typing import NDArray
+
+    from liepoisson.cli.starts import Start
+    from liepoisson.exact.system import System
+    from liepoisson.numeric.section import Section
+
+    FloatArray: TypeAlias = NDArray[np.float64]
+
+NO_CROSSING = 1
+N_STARTS = 24
+_MOST_STARTS, _MOST_CROSSINGS = 100_000, 1_000_000_000
+_TIME = 100.0
+"""Time for each crossing that is wanted: the tops of the catalog need 5 to 50."""
+_ROUND_OFF = 1e-9
+"""Relative width of a figure below which it would show nothing but errors."""
+SURFACE_HELP = (
+    "The function that is zero on the surface, as in 'dot(l, beta)'.  [default: a.(alpha x beta) for a top "
+    "with two fields, else the rate of a coordinate]"
+)
+KEEP_HELP = "Keep this function of each crossing, and not the state.  Repeat it for more."
+
+
+def section(
+    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    *,
+    surface: Annotated[str | None, typer.Option(metavar="FORMULA", help=SURFACE_HELP)] = None,
+    direction: Annotated[Direction, typer.Option(help="Of the function at a crossing.")] = Direction.UP,
+    start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
+    guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
+    leaf: Annotated[str | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
+    energy: Annotated[float | None, typer.Option(help=ENERGY_HELP)] = None,
+    starts: Annotated[
+        int | None, typer.Option(help=f"Random starts on leaf, energy and surface.  [default: {N_STARTS}]")
+    ] = None,
+    seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
+    crossings: Annotated[int, typer.Option(help="Of each orbit, which ends with the last one.")] = 500,
+    t: Annotated[
+        float | None, typer.Option("--t", help="Time at which an orbit ends at the latest.  [default: 100 a crossing]")
+    ] = None,
+    keep: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=KEEP_HELP)] = None,
+    threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
+    time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,
+    out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
+    plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
+    figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
+    x: Annotated[
+        str | None, typer.Option("--x", metavar="FORMULA", help="Across in the figure.  [default: the last component]")
+    ] = None,
+    y: Annotated[
+        str | None, typer.Option("--y", metavar="FORMULA", help="Up in the figure.  [default: the second component]")
+    ] = None,
+    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+) -> None:
+    """Print where orbits cross a surface.
+
+    Several orbits of one leaf and one energy: those of --start or, moved there, of --guess, of --leaf and --energy,
+    or else of member 0 of the random states.  With --start, this orbit alone.
+
+    The exit code is 1 where no orbit crosses the surface.
+    """
+    chosen = read_numeric_system(system, settings or ())
+    _check_counts(starts, start, crossings)
+    slug = file_stem(chosen.name)
+    data = data_file(out, f"{slug}-section.nc")
+    stem = figure_stem(plot, figure, f"{slug}-section")
+    axes = _axes(chosen, x, y, keep) if stem is not None else None
+    begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf, energy=energy, seed=seed)
+    cut = default_surface(chosen, begin) if surface is None else Surface(surface, "as given")
+    _check_formulas(chosen, (cut.function, *(keep or ())))
+    print("\n".join(head_lines(chosen, begin, cut, direction, alone=bool(start))), flush=True)
+    n, t_end = N_STARTS if starts is None else starts, _TIME * crossings if t is None else t
+    x0 = begin.state[None] if start else _starts(begin, cut, n, seed, direction)
+    if not start:
+        print(f"starts   {n} on the leaf, the energy surface and the section, seed {seed}", flush=True)
+    try:
+        run = _crossings(
+            chosen,
+            x0,
+            t_end=t_end,
+            surface=cut.function,
+            direction=direction.sign,
+            n_crossings=crossings,
+            keep=keep or None,
+            threads=threads,
+            time_limit=time_limit,
+        )
+    except KeyboardInterrupt:
+        print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    print("\n".join(run_lines(run, begin, full=not keep)), flush=True)
+    if data is not None:
+        _write_data(run, data)
+        print(f"wrote    {data}")
+    if not len(run.time):
+        print(f"liepoisson: no orbit crosses {cut.function} = 0 up to t = {t_end:g}.", file=sys.stderr)
+        raise typer.Exit(NO_CROSSING)
+    if stem is not None and axes is not None:
+        for path in write_figure(_drawn(chosen, run, begin, cut, axes), stem):
+            print(f"wrote    {path}")
+
+
+def head_lines(system: System, begin: Start, cut: Surface, direction: Direction, *, alone: bool) -> list[str]:
+    """What is known before the run: the surface, the leaf, the energy, the dimension of the section."""
+    words = {Direction.UP: "increases", Direction.DOWN: "decreases", Direction.BOTH: "changes sign"}[direction]
+    lines = [
+        f"{system.name}: crossings where {cut.function} {words} through 0",
+        f"surface  {cut.reason}",
+        *(start_lines(system, begin) if alone else leaf_lines(system, begin)),
+    ]
+    dimension = max(begin.leaf.rank - 2, 0)
+    remark = "; a plane shows a projection, which proves neither tori nor chaos" if dimension > 2 else ""
+    return [*lines, f"section  dimension {dimension}{remark}"]
+
+
+@np.errstate(all="ignore")
+def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
+    """What the command prints about the run."""
+    names, counts = np.unique(run.outcome, return_counts=True)
+    lines = [
+        f"method   {run.method}, order {run.order}, {run.field.kind} kernel ({run.kernel})",
+        "outcome  " + ", ".join(f"{name} {n}" for name, n in zip(names, counts, strict=True)),
+        f"found    {len(run.time)} crossings, {run.count.min()} to {run.count.max()} of each orbit, "
+        f"to t = {run.end_time.max():.6g}; undecided touches: {len(run.touch_time)}",
+    ]
+    if unbounded := int(run.unbounded_steps.sum()):
+        lines.append(f"error    estimated, not bounded, in {unbounded} of {run.n_steps.sum()} steps")
+    if undefined := int(run.undefined_steps.sum()):
+        lines.append(f"missed   the function does not exist in {undefined} of {run.n_steps.sum()} steps")
+    if full and len(run.time):
+        energy = begin.leaf.system.functions.energy(run.state)
+        worst, drift = begin.leaf.residual(run.state).max(), np.abs(energy - begin.energy).max()
+        lines.append(f"drift    relative to the leaf {worst:.0e}, energy {drift:.0e}")
+    return lines
+
+
+def _check_counts(starts: int | None, start: Sequence[str] | None, crossings: int) -> None:
+    if starts is not None and start:
+        raise ParameterError("--starts and --start exclude each other: with --start there is one orbit. Or --guess.")
+    for name, value, most in (("starts", starts, _MOST_STARTS), ("crossings", crossings, _MOST_CROSSINGS)):
+        if value is not None and not 1 <= value <= most:
+            raise ParameterError(f"--{name} must be from 1 to {most}; got {value}. Try {N_STARTS}.")
+
+
+def _check_formulas(system: System, formulas: Sequence[str]) -> None:
+    """Refuse formulas that can not be read before anything is printed or drawn at random."""
+    for formula in formulas:
+        if not system.expression(formula).free_symbols:
+            raise ParameterError(f"a function of the state was wanted; {formula!r:.60} is constant. Try another one.")
+
+
+def _axes(system: System, x: str | None, y: str | None, keep: Sequence[str] | None) -> tuple[str, str]:
+    """The functions along the axes of the figure."""
+    if keep:
+        across, up = x or keep[0], y or keep[-1]
+        if across == up:
+            raise ParameterError(
+                f"a figure must have two functions for its axes; only {across!r} is there. Add another --keep."
+            )
+        if missing := [name for name in (across, up) if name not in keep]:
+            raise ParameterError(f"--x and --y must be kept; {missing[0]!r} is not. Add --keep '{missing[0]}'.")
+        return across, up
+    names = system.component_names
+    axes = x or names[-1], y or names[min(1, len(names) - 1)]
+    _check_formulas(system, axes)
+    return axes
+
+
+def _starts(begin: Start, cut: Surface, n: int, seed: int, direction: Direction) -> FloatArray:
+    from liepoisson.phase_space.surfaces import section_starts
+
+    return section_starts(
+        begin.leaf, cut.function, energy=begin.energy, n=n, seed=seed, direction=direction.sign, spread=True
+    )
+
+
+def _crossings(system: System, x0: FloatArray, *, t_end: float, **options: Any) -> Section:
+    from liepoisson.numeric.section import section as find_crossings
+
+    total = len(x0) * abs(t_end)
+    with progress_bar() as bar:
+        listen = None if bar is None else (lambda done: bar("looking for crossings", done * total, total))
+        return find_crossings(system, x0, t_end=t_end, progress=listen, **options)
+
+
+def _write_data(run: Section, data: Path) -> None:
+    if data.suffix == ".nc":
+        run.save(data)
+        return
+    kept = dict(zip((f'"{name}"' if "," in name else name for name in run.coordinates), run.state.T, strict=True))
+    write_table(data, {"trajectory": run.trajectory, "t": run.time, "sign": run.sign, **kept})
+
+
+def _drawn(system: System, run: Section, begin: Start, cut: Surface, axes: tuple[str, str]) -> Figure:
+    from liepoisson.plot.section import section as draw
+    from liepoisson.plot.style import house_style, new_figure
+
+    with house_style():
+        figure = new_figure(6.0, 5.4)
+        ax = figure.add_subplot()
+        # Named coordinates get their labels there; the values of a formula are labelled with its text.
+        kept = [axis in run.coordinates for axis in axes]
+        x, y = (a if known else system.functions.of(a)(run.state) for a, known in zip(axes, kept, strict=True))
+        xlabel, ylabel = (None if known else a for a, known in zip(axes, kept, strict=True))
+        draw(run, x, y, xlabel=xlabel, ylabel=ylabel, ax=ax)
+        _widen(ax)
+        values = ", ".join(f"{name} = {value:.4g}" for name, value in begin.leaf.casimirs.items())
+        ax.set_title(f"{system.name}: section {cut.function} = 0\nH = {begin.energy:.4g}, {values}", fontsize=10.5)
+    return figure
+
+
+def _widen(ax: Axes) -> None:
+    """Show points that agree to round-off, as those of periodic orbits do, as one point."""
+    for limits, set_limits in ((ax.get_xlim(), ax.set_xlim), (ax.get_ylim(), ax.set_ylim)):
+        low, high = limits
+        middle, size = (low + high) / 2, max(abs(low), abs(high), 1e-3)
+        if high - low < _ROUND_OFF * size:
+            set_limits(middle - size / 2, middle + size / 2)

@@ -1,0 +1,104 @@
+"""The command `liepoisson sweep`: one quantity over a grid, from a sweep file."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from liepoisson.cli.output import FIGURE_HELP, PLOT_HELP, figure_stem, write_figure
+from liepoisson.cli.progress import INTERRUPTED, progress_bar
+
+if TYPE_CHECKING:
+    from liepoisson.sweeps.result import Sweep
+
+INCOMPLETE = 1
+_MOST_ROWS = 24
+
+
+def sweep(
+    file: Annotated[str, typer.Argument(help="A sweep file (.toml).", metavar="FILE.toml")],
+    *,
+    store: Annotated[
+        str | None, typer.Option(metavar="DIR.zarr", help="Folder of the results.  [default: beside FILE, as .zarr]")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="ADDRESS", help="A Dask scheduler whose workers compute: tcp://host:8786.")
+    ] = None,
+    processes: Annotated[int | None, typer.Option(help="Compute in this many processes of this machine.")] = None,
+    threads: Annotated[int | None, typer.Option(help="Compute in this many threads.  [default: all cores]")] = None,
+    points_per_piece: Annotated[
+        int | None, typer.Option(help="Points of a piece.  [default: as many as take about 0.3 s]")
+    ] = None,
+    patience: Annotated[float, typer.Option(metavar="SECONDS", help="Wait so long for a scheduler.")] = 60.0,
+    fresh: Annotated[bool, typer.Option("--fresh", help="Discard what the folder holds.")] = False,
+    plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
+    figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
+) -> None:
+    """Compute a quantity over a grid of parameters, energies and Casimirs.
+
+    Results are kept piece by piece: a sweep that was interrupted goes on when the same command is given again.  The
+    exit code is 1 if a part could not be computed.
+    """
+    from liepoisson.sweeps.run import sweep as run
+    from liepoisson.sweeps.spec_file import read_sweep_file
+
+    spec = read_sweep_file(file)
+    folder = Path(store) if store is not None else Path(file).with_suffix(".zarr")
+    stem = figure_stem(plot, figure, Path(file).stem)
+    try:
+        with progress_bar() as bar:
+            result = run(
+                spec,
+                store=folder,
+                scheduler=scheduler,
+                processes=processes,
+                threads=threads,
+                points_per_piece=points_per_piece,
+                patience=patience,
+                fresh=fresh,
+                progress=bar,
+            )
+    except KeyboardInterrupt:
+        print(f"interrupted; what is finished is in {folder}. The same command goes on with it.", file=sys.stderr)
+        raise typer.Exit(INTERRUPTED) from None
+    print("\n".join(summary(result)))
+    if stem is not None:
+        from liepoisson.plot.sweep import sweep as draw
+
+        for path in write_figure(draw(result).get_figure(), stem):  # pyright: ignore[reportArgumentType]
+            print(f"figure {path}", file=sys.stderr)
+    for line in (*result.remarks, *result.failed):
+        print(line, file=sys.stderr)
+    if not result.is_complete:
+        raise typer.Exit(INCOMPLETE)
+
+
+def summary(result: Sweep) -> list[str]:
+    """The lines that the command prints."""
+    spec = result.spec
+    lines = [
+        f"{spec.name or 'sweep'}: {len(result.points)} points, {spec.n} orbits each to t = {spec.t_end:g}, "
+        f"seed {spec.seed}",
+        f"method: {result.method}",
+        *(f"held: {line}" for line in result.held),
+        "outcomes: " + ", ".join(f"{name} {count}" for name, count in result.outcomes.items()),
+    ]
+    if result.n_damaged:
+        lines.append(f"{result.n_damaged} damaged pieces of the store were computed anew")
+    low, high = result.interval()
+    names = [axis.name for axis in spec.axes]
+    what = "chaotic fraction" if spec.quantity == "chaotic_fraction" else "mean"
+    if spec.quantity == "chaotic_fraction":
+        lines.append(f"chaotic: exponent above {spec.chaos_threshold:.4g}")
+    lines.append("  ".join(f"{name:>10}" for name in names) + f"  {what}, 95% interval")
+    order = range(len(result.points)) if len(names) == 2 else result.points[:, 0].argsort()
+    for shown, point in enumerate(order):
+        if shown == _MOST_ROWS:
+            lines.append(f"... and {len(result.points) - _MOST_ROWS} more points, in {result.store}")
+            break
+        place = "  ".join(f"{value:>10.6g}" for value in result.points[point])
+        lines.append(f"{place}  {result.statistic[point]:.4f}  [{low[point]:.4f}, {high[point]:.4f}]")
+    return lines

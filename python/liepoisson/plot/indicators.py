@@ -1,0 +1,139 @@
+r"""Figures of chaos indicators: growth of a tangent vector, MEGNO and alignment against time, one curve per orbit."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric._checks import shown
+from liepoisson.numeric.verdict import Rule
+from liepoisson.plot.exponents import time_axis
+from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+# The axes of growth and MEGNO are linear up to here, so that ln t and 2 can be read, and logarithmic beyond.
+_LINEAR_TO = 10.0
+# Beyond so many curves a legend would hide them.
+_MOST_LABELS = 6
+
+
+class MegnoLike(Protocol):
+    """What `megno` returns: `time` (time,), `log_growth` and `mean`, both (trajectory, time)."""
+
+    @property
+    def time(self) -> Any: ...  # noqa: D102
+    @property
+    def log_growth(self) -> Any: ...  # noqa: D102
+    @property
+    def mean(self) -> Any: ...  # noqa: D102
+
+
+class AlignmentLike(Protocol):
+    """What `alignment` returns: `time` (time,) and `sali` (trajectory, time)."""
+
+    @property
+    def time(self) -> Any: ...  # noqa: D102
+    @property
+    def sali(self) -> Any: ...  # noqa: D102
+
+
+def indicators(
+    growth: MegnoLike,
+    angle: AlignmentLike,
+    *,
+    members: Sequence[int] | None = None,
+    labels: Sequence[str] | None = None,
+    decided_at: float | None = None,
+    rule: Rule | None = None,
+    axes: Sequence[Axes] | None = None,
+) -> tuple[Axes, Axes, Axes]:
+    r"""Growth $\ln|v|$, mean MEGNO and SALI of orbits against time, in three panels with the same time axis.
+
+    Dashed are $\ln t$ and 2, the laws of a torus, and the round-off at the foot of SALI; thin lines are the thresholds
+    between which MEGNO and SALI do not vote.  The axes of growth and MEGNO are linear up to 10 and logarithmic beyond.
+
+    Args:
+        growth: Result of `megno`.
+        angle: Result of `alignment` for the same starts.
+        members: Which trajectories to draw; by default all.
+        labels: A name for each of them, for the legend.
+        decided_at: A time to mark, such as the `t_end` of a verdict.
+        rule: Whose thresholds to draw; by default those of `decide`.
+        axes: Three axes to draw into, by default those of a new figure, one below the other.
+
+    Returns:
+        The three axes.
+
+    Raises:
+        ShapeError: not three axes, or results for different numbers of trajectories.
+        ParameterError: other objects than such results, a member that is not there, or not one label for each.
+    """
+    _check_results(growth, angle)
+    log_growth, mean, sali = (np.asarray(values) for values in (growth.log_growth, growth.mean, angle.sali))
+    if len(mean) != len(sali):
+        raise ShapeError(f"growth and angle must be of the same trajectories; got {len(mean)} and {len(sali)}.")
+    chosen = range(len(mean)) if members is None else members
+    if not all(0 <= k < len(mean) for k in chosen):
+        raise ParameterError(f"members: wanted numbers from 0 to {len(mean) - 1}; got {list(chosen)}")
+    if labels is not None and len(labels) != len(chosen):
+        raise ParameterError(f"labels: wanted one for each of {len(chosen)} members; got {len(labels)}")
+    t, t_angle = np.asarray(growth.time), np.asarray(angle.time)
+    with house_style():
+        top, middle, low = _panels(axes)
+        for i, k in enumerate(chosen):
+            colour, label = SEQUENCE[i % len(SEQUENCE)], None if labels is None else labels[i]
+            top.plot(t, log_growth[k], color=colour, label=label)
+            middle.plot(t, mean[k], color=colour)
+            low.plot(t_angle, sali[k], color=colour)
+        first, last = max(t[0], t_angle[0]), min(t[-1], t_angle[-1])
+        reference: dict[str, Any] = {"color": MUTED, "linewidth": 0.9, "linestyle": (0, (5, 3)), "zorder": 1}
+        torus_time = np.geomspace(first, last, 100)
+        top.plot(torus_time, np.log(torus_time), label=r"$\ln t$", **reference)
+        middle.axhline(2.0, **reference)
+        low.axhline(1e-16, **reference)
+        chosen_rule = Rule() if rule is None else rule
+        for ax, thresholds in ((middle, chosen_rule.megno), (low, chosen_rule.sali)):
+            for threshold in thresholds:
+                ax.axhline(threshold, color=MUTED, linewidth=0.5, zorder=1)
+        scale = f"(linear to {_LINEAR_TO:g}, then log)"
+        names = r"$\ln|v(t)|$" "\n" + scale, r"$\overline{Y}(t)$" "\n" + scale, "SALI"
+        for ax, name in zip((top, middle, low), names, strict=True):
+            ax.set_xscale("log")
+            time_axis(ax, first, last)
+            ax.set_ylabel(name)
+            if decided_at is not None:
+                ax.axvline(decided_at, color=INK, linewidth=0.8, linestyle=(0, (1, 2)))
+        for ax in (top, middle):
+            ax.set_yscale("symlog", linthresh=_LINEAR_TO)
+            ax.set_ylim(bottom=0.0)
+            ax.set_xlabel("")
+            ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
+        low.set_yscale("log")
+        if labels is not None and len(labels) <= _MOST_LABELS:
+            top.legend()
+    return top, middle, low
+
+
+def _check_results(growth: object, angle: object) -> None:
+    wanted = (
+        ("growth", growth, "megno", ("time", "log_growth", "mean")),
+        ("angle", angle, "alignment", ("time", "sali")),
+    )
+    for name, given, function, attributes in wanted:
+        if not all(hasattr(given, attribute) for attribute in attributes):
+            raise ParameterError(f"{name}: wanted what {function} returns; got {shown(given)}; call {function} first")
+
+
+def _panels(axes: Sequence[Axes] | None) -> tuple[Axes, Axes, Axes]:
+    if axes is None:
+        import matplotlib.pyplot as plt
+
+        axes = list(plt.figure(figsize=(6.4, 6.6)).subplots(3, 1, sharex=True))
+    if len(axes) != 3:
+        raise ShapeError(f"axes must be three, for growth, MEGNO and SALI; got {len(axes)}.")
+    return axes[0], axes[1], axes[2]

@@ -1,0 +1,259 @@
+r"""Figures of one orbit: its vectors in time and on their spheres, and how well the invariants are kept."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTED, SECOND_FIELD, SEQUENCE, house_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+FloatArray: TypeAlias = NDArray[np.float64]
+
+_COLOURS = {"l": ANGULAR_MOMENTUM, "alpha": FIRST_FIELD, "beta": SECOND_FIELD}
+_LETTERS = {"l": r"\ell", "alpha": r"\alpha", "beta": r"\beta", "gamma": r"\gamma", "omega": r"\omega"}
+_TINTS = (-0.45, 0.0, 0.5)
+"""Towards ink (negative) or white (positive), for the first, second and third component of a vector."""
+_AZIMUTH, _ELEVATION = np.radians(35.0), np.radians(24.0)
+"""From where the spheres are seen: all three axes of the body point towards the reader."""
+_LARGEST = 1e150
+"""Size of numbers that are drawn at most: their squares are still finite."""
+_CONSTANT_LENGTH = 1e-6
+"""Relative change of a length below which the vector is drawn on a sphere; far above errors, far below motion."""
+
+
+class OrbitLike(Protocol):
+    """What `integrate` returns, or the Dataset of it: `time` (time,) and `state` (trajectory, time, component)."""
+
+    @property
+    def time(self) -> Any: ...  # noqa: D102
+    @property
+    def state(self) -> Any: ...  # noqa: D102
+
+
+def orbit(
+    run: OrbitLike,
+    *,
+    invariants: Mapping[str, ArrayLike] | None = None,
+    trajectory: int = 0,
+    title: str | None = None,
+) -> Figure:
+    r"""One orbit: a row for each vector of the state, and one for the invariants.
+
+    Left, the components against time; right, the path of the vector in the body frame, seen from the direction
+    (0.75, 0.52, 0.41).  A vector of constant length is drawn on its sphere, the far side paler; another one inside
+    the circle of its greatest length, paler where it is farther away.  The dot is the start.  The last row is the
+    largest change of each invariant so far, $\max_{s\le t}|f(s) - f(0)|$.
+
+    Args:
+        run: Result of `integrate`, or its Dataset.
+        invariants: Values along the trajectory, shape (time,), by name, for the last row; for a run of one trajectory
+            those of `System.invariant_values(orbit.state[0])`.
+        trajectory: Which one.
+        title: Above the figure; by default the name of the system.
+
+    Returns:
+        A figure that no window system knows of; `liepoisson.plot.save_figure` writes it.
+
+    Raises:
+        ShapeError: an invariant does not have shape (time,).
+        ParameterError: there is no such trajectory, it has fewer than two states, or numbers beyond 1e150.
+    """
+    time, state, components = _arrays(run, trajectory)
+    curves = _changes(invariants or {}, run, len(time))
+    vectors = _vectors(components)
+    heading = title if title is not None else getattr(run, "system", None) or getattr(run, "attrs", {}).get("system")
+    with house_style():
+        figure, rows, last = _panels([len(columns) for columns in vectors.values()], bool(curves))
+        for k, (name, columns) in enumerate(vectors.items()):
+            colour = _COLOURS.get(name, SEQUENCE[k % len(SEQUENCE)])
+            in_time, in_space = rows[k]
+            _in_time(in_time, time, state[:, columns], [components[c] for c in columns], colour)
+            in_time.set_ylabel(f"${_symbol(name)}$", rotation=0, ha="right", va="center")
+            if in_space is not None:
+                _in_space(in_space, state[:, columns], name, colour)
+        if last is not None:
+            _draw_changes(last, time, curves)
+        (last or rows[-1][0]).set_xlabel(r"$t$")
+        if heading:
+            figure.suptitle(str(heading), x=0.012, ha="left", fontsize=12.5, color=INK)
+    return figure
+
+
+def _arrays(run: OrbitLike, trajectory: int) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
+    """Times, states and names of the components, up to where the trajectory ended."""
+    states, time = np.asarray(run.state, np.float64), np.asarray(run.time, np.float64)
+    if not np.issubdtype(type(trajectory), np.integer) or not 0 <= trajectory < len(states):
+        raise ParameterError(f"trajectory must be from 0 to {len(states) - 1}; got {trajectory!r:.80}.")
+    state = states[trajectory]
+    good = np.isfinite(state).all(axis=1)
+    if good.sum() < 2:
+        raise ParameterError(
+            f"a figure must have at least two states; trajectory {trajectory} has {good.sum()}. "
+            "Ask for more times, or look at its outcome."
+        )
+    if (size := np.abs(state[good]).max()) > _LARGEST:
+        raise ParameterError(
+            f"a figure must have numbers up to {_LARGEST:g}; trajectory {trajectory} reaches {size:.3g}. Measure the "
+            "states in larger units."
+        )
+    names = getattr(run, "components", None)
+    if names is None:
+        names = np.asarray(getattr(run, "component"), str)  # noqa: B009  # a Dataset's coordinate
+    return time[good], state[good], tuple(map(str, names))
+
+
+def _changes(invariants: Mapping[str, ArrayLike], run: OrbitLike, n: int) -> dict[str, FloatArray]:
+    """The largest change of each invariant so far."""
+    n_times, changes = len(np.asarray(run.time)), dict[str, FloatArray]()
+    for name, values in invariants.items():
+        curve = np.asarray(values, np.float64)
+        if curve.shape != (n_times,):
+            raise ShapeError(
+                f"invariants[{name!r}] must have shape (time,), here ({n_times},); got {curve.shape}. "
+                "Take those of one trajectory?"
+            )
+        changes[name] = np.maximum.accumulate(np.abs(curve - curve[0])[:n])
+    return changes
+
+
+def _vectors(components: Sequence[str]) -> dict[str, list[int]]:
+    """The places of the components of each vector: l1, l2, l3 belong to l."""
+    places: dict[str, list[int]] = {}
+    for k, component in enumerate(components):
+        places.setdefault(re.sub(r"[\d_]+$", "", component) or component, []).append(k)
+    return places
+
+
+def _panels(sizes: Sequence[int], with_last: bool) -> tuple[Figure, list[tuple[Axes, Axes | None]], Axes | None]:
+    """Axes for each vector, in time and (with three components) in space, and those below them."""
+    from liepoisson.plot.style import new_figure
+
+    n = len(sizes)
+    figure = new_figure(8.6, 0.5 + 2.05 * n + (1.55 if with_last else 0.0))
+    heights = [2.05] * n + ([1.45] if with_last else [])
+    grid = figure.add_gridspec(n + with_last, 2, width_ratios=(2.8, 1.0), height_ratios=heights)
+    rows: list[tuple[Axes, Axes | None]] = []
+    for k, size in enumerate(sizes):
+        place = grid[k, 0] if size == 3 else grid[k, :]
+        in_time = figure.add_subplot(place, sharex=rows[0][0] if rows else None)
+        in_space = figure.add_subplot(grid[k, 1]) if size == 3 else None
+        in_time.tick_params(labelbottom=k == n - 1 and not with_last)
+        rows.append((in_time, in_space))
+    last = figure.add_subplot(grid[n, 0 if 3 in sizes else slice(None)], sharex=rows[0][0]) if with_last else None
+    return figure, rows, last
+
+
+def _in_time(ax: Axes, time: FloatArray, vector: FloatArray, components: Sequence[str], colour: str) -> None:
+    colours = [_mixed(colour, tint) for tint in _TINTS] if len(components) == 3 else SEQUENCE
+    for k, component in enumerate(components):
+        ax.plot(time, vector[:, k], color=colours[k % len(colours)], linewidth=1.0, label=f"${_symbol(component)}$")
+    ax.set_xlim(time[0], time[-1])
+    if len(components) <= 6:
+        ax.legend(ncols=len(components), loc="lower right", bbox_to_anchor=(1.0, 0.99), handlelength=1.2)
+
+
+def _in_space(ax: Axes, path: FloatArray, name: str, colour: str) -> None:
+    """The path of a vector in parallel projection, the nearer the darker."""
+    from matplotlib.collections import LineCollection
+
+    lengths = np.linalg.norm(path, axis=1)
+    radius = float(lengths.max())
+    on_sphere = radius > 0 and np.ptp(lengths) < _CONSTANT_LENGTH * radius
+    size = radius or 1.0
+    _draw_ball(ax, size, graticule=on_sphere)
+    points = path @ _view()
+    nearness = (points[1:, 2] + points[:-1, 2]) / (2 * size)
+    strength = np.where(nearness >= 0, 0.9, 0.22) if on_sphere else 0.25 + 0.65 * (1 + nearness) / 2
+    order = np.argsort(nearness, kind="stable")  # what is nearer is drawn over what is farther
+    segments = np.stack([points[:-1, :2], points[1:, :2]], axis=1)[order]
+    rgba = np.array([(*_rgb(colour), s) for s in strength[order]])
+    ax.add_collection(LineCollection(list(segments), colors=list(rgba), linewidths=0.8, zorder=3))
+    ax.plot(*points[0, :2], "o", color=INK, markersize=3.2, zorder=5)
+    symbol = _symbol(name)
+    words = rf"$|{symbol}| = {radius:.3g}$" if on_sphere else rf"max $|{symbol}| = {radius:.3g}$"
+    ax.text(0.5, -0.02, words, transform=ax.transAxes, ha="center", va="top", color=MUTED, fontsize=9)
+
+
+def _draw_ball(ax: Axes, radius: float, *, graticule: bool) -> None:
+    """The outline of a ball, its axes, and the graticule of its near side."""
+    angle = np.linspace(0, 2 * np.pi, 181)
+    ring = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    ax.plot(*(radius * ring[:, :2].T), color=MUTED, linewidth=0.7, linestyle="-" if graticule else (0, (4, 3)))
+    if graticule:
+        for circle in _graticule(ring):
+            points = radius * circle @ _view()
+            points[points[:, 2] < 0] = np.nan
+            ax.plot(*points[:, :2].T, color=GRID, linewidth=0.7, zorder=1)
+    for k, axis in enumerate(_view()):
+        tip = 1.16 * radius * axis[:2]
+        ax.plot([0, tip[0]], [0, tip[1]], color=MUTED, linewidth=0.6, zorder=2)
+        ax.text(1.12 * tip[0], 1.12 * tip[1], str(k + 1), color=MUTED, fontsize=8.5, ha="center", va="center", zorder=6)
+    ax.set_aspect("equal")
+    ax.set_xlim(-1.32 * radius, 1.32 * radius)
+    ax.set_ylim(-1.32 * radius, 1.32 * radius)
+    ax.set_axis_off()
+
+
+def _graticule(ring: FloatArray) -> list[FloatArray]:
+    """Six meridians and five parallels of the unit sphere, about the third axis."""
+    meridians = [
+        np.stack([ring[:, 0] * np.cos(a), ring[:, 0] * np.sin(a), ring[:, 1]], axis=1)
+        for a in np.linspace(0, np.pi, 6, endpoint=False)
+    ]
+    latitudes = np.radians([-60, -30, 0, 30, 60])
+    return meridians + [np.cos(b) * ring + np.array([0, 0, np.sin(b)]) for b in latitudes]
+
+
+def _view() -> FloatArray:
+    """The unit vectors of the body as rows: to the right, up, and towards the reader."""
+    right = np.array([-np.sin(_AZIMUTH), np.cos(_AZIMUTH), 0])
+    near = np.array([*(np.cos(_ELEVATION) * np.array([np.cos(_AZIMUTH), np.sin(_AZIMUTH)])), np.sin(_ELEVATION)])
+    return np.stack([right, np.cross(near, right), near], axis=1)
+
+
+def _draw_changes(ax: Axes, time: FloatArray, changes: Mapping[str, FloatArray]) -> None:
+    """Whole decades of changes; nothing is drawn where there is none."""
+    from matplotlib.ticker import NullFormatter
+
+    for k, (name, change) in enumerate(changes.items()):
+        positive = np.where(change > 0, change, np.nan)
+        label = f"${_symbol(name)}$"
+        ax.plot(time, positive, color=SEQUENCE[(k + 3) % len(SEQUENCE)], linewidth=1.1, label=label)
+    ax.set_yscale("log")
+    ax.yaxis.set_minor_formatter(NullFormatter())
+    ax.set_ylabel("largest change")
+    sizes = np.concatenate([change[change > 0] for change in changes.values()])
+    if sizes.size:
+        ax.set_ylim(10 ** np.floor(np.log10(sizes.min()) - 0.01), 10 ** np.ceil(np.log10(sizes.max()) + 0.01))
+    else:  # a logarithmic axis without data has no limits of its own
+        ax.set_ylim(1e-17, 1e-15)
+    ax.legend(ncols=len(changes), loc="lower right", bbox_to_anchor=(1.0, 0.98), handlelength=1.2)
+
+
+def _symbol(name: str) -> str:
+    r"""A name as mathematical text: alpha1 is $\alpha_1$."""
+    stem = re.sub(r"_?\d*$", "", name)
+    digits = name[len(stem) :].lstrip("_")
+    letter = _LETTERS.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
+    return f"{letter}_{{{digits}}}" if digits else letter
+
+
+def _rgb(colour: str) -> tuple[float, float, float]:
+    from matplotlib.colors import to_rgb
+
+    return to_rgb(colour)
+
+
+def _mixed(colour: str, tint: float) -> tuple[float, float, float]:
+    other = np.ones(3) if tint > 0 else np.array(_rgb(INK))
+    red, green, blue = (1 - abs(tint)) * np.array(_rgb(colour)) + abs(tint) * other
+    return float(red), float(green), float(blue)

@@ -1,0 +1,164 @@
+r"""Figures of surfaces of section: points in a plane of two coordinates, a colour for each trajectory."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.plot.style import as_colours, axes_or_new, house_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FloatArray: TypeAlias = NDArray[np.float64]
+
+_LETTERS = {"l": r"\ell", "alpha": r"\alpha", "beta": r"\beta", "gamma": r"\gamma", "theta": r"\theta", "phi": r"\phi"}
+_GOOD_COVERAGE = 0.14
+"""Share of the axes that points may cover in all, were none above another."""
+_LARGEST, _SMALLEST = 2.6, 0.25
+"""Diameters of points in printer's points."""
+
+
+class SectionLike(Protocol):
+    """What `liepoisson.section` returns, or the Dataset of it."""
+
+    @property
+    def state(self) -> Any: ...  # noqa: D102
+    @property
+    def sign(self) -> Any: ...  # noqa: D102
+
+
+def section(
+    points: SectionLike,
+    x: str | ArrayLike,
+    y: str | ArrayLike,
+    *,
+    xlabel: str | None = None,
+    ylabel: str | None = None,
+    sign: int = 0,
+    trajectories: Sequence[int] | None = None,
+    colour: str | Sequence[str] | None = None,
+    size: float | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    r"""Crossings of a surface of section, in the plane of two coordinates.
+
+    Only where the section itself is a surface (two degrees of freedom) do the points of one orbit on a torus lie on a
+    curve.  In higher dimension this is a projection: a filled region proves no chaos, and a curve no torus.
+
+    Args:
+        points: Result of `liepoisson.section`, or its Dataset.
+        x: Horizontal: the name of a coordinate that was kept, or values, shape (crossing,).
+        y: Vertical, likewise.
+        xlabel: By default the name as mathematical text.
+        ylabel: Likewise.
+        sign: Only crossings with this sign of the change of the surface function; 0: all.
+        trajectories: Only these.
+        colour: Of all points, or of the trajectories in turn; by default the six colours of the house, so that the
+            seventh trajectory has that of the first.
+        size: Diameter of a point in printer's points; by default it follows from their number.
+        ax: Axes to draw into, by default those of a new figure.
+
+    Raises:
+        ParameterError: no such coordinate, trajectory, sign or colour, or a size that is not positive.
+        ShapeError: values that are not one per crossing.
+    """
+    member, signs = _member(points), np.asarray(points.sign)
+    values = [_values(points, name, len(member), which) for name, which in ((x, "x"), (y, "y"))]
+    shown = np.isfinite(values[0]) & np.isfinite(values[1])
+    if wanted := _as_sign(sign):
+        shown &= signs == wanted
+    if trajectories is not None:
+        shown &= np.isin(member, _as_trajectories(trajectories, points, member))
+    colours, diameter = as_colours(colour), _as_size(size)
+    with house_style():
+        ax = axes_or_new(ax, width=5.2, height=4.6)
+        _draw(ax, np.stack(values)[:, shown], member[shown], colours, diameter)
+        ax.set_xlabel(_label(x) if xlabel is None else xlabel)
+        ax.set_ylabel(_label(y) if ylabel is None else ylabel)
+        ax.margins(0.04)
+    return ax
+
+
+def _draw(ax: Axes, xy: FloatArray, member: NDArray[np.int64], colours: Sequence[str], size: float | None) -> None:
+    """One line of dots for each trajectory; in an .svg or .pdf file the dots are pixels, as their number is large."""
+    extent = ax.get_window_extent().transformed(ax.figure.dpi_scale_trans.inverted())
+    area = 72.0**2 * extent.width * extent.height
+    fitting = float(np.sqrt(4 / np.pi * _GOOD_COVERAGE * area / max(1, len(member))))
+    diameter = float(np.clip(fitting, _SMALLEST, _LARGEST)) if size is None else size
+    for k in np.unique(member):
+        of = member == k
+        ax.plot(
+            *xy[:, of],
+            linestyle="none",
+            marker="o",
+            markersize=diameter,
+            markeredgewidth=0,
+            color=colours[k % len(colours)],
+            rasterized=True,
+        )
+
+
+def _member(points: SectionLike) -> NDArray[np.int64]:
+    """The trajectory of each crossing; a Dataset has it under another name, as `trajectory` is one of its axes."""
+    found = getattr(points, "crossing_trajectory", None)
+    return np.asarray(getattr(points, "trajectory") if found is None else found)  # noqa: B009  # one of the two
+
+
+def _names(points: SectionLike) -> tuple[str, ...]:
+    names = getattr(points, "coordinates", None)
+    if isinstance(names, tuple):
+        return tuple(map(str, names))  # pyright: ignore[reportUnknownArgumentType, reportUnknownVariableType]
+    found = getattr(points, "coordinate", None)
+    return tuple(map(str, np.asarray(getattr(points, "component") if found is None else found)))  # noqa: B009
+
+
+def _values(points: SectionLike, wanted: str | ArrayLike, n: int, which: str) -> FloatArray:
+    if isinstance(wanted, str):
+        names = _names(points)
+        if wanted not in names:
+            raise ParameterError(f"{which} must be one of {', '.join(names)}, or values; got {wanted!r}. Was it kept?")
+        return np.asarray(points.state, np.float64)[:, names.index(wanted)]
+    values = np.asarray(wanted, np.float64)
+    if values.shape != (n,):
+        raise ShapeError(f"{which} must have shape (crossing,), here ({n},); got {values.shape}. Take one coordinate?")
+    return values
+
+
+def _as_trajectories(wanted: Any, points: SectionLike, member: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Numbers of trajectories; those without crossings count, too."""
+    outcomes = getattr(points, "outcome", None)
+    n = int(member.max(initial=-1)) + 1 if outcomes is None else len(outcomes)
+    given = np.atleast_1d(np.asarray(wanted))
+    if given.size and (given.dtype.kind not in "iu" or given.ndim != 1 or given.min() < 0 or given.max() >= n):
+        raise ParameterError(f"trajectories must be whole numbers from 0 to {n - 1}; got {wanted!r:.80}.")
+    return given.astype(np.int64)
+
+
+def _as_sign(sign: Any) -> int:
+    if not isinstance(sign, (int, np.integer)) or sign not in (-1, 0, 1):
+        raise ParameterError(f"sign must be +1, -1 or 0 for both; got {sign!r:.80}.")
+    return int(sign)
+
+
+def _as_size(size: Any) -> float | None:
+    if size is None:
+        return None
+    if isinstance(size, bool) or not isinstance(size, (int, float, np.number)) or not 0 < float(size) < np.inf:
+        raise ParameterError(f"size must be a positive number of printer's points; got {size!r:.80}. Leave it out?")
+    return float(size)
+
+
+def _label(name: str | ArrayLike) -> str:
+    r"""A name as mathematical text: alpha1 is $\alpha_1$; formulas stay as they are."""
+    found = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", name) if isinstance(name, str) else None
+    if found is None:
+        return name if isinstance(name, str) else ""
+    stem, digits = found.groups()
+    letter = _LETTERS.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
+    return f"${letter}_{{{digits}}}$" if digits else f"${letter}$"

@@ -1,0 +1,150 @@
+r"""Figures of sweeps: a curve with its band along one axis, a map over two."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from liepoisson.sweeps.result import Sweep
+    from liepoisson.sweeps.spec import Axis
+
+FloatArray: TypeAlias = NDArray[np.float64]
+
+_GREEK = ("epsilon", "phi", "theta", "psi", "alpha", "beta", "gamma", "lambda", "omega", "chi")
+
+
+def sweep(
+    result: Sweep,
+    *,
+    confidence: float = 0.95,
+    vmin: float | None = None,
+    vmax: float | None = None,
+    show_levels: bool = True,
+    label: str | None = None,
+    colour: str | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    r"""What a sweep found: a curve with its confidence band for one axis, a map with a colour bar for two.
+
+    In a map dark is small: integrable cases are dark lines.  A point fills the rectangle halfway to its neighbours on
+    the grid; where it was refined, those of the finer level lie above.  What could not be computed is hatched.
+
+    Args:
+        result: Result of `liepoisson.sweep`.
+        confidence: Coverage of the band (Wilson's interval of a fraction, the normal one of a mean).
+        vmin: Lower end of the colours, by default 0 or the least value.
+        vmax: Upper end, by default 1 for a fraction or the largest value.
+        show_levels: Mark the points that refinement added: ticks below a curve, dots in a map.
+        label: Name of the curve in a legend.
+        colour: Of the curve.
+        ax: Axes to draw into, by default those of a new figure.
+
+    Returns:
+        The axes.
+    """
+    with house_style():
+        if len(result.spec.axes) == 1:
+            ax = axes_or_new(ax)
+            _curve(result, ax, confidence, show_levels=show_levels, label=label, colour=colour)
+        else:
+            ax = axes_or_new(ax, width=5.8, height=4.4)
+            _map(result, ax, vmin, vmax, show_levels=show_levels)
+    return ax
+
+
+def axis_label(axis: Axis) -> str:
+    r"""How an axis is called: its label, or its name as mathematical text."""
+    if axis.label is not None:
+        return axis.label
+    found = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", axis.name)
+    if axis.name == "energy" or found is None:
+        return "energy $H$" if found else axis.name
+    stem, digits = found.groups()
+    letter = rf"\{stem}" if stem in _GREEK else stem if len(stem) == 1 else rf"\mathrm{{{stem}}}"
+    return f"${letter}_{{{digits}}}$" if digits else f"${letter}$"
+
+
+def statistic_label(result: Sweep) -> str:
+    """What the values are, with their unit."""
+    t = f"{result.spec.t_end:g}"
+    if result.spec.quantity == "chaotic_fraction":
+        return rf"chaotic fraction, $\lambda({t}) > {result.spec.chaos_threshold:.3g}$"
+    return rf"mean $\lambda({t})$, in inverse time" if result.spec.is_exponent else "mean value"
+
+
+def _curve(
+    result: Sweep, ax: Axes, confidence: float, *, show_levels: bool, label: str | None, colour: str | None
+) -> None:
+    order = np.argsort(result.points[:, 0])
+    x, y = result.points[order, 0], result.statistic[order]
+    low, high = (bound[order] for bound in result.interval(confidence))
+    colour = SEQUENCE[1] if colour is None else colour
+    ax.fill_between(x, low, high, color=colour, alpha=0.22, linewidth=0, zorder=1)
+    ax.plot(x, y, color=colour, marker="o", markersize=3.2, linewidth=1.1, label=label, zorder=3)
+    added = result.level[order] > 0
+    if show_levels and added.any():
+        transform = ax.get_xaxis_transform()
+        ax.plot(x[added], np.full(added.sum(), 0.015), "|", color=MUTED, markersize=5, transform=transform, zorder=2)
+    if result.spec.quantity == "chaotic_fraction":
+        ax.set_ylim(-0.03, 1.03)
+    ax.set_xlabel(axis_label(result.spec.axes[0]))
+    ax.set_ylabel(statistic_label(result))
+
+
+def _map(result: Sweep, ax: Axes, vmin: float | None, vmax: float | None, *, show_levels: bool) -> None:
+    is_fraction = result.spec.quantity == "chaotic_fraction"
+    xs, ys, image = lattice_image(result)
+    finite = image[np.isfinite(image)]
+    low = vmin if vmin is not None else min(0.0, float(finite.min())) if finite.size else 0.0
+    high = vmax if vmax is not None else 1.0 if is_fraction else float(finite.max()) if finite.size else 1.0
+    ax.set_facecolor("white")
+    ax.patch.set(hatch="////", edgecolor=MUTED, linewidth=0)
+    mesh = ax.pcolormesh(xs, ys, np.ma.masked_invalid(image).T, cmap="magma", vmin=low, vmax=high, rasterized=True)
+    if show_levels and result.level.any():
+        added = result.points[result.level > 0]
+        ax.plot(*added.T, linestyle="none", marker="o", markersize=0.9, markeredgewidth=0, color=MUTED, rasterized=True)
+    ax.grid(visible=False)
+    ax.set_xlabel(axis_label(result.spec.axes[0]))
+    ax.set_ylabel(axis_label(result.spec.axes[1]))
+    bar: Any = ax.figure.colorbar(mesh, ax=ax, pad=0.02)
+    bar.set_label(statistic_label(result), color=INK)
+    bar.outline.set_linewidth(0.5)
+
+
+def lattice_image(result: Sweep) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """The values on the whole lattice of a sweep over two axes: each point fills what is around it, fine above coarse.
+
+    Returns:
+        Edges of the cells along each axis, and the values, shape (first axis, second axis).
+    """
+    unit = 2 ** (result.spec.refine.levels if result.spec.refine and result.level.any() else 0)
+    scale = 2 ** (result.spec.refine.levels if result.spec.refine else 0) // unit
+    shape = tuple((n - 1) * unit + 1 for n in result.spec.shape)
+    image, values = np.full(shape, np.nan), result.statistic
+    for k in range(int(result.level.max()) + 1):
+        half = unit // 2**k / 2
+        for point in np.flatnonzero(result.level == k):
+            i, j = (place // scale for place in result.places[point])
+            rows, columns = (
+                slice(max(0, int(np.ceil(m - half))), int(np.floor(m + half - (half >= 1) * 1e-9)) + 1) for m in (i, j)
+            )
+            image[rows, columns] = values[point]
+    edges = [_edges(np.asarray(axis.values), unit) for axis in result.spec.axes]
+    return edges[0], edges[1], image
+
+
+def _edges(values: FloatArray, unit: int) -> FloatArray:
+    """Edges of the cells of the lattice: halfway between its points, and as far beyond its ends."""
+    if len(values) == 1:
+        return np.array([values[0] - 0.5, values[0] + 0.5])
+    fine = np.interp(np.arange((len(values) - 1) * unit + 1) / unit, np.arange(len(values)), values)
+    middle = (fine[1:] + fine[:-1]) / 2
+    return np.concatenate([[2 * fine[0] - middle[0]], middle, [2 * fine[-1] - middle[-1]]])

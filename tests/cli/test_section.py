@@ -1,0 +1,166 @@
+"""`liepoisson section`: default surfaces, crossings of one leaf and energy, and the files."""
+
+import re
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.cli.starts import find_start
+from liepoisson.cli.surfaces import default_surface
+
+FEW = ("--starts", 3, "--crossings", 5)
+
+
+def test_crossings_of_the_kovalevskaya_top(command, tmp_path):
+    path = tmp_path / "section.csv"
+    code, out, err = command("section", "kovalevskaya", "--leaf", "C1=0.5,C2=1", "--energy", 1, *FEW, "--out", path)
+    assert (code, err) == (0, "")
+    assert out.startswith("kovalevskaya: crossings where alpha2 increases through 0\nsurface  the rate of l3\n")
+    for line in (
+        "leaf     dimension 4, alpha != 0: C1 = 0.5, C2 = 1",
+        "energy   H = 1",
+        "section  dimension 2",
+        "outcome  finished 3",
+        f"wrote    {path}",
+    ):
+        assert line in out.splitlines()
+    assert "found    15 crossings, 5 to 5 of each orbit" in out
+    assert path.read_text().splitlines()[0] == "trajectory,t,sign,l1,l2,l3,alpha1,alpha2,alpha3"
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    l, alpha = table[:, 3:6], table[:, 6:]
+    np.testing.assert_allclose(np.einsum("ij,ij->i", l, alpha), 0.5, atol=1e-12)
+    np.testing.assert_allclose(np.linalg.norm(alpha, axis=1), 1, atol=1e-12)
+    np.testing.assert_allclose(l**2 @ [1 / 4, 1 / 4, 1 / 2] - alpha[:, 0], 1, atol=1e-12)  # H
+    np.testing.assert_allclose(alpha[:, 1], 0, atol=1e-12)
+    k = (l[:, 0] ** 2 / 4 - l[:, 1] ** 2 / 4 + alpha[:, 0]) ** 2 + (l[:, 0] * l[:, 1] / 2 + alpha[:, 1]) ** 2
+    assert np.ptp(k.reshape(3, 5), axis=1).max() < 1e-12, "Kovalevskaya's integral is constant on each orbit"
+    assert np.ptp(k) > 0.1, "the starts are spread over several tori"
+    assert table[:, 2].tolist() == [1] * 15
+
+
+def test_a_top_with_two_fields_has_the_good_surface_and_a_warning(command):
+    _, out, _ = command("section", "twisted-kovalevskaya", *FEW)
+    assert "crossings where -alpha2*beta3 + alpha3*beta2 increases" in out
+    assert "surface  the rate of -dot(l, beta)" in out
+    assert "bounds   |l| <= " in out
+    assert "section  dimension 4; a plane shows a projection, which proves neither tori nor chaos" in out
+
+
+@pytest.mark.parametrize(
+    ("name", "start", "function"),
+    [
+        ("kovalevskaya", [], "alpha2"),  # l3' = alpha2 for a = (-1, 0, 0)
+        ("lagrange", [], "alpha1*l2 - alpha2*l1"),  # l3' = 0
+        ("twisted-kovalevskaya", ["l=1,1,1", "alpha=0,0,1"], "alpha2"),  # beta = 0
+    ],
+)
+def test_default_surface_is_the_rate_of_what_moves(name, start, function):
+    system = lp.catalog.system(name)
+    assert default_surface(system, find_start(system, start=start)).function == function
+
+
+@pytest.mark.parametrize(("direction", "signs"), [("up", {1}), ("down", {-1}), ("both", {-1, 1})])
+def test_directions(command, tmp_path, direction, signs):
+    path = tmp_path / "section.csv"
+    command(
+        "section", "lagrange", "--start", "1,0,1,0,0.6,0.8", "--direction", direction, "--crossings", 6, "--out", path
+    )
+    assert set(np.loadtxt(path, delimiter=",", skiprows=1)[:, 2]) == signs
+
+
+def test_kept_functions_take_the_place_of_the_state(command, tmp_path):
+    path = tmp_path / "section.csv"
+    keep = ("--keep", "l3", "--keep", "dot(l, alpha)")
+    code, _, _ = command("section", "kovalevskaya", *FEW, "--leaf", "C1=0.25", *keep, "--out", path)
+    assert code == 0
+    assert path.read_text().splitlines()[0] == 'trajectory,t,sign,l3,"dot(l, alpha)"'
+    np.testing.assert_allclose(np.loadtxt(path, delimiter=",", skiprows=1)[:, 4], 0.25, atol=1e-12)
+
+
+def test_a_surface_that_is_never_crossed_is_said_with_exit_code_1(command, tmp_path):
+    path = tmp_path / "section.csv"
+    start = ("--start", "1,0,0,0,0,1", "--t", 20)
+    code, out, err = command("section", "kovalevskaya", "--surface", "l3 - 100", *start, "--plot", "--out", path)
+    assert code == 1
+    assert "found    0 crossings" in out
+    assert err == "liepoisson: no orbit crosses l3 - 100 = 0 up to t = 20.\n"
+    assert path.exists()
+    assert "wrote    kovalevskaya" not in out
+
+
+def test_a_surface_beyond_the_energy_surface_is_refused(command):
+    code, out, err = command("section", "kovalevskaya", "--surface", "l3 - 100")
+    assert code == 2
+    assert "must cross l3 - 100 = 0; none of 768 random states could be moved to a crossing" in err
+    assert "found" not in out
+
+
+def test_a_surface_that_does_not_exist_everywhere(command):
+    code, out, _ = command(
+        "section", "kovalevskaya", "--surface", "sqrt(alpha1) - 1/2", "--starts", 5, "--crossings", 20
+    )
+    assert code == 0
+    assert "error    estimated, not bounded" in out
+    assert "missed   the function does not exist in" in out
+
+    code, _, err = command("section", "kovalevskaya", "--surface", "sqrt(alpha1 - 7)", *FEW)
+    assert (code, "none of 96 random states could be moved to a crossing" in err) == (2, True)
+
+
+@pytest.mark.thorough
+def test_netcdf_can_be_rerun(command, tmp_path):
+    path = tmp_path / "section.nc"
+    code, _, _ = command("section", "twisted-kovalevskaya", *FEW, "--out", path)
+    assert code == 0
+    saved, again = lp.load(path), lp.rerun(path)
+    np.testing.assert_array_equal(again.state, saved["state"])
+    assert len(again.time) == 15
+
+
+@pytest.mark.thorough
+def test_figure_of_any_two_functions(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    _, out, _ = command("section", "twisted-kovalevskaya", *FEW, "--plot", "--x", "dot(l, beta)", "--y", "alpha1")
+    assert re.findall(r"^wrote +(\S+)$", out, re.MULTILINE) == [
+        f"twisted-kovalevskaya-section.{extension}" for extension in ("png", "svg", "pdf")
+    ]
+    code, _, _ = command("section", "kovalevskaya", *FEW, "--keep", "l1", "--keep", "l2", "--figure", "kept.svg")
+    assert (code, (tmp_path / "kept.svg").exists()) == (0, True)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["twisted-top"], "must have numbers for all parameters"),
+        (["kovalevskaya", "--surface", "l3 - q"], "the name 'q' is unknown"),
+        (["kovalevskaya", "--surface", "abs(l3)"], "abs"),
+        (["kovalevskaya", "--keep", "l7"], "l7"),
+        (["kovalevskaya", "--surface", "1 - 1"], "a function of the state was wanted; '1 - 1' is constant"),
+        (["kovalevskaya", "--starts", "0"], "--starts must be from 1 to 100000; got 0"),
+        (["kovalevskaya", "--crossings", "0"], "--crossings must be from 1"),
+        (["kovalevskaya", "--start", "l=1,0,0", "--starts", "3"], "--starts and --start exclude each other"),
+        (["kovalevskaya", "--plot", "--keep", "l1", "--x", "l2"], "--x and --y must be kept; 'l2' is not"),
+        (["kovalevskaya", "--plot", "--keep", "l1"], "two functions for its axes; only 'l1' is there"),
+        (["kovalevskaya", "--out", "/proc/section.nc"], "could not write /proc/section.nc"),
+        (["kovalevskaya", "--plot", "--x", "q"], "the name 'q' is unknown"),
+        (["kovalevskaya", "--energy", "-5"], "On this leaf the energy lies between"),
+        (["kovalevskaya", "--out", "section.png"], "--out must end in one of .nc, .csv"),
+        (["kovalevskaya", "--direction", "left"], "left"),
+    ],
+)
+def test_refusals_are_plain(command, arguments, words):
+    code, out, err = command("section", *arguments)
+    assert (code, out) == (2, "")
+    assert words in err
+    assert "Traceback" not in err
+
+
+@pytest.mark.parametrize(("name", "function"), [("section", "section.section"), ("orbit", "integrate.integrate")])
+def test_after_ctrl_c_it_says_how_to_keep_what_is_done(command, monkeypatch, name, function):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"liepoisson.numeric.{function}", interrupted)
+    code, _, err = command(name, "kovalevskaya")
+    assert (code, "--time-limit SECONDS" in err) == (130, True)

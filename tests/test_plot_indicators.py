@@ -1,0 +1,80 @@
+"""Figures of indicators: the curves, their labels, the lines of reference."""
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric.alignment import alignment
+from liepoisson.numeric.megno import megno
+from liepoisson.plot.indicators import indicators
+
+TOP = lp.Top.twisted_kovalevskaya()
+
+
+@pytest.fixture(autouse=True)
+def no_windows():
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def results():
+    x0 = lp.sample_states(TOP, 3, seed=1)
+    return megno(TOP, x0, t_end=100), alignment(TOP, x0, t_end=100)
+
+
+def test_panels_show_growth_megno_and_sali(results):
+    growth, angle = results
+    axes = indicators(growth, angle)
+    for ax, x, curves in zip(
+        axes, (growth.time, growth.time, angle.time), (growth.log_growth, growth.mean, angle.sali), strict=True
+    ):
+        for k in range(3):
+            np.testing.assert_array_equal(ax.lines[k].get_xdata(), x)
+            np.testing.assert_array_equal(ax.lines[k].get_ydata(), curves[k])
+        assert ax.get_xscale() == "log"
+        assert ax.get_xlim() == (max(growth.time[0], angle.time[0]), 100)
+    scale = "\n(linear to 10, then log)"
+    assert [ax.get_ylabel() for ax in axes] == [rf"$\ln|v(t)|${scale}", rf"$\overline{{Y}}(t)${scale}", "SALI"]
+    for ax, thresholds in ((axes[1], [3.0, 5.0]), (axes[2], [1e-4, 1e-8])):
+        assert [line.get_ydata()[0] for line in ax.lines[4:]] == thresholds
+        assert all(line.get_linewidth() == 0.5 for line in ax.lines[4:])
+    assert (axes[1].lines[3].get_ydata()[0], axes[2].lines[3].get_ydata()[0]) == (2.0, 1e-16)
+    assert axes[0].get_legend() is None
+
+
+def test_members_labels_and_a_time(results):
+    axes = indicators(*results, members=[2, 0], labels=["two", "zero"], decided_at=50)
+    np.testing.assert_array_equal(axes[2].lines[0].get_ydata(), results[1].sali[2])
+    assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["two", "zero", r"$\ln t$"]
+    assert all(ax.lines[-1].get_xdata()[0] == 50 for ax in axes)
+    assert axes[0].lines[0].get_color() == axes[2].lines[0].get_color()
+
+
+def test_given_axes_are_drawn_into(results):
+    import matplotlib.pyplot as plt
+
+    given = plt.figure().subplots(3, 1)
+    assert list(indicators(*results, axes=given)) == list(given)
+    with pytest.raises(ShapeError, match="must be three"):
+        indicators(*results, axes=given[:2])
+
+
+def test_bad_input_is_refused(results):
+    growth, angle = results
+    with pytest.raises(ParameterError, match="growth: wanted what megno returns"):
+        indicators(None, None)
+    with pytest.raises(ParameterError, match="angle: wanted what alignment returns"):
+        indicators(growth, growth)
+    with pytest.raises(ParameterError, match="from 0 to 2"):
+        indicators(growth, angle, members=[3])
+    with pytest.raises(ParameterError, match="one for each of 3"):
+        indicators(growth, angle, labels=["one"])
+    with pytest.raises(ShapeError, match="same trajectories"):
+        indicators(growth, alignment(TOP, np.ones(9), t_end=1))

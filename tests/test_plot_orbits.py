@@ -1,0 +1,104 @@
+"""Figures of orbits: what is drawn where; pixels are looked at by eye."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.plot.orbits import orbit
+
+TIME = np.linspace(0, 10, 201)
+
+
+def turning():
+    """A vector l that changes its length, and one of length 2 that turns about the third axis."""
+    l = np.stack([np.sin(TIME), np.cos(2 * TIME), 0.1 * TIME], axis=1)
+    beta = np.stack([2 * np.cos(TIME), 2 * np.sin(TIME), 0 * TIME], axis=1)
+    return np.concatenate([l, beta], axis=1)[None]
+
+
+@pytest.fixture
+def run():
+    names = ("l1", "l2", "l3", "beta1", "beta2", "beta3")
+    return SimpleNamespace(system="turning", components=names, time=TIME, state=turning())
+
+
+def test_components_paths_and_changes_are_drawn(run):
+    energy = 1 + 1e-12 * np.sin(TIME)
+    figure = orbit(run, invariants={"H": energy})
+    in_time, path_of_l, second, path_of_beta, changes = figure.axes
+    for ax, vector in ((in_time, run.state[0, :, :3]), (second, run.state[0, :, 3:])):
+        for line, component in zip(ax.lines, vector.T, strict=True):
+            np.testing.assert_array_equal(line.get_ydata(), component)
+    labels = [text.get_text() for text in second.get_legend().get_texts()]
+    assert labels == [r"$\beta_{1}$", r"$\beta_{2}$", r"$\beta_{3}$"]
+    assert path_of_beta.texts[-1].get_text() == r"$|\beta| = 2$"
+    assert path_of_l.texts[-1].get_text() == rf"max $|\ell| = {np.linalg.norm(run.state[0, :, :3], axis=1).max():.3g}$"
+    largest = np.maximum.accumulate(np.abs(energy - energy[0]))
+    np.testing.assert_allclose(changes.lines[0].get_ydata()[1:], largest[1:])
+    assert changes.get_yscale() == "log"
+    assert changes.get_ylim() == pytest.approx((1e-14, 1e-11))  # from 5e-14 to 1e-12
+    assert figure.get_suptitle() == "turning"
+
+
+def test_the_near_side_of_a_sphere_is_stronger_and_drawn_last(run):
+    path = orbit(run).axes[3].collections[0]
+    strength = np.asarray(path.get_colors())[:, 3]
+    assert set(strength.round(2)) == {0.22, 0.9}
+    assert (np.diff(strength) >= 0).all()
+    # Seen from (cos 35, sin 35) in the plane of the path: half of the circle is on the near side.
+    near = (run.state[0, :-1, 3:] + run.state[0, 1:, 3:]) @ [np.cos(np.radians(35)), np.sin(np.radians(35)), 0] >= 0
+    assert (strength > 0.5).sum() == pytest.approx(near.sum(), abs=1)
+
+
+def test_a_dataset_gives_the_same_figure():
+    system = lp.catalog.system("kovalevskaya")
+    result = lp.integrate(system, lp.sample_states(system, 2, seed=1), t=TIME)
+    figures = [orbit(source, trajectory=1) for source in (result, result.dataset)]
+    lines = [figure.axes[0].lines[2].get_ydata() for figure in figures]
+    np.testing.assert_array_equal(*lines)
+    np.testing.assert_array_equal(lines[0], result.state[1, :, 2])
+    assert [figure.get_suptitle() for figure in figures] == ["kovalevskaya"] * 2
+
+
+def test_a_trajectory_that_failed_is_drawn_up_to_there(run):
+    run.state[0, 100:] = np.nan
+    figure = orbit(run, invariants={"H": np.where(np.arange(201) < 100, 1.0, np.nan)})
+    assert len(figure.axes[0].lines[0].get_xdata()) == 100
+
+
+def test_other_systems_have_no_spheres():
+    names = tuple(f"M{k}" for k in (12, 13, 14, 23, 24, 34))
+    figure = orbit(SimpleNamespace(components=names, time=TIME, state=turning()), title="so(4)")
+    assert len(figure.axes) == 1
+    assert len(figure.axes[0].lines) == 6
+    assert figure.axes[0].get_legend().get_texts()[0].get_text() == "$M_{12}$"
+
+
+def test_invariants_without_any_change_are_no_error(run):
+    figure = orbit(run, invariants={"H": np.ones(201)})
+    assert np.isnan(figure.axes[-1].lines[0].get_ydata()).all()
+
+
+def test_mistakes_are_refused(run):
+    with pytest.raises(ShapeError, match="Take those of one trajectory"):
+        orbit(run, invariants={"H": np.ones((1, 201))})
+    with pytest.raises(ParameterError, match="trajectory must be from 0 to 0; got 1"):
+        orbit(run, trajectory=1)
+    run.state[0, 1:] = np.nan
+    with pytest.raises(ParameterError, match="at least two states"):
+        orbit(run)
+
+
+@pytest.mark.parametrize("trajectory", ["a", 1.5, 3, -1])
+def test_a_trajectory_that_is_none_is_refused(run, trajectory):
+    with pytest.raises(ParameterError, match="trajectory must be from 0 to 0"):
+        orbit(run, trajectory=trajectory)
+
+
+def test_numbers_whose_squares_are_no_doubles_are_refused(run):
+    run.state = 1e200 * run.state
+    with pytest.raises(ParameterError, match=r"up to 1e\+150; trajectory 0 reaches 2e\+200"):
+        orbit(run)

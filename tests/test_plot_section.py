@@ -1,0 +1,91 @@
+"""Figures of sections: which points they show, in which colours, under which labels."""
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.plot.section import section as draw
+from liepoisson.plot.style import SEQUENCE
+
+TOP = lp.Top.kovalevskaya()
+
+
+@pytest.fixture(autouse=True)
+def no_windows():
+    import matplotlib as mpl
+
+    mpl.use("Agg")
+    import matplotlib.pyplot as plt
+
+    yield
+    plt.close("all")
+
+
+@pytest.fixture(scope="module")
+def points():
+    return lp.section(TOP, lp.sample_states(TOP, 8, seed=1), surface="l3", t_end=60)
+
+
+def test_each_trajectory_has_its_points_and_a_colour(points):
+    ax = draw(points, "l1", "alpha3")
+    assert len(ax.lines) == 8
+    for k, line in enumerate(ax.lines):
+        np.testing.assert_array_equal(line.get_xdata(), points.of(k)[:, 0])
+        np.testing.assert_array_equal(line.get_ydata(), points.of(k)[:, 5])
+        assert line.get_color() == SEQUENCE[k % len(SEQUENCE)]
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\ell_{1}$", r"$\alpha_{3}$")
+
+
+def test_a_dataset_gives_the_same_figure(points):
+    for one, other in zip(draw(points, "l1", "l2").lines, draw(points.dataset, "l1", "l2").lines, strict=True):
+        np.testing.assert_array_equal(one.get_xydata(), other.get_xydata())
+
+
+def test_kept_functions_are_coordinates():
+    kept = lp.section(TOP, lp.sample_states(TOP, 2, seed=1), surface="l3", t_end=60, keep=("l1", "dot(l, alpha)"))
+    for source in (kept, kept.dataset):
+        ax = draw(source, "l1", "dot(l, alpha)", ylabel="c")
+        np.testing.assert_array_equal(ax.lines[1].get_ydata(), kept.of(1)[:, 1])
+        assert ax.get_ylabel() == "c"
+
+
+def test_signs_trajectories_and_values_choose_the_points(points):
+    ax = draw(points, np.where(points.state[:, 5] > 0, points.time, np.nan), "l2", sign=1, trajectories=[2, 5])
+    wanted = (points.state[:, 5] > 0) & (points.sign == 1) & np.isin(points.trajectory, [2, 5])
+    shown = np.concatenate([line.get_xdata() for line in ax.lines])
+    np.testing.assert_array_equal(shown, points.time[wanted])
+    assert [line.get_color() for line in draw(points, "l1", "l2", colour="black").lines] == ["black"] * 8
+
+
+def test_coordinates_that_are_not_there_are_refused(points):
+    with pytest.raises(ParameterError, match=r"y must be one of l1, .*got 'gamma1'"):
+        draw(points, "l1", "gamma1")
+    with pytest.raises(ShapeError, match=r"x must have shape \(crossing,\)"):
+        draw(points, points.state, "l1")
+
+
+def test_a_section_without_points_is_an_empty_figure():
+    none = lp.section(TOP, lp.sample_states(TOP, 2, seed=1), surface="l3 - 100", t_end=1)
+    assert not draw(none, "l1", "l2").lines
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"trajectories": [8]}, "from 0 to 7"),
+        ({"trajectories": "a"}, "from 0 to 7"),
+        ({"trajectories": [1.5]}, "from 0 to 7"),
+        ({"sign": 7}, "sign must be"),
+        ({"sign": "up"}, "sign must be"),
+        ({"size": -1}, "size must be"),
+        ({"size": "big"}, "size must be"),
+        ({"colour": "nocolour"}, "colour must be"),
+        ({"colour": ()}, "colour must be"),
+        ({"colour": 5}, "colour must be"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(points, options, message):
+    for source in (points, points.dataset):
+        with pytest.raises(ParameterError, match=message):
+            draw(source, "l1", "l2", **options)
