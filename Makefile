@@ -27,7 +27,7 @@ check: $(VENV)/.built $(VENV)/.dev ## format, lint, types and quick tests, in le
 	$(BIN)/ruff check
 	$(BIN)/basedpyright
 	$(BIN)/python -m mypy.stubtest liepoisson._core --mypy-config-file pyproject.toml
-	$(BIN)/pytest -m "not slow and not thorough"
+	$(BIN)/pytest -n auto -m "not slow and not thorough"
 
 guard: instructions sanitize ## instruction counts of the hot kernels, and the unsafe code under the address sanitizer
 

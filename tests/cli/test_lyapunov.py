@@ -102,6 +102,7 @@ def test_refusals_are_plain(command, arguments, words):
     assert "Traceback" not in err
 
 
+@pytest.mark.thorough
 def test_spectrum_prints_the_mean_of_the_runs_and_the_check(command, tmp_path):
     path = tmp_path / "spectrum.nc"
     code, out, err = command(

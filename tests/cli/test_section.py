@@ -89,6 +89,7 @@ def test_a_surface_that_is_never_crossed_is_said_with_exit_code_1(command, tmp_p
     assert "wrote    kovalevskaya" not in out
 
 
+@pytest.mark.thorough
 def test_a_surface_beyond_the_energy_surface_is_refused(command):
     code, out, err = command("section", "kovalevskaya", "--surface", "l3 - 100")
     assert code == 2
@@ -96,6 +97,7 @@ def test_a_surface_beyond_the_energy_surface_is_refused(command):
     assert "found" not in out
 
 
+@pytest.mark.thorough
 def test_a_surface_that_does_not_exist_everywhere(command):
     code, out, _ = command(
         "section", "kovalevskaya", "--surface", "sqrt(alpha1) - 1/2", "--starts", 5, "--crossings", 20

@@ -61,6 +61,7 @@ def test_another_sweep_in_the_folder_is_refused(run, tmp_path):
     assert run("twist.toml", "--store", "other.zarr")[0] == 0
 
 
+@pytest.mark.thorough
 def test_a_figure(run, tmp_path):
     code, _, err = run("twist.toml", "--figure", "twist.png")
     assert code == 0

@@ -191,6 +191,7 @@ def test_the_number_of_casimirs_does_not_depend_on_the_basis(entries):
     assert report.complete
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "bracket",
     [so(3) @ leibniz(3, "epsilon"), so(4) @ leibniz(2), so(3) @ semidirect(4), so(3) @ crmhd(), su(3) @ leibniz(2)],

@@ -138,6 +138,7 @@ def dense_jacobi(algebra):
     return residuals
 
 
+@pytest.mark.thorough
 @exactly
 @given(st.data(), st.integers(3, 5))
 def test_jacobi_residuals_are_those_of_the_textbook(data, n):

@@ -19,6 +19,7 @@ COEFFICIENTS = st.fractions(min_value=-3, max_value=3, max_denominator=4).filter
 MONOMIALS = st.lists(st.integers(0, 4), min_size=1, max_size=4).map(lambda factors: tuple(sorted(factors)))
 
 
+@pytest.mark.thorough
 @given(st.dictionaries(MONOMIALS, COEFFICIENTS, min_size=1, max_size=8))
 def test_every_polynomial_is_the_sum_of_its_pieces(energy: Polynomial) -> None:
     powers = powers_of_forms(energy)
@@ -43,6 +44,7 @@ def field_of_pieces(field: PiecesField, x: np.ndarray) -> np.ndarray:
     return rate
 
 
+@pytest.mark.thorough
 def test_fields_of_the_pieces_add_up_to_the_field_of_the_system() -> None:
     rng = np.random.default_rng(3)
     splittable = 0

@@ -39,6 +39,7 @@ def defect(chart, system, values):
     return D * canonical * D.T - system.bracket.poisson_tensor().xreplace(here), here
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("gauge", GAUGES, ids=str)
 @exactly
 @given(
@@ -62,6 +63,7 @@ def test_the_euler_chart_carries_the_bracket_and_the_energy(gauge, eps, tangents
     assert chart.hamiltonian.xreplace(values) == system.hamiltonian.xreplace(here)
 
 
+@pytest.mark.thorough
 @exactly
 @given(
     eps=epsilons,

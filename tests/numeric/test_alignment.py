@@ -44,6 +44,7 @@ def test_indices_are_those_of_the_tangent_vectors_of_integrate():
     assert angle.sali[:, 0] == pytest.approx(np.sqrt(2 - 2 * cosine), rel=1e-6)
 
 
+@pytest.mark.thorough
 def test_linear_growth_on_an_euler_top_aligns_like_a_power():
     """One degree of freedom, space of three: v = u + t w turns into the flow w, up to an angle of order 1/t."""
     body = lp.catalog.system("free-rigid-body")
@@ -52,6 +53,7 @@ def test_linear_growth_on_an_euler_top_aligns_like_a_power():
     assert slope == pytest.approx(-1, abs=0.1)  # measured -1.02
 
 
+@pytest.mark.thorough
 def test_gali_of_a_torus_is_constant_up_to_its_dimension():
     """Three degrees of freedom: on the leaf GALI_2 and GALI_3 stay, GALI_4 falls like t^-2, GALI_5 like t^-4."""
     x0 = lp.sample_states(INTEGRABLE, 16, seed=2)
@@ -61,6 +63,7 @@ def test_gali_of_a_torus_is_constant_up_to_its_dimension():
     assert slopes == pytest.approx([0, 0, -2, -4], abs=0.3)
 
 
+@pytest.mark.thorough
 def test_one_direction_less_on_the_energy_surface():
     """Tangent to the energy surface the growth fills n - 1 = 2 directions only: GALI_3 falls like 1/t."""
     x0 = lp.sample_states(INTEGRABLE, 16, seed=2)
@@ -96,6 +99,7 @@ def test_vectors_start_tangent_to_leaf_and_energy_surface(within):
     assert (slope.max() < 1e-14) == (within == "energy")
 
 
+@pytest.mark.thorough
 def test_members_are_the_same_in_pieces_and_for_any_number_of_threads():
     x0 = lp.sample_states(CHAOTIC, 12, seed=3)
     kept = x0.copy()

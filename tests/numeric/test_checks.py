@@ -40,6 +40,7 @@ def test_seed_and_first_are_whole_numbers(name, bad):
         lp.sample_states(TOP, 2, **{"seed": 1, name: bad})
 
 
+@pytest.mark.thorough
 def test_seed_and_first_are_bounded():
     with pytest.raises(ParameterError, match="first: wanted"):
         exponent(first=2**63 - 1)

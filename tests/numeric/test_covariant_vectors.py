@@ -17,6 +17,7 @@ def spectrum():
     return lyapunov_spectrum(TOP, x0, t_end=400, transient=1000, interval=INTERVAL, covariant=True)
 
 
+@pytest.mark.thorough
 def test_the_tangent_flow_carries_them_into_themselves(spectrum):
     vectors = spectrum.covariant
     for k in (0, 77, 199):

@@ -35,6 +35,7 @@ def test_error_is_the_spread_over_nearby_starts():
     assert 0.6 < spread / predicted < 1.5  # 32 members know a spread to 13%, the error to some 30%; measured 0.98
 
 
+@pytest.mark.thorough
 def test_a_run_goes_on_from_where_it_is_until_the_error_is_small_enough():
     x0 = lp.sample_states(TOP, 4, seed=1)
     estimate = largest_exponent(TOP, x0, wanted_error=0.01, method=FAST)
@@ -98,6 +99,7 @@ def test_regular_orbits_are_consistent_with_zero_and_have_neither_error_bar_nor_
     assert (chaotic.interval()[:, 0] > 0).all()
 
 
+@pytest.mark.thorough
 def test_a_sticky_orbit_is_consistent_with_zero_until_it_leaves_its_island():
     """So the threshold bounds no exponent: 0.011 at t = 2,000, and the exponent is 0.076 at t = 20,000."""
     top = lp.Top.heavy(inertia=(2, 2, 1.2), a=(-1, 0, 0))
@@ -186,6 +188,7 @@ def test_quantiles_and_histograms_of_wrong_numbers_are_refused():
             distribution()
 
 
+@pytest.mark.thorough
 def test_leaves_of_other_systems_and_bad_numbers_are_refused():
     leaf = lp.Leaf(TOP, {"C1": 1.0, "C2": 0.2, "C3": 1.0})
     run = {"energies": [0.0], "n": 2, "t_end": 5.0}
@@ -205,6 +208,7 @@ def test_leaves_of_other_systems_and_bad_numbers_are_refused():
             exponents_by_energy(TOP, **({"leaf": leaf} | run | wrong))
 
 
+@pytest.mark.thorough
 def test_exponents_energy_by_energy_are_those_of_the_starts():
     leaf = lp.Leaf(TOP, {"C1": 1.0, "C2": 0.2, "C3": 1.0})
     profile = exponents_by_energy(TOP, leaf=leaf, energies=[0.0, 1.0], n=8, t_end=200, seed=3, method=FAST)
@@ -219,6 +223,7 @@ def test_exponents_energy_by_energy_are_those_of_the_starts():
         exponents_by_energy(TOP, leaf=leaf, energies=[], n=2, t_end=10)
 
 
+@pytest.mark.thorough
 def test_integrable_top_has_no_chaotic_energy():
     top = lp.Top.twisted_lagrange()
     leaf = lp.Leaf(top, {"C1": 1.0, "C2": 0.2, "C3": 1.0})

@@ -45,6 +45,7 @@ def spectrum(l, alpha, beta, *, inertia, a3, epsilon, h):
 PARAMETERS = st.fixed_dictionaries({"inertia": POSITIVE, "a3": POSITIVE, "epsilon": FRACTIONS, "h": POSITIVE})
 
 
+@pytest.mark.thorough
 @given(VECTORS, VECTORS, VECTORS, PARAMETERS)
 def test_the_spectrum_of_the_lax_matrix_is_constant_exactly(l, alpha, beta, parameters):
     state = l, alpha, beta

@@ -104,6 +104,7 @@ def test_splitting_of_any_polynomial_hamiltonian_keeps_casimirs():
             assert np.abs(values[:, 1] - values[:, 0]).max() < 1e-11, name
 
 
+@pytest.mark.thorough
 def test_a_run_with_any_method_can_be_repeated_from_its_file(tmp_path):
     top = lp.Top.twisted_kovalevskaya()
     x0 = lp.sample_states(top, 3, seed=5)

@@ -164,6 +164,7 @@ def test_too_long_an_interval_is_told():
     assert "take a shorter interval" in spectrum.check()
 
 
+@pytest.mark.thorough
 def test_running_values_end_at_t_end_and_begin_after_the_transient():
     x0 = lp.sample_states(TOP, 1, seed=3)
     spectrum = lyapunov_spectrum(TOP, x0, t_end=3001, interval=7, transient=10, method=lp.Taylor(tol=1e-9))

@@ -41,6 +41,7 @@ def test_twisted_kovalevskaya_is_chaotic():
     assert (verdict.exponent > 0.01).all()  # measured: 0.0167 to 0.18
 
 
+@pytest.mark.thorough
 def test_verdicts_agree_with_a_long_run(mixed):
     x0 = lp.sample_states(MIXED, 120, seed=3)
     long_run = 1e4 * lp.lyapunov_exponent(MIXED, x0, times=[1e4], seed=5).exponent[:, 0]

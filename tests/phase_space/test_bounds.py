@@ -18,6 +18,7 @@ def lengths(top, states):
     return np.array([np.linalg.norm(v, axis=-1).max() for v in (l, alpha, beta, omega)])
 
 
+@pytest.mark.thorough
 @settings(max_examples=40)
 @given(st.integers(0, 10**6), st.sampled_from([0, 1, -1, "1/3", -2]), st.booleans(), st.booleans())
 def test_no_orbit_exceeds_its_bounds(seed, epsilon, has_beta, has_a):
@@ -108,6 +109,7 @@ def test_bounds_of_large_states_are_those_of_small_ones_in_other_units():
     assert (large.l, large.alpha, large.beta, large.omega) == pytest.approx(wanted, rel=1e-10)
 
 
+@pytest.mark.thorough
 def test_every_state_has_bounds_that_contain_it():
     """1000 states of 40 tops; in the first one the excess is positive at 0, negative from 0.6 to 1, and positive."""
     cases = [(lp.Top(inertia=(1, 1, 1), a=(1, 0, 0), epsilon=1), np.array([0, 0, -1, -(2**0.5), 0, 0, 0, 0, 1]))]

@@ -51,6 +51,7 @@ def test_an_orbit_through_the_collinear_set_leaves_the_euler_chart_there(gauge, 
     np.testing.assert_allclose(smooth.body, exact(start, t), rtol=0, atol=1e-12)
 
 
+@pytest.mark.thorough
 def test_the_integrator_alone_does_not_see_the_end():
     # why chart_orbit puts each state back into the equations: the series goes on with the wrong sign of the root.
     # Rounding decides whether it does or the root becomes that of a negative number, so several starts are tried.
@@ -83,6 +84,7 @@ def test_a_budget_of_steps_is_no_end_of_the_chart():
     assert 0 < orbit.end_time < 100
 
 
+@pytest.mark.thorough
 def test_wrong_input_is_refused():
     chart = lp.QuaternionChart(TOP, x=COLLINEAR)
     with pytest.raises(ShapeError, match="one state"):

@@ -28,6 +28,7 @@ def test_free_rigid_body_has_its_six_steady_rotations():
     np.testing.assert_allclose([e.multipliers["C1"] for e in found], [e.energy for e in found], rtol=1e-12)
 
 
+@pytest.mark.thorough
 def test_spherical_pendulum_hangs_and_stands():
     """l.alpha = 0, |alpha| = 1: hanging with the frequency sqrt(a3/I1) twice, standing with that growth rate."""
     pendulum = lp.Top.heavy(inertia=(2, 2, 1), a=(0, 0, 3))
@@ -41,6 +42,7 @@ def test_spherical_pendulum_hangs_and_stands():
     assert (down.nonlinear_stability, up.nonlinear_stability) == ("stable", "no conclusion")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["kovalevskaya", "twisted-kovalevskaya", "heavy-top", "clebsch", "manakov-so4"])
 def test_what_is_found_is_an_equilibrium_on_the_leaf_with_a_hamiltonian_spectrum(name):
     system = lp.catalog.system(name)
@@ -66,6 +68,7 @@ def distance(first, second):
     return max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) / max(np.abs(first).max(), 1e-300)
 
 
+@pytest.mark.thorough
 def test_multipliers_solve_the_lagrange_equations():
     system = lp.catalog.system("twisted-kovalevskaya")
     leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
@@ -76,6 +79,7 @@ def test_multipliers_solve_the_lagrange_equations():
         assert np.abs(slope).max() < 1e-9
 
 
+@pytest.mark.thorough
 def test_circles_of_equilibria_are_listed_once():
     """The lowest states of this leaf are tilted; the symmetry of the top turns one into a circle of them."""
     top = lp.catalog.system("twisted-lagrange")
@@ -87,6 +91,7 @@ def test_circles_of_equilibria_are_listed_once():
     assert len(others) == 2
 
 
+@pytest.mark.thorough
 def test_relative_equilibria_of_the_twisted_lagrange_top_are_those_of_the_formula():
     r"""l = I1 kappa beta - (a3 nu/kappa^2) e3, alpha = (eps a3 e3 - nu beta)/kappa, Omega = l3/I3 - kappa beta3."""
     rng = np.random.default_rng(4)
@@ -112,6 +117,7 @@ def test_relative_equilibria_of_the_twisted_lagrange_top_are_those_of_the_formul
         np.testing.assert_allclose(top.vector_field(reached.state), reached.omega["l3"] * turning, atol=1e-9)
 
 
+@pytest.mark.thorough
 def test_every_relative_equilibrium_of_a_level_set_has_the_form_of_the_formula():
     """Solve the formula for kappa and nu from the state: (l, e3, beta) and (alpha, e3, beta) fix them."""
     rng = np.random.default_rng(5)
@@ -129,6 +135,7 @@ def test_every_relative_equilibrium_of_a_level_set_has_the_form_of_the_formula()
         np.testing.assert_allclose(e.state[2], x[2], rtol=1e-9)
 
 
+@pytest.mark.thorough
 def test_stable_verdict_holds_along_orbits_and_unstable_ones_leave():
     """Stable states keep a small perturbation small for t = 100; unstable ones grow by more than 30."""
     system = lp.catalog.system("twisted-kovalevskaya")
@@ -144,6 +151,7 @@ def test_stable_verdict_holds_along_orbits_and_unstable_ones_leave():
             assert distances > 1e-3
 
 
+@pytest.mark.thorough
 def test_same_seed_gives_the_same_list():
     system = lp.catalog.system("kovalevskaya")
     leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
@@ -151,6 +159,7 @@ def test_same_seed_gives_the_same_list():
     assert [(e.energy, e.n_found) for e in first] == [(e.energy, e.n_found) for e in second]
 
 
+@pytest.mark.thorough
 def test_the_list_depends_on_the_leaf_and_not_on_the_state_it_was_made_from():
     system = lp.catalog.system("twisted-kovalevskaya")
     leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])

@@ -84,6 +84,7 @@ def test_the_projector_is_that_of_the_image_of_J(top, x, stratum, rank):
     assert abs(leaf.project_tangent(x, np.ones(9), energy=True) @ top.functions.energy.gradient(x)) < 1e-13 * (1 + rank)
 
 
+@pytest.mark.thorough
 @given(st.integers(0, 10_000))
 def test_a_leaf_by_values_is_the_leaf_of_a_state_with_these_values(seed):
     x = lp.sample_states(TWISTED, 1, seed=seed, ensemble="gaussian")[0]
@@ -125,6 +126,7 @@ def test_an_unlisted_stratum_says_so():
         leaf.project(leaf.state)
 
 
+@pytest.mark.thorough
 def test_the_range_of_the_energy_has_its_closed_forms():
     r"""Free body: |l|^2/(2 Imax), |l|^2/(2 Imin).  Two fields: minus the singular values of alpha a^t + beta b^t."""
     body = lp.leaf_of(TWISTED, [1, 2, 3, 0, 0, 0, 0, 0, 0])
@@ -136,6 +138,7 @@ def test_the_range_of_the_energy_has_its_closed_forms():
     assert high == np.inf
 
 
+@pytest.mark.thorough
 def test_bad_requests_are_refused():
     leaf = lp.leaf_of(TWISTED, PLACES[0][1])
     with pytest.raises(LeafError, match=r"the energy lies between -2\.\d+ and inf; -9 was asked for"):
@@ -173,6 +176,7 @@ def test_guesses_that_are_no_states_end_with_a_typed_error(bad):
         leaf.project(guess)
 
 
+@pytest.mark.thorough
 def test_an_open_stratum_with_too_few_known_casimirs_says_so():
     """su(5) has four Casimirs, of degrees 2 to 5; the search ends at degree 3."""
     fluid = lp.catalog.system("zeitlin-5")
@@ -194,6 +198,7 @@ def test_states_of_any_size_have_their_stratum():
         lp.leaf_of(TWISTED, np.array(PLACES[0][1]) * 1e160)
 
 
+@pytest.mark.thorough
 def test_an_energy_without_a_lower_bound_is_told():
     """-1/r is not bounded below at the centre; nor is a Leibniz top whose fields are not bounded on its leaf."""
     for name in ("kepler-on-the-sphere", "leibniz-lagrange-5"):

@@ -36,6 +36,7 @@ def energy_above_the_least(leaf):
     return leaf.energy_range()[0] + 1.2
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", LEAVES)
 @pytest.mark.parametrize("kind", ["energy", "energy_below"])
 def test_states_lie_on_the_leaf_and_have_the_energy(name, kind):
@@ -88,6 +89,7 @@ def test_a_heavy_top_has_the_moments_of_quadrature(kind, power):
         assert deviations(x**exponent, expected).max() < 5
 
 
+@pytest.mark.thorough
 def test_a_twisted_top_has_the_moments_of_a_thin_shell():
     r"""Independent of all formulas of the sampler: $d\ell\,d\alpha$ with the deltas replaced by narrow windows.
 
@@ -182,6 +184,7 @@ def test_samples_beyond_the_memory_are_refused():
             leaf.sample(10**14, seed=0, energy_below=2.0)
 
 
+@pytest.mark.thorough
 def test_unbounded_sets_of_many_components_are_refused_soon():
     """15 components, energy unbounded below: the search for its range alone took minutes; 7 s on two slow cores."""
     system = lp.catalog.system("leibniz-lagrange-5")
@@ -192,6 +195,7 @@ def test_unbounded_sets_of_many_components_are_refused_soon():
     assert time.process_time() - start < 30
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("epsilon", ["1/20", "1/3", "-2/3", 2])
 def test_states_are_on_the_leaf_whatever_factor_the_first_casimir_has(epsilon):
     """The bracket clears it of fractions: 3 |alpha|^2 - 2 l.beta for epsilon = -1/3."""

@@ -35,6 +35,7 @@ def test_characteristic_polynomial_is_the_product_of_two_conjugate_q():
     assert sympy.simplify(turned - sympy.expand(one * other)) == 0
 
 
+@pytest.mark.thorough
 @given(
     st.tuples(st.integers(5, 20), st.integers(5, 20), TENTHS, TENTHS, TENTHS),
     st.integers(-60, 60),
@@ -103,6 +104,7 @@ def sleeping_tops_with_roots(n):
         yield sleeping_top(top, l3=-(x + y + z), alpha3=alpha3, beta3=beta3), len({root > 0 for root in roots}) == 2
 
 
+@pytest.mark.thorough
 @pytest.mark.filterwarnings("ignore::liepoisson.errors.InertiaWarning")
 def test_energy_momentum_proves_every_stable_twisted_sleeping_top():
     """With l3 alone where Q has roots of both signs, with P besides where all have the same sign."""

@@ -63,6 +63,7 @@ def test_a_top_without_such_a_surface_is_refused():
         lp.good_surface(lp.catalog.system("manakov-so4"))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "surface"), [("twisted-kovalevskaya", None), ("twisted-lagrange", None), ("kirchhoff", "m1")]
 )
@@ -78,6 +79,7 @@ def test_random_starts_lie_on_leaf_energy_surface_and_section(name, surface):
     assert np.abs(system.functions.of(surface)(x)).max() < 1e-12
 
 
+@pytest.mark.thorough
 def test_starts_depend_on_the_seed_alone():
     leaf = lp.leaf_of(TWISTED, START)
     x, again, other = (lp.section_starts(leaf, SURFACE, energy=1.0, n=5, seed=seed) for seed in (3, 3, 4))
@@ -85,6 +87,7 @@ def test_starts_depend_on_the_seed_alone():
     assert not np.allclose(x, other)
 
 
+@pytest.mark.thorough
 def test_starts_of_one_direction_return_in_that_direction():
     leaf = lp.leaf_of(TWISTED, START)
     slope = TWISTED.functions.of(SURFACE).gradient
@@ -96,6 +99,7 @@ def test_starts_of_one_direction_return_in_that_direction():
         lp.section_starts(leaf, SURFACE, energy=1.0, n=3, seed=3, direction=2)
 
 
+@pytest.mark.thorough
 def test_energies_and_surfaces_out_of_reach_are_refused():
     leaf = lp.leaf_of(TWISTED, START)
     with pytest.raises(LeafError, match="On this leaf the energy lies between"):
@@ -120,6 +124,7 @@ def test_starts_need_no_markov_chain(monkeypatch):
         assert np.ptp(x, axis=0).max() > 0.5
 
 
+@pytest.mark.thorough
 def test_a_state_of_the_section_with_given_coordinates():
     leaf = lp.leaf_of(TWISTED, START)
     there = lp.section_starts(leaf, SURFACE, energy=1.5, n=1, seed=1)[0]

@@ -103,6 +103,7 @@ def test_unknown_casimirs_and_bad_pieces_are_refused_before_anything_is_made(tmp
     assert not (tmp_path / "a.zarr").exists()
 
 
+@pytest.mark.thorough
 def test_the_command_takes_pieces_and_patience(tmp_path):
     (tmp_path / "a.toml").write_text(
         'system = "twisted-top"\nn = 1\nt_end = 1\nparameters = {I = [2, 2, 1], a = [1, 0, 0], b = [0, 0, 0]}\n'

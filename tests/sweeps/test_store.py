@@ -81,6 +81,7 @@ def test_a_store_has_few_files(tmp_path):
     assert len(files) == 2 * 6 + 2 + 6  # chunks of values and outcomes; points, seconds; descriptions
 
 
+@pytest.mark.thorough
 def test_a_killed_sweep_goes_on(tmp_path, right):
     path = tmp_path / "a.zarr"
     done = child(path, "os.kill(os.getpid(), signal.SIGKILL)")
@@ -91,6 +92,7 @@ def test_a_killed_sweep_goes_on(tmp_path, right):
     np.testing.assert_array_equal(result.value, right)
 
 
+@pytest.mark.thorough
 def test_a_full_disk_is_told_and_what_is_done_is_kept(tmp_path, right):
     path = tmp_path / "a.zarr"
     done = child(path, "resource.setrlimit(resource.RLIMIT_FSIZE, (500, 500))")

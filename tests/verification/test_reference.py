@@ -54,6 +54,7 @@ def test_tangent_vector_is_the_derivative_of_the_flow():
     assert reference.agreed_digits(both[9:], difference) >= 17
 
 
+@pytest.mark.thorough
 def test_a_kept_orbit_is_computed_again():
     """The last one, at its first time, with other digits than it was made with."""
     record = json.loads(reference.FILE.read_text())["orbits"][-1]

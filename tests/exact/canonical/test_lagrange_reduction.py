@@ -70,6 +70,7 @@ def test_without_psi_it_is_given_beside_the_state():
         reduced.to_body(np.array([z, z]), psi=[1.0, 2.0, 3.0])
 
 
+@pytest.mark.thorough
 def test_the_integral_p_is_one_in_the_reduced_coordinates():
     # P = l.(a3 alpha + b3 beta) + epsilon a3^2 I1 beta3 commutes with the reduced Hamiltonian
     reduced = lp.ReducedLagrange(symbolic())

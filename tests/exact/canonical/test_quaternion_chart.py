@@ -39,6 +39,7 @@ def test_round_trips_energy_and_gauge(eps, x):
         assert (q[3], np.sign(q[0])) == (0, 1) if x[8] >= 0 else (q[2], np.sign(q[1])) == (0, 1)
 
 
+@pytest.mark.thorough
 def test_the_constraints_stay():
     system = top(0.7)
     chart = lp.QuaternionChart(system, x=STATES[0])
