@@ -132,6 +132,14 @@ def test_a_name_that_no_file_can_have_is_refused():
         lp.rerun(5)
 
 
+@pytest.mark.parametrize("name", [None, 5, "growth.xlsx", "growth", "growth.nc.gz"])
+def test_a_name_that_no_netcdf_file_should_have_is_refused(tmp_path, monkeypatch, name):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(OutputError, match=r"wanted (the name of a file|a name that ends in \.nc)"):
+        growth(1).save(name)
+    assert list(tmp_path.iterdir()) == []
+
+
 @pytest.mark.parametrize(
     ("attribute", "change"),
     [

@@ -31,6 +31,17 @@ def test_every_public_name_loads():
     assert dir(lp) == lp.__all__
 
 
+def test_types_that_results_and_arguments_have_are_public():
+    import typing
+
+    growth, spec = typing.get_type_hints(lp.mean_curve), typing.get_type_hints(lp.SweepSpec)
+    assert growth["return"] is lp.MeanCurve
+    assert typing.get_type_hints(lp.log_fit)["return"] is lp.LogFit
+    assert lp.Starts in (spec["starts"], *typing.get_args(spec["starts"]))
+    assert lp.Refinement in (spec["refine"], *typing.get_args(spec["refine"]))
+    assert lp.Axis in typing.get_args(spec["axes"])
+
+
 def test_an_unknown_name_is_an_attribute_error():
     with pytest.raises(AttributeError, match="no attribute 'bogus'"):
         lp.bogus  # noqa: B018

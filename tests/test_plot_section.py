@@ -5,6 +5,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.plot.section import label
 from liepoisson.plot.section import section as draw
 from liepoisson.plot.style import SEQUENCE
 
@@ -50,6 +51,58 @@ def test_kept_functions_are_coordinates():
         assert ax.get_ylabel() == "c"
 
 
+def test_axes_have_defaults(points):
+    for source in (points, points.dataset):
+        ax = draw(source)
+        assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\beta_{3}$", r"$\ell_{2}$")
+        np.testing.assert_array_equal(ax.lines[3].get_xydata(), points.of(3)[:, [8, 1]])
+    assert draw(points, "l1").get_ylabel() == r"$\ell_{2}$"
+    with pytest.raises(ParameterError, match="'l2' for both"):
+        draw(points, "l2")
+
+
+def test_axes_of_kept_functions_have_defaults():
+    kept, one = (
+        lp.section(TOP, lp.sample_states(TOP, 2, seed=1), surface="l3", t_end=60, keep=keep)
+        for keep in (("l1", "alpha2", "dot(l, alpha)"), ("l1",))
+    )
+    for source in (kept, kept.dataset):
+        ax = draw(source)
+        assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\ell_{1}$", "dot(l, alpha)")
+    with pytest.raises(ParameterError, match=r"'l1' for both.*y=points\.time"):
+        draw(one)
+    np.testing.assert_array_equal(draw(one, y=one.time).lines[1].get_xdata(), one.of(1)[:, 0])
+
+
+def test_a_new_figure_has_system_and_surface_for_its_title(points):
+    for source in (points, points.dataset):
+        assert draw(source).get_title(loc="left") == r"Kovalevskaya top: $\ell_{3}$ = 0"
+        assert draw(source, title="mine").get_title(loc="left") == "mine"
+        assert draw(source, title="").get_title(loc="left") == ""
+    ax = draw(points)
+    ax.set_title("mine", loc="left")
+    assert draw(points, ax=ax).get_title(loc="left") == "mine"
+
+
+def test_a_long_surface_is_cut_short_on_a_line_of_its_own():
+    surface = " + ".join(f"0.{k}*alpha{k}*l{k}" for k in (1, 2, 3, 1, 2, 3, 1))
+    long = lp.section(TOP, lp.sample_states(TOP, 2, seed=1), surface=surface, t_end=20)
+    for source in (long, long.dataset):
+        name, formula = draw(source).get_title(loc="left").split("\n")
+        assert name == "Kovalevskaya top"
+        assert formula.startswith("0.1*alpha1*l1 + ")
+        assert formula.endswith(" … = 0")
+        assert len(formula) <= 60
+
+
+@pytest.mark.parametrize(
+    ("name", "text"),
+    [("l3", r"$\ell_{3}$"), ("C1", "$C_{1}$"), ("H", "$H$"), ("p_theta", "p_theta"), ("l.alpha", "l.alpha")],
+)
+def test_names_become_mathematical_text(name, text):
+    assert label(name) == text
+
+
 def test_signs_trajectories_and_values_choose_the_points(points):
     ax = draw(points, np.where(points.state[:, 5] > 0, points.time, np.nan), "l2", sign=1, trajectories=[2, 5])
     wanted = (points.state[:, 5] > 0) & (points.sign == 1) & np.isin(points.trajectory, [2, 5])
@@ -59,8 +112,10 @@ def test_signs_trajectories_and_values_choose_the_points(points):
 
 
 def test_coordinates_that_are_not_there_are_refused(points):
-    with pytest.raises(ParameterError, match=r"y must be one of l1, .*got 'gamma1'"):
+    with pytest.raises(ParameterError, match=r"y must be a coordinate that was kept \(l1, .*got 'gamma1'"):
         draw(points, "l1", "gamma1")
+    with pytest.raises(ParameterError, match=r"For a formula keep it: section\(\.\.\., keep="):
+        draw(points, "atan2(l1, l2)", "l1")
     with pytest.raises(ShapeError, match=r"x must have shape \(crossing,\)"):
         draw(points, points.state, "l1")
 

@@ -18,9 +18,10 @@ if TYPE_CHECKING:
     from liepoisson.exact.canonical.canonical_system import CanonicalSystem
     from liepoisson.exact.canonical.euler_chart import EulerChart
     from liepoisson.exact.canonical.lagrange_reduction import ReducedLagrange
+    from liepoisson.exact.canonical.leaf_constants import LeafConstants
     from liepoisson.exact.canonical.ordinary_lagrange import OrdinaryLagrange
     from liepoisson.exact.canonical.quaternion_chart import QuaternionChart
-    from liepoisson.exact.classification import classify
+    from liepoisson.exact.classification import Classification, classify
     from liepoisson.exact.extension import Extension
     from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
     from liepoisson.exact.lie.representations import semidirect_sum
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from liepoisson.field import PiecesField, QuadraticField, TapeField, TopField
     from liepoisson.numeric.alignment import Alignment, alignment
     from liepoisson.numeric.covariant_vectors import CovariantVectors
+    from liepoisson.numeric.estimates import LogFit, MeanCurve
     from liepoisson.numeric.exponent_estimate import ExponentEstimate, largest_exponent
     from liepoisson.numeric.exponents_by_energy import EnergyProfile, exponents_by_energy
     from liepoisson.numeric.finite_time_fit import FiniteTimeFit, finite_time_fit, log_fit, mean_curve, window_scan
@@ -44,6 +46,7 @@ if TYPE_CHECKING:
     from liepoisson.numeric.sampling import sample_states
     from liepoisson.numeric.section import FirstReturn, Section, first_return, section
     from liepoisson.numeric.spectrum import Spectrum, lyapunov_spectrum
+    from liepoisson.numeric.structural_zeros import PoissonStructure
     from liepoisson.numeric.verdict import Agreement, Rule, Verdict, agreement, decide
     from liepoisson.phase_space.bounds import Bounds, bounds
     from liepoisson.phase_space.chart_orbit import ChartOrbit, chart_orbit
@@ -56,17 +59,19 @@ if TYPE_CHECKING:
     from liepoisson.phase_space.surfaces import good_surface, section_starts, section_state
     from liepoisson.sweeps.result import Sweep
     from liepoisson.sweeps.run import sweep
-    from liepoisson.sweeps.spec import SweepSpec
+    from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
     from liepoisson.tops import Top
 
 __all__ = [
     "Agreement",
     "Alignment",
     "Attitude",
+    "Axis",
     "Bounds",
     "Bracket",
     "CanonicalSystem",
     "ChartOrbit",
+    "Classification",
     "CovariantVectors",
     "EnergyProfile",
     "Equilibrium",
@@ -81,14 +86,19 @@ __all__ = [
     "Growth",
     "LagrangeMap",
     "Leaf",
+    "LeafConstants",
     "LieAlgebra",
+    "LogFit",
+    "MeanCurve",
     "Megno",
     "Orbit",
     "OrdinaryLagrange",
     "PiecesField",
+    "PoissonStructure",
     "QuadraticField",
     "QuaternionChart",
     "ReducedLagrange",
+    "Refinement",
     "Rod",
     "Rule",
     "RungeKutta",
@@ -96,6 +106,7 @@ __all__ = [
     "SleepingTop",
     "Spectrum",
     "Splitting",
+    "Starts",
     "Sweep",
     "SweepSpec",
     "System",
@@ -165,10 +176,12 @@ _HOME = {
     "Agreement": "numeric.verdict",
     "Alignment": "numeric.alignment",
     "Attitude": "phase_space.frames",
+    "Axis": "sweeps.spec",
     "Bounds": "phase_space.bounds",
     "Bracket": "exact.bracket",
     "CanonicalSystem": "exact.canonical.canonical_system",
     "ChartOrbit": "phase_space.chart_orbit",
+    "Classification": "exact.classification",
     "CovariantVectors": "numeric.covariant_vectors",
     "EnergyProfile": "numeric.exponents_by_energy",
     "Equilibrium": "phase_space.stability",
@@ -183,14 +196,19 @@ _HOME = {
     "Growth": "numeric.lyapunov",
     "LagrangeMap": "numeric.methods",
     "Leaf": "phase_space.leaf",
+    "LeafConstants": "exact.canonical.leaf_constants",
     "LieAlgebra": "exact.lie_algebra",
+    "LogFit": "numeric.estimates",
+    "MeanCurve": "numeric.estimates",
     "Megno": "numeric.megno",
     "Orbit": "numeric.integrate",
     "OrdinaryLagrange": "exact.canonical.ordinary_lagrange",
     "PiecesField": "field",
+    "PoissonStructure": "numeric.structural_zeros",
     "QuadraticField": "field",
     "QuaternionChart": "exact.canonical.quaternion_chart",
     "ReducedLagrange": "exact.canonical.lagrange_reduction",
+    "Refinement": "sweeps.spec",
     "Rod": "phase_space.rod",
     "Rule": "numeric.verdict",
     "RungeKutta": "numeric.methods",
@@ -198,6 +216,7 @@ _HOME = {
     "SleepingTop": "phase_space.sleeping_top",
     "Spectrum": "numeric.spectrum",
     "Splitting": "numeric.methods",
+    "Starts": "sweeps.spec",
     "Sweep": "sweeps.result",
     "SweepSpec": "sweeps.spec",
     "System": "exact.system",

@@ -68,6 +68,7 @@ class _Sections(_Ends):
     touch_count: NDArray[np.int64]
     unbounded_steps: NDArray[np.int64]
     undefined_steps: NDArray[np.int64]
+    in_surface: NDArray[np.bool_]
     time: _Array
     state: _Array
     sign: NDArray[np.int8]

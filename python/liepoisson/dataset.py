@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson import _core
-from liepoisson.errors import DamagedFileError
+from liepoisson.errors import DamagedFileError, OutputError
 from liepoisson.field import Field, TapeFunction, field_of, record_of
 from liepoisson.files import write_atomically
 from liepoisson.numeric._checks import shown
@@ -74,7 +74,11 @@ def section_dataset(section: Section) -> Dataset:
         "state": (("crossing", kept), section.state, state),
         "sign": ("crossing", section.sign, {"long_name": "+1 where the surface function increases, else -1"}),
         "touch_state": (("touch", kept), section.touch_state, {"long_name": "what is kept of a point not decided"}),
-        "unbounded_steps": ("trajectory", section.unbounded_steps, {"long_name": "steps with an estimated error"}),
+        "unbounded_steps": (
+            "trajectory",
+            section.unbounded_steps,
+            {"long_name": "steps with an estimated error of the state"},
+        ),
         "undefined_steps": ("trajectory", section.undefined_steps, {"long_name": "steps without a surface function"}),
         "initial_state": (("trajectory", "component"), section.initial_state, {"long_name": "state at time 0"}),
         **_ends(section),
@@ -190,9 +194,17 @@ def save(dataset: Dataset, path: str | Path) -> Path:
     """Writes a dataset to a NetCDF file, whole or not at all.
 
     Raises:
-        OutputError: The file can not be written; an older file of that name is left as it was.
+        OutputError: The path is none or does not end in .nc, or the file can not be written; an older file of that name
+            is left as it was.
     """
-    path = Path(path)
+    try:
+        path = Path(path)
+    except TypeError as error:
+        raise OutputError(f"wanted the name of a file; got {shown(path)}; write for example run.nc") from error
+    if path.suffix != ".nc":
+        raise OutputError(
+            f"wanted a name that ends in .nc, as NetCDF is written; got {shown(str(path))}; write for example run.nc"
+        )
     write_atomically(path, netcdf(dataset))
     return path
 

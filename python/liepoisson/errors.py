@@ -102,3 +102,11 @@ class DamagedFileError(LiePoissonError, OSError):
 
 class InertiaWarning(UserWarning):
     """Moments of inertia that no rigid body can have (triangle inequality); the equations do not need it."""
+
+
+class SurfaceWarning(UserWarning):
+    """A surface of section in which orbits lie: they stay on it and cross it nowhere."""
+
+
+class MixingWarning(UserWarning):
+    """Markov chains that remember their starts, so that their states are not distributed as they should be."""

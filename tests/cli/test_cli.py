@@ -193,6 +193,21 @@ def test_control_c_stops_cleanly_and_says_how_to_go_on(start, tmp_path):
     assert all(name.endswith(".npz") for name in names)
 
 
+def test_control_c_in_the_first_second_is_one_line():
+    begun = "from liepoisson.cli import main; print('begun', flush=True); main()"
+    command = [sys.executable, "-c", begun, "section", "twisted-kovalevskaya", "--crossings", "1000000"]
+    options = {"preexec_fn": hear_control_c, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    for delay in (0.0, 0.1, 0.2, 0.3, 0.5, 0.8):
+        process = subprocess.Popen(command, **options)
+        assert process.stdout.readline() == "begun\n"
+        time.sleep(delay + 0.01)
+        process.send_signal(signal.SIGINT)
+        err = process.communicate(timeout=60)[1]
+        assert process.returncode == 130, err
+        assert len(err.splitlines()) == 1
+        assert err.startswith("interrupted")
+
+
 def test_manifest_of_another_form_is_refused_with_true_advice(tmp_path):
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "manifest.json").write_text("[1]")

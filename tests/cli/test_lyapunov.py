@@ -90,8 +90,11 @@ def test_one_run_has_no_standard_error(command):
         (["lagrange", "--spectrum", "--t-end", "1e12", "--time-limit", "3"], "at most 10000000 intervals"),
         (["lagrange", "--ensemble", "sphere"], "wanted one of unit-vectors, cube, gaussian; got 'sphere'"),
         (["lagrange", "--tol", "2"], "tol"),
-        (["lagrange", "--threads", "0"], "threads"),
+        (["lagrange", "--threads", "0"], "--threads must be from 1 to 4096; got 0"),
+        (["lagrange", "--seed", "-1"], "--seed must be at least 0"),
+        (["lagrange", "--time-limit", "nan"], "--time-limit must be a positive number of seconds"),
         (["lagrange", "--out", " "], "--out must name a file"),
+        (["lagrange", "--out", "x.csv"], "--out must end in .nc; got 'x.csv'. Write for example --out exponents.nc."),
         (["lagrang"], "lagrange"),
     ],
 )
@@ -100,6 +103,17 @@ def test_refusals_are_plain(command, arguments, words):
     assert (code, out) == (2, "")
     assert words in err
     assert "Traceback" not in err
+
+
+@pytest.mark.parametrize("options", [(), ("--spectrum",)])
+def test_after_ctrl_c_it_says_how_to_keep_what_is_done(command, monkeypatch, options):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("liepoisson.numeric.lyapunov.lyapunov_exponent", interrupted)
+    monkeypatch.setattr("liepoisson.numeric.spectrum.lyapunov_spectrum", interrupted)
+    code, _, err = command("lyapunov", "lagrange", *options)
+    assert (code, "--time-limit SECONDS" in err) == (130, True)
 
 
 @pytest.mark.thorough

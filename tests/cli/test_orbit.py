@@ -66,20 +66,24 @@ def test_a_guess_is_moved_onto_leaf_and_energy(command):
 
 def test_casimirs_that_are_left_out_keep_their_values(twisted):
     own = lp.sample_states(twisted, 1, seed=3)[0]
-    start = find_start(twisted, leaf="C1=2", seed=3)
+    start = find_start(twisted, leaf=["C1=2"], seed=3)
     assert start.leaf.casimirs["C1"] == 2
     assert start.leaf.casimirs["C2"] == pytest.approx(own[3:6] @ own[6:])
     assert start.leaf.contains(start.state)
 
 
+def test_several_values_of_leaf_are_taken_together(twisted):
+    assert find_start(twisted, leaf=["C1=2", "C2=1/2,C3=1"]).leaf.casimirs == {"C1": 2, "C2": 0.5, "C3": 1}
+
+
 def test_a_start_is_never_moved(twisted):
     with pytest.raises(LeafError, match=r"it has C3 = 1 instead of 2.*--guess"):
-        find_start(twisted, start=["beta=0,0,1"], leaf="C3=2")
+        find_start(twisted, start=["beta=0,0,1"], leaf=["C3=2"])
     with pytest.raises(LeafError, match="it has H = 0 instead of 1"):
         find_start(twisted, start=["beta=0,0,1"], energy=1)
     with pytest.raises(LeafError, match=r"it has C3 = 1 instead of 1\.000001"):
-        find_start(twisted, start=["beta=0,0,1"], leaf="C3=1.000001")
-    kept = find_start(twisted, start=["beta=0,0,1"], leaf="C3=1.00000000001", energy=0)  # within 1e-10
+        find_start(twisted, start=["beta=0,0,1"], leaf=["C3=1.000001"])
+    kept = find_start(twisted, start=["beta=0,0,1"], leaf=["C3=1.00000000001"], energy=0)  # within 1e-10
     assert kept.state.tolist() == [0, 0, 0, 0, 0, 0, 0, 0, 1]
 
 
@@ -169,6 +173,15 @@ def test_a_run_that_fails_tells_its_outcome():
     assert "drift    not known" in text
 
 
+@pytest.mark.parametrize("where", ["typer.main.get_command", "liepoisson.cli.orbit.find_start"])
+def test_ctrl_c_before_the_run_is_one_line(command, monkeypatch, where):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(where, interrupted)
+    assert command("orbit", "kovalevskaya") == (130, "", "interrupted.\n")
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -176,9 +189,14 @@ def test_a_run_that_fails_tells_its_outcome():
         (["kovalevskaya", "--t", "0"], "--t must be a finite time other than 0"),
         (["kovalevskaya", "--t", "nan"], "--t must be a finite time other than 0"),
         (["kovalevskaya", "--points", "1"], "--points must be from 2"),
+        (["kovalevskaya", "--time-limit", "nan"], "--time-limit must be a positive number of seconds; got nan"),
+        (["kovalevskaya", "--time-limit", "-1"], "--time-limit must be a positive number of seconds; got -1"),
+        (["kovalevskaya", "--seed", "-1"], "--seed must be at least 0"),
         (["kovalevskaya", "--leaf", "C2=-1"], "C2"),
         (["kovalevskaya", "--leaf", "C7=1"], "must name Casimirs of kovalevskaya; got 'C7'. Known: C1, C2"),
         (["kovalevskaya", "--leaf", "C1=1,C1=2"], "C1 comes twice"),
+        (["kovalevskaya", "--leaf", "C1=1", "--leaf", "C1=2"], "C1 comes twice"),
+        (["kovalevskaya", "--energy", "1", "--energy", "2"], "--energy must be given once; it comes twice. Remove one"),
         (["kovalevskaya", "--leaf", "1,2"], "--leaf must be name=value; got '1'. Write for example --leaf C1=1,C2=0"),
         (["kovalevskaya", "--energy", "-5"], "On this leaf the energy lies between"),
         (["kovalevskaya", "--guess", "l=1,0,0"], "--guess must come with --leaf or --energy"),

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.cli.section import is_folded
 from liepoisson.cli.starts import find_start
-from liepoisson.cli.surfaces import default_surface
+from liepoisson.cli.surfaces import Surface, default_surface
 
 FEW = ("--starts", 3, "--crossings", 5)
 
@@ -103,11 +104,18 @@ def test_a_surface_that_does_not_exist_everywhere(command):
         "section", "kovalevskaya", "--surface", "sqrt(alpha1) - 1/2", "--starts", 5, "--crossings", 20
     )
     assert code == 0
-    assert "error    estimated, not bounded" in out
     assert "missed   the function does not exist in" in out
 
     code, _, err = command("section", "kovalevskaya", "--surface", "sqrt(alpha1 - 7)", *FEW)
     assert (code, "none of 96 random states could be moved to a crossing" in err) == (2, True)
+
+
+@pytest.mark.thorough
+def test_errors_that_no_majorant_bounds_are_said(command):
+    _, out, _ = command("section", "goryachev", *FEW)  # its field is not of degree two
+    assert "error    of the state estimated, not bounded, in " in out
+    _, out, _ = command("section", "kovalevskaya", *FEW)
+    assert "error    " not in out
 
 
 @pytest.mark.thorough
@@ -131,6 +139,61 @@ def test_figure_of_any_two_functions(command, tmp_path, monkeypatch):
     assert (code, (tmp_path / "kept.svg").exists()) == (0, True)
 
 
+def titles(monkeypatch):
+    """The titles of the figures that a command draws."""
+    found = []
+
+    def keep(figure, stem):
+        found.append(figure.axes[0].get_title(loc="left") or figure.axes[0].get_title())
+        return [stem]
+
+    monkeypatch.setattr("liepoisson.cli.section.write_figure", keep)
+    return found
+
+
+@pytest.mark.thorough
+def test_title_is_typeset_and_says_what_was_set(command, monkeypatch):
+    found = titles(monkeypatch)
+    where = (*FEW, "--leaf", "C1=0.5", "--leaf", "C2=1", "--energy", 1, "--figure", "a.svg")
+    _, out, _ = command("section", "kovalevskaya", "--surface", "l3", *where)
+    assert found[0] == "kovalevskaya: section $\\ell_{3}$ = 0\n$H$ = 1, $C_{1}$ = 0.5, $C_{2}$ = 1"
+    assert "leaf     dimension 4, alpha != 0: C1 = 0.5, C2 = 1" in out.splitlines()
+    _, out, _ = command(
+        "section", "kovalevskaya", *FEW, "--set", "I=3/2,1.2,0.7", "--set", "a=[-1,0, sqrt(2)]", "--plot"
+    )
+    name = "kovalevskaya, I = (3/2, 1.2, 0.7), a = (-1, 0, sqrt(2)):"
+    assert out.startswith(f"{name} crossings where ")
+    assert found[1].splitlines()[0] == name
+    assert out.splitlines()[-1] == "wrote    kovalevskaya-section", "files are named after the system alone"
+
+
+def test_axes_that_fold_the_section_are_told_from_coordinates():
+    # On alpha2 = 0 and |alpha| = 1, alpha = (cos phi, 0, sin phi), and l2 is the momentum of the angle phi.  So phi and
+    # l2 are coordinates, and sin phi = alpha3 and l2 where cos phi = alpha1 keeps its sign.
+    system = lp.catalog.system("kovalevskaya")
+    begin = find_start(system, leaf=["C1=0.3", "C2=1"], energy=1.5)
+    states = lp.section_starts(begin.leaf, "alpha2", energy=1.5, n=200, seed=1, direction=1)
+    right = states[:, 3] > 0
+    assert 20 < right.sum() < 180
+    for axes, some, expected in (
+        (("alpha3", "l2"), states, True),
+        (("alpha3", "l2"), states[right], False),
+        (("alpha3", "l2"), states[~right], False),
+        (("alpha3 + alpha1/2", "l2 - alpha3"), states, True),
+        (("sin(alpha3)", "l2"), states[right], False),
+    ):
+        assert is_folded(begin, Surface("alpha2", "as given"), axes, some) == expected, axes
+
+
+@pytest.mark.thorough
+def test_a_figure_that_folds_the_section_says_so(command, monkeypatch):
+    titles(monkeypatch)
+    folds = "figure   folds the section: different states may lie at one point"
+    for axes, expected in ((("--x", "alpha1", "--y", "l1"), True), ((), False)):
+        _, out, _ = command("section", "kovalevskaya", "--starts", 6, "--crossings", 40, "--plot", *axes)
+        assert (folds in out.splitlines()) == expected
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -139,8 +202,16 @@ def test_figure_of_any_two_functions(command, tmp_path, monkeypatch):
         (["kovalevskaya", "--surface", "abs(l3)"], "abs"),
         (["kovalevskaya", "--keep", "l7"], "l7"),
         (["kovalevskaya", "--surface", "1 - 1"], "a function of the state was wanted; '1 - 1' is constant"),
+        (["kovalevskaya", "--surface", "dot(l,alpha)"], "constant on each leaf: its bracket with every component is"),
+        (["kovalevskaya", "--leaf", "C1=0.3", "--leaf", "C1=1"], "--leaf must give each Casimir once; C1 comes twice"),
+        (["kovalevskaya", "--energy", "1", "--energy", "2"], "--energy must be given once; it comes twice"),
         (["kovalevskaya", "--starts", "0"], "--starts must be from 1 to 100000; got 0"),
-        (["kovalevskaya", "--crossings", "0"], "--crossings must be from 1"),
+        (["kovalevskaya", "--crossings", "0"], "--crossings must be from 1 to 1000000000; got 0. Try 500."),
+        (["kovalevskaya", "--t", "nan"], "--t must be a finite time other than 0; got nan. Try 50000."),
+        (["kovalevskaya", "--t", "0"], "--t must be a finite time other than 0"),
+        (["kovalevskaya", "--threads", "0"], "--threads must be from 1 to 4096; got 0"),
+        (["kovalevskaya", "--seed", "-1"], "--seed must be at least 0"),
+        (["kovalevskaya", "--time-limit", "0"], "--time-limit must be a positive number of seconds; got 0"),
         (["kovalevskaya", "--start", "l=1,0,0", "--starts", "3"], "--starts and --start exclude each other"),
         (["kovalevskaya", "--plot", "--keep", "l1", "--x", "l2"], "--x and --y must be kept; 'l2' is not"),
         (["kovalevskaya", "--plot", "--keep", "l1"], "two functions for its axes; only 'l1' is there"),

@@ -1,6 +1,10 @@
 """The command `liepoisson sweep`."""
 
+import re
+import signal
+import subprocess
 import sys
+import time
 
 import pytest
 
@@ -48,7 +52,21 @@ def test_it_prints_the_result_and_keeps_it(run, tmp_path):
     assert "outcomes: finished 24" in out
     assert "         1  1.0000  [0.6756, 1.0000]" in out
     assert (tmp_path / "twist.zarr" / "zarr.json").exists()
-    assert second == first
+    line = "3 of 3 points were in the store\n"
+    assert line in second[1]
+    assert second[1].replace(line, "") == out
+
+
+def test_a_long_table_leaves_rows_out_before_the_last_ones(run, tmp_path):
+    long = TWIST.replace("count = 3", "count = 30").replace("t_end = 200", "t_end = 10").replace("n = 8", "n = 2")
+    (tmp_path / "twist.toml").write_text(long.replace("I = [2, 2, 1]", 'I = [2, "2 + epsilon", 1]'))
+    code, out, _ = run("twist.toml", "--threads", "1")
+    assert code == 0
+    assert "varied: I2 = 2 + epsilon\n" in out
+    rows = out.splitlines()[-25:]
+    assert [row.split()[0] for row in rows[:2]] == ["0", "0.0344828"]
+    assert rows[21] == "... 6 more, all in twist.zarr ..."
+    assert [row.split()[0] for row in rows[22:]] == ["0.931034", "0.965517", "1"]
 
 
 def test_another_sweep_in_the_folder_is_refused(run, tmp_path):
@@ -82,6 +100,37 @@ def test_what_can_not_be_done_is_refused(run, arguments, message):
     code, out, err = run(*arguments)
     assert (code, out) == (2, "")
     assert message in err
+
+
+@pytest.mark.thorough
+def test_an_interrupt_ends_a_long_piece(tmp_path):
+    """The bound: 0.5 s until the main thread sees it, 0.1 s in the core, and the time that Python needs to end."""
+    text = TWIST.replace("t_end = 200", "t_end = 1e9").replace("count = 3", "count = 2")
+    (tmp_path / "twist.toml").write_text(text)
+    program = "from liepoisson.cli.main import main; main()"
+    command = [sys.executable, "-c", program, "sweep", "twist.toml", "--threads", "2"]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    while process.poll() is None and not (tmp_path / "twist.zarr" / "level0" / "seconds" / "zarr.json").exists():
+        time.sleep(0.1)
+    time.sleep(1.0)
+    began = time.monotonic()
+    process.send_signal(signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert time.monotonic() - began < 5.0
+    assert process.returncode == 130
+    assert re.fullmatch(r"interrupted; what is finished is in twist.zarr.*\n", err)
+
+
+def test_points_without_a_system_are_told_by_the_exit_code(run, tmp_path):
+    """I3 <= 0: somewhere is a part of the answer, everywhere is a mistake."""
+    for axis, wanted in (("[-1.0, 1.0]", 0), ("[-2.0, -1.0]", 1)):
+        text = TWIST.replace("from = 0\nto = 1\ncount = 3", f"values = {axis}").replace(
+            'name = "epsilon"', 'name = "I3"'
+        )
+        (tmp_path / "twist.toml").write_text(text.replace("[parameters]", "[parameters]\nepsilon = 1"))
+        code, out, err = run("twist.toml", "--fresh")
+        assert (code, "no system" in out) == (wanted, True)
+        assert "have no system" in err
 
 
 def test_a_part_that_fails_is_reported(run, tmp_path):

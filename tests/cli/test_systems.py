@@ -5,6 +5,7 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
+from liepoisson.cli.starts import read_numeric_system
 from liepoisson.cli.systems import read_file, read_system, with_settings
 from liepoisson.errors import ParameterError, SystemFileError, UnknownNameError
 
@@ -54,3 +55,21 @@ def test_settings_take_symbols_away():
 def test_bad_settings_are_refused(setting, words):
     with pytest.raises(ParameterError, match=words):
         read_system("twisted-top", [setting])
+
+
+def test_the_name_of_a_system_to_compute_with_says_what_was_set():
+    assert read_numeric_system("twisted-kovalevskaya", []).name == "twisted-kovalevskaya"
+    changed = read_numeric_system("twisted-kovalevskaya", ["epsilon = 1/3", "a=[1,0, sqrt(2)]"])
+    assert changed.name == "twisted-kovalevskaya, epsilon = 1/3, a = (1, 0, sqrt(2))"
+
+
+def test_a_parameter_that_is_set_twice_is_refused():
+    with pytest.raises(ParameterError, match="--set must give each parameter once; epsilon comes twice"):
+        read_system("twisted-kovalevskaya", ["epsilon=1", "a=1,0,0", "epsilon=2"])
+
+
+@pytest.mark.parametrize("setting", ["epsilon=1e-400", "a=1,0,1e-400"])
+def test_numbers_below_all_doubles_are_exact_but_no_numbers_to_compute_with(setting):
+    assert read_system("twisted-kovalevskaya", [setting]).top_parameters is not None
+    with pytest.raises(ParameterError, match=r"(epsilon|a3) must be zero or at least 4.9e-324"):
+        read_numeric_system("twisted-kovalevskaya", [setting])

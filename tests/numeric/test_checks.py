@@ -1,4 +1,4 @@
-"""What a caller may get wrong, and what must come out as a plain number."""
+"""What a caller may get wrong, what must come out as a plain number, and results in one line."""
 
 import json
 
@@ -173,3 +173,57 @@ def test_numbers_of_numpy_become_plain_ones_and_can_be_saved(tmp_path):
 def test_a_method_has_numbers_of_the_right_kind(name, bad):
     with pytest.raises(ParameterError, match=f"{name}: wanted"):
         lp.Taylor(**{name: bad})
+
+
+def results(x0):
+    """One result of each kind that holds arrays; those of ensembles with as many members as starts."""
+    leaf, growth = lp.leaf_of(TOP, X0), lp.lyapunov_exponent(TOP, x0, times=[1, 2, 3])
+    return {
+        "Orbit": lp.integrate(TOP, x0, t=[0, 1, 2]),
+        "Growth": growth,
+        "MeanCurve": lp.MeanCurve(*[TIME] * 5, confidence=0.95, n_members=4, n_excluded=1),
+        "Spectrum": lp.lyapunov_spectrum(TOP, x0, t_end=10),
+        "Megno": lp.megno(TOP, x0, t_end=2),
+        "Alignment": lp.alignment(TOP, x0, t_end=2),
+        "FrequencyDrift": lp.frequency_drift(TOP, x0, observable="l1", t_window=5, n_samples=16),
+        "Verdict": lp.decide(TOP, x0, t_end=2),
+        "FirstReturn": lp.first_return(TOP, x0, surface="l3", t_end=5),
+        "EnergyProfile": lp.exponents_by_energy(TOP, leaf=leaf, energies=[1, 2], n=2, t_end=1),
+    }
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("n", [1, 3])
+def test_the_repr_of_a_result_is_one_short_line_with_its_system(n):
+    for kind, result in results(lp.sample_states(TOP, n, seed=1)).items():
+        text = repr(result)
+        of = "" if kind in ("FirstReturn", "MeanCurve") else f" of {TOP.name}"
+        assert text.startswith(f"<{kind}{of}: ")
+        assert text.endswith(">")
+        assert "\n" not in text
+        assert len(text) < 200, text
+        assert "nan" not in text, text
+
+
+def test_a_repr_gives_the_median_of_those_that_finished_and_counts_the_failed():
+    x0 = lp.sample_states(TOP, 3, seed=1)
+    x0[1] = np.nan
+    growth = lp.lyapunov_exponent(TOP, x0, t_end=5)
+    value = np.median(growth.exponent[[0, 2], -1])
+    assert repr(growth) == f"<Growth of {TOP.name}: 3 trajectories (1 failed), median exponent {value:.4g} at t = 5>"
+    orbit = lp.integrate(TOP, x0[0], t=np.linspace(0, 2, 5), tangents=np.eye(9)[:2])
+    assert repr(orbit) == f"<Orbit of {TOP.name}: 1 trajectory, 5 times, t = 0 to 2, 2 tangent vectors each>"
+    nowhere = lp.first_return(TOP, x0, surface="l3 - 100", t_end=1)
+    assert repr(nowhere) == "<FirstReturn: 0 of 3 states returned, no time>"
+
+
+def test_a_repr_holds_where_nothing_finished():
+    x0 = lp.sample_states(TOP, 2, seed=1)
+    with np.errstate(all="raise"):
+        for result in (
+            lp.lyapunov_exponent(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
+            lp.lyapunov_spectrum(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
+            lp.megno(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
+            lp.alignment(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
+        ):
+            assert "2 trajectories (2 failed), " in repr(result) or "of 2 trajectories (2 failed)" in repr(result)

@@ -183,6 +183,12 @@ def test_scan_over_windows_agrees_with_single_fits():
             np.testing.assert_allclose(fit.estimates[name], single.estimates[name], rtol=1e-9)
 
 
+def test_a_scan_over_no_window_is_refused():
+    exponent = synthetic_ensemble(60, seed=10)
+    with pytest.raises(ParameterError, match=r"windows: wanted at least one \(start, end\); got none"):
+        window_scan(TIME, exponent, windows=[])
+
+
 def test_default_windows_lie_inside_the_sample_times():
     windows = window_grid(np.arange(1.0, 251.0))
     assert (20.0, 200.0) in windows

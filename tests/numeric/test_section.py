@@ -198,14 +198,38 @@ def test_the_bits_do_not_depend_on_the_number_of_threads():
     assert np.array_equal(one.time, three.time)
 
 
-def test_steps_of_surfaces_that_are_no_polynomials_are_counted_as_not_bounded():
+def test_errors_are_bounded_for_surfaces_that_are_no_polynomials_too():
     x0 = lp.sample_states(TWISTED, 2, seed=1)
     smooth = lp.section(TWISTED, x0, surface="sin(l3)", t_end=30)
     plain = lp.section(TWISTED, x0, surface="l3", t_end=30)
     assert (plain.unbounded_steps == 0).all()
-    assert (smooth.unbounded_steps > 0).all()
+    assert (smooth.unbounded_steps == 0).all()
     near = np.abs(smooth.state[:, 2]) < 1  # sin vanishes at other multiples of pi as well
     np.testing.assert_allclose(smooth.state[near], plain.state, atol=1e-12)
+
+
+@pytest.mark.parametrize("k", [1e3, 1e5, 1e7])
+def test_surfaces_that_are_the_same_set_have_the_same_section_however_narrow_their_peak(k):
+    # exp(-k (l3 - 3/10)^2) = 1/2 where k (l3 - 3/10)^2 = ln 2; the first is -1/2 to all digits on most of a step
+    x0 = lp.sample_states(TWISTED, 8, seed=1)
+    peak, pair = (
+        lp.section(TWISTED, x0, surface=surface, t_end=100)
+        for surface in (f"exp(-{k}*(l3-3/10)^2) - 1/2", f"{k}*(l3-3/10)^2 - {float(np.log(2))!r}")
+    )
+    assert peak.count.sum() > 400
+    assert np.array_equal(peak.count, pair.count)
+    np.testing.assert_allclose(peak.time, pair.time, atol=1e-9)
+    assert (peak.unbounded_steps == 0).all()
+    assert (peak.undefined_steps == 0).all()
+
+
+def test_orbits_that_lie_in_the_surface_are_told():
+    # beta = 0 stays, so a surface linear in beta holds the whole leaf of a heavy top
+    heavy = lp.Top.heavy(inertia=(1.5, 1.2, 0.7), a=(0.6, 0, 0.8))
+    x0 = [0.3, 0.2, 0.1, 1, 0, 0, 0, 0, 0]
+    with pytest.warns(lp.errors.SurfaceWarning, match="the orbit lies in the surface .* try another"):
+        found = lp.section(heavy, x0, surface=lp.good_surface(heavy), t_end=30)
+    assert found.count.sum() == 0
 
 
 def test_a_row_that_is_not_finite_fails_alone():
@@ -265,34 +289,34 @@ def test_the_return_map_steps_from_crossing_to_crossing_and_back():
     x0 = lp.sample_states(KOVALEVSKAYA, 4, seed=1)
     orbit = lp.section(KOVALEVSKAYA, x0, surface="l3", t_end=400, direction=1, n_crossings=3)
     points = orbit.state.reshape(4, 3, 6)
-    images, times, outcome = lp.first_return(KOVALEVSKAYA, points[:, :2], surface="l3", t_max=400)
+    images, times, outcome = lp.first_return(KOVALEVSKAYA, points[:, :2], surface="l3", t_end=400)
     assert (outcome == "returned").all()
     assert outcome.shape == (4, 2)
     np.testing.assert_allclose(images, points[:, 1:], atol=1e-11)
     np.testing.assert_allclose(times, np.diff(orbit.time.reshape(4, 3)), atol=1e-11)
-    back = lp.first_return(KOVALEVSKAYA, images, surface="l3", t_max=-400, direction=-1)
+    back = lp.first_return(KOVALEVSKAYA, images, surface="l3", t_end=-400, direction=-1)
     np.testing.assert_allclose(back.state, points[:, :2], atol=1e-11)
 
 
 def test_a_point_that_does_not_return_in_time_has_no_image():
     x0 = lp.section(KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 1, seed=1), surface="l3", t_end=100).state[0]
-    image, time, outcome = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_max=1e-3)
+    image, time, outcome = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_end=1e-3)
     assert image.shape == (6,)
     assert np.isnan(image).all()
     assert np.isnan(time)
     assert str(outcome) == "no return"
     with pytest.raises(ShapeError, match="6 components"):
-        lp.first_return(KOVALEVSKAYA, np.zeros(5), surface="l3", t_max=1)
+        lp.first_return(KOVALEVSKAYA, np.zeros(5), surface="l3", t_end=1)
 
 
 def test_points_that_return_late_have_no_image_beside_those_that_do():
     x0 = lp.section(
         KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 6, seed=1), surface="l3", t_end=200, n_crossings=1
     ).state
-    all_images, times, _ = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_max=400)
+    all_images, times, _ = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_end=400)
     late = times > np.median(times)
     assert late[: np.flatnonzero(~late)[-1]].any(), "a missing image must come before one that is there"
-    images, _, outcome = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_max=np.median(times))
+    images, _, outcome = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_end=np.median(times))
     assert np.array_equal(outcome == "no return", late)
     assert np.isnan(images[late]).all()
     assert np.array_equal(images[~late], all_images[~late])
@@ -300,8 +324,8 @@ def test_points_that_return_late_have_no_image_beside_those_that_do():
 
 def test_the_return_map_takes_the_surface_of_a_tape_and_nothing_else_of_it():
     x0 = lp.section(TWISTED, lp.sample_states(TWISTED, 2, seed=1), surface="l3", t_end=50, n_crossings=1).state
-    text = lp.first_return(TWISTED, x0, surface="l3", t_max=50)
-    tape = lp.first_return(TWISTED, x0, surface=TWISTED.function_tape("l3", "l1"), t_max=50)
+    text = lp.first_return(TWISTED, x0, surface="l3", t_end=50)
+    tape = lp.first_return(TWISTED, x0, surface=TWISTED.function_tape("l3", "l1"), t_end=50)
     assert np.array_equal(text.state, tape.state)
 
 
@@ -312,7 +336,7 @@ def test_states_a_little_off_the_surface_return_where_those_on_it_do(direction, 
         KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 5, seed=1), surface="l3", t_end=50, n_crossings=1
     ).state
     off = on + offset * np.eye(6)[2]
-    exact, near = (lp.first_return(KOVALEVSKAYA, x, surface="l3", t_max=100, direction=direction) for x in (on, off))
+    exact, near = (lp.first_return(KOVALEVSKAYA, x, surface="l3", t_end=100, direction=direction) for x in (on, off))
     assert near.time.min() > 1e-3
     np.testing.assert_allclose(near.state, exact.state, atol=1e-8)
     assert (near.outcome == "returned").all()
@@ -321,7 +345,7 @@ def test_states_a_little_off_the_surface_return_where_those_on_it_do(direction, 
 def test_a_state_a_little_off_the_surface_that_does_not_return_in_time_has_no_image():
     on = lp.section(KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 5, seed=1), surface="l3", t_end=50, n_crossings=1)
     off = on.state - 1e-11 * on.sign[:, None] * np.eye(6)[2]  # they pass the surface once more, at once
-    image, time, outcome = lp.first_return(KOVALEVSKAYA, off, surface="l3", t_max=1e-3, direction=0)
+    image, time, outcome = lp.first_return(KOVALEVSKAYA, off, surface="l3", t_end=1e-3, direction=0)
     assert np.isnan(image).all()
     assert np.isnan(time).all()
     assert (outcome == "no return").all()
@@ -331,7 +355,7 @@ def test_the_return_map_says_why_an_orbit_ended():
     x = np.zeros((2, 6))
     x[0] = [1, 0, 0, 0, 0.6, 0.8]
     x[1] = np.nan
-    assert lp.first_return(KOVALEVSKAYA, x, surface="l3", t_max=100).outcome.tolist() == ["returned", "not finite"]
+    assert lp.first_return(KOVALEVSKAYA, x, surface="l3", t_end=100).outcome.tolist() == ["returned", "not finite"]
 
 
 @pytest.mark.parametrize("options", [{}, {"keep": ("alpha1", "dot(l, beta)")}, {"n_crossings": 4, "direction": -1}])

@@ -1,12 +1,14 @@
 """The rule regular / chaotic / undecided, its agreement matrix, and Wilson's interval."""
 
+import time
+
 import numpy as np
 import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.proportions import proportion
-from liepoisson.numeric.verdict import INDICATORS, Rule, agreement, decide
+from liepoisson.numeric.verdict import INDICATORS, Rule, _natural_time, agreement, decide
 
 CHAOTIC = lp.Top.twisted_kovalevskaya()
 MIXED = lp.Top.heavy(inertia=(2, 2, 1.2), a=(-1, 0, 0))
@@ -214,6 +216,22 @@ def test_bad_input_is_refused():
     for t_end in (0, -1, np.nan, "long"):
         with pytest.raises(ParameterError, match="t_end"):
             decide(CHAOTIC, np.ones(9), t_end=t_end)
+
+
+def test_the_time_limit_holds_for_all_parts():
+    started = time.monotonic()
+    verdict = decide(CHAOTIC, lp.sample_states(CHAOTIC, 2, seed=1), t_end=1e18, time_limit=0.2)
+    assert time.monotonic() - started < 10  # without: years
+    assert (verdict.outcome == "time limit").all()
+    assert (verdict.verdict == "undecided").all()
+
+
+@pytest.mark.parametrize("t_end", [1e-20, 1e-3, 1e3, 1e9, 1e14])
+def test_natural_time_is_known_for_short_and_long_runs(t_end):
+    x0 = lp.sample_states(CHAOTIC, 4, seed=1)
+    norms = np.linalg.norm(CHAOTIC.functions.jacobian(x0), ord=2, axis=(1, 2))
+    known = _natural_time(CHAOTIC, x0, t_end, None, None, deadline=time.monotonic() + 60)
+    assert known == pytest.approx(t_end * norms, rel=1e-5)
 
 
 def test_no_trajectories_have_no_verdicts():

@@ -11,6 +11,8 @@ from hypothesis import strategies as st
 import liepoisson as lp
 from liepoisson.errors import InertiaWarning, LeafError, ParameterError
 
+TWISTED = lp.Top.twisted_kovalevskaya()
+
 
 def lengths(top, states):
     l, alpha, beta = np.moveaxis(states.reshape(-1, 3, 3), 1, 0)
@@ -50,6 +52,38 @@ def test_bounds_by_values_and_by_state_agree():
     by_state, by_values = lp.bounds(top, x), lp.bounds(top, casimirs=lp.leaf_of(top, x).casimirs, energy=energy)
     for name in ("l", "alpha", "beta", "omega"):
         assert getattr(by_state, name) == pytest.approx(getattr(by_values, name), rel=1e-10)
+
+
+def test_bounds_by_leaf_and_by_state_agree_also_on_leaves_with_other_casimirs():
+    x = lp.sample_states(TWISTED, 1, seed=3)[0]
+    below = np.array([0.3, -0.5, 0.4, 0.6, 0.2, -0.3, 0, 0, 0])
+    for top, state in ((TWISTED, x), (TWISTED, below), (lp.Top.heavy((1.5, 1.2, 0.7), (0.6, 0, 0.8)), below)):
+        by_state = lp.bounds(top, state)
+        by_leaf = lp.bounds(top, leaf=lp.leaf_of(top, state), energy=float(top.functions.energy(state)))
+        for name in ("l", "alpha", "beta", "omega"):
+            assert getattr(by_leaf, name) == pytest.approx(getattr(by_state, name), rel=1e-10)
+
+
+def test_a_leaf_of_another_bracket_or_no_leaf_is_refused():
+    leaf = lp.leaf_of(TWISTED, np.ones(9))
+    with pytest.raises(ParameterError, match="epsilon = 0; got <Leaf"):
+        lp.bounds(lp.Top.kovalevskaya(), leaf=leaf, energy=1)
+    with pytest.raises(ParameterError, match="wanted a leaf of a top"):
+        lp.bounds(TWISTED, leaf=lp.leaf_of(lp.catalog.system("manakov-so4"), np.ones(6)), energy=1)
+    with pytest.raises(ParameterError, match="wanted a Leaf"):
+        lp.bounds(TWISTED, leaf=leaf.casimirs, energy=1)
+    with pytest.raises(ParameterError, match="both leaf= and energy="):
+        lp.bounds(TWISTED, leaf=leaf)
+    with pytest.raises(ParameterError, match="both leaf= and energy="):
+        lp.bounds(TWISTED, leaf=leaf, casimirs=leaf.casimirs, energy=1)
+    with pytest.raises(ParameterError, match="not both"):
+        lp.bounds(TWISTED, np.ones(9), leaf=leaf)
+
+
+def test_casimirs_of_a_leaf_of_lower_rank_are_refused_with_a_way_out():
+    leaf = lp.leaf_of(TWISTED, [0.3, 0.2, 0.1, 1, 0, 0, 0, 0, 0])
+    with pytest.raises(ParameterError, match="give leaf=, or a state x"):
+        lp.bounds(TWISTED, casimirs=leaf.casimirs, energy=0.5)
 
 
 def test_bounds_of_free_and_hanging_tops_are_attained():

@@ -74,7 +74,9 @@ def test_an_orbit_inside_the_chart_finishes():
         assert (orbit.outcome, orbit.left_by, orbit.left_margin, orbit.end_time) == ("finished", None, None, 10.0)
         np.testing.assert_allclose(orbit.body, exact(x, np.linspace(0, 10, 5)), atol=1e-10)
         assert all(values.shape == (5,) for values in orbit.margins.values())
-        assert repr(orbit) == "<ChartOrbit of 5 times: finished at t = 10>"
+        assert repr(orbit) == (
+            f"<ChartOrbit of {chart.name!r}: 5 times, finished at t = 10, Taylor method, tolerance 1e-15>"
+        )
 
 
 def test_a_budget_of_steps_is_no_end_of_the_chart():
@@ -91,3 +93,35 @@ def test_wrong_input_is_refused():
         chart_orbit(chart, [COLLINEAR], t=[0, 1])
     with pytest.raises(ParameterError, match="Taylor"):
         chart_orbit(chart, COLLINEAR, t=[0, 1], method=lp.RungeKutta())
+
+
+@pytest.mark.parametrize("kind", [lp.EulerChart, lp.QuaternionChart])
+def test_a_file_has_the_orbit_in_coordinates_and_in_the_body(kind, tmp_path):
+    x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])
+    chart = kind(TOP, x=x)
+    orbit = chart_orbit(chart, x, t=np.linspace(0, 3, 4))
+    dataset = lp.load(orbit.save(tmp_path / "orbit.nc"))
+    assert tuple(dataset["component"].to_numpy()) == chart.component_names == orbit.components
+    np.testing.assert_array_equal(dataset["state"][0], orbit.state)
+    np.testing.assert_array_equal(dataset["body"].sel(body_component="alpha1")[0], orbit.body[:, 3])
+    for name, margin in orbit.margins.items():
+        np.testing.assert_array_equal(dataset["margin"].sel(condition=name)[0], margin)
+    assert dataset.attrs["system"] == orbit.system == chart.name
+    assert dataset.attrs["chart"] == repr(chart)
+    assert "left_by" not in dataset.attrs
+    again = lp.rerun(dataset)
+    assert again.method == orbit.method
+    np.testing.assert_array_equal(again.state[0], orbit.state)
+
+
+def test_a_file_says_where_the_chart_ended(tmp_path):
+    start = exact(COLLINEAR, [0, -0.5])[-1]
+    orbit = chart_orbit(lp.EulerChart(TOP, x=start), start, t=np.linspace(0, 1, 9))
+    dataset = lp.load(orbit.save(tmp_path / "orbit.nc"))
+    assert str(dataset["outcome"][0].item()) == orbit.outcome != "finished"
+    assert (dataset.attrs["left_by"], dataset.attrs["left_margin"]) == (orbit.left_by, orbit.left_margin)
+    assert dataset["end_time"][0] == orbit.end_time
+    np.testing.assert_array_equal(dataset["final_state"][0], orbit.end_state)
+    assert np.isnan(dataset["state"][0, 5:]).all()
+    again = lp.rerun(dataset)
+    np.testing.assert_array_equal(again.state[0, :5], orbit.state[:5])

@@ -11,6 +11,7 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.phase_space import leaf_sampling
+from liepoisson.phase_space.chain_sampling import sample_by_chains
 from liepoisson.phase_space.leaf_sampling import acceptance
 
 INERTIA, A, B = np.array([2, 1.5, 1]), np.array([-1, 0.25, 0.5]), np.array([0.25, 0.5, -0.125])
@@ -116,11 +117,11 @@ def test_a_twisted_top_has_the_moments_of_a_thin_shell():
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", ["twisted", "two fields"])
 def test_the_two_samplers_agree(name):
-    """Independent states against the Markov chains, whose 12 states per chain are correlated: 5 becomes 8."""
+    """Independent states against the Markov chains, whose states are correlated: 5 becomes 8."""
     leaf = LEAVES[name]
     energy = energy_above_the_least(leaf)
     x = leaf.sample(3000, seed=7, energy=energy)
-    y = leaf_sampling._by_chains(leaf, 3000, 7, leaf_sampling._shell(energy, None))
+    y = sample_by_chains(leaf, 3000, 7, leaf_sampling._shell(energy, None))
     assert leaf.residual(y).max() < 1e-12
     assert np.abs(leaf.system.functions.energy(y) - energy).max() < 1e-12
     for power in (1, 2):
@@ -159,9 +160,9 @@ def test_what_can_not_be_sampled_is_refused():
         leaf.sample(1, seed=0)
     with pytest.raises(LeafError, match="volume is infinite"):
         lp.leaf_of(lp.catalog.system("kirchhoff"), [1, 2, 3, 1, 1, 1]).sample(1, seed=0)
-    with pytest.raises(LeafError, match="it lies between"):
+    with pytest.raises(LeafError, match="the energy lies between"):
         leaf.sample(1, seed=0, energy=-9)
-    with pytest.raises(LeafError, match="it lies between"):
+    with pytest.raises(LeafError, match="the energy lies between"):
         LEAVES["sphere"].sample(1, seed=0, energy=8)
     with pytest.raises(ParameterError, match="not both"):
         leaf.sample(1, seed=0, energy=1, energy_below=1)

@@ -275,3 +275,13 @@ def test_the_words_of_the_diagram_are_on_their_sides(monkeypatch, twists):
 def test_diagrams_of_nothing_are_refused(options):
     with pytest.raises(ParameterError, match="at least one twist and positive ranges"):
         sleeping_diagram(**options)
+
+
+@pytest.mark.parametrize("size", [5e-324, 1e-200])
+def test_states_too_near_zero_are_refused(size):
+    """The tensor J(x) is of the order of x, and its inverse of 1/x."""
+    top = lp.Top.twisted_kovalevskaya()
+    for function in (lp.stability, lp.relative_equilibrium):
+        with pytest.raises(ParameterError, match=f"component of at least 1e-100.*{size:.3g}"):
+            function(top, np.full(9, size))
+    assert lp.stability(top, np.zeros(9)).leaf.rank == 0

@@ -112,7 +112,7 @@ def test_energies_and_surfaces_out_of_reach_are_refused():
 
 def test_starts_need_no_markov_chain(monkeypatch):
     """Six components: 24 starts took 3 to 12 s through the chain of `Leaf.sample`, and take 20 ms without."""
-    monkeypatch.setattr("liepoisson.phase_space.leaf_sampling._by_chains", None)
+    monkeypatch.setattr("liepoisson.phase_space.leaf_sampling.sample_by_chains", None)
     for name, surface in (("kovalevskaya", "l3"), ("manakov-so4", "M12")):
         system = lp.catalog.system(name)
         leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
@@ -136,6 +136,19 @@ def test_a_state_of_the_section_with_given_coordinates():
     assert TWISTED.functions.energy(x) == pytest.approx(1.5, abs=1e-13)
     assert TWISTED.functions.of(SURFACE)(x) == pytest.approx(0, abs=1e-13)
     np.testing.assert_allclose(x[[2, 3]], [0.2, 0.1], atol=1e-13)
+
+
+def test_an_energy_out_of_reach_is_told_before_the_surface_is_blamed():
+    leaf = lp.Leaf(lp.catalog.system("kovalevskaya"), {"C1": 0.5, "C2": 1})
+    for call in (
+        lambda: lp.section_starts(leaf, "l3", energy=-9, n=3, seed=2),
+        lambda: lp.section_starts(leaf, "l3", energy=-9, n=3, seed=2, direction=1, spread=True),
+        lambda: section_state(leaf, "l3", -9, {"alpha1": 0.2}),
+        lambda: leaf.project(leaf.state, energy=-9, surface="l3"),
+        lambda: leaf.sample(3, seed=2, energy=-9),
+    ):
+        with pytest.raises(LeafError, match=r"^states on <Leaf .* the energy lies between .* -9 was asked for\.$"):
+            call()
 
 
 def test_coordinates_that_no_state_has_are_refused():
@@ -173,7 +186,18 @@ def test_spread_starts_are_on_the_section_and_far_from_each_other():
 
 def test_spread_starts_of_an_energy_out_of_reach_are_refused_with_those_in_reach():
     leaf = lp.Leaf(lp.catalog.system("kovalevskaya"), {"C1": 0.5, "C2": 1})
-    with pytest.raises(LeafError, match=r"none of 96 random states .*the energy lies between"):
+    with pytest.raises(LeafError, match=r"^states on .* the energy lies between -\d\.\d+ and inf; -9 was asked for"):
         lp.section_starts(leaf, "alpha2", energy=-9, n=3, seed=2, spread=True)
     with pytest.raises(ParameterError, match="direction"):
         lp.section_starts(leaf, "alpha2", energy=1, n=3, seed=2, direction=np.ones(2))
+
+
+def test_an_energy_is_wanted():
+    """None would leave the energy free, and each start would have its own."""
+    leaf = lp.leaf_of(TWISTED, START)
+    for bad in (None, np.nan, "1"):
+        for spread in (False, True):
+            with pytest.raises(ParameterError, match="energy"):
+                lp.section_starts(leaf, SURFACE, energy=bad, n=4, seed=0, spread=spread)
+        with pytest.raises(ParameterError, match="energy"):
+            section_state(leaf, SURFACE, bad, {"l3": 0.2})

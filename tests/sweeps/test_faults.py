@@ -170,6 +170,39 @@ def test_no_worker_of_this_version_is_an_error():
             sweep(**SPEC, scheduler=here.address, patience=3.0)
 
 
+def test_all_workers_gone_is_an_error_after_patience(right, tmp_path):
+    store = tmp_path / "a.zarr"
+    with cluster() as here:
+        here.scheduler()
+        worker = here.worker()
+        with pytest.raises(SweepError, match=r"no worker for 5 s; what is finished is kept.*--patience"):
+            sweep(
+                **SPEC,
+                scheduler=here.address,
+                store=store,
+                patience=5.0,
+                progress=after(3, lambda: os.kill(worker.pid, signal.SIGKILL)),
+            )
+    result = sweep(**SPEC, store=store)
+    assert result.n_reused >= 3
+    np.testing.assert_array_equal(result.value, right)
+
+
+def test_a_new_worker_does_what_was_meant_for_one_that_is_gone(right):
+    """The first one of the wrong version: the pieces are meant for the second one, and it is gone."""
+    with cluster() as here:
+        here.scheduler()
+        here.worker(version="0.0.1")
+        second = here.worker()
+
+        def replace_it():
+            os.kill(second.pid, signal.SIGKILL)
+            here.worker()
+
+        result = sweep(**SPEC, scheduler=here.address, progress=after(5, replace_it))
+    np.testing.assert_array_equal(result.value, right)
+
+
 def test_no_scheduler_is_an_error():
     with pytest.raises(SweepError, match="no scheduler answers"):
         sweep(**SPEC, scheduler=f"tcp://127.0.0.1:{free_port()}", patience=1.0)

@@ -91,6 +91,17 @@ def test_functions_are_families():
         ({"quantity": 3}, "quantity: wanted one of exponent"),
         ({"starts": "cube"}, "starts: wanted"),
         ({"threshold": 0.0}, "threshold"),
+        ({"axes": None}, "axes: wanted one or two"),
+        ({"axes": 3}, "axes: wanted one or two"),
+        ({"parameters": None}, "parameters: wanted a mapping"),
+        ({"parameters": {**KOVALEVSKAYA, "a": None}}, "a: wanted a number, a formula or a list"),
+        ({"parameters": {**KOVALEVSKAYA, "a": [1, [], 0]}}, "a2: wanted .* got an empty list"),
+        ({"parameters": {**KOVALEVSKAYA, "a": [10**400, 0, 0]}}, "a1: .*the range of a double"),
+        ({"parameters": {**KOVALEVSKAYA, "a": [float("nan"), 0, 0]}}, "a1: wanted finite numbers; got nan"),
+        ({"refine": 2}, "refine: wanted Refinement"),
+        ({"name": 3}, "name: wanted a text; got 3"),
+        ({"system": int}, "system: wanted a function"),
+        ({"system": {1: 2}}, "system: wanted tables by name"),
     ],
 )
 def test_what_is_no_sweep_is_refused(change, message):
@@ -99,7 +110,37 @@ def test_what_is_no_sweep_is_refused(change, message):
         targets(SweepSpec(**given))
 
 
+@pytest.mark.parametrize("values", [None, "abc", [10**400], [1j], object(), [[0.0, 1.0]], []])
+def test_axes_without_numbers_are_refused(values):
+    with pytest.raises(ParameterError, match="axis x: wanted"):
+        Axis("x", values)
+
+
+@pytest.mark.parametrize("end", [None, "a", 10**400, float("nan")])
+def test_axes_without_ends_are_refused(end):
+    for make in (Axis.linear, Axis.logarithmic):
+        with pytest.raises(ParameterError, match="axis x: "):
+            make("x", 1, end, 3)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({"casimirs": None}, "casimirs: wanted a mapping"),
+        ({"casimirs": {"C1": [1, 2]}}, "C1: wanted a number or a formula"),
+        ({"casimirs": {"C1": 10**400}}, "C1: .*the range of a double"),
+        ({"energy": object()}, "energy: wanted a number or a formula"),
+        ({"ensemble": []}, "ensemble: wanted one of"),
+    ],
+)
+def test_starts_of_the_wrong_kind_are_refused(given, message):
+    with pytest.raises((ParameterError, UnknownNameError), match=message):
+        Starts(**given)
+
+
 def test_other_refusals():
+    with pytest.raises(ParameterError, match="axis x: label: wanted a text"):
+        Axis("x", (0.0, 1.0), 3)
     for name in (":", "a.:b", ".a:b", "a:", "a:b.c"):
         with pytest.raises(UnknownNameError, match="quantity"):
             SweepSpec(system="twisted-top", axes=(Axis("epsilon", (0.0, 1.0)),), quantity=name)
@@ -185,6 +226,15 @@ def test_a_file_says_the_same_as_python(tmp_path):
         ('energy = "phi"', 'enrgy = "phi"', "Did you mean energy"),
         ("n = 8", "n = 0.5", "n: wanted"),
         ('to = "pi/2"', 'to = "pi/"', "formula"),
+        ("values = [0, 0.5, 1]", "values = [1, 1e100, 1e400]", r"line 19: \[axes\]\[2\] values: .*fit into a double"),
+        ("t_end =", "t_end = 1e309 #", "t_end: the number must fit into a double"),
+        ("t_end =", "t_end = nan #", "t_end: wanted a number; got nan. Correct"),
+        ("n = 8", "n = 1e309", "n: the number must fit into a double"),
+        ("n = 8", "n = nan", "n: wanted a whole number .*; got nan;"),
+        ("step = 0.1", "step = 1e309", "step: the number must fit into a double"),
+        ("[parameters]", "[parameters]\nepsilon = nan", "epsilon: wanted .*; got nan;"),
+        ("C1 = 1", "C1 = 1e309", "C1: wanted .*the range of a double"),
+        ("seed = 5", "name = 3", "name: wanted a text; got 3"),
     ],
 )
 def test_a_wrong_file_is_refused_with_the_key(tmp_path, old, new, message):

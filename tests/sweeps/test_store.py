@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -136,10 +137,89 @@ def test_a_damaged_description_is_refused_and_fresh_helps(tmp_path, right, name)
     path = tmp_path / "a.zarr"
     sweep(**SPEC, store=path)
     truncate(path / name)
-    with pytest.raises(DamagedFileError):
+    with pytest.raises(DamagedFileError, match="does not help" if name == "zarr.json" else "Start over with fresh"):
         sweep(**SPEC, store=path)
     if name != "zarr.json":  # without which nobody knows whose folder it is
         np.testing.assert_array_equal(sweep(**SPEC, store=path, fresh=True).value, right)
+
+
+def test_a_piece_in_the_place_of_another_is_told(tmp_path, right):
+    path, other = tmp_path / "a.zarr", tmp_path / "b.zarr"
+    sweep(**SPEC, store=path)
+    sweep(**{**SPEC, "seed": 4}, store=other)
+    for name in ("value", "outcome"):
+        folder = path / "level0" / name
+        shutil.copy(folder / "0.0", folder / "1.0")
+        shutil.copy(other / "level0" / name / "2.0", folder / "2.0")
+    result = sweep(**SPEC, store=path)
+    assert (result.n_damaged, result.n_reused) == (2, 8)
+    np.testing.assert_array_equal(result.value, right)
+
+
+@pytest.mark.parametrize(
+    ("name", "old", "new"),
+    [
+        ("value", '"float64"', '"float32"'),
+        ("outcome", '"int8"', '"int16"'),
+        ("point", '"float64"', '"float32"'),
+        ("value", '"little"', '"big"'),
+        ("value", '"."', '"/"'),
+    ],
+)
+def test_arrays_described_in_another_way_are_refused(tmp_path, name, old, new):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    description = path / "level0" / name / "zarr.json"
+    assert old in description.read_text()
+    description.write_text(description.read_text().replace(old, new))
+    chunk = (path / "level0" / "value" / "0.0").read_bytes()
+    with pytest.raises(DamagedFileError, match=rf"of {name} is .* instead of .*fresh"):
+        sweep(**SPEC, store=path)
+    assert (path / "level0" / "value" / "0.0").read_bytes() == chunk
+
+
+@pytest.mark.parametrize("name", ["seconds", "point", "seconds/zarr.json", "point/0.0", "zarr.json", "value/zarr.json"])
+def test_what_can_be_made_anew_costs_no_piece(tmp_path, right, name):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    gone = path / "level0" / name
+    shutil.rmtree(gone) if gone.is_dir() else gone.unlink()
+    result = sweep(**{**SPEC, "points_per_piece": 3}, store=path)
+    assert (result.n_damaged, result.n_reused) == (0, 12)
+    np.testing.assert_array_equal(result.value, right)
+    assert gone.exists()
+
+
+def test_damaged_times_are_no_reason_to_refuse(tmp_path, right):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    truncate(path / "level0" / "seconds" / "0")
+    (path / "level0" / "value" / "0.0").unlink()
+    np.testing.assert_array_equal(sweep(**SPEC, store=path).value, right)
+
+
+def test_fresh_removes_the_sweep_and_nothing_else(tmp_path, right):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    (path / "notes.txt").write_text("x")
+    (path / "figures").mkdir()
+    (path / "figures" / "level0").write_text("x")
+    (path / "level3").mkdir()
+    np.testing.assert_array_equal(sweep(**SPEC, store=path, fresh=True).value, right)
+    assert (path / "notes.txt").read_text() == (path / "figures" / "level0").read_text() == "x"
+    assert not (path / "level3").exists()
+    assert sweep(**SPEC, store=path).n_reused == 12
+
+
+def test_another_format_is_refused_and_fresh_helps(tmp_path):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    description = json.loads((path / "zarr.json").read_text())
+    del description["attributes"]["format"]
+    (path / "zarr.json").write_text(json.dumps(description))
+    with pytest.raises(OtherSweepError, match=r"another format \(1 instead of 2\).*--fresh"):
+        sweep(**SPEC, store=path)
+    assert sweep(**SPEC, store=path, fresh=True).n_reused == 0
 
 
 def test_another_sweep_is_refused(tmp_path, right):

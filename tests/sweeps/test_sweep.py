@@ -203,6 +203,23 @@ def test_refinement_in_two_dimensions_halves_the_cells_that_differ():
     assert places == [(4, 2), (6, 0), (6, 2), (6, 4), (8, 2)]
 
 
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"axes": None}, "axes: wanted one or two"),
+        ({"store": 3}, "store: wanted the path"),
+        ({"scheduler": 3}, "scheduler: wanted an address"),
+        ({"patience": "x"}, "patience: wanted"),
+        ({"patience": float("nan")}, "patience: wanted"),
+        ({"progress": 3}, "progress: wanted a function"),
+        ({"threads": "x"}, "threads: wanted"),
+    ],
+)
+def test_arguments_of_the_wrong_kind_are_refused(change, message):
+    with pytest.raises(ParameterError, match=message):
+        sweep(**{**TWIST, "axes": {"epsilon": [0, 1]}, **change})
+
+
 def test_neither_spec_nor_arguments_is_refused():
     with pytest.raises(ParameterError, match="one of scheduler"):
         sweep(**TWIST, axes=(Axis("epsilon", (0.0, 1.0)),), threads=1, processes=1)

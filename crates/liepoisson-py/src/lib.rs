@@ -381,6 +381,8 @@ fn sections<'py>(
     };
     result.set_item("unbounded_steps", doubts(&|doubts| doubts.n_unbounded))?;
     result.set_item("undefined_steps", doubts(&|doubts| doubts.n_undefined))?;
+    let in_surface = sections.doubts.iter().map(|doubts| doubts.is_in_surface);
+    result.set_item("in_surface", PyArray1::from_iter(py, in_surface))?;
     result.set_item("count", counts(sections.crossing_counts))?;
     result.set_item("time", sections.crossings.times.into_pyarray(py))?;
     result.set_item("state", sections.crossings.states.into_pyarray(py))?;

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import math
 import sys
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from liepoisson.cli.limits import check_limits
 from liepoisson.cli.methods import named_method
+from liepoisson.cli.output import KEEP_HINT, data_file
 from liepoisson.cli.progress import INTERRUPTED, progress_bar
 from liepoisson.cli.starts import read_numeric_system
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
-from liepoisson.errors import OutputError, ParameterError
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -57,10 +58,8 @@ def lyapunov(
     """
     if n < 1:
         raise ParameterError(f"--n must be at least 1; got {n}. Try 64.")
-    if out is not None and not out.strip():
-        raise ParameterError(f"--out must name a file; got {out!r}. Write for example --out exponents.nc.")
-    if out is not None and Path(out).is_dir():  # said before the runs, not after them
-        raise OutputError(f"--out must be a file; {out} is a folder. Write for example --out {out}/exponents.nc.")
+    check_limits(seed=seed, threads=threads, time_limit=time_limit)
+    data = data_file(out, "exponents.nc", endings=(".nc",))
     chosen = read_numeric_system(system, settings or ())
     how = named_method(method, tol=tol, step=step, order=order, precision=precision)
     try:
@@ -78,10 +77,10 @@ def lyapunov(
                 progress=listen,
             )
     except KeyboardInterrupt:
-        print("interrupted; nothing was written.", file=sys.stderr)
+        print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
-    if out is not None:
-        result.save(Path(out))
+    if data is not None:
+        result.save(data)
     print("\n".join(summary(result, ensemble)))
 
 

@@ -3,12 +3,29 @@
 from __future__ import annotations
 
 import sys
-from typing import TYPE_CHECKING
+from collections.abc import Generator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.cli.progress import INTERRUPTED
+from liepoisson.errors import LiePoissonError, ParameterError
 
 if TYPE_CHECKING:
     import typer
 
 REFUSED = 2
+
+
+class _InterruptedError(Exception):
+    """Ctrl-C where no command says what became of its work; under this name, as Typer ends the other one silently."""
+
+
+@contextmanager
+def _heard() -> Generator[None]:
+    try:
+        yield
+    except KeyboardInterrupt as error:
+        raise _InterruptedError from error
 
 
 def main() -> None:
@@ -17,20 +34,22 @@ def main() -> None:
     0: done.  1: a claim about the system that was inspected is false.  2: refused, with the reason on standard error
     and no traceback.  130: interrupted by Ctrl-C.
     """
-    from typer.main import get_command
-
-    from liepoisson.errors import LiePoissonError
-
     try:
+        from typer.main import get_command  # imports take most of the first second: Ctrl-C may come here
+
         get_command(application()).main(prog_name="liepoisson")
     except LiePoissonError as error:
         print(f"liepoisson: {error}", file=sys.stderr)
         sys.exit(REFUSED)
+    except (_InterruptedError, KeyboardInterrupt):
+        print("interrupted.", file=sys.stderr)
+        sys.exit(INTERRUPTED)
 
 
 def application() -> typer.Typer:
     """The commands, as a Typer application."""
     import typer
+    from typer.core import TyperCommand, TyperGroup
 
     from liepoisson.cli.catalog import catalog
     from liepoisson.cli.inspect import inspect
@@ -40,8 +59,31 @@ def application() -> typer.Typer:
     from liepoisson.cli.section import section
     from liepoisson.cli.sweep import sweep
 
+    class Command(TyperCommand):
+        """A command that refuses an option given twice, of which only the last value would count."""
+
+        def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+            given: list[Any] = self.make_parser(ctx).parse_args(args=list(args))[2]
+            for option in given:
+                single = not (option.multiple or option.is_flag) if option.param_type_name == "option" else False
+                if single and given.count(option) > 1:
+                    raise ParameterError(f"{option.opts[0]} must be given once; it comes twice. Remove one.")
+            return super().parse_args(ctx, args)
+
+    class Commands(TyperGroup):
+        """The commands, whose interruption is not left to Typer."""
+
+        def make_context(self, *args: Any, **options: Any) -> Any:
+            with _heard():
+                return super().make_context(*args, **options)
+
+        def invoke(self, ctx: Any) -> Any:
+            with _heard():
+                return super().invoke(ctx)
+
     app = typer.Typer(
         name="liepoisson",
+        cls=Commands,
         help="The laboratory for Lie-Poisson dynamics.",
         no_args_is_help=True,
         add_completion=False,
@@ -66,5 +108,5 @@ def application() -> typer.Typer:
 
     app.callback()(options)
     for command in (reproduce, inspect, catalog, lyapunov, orbit, section, sweep):
-        app.command()(command)
+        app.command(cls=Command)(command)
     return app

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import numpy as np
 import typer
 
+from liepoisson.cli.limits import check_limits
 from liepoisson.cli.methods import named_method
 from liepoisson.cli.output import (
     FIGURE_HELP,
@@ -32,7 +33,7 @@ from liepoisson.cli.starts import (
     read_numeric_system,
     start_lines,
 )
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def orbit(
     *,
     start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
     guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
-    leaf: Annotated[str | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
+    leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
     energy: Annotated[float | None, typer.Option(help=ENERGY_HELP)] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
     t: Annotated[float, typer.Option("--t", help="Time of the run; a negative one runs backwards.")] = 100.0,
@@ -79,11 +80,12 @@ def orbit(
     """
     chosen = read_numeric_system(system, settings or ())
     _check_times(t, points)
-    slug = file_stem(chosen.name)
+    check_limits(seed=seed, time_limit=time_limit)
+    slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
     data = data_file(out, f"{slug}-orbit.nc")
     stem = figure_stem(plot, figure, f"{slug}-orbit")
     how = named_method(method, tol=_ROUND_OFF if tol is None and method == "taylor" else tol, step=step, order=order)
-    begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf, energy=energy, seed=seed)
+    begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
     print(f"{chosen.name}: one orbit to t = {t:g}, {points} points")
     print("\n".join(start_lines(chosen, begin)), flush=True)
     try:

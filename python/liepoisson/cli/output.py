@@ -1,4 +1,4 @@
-"""Where the commands `orbit` and `section` write: data by --out, figures by --plot and --figure."""
+"""Where the commands `orbit`, `section` and `lyapunov` write: data by --out, figures by --plot and --figure."""
 
 from __future__ import annotations
 
@@ -30,14 +30,14 @@ def file_stem(name: str) -> str:
     return re.sub(r"\W+", "-", name).strip("-") or "system"
 
 
-def data_file(out: str | None, example: str) -> Path | None:
+def data_file(out: str | None, example: str, endings: Sequence[str] = DATA_ENDINGS) -> Path | None:
     """The path that --out names, refused before the run and not after it.
 
     Raises:
         ParameterError: it names no file, or one of another kind.
         OutputError: it is a folder, or lies in one that can not be written to.
     """
-    return None if out is None else _checked(out, "--out", DATA_ENDINGS, example)
+    return None if out is None else _checked(out, "--out", endings, example)
 
 
 def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:
@@ -63,10 +63,8 @@ def _checked(name: str, option: str, endings: Sequence[str], example: str) -> Pa
     if path.is_dir():
         raise OutputError(f"{option} must be a file; {name} is a folder. Write for example {option} {path / example}.")
     if path.suffix not in endings:
-        known = ", ".join(filter(None, endings))
-        raise ParameterError(
-            f"{option} must end in one of {known}; got {name!r:.120}. Write for example {option} {example}."
-        )
+        known = ("one of " if len(endings) > 1 else "") + ", ".join(filter(None, endings))
+        raise ParameterError(f"{option} must end in {known}; got {name!r:.120}. Write for example {option} {example}.")
     _check_folder(path)
     return path
 

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
 import typer
 
+from liepoisson.cli.limits import check_limits
 from liepoisson.cli.output import (
     FIGURE_HELP,
     KEEP_HINT,
@@ -33,7 +36,7 @@ from liepoisson.cli.starts import (
     start_lines,
 )
 from liepoisson.cli.surfaces import Direction, Surface, default_surface
-from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -50,12 +53,16 @@ if TYPE_CHECKING:
     FloatArray: TypeAlias = NDArray[np.float64]
 
 NO_CROSSING = 1
-N_STARTS = 24
+N_STARTS, N_CROSSINGS = 24, 500
 _MOST_STARTS, _MOST_CROSSINGS = 100_000, 1_000_000_000
 _TIME = 100.0
 """Time for each crossing that is wanted: the tops of the catalog need 5 to 50."""
+_SAMPLES = 10_000
+"""States at which the axes are judged."""
 _ROUND_OFF = 1e-9
 """Relative width of a figure below which it would show nothing but errors."""
+_TITLE_WIDTH = 60
+"""Letters in a line of the title."""
 SURFACE_HELP = (
     "The function that is zero on the surface, as in 'dot(l, beta)'.  [default: a.(alpha x beta) for a top "
     "with two fields, else the rate of a coordinate]"
@@ -70,13 +77,13 @@ def section(
     direction: Annotated[Direction, typer.Option(help="Of the function at a crossing.")] = Direction.UP,
     start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
     guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
-    leaf: Annotated[str | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
+    leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
     energy: Annotated[float | None, typer.Option(help=ENERGY_HELP)] = None,
     starts: Annotated[
         int | None, typer.Option(help=f"Random starts on leaf, energy and surface.  [default: {N_STARTS}]")
     ] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
-    crossings: Annotated[int, typer.Option(help="Of each orbit, which ends with the last one.")] = 500,
+    crossings: Annotated[int, typer.Option(help="Of each orbit, which ends with the last one.")] = N_CROSSINGS,
     t: Annotated[
         float | None, typer.Option("--t", help="Time at which an orbit ends at the latest.  [default: 100 a crossing]")
     ] = None,
@@ -103,13 +110,19 @@ def section(
     """
     chosen = read_numeric_system(system, settings or ())
     _check_counts(starts, start, crossings)
-    slug = file_stem(chosen.name)
+    if t is not None and not (math.isfinite(t) and t != 0):
+        raise ParameterError(f"--t must be a finite time other than 0; got {t:g}. Try {_TIME * crossings:g}.")
+    check_limits(seed=seed, threads=threads, time_limit=time_limit)
+    slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
     data = data_file(out, f"{slug}-section.nc")
     stem = figure_stem(plot, figure, f"{slug}-section")
     axes = _axes(chosen, x, y, keep) if stem is not None else None
-    begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf, energy=energy, seed=seed)
+    from liepoisson.numeric.section import check_that_it_varies
+
+    begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
     cut = default_surface(chosen, begin) if surface is None else Surface(surface, "as given")
     _check_formulas(chosen, (cut.function, *(keep or ())))
+    check_that_it_varies(chosen, cut.function)
     print("\n".join(head_lines(chosen, begin, cut, direction, alone=bool(start))), flush=True)
     n, t_end = N_STARTS if starts is None else starts, _TIME * crossings if t is None else t
     x0 = begin.state[None] if start else _starts(begin, cut, n, seed, direction)
@@ -138,6 +151,8 @@ def section(
         print(f"liepoisson: no orbit crosses {cut.function} = 0 up to t = {t_end:g}.", file=sys.stderr)
         raise typer.Exit(NO_CROSSING)
     if stem is not None and axes is not None:
+        if not keep and begin.leaf.rank == 4 and is_folded(begin, cut, axes, run.state):
+            print("figure   folds the section: different states may lie at one point")
         for path in write_figure(_drawn(chosen, run, begin, cut, axes), stem):
             print(f"wrote    {path}")
 
@@ -166,7 +181,7 @@ def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
         f"to t = {run.end_time.max():.6g}; undecided touches: {len(run.touch_time)}",
     ]
     if unbounded := int(run.unbounded_steps.sum()):
-        lines.append(f"error    estimated, not bounded, in {unbounded} of {run.n_steps.sum()} steps")
+        lines.append(f"error    of the state estimated, not bounded, in {unbounded} of {run.n_steps.sum()} steps")
     if undefined := int(run.undefined_steps.sum()):
         lines.append(f"missed   the function does not exist in {undefined} of {run.n_steps.sum()} steps")
     if full and len(run.time):
@@ -176,12 +191,36 @@ def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
     return lines
 
 
+@np.errstate(all="ignore")
+def is_folded(begin: Start, cut: Surface, axes: tuple[str, str], states: FloatArray) -> bool:
+    r"""Whether two functions are not coordinates all over a section of dimension 2, judged by states on it.
+
+    They are near a state where $\{s, H\}\{x, y\} + \{x, H\}\{y, s\} + \{x, s\}\{H, y\} \ne 0$: up to the factor
+    $\{s, H\}$ this is their Dirac bracket on the section.  Where its sign differs, the plane shows both sides.
+    """
+    functions = begin.leaf.system.functions
+    some = states[:: max(1, len(states) // _SAMPLES)]
+    tensor = functions.poisson_tensor(some)
+    s, x, y = (functions.of(text).gradient(some) for text in (cut.function, *axes))
+    h = functions.energy.gradient(some)
+
+    def bracket(f: FloatArray, g: FloatArray) -> FloatArray:
+        return np.einsum("ni,nij,nj->n", f, tensor, g)
+
+    terms = np.array([bracket(s, h) * bracket(x, y), bracket(x, h) * bracket(y, s), bracket(x, s) * bracket(h, y)])
+    area, size = terms.sum(axis=0), np.abs(terms).sum(axis=0)
+    return bool((area > _ROUND_OFF * size).any() and (area < -_ROUND_OFF * size).any())
+
+
 def _check_counts(starts: int | None, start: Sequence[str] | None, crossings: int) -> None:
     if starts is not None and start:
         raise ParameterError("--starts and --start exclude each other: with --start there is one orbit. Or --guess.")
-    for name, value, most in (("starts", starts, _MOST_STARTS), ("crossings", crossings, _MOST_CROSSINGS)):
+    for name, value, most, usual in (
+        ("starts", starts, _MOST_STARTS, N_STARTS),
+        ("crossings", crossings, _MOST_CROSSINGS, N_CROSSINGS),
+    ):
         if value is not None and not 1 <= value <= most:
-            raise ParameterError(f"--{name} must be from 1 to {most}; got {value}. Try {N_STARTS}.")
+            raise ParameterError(f"--{name} must be from 1 to {most}; got {value}. Try {usual}.")
 
 
 def _check_formulas(system: System, formulas: Sequence[str]) -> None:
@@ -234,6 +273,7 @@ def _write_data(run: Section, data: Path) -> None:
 
 
 def _drawn(system: System, run: Section, begin: Start, cut: Surface, axes: tuple[str, str]) -> Figure:
+    from liepoisson.plot.section import label
     from liepoisson.plot.section import section as draw
     from liepoisson.plot.style import house_style, new_figure
 
@@ -246,8 +286,11 @@ def _drawn(system: System, run: Section, begin: Start, cut: Surface, axes: tuple
         xlabel, ylabel = (None if known else a for a, known in zip(axes, kept, strict=True))
         draw(run, x, y, xlabel=xlabel, ylabel=ylabel, ax=ax)
         _widen(ax)
-        values = ", ".join(f"{name} = {value:.4g}" for name, value in begin.leaf.casimirs.items())
-        ax.set_title(f"{system.name}: section {cut.function} = 0\nH = {begin.energy:.4g}, {values}", fontsize=10.5)
+        values = "".join(f", {label(name)} = {value:.4g}" for name, value in begin.leaf.casimirs.items())
+        name = wrap(f"{system.name}:", _TITLE_WIDTH)
+        gap = "\n" if len("".join(name)) > _TITLE_WIDTH // 2 else " "
+        heading = "\n".join(name) + f"{gap}section {label(cut.function)} = 0"
+        ax.set_title(f"{heading}\n$H$ = {begin.energy:.4g}{values}", fontsize=10.5)
     return figure
 
 

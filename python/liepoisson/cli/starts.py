@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
-from liepoisson.cli.systems import read_file, with_settings
+from liepoisson.cli.systems import read_file, setting_words, with_settings
 from liepoisson.errors import ExpressionError, LeafError, ParameterError
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 START_HELP = "Where the orbit begins: all numbers, or by name, --start l=1,0,0 --start beta3=1; the others are 0."
 GUESS_HELP = "Like --start, but it is moved onto --leaf and --energy.  [default: member 0 of the seed]"
-LEAF_HELP = "Values of Casimirs, as in C1=1.2,C2=0; those left out keep their values."
+LEAF_HELP = "Values of Casimirs, as in --leaf C1=1.2,C2=0 or --leaf C1=1.2 --leaf C2=0; the others keep theirs."
 ENERGY_HELP = "Value of the Hamiltonian."
 SEED_HELP = "Seed of what is drawn at random."
 
@@ -53,12 +53,15 @@ class Start:
 
 
 def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
-    """The system of a command that computes with numbers.
+    """The system of a command that computes with numbers; its name says which parameters were set.
 
     Raises:
-        ParameterError: a parameter has no value; the message names all of them.
+        ParameterError: a parameter has no value (the message names all of them), or one that no double is near.
     """
     file = with_settings(read_file(argument), settings)
+    from liepoisson.exact.hamiltonian import flattened
+    from liepoisson.exact.parameters import as_float, is_zero
+
     if file.symbols:
         from liepoisson.exact.formula.scope import read_declaration
 
@@ -68,7 +71,13 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
             f"{file.name} must have numbers for all parameters; {', '.join(file.symbols)} have none. "
             f"Give them, for example --set {name}={value}."
         )
-    return file.system()
+    for name, value in flattened(file.parameters).items():
+        if as_float(value, name) == 0.0 and not is_zero(value):
+            raise ParameterError(
+                f"{name} must be zero or at least 4.9e-324, to fit into a double; got a smaller number. "
+                "Set it to 0, or rescale the system."
+            )
+    return replace(file, name=file.name + setting_words(settings)).system()
 
 
 @np.errstate(all="ignore")  # a start that is too large for doubles ends with its outcome
@@ -77,7 +86,7 @@ def find_start(
     *,
     start: Sequence[str] = (),
     guess: Sequence[str] = (),
-    leaf: str | None = None,
+    leaf: Sequence[str] = (),
     energy: float | None = None,
     seed: int = 0,
 ) -> Start:
@@ -89,7 +98,7 @@ def find_start(
         ParameterError: options that contradict each other or can not be read.
         LeafError: no real state has these Casimirs and this energy, or the given start does not.
     """
-    wanted = {} if leaf is None else read_leaf(system, leaf)
+    wanted = read_leaf(system, leaf) if leaf else {}
     if start and guess:
         raise ParameterError("--start and --guess exclude each other: a start stays where it is, a guess is moved.")
     if guess and not wanted and energy is None:
@@ -194,8 +203,8 @@ def read_state(system: System, words: Sequence[str], option: str) -> FloatArray:
     return np.nan_to_num(x)
 
 
-def read_leaf(system: System, text: str) -> dict[str, float]:
-    """Values of Casimirs from the text of --leaf.
+def read_leaf(system: System, words: Sequence[str]) -> dict[str, float]:
+    """Values of Casimirs from those of the option --leaf.
 
     Raises:
         ParameterError: it is not of the form C1=1.2,C2=0, or a name is not a Casimir.
@@ -203,7 +212,7 @@ def read_leaf(system: System, text: str) -> dict[str, float]:
     known = tuple(system.functions.casimirs)
     example = ",".join(f"{name}={value}" for name, value in zip(known, ("1", *("0" * 20)), strict=False))
     values: dict[str, float] = {}
-    for word in text.split(","):
+    for word in ",".join(words).split(","):
         name, value = _assignment(word, "--leaf", f"--leaf {example}")
         if name not in known:
             raise ParameterError(

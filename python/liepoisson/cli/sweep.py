@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
+import numpy as np
 import typer
 
 from liepoisson.cli.output import FIGURE_HELP, PLOT_HELP, figure_stem, write_figure
@@ -15,7 +16,8 @@ if TYPE_CHECKING:
     from liepoisson.sweeps.result import Sweep
 
 INCOMPLETE = 1
-_MOST_ROWS = 24
+_MOST_ROWS, _LAST_ROWS = 24, 3
+"""Rows that are printed, and how many of them are the last ones where some are left out."""
 
 
 def sweep(
@@ -32,7 +34,9 @@ def sweep(
     points_per_piece: Annotated[
         int | None, typer.Option(help="Points of a piece.  [default: as many as take about 0.3 s]")
     ] = None,
-    patience: Annotated[float, typer.Option(metavar="SECONDS", help="Wait so long for a scheduler.")] = 60.0,
+    patience: Annotated[
+        float, typer.Option(metavar="SECONDS", help="Wait so long for a scheduler, or a worker.")
+    ] = 60.0,
     fresh: Annotated[bool, typer.Option("--fresh", help="Discard what the folder holds.")] = False,
     plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
@@ -40,10 +44,11 @@ def sweep(
     """Compute a quantity over a grid of parameters, energies and Casimirs.
 
     Results are kept piece by piece: a sweep that was interrupted goes on when the same command is given again.  The
-    exit code is 1 if a part could not be computed.
+    exit code is 1 if a part could not be computed, or if there is a system at no point.
     """
     from liepoisson.sweeps.run import sweep as run
     from liepoisson.sweeps.spec_file import read_sweep_file
+    from liepoisson.sweeps.tasks import NO_SYSTEM
 
     spec = read_sweep_file(file)
     folder = Path(store) if store is not None else Path(file).with_suffix(".zarr")
@@ -72,7 +77,7 @@ def sweep(
             print(f"figure {path}", file=sys.stderr)
     for line in (*result.remarks, *result.failed):
         print(line, file=sys.stderr)
-    if not result.is_complete:
+    if not result.is_complete or (result.outcome_code == NO_SYSTEM).all():
         raise typer.Exit(INCOMPLETE)
 
 
@@ -83,9 +88,12 @@ def summary(result: Sweep) -> list[str]:
         f"{spec.name or 'sweep'}: {len(result.points)} points, {spec.n} orbits each to t = {spec.t_end:g}, "
         f"seed {spec.seed}",
         f"method: {result.method}",
+        *(f"varied: {line}" for line in spec.formulas()),
         *(f"held: {line}" for line in result.held),
         "outcomes: " + ", ".join(f"{name} {count}" for name, count in result.outcomes.items()),
     ]
+    if result.n_reused:
+        lines.append(f"{result.n_reused} of {len(result.points)} points were in the store")
     if result.n_damaged:
         lines.append(f"{result.n_damaged} damaged pieces of the store were computed anew")
     low, high = result.interval()
@@ -94,11 +102,16 @@ def summary(result: Sweep) -> list[str]:
     if spec.quantity == "chaotic_fraction":
         lines.append(f"chaotic: exponent above {spec.chaos_threshold:.4g}")
     lines.append("  ".join(f"{name:>10}" for name in names) + f"  {what}, 95% interval")
-    order = range(len(result.points)) if len(names) == 2 else result.points[:, 0].argsort()
-    for shown, point in enumerate(order):
-        if shown == _MOST_ROWS:
-            lines.append(f"... and {len(result.points) - _MOST_ROWS} more points, in {result.store}")
-            break
+
+    def row(point: np.intp) -> str:
         place = "  ".join(f"{value:>10.6g}" for value in result.points[point])
-        lines.append(f"{place}  {result.statistic[point]:.4f}  [{low[point]:.4f}, {high[point]:.4f}]")
+        return f"{place}  {result.statistic[point]:.4f}  [{low[point]:.4f}, {high[point]:.4f}]"
+
+    order = np.arange(len(result.points)) if len(names) == 2 else result.points[:, 0].argsort()
+    hidden = len(order) - _MOST_ROWS
+    for point in order if hidden <= 0 else order[: _MOST_ROWS - _LAST_ROWS]:
+        lines.append(row(point))
+    if hidden > 0:
+        lines.append(f"... {hidden} more, all in {result.store} ...")
+        lines += [row(point) for point in order[-_LAST_ROWS:]]
     return lines

@@ -61,8 +61,12 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
 
     values = dict(file.parameters)
     declared = {read_declaration(symbol)[0]: symbol for symbol in file.symbols}
+    given: set[str] = set()
     for setting in settings:
         name, value = _read_setting(setting)
+        if name in given:
+            raise ParameterError(f"--set must give each parameter once; {name} comes twice. Remove one.")
+        given.add(name)
         if name not in file.scope.shapes:
             known = ", ".join(file.scope.shapes) or "none"
             raise ParameterError(f"--set must name a parameter of {file.name!r}; got {name!r}. Known: {known}.")
@@ -74,6 +78,16 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
         values[name] = value
         declared.pop(name, None)
     return replace(file, parameters=values, symbols=tuple(declared.values())) if settings else file
+
+
+def setting_words(settings: Sequence[str]) -> str:
+    """What follows the name of a system with other parameters, as it was typed: ", epsilon = 1/3, a = (1, 0, 0)"."""
+    words: list[str] = []
+    for setting in settings:
+        name, _, text = (part.strip() for part in setting.partition("="))
+        items = [item.strip() for item in text.removeprefix("[").removesuffix("]").split(",")]
+        words.append(f", {name} = " + (f"({', '.join(items)})" if len(items) > 1 else items[0]))
+    return "".join(words)
 
 
 def _read_setting(setting: str) -> tuple[str, Value]:

@@ -153,8 +153,18 @@ def compiled(variables: Sequence[Any], expressions: Sequence[Any]) -> Callable[.
 
 
 def evaluated(function: Callable[..., list[Any]], states: Array) -> Array:
-    """The values of a compiled function at states of shape (..., N), stacked along a new last axis."""
-    values = function(*np.moveaxis(states, -1, 0))
+    """The values of a compiled function at states of shape (..., N), stacked along a new last axis.
+
+    Raises:
+        ParameterError: a number in the function does not fit into a double.
+    """
+    try:
+        values = function(*np.moveaxis(states, -1, 0))
+    except OverflowError as error:  # exact numbers are divided as integers, which have no bounds
+        raise ParameterError(
+            "a function to be evaluated must have numbers that fit into doubles (below 1.8e308); got a larger one. "
+            "Rescale the system, or set parameters that are nearly 0 to 0."
+        ) from error
     columns = [np.broadcast_to(np.asarray(value, dtype=np.float64), states.shape[:-1]) for value in values]
     return np.stack(columns, axis=-1)
 

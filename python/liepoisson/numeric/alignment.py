@@ -22,6 +22,8 @@ from liepoisson.numeric._checks import (
     as_time_limit,
     as_times,
     shown,
+    trajectories,
+    typical,
 )
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method
@@ -77,6 +79,13 @@ class Alignment:
         """
         k = as_count(k, "k", least=2, most=self.log_gali.shape[-1] + 1)
         return np.exp(self.log_gali[..., k - 2])
+
+    def __repr__(self) -> str:
+        n_vectors, value = self.log_gali.shape[-1] + 1, typical("SALI", self.sali[:, -1])
+        return (
+            f"<Alignment of {self.system}: {n_vectors} tangent vectors of {trajectories(self.outcome)}, {value} at "
+            f"t = {self.time[-1]:g}>"
+        )
 
 
 def alignment(

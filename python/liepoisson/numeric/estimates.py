@@ -245,6 +245,12 @@ class MeanCurve:
         columns = (self.mean, self.standard_error, self.low, self.high)
         return Estimate(*(float(np.interp(time, self.time, column)) for column in columns))
 
+    def __repr__(self) -> str:
+        last = self.at(float(self.time[-1]))
+        return (
+            f"<MeanCurve: {self.n_members} members, {len(self.time)} times, exponent {last} at t = {self.time[-1]:g}>"
+        )
+
 
 def as_confidence(confidence: float) -> float:
     """A coverage as a plain float.

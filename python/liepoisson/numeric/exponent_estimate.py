@@ -78,7 +78,9 @@ class ExponentEstimate:
         r"""Confidence intervals, shape (trajectory, 2): value -+ q error; NaN where `is_zero`.
 
         q is the quantile of Student's t with one degree of freedom less than there are longest batches (7 to 14), as
-        the error itself is known to no more.
+        the error itself is known to no more.  They are wider than their name where the growth rates of the blocks are
+        hardly correlated, those of 95% hold then 97% to 99%; and too narrow where an orbit sticks for as long as the
+        run lasts (`liepoisson.numeric.mean_error` has the numbers).
         """
         probability = 0.5 + Resampling(confidence=confidence).confidence / 2
         n_blocks = np.round(self.time / self.block).astype(int)

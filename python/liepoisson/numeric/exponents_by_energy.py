@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_number, shown
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_number, shown, typical
 from liepoisson.numeric.estimates import Estimate, Resampling
 from liepoisson.numeric.exponent_estimate import bootstrap_mean, zero_threshold
 from liepoisson.numeric.lyapunov import lyapunov_exponent
@@ -67,6 +67,12 @@ class EnergyProfile:
         for energy, mean, fraction in zip(self.energy, self.mean, self.fraction, strict=True):
             lines.append(f"{energy:8.4g}  {mean!s:17}  {fraction.value:.2f} [{fraction.low:.2f}, {fraction.high:.2f}]")
         return "\n".join(lines)
+
+    def __repr__(self) -> str:
+        n_energies, n = self.exponent.shape
+        energies = f"{n_energies} energies from {self.energy.min():.4g} to {self.energy.max():.4g}"
+        value = typical("exponent", self.exponent.ravel())
+        return f"<EnergyProfile of {self.system}: {energies}, {n} starts each, {value} at t = {self.t_end:g}>"
 
 
 def exponents_by_energy(

@@ -296,9 +296,12 @@ def window_scan(
 
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
-        ParameterError: bad times or window, or fewer than two members that finished.
+        ParameterError: bad times, a bad window or none, or fewer than two members that finished.
     """
-    reduction = EnsembleReduction(time, windows=window_grid(time) if windows is None else windows)
+    wanted = window_grid(time) if windows is None else tuple(windows)
+    if not wanted:
+        raise ParameterError("windows: wanted at least one (start, end); got none; leave it out to take window_grid")
+    reduction = EnsembleReduction(time, windows=wanted)
     reduction.add(exponent)
     return reduction.finite_time_fits(Resampling(n_bootstrap, confidence, seed))
 

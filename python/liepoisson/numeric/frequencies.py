@@ -22,6 +22,8 @@ from liepoisson.numeric._checks import (
     as_time_limit,
     component_names,
     shown,
+    trajectories,
+    typical,
 )
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
 from liepoisson.numeric.integrate import integrate
@@ -68,6 +70,10 @@ class FrequencyDrift:
     def drift(self) -> Array:
         r"""$|f_2 - f_1|$, in radians per time, shape (trajectory,)."""
         return np.abs(self.frequency[:, 1] - self.frequency[:, 0])
+
+    def __repr__(self) -> str:
+        value = f"{typical('drift', self.drift)} between two windows of {self.t_window:g}"
+        return f"<FrequencyDrift of {self.system}: {trajectories(self.outcome)}, {value}>"
 
 
 def frequency_drift(

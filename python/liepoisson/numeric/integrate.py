@@ -25,6 +25,7 @@ from liepoisson.numeric._checks import (
     component_names,
     core_field,
     outcome_names,
+    trajectories,
 )
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 
@@ -123,6 +124,12 @@ class Orbit:
         from liepoisson.dataset import save
 
         return save(self.dataset, path)
+
+    def __repr__(self) -> str:
+        span = f"t = {self.time[0]:g} to {self.time[-1]:g}"
+        n_tangents = self.tangent.shape[2]
+        tangents = f", {n_tangents} tangent vector{'' if n_tangents == 1 else 's'} each" if n_tangents else ""
+        return f"<Orbit of {self.system}: {trajectories(self.outcome)}, {len(self.time)} times, {span}{tangents}>"
 
 
 def integrate(

@@ -26,6 +26,8 @@ from liepoisson.numeric._checks import (
     component_names,
     core_field,
     outcome_names,
+    trajectories,
+    typical,
 )
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
@@ -89,6 +91,10 @@ class Growth:
         from liepoisson.dataset import save
 
         return save(self.dataset, path)
+
+    def __repr__(self) -> str:
+        value = typical("exponent", self.exponent[:, -1])
+        return f"<Growth of {self.system}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
 
 
 def lyapunov_exponent(

@@ -26,7 +26,13 @@ _LEAST_BATCHES = 8
 def mean_error(values: ArrayLike) -> Array:
     """Standard error of the mean over axis 1, shape (trajectory, ...); NaN with fewer than 4 values.
 
-    The larger one of the error from the autocorrelation and the one from 8 to 15 batches.  It is too small where
+    The larger one of the error from the autocorrelation and the one from 8 to 15 batches.  The larger one of two noisy
+    numbers is too large on average where nothing is correlated for long: measured by its root mean square, by 8% to 14%
+    for white noise and for correlations $0.5^j$ (4,000 runs of 64, 256 and 1,000 values), by 18% to 55% for $(-0.9)^j$,
+    which it should not be used for.  With Student's t, as in `ExponentEstimate.interval`, the intervals of 95% then
+    hold the mean in 97% to 99%.  With $0.9^j$ they hold it in 85%, 95% and 96%.
+
+    It is too small where
     correlations last as long as the run, as for orbits that stick to an island for hundreds of time units, and nothing
     in the run tells so.  Measured for the twisted Kovalevskaya top, 48 copies within 1e-9 of each of four starts: at
     t = 1,000 the spread of the exponents is 1.1 to 2.0 of this error, and value -+ 1.96 errors holds the mean in 65% to

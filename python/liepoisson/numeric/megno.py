@@ -11,7 +11,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_states, as_time_limit
+from liepoisson.numeric._checks import (
+    TIME_LIMIT,
+    HasField,
+    as_count,
+    as_field,
+    as_states,
+    as_time_limit,
+    trajectories,
+    typical,
+)
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
 from liepoisson.numeric.lyapunov import lyapunov_exponent
 from liepoisson.numeric.methods import Method, Taylor, as_method
@@ -53,6 +62,10 @@ class Megno:
     log_growth: Array
     quadrature_error: Array
     outcome: NDArray[np.str_]
+
+    def __repr__(self) -> str:
+        value = typical("averaged MEGNO", self.mean[:, -1])
+        return f"<Megno of {self.system}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
 
 
 def megno(

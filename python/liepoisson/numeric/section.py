@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import Field, TapeFunction
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -27,6 +28,7 @@ from liepoisson.numeric._checks import (
     core_field,
     outcome_names,
     shown,
+    typical,
 )
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 
@@ -55,12 +57,16 @@ class FirstReturn(NamedTuple):
     Attributes:
         state: Where each orbit returned, shape (..., component); NaN where it did not.
         time: When, shape (...).
-        outcome: "returned"; "no return" until `t_max`; or why the orbit ended before, as for `integrate`.  Shape (...).
+        outcome: "returned"; "no return" until `t_end`; or why the orbit ended before, as for `integrate`.  Shape (...).
     """
 
     state: Array
     time: Array
     outcome: NDArray[np.str_]
+
+    def __repr__(self) -> str:
+        n = np.sum(self.outcome == "returned")
+        return f"<FirstReturn: {n} of {self.outcome.size} states returned, {typical('time', self.time)}>"
 
 
 @dataclass(frozen=True)
@@ -86,7 +92,8 @@ class Section:
         sign: +1 where $s$ increases in the order of travel, else -1, shape (crossing,).
         touch_trajectory, touch_time, touch_state: Like the crossings: points where $s$ comes closer to zero than its
             error and leaves to the side that it came from; whether it crossed in between is not decided.
-        unbounded_steps: Steps of each trajectory whose error was estimated and not bounded, shape (trajectory,).
+        unbounded_steps: Steps of each trajectory in which the error of the state was estimated and not bounded, shape
+            (trajectory,).
         undefined_steps: Steps of each trajectory in which $s$ or its series does not exist: crossings there are not
             found, shape (trajectory,).
         outcome: How each trajectory ended, shape (trajectory,); "finished" also after `n_crossings` crossings.
@@ -181,20 +188,21 @@ def section(
     s may be any smooth function.  Along a step of the Taylor method it is a power series $s(t)$.  What is certain, and
     what not:
 
-    - Every crossing and every pair of crossings of the Taylor polynomial is found if it goes beyond its error between
-      them: the step is divided until on each part an exclusion test shows that the polynomial has one sign, is
-      monotone, or stays within the error.
-    - The error is what separates the polynomial from the solution through the start of the step, and round-off.  It is
-      bounded by a majorant if the field (of degree two at most) and the surface are polynomials.  Otherwise the
-      step is divided until the series of s converges on each part, and the error is estimated from its last terms;
-      `unbounded_steps` counts these steps.
+    - Every crossing, and every pair of crossings between which s goes beyond its error, is found, however close they
+      are and however narrow the features of s: the step is divided until on each part an exclusion test shows that the
+      polynomial has one sign, is monotone, or stays within the error.
+    - The error is what the series of s leaves out, how far the error of the state moves s, and round-off.  The first is
+      bounded, for every smooth s.  The second is bounded by a majorant if the field is of degree two at most and the
+      steps are not so long that the bound is of no use; else it is estimated from the last terms of the series of the
+      state, and `unbounded_steps` counts these steps.  Round-off is estimated.
     - Where s does not exist (the square root of a negative number) nothing is found, and `undefined_steps` counts
       the steps.  A pole, at which s changes its sign, is no crossing.
     - Where $|s|$ falls below the error and returns to the side that it came from, the point is reported as a touch and
       not decided.  A tangency is one.
 
-    A start on the surface, within the error, is not counted, and orbits that lie in the surface cross it nowhere.  An
-    orbit that never meets the surface runs to `t_end`, whatever `n_crossings`; `time_limit` ends it sooner.  Errors
+    A start on the surface, within the error, is not counted, and orbits that lie in the surface cross it nowhere, which
+    a `SurfaceWarning` tells.  An orbit that never meets the surface runs to `t_end`, whatever `n_crossings`;
+    `time_limit` ends it sooner.  Errors
     that accumulate from step to step are those of `integrate`.
 
     Args:
@@ -252,11 +260,13 @@ def section(
         progress,
     )
     width, members = len(coordinates), np.arange(len(states))
+    label = "s" if isinstance(surface, TapeFunction) else str(_formula(surface, "surface"))
+    _warn_of_orbits_in_the_surface(label, raw["in_surface"])
     return Section(
         system=system.name,
         components=component_names(system, n),
         coordinates=coordinates,
-        surface="s" if isinstance(surface, TapeFunction) else str(_formula(surface, "surface")),
+        surface=label,
         tape=tape,
         field=field,
         method=method,
@@ -287,7 +297,7 @@ def first_return(
     x: ArrayLike,
     *,
     surface: Function | TapeFunction,
-    t_max: float,
+    t_end: float,
     direction: int = 1,
     method: Method | None = None,
     threads: int | None = None,
@@ -297,7 +307,7 @@ def first_return(
     r"""The map of first return to the side of a surface, $P(x) = \varphi_{\tau(x)}(x)$, and the times $\tau(x)$.
 
     $\tau(x)$ is the first time after 0 at which $s(\varphi_t(x))$ passes zero in the given direction.  The map can be
-    applied to its own results; with a negative `t_max` and the opposite direction it is the inverse map.
+    applied to its own results; with a negative `t_end` and the opposite direction it is the inverse map.
 
     A state counts as on the surface if its orbit meets it within the first step and within $10^{-9}$ of the largest
     component of x: images that other programs computed, or that were rounded, do not return at once.
@@ -306,7 +316,7 @@ def first_return(
         system: What is integrated.
         x: States on the surface (elsewhere it is the map of first arrival), shape (..., component).
         surface: The function $s$, as for `section`.
-        t_max: Longest time that is waited.
+        t_end: Longest time that is waited; negative: backwards.
         direction: +1, -1 or 0, as for `section`.
         method: `Taylor()`, as for `section`.
         threads: By default all processors.
@@ -324,7 +334,7 @@ def first_return(
     if states.ndim == 0 or states.shape[-1] != n:
         raise ShapeError(f"x must end in {n} components; got shape {states.shape}")
     options: dict[str, Any] = {
-        "surface": _surface_alone(surface), "t_end": t_max, "direction": direction, "method": method,
+        "surface": _surface_alone(surface), "t_end": t_end, "direction": direction, "method": method,
         "threads": threads, "time_limit": time_limit, "progress": progress,
     }  # fmt: skip
     returned, times, outcome = _arrivals(system, states.reshape(-1, n), options)
@@ -371,8 +381,12 @@ def _formula(given: Any, what: str) -> str | Expr:
     return formula
 
 
-def _check_that_it_varies(system: Any, surface: str | Expr) -> None:
-    """Refuses a surface function that is proved constant on every leaf: no orbit crosses it."""
+def check_that_it_varies(system: Any, surface: str | Expr) -> None:
+    """Refuses a surface function that is proved constant on every leaf: no orbit crosses it.
+
+    Raises:
+        ParameterError: it is a number or a Casimir.
+    """
     bracket, read = getattr(system, "bracket", None), getattr(system, "expression", None)
     if bracket is None or read is None:
         return
@@ -382,6 +396,17 @@ def _check_that_it_varies(system: Any, surface: str | Expr) -> None:
         raise ParameterError(
             f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
             f'leaf: {kind}; try a component such as "{component_names(system, len(system.variables))[0]}"'
+        )
+
+
+def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) -> None:
+    n = int(in_surface.sum())
+    if n:
+        which = "the orbit lies" if len(in_surface) == 1 else f"{n} of {len(in_surface)} orbits lie"
+        warnings.warn(
+            f"{which} in the surface {surface} = 0, from start to end, and cross it nowhere; try another surface",
+            SurfaceWarning,
+            stacklevel=3,
         )
 
 
@@ -409,7 +434,7 @@ def _as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[
             "try a System, or System.function_tape"
         )
     formula = _formula(surface, "surface")
-    _check_that_it_varies(system, formula)
+    check_that_it_varies(system, formula)
     return write(formula, *(kept or ())), names
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.field import Field
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, component_names, shown
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, component_names, shown, trajectories
 from liepoisson.numeric.covariant_vectors import CovariantRecord, CovariantVectors
 from liepoisson.numeric.mean_error import mean_error
 from liepoisson.numeric.methods import Method
@@ -127,6 +127,12 @@ class Spectrum:
         from liepoisson.dataset import save
 
         return save(self.dataset, path)
+
+    def __repr__(self) -> str:
+        mean, error = self.mean
+        known = f" ± {error[0]:.2g}" if np.isfinite(error[0]) else ""
+        largest = f"largest {mean[0]:.4g}{known} at t = {self.time[-1]:g}"
+        return f"<Spectrum of {self.system}: {len(mean)} exponents of {trajectories(self.outcome)}, {largest}>"
 
 
 def lyapunov_spectrum(

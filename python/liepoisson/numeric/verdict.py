@@ -14,7 +14,16 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.field import PiecesField
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_field, as_number, as_states, as_time_limit, shown
+from liepoisson.numeric._checks import (
+    TIME_LIMIT,
+    HasField,
+    as_field,
+    as_number,
+    as_states,
+    as_time_limit,
+    shown,
+    trajectories,
+)
 from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
 from liepoisson.numeric.estimates import Estimate
 from liepoisson.numeric.integrate import integrate
@@ -27,9 +36,9 @@ Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]
 KINDS: tuple[Kind, ...] = ("regular", "chaotic", "undecided")
 INDICATORS = ("growth_power", "megno", "sali")
 
-# The part of the run from which the derivative of the field is taken, and the members whose matrices are in memory at
-# once.
-_SHORT, _CHUNK = 1e-9, 256
+# The parts of the run from which the derivative of the field is taken, the first one that changes a tangent vector by
+# as much as this; and the members whose matrices are in memory at once.
+_SHORT, _LEAST_CHANGE, _CHUNK = (1e-21, 1e-18, 1e-15, 1e-12, 1e-9), 1e-10, 256
 
 
 @dataclass(frozen=True)
@@ -129,6 +138,10 @@ class Verdict:
         counts = ", ".join(f"{np.sum(self.verdict == kind)} {kind}" for kind in KINDS)
         return f"{counts}  ({self.system}, t = {self.t_end:g})"
 
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{np.sum(self.verdict == kind)} {kind}" for kind in KINDS)
+        return f"<Verdict of {self.system}: {trajectories(self.outcome)}, {counts} at t = {self.t_end:g}>"
+
 
 def decide(
     system: HasField,
@@ -192,9 +205,18 @@ def decide(
     rule = _as_rule(rule)
     half = None if progress is None else lambda fraction: progress(0.5 * fraction)
     rest = None if progress is None else lambda fraction: progress(0.5 + 0.5 * fraction)
-    start = clock.monotonic()
+    deadline = clock.monotonic() + limit
+    natural_time = _natural_time(system, x0, end, method, threads, deadline=deadline)
     growth = megno(
-        system, x0, t_end=end, seed=seed, first=first, method=method, threads=threads, time_limit=limit, progress=half
+        system,
+        x0,
+        t_end=end,
+        seed=seed,
+        first=first,
+        method=method,
+        threads=threads,
+        time_limit=_left(deadline),
+        progress=half,
     )
     # Eight pieces: a vector may grow by e^600 in each before a piece must be repeated in halves.
     angle = alignment(
@@ -205,10 +227,15 @@ def decide(
         first=first,
         method=method,
         threads=threads,
-        time_limit=max(limit - (clock.monotonic() - start), 1e-9),
+        time_limit=_left(deadline),
         progress=rest,
     )
-    return _judge(growth, angle, _natural_time(system, x0, end, method, threads), rule)
+    return _judge(growth, angle, natural_time, rule)
+
+
+def _left(deadline: float) -> float:
+    """Seconds until then; a little where none are left, as a run must have some."""
+    return max(deadline - clock.monotonic(), 1e-9)
 
 
 def _as_rule(rule: Any) -> Rule:
@@ -219,11 +246,14 @@ def _as_rule(rule: Any) -> Rule:
     return rule
 
 
-def _natural_time(system: HasField, x0: ArrayLike, t_end: float, method: Method | None, threads: int | None) -> Array:
-    r"""The time in natural units, $t\,\|Df(x_0)\|_2$, shape (trajectory,); NaN for a start that is not finite.
+def _natural_time(
+    system: HasField, x0: ArrayLike, t_end: float, method: Method | None, threads: int | None, *, deadline: float
+) -> Array:
+    r"""The time in natural units, $t\,\|Df(x_0)\|_2$, shape (trajectory,); NaN without a start or time left.
 
-    Df is read off the variational equations, $M(h) = 1 + h\,Df + O(h^2)$ at $h = 10^{-9}\,t$: relative errors of 1e-7
-    from the order and 1e-9 from round-off when t is 100 natural times.
+    Df is read off the variational equations, $M(h) = 1 + h\,Df + O(h^2)$ at the first of $h = 10^{-21}t, 10^{-18}t,
+    \ldots, 10^{-9}t$ at which $\|M(h) - 1\|_2\ge 10^{-10}$.  From 100 to 1e14 natural times that leaves relative errors
+    of at most some 1e-7 from the order and 1e-5 from round-off.
     """
     field = as_field(system)
     # whatever the caller's method, but a field that is given by its pieces knows no other
@@ -233,13 +263,23 @@ def _natural_time(system: HasField, x0: ArrayLike, t_end: float, method: Method 
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
     for start in range(0, len(good), _CHUNK):
         chunk = good[start : start + _CHUNK]
-        identity = np.tile(np.eye(n), (len(chunk), 1, 1))
-        short = integrate(
-            system, states[chunk], t=[0.0, _SHORT * t_end], tangents=identity, method=method, threads=threads
-        )
-        change = (short.tangent[:, 1] - identity) / _SHORT
-        arrived = short.outcome == "finished"
-        result[chunk[arrived]] = np.linalg.norm(change[arrived], ord=2, axis=(1, 2))
+        for share in _SHORT:
+            identity = np.tile(np.eye(n), (len(chunk), 1, 1))
+            short = integrate(
+                system,
+                states[chunk],
+                t=[0.0, share * t_end],
+                tangents=identity,
+                method=method,
+                threads=threads,
+                time_limit=_left(deadline),
+            )
+            chunk = chunk[arrived := short.outcome == "finished"]
+            change = np.linalg.norm(short.tangent[arrived, 1] - np.eye(n), ord=2, axis=(1, 2))
+            result[chunk] = change / share
+            chunk = chunk[change < _LEAST_CHANGE]
+            if not len(chunk):
+                break
     return result
 
 

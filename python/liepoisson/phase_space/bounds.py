@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import as_array
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.numeric._checks import as_number, shown
 from liepoisson.phase_space._checks import as_energy, as_system, first_casimir_scale
@@ -55,7 +55,12 @@ class Bounds:
 
 
 def bounds(
-    top: System, x: ArrayLike | None = None, *, casimirs: Mapping[str, float] | None = None, energy: float | None = None
+    top: System,
+    x: ArrayLike | None = None,
+    *,
+    leaf: Leaf | None = None,
+    casimirs: Mapping[str, float] | None = None,
+    energy: float | None = None,
 ) -> Bounds:
     r"""Bounds that hold along every orbit of a top with these Casimirs and this energy.
 
@@ -69,9 +74,10 @@ def bounds(
 
     Args:
         top: A top: the equations decide, however the system was made.
-        x: One state, shape (9,), whose leaf and energy are meant; then give neither `casimirs` nor `energy`.
-        casimirs: The values of C1, C2, C3, as the bracket of the top has them.
-        energy: The energy.
+        x: One state, shape (9,), whose leaf and energy are meant; then give nothing else.
+        leaf: A leaf, also one of lower rank, which has other Casimirs than C1, C2, C3.
+        casimirs: Instead of it the values of C1, C2, C3, as the bracket of the top has them.
+        energy: The energy, with `leaf` or `casimirs`.
 
     Returns:
         The bounds, rounded outward.
@@ -90,14 +96,17 @@ def bounds(
         )
     field = parameters.field()
     if x is not None:
-        if casimirs is not None or energy is not None:
-            raise ParameterError("give a state, or casimirs and energy; not both.")
+        if leaf is not None or casimirs is not None or energy is not None:
+            raise ParameterError("give a state, or an energy and a leaf or casimirs; not both.")
         return _bounds_of_state(top, x, field)
-    if casimirs is None or energy is None:
-        raise ParameterError(
-            "which leaf and energy is meant must be said; give a state, or both casimirs= and energy=."
-        )
-    return _bounds(field, *_given(casimirs, field, first_casimir_scale(top)), as_energy(energy))
+    if energy is not None and leaf is not None and casimirs is None:
+        return _bounds(field, *_of_leaf(leaf, field), as_energy(energy))
+    if energy is not None and casimirs is not None and leaf is None:
+        return _bounds(field, *_given(casimirs, field, first_casimir_scale(top)), as_energy(energy))
+    raise ParameterError(
+        "which leaf and energy is meant must be said; give a state x, both leaf= and energy=, or both casimirs= and "
+        "energy=."
+    )
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -116,8 +125,7 @@ def _bounds_of_state(top: System, x: ArrayLike, field: TopField) -> Bounds:
     energy = float(np.sum(l**2 / inertia) / 2 + a @ alpha + b @ beta)
     # Outward by the round-off of the sums, so that the state itself is never outside.
     energy += _ROUND_OFF * float(np.sum(l**2 / inertia) + np.abs(a) @ np.abs(alpha) + np.abs(b) @ np.abs(beta))
-    size = float(alpha @ alpha + 2 * abs(field.epsilon) * np.abs(l) @ np.abs(beta))
-    first = float(alpha @ alpha + 2 * field.epsilon * l @ beta) + _ROUND_OFF * size
+    first = _first_casimir(leaf.state, field)
     own = [math.hypot(*v) * _OUTWARD for v in (l, alpha, beta, l / inertia)]
     lost = _UNDERFLOW if any(0 < length < _TINY for length in own) else 0.0
     found = _bounds(field, first + lost, own[2], energy + lost)
@@ -126,9 +134,36 @@ def _bounds_of_state(top: System, x: ArrayLike, field: TopField) -> Bounds:
     )
 
 
+def _first_casimir(x: Array, field: TopField) -> float:
+    """C1 of a state, rounded outward."""
+    l, alpha, beta = x.reshape(3, 3)
+    size = float(alpha @ alpha + 2 * abs(field.epsilon) * np.abs(l) @ np.abs(beta))
+    return float(alpha @ alpha + 2 * field.epsilon * l @ beta) + _ROUND_OFF * size
+
+
+@np.errstate(over="ignore", invalid="ignore")
+def _of_leaf(leaf: Leaf, field: TopField) -> tuple[float, float]:
+    """C1 and |beta|, which are constant on leaves of any rank, and so those of the leaf's own state."""
+    from liepoisson.phase_space.leaf import Leaf
+
+    if not isinstance(leaf, Leaf):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(f"leaf: wanted a Leaf; got {shown(leaf)}; try leaf_of(top, x)")
+    parameters = leaf.system.top_parameters
+    if parameters is None or parameters.field().epsilon != field.epsilon:
+        raise ParameterError(
+            f"leaf: wanted a leaf of a top with epsilon = {field.epsilon:g}; got {leaf!r}; try leaf_of(top, x)"
+        )
+    l, alpha, beta = leaf.state.reshape(3, 3)
+    lost = _UNDERFLOW if any(0 < math.hypot(*v) < _TINY for v in (l, alpha, beta)) else 0.0
+    return _first_casimir(leaf.state, field) + lost, math.hypot(*beta) * _OUTWARD
+
+
 def _given(casimirs: Mapping[str, float], field: TopField, scale: float) -> tuple[float, float]:
     if not isinstance(casimirs, Mapping) or set(casimirs) != {"C1", "C2", "C3"}:  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f'casimirs must be {{"C1": ..., "C2": ..., "C3": ...}}; got {shown(casimirs)}.')
+        raise ParameterError(
+            f'casimirs must be {{"C1": ..., "C2": ..., "C3": ...}}; got {shown(casimirs)}. For a leaf with other ones '
+            "give leaf=, or a state x."
+        )
     c1, c2, c3 = (as_number(casimirs[name], name, "a finite number") for name in ("C1", "C2", "C3"))
     if not np.isfinite([c1, c2, c3]).all():
         raise ParameterError(f"casimirs must be finite; got {dict(casimirs)}.")

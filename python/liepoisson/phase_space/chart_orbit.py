@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Protocol
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,7 +13,10 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ChartError, ShapeError
 from liepoisson.exact.canonical.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
-from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.methods import Method, Taylor
+
+if TYPE_CHECKING:
+    from xarray import Dataset
 
 LONGEST = 100_000
 """Default bound on the steps: near where a chart ends they shrink, and a run that is caught there must end."""
@@ -22,6 +26,8 @@ DEFECT = 1e-6
 
 LEFT = "left the chart"
 """The outcome of a run whose series went on beyond the end of the chart."""
+
+_BODY = tuple(f"{field}{k}" for field in ("l", "alpha", "beta") for k in (1, 2, 3))
 
 
 class Chart(Protocol):
@@ -55,6 +61,7 @@ class ChartOrbit:
     """One orbit, integrated in the coordinates of a chart.
 
     Attributes:
+        chart: Which chart of which leaf, in words.
         time: The wanted times, shape (time,).
         state: Canonical states, shape (time, component); NaN from where the run ended.
         body: States (l, alpha, beta), shape (time, 9); NaN from where the run ended.
@@ -65,8 +72,11 @@ class ChartOrbit:
             about twice as many digits as the smallest margin on the way has zeros.
         left_by: Where the run ended early, the condition of the chart with the smallest margin there; else None.
         left_margin: That margin.
+        run: What the integrator returned for the canonical system, with dense output: its method, its steps, and
+            states also from where the chart ended, which mean nothing there.
     """
 
+    chart: str
     time: Array
     state: Array
     body: Array
@@ -76,10 +86,62 @@ class ChartOrbit:
     margins: dict[str, Array]
     left_by: str | None
     left_margin: float | None
+    run: Orbit
+
+    @property
+    def system(self) -> str:
+        """Name of the canonical system, that of the top and of its chart."""
+        return self.run.system
+
+    @property
+    def components(self) -> tuple[str, ...]:
+        """Names of the components of the canonical state."""
+        return self.run.components
+
+    @property
+    def method(self) -> Method:
+        """How it was integrated."""
+        return self.run.method
+
+    @property
+    def dataset(self) -> Dataset:
+        """A labelled xarray Dataset: that of an orbit in the canonical coordinates, and `body` and `margin` beside it.
+
+        `liepoisson.rerun` repeats the run from it, as an `Orbit` in these coordinates that does not know where the
+        chart ends: up to `end_time` it has the same bits.
+        """
+        from liepoisson.dataset import orbit_dataset
+
+        kept = replace(
+            self.run,
+            state=self.state[None],
+            outcome=np.array([self.outcome]),
+            end_time=np.array([self.end_time]),
+            final_state=self.end_state[None],
+        )
+        dimensionless, margin = {"units": "dimensionless"}, np.stack(list(self.margins.values()), axis=-1)
+        axes = ("trajectory", "time")
+        attributes = {"chart": self.chart, "left_by": self.left_by, "left_margin": self.left_margin}
+        return (
+            orbit_dataset(kept)
+            .assign_coords(body_component=list(_BODY), condition=list(self.margins))
+            .assign(
+                body=((*axes, "body_component"), self.body[None], {"long_name": "state in the body", **dimensionless}),
+                margin=((*axes, "condition"), margin[None], {"long_name": "distance from where the chart ends"}),
+            )
+            .assign_attrs({name: value for name, value in attributes.items() if value is not None})
+        )
+
+    def save(self, path: str | Path) -> Path:
+        """Writes the dataset to a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run."""
+        from liepoisson.dataset import save
+
+        return save(self.dataset, path)
 
     def __repr__(self) -> str:
         by = f" by {self.left_by}" if self.left_by else ""
-        return f"<ChartOrbit of {len(self.time)} times: {self.outcome}{by} at t = {self.end_time:.6g}>"
+        end = f"{self.outcome}{by} at t = {self.end_time:.6g}"
+        return f"<ChartOrbit of {self.system!r}: {len(self.time)} times, {end}, {self.method}>"
 
 
 def chart_orbit(chart: Chart, x0: ArrayLike, *, t: ArrayLike, method: Taylor | None = None) -> ChartOrbit:
@@ -117,6 +179,7 @@ def chart_orbit(chart: Chart, x0: ArrayLike, *, t: ArrayLike, method: Taylor | N
     body = _seen(chart, state)
     left_by, left_margin = _reason(chart, end_state) if outcome != "finished" else (None, None)
     return ChartOrbit(
+        chart=repr(chart),
         time=run.time,
         state=state,
         body=body,
@@ -126,6 +189,7 @@ def chart_orbit(chart: Chart, x0: ArrayLike, *, t: ArrayLike, method: Taylor | N
         margins=chart.margins(body),
         left_by=left_by,
         left_margin=left_margin,
+        run=run,
     )
 
 

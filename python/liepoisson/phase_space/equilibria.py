@@ -16,13 +16,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
-from liepoisson.errors import LeafError, ParameterError
+from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.phase_space._checks import as_system
 from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points
 from liepoisson.phase_space.leaf import Leaf, leaf_of
-from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of
+from liepoisson.phase_space.leaf_search import representative
+from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -78,7 +79,7 @@ def equilibria(
     integrals = integrals_of(system, along)
     wanted = _level(integrals, values, None)
     fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
-    origin = _representative(leaf)
+    origin = representative(leaf)
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STARTS_KEY,)))
     size = float(np.linalg.norm(origin.state)) / np.sqrt(len(origin.state)) or 1.0
     starts = rng.standard_normal((n_starts, len(origin.state))) * size
@@ -111,16 +112,6 @@ def _leaf(system: System, given: Any) -> Leaf:
     return Leaf(system, cast("Mapping[str, float]", given))
 
 
-def _representative(leaf: Leaf) -> Leaf:
-    """The leaf with a state that depends on the values of the Casimirs alone, where one can be found from them."""
-    if not leaf.is_regular:
-        return leaf
-    try:
-        return Leaf(leaf.system, leaf.casimirs)
-    except LeafError:
-        return leaf
-
-
 def relative_equilibrium(
     system: System,
     x_guess: ArrayLike,
@@ -141,12 +132,12 @@ def relative_equilibrium(
         values: Their values, by name; by default those of the guess.
 
     Raises:
-        ParameterError: there is none near the guess, an integral is not constant or has no motion of its own, or
-            `values` does not name them.
+        ParameterError: there is none near the guess, the guess is too near zero, an integral is not constant or has no
+            motion of its own, or `values` does not name them.
         LeafError: the equations of the leaf are not known.
         ShapeError: `x_guess` is not one state.
     """
-    leaf = leaf_of(system, x_guess)
+    leaf = not_tiny(leaf_of(system, x_guess), "x_guess")
     integrals = integrals_of(system, along)
     fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
     states, residual = critical_points(leaf, fields, leaf.state[None], _level(integrals, values, leaf.state))

@@ -24,7 +24,7 @@ class Equations:
     Attributes:
         pinned: The rows of P, orthonormal, shape (k, N).
         functions: The functions f.
-        values: Their values c.
+        values: Their values c, shape (function,); for `relative` also one row for each state.
         mixing: Independent combinations M of the functions, shape (m, function).
     """
 
@@ -54,7 +54,7 @@ class Equations:
         values = np.stack([f(x) for f in self.functions], axis=-1) if self.functions else np.zeros((*x.shape[:-1], 0))
         rows = self.mixing @ gradients_of(self.functions, x)
         residuals = np.einsum("ij,...j->...i", self.mixing, values - self.values)
-        scales = np.abs(self.mixing) @ np.abs(self.values) + size * np.linalg.norm(rows, axis=-1)
+        scales = np.abs(self.values) @ np.abs(self.mixing).T + size * np.linalg.norm(rows, axis=-1)
         # Against an infinite gradient any residual would count as zero.
         scales = np.select([scales == 0, np.isinf(scales)], [1.0, np.nan], scales)
         pinned = np.broadcast_to(self.pinned, (*x.shape[:-1], *self.pinned.shape))

@@ -61,6 +61,16 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     )
 
 
+def representative(leaf: Leaf) -> Leaf:
+    """The leaf with a state that depends on the values of the Casimirs alone, where one can be found from them."""
+    if not leaf.is_regular:
+        return leaf
+    try:
+        return type(leaf)(leaf.system, leaf.casimirs)
+    except LeafError:
+        return leaf
+
+
 def _refuse_impossible(system: System, place: Place, values: Array) -> None:
     """Refuse a negative sum of squares, and values that violate the inequality of Cauchy and Schwarz."""
     for (name, function), value in zip(place.casimirs.items(), values, strict=True):
@@ -102,6 +112,22 @@ def energy_range(leaf: Leaf) -> tuple[float, float]:
         return energy, energy
     lowest, highest = (sign * (-np.inf if _grows(leaf, sign) else _lowest(leaf, sign)) for sign in (1.0, -1.0))
     return float(lowest), float(highest)
+
+
+def check_energy_in_reach(leaf: Leaf, energy: float, *, is_filled: bool = False) -> None:
+    """Refuses an energy that no state of the leaf has; with `is_filled`, only one below all.
+
+    Raises:
+        LeafError: it is out of reach.
+    """
+    lowest, highest = leaf.energy_range()
+    slack = 1e-12 * (1 + abs(lowest)) if np.isfinite(lowest) else 0.0
+    if energy < lowest - slack or (not is_filled and energy > highest + slack):
+        asked = f"{'at most ' if is_filled else ''}{energy:.6g}"
+        raise LeafError(
+            f"states on {leaf!r} were wanted. On this leaf the energy lies between {lowest:.6g} and {highest:.6g}; "
+            f"{asked} was asked for."
+        )
 
 
 def _grows(leaf: Leaf, sign: float) -> bool:

@@ -131,13 +131,13 @@ def stability(system: System, x: ArrayLike, *, along: Sequence[str] = (), tol: f
         tol: How large $|\dot x - \sum_j\Omega_j f_{K_j}|$ may be, relative to the size of the terms in it.
 
     Raises:
-        ParameterError: x is not a (relative) equilibrium, an integral is not constant or has no motion of its own, or
-            `tol` is no finite number.
+        ParameterError: x is not a (relative) equilibrium or too near zero, an integral is not constant or has no
+            motion of its own, or `tol` is no finite number.
         ShapeError: x is not one state.
 
     References: [arnold1965]; [holm1985]; [simo1991].
     """
-    leaf = leaf_of(system, x)
+    leaf = not_tiny(leaf_of(system, x), "x")
     integrals = integrals_of(system, along)
     tol = as_number(tol, "tol", "a finite number >= 0")
     if not 0 <= tol < np.inf:
@@ -149,6 +149,21 @@ def stability(system: System, x: ArrayLike, *, along: Sequence[str] = (), tol: f
     if not left <= tol * float(scale[0]):
         raise ParameterError(_not_an_equilibrium(left, float(np.linalg.norm(rates[:, 0])), integrals))
     return analysis(leaf, leaf.state, integrals)
+
+
+def not_tiny(leaf: Leaf, name: str) -> Leaf:
+    """The leaf, unless J at its state, which is linear, has no inverse in doubles."""
+    size = float(np.abs(leaf.state).max(initial=0.0))
+    if leaf.rank and size < _TINY:
+        raise ParameterError(
+            f"{name} must be zero, or have a component of at least {_TINY:g}, so that its Poisson tensor has an "
+            f"inverse in doubles; the largest is {size:.3g}. Choose units in which it is larger."
+        )
+    return leaf
+
+
+_TINY = 1e-100
+"""Nearer to zero the second variation, of the order of 1/|x|, and its squares leave the doubles."""
 
 
 def _not_an_equilibrium(left: float, rate: float, integrals: Iterable[str]) -> str:

@@ -17,7 +17,9 @@ from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.numeric._checks import as_count, shown
+from liepoisson.phase_space._checks import as_energy
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
+from liepoisson.phase_space.leaf_search import check_energy_in_reach
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -112,21 +114,22 @@ def section_starts(
     Raises:
         LeafError: the leaf does not reach this energy, or too few guesses converged, of at most 24 rounds of
             max(n, 64); the message says which share did.
-        ParameterError: the direction is none, or n or seed is no whole number.
+        ParameterError: the energy is no finite number, the direction is none, or n or seed is no whole number.
     """
     n, seed = as_count(n, "n"), as_count(seed, "seed")
     if np.ndim(direction) or direction not in (-1, 0, 1):
         raise ParameterError(f"direction must be +1, -1 or 0; got {shown(direction)}.")
-    equations = leaf.constraints(energy, surface)
+    equations = leaf.constraints(as_energy(energy), surface)
     if spread:
         guesses = _many_guesses(leaf, n, seed)
         found = _crossed(leaf, surface, energy, guesses, direction)
         if len(found) >= n:
             return _farthest(found, n)
         if not len(found):
+            check_energy_in_reach(leaf, energy)
             raise LeafError(
                 f"orbits of this leaf and energy must cross {surface} = 0; none of {len(guesses)} random states "
-                f"could be moved to a crossing. {_hint(leaf, energy)}"
+                f"could be moved to a crossing. {_TRY}"
             )
     slope, functions = leaf.system.functions.of(surface), leaf.system.functions
     draw, size = _guesses_for(leaf, energy), max(n, _GUESSES)
@@ -145,19 +148,12 @@ def section_starts(
         if attempt + 1 >= _VAIN and not converged:
             break
     passing = f", {len(found)} of them where the orbit passes in direction {direction:+d}" if direction else ""
-    hint = _TRY if converged else _hint(leaf, energy)
+    if not converged:
+        check_energy_in_reach(leaf, energy)
     raise LeafError(
         f"{n} states with {surface} = 0 and energy {energy:.6g} were wanted on {leaf!r}; Newton's method converged "
-        f"from {converged} of {drawn} guesses, {100 * converged / drawn:.2g} %{passing}. {hint}"
+        f"from {converged} of {drawn} guesses, {100 * converged / drawn:.2g} %{passing}. {_TRY}"
     )
-
-
-def _hint(leaf: Leaf, energy: float) -> str:
-    """What to try where no state was found: an energy that the leaf reaches, or another section."""
-    low, high = leaf.energy_range()
-    if not low <= energy <= high:
-        return f"On this leaf the energy lies between {low:.6g} and {high:.6g}."
-    return _TRY
 
 
 def _many_guesses(leaf: Leaf, n: int, seed: int) -> Array:
@@ -224,8 +220,9 @@ def section_state(
 
     Raises:
         LeafError: no such state was found.
+        ParameterError: the energy or a coordinate is no finite number.
     """
-    functions, equations = leaf.system.functions, leaf.constraints(energy, surface)
+    functions, equations = leaf.system.functions, leaf.constraints(as_energy(energy), surface)
     for name, value in coordinates.items():
         if not np.isfinite(value):
             raise ParameterError(f"coordinates must be finite; got {name} = {value}.")
@@ -234,6 +231,7 @@ def section_state(
     states, residual = solve(equations, guesses.copy())
     good = np.flatnonzero(residual <= CONVERGED)
     if not good.size:
+        check_energy_in_reach(leaf, energy)
         raise LeafError(
             f"a state with {_shown(coordinates)}, {surface} = 0 and energy {energy:.6g} was wanted on {leaf!r}; the "
             f"least residual reached from {len(guesses)} {'guess' if len(guesses) == 1 else 'guesses'} is "

@@ -2,6 +2,7 @@ r"""Figures of surfaces of section: points in a plane of two coordinates, a colo
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
@@ -22,6 +23,8 @@ _GOOD_COVERAGE = 0.14
 """Share of the axes that points may cover in all, were none above another."""
 _LARGEST, _SMALLEST = 2.6, 0.25
 """Diameters of points in printer's points."""
+_LONGEST_LINE = 60
+"""Characters of a title that fit above the axes of a new figure."""
 
 
 class SectionLike(Protocol):
@@ -35,11 +38,12 @@ class SectionLike(Protocol):
 
 def section(
     points: SectionLike,
-    x: str | ArrayLike,
-    y: str | ArrayLike,
+    x: str | ArrayLike | None = None,
+    y: str | ArrayLike | None = None,
     *,
     xlabel: str | None = None,
     ylabel: str | None = None,
+    title: str | None = None,
     sign: int = 0,
     trajectories: Sequence[int] | None = None,
     colour: str | Sequence[str] | None = None,
@@ -53,10 +57,12 @@ def section(
 
     Args:
         points: Result of `liepoisson.section`, or its Dataset.
-        x: Horizontal: the name of a coordinate that was kept, or values, shape (crossing,).
-        y: Vertical, likewise.
+        x: Horizontal: the name of a coordinate that was kept, or values, shape (crossing,).  By default the last
+            component of the state; of kept functions the first.
+        y: Vertical, likewise.  By default the second component of the state; of kept functions the last.
         xlabel: By default the name as mathematical text.
         ylabel: Likewise.
+        title: Above the axes.  By default system and surface in a new figure; given axes keep the title they have.
         sign: Only crossings with this sign of the change of the surface function; 0: all.
         trajectories: Only these.
         colour: Of all points, or of the trajectories in turn; by default the six colours of the house, so that the
@@ -65,9 +71,11 @@ def section(
         ax: Axes to draw into, by default those of a new figure.
 
     Raises:
-        ParameterError: no such coordinate, trajectory, sign or colour, or a size that is not positive.
+        ParameterError: no such coordinate, trajectory, sign or colour, a size that is not positive, or one coordinate
+            only and no choice of axes.
         ShapeError: values that are not one per crossing.
     """
+    x, y = _chosen(points, x, y)
     member, signs = _member(points), np.asarray(points.sign)
     values = [_values(points, name, len(member), which) for name, which in ((x, "x"), (y, "y"))]
     shown = np.isfinite(values[0]) & np.isfinite(values[1])
@@ -76,11 +84,14 @@ def section(
     if trajectories is not None:
         shown &= np.isin(member, _as_trajectories(trajectories, points, member))
     colours, diameter = as_colours(colour), _as_size(size)
+    heading = _heading(points) if title is None and ax is None else title
     with house_style():
         ax = axes_or_new(ax, width=5.2, height=4.6)
         _draw(ax, np.stack(values)[:, shown], member[shown], colours, diameter)
-        ax.set_xlabel(_label(x) if xlabel is None else xlabel)
-        ax.set_ylabel(_label(y) if ylabel is None else ylabel)
+        ax.set_xlabel(_axis_label(x) if xlabel is None else xlabel)
+        ax.set_ylabel(_axis_label(y) if ylabel is None else ylabel)
+        if heading is not None:
+            ax.set_title(heading)
         ax.margins(0.04)
     return ax
 
@@ -110,6 +121,39 @@ def _member(points: SectionLike) -> NDArray[np.int64]:
     return np.asarray(getattr(points, "trajectory") if found is None else found)  # noqa: B009  # one of the two
 
 
+def _chosen(
+    points: SectionLike, x: str | ArrayLike | None, y: str | ArrayLike | None
+) -> tuple[str | ArrayLike, str | ArrayLike]:
+    """The axes, as given or by default."""
+    names = _names(points)
+    whole = names == tuple(map(str, np.asarray(getattr(points, "components", getattr(points, "component", ())))))
+    across, up = (names[-1], names[min(1, len(names) - 1)]) if whole else (names[0], names[-1])
+    axes = across if x is None else x, up if y is None else y
+    if (x is None or y is None) and all(isinstance(axis, str) for axis in axes) and axes[0] == axes[1]:
+        raise ParameterError(
+            f"a plane must have two coordinates; got {axes[0]!r:.80} for both, one of them by default. Give x and y, "
+            "for example y=points.time."
+        )
+    return axes
+
+
+def _heading(points: SectionLike) -> str | None:
+    """System and surface, as far as they are known: a Dataset has them among its attributes."""
+    attributes = getattr(points, "attrs", None)
+    if attributes is None:
+        system, surface = getattr(points, "system", None), getattr(points, "surface", None)
+    else:  # its "surface" is the tape
+        system, surface = attributes.get("system"), json.loads(attributes.get("run", "{}")).get("surface")
+    if not isinstance(system, str) or not isinstance(surface, str):
+        return None
+    name = system.replace("$", r"\$")  # a dollar sign of the name begins no formula
+    words = f"{name}: {surface} = 0", f"{name}: {label(surface)} = 0"
+    if len(words[0]) <= _LONGEST_LINE:
+        return words[1]
+    formula = surface if len(surface) <= _LONGEST_LINE - 4 else f"{surface[: _LONGEST_LINE - 6]} …"
+    return f"{name}\n{label(formula)} = 0"
+
+
 def _names(points: SectionLike) -> tuple[str, ...]:
     names = getattr(points, "coordinates", None)
     if isinstance(names, tuple):
@@ -122,7 +166,10 @@ def _values(points: SectionLike, wanted: str | ArrayLike, n: int, which: str) ->
     if isinstance(wanted, str):
         names = _names(points)
         if wanted not in names:
-            raise ParameterError(f"{which} must be one of {', '.join(names)}, or values; got {wanted!r}. Was it kept?")
+            raise ParameterError(
+                f"{which} must be a coordinate that was kept ({', '.join(names)}) or an array of values; got "
+                f"{wanted!r:.80}. For a formula keep it: section(..., keep=[...])."
+            )
         return np.asarray(points.state, np.float64)[:, names.index(wanted)]
     values = np.asarray(wanted, np.float64)
     if values.shape != (n,):
@@ -154,11 +201,15 @@ def _as_size(size: Any) -> float | None:
     return float(size)
 
 
-def _label(name: str | ArrayLike) -> str:
+def _axis_label(coordinate: str | ArrayLike) -> str:
+    return label(coordinate) if isinstance(coordinate, str) else ""
+
+
+def label(name: str) -> str:
     r"""A name as mathematical text: alpha1 is $\alpha_1$; formulas stay as they are."""
-    found = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", name) if isinstance(name, str) else None
+    found = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", name)
     if found is None:
-        return name if isinstance(name, str) else ""
+        return name
     stem, digits = found.groups()
     letter = _LETTERS.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
     return f"${letter}_{{{digits}}}$" if digits else f"${letter}$"

@@ -4,21 +4,23 @@ from __future__ import annotations
 
 import os
 import queue
+import threading
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any, Protocol, cast
 
 from liepoisson.sweeps.errors import SweepError
-from liepoisson.sweeps.tasks import Piece, PieceResult, run_piece
+from liepoisson.sweeps.tasks import Piece, PieceResult, Stopped, run_piece
 
 RETRIES = 2
 """How often a piece that fails is tried again."""
 PATIENCE = 60.0
-"""Seconds to wait for a scheduler that is gone, or for a first worker."""
+"""Seconds to wait for a scheduler that is gone, or for a worker while there is none."""
+GRACE = 2.0
+"""Seconds in which threads shall have ended; the integration of exponents looks ten times a second whether to stop."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +64,11 @@ class Executor(Protocol):
 
 
 class Threads:
-    """Threads of this process, one piece on each; the core has no threads of its own then."""
+    """Threads of this process, one piece on each; the core has no threads of its own then.
+
+    They do not keep the process from ending: a function of the user that runs on when a sweep is given up can not be
+    ended, and is not waited for.
+    """
 
     def __init__(self, threads: int | None, n_pieces: int) -> None:
         available = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
@@ -70,13 +76,30 @@ class Threads:
         self.workers = max(1, min(wanted, n_pieces))
         # Fewer pieces than threads: the core shares out the members of each.
         self._inner = max(1, wanted // self.workers)
+        self._pieces: queue.SimpleQueue[Piece | None] = queue.SimpleQueue()
         self._events: queue.SimpleQueue[Event] = queue.SimpleQueue()
-        self._pool = ThreadPoolExecutor(self.workers, thread_name_prefix="sweep")
+        self._given_up = threading.Event()
+        self._threads = [
+            threading.Thread(target=self._work, name=f"sweep-{k}", daemon=True) for k in range(self.workers)
+        ]
+        for thread in self._threads:
+            thread.start()
 
     def submit(self, piece: Piece) -> None:
         """Hand out a piece."""
-        future = self._pool.submit(run_piece, replace(piece, threads=self._inner))
-        future.add_done_callback(lambda done: self._events.put(_event(piece.index, done)))
+        self._pieces.put(replace(piece, threads=self._inner))
+
+    def _work(self) -> None:
+        while (piece := self._pieces.get()) is not None and not self._given_up.is_set():
+            try:
+                event = Event(piece.index, result=run_piece(piece, self._listen))
+            except BaseException as error:  # one that is not told of would be waited for without end
+                event = Event(piece.index, error=_words(error))
+            self._events.put(event)
+
+    def _listen(self, _: float) -> None:
+        if self._given_up.is_set():
+            raise Stopped
 
     def next(self) -> Event:
         """Wait for a piece; in short waits, so that Ctrl-C comes through."""
@@ -87,15 +110,13 @@ class Threads:
                 continue
 
     def close(self) -> None:
-        """Wait for the pieces that run; the others are dropped."""
-        self._pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _event(index: int, future: Future[PieceResult]) -> Event:
-    if future.cancelled():
-        return Event(index, is_lost=True)
-    error = future.exception()
-    return Event(index, error=_words(error)) if error else Event(index, result=future.result())
+        """Give up what is not done, at once; threads that do not end in time are left alone."""
+        self._given_up.set()
+        for _ in self._threads:
+            self._pieces.put(None)
+        end = time.monotonic() + GRACE
+        for thread in self._threads:
+            thread.join(max(0.0, end - time.monotonic()))
 
 
 def _words(error: BaseException) -> str:
@@ -106,12 +127,13 @@ class Cluster:
     """The workers of a scheduler of `dask.distributed`.
 
     A worker with another version of liepoisson refuses; it is reported and not asked again.  When the connection to the
-    scheduler is lost, this waits for one at the same address and hands out again what is not done.
+    scheduler is lost, this waits for one at the same address and hands out again what is not done.  When all workers
+    are gone, it waits for a new one.
 
     Args:
         address: Of the scheduler, such as "tcp://127.0.0.1:8786"; None makes processes on this machine.
         processes: How many.
-        patience: Seconds to wait for a scheduler and for a worker.
+        patience: Seconds to wait for a scheduler, and for a worker while there is none.
 
     Raises:
         SweepError: there is no scheduler, or no worker.
@@ -123,7 +145,8 @@ class Cluster:
         self._pack, self._function = packed, portable()
         self._patience = patience
         self._local: Any = None
-        self._pending: dict[int, tuple[Piece, Any]] = {}
+        self._pending: dict[int, tuple[Piece, Any, list[str] | None]] = {}
+        self._deserted: float | None = None
         self._events: queue.SimpleQueue[tuple[int, Any]] = queue.SimpleQueue()
         self.refused: dict[str, str] = {}
         if address is None:
@@ -153,7 +176,8 @@ class Cluster:
             except TimeoutError as error:
                 client.close()
                 raise SweepError(
-                    f"the scheduler at {self._address} has no workers. Start some: dask worker {self._address}."
+                    f"the scheduler at {self._address} has no workers. Start some: dask worker {self._address}; what "
+                    "is finished is kept."
                 ) from error
             return client
 
@@ -169,7 +193,7 @@ class Cluster:
         future = self._client.submit(
             self._function, self._pack(piece), piece.version, pure=False, workers=where, allow_other_workers=False
         )
-        self._pending[piece.index] = piece, future
+        self._pending[piece.index] = piece, future, where
         future.add_done_callback(lambda done: self._events.put((piece.index, done)))
 
     def _willing(self, version: str) -> list[str]:
@@ -194,13 +218,16 @@ class Cluster:
             except queue.Empty:
                 if self._client.status in ("closed", "closing"):
                     self._start_again()
+                else:
+                    self._look_after_workers()
                 continue
             if index not in self._pending or self._pending[index][1] is not future:
                 continue  # of a connection that is gone
             if future.status in ("cancelled", "lost"):
                 self._start_again()
                 continue
-            piece, _ = self._pending.pop(index)
+            self._deserted = None
+            piece = self._pending.pop(index)[0]
             if future.status == "error":
                 return Event(index, error=_words(cast("BaseException", future.exception())))
             kind, content, worker = future.result()
@@ -210,18 +237,41 @@ class Cluster:
             self.refused[worker] = content
             return Event(piece.index, is_lost=True, remark=remark)
 
+    def _look_after_workers(self) -> None:
+        """Hand out again what only workers that are gone may compute; give up when there has been none for too long."""
+        try:
+            known = self._client.scheduler_info(n_workers=-1)["workers"]
+        except OSError:  # the connection is breaking; the client will say so
+            return
+        if any(worker not in self.refused for worker in known):
+            self._deserted = None
+            for piece, future, where in list(self._pending.values()):
+                if where is not None and not any(worker in known for worker in where):
+                    self.submit(piece)
+                    self._client.cancel([future], force=True)
+            return
+        now = time.monotonic()
+        self._deserted = now if self._deserted is None else self._deserted
+        if now - self._deserted > self._patience:
+            raise SweepError(
+                f"the scheduler at {self._address} has had no worker for {self._patience:g} s; what is finished is "
+                f"kept. Start some (dask worker {self._address}), or give workers of a queue more time (patience, "
+                "--patience)."
+            )
+
     def _start_again(self) -> None:
         """Connect anew and hand out all that is not done."""
         self._client.close(timeout=1)
         self._client = self._connect()
         self.refused.clear()
-        for piece, _ in list(self._pending.values()):
+        self._deserted = None
+        for piece, _, _ in list(self._pending.values()):
             self.submit(piece)
 
     def close(self) -> None:
         """Drop what is not done, and leave the scheduler, or end it where it is ours."""
         if self._client.status == "running":
-            self._client.cancel([future for _, future in self._pending.values()], force=True)
+            self._client.cancel([future for _, future, _ in self._pending.values()], force=True)
         self._client.close(timeout=5)
         if self._local is not None:
             self._local.close()

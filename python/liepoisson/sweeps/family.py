@@ -183,7 +183,12 @@ class FunctionFamily(Family):
     def __init__(self, function: Callable[..., Any]) -> None:
         self.function = function
         self.name = getattr(function, "__qualname__", "system")
-        known = inspect.signature(function).parameters
+        try:
+            known = inspect.signature(function).parameters
+        except ValueError as error:
+            raise ParameterError(
+                f"system: wanted a function with named parameters; got {self.name} ({error})."
+            ) from error
         self.shapes = dict.fromkeys(known, _ANY)
         self.defaults = {name: p.default for name, p in known.items() if p.default is not inspect.Parameter.empty}
 
@@ -218,6 +223,8 @@ def as_family(system: Any) -> Family:
     if isinstance(system, Family):
         return system
     if isinstance(system, Mapping):
+        if unknown := [key for key in cast("Mapping[Any, Any]", system) if not isinstance(key, str)]:
+            raise ParameterError(f"system: wanted tables by name; got the key {shown(unknown[0])}. Write texts.")
         return FileFamily(cast("Mapping[str, Any]", system), "the system of the sweep")
     if isinstance(system, (str, Path)):
         from liepoisson import catalog

@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import fields
+from os import PathLike
 from pathlib import Path
 from typing import Any, cast
 
@@ -15,7 +16,7 @@ from liepoisson import __version__
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.files import exclusive
-from liepoisson.numeric._checks import as_count
+from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.lattice import Lattice, Place, split
@@ -63,7 +64,7 @@ def sweep(
         threads: Or: this many threads of this process; by default all processors that it may use.
         points_per_piece: Points of a task; by default as many as take about 0.3 s, fewer for small sweeps.
         fresh: Discard what the store holds.
-        patience: Seconds to wait for a scheduler that does not answer.
+        patience: Seconds to wait for a scheduler that does not answer, and for a worker while there is none.
         progress: Called as (activity, done, total) when a piece is done.
         **settings: The arguments of `SweepSpec`.  Plain mappings do for some:
             `axes={"epsilon": np.linspace(0, 1, 21)}`, `starts={"energy": 1, "C1": 1}`,
@@ -77,10 +78,12 @@ def sweep(
         OtherSweepError: the store holds another sweep, or numbers of another version of liepoisson.
         OutputError: the store can not be written, or another process is using it.
         DamagedFileError: the description of the store can not be read.
-        SweepError: no scheduler answers, or none of its workers may compute the sweep.
-        KeyboardInterrupt: Ctrl-C; what is stored stays.
+        SweepError: no scheduler answers, it has no workers, or none of them may compute the sweep.
+        KeyboardInterrupt: Ctrl-C; what is stored stays.  Orbits under way on threads end within a second; a function of
+            yours can not be ended from outside, and is left to itself.
     """
     spec = as_spec(spec, settings)
+    _check_options(store, scheduler, patience, progress)
     if sum(option is not None for option in (scheduler, processes, threads)) > 1:
         raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
     family = as_family(spec.system)
@@ -125,6 +128,17 @@ def as_spec(spec: Any, settings: Mapping[str, Any]) -> SweepSpec:
     if settings:
         raise ParameterError(f"wanted a spec or its arguments by name; got a spec and {', '.join(settings)}.")
     return spec if isinstance(spec, SweepSpec) else read_sweep_file(spec)
+
+
+def _check_options(store: Any, scheduler: Any, patience: Any, progress: Any) -> None:
+    if store is not None and not isinstance(store, (str, PathLike)):
+        raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}. Write FILE.zarr.")
+    if scheduler is not None and not isinstance(scheduler, str):
+        raise ParameterError(f"scheduler: wanted an address; got {shown(scheduler)}. Write tcp://node1:8786.")
+    if not 0 <= as_number(patience, "patience", "a number of seconds") < math.inf:
+        raise ParameterError(f"patience: wanted a number of seconds, not negative; got {shown(patience)}; try 60")
+    if progress is not None and not callable(progress):
+        raise ParameterError(f"progress: wanted a function of (activity, done, total); got {shown(progress)}.")
 
 
 def _made(settings: Mapping[str, Any]) -> dict[str, Any]:

@@ -16,7 +16,8 @@ from typing import Any, Literal, TypeAlias, cast
 import numpy as np
 
 from liepoisson import __version__
-from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.arrays import as_array
+from liepoisson.errors import ParameterError, ShapeError, UnknownNameError
 from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed
@@ -62,7 +63,12 @@ class Axis:
             raise ParameterError(f"an axis must be named like a parameter; got {shown(self.name)}. Write epsilon.")
         if iskeyword(self.name):
             raise ParameterError(f"an axis can not have the name {self.name}, a word of Python. Write {self.name}_.")
-        values = np.asarray(self.values, np.float64)
+        if self.label is not None and not isinstance(self.label, str):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ParameterError(f"axis {self.name}: label: wanted a text; got {shown(self.label)}. Leave it out.")
+        try:
+            values = as_array(self.values, f"axis {self.name}")
+        except ShapeError as error:
+            raise ParameterError(f"{error}.") from error
         steps = np.diff(values) if values.ndim == 1 else np.zeros(1)
         monotonic = np.all(steps > 0) or np.all(steps < 0)
         if values.ndim != 1 or not values.size or not np.isfinite(values).all() or not monotonic:
@@ -80,15 +86,23 @@ class Axis:
     @classmethod
     def logarithmic(cls, name: str, start: float, stop: float, count: int, label: str | None = None) -> Axis:
         """`count` values at equal ratios from start to stop, both positive and included."""
-        if not (start > 0 and stop > 0):
+        least, most = _ends(name, start, stop)
+        if not (least > 0 and most > 0):
             raise ParameterError(f"axis {name}: a logarithmic axis runs between positive values; got {start}, {stop}.")
         return cls(name, _spaced(name, start, stop, count, np.geomspace), label)
 
 
 def _spaced(name: str, start: float, stop: float, count: int, space: Callable[..., Any]) -> tuple[float, ...]:
-    least, most = as_number(start, f"axis {name}: from", "a number"), as_number(stop, f"axis {name}: to", "a number")
+    least, most = _ends(name, start, stop)
     n = as_count(count, f"axis {name}: count", least=1, most=_MOST_POINTS, hint="try 21")
     return tuple(space(least, most, n).tolist())
+
+
+def _ends(name: str, start: float, stop: float) -> tuple[float, float]:
+    ends = as_number(start, f"axis {name}: from", "a number"), as_number(stop, f"axis {name}: to", "a number")
+    if not (math.isfinite(ends[0]) and math.isfinite(ends[1])):
+        raise ParameterError(f"axis {name}: wanted finite ends; got {shown(start)}, {shown(stop)}. Correct them.")
+    return ends
 
 
 @dataclass(frozen=True)
@@ -117,13 +131,18 @@ class Starts:
     sampling: Literal["projection", "liouville"] = "projection"
 
     def __post_init__(self) -> None:
-        if self.ensemble not in ENSEMBLES:
+        if not isinstance(self.ensemble, str) or self.ensemble not in ENSEMBLES:  # pyright: ignore[reportUnnecessaryIsInstance]
             raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(self.ensemble)}")
         if self.sampling not in ("projection", "liouville"):
             raise ParameterError(f'sampling: wanted "projection" or "liouville"; got {shown(self.sampling)}')
-        for name in self.casimirs:
+        if not isinstance(self.casimirs, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ParameterError(f'casimirs: wanted a mapping, such as {{"C1": 1}}; got {shown(self.casimirs)}.')
+        if self.energy is not None:
+            _check_value(self.energy, "energy", is_one=True)
+        for name, value in self.casimirs.items():
             if not (isinstance(name, str) and CASIMIR.fullmatch(name)):  # pyright: ignore[reportUnnecessaryIsInstance]
                 raise ParameterError(f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}.")
+            _check_value(value, name, is_one=True)
 
 
 @dataclass(frozen=True)
@@ -189,6 +208,7 @@ class SweepSpec:
     name: str | None = None
 
     def __post_init__(self) -> None:
+        self._check_types()
         object.__setattr__(self, "axes", tuple(self.axes))
         if len(self.axes) not in (1, 2) or not all(isinstance(axis, Axis) for axis in self.axes):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ParameterError(f"axes: wanted one or two of Axis; got {shown(self.axes)}. See Axis.linear.")
@@ -203,9 +223,23 @@ class SweepSpec:
         if self.threshold is not None and not 0 < as_number(self.threshold, "threshold", "a number") < math.inf:
             raise ParameterError(f"threshold: wanted a positive number; got {self.threshold}; leave it out")
         as_method(self.method, DEFAULT_METHOD)
-        if not isinstance(self.starts, Starts):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ParameterError(f'starts: wanted Starts or a mapping, such as {{"C1": 1}}; got {shown(self.starts)}.')
         self._check_quantity()
+
+    def _check_types(self) -> None:
+        """What the annotations say, for callers without a type checker."""
+        wanted: dict[str, tuple[Any, str]] = {
+            "axes": (Sequence, "one or two of Axis, or a mapping of names to values"),
+            "parameters": (Mapping, 'a mapping of names to values, such as {"epsilon": 1}'),
+            "starts": (Starts, 'Starts or a mapping, such as {"C1": 1}'),
+            "refine": ((Refinement, type(None)), 'Refinement or a mapping, such as {"levels": 2, "difference": 0.1}'),
+            "name": ((str, type(None)), "a text"),
+        }
+        for key, (kind, what) in wanted.items():
+            given = getattr(self, key)
+            if not isinstance(given, kind):
+                raise ParameterError(f"{key}: wanted {what}; got {shown(given)}. Correct it.")
+        for name, value in self.parameters.items():
+            _check_value(value, str(name))
 
     def _check_quantity(self) -> None:
         given, wanted = self.quantity, f"one of {', '.join(QUANTITIES)}, a function, or package.module:function"
@@ -283,6 +317,18 @@ class SweepSpec:
             lines.append("epsilon by itself is a scale: what varies is epsilon |beta|, at the |beta| of the starts")
         return lines
 
+    def formulas(self) -> list[str]:
+        """What follows from the axes by a formula, such as "I2 = 1 + r"."""
+        given = {**self.parameters, **self.starts.casimirs, "H": self.starts.energy}
+        found: list[str] = []
+        for name, value in given.items():
+            several = isinstance(value, Sequence) and not isinstance(value, str)
+            named = {f"{name}{k}": item for k, item in enumerate(value, 1)} if several else {name: value}
+            found += [
+                f"{n} = {item}" for n, item in named.items() if isinstance(item, str) and _varies(item, self.axes)
+            ]
+        return found
+
     def _axes_of_starts(self) -> set[str]:
         """Axes that set the energy or a Casimir; one that a formula uses is no Casimir by itself."""
         values = [*self.parameters.values(), *self.starts.casimirs.values(), self.starts.energy or 0]
@@ -300,6 +346,20 @@ class SweepSpec:
         if len(same) == len(value):
             return [f"{name} = {_text(value)}"]
         return [f"{name}{k} = {_text(value[k - 1])}" for k in same]
+
+
+def _check_value(value: Any, name: str, *, is_one: bool = False) -> None:
+    """Refuse what is no number, no formula, and no list of them, and numbers that no double holds."""
+    if isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, (str, bytes)) and not is_one:
+        if not len(cast("Sequence[Any]", value)):
+            raise ParameterError(f"{name}: wanted a number, a formula or a list of them; got an empty list.")
+        for k, item in enumerate(cast("Sequence[Any]", value)):
+            _check_value(item, f"{name}{k + 1}")
+    elif not isinstance(value, str):
+        what = "a number or a formula" if is_one else "a number, a formula or a list of them"
+        number = as_number(value, name, f"{what}, each within the range of a double")
+        if not math.isfinite(number):
+            raise ParameterError(f"{name}: wanted finite numbers; got {shown(value)}. Correct it.")
 
 
 def _varies(value: Value, axes: Sequence[Axis]) -> bool:

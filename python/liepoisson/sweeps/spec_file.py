@@ -77,7 +77,7 @@ class _Reader:
         for key in ("system", "axes"):
             if key not in tables:
                 raise self.toml.error((), f"wanted {key}; there is none. Add it.")
-        settings: dict[str, Any] = {key: _number(tables[key]) for key in _PLAIN if key in tables}
+        settings: dict[str, Any] = {key: self.number((key,), tables[key]) for key in _PLAIN if key in tables}
         settings |= {key: self.real((key,), tables[key]) for key in ("t_end", "threshold") if key in tables}
         return self.made(
             (),
@@ -146,7 +146,7 @@ class _Reader:
     def method(self, table: dict[str, Any]) -> Method | None:
         if not table:
             return None
-        options = {key: _number(value) for key, value in table.items()}
+        options = {key: self.number(("method", key), value) for key, value in table.items()}
         name = options.pop("name", None)
         if name not in METHODS:
             raise self.toml.error(("method", "name"), f"wanted one of {', '.join(METHODS)}; got {shown(name)}.")
@@ -180,17 +180,22 @@ class _Reader:
             return self.made(keys, lambda: float(evaluate(parse(given), given, Scope())))
         if isinstance(given, bool) or not isinstance(given, (int, float, Fraction)):
             raise self.toml.error(keys, f"wanted a number; got {shown(given)}. Correct it.")
-        return float(given)
+        try:
+            return float(given)
+        except OverflowError:
+            raise self.toml.error(
+                keys, "the number must fit into a double, up to 1.8e308. Write a smaller one."
+            ) from None
+
+    def number(self, keys: Sequence[str | int], given: Any) -> Any:
+        """A decimal as a double; anything else as it is."""
+        return self.real(keys, given) if isinstance(given, Fraction) else given
 
     def check_keys(self, keys: Sequence[str | int], table: Mapping[str, object], known: Sequence[str]) -> None:
         from difflib import get_close_matches
 
         for key in table:
             if key not in known:
-                near = get_close_matches(key, known, n=1)
+                near = get_close_matches(str(key), known, n=1)
                 hint = f"Did you mean {near[0]}?" if near else "Remove it."
                 raise self.toml.error((*keys, key), f"the key is unknown; known are {', '.join(known)}. {hint}")
-
-
-def _number(given: Any) -> Any:
-    return float(given) if isinstance(given, Fraction) else given

@@ -6,20 +6,26 @@
         value, outcome    (point, member), a chunk for each piece
         seconds           (piece,), the time that each took
 
-A piece counts as done when the chunks of its values and of its outcomes are both there and whole: each ends in a
-checksum, CRC-32C, and no point of it failed.  A file is written under another name and renamed, the outcomes last.
+A piece counts as done when the chunks of its values and of its outcomes are both there, whole and in their place, and
+no point of it failed.  A chunk is a Zstandard frame, a skippable frame (RFC 8878, 3.1.2) with a digest of its place
+(the sweep, the level, the array, the piece), which other readers pass over, and the checksum CRC-32C of both.  A file
+is written under another name and renamed, the outcomes last.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
+import os
+import re
 import shutil
+import struct
 import warnings
 from collections.abc import Generator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +41,12 @@ if TYPE_CHECKING:
     from liepoisson.sweeps.spec import SweepSpec
 
 _MARK = "liepoisson sweep"
+_FORMAT = 2
+"""Of the folder; 2: the chunks name their places."""
+_SKIPPABLE = 0x184D2A5C
+"""One of the sixteen magic numbers of skippable frames."""
+_ZSTD_LEVEL = 3
+_LEVEL = re.compile("level[0-9]+")
 
 
 @dataclass
@@ -85,10 +97,10 @@ class SweepStore:
     Args:
         path: The folder; made if there is none.
         spec: What is computed.
-        fresh: Remove what is there.
+        fresh: Remove the sweep that is there; other files stay.
 
     Raises:
-        OtherSweepError: the folder holds another sweep, or numbers of another version.
+        OtherSweepError: the folder holds another sweep, or numbers of another version or in another format.
         OutputError: there is something else, or it can not be written.
         DamagedFileError: its description can not be read.
     """
@@ -96,8 +108,8 @@ class SweepStore:
     def __init__(self, path: Path, spec: SweepSpec, *, fresh: bool = False) -> None:
         self.path = path
         self._spec = spec
+        self._fingerprint = spec.fingerprint()
         self.damaged = 0
-        self._open_arrays: dict[int, dict[str, Any]] = {}
         if path.exists() and not path.is_dir():
             raise OutputError(f"{path} must be a folder; it is a file. Choose another name for the store.")
         if (path / "zarr.json").exists():
@@ -113,9 +125,17 @@ class SweepStore:
         if fresh:
             with writing(self.path):
                 for entry in self.path.iterdir():
-                    if entry.name != ".lock":
-                        shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
-        elif attributes["fingerprint"] != self._spec.fingerprint():
+                    if _LEVEL.fullmatch(entry.name) and entry.is_dir():
+                        shutil.rmtree(entry)
+                # Last: until then the folder is known as that of a sweep.
+                (self.path / "zarr.json").unlink()
+        elif attributes.get("format") != _FORMAT:
+            raise OtherSweepError(
+                f"{self.path} holds a sweep in another format ({attributes.get('format', 1)!s:.20} instead of "
+                f"{_FORMAT}), written by another version of liepoisson. Go on with that version, choose another store, "
+                "or discard it with fresh (--fresh)."
+            )
+        elif attributes["fingerprint"] != self._fingerprint:
             raise OtherSweepError(
                 f"{self.path} holds another sweep: {_difference(attributes['spec'], self._spec.record())}. Use the "
                 "same spec and version to go on with it, choose another store, or discard it with fresh (--fresh)."
@@ -126,8 +146,9 @@ class SweepStore:
 
         attributes = {
             "kind": _MARK,
+            "format": _FORMAT,
             "spec": self._spec.record(),
-            "fingerprint": self._spec.fingerprint(),
+            "fingerprint": self._fingerprint,
             "version": __version__,
             "held": self._spec.held(),
         }
@@ -135,18 +156,23 @@ class SweepStore:
             zarr.create_group(store=str(self.path), attributes=attributes, overwrite=False)
 
     def level(self, number: int, points: Array, size: int, n: int) -> Level:
-        """A level with all of its pieces that are stored and whole; its arrays are made if there are none."""
+        """A level with all of its pieces that are stored, whole and in their place; arrays that are not there are made.
+
+        Raises:
+            DamagedFileError: its arrays are not those of the sweep, or can not be read.
+        """
         import zarr
 
         folder = self.path / f"level{number}"
-        if not (folder / "seconds" / "zarr.json").exists():
+        try:
+            size = _stored_size(folder, size)
             with _zarr(self.path):
                 self._create_level(folder, points, size, n)
-        try:
             arrays: Any = zarr.open_group(store=str(folder), mode="r", use_consolidated=False)
-            stored, size = np.asarray(arrays["point"]), int(arrays["value"].chunks[0])
-            if arrays["value"].shape != (len(points), n) or arrays["outcome"].chunks != arrays["value"].chunks:
-                raise ValueError("its arrays have other shapes")
+            _check_arrays(arrays, _layouts(len(points), len(self._spec.axes), n, size))
+            stored = np.asarray(arrays["point"])
+        except OutputError:
+            raise
         except Exception as error:  # which one depends on which bytes are hit
             raise DamagedFileError(f"{folder} can not be read ({error}). Start over with fresh (--fresh).") from error
         if not np.array_equal(stored, points):
@@ -158,38 +184,33 @@ class SweepStore:
         return level
 
     def _create_level(self, folder: Path, points: Array, size: int, n: int) -> None:
+        """Make what is not there: all of a new level, or what was removed from it."""
         import zarr
-        from zarr.codecs import Crc32cCodec, ZstdCodec
 
-        group = zarr.open_group(store=str(folder), mode="a", attributes={"axes": [a.name for a in self._spec.axes]})
-        pieces = -(-len(points) // size)
-        # One file for each chunk, in one folder; a chunk of one value, too: its file says that the piece is done.
-        common: dict[str, Any] = {
-            "compressors": (ZstdCodec(level=3), Crc32cCodec()),
-            "chunk_key_encoding": {"name": "v2", "separator": "."},
-            "config": {"write_empty_chunks": True},
-            "overwrite": True,
-        }
-        shapes = {
-            "point": (points.shape, points.shape, "float64", np.nan, ("point", "axis")),
-            "value": ((len(points), n), (size, n), "float64", np.nan, ("point", "member")),
-            "outcome": ((len(points), n), (size, n), "int8", NOT_COMPUTED, ("point", "member")),
-            "seconds": ((pieces,), (pieces,), "float64", np.nan, ("piece",)),
-        }
-        for name, (shape, chunks, dtype, fill, dims) in shapes.items():
-            array = group.create_array(
-                name, shape=shape, chunks=chunks, dtype=dtype, fill_value=fill, dimension_names=dims, **common
-            )
-            if name == "point":
-                array[:] = points
+        layouts = _layouts(len(points), points.shape[1], n, size)
+        absent = [name for name in layouts if not (folder / name / "zarr.json").exists()]
+        has_points = (folder / "point" / "0.0").exists()
+        if not absent and has_points and (folder / "zarr.json").exists():
+            return
+        attributes: dict[str, Any] = {"axes": [axis.name for axis in self._spec.axes]}
+        group: Any = zarr.open_group(store=str(folder), mode="a", attributes=attributes, use_consolidated=False)
+        for name in absent:
+            group.create_array(name, **layouts[name])
+        if not has_points:
+            group["point"][:] = points
         zarr.consolidate_metadata(str(self.path))
 
     def _read_piece(self, folder: Path, arrays: Any, level: Level, piece: int) -> None:
-        names = [folder / name / f"{piece}.0" for name in ("value", "outcome")]
-        if not all(name.exists() for name in names):
+        files = [folder / name / f"{piece}.0" for name in ("value", "outcome")]
+        if not all(file.exists() for file in files):
             return
         rows = level.rows(piece)
         try:
+            for file in files:
+                mark = self._mark_of(file, level.size)
+                if file.read_bytes()[-4 - len(mark) : -4] != mark:
+                    raise ValueError("it belongs to another place")
+            # These reads check the sums, and with them the marks.
             value, outcome = np.asarray(arrays["value"][rows]), np.asarray(arrays["outcome"][rows])
         except Exception:  # which one depends on which bytes are hit
             self.damaged += 1
@@ -204,29 +225,32 @@ class SweepStore:
             OutputError: it could not be written; what is stored stays.
         """
         rows = level.rows(result.index)
-        with _zarr(self.path):
-            arrays = self._arrays(number)
-            for name, values in (("value", result.value), ("outcome", result.outcome)):
-                arrays[name][rows] = values
+        n_filled = level.size - (rows.stop - rows.start)
+        with writing(self.path):
+            for name, values, fill in (("value", result.value, np.nan), ("outcome", result.outcome, NOT_COMPUTED)):
+                dtype = np.dtype(_DTYPES[name]).newbyteorder("<")
+                chunk = np.pad(values.astype(dtype), ((0, n_filled), (0, 0)), constant_values=fill)
+                file = self.path / f"level{number}" / name / f"{result.index}.0"
+                _replace(file, _encoded(chunk.tobytes(), self._mark_of(file, level.size)))
 
-    def _arrays(self, number: int) -> dict[str, Any]:
-        """The arrays of a level for writing, opened once."""
-        import zarr
-
-        if number not in self._open_arrays:
-            group: Any = zarr.open_group(store=str(self.path / f"level{number}"), mode="r+", use_consolidated=False)
-            written = {name: group[name].with_config({"write_empty_chunks": True}) for name in ("value", "outcome")}
-            self._open_arrays[number] = {**written, "seconds": group["seconds"]}
-        return self._open_arrays[number]
+    def _mark_of(self, file: Path, size: int) -> bytes:
+        """The skippable frame of a chunk: a digest of the sweep and of the place in it."""
+        place = f"{self._fingerprint} {file.parent.parent.name} {file.parent.name} {file.name} {size}"
+        digest = hashlib.sha256(place.encode()).digest()[:16]
+        return struct.pack("<II", _SKIPPABLE, len(digest)) + digest
 
     def save_facts(self, number: int, level: Level) -> None:
         """Store the time that each piece took, where it is known, and the method."""
         import zarr
 
         with _zarr(self.path):
-            seconds = self._arrays(number)["seconds"]
-            seconds[:] = np.where(np.isfinite(level.seconds), level.seconds, np.asarray(seconds[:]))
-            group = zarr.open_group(store=str(self.path / f"level{number}"), mode="r+", use_consolidated=False)
+            group: Any = zarr.open_group(store=str(self.path / f"level{number}"), mode="r+", use_consolidated=False)
+            seconds = group["seconds"]
+            try:
+                stored = np.asarray(seconds[:])
+            except Exception:  # which one depends on which bytes are hit; times are no reason to refuse a sweep
+                stored = np.full(len(level.seconds), np.nan)
+            seconds[:] = np.where(np.isfinite(level.seconds), level.seconds, stored)
             group.attrs["method"] = level.method
 
 
@@ -242,9 +266,85 @@ def read_attributes(path: Path) -> dict[str, Any]:
             raise ValueError("it says something else")
     except (OSError, ValueError, KeyError, TypeError, RecursionError) as error:
         raise DamagedFileError(
-            f"{path} is no sweep that can be read ({error}). Remove the folder, or choose another store."
+            f"{path} is no sweep that can be read ({error}). Remove the folder, or choose another store; fresh "
+            "(--fresh) does not help, as it discards only what its description says to be a sweep."
         ) from error
     return attributes
+
+
+_DTYPES = {"point": "float64", "value": "float64", "outcome": "int8", "seconds": "float64"}
+
+
+def _layouts(n_points: int, n_axes: int, n: int, size: int) -> dict[str, dict[str, Any]]:
+    """The arrays of a level, as Zarr makes them."""
+    from zarr.codecs import Crc32cCodec, ZstdCodec
+
+    pieces = -(-n_points // size)
+    shapes: dict[str, Any] = {
+        "point": ((n_points, n_axes), (n_points, n_axes), np.nan, ("point", "axis")),
+        "value": ((n_points, n), (size, n), np.nan, ("point", "member")),
+        "outcome": ((n_points, n), (size, n), NOT_COMPUTED, ("point", "member")),
+        "seconds": ((pieces,), (pieces,), np.nan, ("piece",)),
+    }
+    return {
+        name: {
+            "shape": shape,
+            "chunks": chunks,
+            "dtype": _DTYPES[name],
+            "fill_value": fill,
+            "dimension_names": dims,
+            "compressors": (ZstdCodec(level=_ZSTD_LEVEL), Crc32cCodec()),
+            # One file for each chunk, in one folder.
+            "chunk_key_encoding": {"name": "v2", "separator": "."},
+        }
+        for name, (shape, chunks, fill, dims) in shapes.items()
+    }
+
+
+def _stored_size(folder: Path, size: int) -> int:
+    """Points of a piece where some are stored; `size` where none are."""
+    import zarr
+
+    for name in ("value", "outcome"):
+        if (folder / name / "zarr.json").exists():
+            stored = int(cast("Any", zarr.open_array(store=str(folder / name), mode="r")).chunks[0])
+            if stored < 1:
+                raise ValueError(f"{name} has pieces of {stored} points")
+            return stored
+    return size
+
+
+def _check_arrays(arrays: Any, layouts: dict[str, dict[str, Any]]) -> None:
+    """Refuse arrays that are not as they are made here: of other shapes, other types, or encoded in another way."""
+    import zarr
+    from zarr.storage import MemoryStore
+
+    wanted: Any = zarr.create_group(store=MemoryStore())
+    for name, layout in layouts.items():
+        right, found = (array.metadata.to_dict() for array in (wanted.create_array(name, **layout), arrays[name]))
+        for key in ("data_type", "shape", "chunk_grid", "chunk_key_encoding", "codecs"):
+            if right[key] != found[key]:
+                raise ValueError(f"the {key} of {name} is {found[key]!s:.80} instead of {right[key]!s:.80}")
+
+
+def _encoded(content: bytes, mark: bytes) -> bytes:
+    """The file of a chunk: what Zarr's codecs zstd and crc32c read, with a mark in a frame that zstd skips."""
+    import google_crc32c
+    from numcodecs import Zstd
+
+    body = bytes(Zstd(level=_ZSTD_LEVEL).encode(content)) + mark
+    return body + struct.pack("<I", google_crc32c.value(body))
+
+
+def _replace(file: Path, content: bytes) -> None:
+    """Write a file so that it is whole or not there; no wait for the disk, as a checksum tells what a crash left."""
+    partial = file.with_name(f"{file.name}.{os.getpid()}.partial")
+    try:
+        partial.write_bytes(content)
+        partial.replace(file)
+    except BaseException:
+        partial.unlink(missing_ok=True)
+        raise
 
 
 def _difference(stored: dict[str, Any], wanted: dict[str, Any]) -> str:

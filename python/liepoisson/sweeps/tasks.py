@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -97,8 +97,21 @@ class PieceResult:
     retried: int = 0
 
 
-def run_piece(piece: Piece) -> PieceResult:
+Listener: TypeAlias = Callable[[float], Any]
+"""Called several times a second while orbits are integrated, and before each system and point."""
+
+
+class Stopped(BaseException):
+    """What a listener raises to end a piece; no failure of a point, so that no point is tried again."""
+
+
+def run_piece(piece: Piece, listen: Listener | None = None) -> PieceResult:
     """Compute a piece.
+
+    Args:
+        piece: Which one.
+        listen: What it raises ends the piece.  The core looks for Ctrl-C in the main thread only, so that threads need
+            it.
 
     Raises:
         WorkerVersionError: this process has another version of liepoisson.
@@ -111,7 +124,7 @@ def run_piece(piece: Piece) -> PieceResult:
         )
     if piece.quantity != "exponent":
         resolve(piece.quantity)
-    points = _Points(piece)
+    points = _Points(piece, listen or _silent)
     points.compute()
     return PieceResult(
         piece.index,
@@ -124,17 +137,21 @@ def run_piece(piece: Piece) -> PieceResult:
     )
 
 
+def _silent(_: float) -> None: ...
+
+
 class _Points:
     """The points of a piece: what one of them can not have is said of this one, and the others are computed."""
 
-    def __init__(self, piece: Piece) -> None:
+    def __init__(self, piece: Piece, listen: Listener) -> None:
         self.piece = piece
+        self.listen = listen
         self.value = np.full((piece.n_points, piece.n), np.nan)
         self.outcome = np.full((piece.n_points, piece.n), NO_START, np.int8)
         self.method = ""
         self.failed: dict[int, str] = {}
         self.retried = 0
-        self.systems = _systems(piece)
+        self.systems = _systems(piece, listen)
 
     def compute(self) -> None:
         """All points: together where it is the exponent, unless one of them fails."""
@@ -154,6 +171,7 @@ class _Points:
 
     def _alone(self, point: int) -> None:
         for tried in range(1, POINT_TRIES + 1):
+            self.listen(0.0)
             try:
                 return self._together([point])
             except Exception as error:
@@ -169,7 +187,7 @@ class _Points:
     def _together(self, chosen: list[int]) -> None:
         piece = replace(self.piece, targets=self.piece.targets.rows(chosen), n_points=len(chosen))
         systems = [self.systems[point] for point in chosen]
-        x0, found = _starts(piece, systems)
+        x0, found = _starts(piece, systems, self.listen)
         for rows in _groups(systems):
             system, points = systems[rows[0]], [chosen[row] for row in rows]
             if piece.quantity != "exponent":
@@ -179,10 +197,11 @@ class _Points:
                 continue
             self.method = str(_method(piece, system))
             if found[rows].any():
-                self.value[points], self.outcome[points] = _exponents(piece, system, x0[rows], found[rows])
+                given = x0[rows], found[rows]
+                self.value[points], self.outcome[points] = _exponents(piece, system, *given, self.listen)
 
 
-def _systems(piece: Piece) -> list[Any]:
+def _systems(piece: Piece, listen: Listener) -> list[Any]:
     """The system of each point, as numbers where that is enough, or why there is none; equal points share one."""
     known: dict[str, Any] = {}
     systems: list[Any] = []
@@ -190,6 +209,7 @@ def _systems(piece: Piece) -> list[Any]:
         values = piece.targets.values(point)
         key = repr(values)
         if key not in known:
+            listen(0.0)
             make = piece.family.numeric if piece.quantity == "exponent" else piece.family.system
             try:
                 known[key] = make(values)
@@ -206,11 +226,11 @@ def _groups(systems: list[Any]) -> list[list[int]]:
     return list(groups.values())
 
 
-def _starts(piece: Piece, systems: list[Any]) -> tuple[Array, NDArray[np.bool_]]:
+def _starts(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Array, NDArray[np.bool_]]:
     """States, shape (point, member, component), and which of them have the prescribed energy and Casimirs."""
     targets, n = piece.targets, piece.n
     if piece.starts.sampling == "liouville":
-        return _liouville(piece, systems)
+        return _liouville(piece, systems, listen)
     x = np.tile(sample_states(systems[0], n, seed=piece.seed, ensemble=piece.starts.ensemble), (piece.n_points, 1))
     shape = (piece.n_points, n)
     prescribed = {**({} if targets.energy is None else {"energy": targets.energy}), **targets.casimirs}
@@ -233,10 +253,11 @@ def _starts(piece: Piece, systems: list[Any]) -> tuple[Array, NDArray[np.bool_]]
     return x, found
 
 
-def _liouville(piece: Piece, systems: list[Any]) -> tuple[Array, NDArray[np.bool_]]:
+def _liouville(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Array, NDArray[np.bool_]]:
     targets = piece.targets
     x: list[Array] = []
     for point, system in enumerate(systems):
+        listen(0.0)
         whole = piece.family.system(piece.targets.values(point)) if isinstance(system, NumericTop) else system
         scale = casimir_scale(whole)
         casimirs = {name: float(values[point]) * scale.get(name, 1.0) for name, values in targets.casimirs.items()}
@@ -250,7 +271,9 @@ def _method(piece: Piece, system: Any) -> Method:
     return piece.method or (DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL)
 
 
-def _exponents(piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_]) -> tuple[Array, NDArray[np.int8]]:
+def _exponents(
+    piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_], listen: Listener
+) -> tuple[Array, NDArray[np.int8]]:
     """Exponents and outcomes of points that share a system, shape (point, member)."""
     value, outcome = np.full(found.shape, np.nan), np.full(found.shape, NO_START, np.int8)
     member = np.broadcast_to(np.arange(piece.n), found.shape)[found]
@@ -262,6 +285,7 @@ def _exponents(piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_]) -
         method=_method(piece, system),
         threads=piece.threads,
         time_limit=_TIME_LIMIT,
+        progress=listen,
     )
     value[found] = growth.exponent[:, -1]  # NaN where an orbit failed
     outcome[found] = _ORDER[np.searchsorted(_SORTED, growth.outcome)]

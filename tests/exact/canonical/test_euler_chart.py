@@ -101,6 +101,53 @@ def test_casimirs_are_those_of_the_bracket(eps):
     np.testing.assert_allclose(by_values.to_body(by_state.from_body(X)), X, atol=1e-14)
 
 
+@pytest.mark.parametrize("kind", [lp.EulerChart, lp.QuaternionChart])
+@pytest.mark.parametrize("eps", [1, "-1/3", 0])
+def test_a_leaf_gives_the_chart_of_its_states(kind, eps):
+    leaf = lp.leaf_of(top(eps), X)
+    assert kind(top(eps), leaf=leaf).leaf == kind(top(eps), x=X).leaf
+    np.testing.assert_allclose(kind(top(eps), leaf=leaf).to_body(kind(top(eps), x=X).from_body(X)), X, atol=1e-14)
+
+
+def test_a_leaf_by_its_casimirs_gives_their_chart():
+    values = {"C1": 1.0, "C2": 0.2, "C3": 1.5}
+    by_leaf, by_values = (
+        lp.EulerChart(top(), **given) for given in ({"leaf": lp.Leaf(top(), values)}, {"casimirs": values})
+    )
+    np.testing.assert_allclose(by_leaf.leaf.numbers, by_values.leaf.numbers, rtol=1e-13)
+
+
+def test_other_leaves_are_refused():
+    leaf = lp.leaf_of(top(), X)
+    for given in ({"x": X}, {"casimirs": leaf.casimirs}):
+        with pytest.raises(ParameterError, match="and leaf"):
+            lp.EulerChart(top(), leaf=leaf, **given)
+    with pytest.raises(ParameterError, match=r"with epsilon = 0\.5; it has epsilon = 0\.7"):
+        lp.EulerChart(top(0.5), leaf=leaf)
+    with pytest.raises(ParameterError, match=r"leaf must be a Leaf; got \{'C1'"):
+        lp.EulerChart(top(), leaf=leaf.casimirs)
+    with pytest.raises(ParameterError, match=r"C1, C2 and C3.*leaf="):
+        lp.EulerChart(top(), casimirs=leaf)
+    with pytest.raises(ChartError, match="integrate the top itself") as caught:
+        lp.EulerChart(top(), leaf=lp.leaf_of(top(), [*X[:6], 0, 0, 0]))
+    assert caught.value.condition == "beta != 0"
+
+
+def test_reprs_are_decimals_on_one_line():
+    constants = "v = 0.353553, w = 1.41421, eta = 0.875"  # 1/(2 sqrt 2), sqrt 2, 1 - 1/8
+    casimirs = {"C1": 1, "C2": "1/2", "C3": 2}
+    assert repr(lp.EulerChart(top(1), casimirs=casimirs).leaf) == f"<LeafConstants {constants}, epsilon = 1>"
+    name = top(1).name
+    assert (
+        repr(lp.EulerChart(top(1), casimirs=casimirs)) == f"<EulerChart of {name!r} in the gauge e3, e1: {constants}>"
+    )
+    assert repr(lp.QuaternionChart(top(1), casimirs=casimirs)) == f"<QuaternionChart of {name!r}: {constants}>"
+    assert repr(lp.EulerChart(lagrange(), gauge=(("3/5", "4/5", 0), (0, 0, 1)))) == (
+        f"<EulerChart of {name!r} in the gauge (3/5, 4/5, 0), e3: v = v, w = w, eta = eta>"
+    )
+    assert max(len(repr(value)) for value in (lp.EulerChart(top(1), x=X), lp.EulerChart(top(1), x=X).leaf)) < 100
+
+
 def refusal(chart, function, states):
     with pytest.raises(ChartError) as caught:
         function(chart, states)
@@ -153,6 +200,16 @@ def test_margins_are_zero_where_the_chart_ends():
     np.testing.assert_allclose(margins["sin(theta) != 0"][0], np.hypot(0.1, 0.9) / np.linalg.norm(X[6:]))
 
 
+@pytest.mark.parametrize("shape", [(9,), (2, 1, 9)])
+def test_margins_are_arrays_of_the_shape_of_the_states(shape):
+    states = np.broadcast_to(X, shape)
+    charts = lp.EulerChart(top(), x=X), lp.QuaternionChart(top(), x=X), lp.ReducedLagrange.ordinary(lp.Top.lagrange())
+    for chart in charts:
+        for margin in chart.margins(states).values():
+            assert type(margin) is np.ndarray
+            assert margin.shape == shape[:-1]
+
+
 def test_what_failed_stays_not_a_number():
     chart = lp.EulerChart(top(), x=X)
     states = np.array([X, np.full(9, np.nan)])
@@ -178,7 +235,7 @@ def test_a_gauge_is_orthonormal(gauge, message):
 
 
 def test_wrong_input_is_refused():
-    with pytest.raises(ParameterError, match="both"):
+    with pytest.raises(ParameterError, match="casimirs and x"):
         lp.EulerChart(top(), x=X, casimirs={"C1": 1, "C2": 0, "C3": 1})
     with pytest.raises(ParameterError, match="C1, C2 and C3"):
         lp.EulerChart(top(), casimirs={"C1": 1})

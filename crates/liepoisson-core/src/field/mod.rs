@@ -9,7 +9,7 @@ pub(crate) mod top;
 
 pub use pieces::{Pieces, Ridge};
 pub use quadratic::Quadratic;
-pub use tape::{Functions, Instruction, Tape};
+pub use tape::{Enclosure, Functions, Instruction, Tape};
 pub use top::Top;
 
 use crate::lanes::{Lane, Piece};

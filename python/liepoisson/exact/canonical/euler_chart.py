@@ -19,7 +19,16 @@ from liepoisson.arrays import Array
 from liepoisson.exact.canonical.canonical_system import CanonicalSystem
 from liepoisson.exact.canonical.euler_angles import angular_momentum, momenta_of, rotation_rows
 from liepoisson.exact.canonical.gauge import Gauge, Given
-from liepoisson.exact.canonical.leaf_constants import FIELDS, LeafConstants, chart_points, dot, refuse, top_of, vectors
+from liepoisson.exact.canonical.leaf_constants import (
+    FIELDS,
+    GivenLeaf,
+    LeafConstants,
+    chart_points,
+    dot,
+    refuse,
+    top_of,
+    vectors,
+)
 from liepoisson.exact.parameters import Column, Parameter, to_sympy
 
 if TYPE_CHECKING:
@@ -57,7 +66,8 @@ class EulerChart:
     Args:
         system: A charged or twisted top (or a system with its equations); its parameters may be symbolic.
         casimirs: Values of C1, C2, C3, as the bracket of the system has them.
-        x: Instead, a state of the leaf, shape (9,).  If neither is given, v, w and eta stay symbols.
+        x: Instead, a state of the leaf, shape (9,).
+        leaf: Instead, a `Leaf`.  If none of the three is given, v, w and eta stay symbols.
         gauge: "e3, e1" or "e1, e3" for the paper's two choices of (parallel, perpendicular), or a pair of constant
             orthonormal vectors.
 
@@ -76,11 +86,13 @@ class EulerChart:
         *,
         casimirs: Mapping[str, Parameter] | None = None,
         x: ArrayLike | None = None,
+        leaf: GivenLeaf | None = None,
         gauge: Given = "e3, e1",
     ) -> None:
         self.top = top_of(system)
+        self.top_name: str = system.name
         self.name: str = f"{system.name}, Euler chart"
-        self.leaf: LeafConstants = LeafConstants.of(system, self.top, casimirs, x)
+        self.leaf: LeafConstants = LeafConstants.of(system, self.top, casimirs, x, leaf)
         self.gauge: Gauge = Gauge.read(gauge)
 
     @cached_property
@@ -219,7 +231,8 @@ class EulerChart:
         length = np.linalg.norm(beta, axis=-1)
         perpendicular = _quotient(np.linalg.norm(np.cross(alpha, beta), axis=-1), length)
         A = self._attitude(states)
-        return dict(zip(self.conditions, (length, perpendicular, np.hypot(A[..., 2, 0], A[..., 2, 1])), strict=True))
+        sizes = length, perpendicular, np.hypot(A[..., 2, 0], A[..., 2, 1])
+        return {name: np.asarray(size) for name, size in zip(self.conditions, sizes, strict=True)}
 
     @staticmethod
     def _refuse(failing: Any, margin: Array, condition: str, quantity: str) -> None:
@@ -254,7 +267,7 @@ class EulerChart:
         return Matrix(rotation_rows(phi, psi, theta))
 
     def __repr__(self) -> str:
-        return f"<EulerChart of {self.name!r}>"
+        return f"<EulerChart of {self.top_name!r} in the gauge {self.gauge}: {self.leaf.describe()}>"
 
 
 def _stacked(rows: list[list[Any]]) -> Array:

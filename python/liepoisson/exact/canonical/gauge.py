@@ -19,6 +19,7 @@ ORTHONORMAL = 1e-14
 """How far scalar products of vectors given as floats may be from 0 and 1: some roundings."""
 
 _AXES = {"e1": (1, 0, 0), "e2": (0, 1, 0), "e3": (0, 0, 1)}
+_AXIS_NAMES: dict[tuple[Any, ...], str] = {axis: name for name, axis in _AXES.items()}
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,9 @@ class Gauge:
         gauge = cls(read_vector(pair[0], "gauge", "(e1, e2, e3)"), read_vector(pair[1], "gauge", "(f1, f2, f3)"))
         gauge._check()
         return gauge
+
+    def __str__(self) -> str:
+        return ", ".join(_AXIS_NAMES.get(v, f"({', '.join(map(str, v))})") for v in (self.parallel, self.perpendicular))
 
     def columns(self) -> tuple[Any, Any]:
         """Both vectors as SymPy columns."""

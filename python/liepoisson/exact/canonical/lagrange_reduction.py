@@ -19,7 +19,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.canonical.canonical_system import CanonicalSystem
 from liepoisson.exact.canonical.euler_chart import EulerChart
-from liepoisson.exact.canonical.leaf_constants import FIELDS, chart_points, refuse, top_of
+from liepoisson.exact.canonical.leaf_constants import FIELDS, GivenLeaf, chart_points, decimal, refuse, top_of
 from liepoisson.exact.parameters import Parameter, as_float, is_zero, read_parameter, to_sympy
 from liepoisson.exact.top_parameters import TopParameters
 
@@ -41,6 +41,7 @@ class ReducedLagrange:
         l3: The conserved third component of the angular momentum, if no state is given.
         casimirs: Values of C1, C2, C3, as the bracket of the system has them.
         x: Instead of both, a state, shape (9,).  If nothing is given, l3, v, w and eta stay symbols.
+        leaf: Instead of the Casimirs, a `Leaf`; l3 is not known from it.
         with_cyclic_angle: Append psi to the state, $\dot\psi = \partial H/\partial p_\psi$, so that the state in the
             body is known.
 
@@ -57,11 +58,12 @@ class ReducedLagrange:
         l3: Parameter | None = None,
         casimirs: Mapping[str, Parameter] | None = None,
         x: ArrayLike | None = None,
+        leaf: GivenLeaf | None = None,
         with_cyclic_angle: bool = False,
     ) -> None:
         check_lagrange(top_of(system))
-        self.chart: EulerChart = EulerChart(system, casimirs=casimirs, x=x, gauge="e3, e1")
-        self.l3: Expr = conserved_l3(l3, x, symbolic=casimirs is None)
+        self.chart: EulerChart = EulerChart(system, casimirs=casimirs, x=x, leaf=leaf, gauge="e3, e1")
+        self.l3: Expr = conserved_l3(l3, x, symbolic=casimirs is None and leaf is None)
         self.with_cyclic_angle: bool = with_cyclic_angle
         self.name: str = f"{system.name}, reduced"
 
@@ -152,7 +154,7 @@ class ReducedLagrange:
         return expression.xreplace({self._p_psi: self.l3})
 
     def __repr__(self) -> str:
-        return f"<ReducedLagrange {self.name!r}>"
+        return f"<ReducedLagrange of {self.chart.top_name!r}: l3 = {decimal(self.l3)}, {self.chart.leaf.describe()}>"
 
 
 def check_lagrange(top: TopParameters) -> None:
@@ -174,14 +176,14 @@ def conserved_l3(l3: Parameter | None, x: ArrayLike | None, *, symbolic: bool) -
     """The value of l3: as given, from the state, or a symbol.
 
     Raises:
-        ParameterError: it is given twice, or missing beside Casimirs.
+        ParameterError: it is given twice, or missing beside a leaf.
     """
     if x is not None and l3 is not None:
         raise ParameterError("l3 is known from the state x; got both. Leave l3 out.")
     if x is not None:
         return to_sympy(read_parameter(float(as_array(x, "x")[2]), "l3"))
     if l3 is None and not symbolic:
-        raise ParameterError("the reduction needs l3 beside the Casimirs; got none. Give l3=, or a state with x=.")
+        raise ParameterError("the reduction needs l3 beside the leaf; got none. Give l3=, or a state with x=.")
     return to_sympy(read_parameter("l3" if l3 is None else l3, "l3"))
 
 

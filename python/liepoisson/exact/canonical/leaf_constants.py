@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,7 +32,16 @@ Orbits of a million time units keep them to 1e-11; a state that was typed with n
 """
 
 
-@dataclass(frozen=True)
+class GivenLeaf(Protocol):
+    """A leaf by one of its states and the top that it belongs to, as `liepoisson.Leaf` is."""
+
+    @property
+    def system(self) -> Any: ...  # noqa: D102
+    @property
+    def state(self) -> Array: ...  # noqa: D102
+
+
+@dataclass(frozen=True, repr=False)
 class LeafConstants:
     r"""The constants v, w and eta of a leaf with $\beta\neq0$; symbols if no leaf is given.
 
@@ -50,22 +59,34 @@ class LeafConstants:
 
     @classmethod
     def of(
-        cls, system: Any, top: TopParameters, casimirs: Mapping[str, Parameter] | None, x: ArrayLike | None
+        cls,
+        system: Any,
+        top: TopParameters,
+        casimirs: Mapping[str, Parameter] | None,
+        x: ArrayLike | None,
+        leaf: GivenLeaf | None = None,
     ) -> LeafConstants:
-        """The constants from values of C1, C2, C3 as the bracket of the system has them, from a state, or as symbols.
+        """The constants from values of C1, C2, C3 as the bracket has them, from a state or a leaf, or as symbols.
 
         Raises:
-            ParameterError: both are given, or a Casimir is missing, unknown or not exact.
+            ParameterError: more than one is given, a Casimir is missing, unknown or not exact, or the leaf is none of
+                this bracket.
             ShapeError: `x` is not one state of nine components.
             ChartError: beta = 0.
         """
         from sympy import symbols
 
         epsilon = to_sympy(top.epsilon)
-        if casimirs is not None and x is not None:
-            raise ParameterError("a leaf is given by casimirs or by a state x; got both. Leave one out.")
+        given = [name for name, value in (("casimirs", casimirs), ("x", x), ("leaf", leaf)) if value is not None]
+        if len(given) > 1:
+            raise ParameterError(
+                f"a leaf is given by casimirs, by a state x or as leaf; got {' and '.join(given)}. Give one of them."
+            )
         if casimirs is not None:
             return cls(epsilon, *_from_casimirs(system, casimirs))
+        if leaf is not None:
+            # not from its Casimirs: C1 - C2^2/C3 cancels for nearly parallel fields
+            x = _state_of(leaf, epsilon)
         if x is not None:
             return cls(epsilon, *_from_state(x, as_float(top.epsilon, "epsilon")))
         v, w, eta = symbols("v w eta")
@@ -89,6 +110,13 @@ class LeafConstants:
             as_float(value, name) for value, name in zip((self.v, self.w, self.eta, self.epsilon), names, strict=True)
         )
         return v, w, eta, epsilon
+
+    def __repr__(self) -> str:
+        return f"<LeafConstants {self.describe()}, epsilon = {decimal(self.epsilon)}>"
+
+    def describe(self) -> str:
+        """v, w and eta as text: numbers with six digits, symbols as they are."""
+        return ", ".join(f"{name} = {decimal(getattr(self, name))}" for name in ("v", "w", "eta"))
 
     def check_on_leaf(self, x: Array) -> None:
         """Refuse states of other leaves.
@@ -121,16 +149,31 @@ def _from_casimirs(system: Any, casimirs: Mapping[str, Parameter]) -> tuple[Any,
     if not isinstance(given, Mapping) or set(given) != {"C1", "C2", "C3"}:
         raise ParameterError(
             f"casimirs must give C1, C2 and C3; got {given!r:.60}. Write for example "
-            'casimirs={"C1": 1, "C2": 0, "C3": 1}, or give a state with x=.'
+            'casimirs={"C1": 1, "C2": 0, "C3": 1}, or give a state with x= or a Leaf with leaf=.'
         )
     C1, C2, C3 = (to_sympy(read_parameter(casimirs[name], name)) for name in ("C1", "C2", "C3"))
     if is_zero(C3) or to_any(C3).is_negative:
-        raise beta_is_zero(f"C3 = {C3}")
+        raise beta_is_zero(f"C3 = {decimal(C3)}")
     # The bracket has its first Casimir free of fractions: 3 |alpha|^2 - 2 l.beta for epsilon = -1/3.
     first = system.bracket.casimirs()[0]
     factor = Poly(first, *system.variables).coeff_monomial(system.variables[3] ** 2)
     w = sqrt(C3)
     return C2 / w, w, C1 / factor - C2**2 / to_any(C3)
+
+
+def _state_of(leaf: GivenLeaf, epsilon: Expr) -> Array:
+    """The state of a leaf of the same bracket, in which epsilon is the only number."""
+    if not hasattr(leaf, "state") or not hasattr(leaf, "system"):
+        raise ParameterError(
+            f"leaf must be a Leaf; got {leaf!r:.60}. Write leaf=leaf_of(top, x), or give values with casimirs=."
+        )
+    of_leaf = to_sympy(top_of(leaf.system).epsilon)
+    if of_leaf != epsilon:
+        raise ParameterError(
+            f"the leaf must be one of this top, with epsilon = {decimal(epsilon)}; it has epsilon = "
+            f"{decimal(of_leaf)}. Take leaf_of(top, x) with this top."
+        )
+    return leaf.state
 
 
 def _from_state(x: ArrayLike, epsilon: float) -> tuple[Any, Any, Any]:
@@ -196,6 +239,11 @@ def chart_points(x: ArrayLike, n: int, names: Sequence[str]) -> Array:
             "in other units, so that the largest is about 1."
         )
     return states
+
+
+def decimal(value: Any) -> str:
+    """A number with six digits; anything else as it is."""
+    return f"{float(value):.6g}" if value.is_number else str(value)
 
 
 def vectors(x: Array) -> tuple[Array, Array, Array]:

@@ -164,7 +164,7 @@ class OrdinaryLagrange:
         _, alpha, _ = vectors(chart_points(x, 9, FIELDS))
         size = np.linalg.norm(alpha, axis=-1)
         sine = np.divide(np.hypot(alpha[..., 0], alpha[..., 1]), size, out=np.zeros_like(size), where=size != 0)
-        return dict(zip(self.conditions, (size, sine), strict=True))
+        return {name: np.asarray(value) for name, value in zip(self.conditions, (size, sine), strict=True)}
 
     @property
     def _numbers(self) -> tuple[float, float, float]:

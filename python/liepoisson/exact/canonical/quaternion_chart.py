@@ -24,8 +24,10 @@ from liepoisson.exact.canonical.canonical_system import CanonicalSystem
 from liepoisson.exact.canonical.leaf_constants import (
     FIELDS,
     ON_LEAF,
+    GivenLeaf,
     LeafConstants,
     chart_points,
+    decimal,
     dot,
     refuse,
     top_of,
@@ -62,7 +64,8 @@ class QuaternionChart:
     Args:
         system: A charged or twisted top (or a system with its equations).
         casimirs: Values of C1, C2, C3, as the bracket of the system has them.
-        x: Instead, a state, shape (9,).  If neither is given, v, w and eta stay symbols.
+        x: Instead, a state, shape (9,).
+        leaf: Instead, a `Leaf`.  If none of the three is given, v, w and eta stay symbols.
 
     Raises:
         ParameterError: the system is no such top, or the Casimirs are not exact numbers.
@@ -78,14 +81,16 @@ class QuaternionChart:
         *,
         casimirs: Mapping[str, Parameter] | None = None,
         x: ArrayLike | None = None,
+        leaf: GivenLeaf | None = None,
     ) -> None:
         self.top = top_of(system)
+        self.top_name: str = system.name
         self.name: str = f"{system.name}, quaternion chart"
-        self.leaf: LeafConstants = LeafConstants.of(system, self.top, casimirs, x)
+        self.leaf: LeafConstants = LeafConstants.of(system, self.top, casimirs, x, leaf)
         self.is_twisted: bool = not is_zero(self.leaf.epsilon)
         if not self.is_twisted and self.leaf.eta.is_negative:
             raise ChartError(
-                f"the leaf needs C1 C3 >= C2^2 when epsilon = 0; got eta = {self.leaf.eta} < 0, which is "
+                f"the leaf needs C1 C3 >= C2^2 when epsilon = 0; got eta = {decimal(self.leaf.eta)} < 0, which is "
                 "|alpha x beta|^2/|beta|^2. Give the Casimirs of a state.",
                 "on the leaf",
             )
@@ -188,7 +193,7 @@ class QuaternionChart:
 
     def margins(self, x: ArrayLike) -> dict[str, Array]:
         """How far states are from where the chart ends: the length of beta, shape (...), the only condition."""
-        return {"beta != 0": np.linalg.norm(vectors(chart_points(x, 9, FIELDS))[2], axis=-1)}
+        return {"beta != 0": np.asarray(np.linalg.norm(vectors(chart_points(x, 9, FIELDS))[2], axis=-1))}
 
     def _check_casimirs(self, states: Array) -> None:
         # C1 is free when epsilon != 0: any value is one of the momentum map.
@@ -257,7 +262,7 @@ class QuaternionChart:
         return Matrix(body_rotation(self._quaternion)) / Add(*(c**2 for c in self._quaternion))
 
     def __repr__(self) -> str:
-        return f"<QuaternionChart of {self.name!r}>"
+        return f"<QuaternionChart of {self.top_name!r}: {self.leaf.describe()}>"
 
 
 def _arrays(rows: list[list[Any]]) -> Array:

@@ -21,11 +21,14 @@ _LONG_KEY = re.compile(rf"(?<![\w-])(?>{_PART}){{{_MAX_PARTS}}}")
 _POSITION = re.compile(r"(.*) \(at (?:line (\d+), column (\d+)|end of document)\)", re.DOTALL)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, repr=False)
 class UnreadableNumber:
-    """A decimal that is not a finite number of reasonable length, for example nan."""
+    """A decimal that is not a finite number of reasonable length, for example nan; shown as it is written."""
 
     text: str
+
+    def __repr__(self) -> str:
+        return self.text
 
 
 @dataclass(frozen=True)

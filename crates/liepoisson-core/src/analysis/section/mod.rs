@@ -10,7 +10,7 @@ mod survey;
 use super::{UNREACHED, name_unreached};
 use crate::ensemble::{Control, Ensemble, Observer, Step, Summary};
 use crate::error::Error;
-use crate::field::{Field, Functions, Majorant};
+use crate::field::{Enclosure, Field, Functions, Majorant};
 use crate::lanes::Simd;
 use crate::method::Taylor;
 use points::Collected;
@@ -34,14 +34,16 @@ pub struct Surface {
     pub n_crossings: Option<usize>,
 }
 
-/// Steps in which less is known.
+/// Where less is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Doubts {
-    /// Steps in which the error of the series could be estimated only, not bounded.
+    /// Steps in which the error of the state could be estimated only, not bounded.
     pub n_unbounded: u64,
-    /// Parts of steps in which the function does not exist, or its series does not converge however short they are made:
+    /// Parts of steps in which the function does not exist, or nothing is known of it however short they are made:
     /// crossings there are not found, and a change of sign across them is none.
     pub n_undefined: u64,
+    /// Whether the function stays within its error of zero from the start to the end: the orbit lies in the surface.
+    pub is_in_surface: bool,
 }
 
 /// Sections of all members of an ensemble: points member by member.
@@ -64,10 +66,10 @@ pub struct Sections {
 /// Integrates the ensemble and keeps where its members cross a surface; they start at the first of its times and end at
 /// the last.
 ///
-/// A pair of crossings of the power series inside a step, however close, is found if the series goes beyond its error
-/// between them. That error is the sum of an estimate of round-off and of what the series leaves out: bounded for fields
-/// of degree two and surfaces that are polynomials where the bound is sharp, estimated by the last four terms, on parts of
-/// the step on which the series converges, otherwise ([`Doubts::n_unbounded`]).
+/// A pair of crossings of the power series inside a step, however close, is found if the function goes beyond its error
+/// between them. That error is the sum of what the series of the function leaves out, which is bounded, of how far the error
+/// of the state moves the function, and of an estimate of round-off. The error of the state is bounded for fields of degree
+/// two where the bound is sharp, and estimated by the last four terms of its series otherwise ([`Doubts::n_unbounded`]).
 /// A member that starts on the surface, within the error, does not cross it there.
 ///
 /// # Errors
@@ -96,7 +98,6 @@ pub fn sections<F: Field>(
         shared: &ended,
         surface,
         majorant: ensemble.field.majorant(),
-        tolerance: (100.0 * ensemble.method.tolerance()).clamp(1e-13, 1e-4),
         n,
         seats: vec![Seat::default(); lanes],
         room: Room::default(),
@@ -124,8 +125,6 @@ struct Recorder<'s> {
     shared: &'s Mutex<Ended>,
     surface: &'s Surface,
     majorant: Option<Majorant>,
-    /// What a series may leave out, in units of the sum of its terms.
-    tolerance: f64,
     n: usize,
     seats: Vec<Seat>,
     room: Room,
@@ -137,12 +136,10 @@ struct Room {
     state: Vec<f64>,
     series: Vec<f64>,
     work: Vec<f64>,
-    bounds: Vec<[f64; 2]>,
+    enclosures: Vec<Enclosure>,
     sizes: Sizes,
-    /// A bound of the error of the state over the step, if there is one.
-    error_of_state: Option<f64>,
-    /// Whether all errors of the function in this step are bounds.
-    is_bounded: bool,
+    /// How far the series of the state is from the state on the step.
+    error_of_state: f64,
 }
 
 /// One trajectory under way.
@@ -176,10 +173,10 @@ impl Observer for Recorder<'_> {
         state.clear();
         if step.copy_series(&mut state).is_ok() {
             self.room.sizes.measure(&state, self.n, step.size);
-            self.room.error_of_state = self.majorant.and_then(|majorant| self.room.sizes.error_of_state(majorant));
-            self.room.is_bounded = true;
+            let bound = self.majorant.and_then(|majorant| self.room.sizes.error_of_state(majorant));
+            self.room.error_of_state = bound.unwrap_or_else(|| self.room.sizes.last());
+            self.seats[lane].doubts.n_unbounded += u64::from(bound.is_none());
             self.look(lane, step, &state, Part { from: 0.0, length: 1.0 }, 0);
-            self.seats[lane].doubts.n_unbounded += u64::from(!self.room.is_bounded);
         } else {
             self.seats[lane].lose_sight();
         }
@@ -196,6 +193,7 @@ impl Observer for Recorder<'_> {
         if let (Some(nearest), true) = (seat.nearest.take(), seat.side != 0) {
             seat.touches.push(nearest.time, &nearest.kept, seat.side);
         }
+        seat.doubts.is_in_surface = seat.side == 0 && seat.doubts.n_undefined == 0 && summary.n_steps > 0;
         let mut shared = self.shared.lock().expect(POISONED);
         shared.crossings.take(member, &mut seat.crossings);
         shared.touches.take(member, &mut seat.touches);
@@ -214,23 +212,11 @@ struct Part {
 /// A part of a step is halved at most so often to make the series of the function converge.
 const MOST_HALVINGS: u32 = 14;
 
-/// And so often to make a bound of the error sharper: those of polynomials of high degree are far too large on long parts.
-const HALVINGS_FOR_SHARPNESS: u32 = 4;
+/// The error, in units of the round-off of the sum of the terms, that is small enough not to ask for shorter parts.
+const SHARP: f64 = 16.0;
 
-/// The error, in units of the sum of the terms, that is small enough not to ask for shorter parts.
-const SHARP: f64 = 1e-10;
-
-/// What a series may be from the function where they are compared, in units of the sum of its terms: the state is rounded, and
-/// a steep function shows it.
-const AGREEMENT: f64 = 1e-9;
-
-#[derive(Clone, Copy)]
-struct Tolerance {
-    /// What a series may leave out.
-    left_out: f64,
-    /// Whether an error that is not sharp is taken, too.
-    takes_blunt: bool,
-}
+/// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
+const BLUNT: f64 = 8.0;
 
 impl Recorder<'_> {
     fn wanted(&self) -> usize {
@@ -244,9 +230,7 @@ impl Recorder<'_> {
     fn look(&mut self, lane: usize, step: &Step<'_>, state: &[f64], part: Part, halvings: u32) {
         let (surface, n) = (self.surface, self.n);
         self.room.expand(state, step.size * part.length, &surface.function, n);
-        let tolerance = Tolerance { left_out: self.tolerance, takes_blunt: halvings >= HALVINGS_FOR_SHARPNESS };
-        let error = self.room.error(&surface.function, tolerance);
-        if let Some(error) = error.filter(|_| self.room.is_bounded || self.agrees(step, part)) {
+        if let Some(error) = self.room.error(&state[..n], &surface.function, halvings) {
             let (wanted, seat) = (self.wanted(), &mut self.seats[lane]);
             let series = std::mem::take(&mut self.room.series);
             survey(&series, error, &mut |mark| {
@@ -264,20 +248,6 @@ impl Recorder<'_> {
             let middle = shifted(state, n, step.size * half.length);
             self.look(lane, step, &middle, Part { from: part.from + half.length, ..half }, halvings + 1);
         }
-    }
-
-    /// Whether the series has the values of the function in the middle and at the end of a part.
-    ///
-    /// A series can look as if it converged and not do so: that of `tanh x` about 20 is 1 to all digits.
-    fn agrees(&mut self, step: &Step<'_>, part: Part) -> bool {
-        let (mut state, mut value) = (vec![0.0; self.n], [0.0]);
-        [0.5, 1.0].into_iter().all(|place| {
-            step.state((part.from + place * part.length) * step.size, &mut state);
-            self.surface.function.series(&state, &mut self.room.work, &mut value);
-            let (sum, total) =
-                self.room.series.iter().rev().fold((0.0, 0.0), |(sum, total), c| (sum * place + c, total + c.abs()));
-            (sum - value[0]).abs() <= AGREEMENT * total
-        })
     }
 
     /// Whether the function has a value at one of five places of a part.
@@ -305,24 +275,20 @@ impl Room {
         sizes.measure(state, n, length);
     }
 
-    /// How far the series is from the function, at most; none where it does not exist, leaves out too much of the sum of its
-    /// terms, or is known too badly, so that a shorter part is better.
+    /// How far the series is from the function, at most; none where it does not exist, or where shorter parts are better.
     ///
-    /// Each coefficient is a sum of products of coefficients that are known to a few units in the last place, and every
-    /// shift of the survey rounds each of them once.
-    fn error(&mut self, function: &Functions, tolerance: Tolerance) -> Option<f64> {
-        let Room { series, bounds, sizes, .. } = self;
+    /// Each coefficient of the state and each operation is right to a few units in the last place of a sum of products, and
+    /// so is every shift of the survey.
+    fn error(&mut self, start: &[f64], function: &Functions, halvings: u32) -> Option<f64> {
+        let Room { series, enclosures, sizes, error_of_state, .. } = self;
+        let unit = 2.0 * series.len() as f64 * f64::EPSILON;
         let total: f64 = series.iter().map(|c| c.abs()).sum();
-        let bounded = self.error_of_state.and_then(|error| sizes.bounds(error, function, bounds));
-        let (magnitude, moved, left_out) = bounded.unwrap_or_else(|| {
-            self.is_bounded = false;
-            // four terms, since two can vanish by a symmetry
-            (total, 0.0, series[series.len().saturating_sub(4).max(1)..].iter().map(|c| c.abs()).sum())
-        });
-        let round_off = 4.0 * series.len() as f64 * f64::EPSILON * magnitude;
-        let error = round_off + moved + left_out;
-        let is_sharp = tolerance.takes_blunt || error <= SHARP * total;
-        (total.is_finite() && left_out <= tolerance.left_out * magnitude && is_sharp).then_some(error)
+        let [here, along] =
+            [0.0, sizes.rest(1.0)].map(|rest| function.enclosure(start, rest, *error_of_state, unit, enclosures).error);
+        let left_out = sizes.left_out(start, function, halvings, along, enclosures);
+        let error = along + left_out + unit * total;
+        let is_sharp = error <= SHARP * unit * total || left_out <= along && along <= BLUNT * here;
+        (error.is_finite() && total.is_finite() && (is_sharp || halvings == MOST_HALVINGS)).then_some(error)
     }
 
     /// What is kept of the point at a fraction `at` of the step.

@@ -9,17 +9,22 @@
 //!    `|e| <= E = h D / (N + 1 - L h)` on the whole step, if `L h < N + 1`, where `|e|` in `L` is any number that `E` does
 //!    not exceed. The sizes of terms that cancel in the equation add up in `D`: on very long steps, such as those of a free
 //!    body, `E` can be far above round-off. A bound that is not sharp is of no use, and counts as none.
-//! 2. *Function.* That moves a polynomial `f` by at most what its own bounds say ([`Functions::bounds`]).
+//! 2. *Function.* That moves a function `f` by at most what is known of its derivative ([`Functions::enclosure`], in the
+//!    norm of largest values).
 //! 3. *Series.* The terms of `f(p)` beyond order `N` are left out. With the norm `sum |f_k| (h/r)^k`, which is
-//!    submultiplicative, they add up to at most `|f| r^(N+1)`, for every `r < 1`. A linear `f` has none.
+//!    submultiplicative, they add up to at most `|f - f_0| r^(N+1)`, for every `r < 1` for which that is finite: the series
+//!    of `f` must converge on a step longer by `1/r`. A linear `f` has none.
 //!
 //! These are bounds for the coefficients as they are computed. That they are rounded is not in them: round-off is estimated
-//! beside them, by a multiple of the unit of the last place of the sum of all terms.
+//! beside them, by a multiple of the unit of the last place of all that is added up and multiplied.
 
-use crate::field::{Functions, Majorant};
+use crate::field::{Enclosure, Functions, Majorant};
 
-/// Values of `r` that are tried.
-const RATIOS: [f64; 3] = [0.3, 0.2, 0.12];
+/// Values of `r` that are tried, for a whole step: its length is near 0.14 of the radius of convergence of the state.
+const RATIOS: [f64; 3] = [0.12, 0.2, 0.3];
+
+/// The last terms of a series, whose sizes estimate what it leaves out: four, since two can vanish by a symmetry.
+const LAST: usize = 4;
 
 /// The error of the state in units of its size up to which a bound is of use; it is also the one in `L`.
 const SHARP: f64 = 1e-12;
@@ -70,36 +75,51 @@ impl Sizes {
         quadratic * products + linear * self.terms.last().copied().unwrap_or(0.0)
     }
 
-    /// Of a function on the step, or on a part of it: its size, how far the error of the state moves it, and what its series
-    /// leaves out, at most; none if it is no polynomial.
-    pub(super) fn bounds(
-        &self,
-        error_of_state: f64,
-        function: &Functions,
-        work: &mut Vec<[f64; 2]>,
-    ) -> Option<(f64, f64, f64)> {
-        let [size, moved] = function.bounds(self.sum(), error_of_state, work)?;
-        if function.is_affine() {
-            return Some((size, moved, 0.0));
+    /// An estimate of the error of the state on the whole step.
+    pub(super) fn last(&self) -> f64 {
+        self.terms[self.terms.len().saturating_sub(LAST).max(1)..].iter().sum()
+    }
+
+    /// How far the state gets from where it starts, in the norm `sum |x_k| (h/r)^k`, at most.
+    pub(super) fn rest(&self, ratio: f64) -> f64 {
+        let (mut power, mut sum) = (1.0, 0.0);
+        for term in &self.terms[1..] {
+            power /= ratio;
+            sum += term * power;
         }
-        let left_out = RATIOS.into_iter().filter_map(|ratio| self.left_out(ratio, function, work));
-        left_out.reduce(f64::min).map(|left_out| (size, moved, left_out))
+        sum
+    }
+
+    /// What the series of a function leaves out on a part of a step that was halved so often, at most; less than `wanted` if
+    /// it can. The function is that of the state `start`.
+    pub(super) fn left_out(
+        &self,
+        start: &[f64],
+        function: &Functions,
+        halvings: u32,
+        wanted: f64,
+        work: &mut Vec<Enclosure>,
+    ) -> f64 {
+        if function.is_affine() {
+            return 0.0;
+        }
+        let mut least = f64::INFINITY;
+        // the series of the state allows small ratios on short parts, that of the function perhaps large ones only
+        for shorter in (0..=halvings).rev() {
+            for ratio in RATIOS.map(|ratio| ratio * 0.5_f64.powi(shorter as i32)) {
+                let enclosure = function.enclosure(start, self.rest(ratio), 0.0, 0.0, work);
+                least = least.min(enclosure.rest * ratio.powi(self.terms.len() as i32));
+                if least <= wanted {
+                    return least;
+                }
+            }
+        }
+        least
     }
 
     /// `P`, which bounds the state on the whole step.
     fn sum(&self) -> f64 {
         self.terms.iter().sum()
-    }
-
-    fn left_out(&self, ratio: f64, function: &Functions, work: &mut Vec<[f64; 2]>) -> Option<f64> {
-        let inverse = 1.0 / ratio;
-        let (mut power, mut sum) = (1.0, 0.0);
-        for term in &self.terms {
-            sum += term * power;
-            power *= inverse;
-        }
-        let [bound, _] = function.bounds(sum, 0.0, work)?;
-        Some(bound / power)
     }
 }
 
@@ -131,8 +151,9 @@ mod tests {
             sizes.measure(&vec![1.0; order + 1], 1, step);
             let error = sizes.error_of_state(majorant).unwrap();
             let [identity, square] = functions.each_ref().map(|function| {
-                let (_, moved, left_out) = sizes.bounds(error, function, &mut vec![]).unwrap();
-                moved + left_out
+                let (start, work) = (&[1.0], &mut vec![]);
+                let moved = function.enclosure(start, sizes.rest(1.0), error, 0.0, work).error;
+                moved + sizes.left_out(start, function, 0, 0.0, work)
             });
             let h = step.abs();
             let left_out = h.powi(order as i32 + 1) / (1.0 - h);
@@ -152,10 +173,37 @@ mod tests {
     }
 
     #[test]
-    fn functions_that_are_no_polynomials_have_no_bound() {
-        let sine = Functions::new(1, vec![Instruction::Sin(0)], vec![1]).unwrap();
+    fn the_remainder_of_functions_that_are_no_polynomials_is_bounded() {
+        // x = 1 + t, whose series ends, and the functions of it on a part of length h: sqrt leaves out about binomial(1/2, N+1)
+        let mut state = vec![0.0; 21];
+        (state[0], state[1]) = (1.0, 1.0);
+        for (instruction, value) in [
+            (Instruction::Sqrt(0), libm::sqrt as fn(f64) -> f64),
+            (Instruction::Exp(0), libm::exp),
+            (Instruction::Sin(0), libm::sin),
+            (Instruction::Log(0), libm::log),
+            (Instruction::Atan(0), libm::atan),
+            (Instruction::Tanh(0), libm::tanh),
+        ] {
+            let function = Functions::new(1, vec![instruction.clone()], vec![1]).unwrap();
+            let mut series = vec![0.0; 21];
+            function.series(&state, &mut vec![], &mut series);
+            for h in [0.05, 0.1, 0.2, 0.25] {
+                let mut sizes = Sizes::default();
+                sizes.measure(&state, 1, h);
+                let bound = sizes.left_out(&[1.0], &function, 0, 0.0, &mut vec![]);
+                let sum = series.iter().rev().fold(0.0, |sum, c| sum * h + c);
+                let left_out = (sum - value(1.0 + h)).abs();
+                assert!(left_out <= bound + 1e-15 && bound < 1e-6, "{instruction:?}, {h}: {left_out:e} for {bound:e}");
+            }
+        }
+    }
+
+    #[test]
+    fn beyond_the_radius_of_a_function_there_is_no_bound() {
+        let function = Functions::new(1, vec![Instruction::Sqrt(0)], vec![1]).unwrap();
         let mut sizes = Sizes::default();
-        sizes.measure(&[1.0; 21], 1, 0.1);
-        assert_eq!(sizes.bounds(1e-20, &sine, &mut vec![]), None);
+        sizes.measure(&[1.0, 1.0, 0.0], 1, 1.01);
+        assert_eq!(sizes.left_out(&[1.0], &function, 3, 0.0, &mut vec![]), f64::INFINITY);
     }
 }

@@ -73,29 +73,12 @@ impl Functions {
         self.affine.is_some()
     }
 
-    /// Bounds of the first function and of its change, given bounds of every component and of its change, in any norm for
-    /// which `|f g| <= |f| |g|` and `|1| = 1`; none if the function is not a polynomial. `work` is memory that calls share.
-    pub fn bounds(&self, component: f64, change: f64, work: &mut Vec<[f64; 2]>) -> Option<[f64; 2]> {
-        let product = |[a, da]: [f64; 2], [b, db]: [f64; 2]| [a * b, a * db + b * da + da * db];
-        work.clear();
-        work.resize(self.n_components, [component, change]);
-        for instruction in &self.instructions {
-            let bounds = match *instruction {
-                Instruction::Linear { ref terms, constant } => {
-                    terms.iter().fold([constant.abs(), 0.0], |[sum, changes], &(register, c)| {
-                        let [a, da] = work[register];
-                        [sum + c.abs() * a, changes + c.abs() * da]
-                    })
-                }
-                Instruction::Product(a, b) => product(work[a], work[b]),
-                Instruction::Power(a, exponent) if (0.0..=64.0).contains(&exponent) && exponent.fract() == 0.0 => {
-                    (0..exponent as usize).fold([1.0, 0.0], |power, _| product(power, work[a]))
-                }
-                _ => [f64::NAN; 2], // of no harm unless the output depends on it
-            };
-            work.push(bounds);
-        }
-        Some(work[self.outputs[0]]).filter(|bounds| bounds.iter().all(|bound| bound.is_finite()))
+    pub(super) fn instructions(&self) -> &[Instruction] {
+        &self.instructions
+    }
+
+    pub(super) fn outputs(&self) -> &[usize] {
+        &self.outputs
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod convolution;
 mod elementary;
+mod enclosure;
 mod functions;
 mod graph;
 mod joint;
@@ -9,6 +10,7 @@ mod program;
 mod rules;
 mod sums;
 
+pub use enclosure::Enclosure;
 pub use functions::Functions;
 
 use super::{Field, Space};

@@ -1,0 +1,332 @@
+r"""Random states on a leaf with the Liouville measure by a population of Markov chains.
+
+The chain is that of [zappa2018] on the leaf, with the density $1/\sqrt{\det GG^t}$ relative to the area, where the rows
+of $G$ are the gradients of the equations.  An energy surface may consist of parts between which no chain passes, and
+the number of chains in each must not be that of their starts.  So the population begins in a large set around the
+surface and descends, as in subset simulation (Au and Beck) and nested sampling (Skilling):
+
+1. The set is $|H - E|\le s$, for states below an energy $(H - E)_+\le s$, with s so large that the set is the whole
+   leaf if that is compact, and most of the random starts else.
+2. Half of the states lie in a smaller set of this kind; they are kept and doubled, and all make some steps in it.  No
+   state needs to pass from one part to another: the parts keep the shares that the measure gives them.
+3. In a window so narrow that H is uniform in it, the states are projected to $H = E$; the surfaces at the two ends err
+   in opposite directions.
+
+With N states the share p of a part that got separated k halvings before the end has a standard error of about
+$\sqrt{k\,p(1-p)/N}$.  Parts that no set of step 1 connects have the shares of their starts.  Such chains remember where
+they started, and this is what the `MixingWarning` says.
+
+References: Au and Beck, Probab. Eng. Mech. 16 (2001) 263; Skilling, Bayesian Anal. 1 (2006) 833.
+"""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.errors import LeafError, MixingWarning
+from liepoisson.exact.phase_functions import PhaseFunction
+from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
+from liepoisson.phase_space.leaf_search import representative
+from liepoisson.phase_space.top_sampling import Shell
+
+if TYPE_CHECKING:
+    from liepoisson.phase_space.leaf import Leaf
+
+_CHAINS = 11
+"""First word of the spawn keys, apart from those of starts and tangent vectors."""
+
+N_CHAINS = 2048
+"""Chains side by side: the states of the population."""
+
+_BURN_IN, _MOST_BURN_INS = 80, 4
+"""Steps in the largest set, after which the starts should be forgotten; repeated at most this often if not."""
+
+_REMEMBERED = 0.35
+"""Largest correlation of a coordinate or its square with that of the start that counts as forgotten.
+
+Chance alone gives 0.02 in 2048 chains.  Chains that never leave their part remember it with a correlation near one.
+"""
+
+_ROUNDS, _LAST_STEPS, _THINNING = 2, 25, 25
+"""Steps of each kind after a halving; steps on the last set; steps from one kept state to the next."""
+
+_RETURN_STEPS = 8
+"""Newton steps back to the surface; a proposal that needs more is refused, there as on the way back."""
+
+_MOST_HALVINGS = 150
+_UNIFORM = 0.05
+"""How far the shares of the four quarters of a window may be from 1/4; five standard errors of 2048 states."""
+_HALVINGS_WHEN_UNIFORM = 2
+"""Further halvings then; what H departs from uniform by its curvature falls by 16."""
+
+_QUANTILES = (0.75, 0.4, 0.15, 0.05)
+"""Shares of the random starts that the first set contains; the first one for which it is bounded."""
+
+
+@dataclass(frozen=True)
+class _Chain:
+    r"""A surface with the density $1/\sqrt{\det G G^t}$ relative to the area, where H is at most a distance away."""
+
+    equations: Equations
+    energy: PhaseFunction
+    shell: Shell | None
+    width: float = np.inf
+
+    def distance(self, x: Array) -> Array:
+        """How far H is from the energy that was asked for, infinite where it is not defined."""
+        if self.shell is None:
+            return np.zeros(len(x))
+        excess = self.energy(x) - self.shell.energy
+        excess = np.maximum(excess, 0.0) if self.shell.is_filled else np.abs(excess)
+        return np.where(np.isnan(excess), np.inf, excess)
+
+    def log_density(self, x: Array) -> Array:
+        rows = self.equations.rows(x)
+        gram = np.linalg.slogdet(rows @ np.swapaxes(rows, -1, -2))[1]
+        inside = self.distance(x) <= self.width if self.width < np.inf else np.isfinite(gram)
+        return np.where(inside, -0.5 * gram, -np.inf)
+
+    def levels(self, x: Array) -> _Chain:
+        """The chain on which each state keeps its own energy."""
+        equations = self.equations.with_function(self.energy, 0.0)
+        values = np.broadcast_to(equations.values, (len(x), len(equations.values))).copy()
+        values[:, -1] = self.energy(x)
+        return _Chain(replace(equations, values=values), self.energy, self.shell)
+
+    @np.errstate(all="ignore")  # functions need not exist at proposals; these are refused
+    def step(self, rng: np.random.Generator, x: Array, size: float) -> tuple[Array, float]:
+        """One step of each chain, and the share of them that moved.
+
+        Move along the tangent space, come back along the old normals, and check that the way back exists.
+        """
+        normals = self._normals(x)
+        noise = size * rng.standard_normal(x.shape)
+        there = noise - _along(normals, noise)
+        y, found = self._return(x + there, normals)
+        y[~found] = x[~found]
+        back, new_normals = x - y, self._normals(y)
+        back -= _along(new_normals, back)
+        change = self.log_density(y) - self.log_density(x)
+        forth_and_back = (np.sum(there**2, axis=-1) - np.sum(back**2, axis=-1)) / (2 * size**2)
+        moved = found & (np.log(rng.uniform(size=len(x))) < change + forth_and_back)
+        left = np.flatnonzero(moved)  # the way back is the larger half of the work
+        again = self._rows(left)._return((y + back)[left], new_normals[left])[0]
+        moved[left] = np.linalg.norm(again - x[left], axis=-1) <= 1e-8 * np.linalg.norm(x[left], axis=-1)
+        return np.where(moved[:, None], y, x), float(moved.mean())
+
+    def _rows(self, rows: NDArray[np.intp]) -> _Chain:
+        """The chain of some of the states, which may have values of their own."""
+        values = self.equations.values
+        return replace(self, equations=replace(self.equations, values=values[rows])) if values.ndim == 2 else self
+
+    def _normals(self, x: Array) -> Array:
+        """Orthonormal bases of the normal spaces, as columns."""
+        return np.linalg.qr(np.swapaxes(self.equations.rows(x), -1, -2))[0]
+
+    def _return(self, start: Array, normals: Array) -> tuple[Array, NDArray[np.bool_]]:
+        """Newton's method from a point back to the surface, along given normals."""
+        y = start.copy()
+        for _ in range(_RETURN_STEPS):
+            values, rows = self.equations.relative(y)
+            open_ones = np.abs(values).max(axis=-1, initial=0.0) > 1e-14
+            if np.sum(open_ones) <= 0.05 * len(y):  # the few that are left mostly have no solution
+                break
+            slopes = rows @ normals
+            step, singular = _solved(slopes, values)
+            step[singular] = 0.0
+            y -= np.einsum("...ij,...j->...i", normals, step)
+            lost = ~(np.abs(y) < 1e100).all(axis=-1)
+            y[lost] = start[lost]
+        return y, self.equations.residual(y) <= CONVERGED
+
+
+@dataclass
+class _Population:
+    """The states, and the sizes of the steps of the two kinds."""
+
+    rng: np.random.Generator
+    x: Array
+    along_leaf: float
+    along_level: float
+
+    def move(self, chain: _Chain) -> None:
+        """A step on the leaf; the size is adapted towards half of the steps accepted."""
+        self.x, moved = chain.step(self.rng, self.x, self.along_leaf)
+        self.along_leaf *= float(np.exp(2 * (moved - 0.5)))
+
+    def move_along_levels(self, chain: _Chain) -> None:
+        """A step at constant energy, which in a narrow window can be much longer."""
+        self.x, moved = chain.levels(self.x).step(self.rng, self.x, self.along_level)
+        self.along_level *= float(np.exp(2 * (moved - 0.5)))
+
+    def refill(self, kept: NDArray[np.bool_]) -> None:
+        """Keep some states only, in random order, as often as it takes to have as many as before."""
+        order = self.rng.permutation(np.flatnonzero(kept))
+        self.x = self.x[order[np.arange(len(self.x)) % len(order)]]
+
+
+def sample_by_chains(leaf: Leaf, n: int, seed: int, shell: Shell | None) -> Array:
+    """The population at the end of its descent, then every 25th state of its chains.
+
+    Raises:
+        LeafError: the set is not bounded, or no state of it was found.
+    """
+    leaf = representative(leaf)
+    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_CHAINS,)))
+    chain, starts = _chain_and_starts(leaf, rng, shell)
+    size = 0.3 * float(np.linalg.norm(starts, axis=-1).mean())
+    population = _Population(rng, starts, size, size)
+    _forget(leaf, chain, population)
+    last = _descend(leaf, chain, population)
+    size = population.along_leaf if last.shell is None or last.shell.is_filled else population.along_level
+    x = population.x
+    for step in range(_LAST_STEPS):
+        x, moved = last.step(rng, x, size)
+        size *= float(np.exp((moved - 0.5) * 2 / np.sqrt(1 + step)))
+    kept = [rng.permutation(x)]
+    while len(kept) * N_CHAINS < n:
+        for _ in range(_THINNING):
+            x, _ = last.step(rng, x, size)
+        kept.append(x)
+    return np.concatenate(kept)[:n]
+
+
+def _forget(leaf: Leaf, chain: _Chain, population: _Population) -> None:
+    """Steps in the largest set until the states say nothing about their starts."""
+    before = population.x
+    memory = np.inf
+    for _ in range(_MOST_BURN_INS):
+        for _ in range(_BURN_IN):
+            population.move(chain)
+        memory = _memory(before, population.x)
+        if memory <= _REMEMBERED:
+            return
+    warnings.warn(
+        f"the states of {leaf!r} should be spread by its Liouville measure; after {_BURN_IN * _MOST_BURN_INS} steps "
+        f"they have a correlation of {memory:.2f} with where their chains began: the chains mix slowly, or the leaf "
+        "has parts between which they do not pass, whose shares are then arbitrary. Compare seeds, and split the "
+        "sample into its parts.",
+        MixingWarning,
+        stacklevel=5,
+    )
+
+
+def _memory(before: Array, after: Array) -> float:
+    """The largest correlation, in absolute value, of a coordinate or its square in two sets of states."""
+    earlier, later = (np.concatenate([x, x**2], axis=-1) for x in (before, after))
+    earlier, later = (v - v.mean(axis=0) for v in (earlier, later))
+    sizes = np.sqrt(np.sum(earlier**2, axis=0) * np.sum(later**2, axis=0))
+    varies = np.minimum(earlier.std(axis=0), later.std(axis=0)) > 1e-10 * np.abs(after).max()
+    return float(np.abs(np.sum(earlier * later, axis=0)[varies] / sizes[varies]).max(initial=0.0))
+
+
+def _descend(leaf: Leaf, chain: _Chain, population: _Population) -> _Chain:
+    """Halve the set until it is the one that was asked for, and return the chain on that."""
+    shell = chain.shell
+    if shell is None:
+        return chain
+    n_uniform = 0
+    for _ in range(_MOST_HALVINGS):
+        distance = chain.distance(population.x)
+        width = float(np.median(distance))
+        n_uniform += bool(n_uniform) or (not shell.is_filled and _is_uniform(chain, population.x, width))
+        if n_uniform > _HALVINGS_WHEN_UNIFORM or not width < chain.width:
+            break
+        population.refill(distance <= width)
+        chain = replace(chain, width=width)
+        for _ in range(_ROUNDS):
+            population.move(chain)
+            # As long as the window ends below the least energy, steps on the leaf are long enough.
+            if not shell.is_filled and np.mean(chain.energy(population.x) < shell.energy) > 0.1:
+                population.move_along_levels(chain)
+        if width <= 1e-13 * (1 + abs(shell.energy)):
+            break
+    last = chain if shell.is_filled else _Chain(leaf.constraints(shell.energy), chain.energy, shell)
+    x, residual = solve(last.equations, population.x)
+    found = residual <= CONVERGED
+    if shell.is_filled:
+        last = replace(chain, width=0.0)
+        found &= chain.distance(x) <= 0.0
+    if not found.any():
+        raise LeafError(
+            f"no state was found to start from on {leaf!r} with this energy. Take one further from its range."
+        )
+    population.x = x
+    population.refill(found)
+    return last
+
+
+def _is_uniform(chain: _Chain, x: Array, width: float) -> bool:
+    """Whether H looks uniform in the window of a chain: in four parts, cut in the middle and at half the width."""
+    assert chain.shell is not None
+    if not width < 0.75 * chain.width < np.inf:
+        return False
+    parts = np.histogram((chain.energy(x) - chain.shell.energy) / chain.width, np.linspace(-1, 1, 5))[0]
+    return bool(np.abs(parts / len(x) - 0.25).max() <= _UNIFORM)
+
+
+def _chain_and_starts(leaf: Leaf, rng: np.random.Generator, shell: Shell | None) -> tuple[_Chain, Array]:
+    """The chain on the largest set, and states in it that depend on the leaf but not on how it was given."""
+    energy, n = leaf.system.functions.energy, len(leaf.state)
+    boundary = leaf.constraints(shell.energy) if shell is not None else leaf.equations
+    size = float(np.linalg.norm(leaf.state))
+    if _reaches_far(boundary, size, rng):
+        raise LeafError(infinite_volume(leaf))
+    chain = _Chain(leaf.equations, energy, shell)
+    spread = rng.standard_normal((4 * N_CHAINS, n)) * size / np.sqrt(n)
+    spread *= np.exp(rng.uniform(np.log(0.2), np.log(5.0), (len(spread), 1)))
+    x, residual = solve(leaf.equations, spread)
+    x = x[(residual <= CONVERGED)]
+    x = x[np.isfinite(chain.log_density(x))]
+    if shell is not None and _reaches_far(leaf.equations, size, rng):
+        x, chain = _bounded(leaf, chain, x, size, rng)
+    if not len(x):
+        raise LeafError(f"no state was found to start from on {leaf!r}. Take another leaf.")
+    return chain, x[np.arange(N_CHAINS) % len(x)]
+
+
+def _bounded(leaf: Leaf, chain: _Chain, x: Array, size: float, rng: np.random.Generator) -> tuple[Array, _Chain]:
+    """The states in a bounded set around the energy, and the chain on that; the smallest one if none looks bounded."""
+    shell = chain.shell
+    assert shell is not None
+    distance = chain.distance(x)
+    x, distance = x[np.isfinite(distance)], distance[np.isfinite(distance)]
+    for quantile in _QUANTILES if len(x) else ():
+        chain = replace(chain, width=float(np.quantile(distance, quantile)))
+        ends = [shell.energy + chain.width]
+        if not shell.is_filled:
+            ends.append(shell.energy - chain.width)
+        if not any(_reaches_far(leaf.constraints(end), size, rng) for end in ends):
+            break
+    return x[distance <= chain.width], chain
+
+
+def _reaches_far(equations: Equations, size: float, rng: np.random.Generator) -> bool:
+    """Whether Newton's method from states a thousand times as far ends a hundred times as far: not compact."""
+    found, residual = solve(equations, rng.standard_normal((256, equations.pinned.shape[-1])) * 1e3 * size)
+    return bool(np.any(np.linalg.norm(found[residual <= CONVERGED], axis=-1) > 100 * size))
+
+
+def infinite_volume(leaf: Leaf) -> str:
+    """What is wrong with a set of infinite volume."""
+    return (
+        f"the set to sample on {leaf!r} is not bounded, so that its Liouville volume is infinite and no state is "
+        "typical. Give energy= or energy_below=, if the energy bounds the set."
+    )
+
+
+def _along(normals: Array, v: Array) -> Array:
+    return np.einsum("...ij,...kj,...k->...i", normals, normals, v)
+
+
+def _solved(matrices: Array, values: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Solutions of small systems, and which of the matrices are singular."""
+    singular = ~(np.abs(np.linalg.det(matrices)) > 1e-200)
+    safe = np.where(singular[:, None, None], np.eye(matrices.shape[-1]), matrices)
+    return cast("Array", np.linalg.solve(safe, values[..., None])[..., 0]), singular

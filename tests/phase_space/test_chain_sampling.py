@@ -1,0 +1,84 @@
+"""Samples by a population of Markov chains: the parts of an energy surface have the shares that the measure gives."""
+
+import warnings
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import MixingWarning
+from liepoisson.phase_space import chain_sampling
+from liepoisson.phase_space.chain_sampling import sample_by_chains
+from liepoisson.phase_space.top_sampling import Shell
+
+BODY = lp.System(lp.so(3) @ lp.trivial(), "l1^2/2 + l2^2/4 + l3^2/6 + 3*l1/20")
+DEVIATIONS = 4.5
+"""Standard errors; chance exceeds them once in 150 000 tries, and the seeds are fixed."""
+
+
+def standard_error(halvings, n_chains=chain_sampling.N_CHAINS):
+    """Of a share of one half, that was fixed so many halvings before the end."""
+    return 0.5 * np.sqrt(halvings / n_chains)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("energy", [0.3, 0.27])
+def test_two_closed_curves_have_their_shares_whatever_the_state_of_the_leaf(energy):
+    """The surface is one curve around e1 and one around -e1.  Uniform points on the sphere, in a window of energy."""
+    noise = np.random.default_rng(1).standard_normal((2_000_000, 3))
+    sphere = noise / np.linalg.norm(noise, axis=-1, keepdims=True)
+    near = sphere[np.abs(BODY.functions.energy(sphere) - energy) < 0.005]
+    expected = (near[:, 0] > 0).mean()  # 0.495 and 0.49
+    first, other = (lp.leaf_of(BODY, [l1, 0, 0]).sample(2048, seed=1, energy=energy) for l1 in (1.0, -1.0))
+    assert np.abs((first[:, 0] > 0).mean() - expected) < DEVIATIONS * standard_error(6)
+    assert np.array_equal(first, other)
+
+
+@pytest.mark.thorough
+def test_mirrored_wells_of_a_top_have_equal_shares():
+    """The wells at (l2, beta2) and (-l2, -beta2), 0.176 below the pass between them, 0.006 above their bottom.
+
+    The volume of the well grows with the third power of the energy: 3 log2(0.176/0.006) = 15 halvings, and 5 of the
+    window.
+    """
+    top = lp.Top.twisted_kovalevskaya()
+    leaf = lp.Leaf(top, {"C1": 1, "C2": 0.2, "C3": 1})
+    x = sample_by_chains(leaf, 2048, 2, Shell(-1.48, is_filled=False))
+    assert leaf.residual(x).max() < 1e-12
+    assert np.abs(top.functions.energy(x) + 1.48).max() < 1e-12
+    assert abs((x[:, 1] < 0).mean() - 0.5) < DEVIATIONS * standard_error(20)
+
+
+@pytest.mark.thorough
+def test_states_below_an_energy_have_the_shares_of_the_caps():
+    """Around e3, the longest axis, and -e3: two caps of one area each, uniform in energy but for the curvature."""
+    body = lp.System(lp.so(3) @ lp.trivial(), "l1^2/2 + l2^2/4 + l3^2/6")
+    x = lp.leaf_of(body, [0, 0, 1]).sample(2048, seed=3, energy_below=0.17)
+    assert body.functions.energy(x).max() <= 0.17
+    assert abs((x[:, 2] > 0).mean() - 0.5) < DEVIATIONS * standard_error(8)
+    noise = np.random.default_rng(1).standard_normal((2_000_000, 3))
+    sphere = noise / np.linalg.norm(noise, axis=-1, keepdims=True)
+    cap = sphere[body.functions.energy(sphere) <= 0.17]
+    for k in (0, 1):
+        assert np.mean(x[:, k] ** 2) == pytest.approx(np.mean(cap[:, k] ** 2), rel=0.15)
+
+
+@pytest.mark.thorough
+def test_parts_that_no_energy_connects_are_warned_of():
+    """The two sheets of a hyperboloid; where the sheets are no matter there is no warning."""
+    hyperbolic = lp.System(lp.so(2, 1) @ lp.trivial(), "l1^2 + l2^2 + l3^2")
+    leaf = lp.leaf_of(hyperbolic, [0, 0, 1])  # l3^2 - l1^2 - l2^2 = 1
+    with pytest.warns(MixingWarning, match="where their chains began"):
+        leaf.sample(10, seed=1, energy=2.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        lp.leaf_of(BODY, [1, 0, 0]).sample(10, seed=1)
+
+
+def test_memory_is_the_largest_correlation():
+    rng = np.random.default_rng(0)
+    x, y = rng.standard_normal((2, 2000, 3))
+    assert chain_sampling._memory(x, y) < 0.1
+    assert chain_sampling._memory(x, np.column_stack([y[:, :2], x[:, 2]])) == pytest.approx(1)
+    assert chain_sampling._memory(x, np.column_stack([y[:, :2], np.abs(x[:, 2])])) > 0.9, "by the square"
+    assert chain_sampling._memory(np.ones((5, 2)), np.ones((5, 2))) == 0, "constant coordinates say nothing"
