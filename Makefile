@@ -26,7 +26,6 @@ check: $(VENV)/.built $(VENV)/.dev ## format, lint, types and quick tests, in le
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
 	$(BIN)/basedpyright
-	$(BIN)/python -m mypy.stubtest liepoisson._core --mypy-config-file pyproject.toml
 	$(BIN)/pytest -n auto -m "not slow and not thorough"
 
 guard: instructions sanitize ## instruction counts of the hot kernels, and the unsafe code under the address sanitizer
@@ -62,7 +61,8 @@ test-rust:
 
 # Each instruction set that the processor has gets its turn; results must not depend on it.
 test-python:
-	$(BIN)/pytest -m "not slow"
+	$(BIN)/python -m mypy.stubtest liepoisson._core --mypy-config-file pyproject.toml
+	$(BIN)/pytest -n auto -m "not slow"
 
 instructions: | tools
 	$(PYTHON) benchmarks/instructions.py

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 import pty
 import resource
@@ -15,6 +16,8 @@ import pytest
 
 import liepoisson
 from liepoisson.files import exclusive
+
+main_module = importlib.import_module("liepoisson.cli.main")  # the package's `main` is the function
 
 pytestmark = pytest.mark.thorough  # most of these start a process
 
@@ -206,6 +209,28 @@ def test_control_c_in_the_first_second_is_one_line():
         assert process.returncode == 130, err
         assert len(err.splitlines()) == 1
         assert err.startswith("interrupted")
+
+
+def test_control_c_while_a_class_is_made_is_one_line(monkeypatch, capsys):
+    # __set_name__ of a descriptor, where Python 3.11 turns any exception into a RuntimeError
+    class Interrupted:
+        def __set_name__(self, owner, name):
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(main_module, "application", lambda: type("Made", (), {"at": Interrupted()}))
+    with pytest.raises(SystemExit) as stopped:
+        main_module.main()
+    assert stopped.value.code == 130
+    assert capsys.readouterr().err == "interrupted.\n"
+
+
+def test_errors_that_are_no_interruption_are_not_hidden(monkeypatch):
+    def application():
+        raise RuntimeError("a mistake of ours") from ValueError("its cause")
+
+    monkeypatch.setattr(main_module, "application", application)
+    with pytest.raises(RuntimeError, match="a mistake of ours"):
+        main_module.main()
 
 
 def test_manifest_of_another_form_is_refused_with_true_advice(tmp_path):

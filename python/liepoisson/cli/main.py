@@ -41,9 +41,18 @@ def main() -> None:
     except LiePoissonError as error:
         print(f"liepoisson: {error}", file=sys.stderr)
         sys.exit(REFUSED)
-    except (_InterruptedError, KeyboardInterrupt):
+    except (Exception, KeyboardInterrupt) as error:
+        if not _is_interruption(error):
+            raise
         print("interrupted.", file=sys.stderr)
         sys.exit(INTERRUPTED)
+
+
+def _is_interruption(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is the cause: while a class is made, Python 3.11 turns it into a RuntimeError."""
+    while error is not None and not isinstance(error, (_InterruptedError, KeyboardInterrupt)):
+        error = error.__cause__
+    return error is not None
 
 
 def application() -> typer.Typer:

@@ -319,15 +319,13 @@ class SweepSpec:
 
     def formulas(self) -> list[str]:
         """What follows from the axes by a formula, such as "I2 = 1 + r"."""
-        given = {**self.parameters, **self.starts.casimirs, "H": self.starts.energy}
-        found: list[str] = []
-        for name, value in given.items():
-            several = isinstance(value, Sequence) and not isinstance(value, str)
-            named = {f"{name}{k}": item for k, item in enumerate(value, 1)} if several else {name: value}
-            found += [
-                f"{n} = {item}" for n, item in named.items() if isinstance(item, str) and _varies(item, self.axes)
-            ]
-        return found
+        items: list[tuple[str, object]] = [*self.starts.casimirs.items(), ("H", self.starts.energy)]
+        for name, value in self.parameters.items():
+            if isinstance(value, Sequence) and not isinstance(value, str):
+                items += [(f"{name}{k}", item) for k, item in enumerate(value, 1)]
+            else:
+                items.append((name, value))
+        return [f"{name} = {item}" for name, item in items if isinstance(item, str) and _varies(item, self.axes)]
 
     def _axes_of_starts(self) -> set[str]:
         """Axes that set the energy or a Casimir; one that a formula uses is no Casimir by itself."""
