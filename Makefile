@@ -25,7 +25,12 @@ check: $(VENV)/.built $(VENV)/.dev ## format, lint, types and quick tests, in le
 	cargo clippy --workspace --all-targets --locked --quiet -- -D warnings
 	$(BIN)/ruff format --check
 	$(BIN)/ruff check
+	@$(MAKE) --no-print-directory -j 2 types quick-tests
+
+types:
 	$(BIN)/basedpyright
+
+quick-tests:
 	$(BIN)/pytest -n auto -m "not slow and not thorough"
 
 guard: instructions sanitize ## instruction counts of the hot kernels, and the unsafe code under the address sanitizer
@@ -53,7 +58,7 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
-.PHONY: help reproduce test test-rust test-python test-slow check bench audit guard instructions sanitize wheel wheel-check \
+.PHONY: help reproduce test test-rust test-python test-slow check types quick-tests bench audit guard instructions sanitize wheel wheel-check \
   lock clean tools
 
 test-rust:

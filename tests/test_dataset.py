@@ -24,6 +24,7 @@ def orbit(**options):
     return lp.integrate(TOP, lp.sample_states(TOP, 3, seed=1), t=np.linspace(1, -2, 7), **options)
 
 
+@pytest.mark.thorough
 def test_exponents_are_labelled_and_repeat_from_the_file_alone(tmp_path):
     result = growth()
     path = result.save(tmp_path / "deep" / "growth.nc")

@@ -15,6 +15,7 @@ def loaded(program):
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
 
 
+@pytest.mark.thorough
 def test_an_exponent_needs_numpy_only():
     program = """
 import liepoisson as lp

@@ -130,6 +130,7 @@ def test_a_figure_is_saved_as_three_files_that_do_not_change(growth, tmp_path):
     assert b"STIXGeneral" in first[2].read_bytes()
 
 
+@pytest.mark.thorough
 def test_importing_plot_does_not_import_matplotlib():
     code = "import liepoisson.plot, sys; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -49,6 +49,7 @@ def test_panels_show_growth_megno_and_sali(results):
     assert axes[0].get_legend() is None
 
 
+@pytest.mark.thorough
 def test_members_labels_and_a_time(results):
     axes = indicators(*results, members=[2, 0], labels=["two", "zero"], decided_at=50)
     np.testing.assert_array_equal(axes[2].lines[0].get_ydata(), results[1].sali[2])
@@ -66,6 +67,7 @@ def test_given_axes_are_drawn_into(results):
         indicators(*results, axes=given[:2])
 
 
+@pytest.mark.thorough
 def test_bad_input_is_refused(results):
     growth, angle = results
     with pytest.raises(ParameterError, match="growth: wanted what megno returns"):

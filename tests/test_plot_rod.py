@@ -81,6 +81,7 @@ def test_a_constant_twist_is_level():
     assert high - low > 0.5
 
 
+@pytest.mark.thorough
 def test_a_straight_rod_is_drawn_without_curvature():
     figure = draw_rod(lp.rod(LAGRANGE, [0, 0, 0, 0, 0, 1, 0, 0, 1], length=5, n_points=41))
     figure.draw_without_rendering()
@@ -100,6 +101,7 @@ def test_what_can_not_be_drawn_is_refused(rod):
         draw_rod(lp.rod(ANISOTROPIC, start, length=1), trajectory=0)
 
 
+@pytest.mark.thorough
 def test_the_module_does_not_import_matplotlib():
     code = "import liepoisson.plot.rod, sys; sys.exit('matplotlib' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

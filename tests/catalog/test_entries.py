@@ -84,6 +84,7 @@ def value(expression, name, state):
     return expression.subs(dict(zip(system(name).variables, exact, strict=True)))
 
 
+@pytest.mark.thorough
 def test_every_file_is_listed_under_its_own_name():
     folder = catalog.path(NAMES[0]).parent
     assert sorted(file.stem for file in folder.glob("*.toml")) == list(NAMES)

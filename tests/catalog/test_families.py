@@ -89,6 +89,7 @@ def test_symbolic_parameters_are_kept():
     assert top.is_constant(top.variables[2])  # the third component of l
 
 
+@pytest.mark.thorough
 def test_the_truncation_of_su7_is_quadratic_and_keeps_its_energy():
     fluid = catalog.zeitlin(7)
     orbit = lp.integrate(fluid, [(-1) ** k / (k + 1) for k in range(48)], t=[0, 1])

@@ -25,6 +25,7 @@ expression = "l1^2/(2*I1) + l2^2/(2*I2) + l3^2/(2*I3) + dot(a, alpha)"
 """
 
 
+@pytest.mark.thorough
 def test_the_twisted_top_is_printed_with_symbols(command):
     code, out, err = command("inspect", "twisted-top")
     assert (code, err) == (0, "")
@@ -55,6 +56,7 @@ def test_a_file_is_read_and_recognised_as_a_top(command, tmp_path):
     assert record["casimirs"]["generators"][0]["text"] == "|alpha|^2 + 2 l.beta"
 
 
+@pytest.mark.thorough
 def test_a_sign_changed_in_the_file_changes_the_report(command, tmp_path):
     """Nothing is quoted: the Casimir and the equation follow the bracket that the file gives."""
     path = tmp_path / "mine.toml"
@@ -67,6 +69,7 @@ def test_a_sign_changed_in_the_file_changes_the_report(command, tmp_path):
         assert equation["text"].endswith("- beta3" if sign > 0 else "+ beta3")
 
 
+@pytest.mark.thorough
 def test_latex_is_a_document_with_balanced_braces(command):
     code, out, _ = command("inspect", "twisted-top", "--format", "latex")
     assert code == 0

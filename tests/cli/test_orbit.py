@@ -182,6 +182,7 @@ def test_ctrl_c_before_the_run_is_one_line(command, monkeypatch, where):
     assert command("orbit", "kovalevskaya") == (130, "", "interrupted.\n")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -194,6 +194,7 @@ def test_a_figure_that_folds_the_section_says_so(command, monkeypatch):
         assert (folds in out.splitlines()) == expected
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

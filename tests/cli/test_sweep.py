@@ -69,6 +69,7 @@ def test_a_long_table_leaves_rows_out_before_the_last_ones(run, tmp_path):
     assert [row.split()[0] for row in rows[22:]] == ["0.931034", "0.965517", "1"]
 
 
+@pytest.mark.thorough
 def test_another_sweep_in_the_folder_is_refused(run, tmp_path):
     run("twist.toml")
     (tmp_path / "twist.toml").write_text(TWIST.replace("seed = 1", "seed = 2"))

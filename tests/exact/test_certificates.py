@@ -37,6 +37,7 @@ def test_jacobi_of_su5_with_a_leibniz_extension():
     assert (certificate.holds, certificate.n_triples) == (True, 59640)
 
 
+@pytest.mark.thorough
 def test_jacobi_over_a_cyclotomic_field():
     assert (sine(5) @ trivial()).jacobi_certificate().holds
 

@@ -31,6 +31,7 @@ def compare(name, text):
     assert text + "\n" == path.read_text(encoding="utf-8"), f"{path} differs"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["twisted-top", "twisted-lagrange", "clebsch", "manakov-so4", "goryachev-chaplygin"])
 def test_reports_in_unicode(name):
     compare(f"inspect-{name}.txt", inspect(catalog.system(name)).text(UNICODE))
@@ -96,6 +97,7 @@ def test_the_kernel_follows_the_equations(system, kind):
     assert inspect(system).record()["kernel"]["kind"] == kind
 
 
+@pytest.mark.thorough
 def test_symbols_of_a_top_that_is_typed_get_the_usual_names():
     """J, c, d instead of I, a, b: the equations are printed with I, a, b, and these are said to be J, c, d."""
     J, c, d = (sp.symbols(f"{name}1:4") for name in "Jcd")

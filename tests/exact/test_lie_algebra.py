@@ -170,6 +170,7 @@ def unimodular(draw, n):
     return P
 
 
+@pytest.mark.thorough
 @exactly
 @given(st.data(), st.sampled_from(ALGEBRAS))
 def test_a_change_of_basis_changes_no_invariant(data, algebra):

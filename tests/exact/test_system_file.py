@@ -96,6 +96,7 @@ def test_numbers_are_exact_and_may_be_formulas():
     assert read_system_file(changed("epsilon = 1", 'epsilon = "sqrt(2)/2"')).parameters["epsilon"] == sp.sqrt(2) / 2
 
 
+@pytest.mark.thorough
 def test_matrices_are_parameters_too():
     text = changed("[hamiltonian]", "[parameters]\nA = [[2, 1, 0], [1, 2, 0], [0, 0, 1]]\n[hamiltonian]", MINIMAL)
     system = read_system_file(changed("dot(l, l)/2", "dot(l, inv(A)*l)/2", text)).system()

@@ -152,6 +152,7 @@ def test_fits_refuse_what_is_not_a_curve():
             call()
 
 
+@pytest.mark.thorough
 def test_numbers_of_numpy_become_plain_ones_and_can_be_saved(tmp_path):
     method = lp.Taylor(tol=np.float32(1e-10), order=np.int64(20), max_steps=np.int32(1000))
     assert [type(v) for v in (method.tol, method.order, method.max_steps)] == [float, int, int]

@@ -28,6 +28,7 @@ def test_the_tangent_flow_carries_them_into_themselves(spectrum):
         assert np.abs(np.log(length) / INTERVAL - vectors.growth[:, k]).max() < 1e-8
 
 
+@pytest.mark.thorough
 def test_they_are_unit_vectors_and_the_first_is_that_of_the_frame(spectrum):
     vectors = spectrum.covariant
     assert np.abs(np.linalg.norm(vectors.vector, axis=-1) - 1).max() < 1e-14

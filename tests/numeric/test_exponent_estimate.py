@@ -110,6 +110,7 @@ def test_a_sticky_orbit_is_consistent_with_zero_until_it_leaves_its_island():
     assert late.interval()[0, 0] > zero_threshold(2000)
 
 
+@pytest.mark.thorough
 def test_a_regular_orbit_goes_on_until_its_threshold_is_small_enough():
     """3 ln t / t is 0.0050 at the first look, t = 5,120, and 0.0035 at the second, t = 7,680."""
     x0 = lp.sample_states(TOP, 1, seed=1)
@@ -165,6 +166,7 @@ def test_bad_arguments_are_refused(arguments, words):
         largest_exponent(TOP, np.ones(9), **arguments)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("run", [{"t_end": 1e8}, {"t_end": 1e4, "transient": 1e8}])
 def test_a_time_limit_ends_runs_of_millions_of_blocks(run):
     start = clock.monotonic()
@@ -252,6 +254,7 @@ def _ensemble(law, members=2000, seed=0):
     return time, law(time) + 0.5 * walk / time
 
 
+@pytest.mark.thorough
 def test_intervals_of_white_noise_are_wider_than_their_name():
     """The coverage that the documents state; 4,000 runs know it to 0.003."""
     values = np.random.default_rng(0).standard_normal((4000, 256))

@@ -67,6 +67,7 @@ def test_precession_of_the_symmetric_free_body_in_closed_form():
     assert result.amplitude[resolved, 0] == pytest.approx(np.hypot(x0[:, 0], x0[:, 1])[resolved], rel=1e-4)
 
 
+@pytest.mark.thorough
 def test_frequencies_of_the_lagrange_top_are_constant_and_those_of_chaos_are_not():
     regular = frequency_drift(LAGRANGE, lp.sample_states(LAGRANGE, 32, seed=2), observable=("l1", "l2"), t_window=500)
     assert regular.drift.max() < 1e-7  # measured 7e-9

@@ -91,6 +91,7 @@ def test_an_end_time_out_of_reach_ends_with_the_budget_of_steps(method: lp.Taylo
     check(orbit)
 
 
+@pytest.mark.thorough
 @every_method
 def test_a_limit_of_time_ends_a_run_and_keeps_what_is_done(method: lp.Taylor) -> None:
     patient = type(method)(**{**vars(method), "max_steps": 10**15})

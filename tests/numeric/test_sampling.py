@@ -12,6 +12,7 @@ from liepoisson.numeric.sampling import ENSEMBLES, sample_alignment_vectors, sam
 TOP = lp.Top.twisted_kovalevskaya()
 
 
+@pytest.mark.thorough
 @given(st.integers(0, 600), st.integers(0, 600), st.integers(0, 5), st.sampled_from(sorted(ENSEMBLES)))
 def test_a_member_is_the_same_in_every_piece(first, n, seed, ensemble):
     everything = lp.sample_states(TOP, 1200, seed=seed, ensemble=ensemble)

@@ -208,6 +208,7 @@ def test_errors_are_bounded_for_surfaces_that_are_no_polynomials_too():
     np.testing.assert_allclose(smooth.state[near], plain.state, atol=1e-12)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("k", [1e3, 1e5, 1e7])
 def test_surfaces_that_are_the_same_set_have_the_same_section_however_narrow_their_peak(k):
     # exp(-k (l3 - 3/10)^2) = 1/2 where k (l3 - 3/10)^2 = ln 2; the first is -1/2 to all digits on most of a step
@@ -358,6 +359,7 @@ def test_the_return_map_says_why_an_orbit_ended():
     assert lp.first_return(KOVALEVSKAYA, x, surface="l3", t_end=100).outcome.tolist() == ["returned", "not finite"]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("options", [{}, {"keep": ("alpha1", "dot(l, beta)")}, {"n_crossings": 4, "direction": -1}])
 def test_a_section_is_labelled_and_repeats_from_its_file_alone(tmp_path, options):
     found = lp.section(TWISTED, lp.sample_states(TWISTED, 3, seed=1), surface="l3 - alpha2", t_end=30, **options)

@@ -62,6 +62,7 @@ def test_all_exponents_of_an_integrable_system_vanish(system):
     assert (spectrum.structure.n_zeros == x0.shape[1]).all()
 
 
+@pytest.mark.thorough
 def test_a_generic_twisted_orbit_has_five_zeros_and_two_pairs():
     """Measured for 100 starts at t = 1e4: zeros at most 1.5e-3, pairs within 9.4e-4."""
     x0 = lp.sample_states(TOP, 6, seed=1)
@@ -152,6 +153,7 @@ def test_frames_are_orthonormal_and_depend_on_the_seed():
     assert np.linalg.svd(np.hstack([planes[0], planes[256]]), compute_uv=False)[-1] > 1e-3
 
 
+@pytest.mark.thorough
 def test_the_interval_of_orthonormalisation_does_not_matter():
     x0 = lp.sample_states(TOP, 3, seed=3)
     short, long = (lyapunov_spectrum(TOP, x0, t_end=60, interval=interval).exponents for interval in (1, 10))
@@ -185,6 +187,7 @@ def test_a_trajectory_that_fails_is_an_outcome_beside_good_ones():
     assert "1 of 1 trajectories" in spectrum.check()
 
 
+@pytest.mark.thorough
 def test_what_is_done_by_the_time_limit_is_kept():
     spectrum = lyapunov_spectrum(TOP, lp.sample_states(TOP, 2, seed=1), t_end=1e8, interval=100, n_exponents=1,
                                  method=lp.RungeKutta(step=0.1), time_limit=0.5)  # fmt: skip
@@ -192,6 +195,7 @@ def test_what_is_done_by_the_time_limit_is_kept():
     assert "no trajectory finished" in spectrum.check()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "run",
     [{"t_end": 4e7}, {"t_end": 10, "transient": 4e7}, {"t_end": 10, "transient": 4e6, "covariant": True}],
@@ -293,6 +297,7 @@ def test_error_needs_a_few_values():
     assert (mean_error(np.ones((2, 8))) == 0).all()
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("covariant", [False, True])
 def test_a_saved_spectrum_is_run_again_with_the_same_bits(tmp_path, covariant):
     x0 = lp.sample_states(TOP, 2, seed=1)

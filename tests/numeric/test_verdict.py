@@ -28,6 +28,7 @@ def mixed():
     return decide(MIXED, lp.sample_states(MIXED, 120, seed=3), t_end=1000)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", INTEGRABLE)
 def test_integrable_tops_are_never_chaotic(name):
     """64 starts each; 0 of 9,000 in docs/chaos.md."""
@@ -37,6 +38,7 @@ def test_integrable_tops_are_never_chaotic(name):
     assert (verdict.verdict == "regular").mean() > 0.95
 
 
+@pytest.mark.thorough
 def test_twisted_kovalevskaya_is_chaotic():
     verdict = decide(CHAOTIC, lp.sample_states(CHAOTIC, 64, seed=11), t_end=1000, seed=12)
     assert (verdict.verdict == "chaotic").sum() >= 63  # 99.8% in docs/chaos.md
@@ -59,6 +61,7 @@ def test_votes_follow_the_thresholds():
     assert Rule().votes(power, mean, sali).tolist() == [[-1] * 3, [0] * 3, [1] * 3, [0] * 3]
 
 
+@pytest.mark.thorough
 def test_two_votes_and_none_against_make_a_verdict(mixed):
     for verdict, votes in zip(mixed.verdict, mixed.votes.tolist(), strict=True):
         if 1 in votes and -1 in votes:
@@ -218,6 +221,7 @@ def test_bad_input_is_refused():
             decide(CHAOTIC, np.ones(9), t_end=t_end)
 
 
+@pytest.mark.thorough
 def test_the_time_limit_holds_for_all_parts():
     started = time.monotonic()
     verdict = decide(CHAOTIC, lp.sample_states(CHAOTIC, 2, seed=1), t_end=1e18, time_limit=0.2)

@@ -23,6 +23,7 @@ def test_the_euler_chart_refuses_a_collinear_start(gauge):
     assert caught.value.condition == "alpha x beta != 0"
 
 
+@pytest.mark.thorough
 def test_the_quaternion_chart_follows_it_and_it_does_not_stay_collinear():
     # The paper: "If eta = 2 epsilon l.beta initially, then it remains so for all times".  It does not:
     # alpha' = epsilon beta x a = -e2 at the start, so that |alpha x beta| = t, to third order.
@@ -34,6 +35,7 @@ def test_the_quaternion_chart_follows_it_and_it_does_not_stay_collinear():
     assert abs(normal - 0.25) < 1e-4
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("gauge", GAUGES, ids=str)
 @pytest.mark.parametrize("direction", [1, -1])
 def test_an_orbit_through_the_collinear_set_leaves_the_euler_chart_there(gauge, direction):
@@ -67,6 +69,7 @@ def test_the_integrator_alone_does_not_see_the_end():
     assert wrong > 0
 
 
+@pytest.mark.thorough
 def test_an_orbit_inside_the_chart_finishes():
     x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])
     for chart in (lp.EulerChart(TOP, x=x), lp.QuaternionChart(TOP, x=x)):
@@ -95,6 +98,7 @@ def test_wrong_input_is_refused():
         chart_orbit(chart, COLLINEAR, t=[0, 1], method=lp.RungeKutta())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", [lp.EulerChart, lp.QuaternionChart])
 def test_a_file_has_the_orbit_in_coordinates_and_in_the_body(kind, tmp_path):
     x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])

@@ -54,6 +54,7 @@ def test_states_lie_on_the_leaf_and_have_the_energy(name, kind):
         assert values.min() < energy - 0.3
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", LEAVES)
 def test_the_microcanonical_measure_is_invariant_under_the_flow(name):
     """Means and mean squares of all components before, and after t = 10, of the same 4000 orbits."""

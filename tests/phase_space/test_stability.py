@@ -138,6 +138,7 @@ def test_energy_casimir_alone_does_not_see_gyroscopic_stability():
     assert with_spin.combination["H"] != 0
 
 
+@pytest.mark.thorough
 def test_second_variation_is_that_of_the_lagrangian_restricted_to_the_leaf():
     """Signature of Hess(H - sum lambda C) on the tangent space of the leaf, computed with the Casimirs."""
     system = lp.catalog.system("twisted-kovalevskaya")
@@ -151,6 +152,7 @@ def test_second_variation_is_that_of_the_lagrangian_restricted_to_the_leaf():
         assert e.signature == ((values > 1e-9).sum(), (values < -1e-9).sum(), (np.abs(values) <= 1e-9).sum())
 
 
+@pytest.mark.thorough
 def test_symmetry_is_divided_out():
     """The tilted states of the twisted Lagrange top form circles: undecided alone, stable modulo l3."""
     top = lp.catalog.system("twisted-lagrange")
@@ -246,6 +248,7 @@ def test_defective_zeros_are_removed_before_the_spectrum():
     assert np.all(bounds == 0)
 
 
+@pytest.mark.thorough
 def test_diagram_shows_the_curves_of_double_roots(monkeypatch):
     monkeypatch.setenv("MPLBACKEND", "Agg")
     ax = sleeping_diagram((0, 2), spin=5)
@@ -259,6 +262,7 @@ def test_diagram_shows_the_curves_of_double_roots(monkeypatch):
         sleeping_diagram(())
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("twists", [(0, 1), (0,), (2,), (1, -1), (0, 0.3, 5)])
 def test_the_words_of_the_diagram_are_on_their_sides(monkeypatch, twists):
     monkeypatch.setenv("MPLBACKEND", "Agg")

@@ -24,6 +24,7 @@ def derivative(top, function):
     return sum(function.diff(v) * rate for v, rate in zip(top.variables, top.equations.values(), strict=True))
 
 
+@pytest.mark.thorough
 @settings(max_examples=12)
 @given(moments, vectors.filter(any), vectors, numbers)
 def test_the_surface_is_minus_the_derivative_of_l_beta_and_its_own_derivative_is_as_stated(inertia, a, b, epsilon):
@@ -138,6 +139,7 @@ def test_a_state_of_the_section_with_given_coordinates():
     np.testing.assert_allclose(x[[2, 3]], [0.2, 0.1], atol=1e-13)
 
 
+@pytest.mark.thorough
 def test_an_energy_out_of_reach_is_told_before_the_surface_is_blamed():
     leaf = lp.Leaf(lp.catalog.system("kovalevskaya"), {"C1": 0.5, "C2": 1})
     for call in (
@@ -151,6 +153,7 @@ def test_an_energy_out_of_reach_is_told_before_the_surface_is_blamed():
             call()
 
 
+@pytest.mark.thorough
 def test_coordinates_that_no_state_has_are_refused():
     leaf = lp.leaf_of(TWISTED, START)
     with pytest.raises(LeafError, match=r"beta1 = 7.*least residual reached from 65 guesses"):
@@ -184,6 +187,7 @@ def test_spread_starts_are_on_the_section_and_far_from_each_other():
     assert nearest[-1] > 0.3
 
 
+@pytest.mark.thorough
 def test_spread_starts_of_an_energy_out_of_reach_are_refused_with_those_in_reach():
     leaf = lp.Leaf(lp.catalog.system("kovalevskaya"), {"C1": 0.5, "C2": 1})
     with pytest.raises(LeafError, match=r"^states on .* the energy lies between -\d\.\d+ and inf; -9 was asked for"):

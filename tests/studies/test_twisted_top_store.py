@@ -21,6 +21,7 @@ from liepoisson.studies.twisted_top.store import RunStore, discard
 from liepoisson.studies.twisted_top.study import reproduce
 
 
+@pytest.mark.thorough
 def test_interrupted_study_resumes_and_gives_the_same_bits(tmp_path, monkeypatch):
     monkeypatch.setattr(runs, "PIECE_SIZE", 10)
     name = "twisted-unit-vectors"

@@ -132,6 +132,7 @@ def test_damaged_pieces_are_computed_anew(tmp_path, right, damage, name):
     assert sweep(**SPEC, store=path).n_damaged == 0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["zarr.json", "level0/zarr.json", "level0/value/zarr.json", "level0/point/0.0"])
 def test_a_damaged_description_is_refused_and_fresh_helps(tmp_path, right, name):
     path = tmp_path / "a.zarr"
@@ -143,6 +144,7 @@ def test_a_damaged_description_is_refused_and_fresh_helps(tmp_path, right, name)
         np.testing.assert_array_equal(sweep(**SPEC, store=path, fresh=True).value, right)
 
 
+@pytest.mark.thorough
 def test_a_piece_in_the_place_of_another_is_told(tmp_path, right):
     path, other = tmp_path / "a.zarr", tmp_path / "b.zarr"
     sweep(**SPEC, store=path)
@@ -198,6 +200,7 @@ def test_damaged_times_are_no_reason_to_refuse(tmp_path, right):
     np.testing.assert_array_equal(sweep(**SPEC, store=path).value, right)
 
 
+@pytest.mark.thorough
 def test_fresh_removes_the_sweep_and_nothing_else(tmp_path, right):
     path = tmp_path / "a.zarr"
     sweep(**SPEC, store=path)
@@ -211,6 +214,7 @@ def test_fresh_removes_the_sweep_and_nothing_else(tmp_path, right):
     assert sweep(**SPEC, store=path).n_reused == 12
 
 
+@pytest.mark.thorough
 def test_another_format_is_refused_and_fresh_helps(tmp_path):
     path = tmp_path / "a.zarr"
     sweep(**SPEC, store=path)
@@ -222,6 +226,7 @@ def test_another_format_is_refused_and_fresh_helps(tmp_path):
     assert sweep(**SPEC, store=path, fresh=True).n_reused == 0
 
 
+@pytest.mark.thorough
 def test_another_sweep_is_refused(tmp_path, right):
     path = tmp_path / "a.zarr"
     sweep(**SPEC, store=path)
@@ -256,6 +261,7 @@ def test_one_process_writes(tmp_path):
         sweep(**SPEC, store=tmp_path / "a.zarr")
 
 
+@pytest.mark.thorough
 def test_refined_levels_are_stored(tmp_path):
     given = {**SPEC, "n": 20, "quantity": "chaotic_fraction", "t_end": 200.0, "refine": Refinement(2, 0.2)}
     path = tmp_path / "a.zarr"

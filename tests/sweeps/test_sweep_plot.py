@@ -35,6 +35,7 @@ def slope(system, x0, **_):
     return float(system.a[0]) + np.linspace(-1, 1, len(x0))
 
 
+@pytest.mark.thorough
 def test_a_curve_and_its_band():
     result = sweep(system=top, axes={"x": [0.0, 1.0, 2.0]}, quantity=slope, n=5, t_end=1.0)
     ax = draw(result)

@@ -42,6 +42,7 @@ def test_invariants_of_the_twisted_lagrange_top_are_kept():
         assert abs(float(value[0] - after[name][0])) < 20 * np.finfo(np.longdouble).eps, name
 
 
+@pytest.mark.thorough
 def test_tangent_vector_is_the_derivative_of_the_flow():
     """Central differences at 1e-10: their error is near 1e-20 of the third derivative."""
     x0, v0 = starts("general", 1)[0], np.linspace(-1, 1, 9)

@@ -63,6 +63,7 @@ def test_a_turn_about_the_axis_of_beta_in_space_changes_no_state():
     np.testing.assert_allclose(chart.to_body(turned), STATES[0], atol=1e-15)
 
 
+@pytest.mark.thorough
 def test_the_first_casimir_is_the_momentum_map():
     q0, q1, q2, q3, p0, p1, p2, p3, X, Y, v, w, eps = sp.symbols("q0:4 p0:4 X Y v w epsilon")
     system = lp.Top(inertia=("I1", "I2", "I3"), a=("a1", "a2", "a3"), epsilon="epsilon")

@@ -40,6 +40,7 @@ def test_images_have_the_value_of_the_expression(atom):
     assert cmath.isclose(value(images[atom]), complex(atom), rel_tol=1e-12, abs_tol=1e-12)
 
 
+@pytest.mark.thorough
 @exactly
 @given(st.lists(st.sampled_from(ATOMS[:8]), min_size=3, max_size=3))
 def test_arithmetic_follows_that_of_the_numbers(atoms):

@@ -30,6 +30,7 @@ def sparse(matrix):
     return [{c: Fraction(v) for c, v in enumerate(row) if v} for row in matrix]
 
 
+@pytest.mark.thorough
 @exactly
 @given(matrices)
 def test_null_spaces_are_those_of_sympy(matrix):
