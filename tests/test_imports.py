@@ -1,7 +1,10 @@
 """Importing is light: heavy libraries load when they are used."""
 
+import ast
 import subprocess
 import sys
+from importlib import import_module
+from pathlib import Path
 
 import pytest
 
@@ -26,10 +29,24 @@ orbit = lp.integrate(top, growth.final_state, t=[0, 1], dense=True).at(0.5)
     assert loaded(program) == []
 
 
-def test_every_public_name_loads():
-    for name in lp.__all__:
-        assert getattr(lp, name) is not None
-    assert dir(lp) == lp.__all__
+def imported_for_types():
+    """Module by public name, as the types of the package's `__init__` have them: the second list of the names."""
+    tree = ast.parse(Path(lp.__file__).read_text(encoding="utf-8"))
+    block = next(node for node in tree.body if isinstance(node, ast.If))
+    imports = [node for node in block.body if isinstance(node, ast.ImportFrom)]
+    return {alias.name: node.module for node in imports for alias in node.names}
+
+
+def test_every_public_name_is_the_object_that_its_types_promise():
+    homes = imported_for_types()
+    assert set(homes) == set(lp.__all__) - {"__version__"}
+    for name, home in homes.items():
+        if home == "liepoisson":
+            assert getattr(lp, name) is import_module(f"liepoisson.{name}")
+        else:
+            assert getattr(lp, name) is vars(import_module(home))[name], name
+            assert getattr(lp, name).__name__ == name
+    assert dir(lp) == sorted(lp.__all__)
 
 
 def test_types_that_results_and_arguments_have_are_public():
