@@ -278,7 +278,7 @@ class Bracket:
         """The Poisson tensor as sparse exact data, for computations that do not need SymPy."""
         from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
 
-        return LinearPoissonTensor.of(self.dimension, self._terms)
+        return LinearPoissonTensor.of(self.dimension, self._terms, self.algebra.dimension)
 
     @cached_property
     def _terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
