@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.parameters import Exact
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
     from liepoisson.exact.strata import Stratum
+    from liepoisson.exact.trace_casimirs import TraceCasimirs
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
@@ -213,6 +214,12 @@ class Bracket:
     def casimirs(self, degree: int | None = None) -> list[Expr]:
         r"""Generators of the polynomial Casimirs: those of each degree modulo products of the lower ones.
 
+        Expanded where linear algebra on all monomials finds them.  For so(n), su(n), sl(n), gl(n) and the sine algebra
+        beyond its limits they are traces, $\operatorname{tr} X^k$, which stay traces: SymPy expressions that are
+        differentiated, substituted and evaluated, and written out by `.expand(trace=True)` only.  The matrix X, the
+        order and the normalisation are those of `liepoisson.exact.trace_casimirs`.  The list may be incomplete:
+        `casimir_report().complete` says so.
+
         For `so(3) @ leibniz(3, epsilon)`: $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.
         Symbolic parameters are taken as generic.
 
@@ -228,6 +235,17 @@ class Bracket:
 
             self._casimirs[degree] = tuple(casimir_generators(self, degree))
         return list(self._casimirs[degree])
+
+    @cached_property
+    def trace_casimirs(self) -> TraceCasimirs | None:
+        r"""The Casimirs in closed form as traces $\operatorname{tr} X^k$, and Pfaffians; None where none is known.
+
+        `casimirs` returns them where a search for polynomials could not end, see
+        `liepoisson.exact.trace_casimirs.replaces_search`.
+        """
+        from liepoisson.exact.trace_casimirs import trace_casimirs
+
+        return trace_casimirs(self)
 
     def casimir_report(self, degree: int | None = None) -> CasimirReport:
         """The Casimirs with proofs of their number, completeness, and the parameter values where more appear.
@@ -330,9 +348,15 @@ class Bracket:
                 f"a function on phase space must be a SymPy expression; got {f!r} of type {type(f).__name__}. "
                 "Build it from bracket.variables."
             ) from None
-        expression = self.in_own_variables(expression)
+        expression, casimirs = self._modulo_casimirs(self.in_own_variables(expression))
         occurring = expression.free_symbols
-        return [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
+        return [expression.diff(v).xreplace(casimirs) if v in occurring else S.Zero for v in self.variables]
+
+    def _modulo_casimirs(self, expression: Expr) -> tuple[Expr, dict[Any, Expr]]:
+        """The function without the traces that are Casimirs, whose gradients J annihilates."""
+        from liepoisson.exact.trace_casimirs import modulo_casimirs
+
+        return modulo_casimirs(expression, self)
 
     def in_own_variables(self, expression: Expr) -> Expr:
         """The expression in `variables`: for SymPy, a symbol l1 that was made with assumptions is another one."""

@@ -237,6 +237,14 @@ def traces_in(expression: Any) -> set[Trace]:
     return expression.atoms(Trace)
 
 
+def abbreviated(expression: Any) -> tuple[Any, dict[Any, Trace]]:
+    """The expression with a symbol in place of each trace, and what the symbols stand for: to simplify it."""
+    from sympy import Dummy
+
+    symbols = {trace: Dummy(str(trace)) for trace in sorted(traces_in(expression), key=str)}
+    return expression.xreplace(symbols), {symbol: trace for trace, symbol in symbols.items()}
+
+
 def _rational_value(matrices: MatrixMap, word: Word, values: Sequence[Any]) -> Any:
     d = matrices.dimension
     factors = {f: _rational_matrix(matrices, f, values[f * d : (f + 1) * d]) for f in set(word)}

@@ -63,6 +63,8 @@ class TraceCasimirs:
         method: How they were found, in words.
         meanings: What the matrix of a field is, one sentence for each summand of g; {x} stands for the field.
         limits: Why there may be more, or "".
+        leading: For each generator its first word, or the first monomial of a Pfaffian: brackets that agree in these have
+            the same generators up to the values of coefficients.
     """
 
     generators: tuple[Expr, ...]
@@ -71,6 +73,7 @@ class TraceCasimirs:
     method: str
     meanings: tuple[str, ...]
     limits: str
+    leading: tuple[tuple[int, ...], ...]
 
     @property
     def independent(self) -> int:
@@ -118,6 +121,31 @@ def trace_casimirs(bracket: Bracket) -> TraceCasimirs | None:
     return _Traces.of(bracket)
 
 
+def modulo_casimirs(expression: Expr, bracket: Bracket) -> tuple[Expr, dict[Any, Expr]]:
+    """A function on phase space in which Casimirs are symbols, as far as it contains their traces, and their meaning.
+
+    One trace of each Casimir is written as the Casimir less its other terms: its gradient does not matter under J.
+    """
+    from sympy import Dummy
+
+    from liepoisson.exact.trace import traces_in
+
+    occurring = traces_in(expression)
+    known = bracket.trace_casimirs if occurring else None
+    if known is None:
+        return expression, {}
+    replaced: dict[Any, Any] = {}
+    meaning: dict[Any, Expr] = {}
+    for generator in known.generators:
+        others = {trace for other in known.generators if other is not generator for trace in traces_in(other)}
+        for trace in sorted((traces_in(generator) & occurring) - others, key=str)[:1]:
+            constant = Dummy()
+            coefficient = generator.coeff(trace)
+            replaced[trace] = (constant - (generator - coefficient * trace)) / coefficient
+            meaning[constant] = generator
+    return expression.xreplace(replaced), meaning
+
+
 class _Traces:
     """The matrices of all summands of g, and the candidates that they give."""
 
@@ -160,6 +188,7 @@ class _Traces:
             f"closed form: invariants of the matrices of {self.bracket.algebra.name}",
             tuple(part.meaning for _, part in self.parts),
             "" if len(kept) == corank else "no others are known in closed form",
+            tuple((candidate.part, *min(candidate.words or candidate.polynomial or ())) for candidate in kept),
         )
 
     def _candidates(self) -> Iterator[_Candidate]:
@@ -203,7 +232,7 @@ class _Traces:
         if CasimirSearch(base).image(pfaffian):
             return []
         here = {monomial: self.field.number(sign) for monomial, sign in pfaffian.items()}
-        return lifted(here, self.d, self.n, self.coefficient(to_sympy(strength)), self.field)
+        return lifted(here, self.d, self.n, self.coefficient(to_sympy(strength)))
 
     def _hold_at_a_point(self, kept: list[_Candidate]) -> bool:
         """Whether J grad C = 0 at a point, for a sum C of all with integer weights; all integers random, exact."""
