@@ -144,7 +144,10 @@ class Bracket:
         r"""The bracket $\{f, g\} = \nabla f \cdot J \nabla g$, expanded."""
         from sympy import S, expand
 
-        return expand(sum((df * v for df, v in zip(self._gradient(f), self.vector_field(g), strict=True)), S.Zero))
+        slopes = self._gradient(f)
+        if not any(slopes):
+            return S.Zero
+        return expand(sum((df * v for df, v in zip(slopes, self.vector_field(g), strict=True)), S.Zero))
 
     def vector_field(self, h: Expr) -> tuple[Expr, ...]:
         r"""The right-hand side of $\dot x = \{x, h\} = J \nabla h$, one expression per coordinate, expanded."""
@@ -218,7 +221,7 @@ class Bracket:
         beyond its limits they are traces, $\operatorname{tr} X^k$, which stay traces: SymPy expressions that are
         differentiated, substituted and evaluated, and written out by `.expand(trace=True)` only.  The matrix X, the
         order and the normalisation are those of `liepoisson.exact.trace_casimirs`.  The list may be incomplete:
-        `casimir_report().complete` says so.
+        `n_unknown_casimirs` says how many are missing.
 
         For `so(3) @ leibniz(3, epsilon)`: $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.
         Symbolic parameters are taken as generic.
@@ -230,11 +233,20 @@ class Bracket:
         Raises:
             ParameterError: the degree is not a positive integer, or too large for the search.
         """
-        if degree not in self._casimirs:
-            from liepoisson.exact.casimirs import casimir_generators
+        return list(self._known_casimirs(degree)[0])
 
-            self._casimirs[degree] = tuple(casimir_generators(self, degree))
-        return list(self._casimirs[degree])
+    @property
+    def n_unknown_casimirs(self) -> int:
+        """How many independent Casimirs are missing in `casimirs()`: 0 if every one is a function of them."""
+        return self.corank() - self._known_casimirs(None)[1]
+
+    def _known_casimirs(self, degree: int | None) -> tuple[tuple[Expr, ...], int]:
+        if degree not in self._casimirs:
+            from liepoisson.exact.casimirs import generators_and_number
+
+            generators, n_independent = generators_and_number(self, degree)
+            self._casimirs[degree] = tuple(generators), n_independent
+        return self._casimirs[degree]
 
     @cached_property
     def trace_casimirs(self) -> TraceCasimirs | None:
@@ -335,7 +347,7 @@ class Bracket:
         return J
 
     @cached_property
-    def _casimirs(self) -> dict[int | None, tuple[Expr, ...]]:
+    def _casimirs(self) -> dict[int | None, tuple[tuple[Expr, ...], int]]:
         return {}
 
     def _gradient(self, f: Expr) -> list[Expr]:

@@ -114,8 +114,21 @@ class _Found:
 
 def casimir_generators(bracket: Bracket, degree: int | None = None) -> list[Expr]:
     """Generators of the Casimirs, without examining special values of the parameters; see `CasimirReport`."""
+    return generators_and_number(bracket, degree)[0]
+
+
+def generators_and_number(bracket: Bracket, degree: int | None) -> tuple[list[Expr], int]:
+    """The generators, and how many of them are functionally independent (proved to be so many)."""
     found = _traces_or_found(bracket, degree)
-    return list(found.generators) if isinstance(found, TraceCasimirs) else _expressions(bracket, found)
+    if isinstance(found, TraceCasimirs):
+        return list(found.generators), found.independent
+    return _expressions(bracket, found), found.independent
+
+
+def shortage(bracket: Bracket) -> str:
+    """Says how many Casimirs are known where not all are: "only 1 of 6 independent Casimirs known"; empty if all are."""
+    corank, missing = bracket.corank(), bracket.n_unknown_casimirs
+    return f"only {corank - missing} of {corank} independent Casimirs known" if missing else ""
 
 
 def leading_monomials(bracket: Bracket) -> tuple[tuple[int, ...], ...]:
@@ -132,7 +145,7 @@ def leading_monomials(bracket: Bracket) -> tuple[tuple[int, ...], ...]:
 
 def independent_casimirs(bracket: Bracket) -> int:
     """How many functionally independent Casimirs are found (proved to be so many)."""
-    return _traces_or_found(bracket, None).independent
+    return bracket.corank() - bracket.n_unknown_casimirs
 
 
 def _traces_or_found(bracket: Bracket, degree: int | None) -> _Found | TraceCasimirs:

@@ -101,6 +101,7 @@ class Trace(Function):
     """
 
     is_commutative = True
+    is_trace = True
 
     def __new__(cls, matrices: Any, fields: Any, word: Any, *coordinates: Any) -> Any:
         """The trace, or its value where the coordinates are numbers."""

@@ -146,9 +146,9 @@ def _element(roots: Roots, field: Coefficients, order: int) -> Any:
 
 
 def _orthogonal(basis: list[Any], size: int) -> DefiningMatrices:
-    # tr(E_ij E_ij) = -2 eta_i eta_j: with the factor -2, X is the sum of x_ij E_ij for so(n).
+    # tr(E_ij E_ij) = -2 eta_i eta_j: with the factor -2, X is the sum of eta_i eta_j x_ij E_ij.
     even = tuple(range(2, size if size % 2 else size - 1, 2))
-    meaning = "{x} = sum of {x}_ij E_ij, an antisymmetric matrix times the metric" if size > 3 else "{x} = sum {x}_i ad e_i"
+    meaning = "{x}_i = -tr({x} e_i)/2, an antisymmetric matrix times the metric"
     half = 0 if size % 2 else size // 2
     return _with_dual(basis, basis, size, Fraction(-2), degrees=even, pfaffian=half, meaning=meaning)
 
@@ -174,7 +174,7 @@ def _special_unitary(basis: list[Any], size: int) -> DefiningMatrices:
         Fraction(4),  # 2 for the copies, and 2 so that the off-diagonal entries are s_jk - i a_jk
         copies=2,
         degrees=tuple(range(2, size + 1)),
-        meaning="{x}_k = tr({x} e_k)/(2i), a hermitian traceless matrix",
+        meaning="{x}_i = tr({x} e_i)/(2 sqrt(-1)), a hermitian traceless matrix",
     )
 
 
@@ -287,7 +287,7 @@ def _sine_matrices(N: int) -> DefiningMatrices:
         j: {p: tuple((eighth * q, (a + 3 * N) % (4 * N)) for q, a in roots) for p, roots in matrices[j].items()}
         for j in first
     }
-    meaning = "{x} = sum over n of {x}_n T_n, a hermitian traceless matrix, T_n = q^(n1 n2) g^n1 h^n2, q = exp(2 pi i/N)"
+    meaning = "{x} = sum of {x}_n T_n over all n, hermitian, with the clock and shift matrices T_n"
     return DefiningMatrices(tuple(matrices), movers, N, 4 * N, 1, tuple(range(2, N + 1)), 0, meaning)
 
 
