@@ -1,11 +1,13 @@
 """Casimirs in closed form: how many, that they are those of the search, and when they stand in its place."""
 
+from dataclasses import replace
+
 import pytest
 import sympy as sp
 
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
-from liepoisson.exact.lie import defining_matrices as matrices_module
+from liepoisson.exact.lie.defining_matrices import DefiningMatrices, defining_matrices
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.lie_algebras import gl, heisenberg, se, sine, sl, so, su
 from liepoisson.exact.linear.coefficients import Coefficients
@@ -145,17 +147,12 @@ def test_an_algebra_with_the_matrices_of_another_is_refused():
 
 
 def test_the_check_at_a_point_alone_refuses_a_wrong_matrix(monkeypatch):
-    """Without the proof on the basis: X with one entry transposed is caught by J grad C != 0."""
-    right = matrices_module.defining_matrices(su(3))
-    first = {(j, i): roots for (i, j), roots in right.matrices[0].items()}
-
-    def wrong(_algebra):
-        changed = matrices_module.DefiningMatrices(**{**vars(right), "matrices": (first, *right.matrices[1:])})
-        object.__setattr__(changed, "meaning", "wrong")
-        return changed
-
-    monkeypatch.setattr("liepoisson.exact.trace_casimirs.defining_matrices", wrong)
-    monkeypatch.setattr(matrices_module.DefiningMatrices, "defect", lambda *_: "")
+    """Without the proof on the basis: X with one sign wrong is caught by J grad C != 0."""
+    right = defining_matrices(su(3))
+    first = {place: tuple((-q, a) for q, a in roots) for place, roots in right.matrices[0].items()}
+    wrong = replace(right, matrices=(first, *right.matrices[1:]))
+    monkeypatch.setattr("liepoisson.exact.trace_casimirs.defining_matrices", lambda _: wrong)
+    monkeypatch.setattr(DefiningMatrices, "defect", lambda *_: "")
     assert trace_casimirs(su(3) @ trivial()) is None
 
 

@@ -362,7 +362,8 @@ class Bracket:
             ) from None
         expression, casimirs = self._modulo_casimirs(self.in_own_variables(expression))
         occurring = expression.free_symbols
-        return [expression.diff(v).xreplace(casimirs) if v in occurring else S.Zero for v in self.variables]
+        slopes: list[Any] = [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
+        return [slope.xreplace(casimirs) for slope in slopes] if casimirs else slopes
 
     def _modulo_casimirs(self, expression: Expr) -> tuple[Expr, dict[Any, Expr]]:
         """The function without the traces that are Casimirs, whose gradients J annihilates."""

@@ -126,7 +126,7 @@ def generators_and_number(bracket: Bracket, degree: int | None) -> tuple[list[Ex
 
 
 def shortage(bracket: Bracket) -> str:
-    """Says how many Casimirs are known where not all are: "only 1 of 6 independent Casimirs known"; empty if all are."""
+    """How many Casimirs are known where not all are, as in "only 1 of 6 independent Casimirs known"; else empty."""
     corank, missing = bracket.corank(), bracket.n_unknown_casimirs
     return f"only {corank - missing} of {corank} independent Casimirs known" if missing else ""
 

@@ -138,9 +138,7 @@ def gl(n: int) -> LieAlgebra:
         return {i * n + j: value.real for (i, j), value in matrix.items()}
 
     basis: list[_Entries] = [{pair: 1} for pair in pairs]
-    return _of_matrices(
-        basis, coordinates, f"gl({n})", index_names("", pairs, n), MatrixFamily("gl", n, tuple(basis))
-    )
+    return _of_matrices(basis, coordinates, f"gl({n})", index_names("", pairs, n), MatrixFamily("gl", n, tuple(basis)))
 
 
 def se(n: int) -> LieAlgebra:

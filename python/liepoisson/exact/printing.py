@@ -234,7 +234,7 @@ class _Writer:
             # Names at the end, so that no order is left to chance.
             return degree, (0 if isinstance(atom, (Cross, Image, Itself)) else kind, *fields, *map(str, vectors))
         if getattr(base, "is_trace", False):
-            return len(base.word), (8, str(base))
+            return len(cast("Trace", base).word), (8, str(base))
         name = str(base)
         return (1, (9, self.places[name])) if name in self.places else None
 

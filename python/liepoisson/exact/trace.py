@@ -1,4 +1,4 @@
-r"""Traces of products of matrices of coordinates, $\operatorname{tr}(X Y \cdots)$, as SymPy expressions that stay traces.
+r"""Traces of products of matrices of coordinates, $\operatorname{tr}(X Y \cdots)$: SymPy expressions that stay traces.
 
 Expanded, $\operatorname{tr} X^7$ in 48 coordinates has millions of terms.  A `Trace` is one function of its
 coordinates: it is differentiated and evaluated by products of matrices, printed as "tr(X^7)", and written out only by
@@ -56,11 +56,11 @@ class MatrixMap(AtomicExpr):
         matrices = tuple(tuple(sorted(matrix.items())) for matrix in given.matrices)
         return cls(_Data(matrices, given.size, given.order, given.copies, number))
 
-    def __getnewargs__(self) -> tuple[_Data]:
+    def __getnewargs__(self) -> Any:
         """What it is pickled as."""
         return (self.data,)
 
-    def _hashable_content(self) -> tuple[str]:
+    def _hashable_content(self) -> Any:
         return (self.key,)
 
     def _sympystr(self, _printer: Any) -> str:
@@ -115,9 +115,7 @@ class Trace(Function):
         if matrices.data.order == 1 and all(value.is_Rational for value in values):
             return _rational_value(matrices, letters, values)
         names = fields if isinstance(fields, Tuple) else Tuple(*map(Str, fields))
-        return Function.__new__(
-            cls, matrices, names, Tuple(*map(Integer, letters)), *values, evaluate=False
-        )
+        return Function.__new__(cls, matrices, names, Tuple(*map(Integer, letters)), *values, evaluate=False)
 
     @property
     def word(self) -> Word:
@@ -147,7 +145,7 @@ class Trace(Function):
         if argindex < 4:
             return S.Zero
         word = self.word
-        replaced = [word[:s] + (-1 - k,) + word[s + 1 :] for s, letter in enumerate(word) if letter == field]
+        replaced = [(*word[:s], -1 - k, *word[s + 1 :]) for s, letter in enumerate(word) if letter == field]
         return Add(*(Trace(self.args[0], self.args[1], other, *self.coordinates) for other in replaced))
 
     def _eval_derivative(self, s: Any) -> Any:
@@ -161,7 +159,7 @@ class Trace(Function):
 
     def _eval_evalf(self, prec: int) -> Any:
         from mpmath import workprec
-        from sympy import Expr, Float
+        from sympy import Float
 
         values = [c.evalf() for c in self.coordinates]
         if not all(value.is_Float or value.is_Rational for value in values):
@@ -197,7 +195,11 @@ class Trace(Function):
         from liepoisson.exact.report.styles import LATEX
 
         inside = r"\,".join(LATEX.vector(name) if n == 1 else f"{LATEX.vector(name)}^{{{n}}}" for name, n in self.text)
-        name = rf"\operatorname{{tr}}_{{{self.matrices.data.number}}}" if self.matrices.data.number else r"\operatorname{tr}"
+        name = (
+            rf"\operatorname{{tr}}_{{{self.matrices.data.number}}}"
+            if self.matrices.data.number
+            else r"\operatorname{tr}"
+        )
         text = rf"{name}\left({inside}\right)"
         return text if exp is None else rf"\left({text}\right)^{{{exp}}}"
 
@@ -222,7 +224,9 @@ def value(matrices: MatrixMap, word: Word, coordinates: Sequence[Any]) -> Any:
     """The trace for arrays of coordinates that broadcast to one shape."""
     x = np.stack(np.broadcast_arrays(*coordinates), axis=-1)
     d = matrices.dimension
-    factors = {f: matrices.matrix(x[..., f * d : (f + 1) * d]) if f >= 0 else matrices.arrays[-1 - f] for f in set(word)}
+    factors = {
+        f: matrices.matrix(x[..., f * d : (f + 1) * d]) if f >= 0 else matrices.arrays[-1 - f] for f in set(word)
+    }
     return trace_of(chain(word[:-1], factors, np.matmul), factors[word[-1]]) / matrices.data.copies
 
 
@@ -238,7 +242,7 @@ def traces_in(expression: Any) -> set[Trace]:
     return expression.atoms(Trace)
 
 
-def abbreviated(expression: Any) -> tuple[Any, dict[Any, Trace]]:
+def abbreviated(expression: Any) -> tuple[Any, dict[Any, Any]]:
     """The expression with a symbol in place of each trace, and what the symbols stand for: to simplify it."""
     from sympy import Dummy
 
@@ -320,9 +324,7 @@ def _expanded(trace: Trace) -> Any:
             _add(total, polynomial)
     copies = Integer(trace.matrices.data.copies)
     terms = [
-        Mul(field.to_sympy(c) / copies, *(trace.coordinates[v] for v in monomial))
-        for monomial, c in total.items()
-        if c
+        Mul(field.to_sympy(c) / copies, *(trace.coordinates[v] for v in monomial)) for monomial, c in total.items() if c
     ]
     return Add(*terms)
 

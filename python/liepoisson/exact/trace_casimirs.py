@@ -12,7 +12,7 @@ is, without the common factor of the multiplicities of its words; one that depen
 What is proved: equation (1) of `defining_matrices` for all basis elements, exactly, hence $J\nabla C = 0$; this is
 computed at a random exact point besides.  Independence, from below, by the rank of the gradients modulo a prime.
 
-References: Rais and Tauvel, J. reine angew. Math. 425 (1992) 123; Procesi, Adv. Math. 19 (1976) 306, for traces of words.
+References: Rais and Tauvel, J. reine angew. Math. 425 (1992) 123; for traces of words Procesi, Adv. Math. 19 (1976) 306.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from itertools import combinations
 from math import comb, prod
 from operator import mul
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.exact.lie.defining_matrices import (
     DefiningMatrices,
@@ -63,8 +63,8 @@ class TraceCasimirs:
         method: How they were found, in words.
         meanings: What the matrix of a field is, one sentence for each summand of g; {x} stands for the field.
         limits: Why there may be more, or "".
-        leading: For each generator its first word, or the first monomial of a Pfaffian: brackets that agree in these have
-            the same generators up to the values of coefficients.
+        leading: For each generator the number of its summand, and its first word or the first monomial of a Pfaffian:
+            brackets that agree in these have the same generators up to the values of coefficients.
     """
 
     generators: tuple[Expr, ...]
@@ -143,7 +143,7 @@ def modulo_casimirs(expression: Expr, bracket: Bracket) -> tuple[Expr, dict[Any,
             coefficient = generator.coeff(trace)
             replaced[trace] = (constant - (generator - coefficient * trace)) / coefficient
             meaning[constant] = generator
-    return expression.xreplace(replaced), meaning
+    return cast("Expr", expression.xreplace(replaced)), meaning
 
 
 class _Traces:

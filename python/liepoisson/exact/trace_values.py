@@ -1,7 +1,8 @@
 r"""Sums of traces as functions of arrays, with gradients and second derivatives by products of matrices.
 
-$\partial \operatorname{tr}(X_1 \cdots X_k)/\partial x_i$ is the sum of $\operatorname{tr}(X_{s+1} \cdots X_{s-1} F^i)$ over the places s
-of the letter that $x_i$ belongs to: one product of matrices for all coordinates of a field.
+$\partial \operatorname{tr}(X_1 \cdots X_k)/\partial x_i$ is the sum of
+$\operatorname{tr}(X_{s+1} \cdots X_{s-1} F^i)$ over the places s of the letter that $x_i$ belongs to: one product of
+matrices for all coordinates of a field.
 """
 
 from __future__ import annotations
@@ -44,16 +45,17 @@ class TraceTerm:
         index = {variable: k for k, variable in enumerate(variables)}
         places = np.array([index[c] for c in trace.coordinates], dtype=np.intp)
         return cls(
-            weight / trace.matrices.data.copies, trace.matrices, trace.word, places.reshape(-1, trace.matrices.dimension)
+            weight / trace.matrices.data.copies,
+            trace.matrices,
+            trace.word,
+            places.reshape(-1, trace.matrices.dimension),
         )
 
     def factors(self, x: Array) -> dict[int, Any]:
         """The matrix of each letter, shape (..., row, column)."""
         F, m = self.matrices, self.matrices.data.size
         return {
-            f: F.matrix(x[..., self.places[f]])
-            if f >= 0
-            else np.broadcast_to(F.arrays[-1 - f], (*x.shape[:-1], m, m))
+            f: F.matrix(x[..., self.places[f]]) if f >= 0 else np.broadcast_to(F.arrays[-1 - f], (*x.shape[:-1], m, m))
             for f in set(self.word)
         }
 

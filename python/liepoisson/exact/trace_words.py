@@ -1,11 +1,12 @@
 r"""Words in the matrices of several fields whose traces are Casimirs of g (x) A.
 
-With $X_\lambda$ the matrix of the field of $e_\lambda$ and $\{X_\lambda, x_{\nu j}\} = \sum_\kappa W_\kappa{}^{\lambda\nu}
-[X_\kappa, e_j]$, the sum $\sum T^{\lambda_1\cdots\lambda_k}\operatorname{tr}(X_{\lambda_1}\cdots X_{\lambda_k})$ is a
-Casimir if T does not change under cyclic rotations and it makes no difference which of its places is multiplied by
-$e_\nu$:
+With $X_\lambda$ the matrix of the field of $e_\lambda$,
+$\{X_\lambda, x_{\nu j}\} = \sum_\kappa W_\kappa{}^{\lambda\nu} [X_\kappa, e_j]$.  So the sum
+$\sum T^{\lambda_1\cdots\lambda_k}\operatorname{tr}(X_{\lambda_1}\cdots X_{\lambda_k})$ is a Casimir if T does not change
+under cyclic rotations, and if it makes no difference which of its places is multiplied by $e_\nu$:
 
-$$\sum_\lambda W_\kappa{}^{\lambda\nu}\, T^{\lambda\mu\cdots} = \sum_\lambda W_\mu{}^{\lambda\nu}\, T^{\kappa\lambda\cdots}
+$$\sum_\lambda W_\kappa{}^{\lambda\nu}\, T^{\lambda\mu\cdots}
+  = \sum_\lambda W_\mu{}^{\lambda\nu}\, T^{\kappa\lambda\cdots}
   \qquad\text{for all } \kappa, \mu, \dots, \nu. \tag{1}$$
 
 For a Leibniz extension these are the coefficients of the powers of z in $\operatorname{tr} X^k$,
@@ -61,9 +62,7 @@ def leibniz_combinations(n: int, degree: int, strength: Any) -> Iterator[Combina
     for power in reversed(range(n)):
         counted = {word: len(rotations(word)) for word in _words_of_power(n, degree, power)}
         common = gcd(*counted.values())
-        yield {
-            word: (count // common) * (strength ** word.count(0) if n > 1 else 1) for word, count in counted.items()
-        }
+        yield {word: (count // common) * (strength ** word.count(0) if n > 1 else 1) for word, count in counted.items()}
 
 
 def _words_of_power(n: int, degree: int, power: int) -> list[Word]:

@@ -1,6 +1,6 @@
 r"""The matrices behind a Lie algebra with a name: coordinates become one matrix whose traces are Casimirs.
 
-For a Lie algebra of matrices $e_j$ the coordinates of a state are written into one matrix $X = \sum_k x_k F^k$ such that
+For a Lie algebra of matrices $e_j$ the coordinates of a state are written into one matrix, $X = \sum_k x_k F^k$, with
 
 $$[e_j, F^k] = \sum_i c_{ij}{}^k F^i \qquad\text{for all j and k.} \tag{1}$$
 
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.lie_algebra import LieAlgebra
 
 Roots: TypeAlias = tuple[tuple[Fraction, int], ...]
-r"""A number $\sum q\,\zeta^a$ by its pairs (q, a), with $\zeta = e^{2\pi i/n}$ for an order n that is kept beside it."""
+r"""A number $\sum q\,\zeta^a$ by its pairs (q, a), with $\zeta = e^{2\pi i/n}$ for an order n kept beside it."""
 
 Entries: TypeAlias = dict[tuple[int, int], Roots]
 """A matrix by its nonzero entries."""
