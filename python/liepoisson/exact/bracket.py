@@ -213,8 +213,12 @@ class Bracket:
     def casimirs(self, degree: int | None = None) -> list[Expr]:
         r"""Generators of the polynomial Casimirs: those of each degree modulo products of the lower ones.
 
-        For `so(3) @ leibniz(3, epsilon)`: $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.
-        Symbolic parameters are taken as generic.
+        They are called C1, C2, ... everywhere, in this order.  For `so(3) @ leibniz(3, epsilon)`:
+        $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.  Symbolic parameters are taken as generic.
+
+        Each has the coefficient 1 at its leading monomial: that of the latest fields, and among these of the first
+        coordinates.  Nothing else is multiplied or cleared, so that values inserted for symbols give the generators of
+        the bracket with these values, except where `casimir_report` names a jump.
 
         Args:
             degree: Find all up to this degree.  None: raise the degree until as many independent ones are found as the
