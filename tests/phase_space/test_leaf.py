@@ -113,7 +113,7 @@ def test_values_that_no_state_of_the_stratum_has_are_refused(top, values, messag
 def test_values_are_refused_by_search_where_no_inequality_is_known():
     """|Pf| <= |M|^2/2 on so(4)."""
     with pytest.raises(LeafError, match="no state"):
-        lp.Leaf(lp.catalog.system("manakov-so4"), {"C1": 2, "C2": 1})
+        lp.Leaf(lp.catalog.system("manakov-so4"), {"C1": 1, "C2": 2})
 
 
 def test_an_unlisted_stratum_says_so():

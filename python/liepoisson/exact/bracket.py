@@ -217,14 +217,19 @@ class Bracket:
     def casimirs(self, degree: int | None = None) -> list[Expr]:
         r"""Generators of the polynomial Casimirs: those of each degree modulo products of the lower ones.
 
-        Expanded where linear algebra on all monomials finds them.  For so(n), su(n), sl(n), gl(n) and the sine algebra
-        beyond its limits they are traces, $\operatorname{tr} X^k$, which stay traces: SymPy expressions that are
-        differentiated, substituted and evaluated, and written out by `.expand(trace=True)` only.  The matrix X, the
-        order and the normalisation are those of `liepoisson.exact.trace_casimirs`.  The list may be incomplete:
-        `n_unknown_casimirs` says how many are missing.
+        They are called C1, C2, ... everywhere, in this order.  For `so(3) @ leibniz(3, epsilon)`:
+        $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.  Symbolic parameters are taken as generic.
 
-        For `so(3) @ leibniz(3, epsilon)`: $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.
-        Symbolic parameters are taken as generic.
+        Each has the coefficient 1 at its leading monomial: that of the latest fields, and among these of the first
+        coordinates.  Nothing else is multiplied or cleared, so that values inserted for symbols give the generators of
+        the bracket with these values, except where `casimir_report` names a jump.
+
+        They are expanded where linear algebra on all monomials finds them.  For so(n), su(n), sl(n), gl(n) and the sine
+        algebra beyond its limits they are traces, $\operatorname{tr} X^k$: SymPy expressions that are differentiated,
+        substituted and evaluated as they are, and written out by `.expand(trace=True)` only.  The matrix X, the order
+        and the normalisation are those of `liepoisson.exact.trace_casimirs`.
+
+        The list may be incomplete: `n_unknown_casimirs` says how many are missing.
 
         Args:
             degree: Find all up to this degree.  None: raise the degree until as many independent ones are found as the

@@ -206,6 +206,7 @@ class System:
 
         from liepoisson.exact.trace import abbreviated
 
+        value: Any
         value, traces = abbreviated(self.bracket(self._function(function), self.hamiltonian))
         polynomial = value == 0 or value.is_polynomial(*self.variables, *traces)
         simplified: Any = value if polynomial else simplify(value)

@@ -12,7 +12,7 @@ is, without the common factor of the multiplicities of its words; one that depen
 What is proved: equation (1) of `defining_matrices` for all basis elements, exactly, hence $J\nabla C = 0$; this is
 computed at a random exact point besides.  Independence, from below, by the rank of the gradients modulo a prime.
 
-References: Rais and Tauvel, J. reine angew. Math. 425 (1992) 123; for traces of words Procesi, Adv. Math. 19 (1976) 306.
+References: Rais and Tauvel, J. reine angew. Math. 425 (1992) 123; Procesi, Adv. Math. 19 (1976) 306, on words.
 """
 
 from __future__ import annotations

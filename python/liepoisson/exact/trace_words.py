@@ -2,8 +2,8 @@ r"""Words in the matrices of several fields whose traces are Casimirs of g (x) A
 
 With $X_\lambda$ the matrix of the field of $e_\lambda$,
 $\{X_\lambda, x_{\nu j}\} = \sum_\kappa W_\kappa{}^{\lambda\nu} [X_\kappa, e_j]$.  So the sum
-$\sum T^{\lambda_1\cdots\lambda_k}\operatorname{tr}(X_{\lambda_1}\cdots X_{\lambda_k})$ is a Casimir if T does not change
-under cyclic rotations, and if it makes no difference which of its places is multiplied by $e_\nu$:
+$\sum T^{\lambda_1\cdots\lambda_k}\operatorname{tr}(X_{\lambda_1}\cdots X_{\lambda_k})$ is a Casimir if T does not
+change under cyclic rotations, and if it makes no difference which of its places is multiplied by $e_\nu$:
 
 $$\sum_\lambda W_\kappa{}^{\lambda\nu}\, T^{\lambda\mu\cdots}
   = \sum_\lambda W_\mu{}^{\lambda\nu}\, T^{\kappa\lambda\cdots}

@@ -179,7 +179,7 @@ def _given(casimirs: Mapping[str, float], field: TopField) -> tuple[float, float
             f"C1 = |alpha|^2 must be >= 0 and C2^2 <= C1 C3 where epsilon or beta is 0; got C1 = {c1:g}, "
             f"C2 = {c2:g}, C3 = {c3:g}."
         )
-    return c1, float(np.sqrt(c3))
+    return c1, float(np.sqrt(c3)) * _OUTWARD
 
 
 @np.errstate(over="ignore", invalid="ignore")

@@ -330,8 +330,8 @@ def _unknown(system: System, place: Place) -> str:
     n_found = n - place.rank - system.bracket.n_unknown_casimirs
     return (
         f"the equations of the leaves of {system.name!r} are not known: {n} - {place.rank} = {n - place.rank} "
-        f"independent Casimirs cut out those of its open stratum, and {n_found} of them were found within the limits of "
-        f"the search ({known}). Only tangent spaces are known, from a state: leaf_of(system, x)."
+        f"independent Casimirs cut out those of its open stratum, and {n_found} of them were found within the limits "
+        f"of the search ({known}). Only tangent spaces are known, from a state: leaf_of(system, x)."
     )
 
 

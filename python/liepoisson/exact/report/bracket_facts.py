@@ -237,8 +237,11 @@ class CasimirFacts(Topic):
             found.append((f"{verified} ({report.method})",))
         found.append((self._completeness(),))
         for case in report.exceptional:
+            at = Statement.about(case.condition, self.bracket)
             formulas = joined(Shortened(self.notation.formula(generator)) for generator in case.generators)
-            found.append(("there are others for ", Statement.about(case.condition, self.bracket), ": ", *formulas))
+            found.append(("there are others for ", at, ": ", *formulas))
+            if case.jumps:
+                found.append((*joined(map(Name, case.jumps)), " jump at ", at, ": other functions than near by"))
         if report.examined and not report.exceptional:
             looked_at = joined(Statement.about(condition, self.bracket) for condition in report.examined)
             found.append(("no more for special values either; examined: ", *looked_at))
@@ -278,6 +281,7 @@ class CasimirFacts(Topic):
                 {
                     "condition": case.condition,
                     "generators": [record_of_formula(self.notation.formula(e), e) for e in case.generators],
+                    "jumps": list(case.jumps),
                 }
                 for case in report.exceptional
             ],
