@@ -132,17 +132,23 @@ def test_no_case_where_the_bracket_has_a_pole():
     assert report.exceptional == ()
 
 
+def without_matrices(algebra):
+    """The same algebra by its structure constants alone, as if typed by hand."""
+    return LieAlgebra.from_brackets(algebra.dimension, algebra.brackets, check=False)
+
+
 @pytest.mark.thorough
 def test_an_incomplete_search_says_why():
-    # su(5) (x) R[z]/(z^3) has Casimirs of degree 4 and 5, beyond the size limit.
-    report = (su(5) @ trivial()).casimir_report()
+    # su(5) has Casimirs of degree 4 and 5, beyond the size limit; typed by hand, it has no matrices.
+    by_hand = LieAlgebra.from_brackets(24, su(5).brackets, check=False)
+    report = (by_hand @ trivial()).casimir_report()
     assert (report.complete, report.degrees, report.corank) == (False, (2, 3), 4)
     assert "exceeds the size limit" in report.limits
 
 
 @pytest.mark.thorough
 def test_large_algebras_keep_their_killing_form():
-    bracket = so(12) @ trivial()
+    bracket = without_matrices(so(12)) @ trivial()
     assert bracket.casimirs() == [sp.Add(*(x**2 for x in bracket.variables))]
 
 
@@ -202,25 +208,24 @@ def test_casimirs_have_one_order(bracket):
 
 
 def test_a_generator_has_no_poles_in_the_parameters():
-    r"""[e1, e3] = e1 + k e2, [e2, e3] = 2 e1 - e2: $k l_2^2 - 2 l_1^2 + 2 l_1 l_2$, for k = 0 too."""
+    r"""[e1, e3] = e1 + k e2, [e2, e3] = 2 e1 - e2: $l_1^2 - l_1 l_2 - k l_2^2/2$, for k = 0 too."""
     bracket = LieAlgebra.from_brackets(3, {(0, 2): {0: 1, 1: "k"}, (1, 2): {0: 2, 1: -1}}) @ trivial()
     k = sp.Symbol("k")
     l1, l2, _ = bracket.variables
     (casimir,) = bracket.casimirs()
-    assert sp.expand(casimir - (k * l2**2 - 2 * l1**2 + 2 * l1 * l2)) == 0
+    assert sp.expand(casimir - (l1**2 - l1 * l2 - k * l2**2 / 2)) == 0
     assert not any(bracket.substitute({"k": 0}).vector_field(casimir.subs(k, 0)))
     report = bracket.casimir_report()
     assert report.generators == (casimir,)
     assert "k = 0" not in [case.condition for case in report.exceptional]
 
 
-def test_generators_that_become_dependent_have_an_exceptional_value():
-    """[e1, e4] = k e5, [e2, e4] = [e3, e4] = -e5: l1 + k l2 and l1 + k l3 coincide for k = 0."""
+def test_generators_stay_independent_at_all_values():
+    """[e1, e4] = k e5, [e2, e4] = [e3, e4] = -e5: l1 + k l2 and l1 + k l3 would coincide for k = 0."""
     bracket = LieAlgebra.from_brackets(5, {(0, 3): {4: "k"}, (1, 3): {4: -1}, (2, 3): {4: -1}}) @ trivial()
     report = bracket.casimir_report()
     l1, l2, l3, _, l5 = bracket.variables
     k = sp.Symbol("k")
-    assert set(report.generators) == {l1 + k * l2, l1 + k * l3, l5}
-    ((condition, generators),) = report.exceptional
-    assert condition == "k = 0"
-    assert sp.Matrix(generators).jacobian([l1, l2, l3, l5]).rank() == 3
+    assert report.generators == (l1 + k * l3, l2 - l3, l5)
+    assert (report.examined, report.exceptional) == (("k = 0",), ())
+    assert bracket.substitute({"k": sp.S.Zero}).casimirs() == [l1, l2 - l3, l5]

@@ -10,25 +10,21 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.sweeps.run import sweep
-from liepoisson.sweeps.starts import TopRows, casimir_scale, project, system_functions
+from liepoisson.sweeps.starts import TopRows, project, system_functions
 
 NAMES = ("energy", "C1", "C2", "C3")
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.5, 0.2), b=(0.3, 0, -0.4), epsilon=0.5)
 
 
-def test_the_functions_of_a_top_are_those_of_the_exact_wing():
-    x = lp.sample_states(TOP, 20, seed=1, ensemble="gaussian")
+@pytest.mark.parametrize("epsilon", [0, 0.5, "7/10", -1 / 3, 0.1 + 0.2])
+def test_the_functions_of_a_top_are_those_of_its_bracket(epsilon):
+    top = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.5, 0.2), b=(0.3, 0, -0.4), epsilon=epsilon)
+    x = lp.sample_states(top, 20, seed=1, ensemble="gaussian")
     rows = np.arange(20)
-    values, gradients = TopRows.of([TOP.field()], 20).functions(NAMES)(x, rows)
-    exact_values, exact_gradients = system_functions(TOP, NAMES)(x, rows)
+    values, gradients = TopRows.of([top.field()], 20).functions(NAMES)(x, rows)
+    exact_values, exact_gradients = system_functions(top, NAMES)(x, rows)
     np.testing.assert_allclose(values, exact_values, rtol=1e-13, atol=1e-13)
     np.testing.assert_allclose(gradients, exact_gradients, rtol=1e-13, atol=1e-13)
-
-
-def test_casimirs_do_not_change_their_scale_with_epsilon():
-    """For epsilon = 7/10 the exact wing clears denominators: its C1 is 5 |alpha|^2 + 7 l.beta."""
-    top = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0, 0), epsilon="7/10")
-    assert casimir_scale(top) == pytest.approx({"C1": 5, "C2": 1, "C3": 1}, rel=1e-14)
 
 
 def test_projection_reaches_the_wanted_values():
@@ -73,16 +69,35 @@ NO_TOP = {
 }
 
 
-def test_casimirs_of_a_varying_bracket_are_refused():
-    """C1 of the exact wing is multiplied by the denominator of epsilon: not one leaf at all points."""
-    given = {"system": NO_TOP, "n": 2, "t_end": 1.0, "threads": 1, "quantity": lambda system, x0, **_: 0.0}
-    fixed = {**given, "parameters": {"epsilon": 0.5}, "axes": {"k": [0.5, 1.0]}}
-    with pytest.raises(ParameterError, match=r"bracket varies \(epsilon\).*system file of a top"):
-        sweep(**given, parameters={"k": 1}, axes={"epsilon": [0.25, 0.3, 0.5]}, starts={"C1": 1})
-    with pytest.raises(ParameterError, match="bracket varies"):
-        sweep(**given, parameters={"k": 1, "epsilon": "s^2"}, axes={"s": [-1.0, 1.0, 2.0]}, starts={"C1": 1})
-    assert sweep(**fixed, starts={"C1": 1}).outcomes == {"finished": 4}
-    assert sweep(**given, parameters={"k": 1}, axes={"epsilon": [0.25, 0.5]}, starts={"energy": 1}).is_complete
+def worst_first_casimir(system, x0, **_):
+    """How far |alpha|^2 + 2 epsilon l.beta, in the documented form, is from 1 at the starts."""
+    epsilon = float(system.bracket.extension.tensor[2][1][1])
+    l, alpha, beta = x0[:, :3], x0[:, 3:6], x0[:, 6:]
+    return np.abs((alpha**2 + 2 * epsilon * l * beta).sum(-1) - 1)
+
+
+def test_casimirs_of_a_varying_bracket_are_one_function_at_all_points():
+    given = {"system": NO_TOP, "n": 2, "t_end": 1.0, "threads": 1, "quantity": worst_first_casimir}
+    found = sweep(**given, parameters={"k": 1}, axes={"epsilon": [0.0, 0.25, 0.3, 0.51]}, starts={"C1": 1})
+    assert found.outcomes == {"finished": 8}
+    assert np.max(found.value) < 1e-11
+
+
+def fourth_order(epsilon):
+    return lp.System(lp.so(3) @ lp.leibniz(4, epsilon), lambda l, x, y, z: l.dot(l) / 2 + x[0])
+
+
+@pytest.mark.thorough
+def test_points_where_casimirs_are_other_functions_have_no_starts():
+    """With epsilon = 0 the bracket has six Casimirs, and C1 is |x_1|^2 instead of x_1.x_2 + epsilon x_0.x_3."""
+    given = {"system": fourth_order, "n": 2, "t_end": 1.0, "threads": 1, "starts": {"C1": 1}}
+    given["quantity"] = lambda system, x0, **_: 0.0
+    found = sweep(**given, axes={"epsilon": [-0.5, 0.0, 0.25, 0.5, 1.0]})
+    assert found.outcomes == {"finished": 8, "no start": 2}
+    assert "1 points have no start; the first of them: no start: ParameterError: C1, C2, ..." in found.remarks[0]
+    with pytest.raises(ParameterError, match=r"same functions at all points.*has 6 with .*have 4 with"):
+        sweep(**given, axes={"epsilon": [-0.5, -0.25, 0.0]})
+    assert sweep(**given, axes={"epsilon": [0.0]}).outcomes == {"finished": 2}
 
 
 def test_unknown_casimirs_and_bad_pieces_are_refused_before_anything_is_made(tmp_path):

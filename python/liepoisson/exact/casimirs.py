@@ -3,6 +3,11 @@ r"""Casimir invariants of a bracket: generators, their number, and what is prove
 Each generator is verified by $J \nabla C = 0$.  The number of functionally independent Casimirs is at most the corank
 of J at any one point, which is computed exactly; when as many have been found, there are no more.
 
+C1, C2, ... have one normalisation and one order: the coefficient 1 at the leading monomial, by degrees and by leading
+monomials (`liepoisson.exact.poisson.leading_monomials`).  Only the entries of J decide, so that the generators of a
+bracket with symbols become those of the bracket with numbers when these are inserted.  Where they do not,
+`casimir_report` says so.
+
 References: Olver, Applications of Lie Groups to Differential Equations (1993), section 6.2.
 """
 
@@ -10,24 +15,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import count
+from itertools import count, zip_longest
 from numbers import Integral
-from random import Random
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import rank
 from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 from liepoisson.exact.poisson.casimir_search import (
     MAX_WORK,
     CasimirSearch,
     Polynomial,
     n_independent,
-    new_generators,
     products_of_degree,
 )
-from liepoisson.exact.poisson.takiff import leibniz_strength, lifted, primitive
+from liepoisson.exact.poisson.leading_monomials import leading, place
+from liepoisson.exact.poisson.takiff import leibniz_strength, lifted
+from liepoisson.exact.trace_casimirs import TraceCasimirs, replaces_search
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -45,10 +48,12 @@ class ExceptionalCase(NamedTuple):
     Attributes:
         condition: For example "epsilon = 0".
         generators: The generators there.
+        jumps: The names C1, C2, ... that mean something else there than the limit of what they mean near by.
     """
 
     condition: str
     generators: list[Expr]
+    jumps: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -56,19 +61,20 @@ class CasimirReport:
     """Casimirs of a bracket, and what is known about them.
 
     Attributes:
-        generators: Casimirs of each degree modulo products of those of lower degree.
+        generators: Casimirs of each degree modulo products of those of lower degree; C1, C2, ... in this order.
         degrees: Their degrees.
         dimensions: Number of linearly independent homogeneous Casimirs of each degree that was searched (proved).
         independent: Number of functionally independent ones among the generators (proved).
         corank: The corank of J at one point; no more can be independent (proved).
         complete: Whether these two numbers agree: every Casimir is locally a function of the generators.
         exceptional: Values of the parameters with more Casimirs in the degrees searched, with a higher corank, or at
-            which the generic generators become dependent.
+            which the generators are not the limits of the generic ones.
         examined: All values that had to be looked at; elsewhere, the generic answer holds in the degrees searched.
         undecided: Conditions on several parameters that were not looked at.
-        verified: Whether J grad C = 0 for every generator, expanded anew.
+        verified: Whether J grad C = 0 for every generator, expanded anew; for traces, proved from their matrices.
         method: How they were found, in words.
         limits: Why the search ended before it was complete, or "".
+        meanings: Where generators are traces: what the matrix is, for each summand of the algebra; {x} for its name.
     """
 
     generators: tuple[Expr, ...]
@@ -83,6 +89,7 @@ class CasimirReport:
     verified: bool
     method: str
     limits: str
+    meanings: tuple[str, ...] = ()
 
 
 @dataclass
@@ -107,12 +114,52 @@ class _Found:
 
 def casimir_generators(bracket: Bracket, degree: int | None = None) -> list[Expr]:
     """Generators of the Casimirs, without examining special values of the parameters; see `CasimirReport`."""
-    return _expressions(bracket, _find(bracket, degree))
+    return generators_and_number(bracket, degree)[0]
+
+
+def generators_and_number(bracket: Bracket, degree: int | None) -> tuple[list[Expr], int]:
+    """The generators, and how many of them are functionally independent (proved to be so many)."""
+    found = _traces_or_found(bracket, degree)
+    if isinstance(found, TraceCasimirs):
+        return list(found.generators), found.independent
+    return _expressions(bracket, found), found.independent
+
+
+def shortage(bracket: Bracket) -> str:
+    """How many Casimirs are known where not all are, as in "only 1 of 6 independent Casimirs known"; else empty."""
+    corank, missing = bracket.corank(), bracket.n_unknown_casimirs
+    return f"only {corank - missing} of {corank} independent Casimirs known" if missing else ""
+
+
+def leading_monomials(bracket: Bracket) -> tuple[tuple[int, ...], ...]:
+    """The leading monomials of C1, C2, ..., as indices of coordinates; for traces, their words.
+
+    Among brackets with the same ones the generators depend continuously on the structure constants: each is the one
+    solution of a linear system with the same pivots.
+    """
+    found = _traces_or_found(bracket, None)
+    if isinstance(found, TraceCasimirs):
+        return found.leading
+    return tuple(leading(polynomial, bracket.tensor.block) for _, polynomial in found.generators)
 
 
 def independent_casimirs(bracket: Bracket) -> int:
     """How many functionally independent Casimirs are found (proved to be so many)."""
-    return _find(bracket, None).independent
+    return bracket.corank() - bracket.n_unknown_casimirs
+
+
+def _traces_or_found(bracket: Bracket, degree: int | None) -> _Found | TraceCasimirs:
+    """What a search finds; traces where it could not end (`replaces_search`), and where it finds less."""
+    if degree is None and replaces_search(bracket) and (traces := bracket.trace_casimirs) is not None:
+        return traces
+    found = _find(bracket, degree)
+    return (_more_traces(bracket, found) if degree is None else None) or found
+
+
+def _more_traces(bracket: Bracket, found: _Found) -> TraceCasimirs | None:
+    """The traces, if they are more than a search found that is not complete."""
+    traces = None if found.complete else bracket.trace_casimirs
+    return traces if traces is not None and traces.independent > found.independent else None
 
 
 def _find(bracket: Bracket, degree: int | None) -> _Found:
@@ -138,12 +185,16 @@ def casimir_report(bracket: Bracket, degree: int | None = None) -> CasimirReport
     Raises:
         ParameterError: the degree is not a positive integer, or a search up to it is too large.
     """
+    if degree is None and replaces_search(bracket) and (traces := bracket.trace_casimirs) is not None:
+        return _report_of_traces(bracket, traces, {})
     search = CasimirSearch(bracket.tensor, with_pivots=bool(bracket.tensor.field.parameters))
     found = _search(search, _checked_degree(degree), _corank(bracket.tensor))
-    if degree is None and (closed := _lift(bracket)) is not None:
+    if degree is None and (closed := _lift(bracket, search.pivots)) is not None:
         closed.dimensions, closed.limits = found.dimensions, "" if closed.complete else found.limits
         found = _better(closed, found)
-    exceptional, examined, undecided = _exceptional(bracket, search, found)
+    if degree is None and (traces := _more_traces(bracket, found)) is not None:
+        return _report_of_traces(bracket, traces, found.dimensions)
+    exceptional, examined, undecided = _exceptional(bracket, search, found, degree)
     return CasimirReport(
         generators=tuple(_expressions(bracket, found)),
         degrees=tuple(d for d, _ in found.generators),
@@ -158,6 +209,51 @@ def casimir_report(bracket: Bracket, degree: int | None = None) -> CasimirReport
         method=found.method,
         limits=found.limits,
     )
+
+
+def _report_of_traces(bracket: Bracket, traces: TraceCasimirs, dimensions: dict[int, int]) -> CasimirReport:
+    exceptional, examined, undecided = _exceptional_for_traces(bracket, traces)
+    return CasimirReport(
+        generators=traces.generators,
+        degrees=traces.degrees,
+        dimensions=dimensions,
+        independent=traces.independent,
+        corank=traces.corank,
+        complete=traces.complete,
+        exceptional=exceptional,
+        examined=examined,
+        undecided=undecided,
+        verified=True,
+        method=traces.method,
+        limits=traces.limits,
+        meanings=traces.meanings,
+    )
+
+
+def _exceptional_for_traces(
+    bracket: Bracket, traces: TraceCasimirs
+) -> tuple[tuple[ExceptionalCase, ...], tuple[str, ...], tuple[str, ...]]:
+    """For Leibniz extensions the strength decides alone; for others special values are not looked for."""
+    field, strength = bracket.tensor.field, leibniz_strength(bracket.extension)
+    if not field.parameters:
+        return (), (), ()
+    if strength is None or not bracket.extension.symbols:
+        return (), (), (f"values of {', '.join(map(str, field.parameters))} with more Casimirs were not looked for",)
+    from liepoisson.exact.poisson.exceptional_parameters import special_values
+
+    values, undecided = special_values({field.read(strength)}, field)
+    cases: list[ExceptionalCase] = []
+    for condition, substitution in values:
+        try:
+            special = bracket.substitute(substitution)
+        except ParameterError:  # a pole: there is no bracket at this value
+            continue
+        inserted: Any = {name: to_sympy(value) for name, value in substitution.items()}
+        generators = casimir_generators(special)
+        jumps = _differing([generator.subs(inserted) for generator in traces.generators], generators)
+        if jumps or _corank(special.tensor) > traces.corank:
+            cases.append(ExceptionalCase(condition, generators, jumps))
+    return tuple(cases), tuple(condition for condition, _ in values), undecided
 
 
 def quotient_casimirs(tensor: LinearPoissonTensor) -> list[Polynomial]:
@@ -183,7 +279,7 @@ def _search(search: CasimirSearch, degree: int | None, corank: int) -> _Found:
             break
         space = search.of_degree(d)
         found.dimensions[d] = len(space)
-        fresh = new_generators(space, products_of_degree(found.generators, d), search.tensor.field) if space else []
+        fresh = search.new_generators(space, products_of_degree(found.generators, d)) if space else []
         found.generators += [(d, polynomial) for polynomial in fresh]
     return found
 
@@ -192,21 +288,29 @@ def _size_limit(degree: int) -> str:
     return f"degree {degree} exceeds the size limit ({MAX_WORK} monomials times coordinates)"
 
 
-def _lift(bracket: Bracket) -> _Found | None:
-    """The closed form for Leibniz extensions of higher order, verified; None if this is no such bracket."""
+def _lift(bracket: Bracket, pivots: set[Any] | None = None) -> _Found | None:
+    """The closed form for Leibniz extensions of higher order, verified; None if this is no such bracket.
+
+    Args:
+        bracket: The bracket.
+        pivots: What the search for the Casimirs of the Lie algebra divides by is added to it.
+    """
     from liepoisson.exact.extensions import leibniz
 
     n, strength, field = bracket.extension.dimension, leibniz_strength(bracket.extension), bracket.tensor.field
     if n < 2 or strength is None or strength == 0 or field.is_cyclotomic:
         return None
     base = bracket.algebra @ leibniz(1)
-    found = _search(CasimirSearch(base.tensor), None, _corank(base.tensor))
+    of_base = CasimirSearch(base.tensor, with_pivots=pivots is not None and bool(base.tensor.field.parameters))
+    found = _search(of_base, None, _corank(base.tensor))
     to_field = base.tensor.field.to_sympy
+    if pivots is not None:
+        pivots |= {field.read(to_field(pivot)) for pivot in of_base.pivots}
     generators: list[tuple[int, Polynomial]] = []
     for d, polynomial in found.generators:
         here = {m: field.read(to_field(c)) for m, c in polynomial.items()}
-        lifts = lifted(here, bracket.algebra.dimension, n, field.read(strength), field)
-        generators += [(d, casimir) for casimir in lifts]
+        generators += [(d, casimir) for casimir in lifted(here, bracket.algebra.dimension, n, field.read(strength))]
+    generators.sort(key=lambda generator: (generator[0], place(leading(generator[1], base.dimension), base.dimension)))
     search = CasimirSearch(bracket.tensor)
     if any(search.image(polynomial) for _, polynomial in generators):
         return None
@@ -219,7 +323,7 @@ def _corank(tensor: LinearPoissonTensor) -> int:
 
 
 def _exceptional(
-    bracket: Bracket, search: CasimirSearch, found: _Found
+    bracket: Bracket, search: CasimirSearch, found: _Found, degree: int | None
 ) -> tuple[tuple[ExceptionalCase, ...], tuple[str, ...], tuple[str, ...]]:
     if not bracket.tensor.field.parameters:
         return (), (), ()
@@ -235,21 +339,37 @@ def _exceptional(
             continue
         inner = CasimirSearch(special.tensor)
         more = any(len(inner.of_degree(d)) > n for d, n in found.dimensions.items())
-        fewer = _independent_at(substitution, generic, bracket) < found.independent
-        if more or fewer or _corank(special.tensor) > found.corank:
-            cases.append(ExceptionalCase(condition, casimir_generators(special)))
+        here = _find(special, degree)
+        generators = _expressions(special, here)
+        limits = [_limit(generator, substitution, bracket) for generator in generic]
+        jumps = _differing(limits, generators)
+        if more or jumps or here.independent < found.independent or here.corank > found.corank:
+            cases.append(ExceptionalCase(condition, generators, jumps))
     return tuple(cases), tuple(condition for condition, _ in values), undecided
 
 
-def _independent_at(values: Mapping[str, Exact], generators: Sequence[Expr], bracket: Bracket) -> int:
-    """How many generators stay independent with these values of parameters (their gradients at one random point)."""
-    random = Random(1)
-    at: Any = [(x, random.randrange(1, 100)) for x in bracket.variables]
+def _limit(generator: Expr, values: Mapping[str, Exact], bracket: Bracket) -> Any:
+    """A generator with these values of parameters; None if it has a pole there."""
+    from sympy import Add, Mul, Poly, fraction
+
     inserted: Any = {name: to_sympy(value) for name, value in values.items()}
-    special: list[Any] = [e.subs(inserted) for e in generators]
-    rows = [[e.diff(x).subs(at) for x in bracket.variables] for e in special]
-    field = Coefficients.containing([entry for row in rows for entry in row])
-    return rank([{i: field.read(c) for i, c in enumerate(row) if not is_zero(c)} for row in rows], field)
+    terms: list[Any] = []
+    for powers, coefficient in Poly(generator, *bracket.variables).terms():
+        above, below = (part.subs(inserted) for part in fraction(coefficient.cancel()))
+        if is_zero(below):
+            return None
+        terms.append(Mul(above / below, *(x**n for x, n in zip(bracket.variables, powers, strict=True))))
+    return Add(*terms)
+
+
+def _differing(limits: Sequence[Any], generators: Sequence[Expr]) -> tuple[str, ...]:
+    """The names C1, C2, ... of generators that are not these limits of generic ones."""
+    pairs: Any = zip_longest(limits, generators)
+    return tuple(
+        f"C{k}"
+        for k, (limit, generator) in enumerate(pairs, start=1)
+        if limit is None or generator is None or not is_zero(limit - generator)
+    )
 
 
 def _expressions(bracket: Bracket, found: _Found) -> list[Expr]:
@@ -257,11 +377,10 @@ def _expressions(bracket: Bracket, found: _Found) -> list[Expr]:
 
 
 def polynomial_expression(polynomial: Polynomial, bracket: Bracket) -> Expr:
-    """A polynomial in the coordinates of the bracket as a SymPy expression."""
+    """A polynomial in the coordinates of the bracket as a SymPy expression, with the coefficients that it has."""
     from sympy import Add, Mul
 
     x, read = bracket.variables, bracket.tensor.field.to_sympy
-    polynomial = primitive(polynomial, bracket.tensor.field)
     terms: list[Any] = [Mul(read(c), *(x[i] for i in monomial)) for monomial, c in polynomial.items()]
     return Add(*terms)
 

@@ -62,6 +62,17 @@ class TopParameters:
         dalpha = alpha.cross(omega) + to_sympy(self.epsilon) * beta.cross(a)
         return tuple(expand(v) for v in (*dl, *dalpha, *beta.cross(omega)))
 
+    def has_bracket(self, bracket: Bracket) -> bool:
+        r"""Whether this is the bracket of the top, with the same epsilon.
+
+        Then its Casimirs are $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$ and $|\beta|^2$.  Another
+        bracket can have the same equations, with another Hamiltonian or where a = b = 0.
+        """
+        from liepoisson.exact.extensions import leibniz
+        from liepoisson.exact.lie_algebras import so
+
+        return bracket.entries() == (so(3) @ leibniz(3, self.epsilon)).entries()
+
     def field(self) -> TopField:
         """The plain description for the numeric core.
 

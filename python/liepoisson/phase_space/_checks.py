@@ -42,10 +42,3 @@ def as_energy(value: Any, name: str = "energy") -> float:
     if not np.isfinite(energy):
         raise ParameterError(f"{name} must be a finite number; got {energy}. Take one of leaf.energy_range().")
     return energy
-
-
-def first_casimir_scale(system: System) -> float:
-    """What clears the first Casimir of a top of fractions: 3 for 3 |alpha|^2 - 2 l.beta, that is epsilon = -1/3."""
-    state = np.zeros(9)
-    state[3] = 1.0
-    return float(system.functions.casimirs["C1"](state))

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.numeric._checks import as_number, shown
-from liepoisson.phase_space._checks import as_energy, as_system, first_casimir_scale
+from liepoisson.phase_space._checks import as_energy, as_system
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -76,7 +76,7 @@ def bounds(
         top: A top: the equations decide, however the system was made.
         x: One state, shape (9,), whose leaf and energy are meant; then give nothing else.
         leaf: A leaf, also one of lower rank, which has other Casimirs than C1, C2, C3.
-        casimirs: Instead of it the values of C1, C2, C3, as the bracket of the top has them.
+        casimirs: Instead of it the values of C1, C2, C3 of the bracket of the top.
         energy: The energy, with `leaf` or `casimirs`.
 
     Returns:
@@ -102,7 +102,12 @@ def bounds(
     if energy is not None and leaf is not None and casimirs is None:
         return _bounds(field, *_of_leaf(leaf, field), as_energy(energy))
     if energy is not None and casimirs is not None and leaf is None:
-        return _bounds(field, *_given(casimirs, field, first_casimir_scale(top)), as_energy(energy))
+        if not parameters.has_bracket(top.bracket):
+            raise ParameterError(
+                f"casimirs are values of |alpha|^2 + 2 epsilon l.beta, alpha.beta and |beta|^2; {top.name!r} has the "
+                f"equations of a top, but the bracket {top.bracket}. Give leaf=, or a state x."
+            )
+        return _bounds(field, *_given(casimirs, field), as_energy(energy))
     raise ParameterError(
         "which leaf and energy is meant must be said; give a state x, both leaf= and energy=, or both casimirs= and "
         "energy=."
@@ -158,7 +163,7 @@ def _of_leaf(leaf: Leaf, field: TopField) -> tuple[float, float]:
     return _first_casimir(leaf.state, field) + lost, math.hypot(*beta) * _OUTWARD
 
 
-def _given(casimirs: Mapping[str, float], field: TopField, scale: float) -> tuple[float, float]:
+def _given(casimirs: Mapping[str, float], field: TopField) -> tuple[float, float]:
     if not isinstance(casimirs, Mapping) or set(casimirs) != {"C1", "C2", "C3"}:  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(
             f'casimirs must be {{"C1": ..., "C2": ..., "C3": ...}}; got {shown(casimirs)}. For a leaf with other ones '
@@ -167,7 +172,6 @@ def _given(casimirs: Mapping[str, float], field: TopField, scale: float) -> tupl
     c1, c2, c3 = (as_number(casimirs[name], name, "a finite number") for name in ("C1", "C2", "C3"))
     if not np.isfinite([c1, c2, c3]).all():
         raise ParameterError(f"casimirs must be finite; got {dict(casimirs)}.")
-    c1 /= scale
     if c3 < 0:
         raise LeafError(f"C3 = |beta|^2 must be >= 0; got {c3:g}.")
     if (field.epsilon == 0 or c3 == 0) and (c1 < 0 or c2 * c2 > c1 * c3 * _OUTWARD):
@@ -175,7 +179,7 @@ def _given(casimirs: Mapping[str, float], field: TopField, scale: float) -> tupl
             f"C1 = |alpha|^2 must be >= 0 and C2^2 <= C1 C3 where epsilon or beta is 0; got C1 = {c1:g}, "
             f"C2 = {c2:g}, C3 = {c3:g}."
         )
-    return c1, float(np.sqrt(c3))
+    return c1, float(np.sqrt(c3)) * _OUTWARD
 
 
 @np.errstate(over="ignore", invalid="ignore")

@@ -84,14 +84,11 @@ def _top_of(leaf: Leaf) -> TopField | None:
     """The top, if the bracket is that of a top and H is its energy, not only the equations the same."""
     from sympy import expand
 
-    from liepoisson.exact.extensions import leibniz
-    from liepoisson.exact.lie_algebras import so
-
     system, top = leaf.system, leaf.system.top_parameters
     if top is None or not leaf.place.is_known:
         return None
     fields = tuple(system.bracket.fields.values())
-    if system.bracket.entries() != (so(3) @ leibniz(3, top.epsilon)).entries():
+    if not top.has_bracket(system.bracket):
         return None
     return top.field() if expand(system.hamiltonian - top.hamiltonian(*fields)) == 0 else None
 

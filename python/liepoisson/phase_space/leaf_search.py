@@ -79,14 +79,16 @@ def _refuse_impossible(system: System, place: Place, values: Array) -> None:
                 f"{name} = {function.expression} is a sum of squares; {value:g} was asked for. Make it >= 0."
             )
     top = system.top_parameters
-    if top is not None and list(place.casimirs) == ["C1", "C2", "C3"] and top.epsilon == 0:
+    if top is None or not top.has_bracket(system.bracket):
+        return
+    if top.epsilon == 0:
         first, mixed, last = values
         if mixed**2 >= first * last:
             raise LeafError(
                 f"C2^2 = (alpha.beta)^2 must be smaller than C1 C3 = |alpha|^2 |beta|^2 where alpha x beta != 0; got "
                 f"{mixed**2:g} and {first * last:g}. For parallel vectors give a state: leaf_of(system, x)."
             )
-    elif top is not None and list(place.casimirs) == ["C1", "C2", "C3"] and values[2] == 0:
+    elif values[2] == 0:
         raise LeafError(
             "C3 = |beta|^2 must be positive where beta != 0; got 0. The leaves with beta = 0 have other Casimirs: "
             "give a state, leaf_of(system, x)."

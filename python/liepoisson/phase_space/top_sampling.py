@@ -27,7 +27,6 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from liepoisson.arrays import Array
-from liepoisson.phase_space._checks import first_casimir_scale
 
 if TYPE_CHECKING:
     from liepoisson.field import TopField
@@ -75,7 +74,6 @@ def _twisted(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
     """The leaves of dimension six for epsilon != 0; proposals are uniform in n, |alpha_perp|^2 and its angle."""
     inertia, a, b = (np.array(v) for v in (top.inertia, top.a, top.b))
     c1, c2, c3 = leaf.casimirs.values()
-    c1 /= first_casimir_scale(leaf.system)
     w = np.sqrt(c3)
     along = c2 / w
     low, high = _range_of_alpha(top, c1, w, along, shell.energy)

@@ -244,12 +244,8 @@ def _is_written_as_top(system: Any, top: Any) -> bool:
     """Whether bracket and Hamiltonian are those of the top, not only the equations."""
     from sympy import expand
 
-    from liepoisson.exact.extensions import leibniz
-    from liepoisson.exact.lie_algebras import so
-
     fields = tuple(system.bracket.fields.values())
-    is_bracket = system.bracket.entries() == (so(3) @ leibniz(3, top.epsilon)).entries()
-    return is_bracket and expand(system.hamiltonian - top.hamiltonian(*fields)) == 0
+    return top.has_bracket(system.bracket) and expand(system.hamiltonian - top.hamiltonian(*fields)) == 0
 
 
 def _floats(value: Any) -> Array:

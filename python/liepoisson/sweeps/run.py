@@ -23,7 +23,7 @@ from liepoisson.sweeps.lattice import Lattice, Place, split
 from liepoisson.sweeps.result import Sweep
 from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
 from liepoisson.sweeps.spec_file import read_sweep_file
-from liepoisson.sweeps.starts import check_casimirs
+from liepoisson.sweeps.starts import Meaning, check_casimirs
 from liepoisson.sweeps.store import Level, SweepStore
 from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, resolve
@@ -93,7 +93,7 @@ def sweep(
     # Said before anything is made: wrong names and values.
     if points_per_piece is not None:
         as_count(points_per_piece, "points_per_piece", least=1, most=2**31, hint="leave it out")
-    check_casimirs(family, evaluate_targets(spec, family, lattice.coordinates(lattice.grid())))
+    meaning = check_casimirs(family, evaluate_targets(spec, family, lattice.coordinates(lattice.grid())))
     path = None if store is None else Path(store)
     if path is not None:
         spec.fingerprint()
@@ -109,6 +109,7 @@ def sweep(
                 where=where,
                 points_per_piece=points_per_piece,
                 progress=progress,
+                meaning=meaning,
             ).result()
 
 
@@ -205,8 +206,10 @@ class _Run:
         where: _Where,
         points_per_piece: int | None,
         progress: Progress | None,
+        meaning: Meaning | None,
     ) -> None:
         self.spec, self.family, self.lattice, self.store = spec, family, lattice, store
+        self.meaning = meaning
         self.where, self.progress = where, progress
         self.points_per_piece = points_per_piece
         self.places: list[Place] = []
@@ -259,8 +262,10 @@ class _Run:
 
         report = run_pieces(self.where.executor(len(missing)), self._pieces(level, missing), keep=keep)
         report.points |= {k: why for k, why in sorted(told.items()) if (level.outcome[k] == FAILED).any()}
-        if absent := [why for k, why in sorted(told.items()) if k not in report.points]:
-            report.remarks.append(f"{activity}: {len(absent)} points have no system; the first of them: {absent[0]}")
+        for lack in ("no system", "no start"):
+            absent = [why for k, why in sorted(told.items()) if k not in report.points and why.startswith(lack)]
+            if absent:
+                report.remarks.append(f"{activity}: {len(absent)} points have {lack}; the first of them: {absent[0]}")
         if self.store is not None:
             self.store.save_facts(number, level)
         return report
@@ -280,6 +285,7 @@ class _Run:
                 method=spec.method,
                 seed=spec.seed,
                 version=__version__,
+                meaning=self.meaning,
             )
             for index in missing
         ]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,24 +80,27 @@ class TopRows:
 
 
 def is_top(system: Any) -> bool:
-    """Whether energy and Casimirs of a system are those of `TopRows`."""
+    """Whether this is known to be a top, so that `TopRows` has its energy and Casimirs."""
     from liepoisson.tops import Top
 
     return isinstance(system, (NumericTop, Top))
 
 
-def check_casimirs(family: Family, targets: Targets) -> None:
-    """Refuse Casimirs that the systems do not have, or that are not the same functions at all points.
+def check_casimirs(family: Family, targets: Targets) -> Meaning | None:
+    """Refuse Casimirs that the systems do not have, or that are other functions at one point than at another.
 
-    The exact wing multiplies a Casimir by the denominators of its coefficients, which change with the parameters of the
-    bracket: C1 = 1 is then another leaf at each point.  Tops have Casimirs of their own here, see `TopRows`.  Looked at
-    are the formulas of a file, and the first, middle and last point.
+    Looked at are the formulas of a file, and the first, middle and last point; the others are looked at when they are
+    computed, see `require_meaning`.
+
+    Returns:
+        What the names C1, C2, ... mean at all points; None where no Casimirs are prescribed or the bracket is the same
+        at the points looked at.
 
     Raises:
         ParameterError: one of these.
     """
     if not targets.casimirs:
-        return
+        return None
     n, systems = len(next(iter(targets.casimirs.values()))), list[Any]()
     for point in sorted({0, n // 2, n - 1}):
         with suppress(Exception):  # told of its point when it is computed
@@ -110,11 +113,38 @@ def check_casimirs(family: Family, targets: Targets) -> None:
     varying = {name for name, values in targets.parameters.items() if (values != values[:1]).any()}
     names = sorted(varying & {*family.bracket_parameters})
     brackets = {str(s.bracket.entries()) for s in others if hasattr(s, "bracket")}
-    if others and (names or len(brackets) > 1):
+    if not others or not (names or len(brackets) > 1 or len(others) < len(systems)):
+        return None
+    first = meaning(systems[0])
+    for system in systems[1:]:
+        require_meaning(system, first)
+    return first
+
+
+Meaning: TypeAlias = "tuple[tuple[int, ...], ...]"
+"""The leading monomials of C1, C2, ...: generators with the same ones depend continuously on the bracket."""
+
+
+def meaning(system: Any) -> Meaning:
+    """What the names C1, C2, ... mean for a system."""
+    if is_top(system):
+        return (3, 3), (3, 6), (6, 6)
+    from liepoisson.exact.casimirs import leading_monomials
+
+    return leading_monomials(system.bracket) if hasattr(system, "bracket") else ()
+
+
+def require_meaning(system: Any, wanted: Meaning) -> None:
+    """Refuse a system whose Casimirs are other functions than those of the other points.
+
+    Raises:
+        ParameterError: its generators have other leading monomials: a parameter of the bracket is exceptional.
+    """
+    if (found := meaning(system)) != wanted:
         raise ParameterError(
-            f"Casimirs of {family.name} can not be prescribed while its bracket varies ({', '.join(names) or 'axes'}): "
-            "they are other functions at each point, as their fractions are cleared. Use a system file of a top, such "
-            "as twisted-top, or a function that returns lp.Top, or hold the bracket."
+            f"C1, C2, ... must be the same functions at all points where they are prescribed; {system.bracket} has "
+            f"{len(found)} with the leading monomials {found}, other points have {len(wanted)} with {wanted}. Leave "
+            "out the exceptional value of the parameter (`liepoisson inspect` lists them), or hold the bracket."
         )
 
 
@@ -193,20 +223,6 @@ def _residual(functions: Functions, wanted: Array, x: Array, rows: NDArray[np.in
     size = np.sqrt((x**2).sum(-1))[:, None] * np.sqrt((gradients**2).sum(-1)) + np.abs(goal)
     relative = np.abs(values - goal) / np.where(size > 0, size, 1.0)
     return np.where(np.isfinite(relative) & np.isfinite(size), relative, np.inf).max(axis=-1)
-
-
-def casimir_scale(system: Any) -> dict[str, float]:
-    """What the exact wing multiplies the Casimirs of `TopRows` by, to clear denominators; empty if it is no top."""
-    from liepoisson.tops import Top
-
-    if not isinstance(system, Top):
-        return {}
-    x, names = np.arange(1.0, 10.0)[None], ("C1", "C2", "C3")
-    top = cast("TopField", system.field())
-    ours, exact = (
-        f(x, np.arange(1))[0][0] for f in (TopRows.of([top], 1).functions(names), system_functions(system, names))
-    )
-    return dict(zip(names, (exact / ours).tolist(), strict=True))
 
 
 def liouville(system: Any, n: int, seed: int, casimirs: dict[str, float], energy: float | None) -> Array:

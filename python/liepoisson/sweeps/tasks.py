@@ -23,7 +23,7 @@ from liepoisson.numeric.sampling import sample_states, sample_tangents
 from liepoisson.sweeps.errors import WorkerVersionError
 from liepoisson.sweeps.family import Family, NumericTop
 from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD
-from liepoisson.sweeps.starts import TopRows, casimir_scale, is_top, liouville, project, system_functions
+from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.spec import Starts
@@ -58,6 +58,7 @@ class Piece:
         seed: Draws starts and tangent vectors.
         version: Version of liepoisson that may compute it.
         threads: Threads of the core.
+        meaning: What the prescribed Casimirs mean at all points; None if they can mean one thing only.
     """
 
     index: int
@@ -72,6 +73,7 @@ class Piece:
     seed: int
     version: str
     threads: int | None = 1
+    meaning: Meaning | None = None
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ class PieceResult:
         outcome: Codes of `OUTCOMES`, shape (point, member).
         seconds: Time that it took.
         method: How it was integrated, in words.
-        failed: Why points failed or have no system, by their number in the piece.
+        failed: Why points failed, have no system or other Casimirs, by their number in the piece.
         retried: How many tries of points failed and were repeated.
     """
 
@@ -159,6 +161,7 @@ class _Points:
         for point, system in enumerate(self.systems):
             if isinstance(system, Exception):
                 self._mark(point, NO_SYSTEM if isinstance(system, _NO_SYSTEM) else FAILED, system)
+        good = [point for point in good if self._has_meaning(point)]
         if self.piece.quantity == "exponent" and good:
             try:
                 self._together(good)
@@ -168,6 +171,18 @@ class _Points:
                 return
         for point in good:
             self._alone(point)
+
+    def _has_meaning(self, point: int) -> bool:
+        """Whether the prescribed Casimirs are the same functions as at the other points."""
+        if self.piece.meaning is None:
+            return True
+        self.listen(0.0)
+        try:
+            require_meaning(self.systems[point], self.piece.meaning)
+        except ParameterError as error:
+            self._mark(point, NO_START, error)
+            return False
+        return True
 
     def _alone(self, point: int) -> None:
         for tried in range(1, POINT_TRIES + 1):
@@ -259,8 +274,7 @@ def _liouville(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Arra
     for point, system in enumerate(systems):
         listen(0.0)
         whole = piece.family.system(piece.targets.values(point)) if isinstance(system, NumericTop) else system
-        scale = casimir_scale(whole)
-        casimirs = {name: float(values[point]) * scale.get(name, 1.0) for name, values in targets.casimirs.items()}
+        casimirs = {name: float(values[point]) for name, values in targets.casimirs.items()}
         energy = None if targets.energy is None else float(targets.energy[point])
         x.append(liouville(whole, piece.n, piece.seed, casimirs, energy))
     states = np.stack(x)

@@ -65,7 +65,7 @@ class EulerChart:
 
     Args:
         system: A charged or twisted top (or a system with its equations); its parameters may be symbolic.
-        casimirs: Values of C1, C2, C3, as the bracket of the system has them.
+        casimirs: Values of C1, C2, C3 of the bracket of the system.
         x: Instead, a state of the leaf, shape (9,).
         leaf: Instead, a `Leaf`.  If none of the three is given, v, w and eta stay symbols.
         gauge: "e3, e1" or "e1, e3" for the paper's two choices of (parallel, perpendicular), or a pair of constant

@@ -39,7 +39,7 @@ class ReducedLagrange:
     Args:
         system: A Lagrange top, twisted or charged.
         l3: The conserved third component of the angular momentum, if no state is given.
-        casimirs: Values of C1, C2, C3, as the bracket of the system has them.
+        casimirs: Values of C1, C2, C3 of the bracket of the system.
         x: Instead of both, a state, shape (9,).  If nothing is given, l3, v, w and eta stay symbols.
         leaf: Instead of the Casimirs, a `Leaf`; l3 is not known from it.
         with_cyclic_angle: Append psi to the state, $\dot\psi = \partial H/\partial p_\psi$, so that the state in the

@@ -66,11 +66,11 @@ class LeafConstants:
         x: ArrayLike | None,
         leaf: GivenLeaf | None = None,
     ) -> LeafConstants:
-        """The constants from values of C1, C2, C3 as the bracket has them, from a state or a leaf, or as symbols.
+        """The constants from values of C1, C2, C3 of the bracket, from a state or a leaf, or as symbols.
 
         Raises:
-            ParameterError: more than one is given, a Casimir is missing, unknown or not exact, or the leaf is none of
-                this bracket.
+            ParameterError: more than one is given, a Casimir is missing, unknown or not exact, the leaf is none of this
+                bracket, or Casimirs are given for a bracket that only has the equations of the top in common.
             ShapeError: `x` is not one state of nine components.
             ChartError: beta = 0.
         """
@@ -83,7 +83,7 @@ class LeafConstants:
                 f"a leaf is given by casimirs, by a state x or as leaf; got {' and '.join(given)}. Give one of them."
             )
         if casimirs is not None:
-            return cls(epsilon, *_from_casimirs(system, casimirs))
+            return cls(epsilon, *_from_casimirs(system, top, casimirs))
         if leaf is not None:
             # not from its Casimirs: C1 - C2^2/C3 cancels for nearly parallel fields
             x = _state_of(leaf, epsilon)
@@ -142,8 +142,8 @@ class LeafConstants:
             )
 
 
-def _from_casimirs(system: Any, casimirs: Mapping[str, Parameter]) -> tuple[Any, Any, Any]:
-    from sympy import Poly, sqrt
+def _from_casimirs(system: Any, top: TopParameters, casimirs: Mapping[str, Parameter]) -> tuple[Any, Any, Any]:
+    from sympy import sqrt
 
     given = to_any(casimirs)
     if not isinstance(given, Mapping) or set(given) != {"C1", "C2", "C3"}:
@@ -154,11 +154,13 @@ def _from_casimirs(system: Any, casimirs: Mapping[str, Parameter]) -> tuple[Any,
     C1, C2, C3 = (to_sympy(read_parameter(casimirs[name], name)) for name in ("C1", "C2", "C3"))
     if is_zero(C3) or to_any(C3).is_negative:
         raise beta_is_zero(f"C3 = {decimal(C3)}")
-    # The bracket has its first Casimir free of fractions: 3 |alpha|^2 - 2 l.beta for epsilon = -1/3.
-    first = system.bracket.casimirs()[0]
-    factor = Poly(first, *system.variables).coeff_monomial(system.variables[3] ** 2)
+    if not top.has_bracket(system.bracket):
+        raise ParameterError(
+            f"casimirs are values of |alpha|^2 + 2 epsilon l.beta, alpha.beta and |beta|^2; the system has the "
+            f"equations of a top, but the bracket {system.bracket}. Give a state with x= or a Leaf with leaf=."
+        )
     w = sqrt(C3)
-    return C2 / w, w, C1 / factor - C2**2 / to_any(C3)
+    return C2 / w, w, C1 - C2**2 / to_any(C3)
 
 
 def _state_of(leaf: GivenLeaf, epsilon: Expr) -> Array:

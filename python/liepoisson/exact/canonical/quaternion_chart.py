@@ -63,7 +63,7 @@ class QuaternionChart:
 
     Args:
         system: A charged or twisted top (or a system with its equations).
-        casimirs: Values of C1, C2, C3, as the bracket of the system has them.
+        casimirs: Values of C1, C2, C3 of the bracket of the system.
         x: Instead, a state, shape (9,).
         leaf: Instead, a `Leaf`.  If none of the three is given, v, w and eta stay symbols.
 

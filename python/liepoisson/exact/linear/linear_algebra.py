@@ -117,10 +117,20 @@ def _not_annihilating(
     return sorted(wrong)
 
 
-def echelon_columns(rows: Iterable[Row], field: Coefficients) -> set[int]:
-    """The columns of the leading (leftmost nonzero) entries of an echelon form; their number is the rank."""
+def echelon_form(rows: Iterable[Row], field: Coefficients) -> tuple[set[int], tuple[Any, ...]]:
+    """The columns of the leading (leftmost nonzero) entries of an echelon form, and what was divided by.
+
+    The number of columns is the rank.  Over fields with parameters they are the same after inserting values, except
+    where a numerator or a denominator of a divisor vanishes.
+    """
     one = field.one
-    return set(_eliminate(list(rows), lambda value: one / value, _subtract)[0])
+    leading, pivots = _eliminate(list(rows), lambda value: one / value, _subtract)
+    return set(leading), () if field.is_rational else pivots
+
+
+def echelon_columns(rows: Iterable[Row], field: Coefficients) -> set[int]:
+    """The columns of the leading entries of an echelon form; see `echelon_form`."""
+    return echelon_form(rows, field)[0]
 
 
 def rank(rows: Sequence[Row], field: Coefficients) -> int:

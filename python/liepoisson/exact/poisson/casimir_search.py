@@ -3,6 +3,8 @@ r"""All polynomial Casimirs of a degree, $J \nabla C = 0$, by exact linear algeb
 J is linear and homogeneous, so degrees separate.  So do the characters of the bracket, that is, weights $w_i$
 (integers, or integers modulo 2 or 3) with $w_i + w_j = w_m$ whenever $x_m$ occurs in $\{x_i, x_j\}$: gradings of A,
 tori and reflections of g.  The linear system falls into blocks, one for each weight.
+
+Its columns are in the order of `leading_monomials`, so that the reduced basis has a 1 at each leading monomial.
 """
 
 from __future__ import annotations
@@ -16,7 +18,8 @@ from random import Random
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import NullSpace, echelon_columns, nullspace, nullspace_mod, rank, rank_mod
+from liepoisson.exact.linear.linear_algebra import echelon_form, nullspace, nullspace_mod, rank, rank_mod
+from liepoisson.exact.poisson.leading_monomials import leading, place, size
 
 if TYPE_CHECKING:
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
@@ -51,21 +54,31 @@ class CasimirSearch:
         return N * comb(N + degree - 1, degree) <= MAX_WORK
 
     def of_degree(self, degree: int) -> list[Polynomial]:
-        """A basis of the homogeneous Casimirs of this degree, in the reduced form of `NullSpace`."""
+        """A basis of the homogeneous Casimirs of this degree: 1 at its leading monomial, where the others have 0."""
         blocks: dict[tuple[int, ...], list[Monomial]] = {}
         for monomial in combinations_with_replacement(range(self.tensor.dimension), degree):
             blocks.setdefault(self._weight(monomial), []).append(monomial)
-        found = (
-            {monomials[column]: value for column, value in vector.items()}
-            for monomials in blocks.values()
-            for vector in self._solve(monomials).vectors
-        )
-        return sorted(found, key=max)
+        return self.sorted(polynomial for monomials in blocks.values() for polynomial in self._solve(monomials))
 
     def sums_of_squares(self) -> list[Polynomial]:
         """A basis of the quadratic Casimirs without mixed products: a small system even in many dimensions."""
-        squares = [(i, i) for i in range(self.tensor.dimension)]
-        return [{squares[c]: value for c, value in v.items()} for v in self._solve(squares).vectors]
+        return self.sorted(self._solve([(i, i) for i in range(self.tensor.dimension)]))
+
+    def sorted(self, polynomials: Iterable[Polynomial]) -> list[Polynomial]:
+        """Homogeneous polynomials of one degree in the order that numbers them."""
+        block = self.tensor.block
+        return sorted(polynomials, key=lambda polynomial: place(leading(polynomial, block), block))
+
+    def new_generators(self, space: Sequence[Polynomial], products: Iterable[Polynomial]) -> list[Polynomial]:
+        """Members of a reduced basis that complete the span of the products (which lies in the same space)."""
+        given, block = list(products), self.tensor.block
+        if not given:
+            return list(space)
+        monomials = sorted({m for p in (*space, *given) for m in p}, key=lambda m: size(m, block), reverse=True)
+        order = {monomial: column for column, monomial in enumerate(monomials)}
+        ends, pivots = echelon_form([{order[m]: c for m, c in p.items()} for p in given], self.tensor.field)
+        self._keep(pivots)
+        return [polynomial for polynomial in space if order[leading(polynomial, block)] not in ends]
 
     def image(self, polynomial: Polynomial) -> dict[tuple[int, Monomial], Any]:
         r"""The nonzero coefficients of $J\nabla C$, by component and monomial."""
@@ -76,7 +89,8 @@ class CasimirSearch:
                 total[key] = total[key] + term if key in total else term
         return {key: value for key, value in total.items() if value}
 
-    def _solve(self, monomials: list[Monomial]) -> NullSpace:
+    def _solve(self, given: Iterable[Monomial]) -> list[Polynomial]:
+        monomials = sorted(given, key=lambda monomial: size(monomial, self.tensor.block))
         rows: dict[tuple[int, Monomial], dict[int, Any]] = {}
         for column, monomial in enumerate(monomials):
             for key, value in self._image_of_monomial(monomial):
@@ -85,11 +99,14 @@ class CasimirSearch:
         nonzero = ({c: v for c, v in row.items() if v} for row in rows.values())
         distinct = list({tuple(row.items()): row for row in nonzero}.values())
         if not self.with_pivots and self._has_no_solution(distinct, len(monomials)):
-            return NullSpace(())
+            return []
         found = nullspace(distinct, len(monomials), self.tensor.field)
+        self._keep(found.pivots)
+        return [{monomials[column]: value for column, value in vector.items()} for vector in found.vectors]
+
+    def _keep(self, pivots: Iterable[Any]) -> None:
         if self.with_pivots:
-            self.pivots.update(found.pivots)
-        return found
+            self.pivots.update(pivots)
 
     def _has_no_solution(self, rows: Sequence[dict[int, Any]], n_columns: int) -> bool:
         """Whether there is none even modulo a prime, which proves that there is none."""
@@ -144,18 +161,6 @@ class CasimirSearch:
         return characters
 
 
-def new_generators(
-    space: Sequence[Polynomial], products: Iterable[Polynomial], field: Coefficients
-) -> list[Polynomial]:
-    """Members of a reduced basis that complete the span of the products (which lies in the same space)."""
-    given = list(products)
-    if not given:
-        return list(space)
-    order = {m: -k for k, m in enumerate(sorted({m for p in (*space, *given) for m in p}))}
-    ends = echelon_columns([{order[m]: c for m, c in p.items()} for p in given], field)
-    return [polynomial for polynomial in space if order[max(polynomial)] not in ends]
-
-
 def products_of_degree(generators: Sequence[tuple[int, Polynomial]], degree: int) -> Iterator[Polynomial]:
     """All products of two or more of the generators, given with their degrees, that have this degree."""
 
@@ -187,15 +192,16 @@ def n_independent(polynomials: Sequence[Polynomial], tensor: LinearPoissonTensor
     generic = tensor.generic_rank
     if generic is not None:
         residues, p = generic.residues, generic.residues.p
-        rows = [_gradient({m: residues(c) for m, c in q.items()}, generic.point) for q in polynomials]
+        rows = [gradient_at({m: residues(c) for m, c in q.items()}, generic.point) for q in polynomials]
         return rank_mod([{v: value % p for v, value in row.items()} for row in rows], tensor.dimension, p)
     random = Random(1)
     point = [tensor.field.number(random.randrange(1, 100)) for _ in range(tensor.dimension)]
-    gradients = [_gradient(polynomial, point) for polynomial in polynomials]
+    gradients = [gradient_at(polynomial, point) for polynomial in polynomials]
     return rank([{v: value for v, value in row.items() if value} for row in gradients], tensor.field)
 
 
-def _gradient(polynomial: Polynomial, point: Sequence[Any]) -> dict[int, Any]:
+def gradient_at(polynomial: Polynomial, point: Sequence[Any]) -> dict[int, Any]:
+    """The gradient of a polynomial at a point, by coordinate."""
     gradient: dict[int, Any] = {}
     for monomial, coefficient in polynomial.items():
         for position, factor in enumerate(monomial):

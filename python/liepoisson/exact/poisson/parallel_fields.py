@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.exact.linear.linear_algebra import echelon_columns, nullspace
 from liepoisson.exact.poisson.casimir_search import CasimirSearch, Monomial, Polynomial
+from liepoisson.exact.poisson.leading_monomials import size
 
 if TYPE_CHECKING:
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
@@ -23,8 +24,9 @@ def vanish_on_parallel_fields(polynomials: Sequence[Polynomial], blocks: Blocks)
 
 def casimirs_on_parallel_fields(tensor: LinearPoissonTensor, blocks: Blocks) -> list[Polynomial]:
     r"""Quadratic polynomials with $J\nabla C = 0$ there, independent as functions on that set."""
-    monomials = list(combinations_with_replacement(range(tensor.dimension), 2))
     search = CasimirSearch(tensor)
+    every = combinations_with_replacement(range(tensor.dimension), 2)
+    monomials = sorted(every, key=lambda monomial: size(monomial, tensor.block))
     rows: dict[Any, dict[int, Any]] = {}
     for column, monomial in enumerate(monomials):
         by_component: dict[int, Polynomial] = {}
@@ -35,8 +37,7 @@ def casimirs_on_parallel_fields(tensor: LinearPoissonTensor, blocks: Blocks) -> 
                 rows.setdefault((i, key), {})[column] = value
     vectors = nullspace(list(rows.values()), len(monomials), tensor.field).vectors
     found: list[Polynomial] = []
-    for vector in vectors:
-        candidate = {monomials[column]: value for column, value in vector.items()}
+    for candidate in search.sorted({monomials[c]: value for c, value in vector.items()} for vector in vectors):
         if _n_independent([*found, candidate], tensor, blocks) > len(found):
             found.append(candidate)
     return found

@@ -39,42 +39,48 @@ class LinearPoissonTensor:
         dimension: Number N of coordinates.
         field: Where the coefficients live.
         rows: `rows[i][j]` lists the pairs (m, c) with c the coefficient of $x_m$ in $J_{ij}$, only nonzero ones.
+        block: Number of coordinates of a field; N if there is one field.
     """
 
     dimension: int
     field: Coefficients
     rows: tuple[dict[int, tuple[tuple[int, Any], ...]], ...]
+    block: int
 
     @classmethod
-    def of(cls, dimension: int, terms: Iterable[tuple[int, int, int, Exact]]) -> LinearPoissonTensor:
+    def of(
+        cls, dimension: int, terms: Iterable[tuple[int, int, int, Exact]], block: int | None = None
+    ) -> LinearPoissonTensor:
         """The tensor with the given terms (i, j, m, c), J_ij and J_ji both listed."""
         given = list(terms)
         field = Coefficients.containing(c for *_, c in given)
         elements = {c: field.read(c) for *_, c in given}
-        return cls._collected(dimension, field, ((i, j, m, elements[c]) for i, j, m, c in given))
+        read = ((i, j, m, elements[c]) for i, j, m, c in given)
+        return cls._collected(dimension, field, read, block or dimension)
 
     @classmethod
     def _collected(
-        cls, dimension: int, field: Coefficients, terms: Iterable[tuple[int, int, int, Any]]
+        cls, dimension: int, field: Coefficients, terms: Iterable[tuple[int, int, int, Any]], block: int
     ) -> LinearPoissonTensor:
         rows: list[dict[int, tuple[tuple[int, Any], ...]]] = [{} for _ in range(dimension)]
         for i, j, m, element in terms:
             if element:
                 rows[i][j] = (*rows[i].get(j, ()), (m, element))
-        return cls(dimension, field, tuple(rows))
+        return cls(dimension, field, tuple(rows), block)
 
     def terms(self) -> Iterator[tuple[int, int, int, Any]]:
         """All (i, j, m, c), both orders of i and j."""
         return ((i, j, m, c) for i, row in enumerate(self.rows) for j, form in row.items() for m, c in form)
 
     def restricted(self, kept: Sequence[int]) -> LinearPoissonTensor:
-        """The tensor of the kept coordinates where all the others vanish.
+        """The tensor of the kept coordinates, those of whole fields, where all the others vanish.
 
         This is the bracket of a Poisson submanifold when the others span an ideal.
         """
         place = {old: new for new, old in enumerate(kept)}
         inside = ((i, j, m, c) for i, j, m, c in self.terms() if i in place and j in place and m in place)
-        return self._collected(len(kept), self.field, ((place[i], place[j], place[m], c) for i, j, m, c in inside))
+        moved = ((place[i], place[j], place[m], c) for i, j, m, c in inside)
+        return self._collected(len(kept), self.field, moved, self.block)
 
     def at(self, point: Sequence[Any]) -> list[dict[int, Any]]:
         """The matrix at a point whose coordinates are elements of the field, as sparse rows."""
@@ -93,8 +99,11 @@ class LinearPoissonTensor:
             random = Random(seed)
             point = tuple(random.randrange(1, PRIME) for _ in range(self.dimension))
             try:
+                # By identity: a few structure constants occur again and again.
+                distinct = {id(c): c for row in self.rows for form in row.values() for _, c in form}
+                images = {key: residues(c) for key, c in distinct.items()}
                 matrix = [
-                    {j: sum(residues(c) * point[m] for m, c in form) for j, form in row.items()} for row in self.rows
+                    {j: sum(images[id(c)] * point[m] for m, c in form) for j, form in row.items()} for row in self.rows
                 ]
             except ZeroDivisionError:
                 continue

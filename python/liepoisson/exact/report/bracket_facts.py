@@ -231,19 +231,31 @@ class CasimirFacts(Topic):
         report = self.report
         found: list[Line] = [(Equation(Name(name), formula),) for name, formula, _ in self.formulas]
         found += definition_lines(self.definitions)
+        found += [(f"with {meaning}",) for meaning in self._meanings]
         if self.formulas:
             verified = "proved: J grad C = 0 for each" if report.verified else "NOT verified: J grad C is not zero"
             found.append((f"{verified} ({report.method})",))
         found.append((self._completeness(),))
         for case in report.exceptional:
+            at = Statement.about(case.condition, self.bracket)
             formulas = joined(Shortened(self.notation.formula(generator)) for generator in case.generators)
-            found.append(("there are others for ", Statement.about(case.condition, self.bracket), ": ", *formulas))
+            found.append(("there are others for ", at, ": ", *formulas))
+            if case.jumps:
+                found.append((*joined(map(Name, case.jumps)), " jump at ", at, ": other functions than near by"))
         if report.examined and not report.exceptional:
             looked_at = joined(Statement.about(condition, self.bracket) for condition in report.examined)
             found.append(("no more for special values either; examined: ", *looked_at))
         if report.undecided:
             found.append((f"not decided: {'; '.join(report.undecided)}",))
         return found
+
+    @property
+    def _meanings(self) -> list[str]:
+        """What the fields are as matrices, where traces occur: one sentence, or one for each summand of the algebra."""
+        field, meanings = self.bracket.field_names[0], self.report.meanings
+        numbers = [f" in tr{k}" if len(meanings) > 1 else "" for k in range(1, len(meanings) + 1)]
+        others = " (the other fields likewise)" if len(self.bracket.field_names) > 1 else ""
+        return [meaning.format(x=field) + n + others for meaning, n in zip(meanings, numbers, strict=True)]
 
     def _completeness(self) -> str:
         report = self.report
@@ -258,6 +270,7 @@ class CasimirFacts(Topic):
         return {
             "generators": [{"name": n, **record_of_formula(f, e)} for n, f, e in self.formulas],
             "definitions": [record_of(definition) for definition in self.definitions],
+            "matrices": self._meanings,
             "verified": report.verified,
             "complete": report.complete,
             "independent": report.independent,
@@ -268,6 +281,7 @@ class CasimirFacts(Topic):
                 {
                     "condition": case.condition,
                     "generators": [record_of_formula(self.notation.formula(e), e) for e in case.generators],
+                    "jumps": list(case.jumps),
                 }
                 for case in report.exceptional
             ],
