@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from keyword import iskeyword
 from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
@@ -18,10 +17,11 @@ import numpy as np
 from liepoisson import __version__
 from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError
+from liepoisson.exact.names import check_name
 from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed
-from liepoisson.sweeps.identity import function_record, system_tables
+from liepoisson.sweeps.identity import function_record, system_record, system_tables
 
 Value: TypeAlias = "float | int | str | Fraction | Sequence[float | int | str | Fraction]"
 """A number, a formula in the names of the axes, or a list of them."""
@@ -51,7 +51,8 @@ class Axis:
         label: How figures call it; mathematical text in dollar signs is set as such.
 
     Raises:
-        ParameterError: the name is no identifier, or the values are not finite and strictly monotonic.
+        ParameterError: the name is none that a user may choose (`liepoisson.exact.names`), or the values are not finite
+            and strictly monotonic.
     """
 
     name: str
@@ -59,10 +60,7 @@ class Axis:
     label: str | None = None
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.name, str) and self.name.isidentifier()):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ParameterError(f"an axis must be named like a parameter; got {shown(self.name)}. Write epsilon.")
-        if iskeyword(self.name):
-            raise ParameterError(f"an axis can not have the name {self.name}, a word of Python. Write {self.name}_.")
+        check_name(self.name, "the name of an axis")
         if self.label is not None and not isinstance(self.label, str):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ParameterError(f"axis {self.name}: label: wanted a text; got {shown(self.label)}. Leave it out.")
         try:
@@ -385,5 +383,5 @@ def _plain(value: Any) -> Any:
     if callable(value):
         return cast("Any", function_record(value))
     if hasattr(value, "bracket") and hasattr(value, "hamiltonian"):
-        return {"bracket": str(value.bracket.entries()), "hamiltonian": str(value.hamiltonian)}
+        return system_record(value)
     return str(value)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -95,19 +95,20 @@ def _values(value: Value, columns: Mapping[str, Array], name: str, used: set[str
 
 
 def _formula(text: str, columns: Mapping[str, Array], name: str, used: set[str]) -> Array:
-    from sympy import lambdify
+    from sympy import Symbol
 
     from liepoisson.exact.expression import read_expression
     from liepoisson.exact.formula.scope import Scope
+    from liepoisson.exact.private_symbols import numpy_function
 
     try:
         expression = read_expression(text, Scope(symbols=tuple(columns)))
     except ExpressionError as error:
         raise ParameterError(f"{name}: {error.within_formula()}") from error
     used.update(str(symbol) for symbol in expression.free_symbols)
-    function = lambdify([*columns], expression, modules="numpy")
+    function = numpy_function([Symbol(axis) for axis in columns], [expression])
     with np.errstate(all="ignore"):
-        values = np.asarray(cast("Any", function)(*columns.values()), np.float64)
+        values = np.asarray(function(*columns.values())[0], np.float64)
     return np.array(np.broadcast_to(values, len(next(iter(columns.values())))))
 
 

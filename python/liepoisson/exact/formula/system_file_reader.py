@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -17,6 +18,7 @@ from liepoisson.exact.formula.grammar import MAX_DIGITS, parse
 from liepoisson.exact.formula.scope import Scope, read_declaration
 from liepoisson.exact.formula.toml_text import TomlText, UnreadableNumber
 from liepoisson.exact.hamiltonian import RESERVED_NAME, Value
+from liepoisson.exact.names import check_name
 from liepoisson.exact.parameters import Exact
 from liepoisson.exact.system_file import Integral, Reference, SystemFile
 
@@ -58,6 +60,8 @@ class _Reader:
         for key in ("bracket", "hamiltonian"):
             self.table((key,), tables.get(key))
         given = self.table(("parameters",), tables.get("parameters", {}))
+        for name in given:
+            self.guarded(("parameters", name), partial(check_name, name, "the name of a parameter"))
         parameters = {key: self.value(("parameters", key), item) for key, item in given.items() if key != "symbols"}
         symbols = self.symbols(tables, given)
         bracket = self.bracket(tables["bracket"], parameters, symbols)
@@ -89,7 +93,8 @@ class _Reader:
                 got = f"{len(names)} for an extension of dimension {extension.dimension}"
                 raise self.toml.error(("bracket", "variables"), f"wanted one name per field; got {got}. Correct one.")
             extension = self.guarded(("bracket", "variables"), lambda: extension.rename(*names))
-        return self.guarded(("bracket",), lambda: algebra @ extension)
+        named = next((key for key in ("variables", "basis_names") if key in table), None)
+        return self.guarded(("bracket", named) if named else ("bracket",), lambda: algebra @ extension)
 
     def algebra(self, table: dict[str, Any], symbols: Sequence[str]) -> LieAlgebra:
         from liepoisson.exact.lie_algebra import LieAlgebra
