@@ -37,7 +37,7 @@ def check_name(name: object, what: str = "a name") -> str:
     """
     if not isinstance(name, str) or not _IDENTIFIER.fullmatch(name):
         raise ParameterError(
-            f"{what} must consist of letters (a to z, A to Z), digits and _, and not begin with a digit; "
+            f"{what} must consist of letters, digits and _ (of ASCII), and not begin with a digit; "
             f"got {name!r:.60}. Rename it."
         )
     if len(name) > MAX_NAME:

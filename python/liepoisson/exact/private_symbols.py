@@ -103,8 +103,8 @@ def _refuse_foreign_functions(expression: Any) -> None:
     for value in expression.atoms(Function):
         if name_of_function(value) is None:
             raise UnsupportedFieldError(
-                f"a function on phase space must be made of SymPy's own functions; got {_shown([value])}, a function "
-                "that is not defined there. Write out what it is."
+                f"a function on phase space must be made of SymPy's own functions; got {_shown([value])}, which is not "
+                "defined there. Replace it by a smooth expression."
             )
     if bound := expression.atoms(Symbol) - expression.free_symbols:
         names = ", ".join(sorted(map(str, bound)))
