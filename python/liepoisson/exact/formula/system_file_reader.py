@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _MAX_LIST = 100_000
+_LONGEST_NAME = 200
 _KEYS: dict[str, tuple[str, ...]] = {
     "": ("name", "source", "description", "symbols", "bracket", "parameters", "hamiltonian", "integrals", "reference"),
     "bracket": ("algebra", "structure_constants", "matrices", "basis_names", "extension", "W", "variables"),
@@ -66,7 +67,7 @@ class _Reader:
         symbols = self.symbols(tables, given)
         bracket = self.bracket(tables["bracket"], parameters, symbols)
         file = SystemFile(
-            name=self.text(("name",), tables.get("name", Path(self.toml.path).stem)),
+            name=self.name(tables.get("name", Path(self.toml.path).stem)),
             bracket=bracket,
             hamiltonian=self.hamiltonian(tables["hamiltonian"]),
             parameters=parameters,
@@ -80,6 +81,14 @@ class _Reader:
         )
         self.check_formulas(file)
         return file
+
+    def name(self, given: object) -> str:
+        """How the system is called: one line, of which every character can be written to files and terminals."""
+        words = " ".join(self.text(("name",), given).split())
+        if len(words) > _LONGEST_NAME:
+            message = f"wanted at most {_LONGEST_NAME} characters; got {len(words)}. Put more into description."
+            raise self.toml.error(("name",), message)
+        return "".join(c if c.isprintable() else "\ufffd" for c in words)
 
     def bracket(self, table: dict[str, Any], parameters: Mapping[str, Value], symbols: tuple[str, ...]) -> Bracket:
         self.check_keys(("bracket",), table, _KEYS["bracket"])
