@@ -371,9 +371,13 @@ class System:
         return f"<System {self.name!r} on {self.bracket!r}>"
 
     def _recognise_top(self) -> TopParameters | None:
-        from liepoisson.exact.top_parameters import match_top
+        from liepoisson.exact.formula.arithmetic import expanded_terms
+        from liepoisson.exact.top_parameters import MOST_TERMS, match_top
 
-        return match_top(self.bracket, self.equations) if self.bracket.dimension == 9 else None
+        # The equations are expanded to be compared, which for a high power of a sum would take minutes.
+        if self.bracket.dimension != 9 or expanded_terms(self.hamiltonian) > MOST_TERMS:
+            return None
+        return match_top(self.bracket, self.equations)
 
     def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
         from liepoisson.exact.phase_functions import as_phase_points, evaluated

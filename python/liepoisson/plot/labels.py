@@ -31,7 +31,7 @@ def plain(text: object, most: int = LONGEST) -> str:
         most: Characters after which it is cut.
     """
     shown = "".join(_drawable(character) for character in str(text)[: most + 1])
-    shown = shown if len(shown) <= most else f"{shown[: most - 1]}…"
+    shown = shown if len(shown) <= most else f"{shown[: most - 2]} …"
     return shown.replace("$", r"\$")
 
 
@@ -52,8 +52,12 @@ def symbol(name: str, letters: dict[str, str] | None = None) -> str:
 
 
 def label(name: str) -> str:
-    r"""A name as mathematical text: alpha1 is $\alpha_1$; what is none, such as a formula, stays plain text."""
-    return f"${symbol(name)}$" if _IDENTIFIER.fullmatch(name) and len(name) <= LONGEST else plain(name)
+    r"""A letter or word with a number as mathematical text: alpha1 is $\alpha_1$; any other text is plain.
+
+    A name that begins with a hyphen below is mathematical text, too: a legend leaves out plain ones.
+    """
+    is_symbol = _NAME.fullmatch(name) or (name.startswith("_") and _IDENTIFIER.fullmatch(name))
+    return f"${symbol(name)}$" if is_symbol and len(name) <= LONGEST else plain(name)
 
 
 def with_formulas(text: str) -> str:

@@ -78,7 +78,7 @@ def orbit(
             colour = _COLOURS.get(name, SEQUENCE[k % len(SEQUENCE)])
             in_time, in_space = rows[k]
             _in_time(in_time, time, state[:, columns], [components[c] for c in columns], colour)
-            in_time.set_ylabel(f"${symbol(name)}$", rotation=0, ha="right", va="center")
+            in_time.set_ylabel(label(name), rotation=0, ha="right", va="center")
             if in_space is not None:
                 _in_space(in_space, state[:, columns], name, colour)
         if last is not None:
@@ -156,7 +156,7 @@ def _panels(sizes: Sequence[int], with_last: bool) -> tuple[Figure, list[tuple[A
 def _in_time(ax: Axes, time: FloatArray, vector: FloatArray, components: Sequence[str], colour: str) -> None:
     colours = [_mixed(colour, tint) for tint in _TINTS] if len(components) == 3 else SEQUENCE
     for k, component in enumerate(components):
-        ax.plot(time, vector[:, k], color=colours[k % len(colours)], linewidth=1.0, label=f"${symbol(component)}$")
+        ax.plot(time, vector[:, k], color=colours[k % len(colours)], linewidth=1.0, label=label(component))
     ax.set_xlim(time[0], time[-1])
     if len(components) <= 6:
         ax.legend(ncols=len(components), loc="lower right", bbox_to_anchor=(1.0, 0.99), handlelength=1.2)

@@ -68,6 +68,14 @@ class Measure:
     value: float | None
 
 
+def expanded_terms(expression: Expr) -> int:
+    """At most so many terms has an expression when it is expanded; counted without expanding it."""
+    try:
+        return Arithmetic().measure(expression).terms
+    except RefusedError:  # a constant in it that no double holds
+        return _ENDLESS
+
+
 class Arithmetic:
     """Sums, products, powers and functions of exact scalars (Fractions and SymPy expressions).
 
