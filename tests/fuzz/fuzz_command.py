@@ -21,7 +21,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "exact"))
 
-from hostile_commands import Complaint, Source, command, run  # noqa: E402  # beside this file
+from hostile_commands import ComplaintError, Source, command, run
 
 
 def main():
@@ -43,7 +43,7 @@ def main():
         with tempfile.TemporaryDirectory() as folder:
             try:
                 codes[run(arguments, files, folder, seconds=20.0)[0]] += 1
-            except Complaint as complaint:
+            except ComplaintError as complaint:
                 complaints += 1
                 print(f"seed {seed}: {complaint}\n", flush=True)
     print(f"{codes.total() + complaints} commands: exit codes {dict(codes)}, {complaints} complaints")

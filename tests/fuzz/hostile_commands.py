@@ -19,17 +19,20 @@ from liepoisson.cli.main import main
 
 NAMES = [*FAMOUS, *(name for name in REFUSED if len(name) < 1000), "l", "alpha", "I", "a", "epsilon", "K", "p_psi"]
 TEXTS = [
-    *NAMES, "$", "$$", r"$\nosuch{y}$", "$" + "{" * 300 + "x" + "}" * 300 + "$", r"a $x_1$ b", "a__b", "_hidden", r"\frac{",
-    "^_{}%&#~", "\x1b[31mred", "a\tb\nc", "\u202egnp.exe", "\U0001f600", "n" * 300, "n" * 5000, "../up", "C:\\x", "-", "--", "-h",
-    "%s%n{0}{x}", "'; import os", '"""', "nan", "inf", "-inf", "None", "0", "C1=1", "H", "l1", "dot(l, l)", "l3 - 1/2", "sin(",
+    *NAMES, "$", "$$", r"$\nosuch{y}$", "$" + "{" * 300 + "x" + "}" * 300 + "$", r"a $x_1$ b", "a__b", "_hidden",
+    r"\frac{", "^_{}%&#~", "\x1b[31mred", "a\tb\nc", "\u202egnp.exe", "\U0001f600", "n" * 300, "n" * 5000, "../up",
+    "C:\\x", "-", "--", "-h", "%s%n{0}{x}", "'; import os", '"""', "nan", "inf", "-inf", "None", "0", "C1=1", "H",
+    "l1", "dot(l, l)", "l3 - 1/2", "sin(",
 ]  # fmt: skip
 NUMBERS = [
-    "0", "1", "-1", "2", "3", "0.5", "-0.0", "5e-324", "1e-300", "1e-20", "1e308", "1e309", "-1e308", "nan", "inf", "-inf",
-    "1e", "", " ", "1/3", "sqrt(2)", "pi", "e", "٣", "1_000", "0x10", "2147483648", "9223372036854775808", "1" * 400, "x",
+    "0", "1", "-1", "2", "3", "0.5", "-0.0", "5e-324", "1e-300", "1e-20", "1e308", "1e309", "-1e308", "nan", "inf",
+    "-inf", "1e", "", " ", "1/3", "sqrt(2)", "pi", "e", "٣", "1_000", "0x10", "2147483648", "9223372036854775808",
+    "1" * 400, "x",
 ]  # fmt: skip
 FORMULAS = [
     "dot({f}, {f})/2", "dot({f}, inv({p})*{f})/2", "{p}*{f}1*{f}2", "exp({p}*{f}1)", "asin({f}1/10) + {f}2^3",
-    "({f}1 + {f}2 + {f}3)^20", "sqrt(dot({f}, {f}) + 1) + {p}*{f}3", "{p}", "exp(1)*{p}*{f}1 + pi*{f}2", "{t}", "1/{f}1",
+    "({f}1 + {f}2 + {f}3)^20", "sqrt(dot({f}, {f}) + 1) + {p}*{f}3", "{p}", "exp(1)*{p}*{f}1 + pi*{f}2", "{t}",
+    "1/{f}1",
 ]  # fmt: skip
 SURFACES = ["l3", "l1 - 1/2", "sin(10^12*l1)", "H", "C1", "0", "pi", "l1*l2", "e", "{t}"]
 SYSTEMS = ["free-rigid-body", "heavy-top", "twisted-kovalevskaya", "kovalevskaya", "twisted-top", "neumann"]
@@ -39,23 +42,52 @@ OPTIONS = {
     "catalog": {"--format": ["text", "json", "latex", "x"]},
     "inspect": {"--format": ["text", "latex", "json", "yaml"], "--set": "setting"},
     "orbit": {
-        "--start": "state", "--guess": "state", "--leaf": "leaf", "--energy": "number", "--seed": "number", "--t": "number",
-        "--points": ["2", "3", "5", "0", "-1", "x"], "--method": ["taylor", "runge-kutta", "splitting", "gauss", "lagrange-map", "x"],
-        "--tol": "number", "--step": ["0.1", "1", "0", "nan", "x"], "--order": "number", "--out": "out", "--figure": "figure",
-        "--plot": None, "--set": "setting",
+        "--start": "state",
+        "--guess": "state",
+        "--leaf": "leaf",
+        "--energy": "number",
+        "--seed": "number",
+        "--t": "number",
+        "--points": ["2", "3", "5", "0", "-1", "x"],
+        "--method": ["taylor", "runge-kutta", "splitting", "gauss", "lagrange-map", "x"],
+        "--tol": "number",
+        "--step": ["0.1", "1", "0", "nan", "x"],
+        "--order": "number",
+        "--out": "out",
+        "--figure": "figure",
+        "--plot": None,
+        "--set": "setting",
     },
     "section": {
-        "--surface": "surface", "--start": "state", "--leaf": "leaf", "--energy": "number", "--seed": "number",
-        "--t": ["10", "5e-324", "-1", "nan", "0"], "--crossings": ["3", "1", "0", "-1", "x"], "--starts": ["2", "0", "x"],
-        "--keep": "text", "--x": "text", "--y": "text", "--out": "out", "--figure": "figure", "--plot": None, "--set": "setting",
+        "--surface": "surface",
+        "--start": "state",
+        "--leaf": "leaf",
+        "--energy": "number",
+        "--seed": "number",
+        "--t": ["10", "5e-324", "-1", "nan", "0"],
+        "--crossings": ["3", "1", "0", "-1", "x"],
+        "--starts": ["2", "0", "x"],
+        "--keep": "text",
+        "--x": "text",
+        "--y": "text",
+        "--out": "out",
+        "--figure": "figure",
+        "--plot": None,
+        "--set": "setting",
     },
     "lyapunov": {
-        "--t-end": "number", "--n": ["1", "2", "0", "-1", "x"], "--seed": "number", "--ensemble": "text", "--tol": "number",
-        "--out": "out", "--set": "setting", "--spectrum": None,
+        "--t-end": "number",
+        "--n": ["1", "2", "0", "-1", "x"],
+        "--seed": "number",
+        "--ensemble": "text",
+        "--tol": "number",
+        "--out": "out",
+        "--set": "setting",
+        "--spectrum": None,
     },
     "sweep": {"--figure": "figure", "--plot": None, "--fresh": None, "--threads": ["1", "0", "x"], "--store": "store"},
     "reproduce": {"--nosuch": "text"},
-}  # fmt: skip
+}
 ALWAYS = {
     "orbit": ["--time-limit", "0.5"],
     "section": ["--time-limit", "0.5"],
@@ -105,7 +137,7 @@ def system_file(source):
         lines += [
             "structure_constants = [[[0,0,0],[0,0,1],[0,-1,0]],[[0,0,-1],[0,0,0],[1,0,0]],[[0,1,0],[-1,0,0],[0,0,0]]]"
         ]
-        lines += [f"basis_names = [{', '.join(quoted(source.pick(NAMES + ['1', '2', '3'])) for _ in range(3))}]"]
+        lines += [f"basis_names = [{', '.join(quoted(source.pick([*NAMES, '1', '2', '3'])) for _ in range(3))}]"]
     lines += [f"variables = [{quoted(field)}]"]
     lines += ["[parameters]", f"{quoted(parameter)} = {value}"]
     lines += ["[hamiltonian]", f"expression = {quoted(formula)}"]
@@ -152,7 +184,7 @@ def sweep_file(source):
     return "\n".join(lines)
 
 
-def value_of(source, kind):
+def value_of(source, kind):  # noqa: PLR0911  # one for each kind
     """The value of an option."""
     if isinstance(kind, list):
         return mostly(source, kind[:2], kind)
@@ -212,7 +244,7 @@ def command(source):
     return [argument.replace("\x00", "") for argument in arguments], files
 
 
-class Complaint(AssertionError):
+class ComplaintError(AssertionError):
     """What a user would complain of."""
 
 
@@ -220,7 +252,7 @@ def run(arguments, files, folder, *, seconds):
     """Run a command in a folder, in this process; its exit code and what it printed.
 
     Raises:
-        Complaint: a traceback, an exit code that is none of the documented ones, no reason given, or too long a run.
+        ComplaintError: a traceback, an exit code that is none of the documented ones, no reason given, or too long a run.
     """
     for name, text in files.items():
         Path(folder, name).write_text(text, encoding="utf-8", errors="replace")
@@ -235,7 +267,7 @@ def run(arguments, files, folder, *, seconds):
     except SystemExit as end:
         code = end.code or 0
     except BaseException as error:
-        raise Complaint(f"{arguments!r} raised {type(error).__name__}: {error}") from error
+        raise ComplaintError(f"{arguments!r} raised {type(error).__name__}: {error}") from error
     finally:
         os.chdir(before)
         sys.argv = argv
@@ -249,7 +281,6 @@ def run(arguments, files, folder, *, seconds):
         (taken > seconds, f"{taken:.1f} s"),
     ):
         if wrong:
-            raise Complaint(
-                f"{words}: {arguments!r}\n{files['system.toml']}\n--\n{files['sweep.toml']}\n--\n{said[-2000:]}"
-            )
+            contents = "\n--\n".join(files.values())
+            raise ComplaintError(f"{words}: {arguments!r}\n{contents}\n--\n{said[-2000:]}")
     return code, out.buffer.getvalue().decode("utf-8", "replace"), said

@@ -1,5 +1,7 @@
 """No name that a user chooses changes a number: every name gives the bits of a harmless one, or a typed error."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -18,14 +20,11 @@ from liepoisson.sweeps.spec import Axis, Starts, SweepSpec
 from liepoisson.sweeps.targets import evaluate_targets
 
 HARMLESS = "harmless"
-QUICK = ("e", "I", "S", "lambda", "arcsin", "__debug__", "_0", "_c0", "x0", "numpy")
+QUICK = ("e", "lambda", "arcsin", "__debug__", "_c0")
 STATES = np.random.default_rng(12).uniform(0.1, 0.9, (4, 3))
 ROTATIONS = [[[0, 0, 0], [0, 0, 1], [0, -1, 0]], [[0, 0, -1], [0, 0, 0], [1, 0, 0]], [[0, 1, 0], [-1, 0, 0], [0, 0, 0]]]
-# Every constant and function that a compiled expression can contain.
-FORMULA = (
-    "exp(1)*{0} + pi*{0}^2 + asin({0}/10) + acos({0}/10)*atan({0}) + sqrt({0}^2 + 1) + log({0}^2 + exp({0})) "
-    "+ sinh({0}/9)"
-)
+# Constants that NumPy has, and functions that it calls otherwise.
+FORMULA = "exp(1)*{0} + pi*{0}^2 + asin({0}/10)*sqrt({0}^2 + 1)"
 
 
 def numbers_of(system):
@@ -48,7 +47,7 @@ def with_vector(name):
 
 def with_field(name):
     bracket = (lp.so(3) @ lp.trivial()).rename(name)
-    return lp.System(bracket, f"dot({name}, {name})*exp({name}[1]) + pi*asin({name}[2]/9)*norm({name})")
+    return lp.System(bracket, f"dot({name}, {name})*exp(1) + pi*asin({name}[2]/9)*{name}[1]")
 
 
 def with_coordinate(name):
@@ -92,7 +91,11 @@ PLACES = (
     with_parameter, with_vector, with_field, with_coordinate, with_expression, with_algebra_symbol, with_integral,
     with_file_parameter, with_setting,
 )  # fmt: skip
-SAME_BITS = {place: numbers_of(place(HARMLESS)) for place in PLACES}
+
+
+@cache
+def right_numbers(place):
+    return numbers_of(place(HARMLESS))
 
 
 def is_taken(place, name):
@@ -109,13 +112,13 @@ def is_taken(place, name):
 @pytest.mark.parametrize("name", QUICK)
 def test_a_name_changes_no_bit(place, name):
     if not is_taken(place, name):
-        assert numbers_of(place(name)) == SAME_BITS[place]
+        assert numbers_of(place(name)) == right_numbers(place)
 
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("place", PLACES, ids=lambda place: place.__name__)
 def test_no_famous_name_changes_a_bit(place):
-    changed = [name for name in FAMOUS if not is_taken(place, name) and numbers_of(place(name)) != SAME_BITS[place]]
+    changed = [name for name in FAMOUS if not is_taken(place, name) and numbers_of(place(name)) != right_numbers(place)]
     assert changed == []
 
 
@@ -123,9 +126,10 @@ def test_no_famous_name_changes_a_bit(place):
 @pytest.mark.parametrize("place", PLACES, ids=lambda place: place.__name__)
 def test_no_name_of_sympy_numpy_or_python_changes_a_bit(place):
     names = [name for name in accepted() if not is_taken(place, name)]
-    assert [name for name in names if numbers_of(place(name)) != SAME_BITS[place]] == []
+    assert [name for name in names if numbers_of(place(name)) != right_numbers(place)] == []
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("place", PLACES, ids=lambda place: place.__name__)
 def test_names_of_functions_and_constants_and_what_is_no_name_are_refused(place):
     names = (
@@ -186,9 +190,9 @@ def test_canonical_systems_refuse_what_is_no_name():
 
 def test_a_free_symbol_of_a_canonical_system_is_no_constant_of_numpy():
     system = CanonicalSystem(["q"], ["p"], sp.Symbol("e") * sp.Symbol("q") + sp.Symbol("p") ** 2)
-    for evaluate in (system.functions.rates, system.functions.jacobian, system.functions.energy):
+    for name in ("rates", "jacobian", "energy"):
         with pytest.raises(ParameterError, match="e has none"):
-            evaluate(np.ones((2, 2)))
+            getattr(system.functions, name)(np.ones((2, 2)))
 
 
 def targets(axis, formula, tables):
@@ -297,3 +301,23 @@ def test_charts_refuse_symbols_that_are_their_own(name):
 
     with pytest.raises(ParameterError, match=f"{name} would be a parameter, and a coordinate or constant of a chart"):
         EulerChart(lp.Top(inertia=(2, 2, 1), a=(-1, 0, 0), b=(0, 0, 0), epsilon=name))
+
+
+def test_an_axis_may_not_be_a_casimir_and_a_parameter():
+    for name, parameters, term in (("C1", {"C": [1, 2]}, "dot(C, C)*l2"), ("energy", {"energy": 1}, "energy*l2")):
+        tables = {
+            "bracket": {"algebra": "so(3)"},
+            "parameters": parameters,
+            "hamiltonian": {"expression": f"dot(l, l) + {term}"},
+        }
+        spec = SweepSpec(tables, (Axis(name, (1.0, 2.0)),))
+        with pytest.raises(ParameterError, match=f"axis {name}: a name must stand for one thing"):
+            evaluate_targets(spec, FileFamily(tables, "tables"), np.array([[1.0], [2.0]]))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["mean", "member", "outcome", "exponent"])
+def test_the_dataset_of_a_sweep_has_room_for_axes_of_any_name(name):
+    result = lp.sweep(system=top_tables(name), axes={name: [0.5, 1]}, n=2, t_end=2, threads=1)
+    assert result.dataset["mean"].dims == (f"axis_{name}",)
+    np.testing.assert_array_equal(result.dataset[f"axis_{name}"], [0.5, 1])

@@ -63,6 +63,12 @@ def evaluate_targets(spec: SweepSpec, family: Family, points: Array) -> Targets:
     energy = None if spec.starts.energy is None else _values(spec.starts.energy, columns, "energy", used)
     for name, values in columns.items():
         owner = _owner(name, family)
+        if (name == "energy" or CASIMIR.fullmatch(name)) and (name in family.shapes or owner is not None):
+            what = "the energy" if name == "energy" else "a Casimir"
+            raise ParameterError(
+                f"axis {name}: a name must stand for one thing; it is {what} of the starts, and a parameter of "
+                f"{family.name}. Give the axis another name, and use it in a formula for one of them."
+            )
         if name in family.shapes:
             _refuse_twice(name, name in parameters)
             parameters[name] = values
