@@ -5,7 +5,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.plot.section import label
+from liepoisson.plot.labels import label
 from liepoisson.plot.section import section as draw
 from liepoisson.plot.style import SEQUENCE
 

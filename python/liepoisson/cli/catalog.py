@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import sys
 from enum import StrEnum
 from typing import Annotated, Any
 
@@ -36,7 +35,7 @@ def catalog(
         return
     width = max(len(entry["name"]) for entry in entries)
     for entry in entries:
-        print(_encodable(f"{entry['name']:<{width}}  {short_source(entry['source'])}"))
+        print(f"{entry['name']:<{width}}  {short_source(entry['source'])}")
 
 
 def short_source(source: str) -> str:
@@ -64,8 +63,3 @@ def _heads(file: Any) -> dict[str, str]:
         table = tomllib.load(stream)
     one_line = {key: " ".join(str(table.get(key, "")).split()) for key in ("name", "description", "source")}
     return {**one_line, "path": str(file)}
-
-
-def _encodable(text: str) -> str:
-    encoding = sys.stdout.encoding or "ascii"
-    return text.encode(encoding, "replace").decode(encoding)

@@ -2,57 +2,42 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.cli.progress import INTERRUPTED
-from liepoisson.errors import LiePoissonError, ParameterError
+from liepoisson.cli.ending import InterruptedCommandError, NobodyReadsError, end
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
     import typer
 
-REFUSED = 2
-
-
-class _InterruptedError(Exception):
-    """Ctrl-C where no command says what became of its work; under this name, as Typer ends the other one silently."""
-
 
 @contextmanager
 def _heard() -> Generator[None]:
+    """Ctrl-C and a reader that has gone under names of our own, as Typer ends the others by itself."""
     try:
         yield
     except KeyboardInterrupt as error:
-        raise _InterruptedError from error
+        raise InterruptedCommandError from error
+    except BrokenPipeError as error:
+        raise NobodyReadsError from error
 
 
 def main() -> None:
     """Run the command line and leave the process with its exit code.
 
-    0: done.  1: a claim about the system that was inspected is false.  2: refused, with the reason on standard error
-    and no traceback.  130: interrupted by Ctrl-C.
+    0: done.  1: a claim about the system that was inspected is false, or a sweep is not complete.  2: refused or
+    failed, with the reason on standard error and no traceback.  130: interrupted by Ctrl-C.  141: who read the output
+    has gone.
     """
-    try:
-        from typer.main import get_command  # imports take most of the first second: Ctrl-C may come here
-
-        get_command(application()).main(prog_name="liepoisson")
-    except LiePoissonError as error:
-        print(f"liepoisson: {error}", file=sys.stderr)
-        sys.exit(REFUSED)
-    except (Exception, KeyboardInterrupt) as error:
-        if not _is_interruption(error):
-            raise
-        print("interrupted.", file=sys.stderr)
-        sys.exit(INTERRUPTED)
+    end(_run)
 
 
-def _is_interruption(error: BaseException | None) -> bool:
-    """Whether Ctrl-C is the cause: while a class is made, Python 3.11 turns it into a RuntimeError."""
-    while error is not None and not isinstance(error, (_InterruptedError, KeyboardInterrupt)):
-        error = error.__cause__
-    return error is not None
+def _run() -> None:
+    from typer.main import get_command  # imports take most of the first second: Ctrl-C may come here
+
+    get_command(application()).main(prog_name="liepoisson")
 
 
 def application() -> typer.Typer:

@@ -26,8 +26,12 @@ DATA_ENDINGS = (".nc", ".csv")
 
 
 def file_stem(name: str) -> str:
-    """The name of a system as the beginning of file names: what is neither letter nor digit becomes a hyphen."""
-    return re.sub(r"\W+", "-", name).strip("-") or "system"
+    """The name of a system as the beginning of file names: what is neither letter nor digit becomes a hyphen.
+
+    It is cut after 100 bytes: file systems take names of 255.
+    """
+    stem = re.sub(r"\W+", "-", name).encode("utf-8", "replace")[:100].decode("utf-8", "ignore")
+    return stem.strip("-") or "system"
 
 
 def data_file(out: str | None, example: str, endings: Sequence[str] = DATA_ENDINGS) -> Path | None:
@@ -60,7 +64,9 @@ def _checked(name: str, option: str, endings: Sequence[str], example: str) -> Pa
     if not name.strip():
         raise ParameterError(f"{option} must name a file; got {name!r}. Write for example {option} {example}.")
     path = Path(name)
-    if path.is_dir():
+    with writing(path):
+        is_folder = path.is_dir()
+    if is_folder:
         raise OutputError(f"{option} must be a file; {name} is a folder. Write for example {option} {path / example}.")
     if path.suffix not in endings:
         known = ("one of " if len(endings) > 1 else "") + ", ".join(filter(None, endings))
@@ -71,9 +77,11 @@ def _checked(name: str, option: str, endings: Sequence[str], example: str) -> Pa
 
 def _check_folder(path: Path) -> None:
     """Refuse a folder that nothing can be written to; one that is not there yet is made with the file."""
-    folder = next((parent for parent in path.absolute().parents if parent.exists()), path.absolute().parent)
-    with writing(path), TemporaryFile(dir=folder):
-        pass
+    with writing(path):
+        path.exists()  # fails for a name that is too long
+        folder = next((parent for parent in path.absolute().parents if parent.exists()), path.absolute().parent)
+        with TemporaryFile(dir=folder):
+            pass
 
 
 def write_table(path: Path, columns: Mapping[str, ArrayLike]) -> None:

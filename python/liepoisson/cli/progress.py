@@ -7,14 +7,15 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from liepoisson.cli.ending import INTERRUPTED
+
 if TYPE_CHECKING:
     from rich.progress import Task
     from rich.text import Text
 
     from liepoisson.studies.twisted_top.integration import Progress
 
-INTERRUPTED = 130
-"""Exit code of a command that Ctrl-C has ended."""
+__all__ = ["INTERRUPTED", "progress_bar"]
 
 
 @contextmanager

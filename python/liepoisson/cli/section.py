@@ -274,7 +274,7 @@ def _write_data(run: Section, data: Path) -> None:
 
 def _drawn(system: System, run: Section, begin: Start, cut: Surface, axes: tuple[str, str]) -> Figure:
     from liepoisson.exact.casimirs import shortage
-    from liepoisson.plot.section import label
+    from liepoisson.plot.labels import label, plain
     from liepoisson.plot.section import section as draw
     from liepoisson.plot.style import house_style, new_figure
 
@@ -284,12 +284,12 @@ def _drawn(system: System, run: Section, begin: Start, cut: Surface, axes: tuple
         # Named coordinates get their labels there; the values of a formula are labelled with its text.
         kept = [axis in run.coordinates for axis in axes]
         x, y = (a if known else system.functions.of(a)(run.state) for a, known in zip(axes, kept, strict=True))
-        xlabel, ylabel = (None if known else a for a, known in zip(axes, kept, strict=True))
+        xlabel, ylabel = (None if known else plain(a) for a, known in zip(axes, kept, strict=True))
         draw(run, x, y, xlabel=xlabel, ylabel=ylabel, ax=ax)
         _widen(ax)
         values = "".join(f", {label(name)} = {value:.4g}" for name, value in begin.leaf.casimirs.items())
         values += f" ({missing})" if (missing := shortage(system.bracket)) else ""
-        name = wrap(f"{system.name}:", _TITLE_WIDTH)
+        name = wrap(f"{plain(system.name)}:", _TITLE_WIDTH)
         gap = "\n" if len("".join(name)) > _TITLE_WIDTH // 2 else " "
         heading = "\n".join(name) + f"{gap}section {label(cut.function)} = 0"
         ax.set_title(f"{heading}\n$H$ = {begin.energy:.4g}{values}", fontsize=10.5)

@@ -38,6 +38,9 @@ def sweep(
         float, typer.Option(metavar="SECONDS", help="Wait so long for a scheduler, or a worker.")
     ] = 60.0,
     fresh: Annotated[bool, typer.Option("--fresh", help="Discard what the folder holds.")] = False,
+    allow_code: Annotated[
+        bool, typer.Option("--allow-code", help="Import and call the function that FILE gives as its quantity.")
+    ] = False,
     plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
 ) -> None:
@@ -50,7 +53,7 @@ def sweep(
     from liepoisson.sweeps.spec_file import read_sweep_file
     from liepoisson.sweeps.tasks import NO_SYSTEM
 
-    spec = read_sweep_file(file)
+    spec = read_sweep_file(file, allow_code=allow_code)
     folder = Path(store) if store is not None else Path(file).with_suffix(".zarr")
     stem = figure_stem(plot, figure, Path(file).stem)
     try:

@@ -2,7 +2,6 @@ r"""Lie-Poisson brackets of g (x) A, $\{f, g\} = -\langle x, [df, dg] \rangle$."
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
+from liepoisson.exact.names import check_name, check_not_reserved
 from liepoisson.exact.parameters import Column, Parameter, is_zero, listed, read_parameter, symbols_of, to_sympy
 
 if TYPE_CHECKING:
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
     from liepoisson.exact.strata import Stratum
     from liepoisson.exact.trace_casimirs import TraceCasimirs
-
-_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
 class Bracket:
@@ -46,8 +44,8 @@ class Bracket:
 
     Raises:
         BracketError: a coordinate and a parameter, or a coordinate and a field, have the same name.
-        ParameterError: a field name is not an identifier, `algebra` is not a LieAlgebra or `extension` not an
-            Extension.
+        ParameterError: a name is none that a user may choose (`liepoisson.exact.names`), `algebra` is not a LieAlgebra
+            or `extension` not an Extension.
         ShapeError: not one name per field.
 
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
@@ -407,11 +405,9 @@ def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:
 def _check_field_names(fields: tuple[str, ...], coordinates: set[str]) -> None:
     """Refuse fields that no formula could name, and those whose name is that of a coordinate of another field."""
     for name in fields:
-        if not _IDENTIFIER.fullmatch(name):
-            raise ParameterError(
-                f"a field name must consist of letters, digits and _, and not begin with a digit; got {name!r:.60}. "
-                "Rename the field."
-            )
+        check_name(name, "a field name")
+    for name in coordinates:
+        check_not_reserved(name, "the name of a coordinate")
     if clash := sorted(coordinates.intersection(fields)):
         raise BracketError(
             f"a name must stand for one thing; {', '.join(clash)} would be a field and a coordinate of another field. "

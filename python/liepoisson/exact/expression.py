@@ -20,7 +20,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ExpressionError
-from liepoisson.exact.formula.arithmetic import ELEMENTARY_FUNCTIONS, Arithmetic, RefusedError
+from liepoisson.exact.formula.arithmetic import Arithmetic, RefusedError
 from liepoisson.exact.formula.grammar import (
     Call,
     Component,
@@ -34,9 +34,8 @@ from liepoisson.exact.formula.grammar import (
     names_in,
     parse,
 )
-from liepoisson.exact.formula.scope import CONSTANTS, FUNCTIONS, Scope, component_name
+from liepoisson.exact.formula.scope import Scope, component_name
 from liepoisson.exact.formula.tensor_arithmetic import (
-    MATRIX_FUNCTIONS,
     Matrix,
     TensorArithmetic,
     Value,
@@ -44,6 +43,7 @@ from liepoisson.exact.formula.tensor_arithmetic import (
     kind_of,
     shape_of,
 )
+from liepoisson.exact.names import CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS
 from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 
 if TYPE_CHECKING:
@@ -63,6 +63,16 @@ _INSTEAD = {
     "csc": "1/sin(x)",
     "cot": "cos(x)/sin(x)",
     "inverse": "inv(M)",
+}
+_NO_CONSTANTS = {
+    "e": "Euler's number is exp(1)",
+    "E": "Euler's number is exp(1)",
+    "Pi": "The constant is pi",
+    "PI": "The constant is pi",
+    "oo": "Formulas are finite",
+    "inf": "Formulas are finite",
+    "i": "Formulas are real",
+    "j": "Formulas are real",
 }
 
 
@@ -313,7 +323,8 @@ def _entries(value: Value) -> object:
 def _unknown_name(name: str, scope: Scope) -> str:
     if name in FUNCTIONS:
         return f"{name} is a function and needs its arguments. Write {name}(...)"
-    return f"the name {name!r} is unknown. {scope.suggestion(name)}"
+    constant = f"{_NO_CONSTANTS[name]}. " if name in _NO_CONSTANTS else ""
+    return f"the name {name!r} is unknown. {constant}{scope.suggestion(name)}"
 
 
 def _unknown_function(name: str, scope: Scope) -> str:

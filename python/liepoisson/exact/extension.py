@@ -14,7 +14,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING, TypeAlias, cast
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, symbols_of, to_sympy
+from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, substituted, symbols_of, to_sympy
 from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
 
 if TYPE_CHECKING:
@@ -134,11 +134,8 @@ class Extension:
         """The same extension with values for some of its symbols."""
         if not self.symbols & set(values):
             return self
-        from sympy import Symbol
-
-        pairs = [(Symbol(name), to_sympy(value)) for name, value in values.items()]
         products = {
-            pair: {k: to_sympy(value).subs(pairs) for k, value in row.items()} for pair, row in self.products.items()
+            pair: {k: substituted(value, values) for k, value in row.items()} for pair, row in self.products.items()
         }
         shown = ", ".join(f"{name} = {values[name]}" for name in sorted(self.symbols & set(values)))
         named = f"{self.name} at {shown}"

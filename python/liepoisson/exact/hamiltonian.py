@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.names import check_name
 from liepoisson.exact.parameters import Column, Exact, Parameter, is_sympy, listed, read_parameter, to_sympy
 
 if TYPE_CHECKING:
@@ -41,14 +42,18 @@ def read_values(parameters: Mapping[str, GivenValue] | None) -> dict[str, Value]
     """Read the values of parameters, by name: numbers or names, vectors, matrices.
 
     Raises:
-        ParameterError: not a mapping from names to values, or a value is not exact.
+        ParameterError: not a mapping from names to values, a name that nobody may choose (`liepoisson.exact.names`), or
+            a value is not exact.
     """
     given = cast("Any", {} if parameters is None else parameters)  # a caller without a type checker may pass anything
     if not isinstance(given, Mapping) or not all(isinstance(name, str) for name in cast("Mapping[object, Any]", given)):
         raise ParameterError(
             f'parameters must be a mapping from names to values; got {given!r}. Write for example {{"epsilon": 1}}.'
         )
-    return {name: _read_value(value, name) for name, value in cast("Mapping[str, Any]", given).items()}
+    return {
+        check_name(name, "the name of a parameter"): _read_value(value, name)
+        for name, value in cast("Mapping[str, Any]", given).items()
+    }
 
 
 def _read_value(value: object, name: str) -> Value:
@@ -130,13 +135,20 @@ def read_pairs_of_functions(
 
 
 def flattened(values: Mapping[str, Value]) -> dict[str, Exact]:
-    """One entry per number: the components of a vector I are I1, I2, ..., those of a matrix M are M11, M12, ..."""
+    """One entry per number: the components of a vector I are I1, I2, ..., those of a matrix M are M11, M12, ...
+
+    Raises:
+        ParameterError: two numbers would have one name, as those of a parameter I1 and of a vector I.
+    """
     flat: dict[str, Exact] = {}
     for name, value in values.items():
-        if not isinstance(value, tuple):
-            flat[name] = value
-        else:
-            flat |= _components(name, value)
+        entries = _components(name, value) if isinstance(value, tuple) else {name: value}
+        if twice := sorted(flat.keys() & entries):
+            raise ParameterError(
+                f"a name must stand for one thing; {twice[0]} would be {name} or a component of it, and another "
+                "parameter. Rename one of them."
+            )
+        flat |= entries
     return flat
 
 

@@ -13,7 +13,7 @@ from numbers import Integral
 from typing import TYPE_CHECKING
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, symbols_of, to_sympy
+from liepoisson.exact.parameters import Exact, Parameter, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.exact.tensors import (
     Brackets,
     Tensor3,
@@ -34,7 +34,7 @@ MAX_DIMENSION = 1000
 """The largest dimension: beyond it even sparse structure constants outgrow what anything here can work with."""
 
 _MAX_DENSE = 200  # 8 million entries
-_NAME_PART = re.compile(r"[A-Za-z_0-9]+")
+_NAME_PART = re.compile(r"[A-Za-z_0-9]{1,100}")
 
 
 class LieAlgebra:
@@ -171,10 +171,7 @@ class LieAlgebra:
         """The same algebra with values for some of its symbols."""
         if not self.symbols & set(values):
             return self
-        from sympy import Symbol
-
-        pairs = [(Symbol(name), to_sympy(value)) for name, value in values.items()]
-        changed = {value: to_sympy(value).subs(pairs) for value in self._values}
+        changed = {value: substituted(value, values) for value in self._values}
         brackets = {pair: {k: changed[c] for k, c in row.items()} for pair, row in self.brackets.items()}
         return LieAlgebra.from_brackets(self.dimension, brackets, self.name, self.basis_names, check=False)
 
@@ -327,7 +324,7 @@ def _check_basis_names(names: tuple[str, ...]) -> None:
     for name in names:
         if not _NAME_PART.fullmatch(name):
             raise ParameterError(
-                f"a basis name must consist of letters, digits and _; got {name!r:.60}, so that no formula could name "
+                f"a basis name must be 1 to 100 letters, digits and _; got {name!r:.60}, so that no formula could name "
                 'the coordinate. Write for example basis_names=["1", "2", "3"].'
             )
     if (k := _misplaced(names)) is not None:

@@ -5,7 +5,8 @@ The Poisson tensor is linear, so a Hamiltonian of degree two gives a field of de
 $$\dot x_i = \sum_{jm} c_{ij}^m x_m\,\partial_j H ,$$
 
 which is built term by term without expanding anything: 120 coordinates take a second.  Any other smooth Hamiltonian
-gives a tape, in which a subexpression that occurs twice is computed once.
+gives a tape, in which a subexpression that occurs twice is computed once.  A tape is written in private symbols: it
+does not depend on the names of the coordinates, which would else decide in which order a sum is taken.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.parameters import as_float
+from liepoisson.exact.private_symbols import in_private_symbols, name_of_function
 from liepoisson.field import Instruction, QuadraticField, TapeField, TapeFunction
 
 if TYPE_CHECKING:
@@ -108,8 +110,7 @@ def check_numeric(bracket: Bracket, hamiltonian: Expr) -> None:
     Raises:
         ParameterError: a parameter is symbolic; the message names it.
     """
-    names = {str(variable) for variable in bracket.variables}
-    free = ({str(symbol) for symbol in hamiltonian.free_symbols} | bracket.symbols) - names
+    free = {str(symbol) for symbol in hamiltonian.free_symbols - set(bracket.variables)} | bracket.symbols
     if free:
         raise ParameterError(
             f"every parameter must be a number for numerical work; {', '.join(sorted(free))} has none. Give values."
@@ -154,8 +155,9 @@ def tape_of_bracket(bracket: Bracket, hamiltonian: Expr) -> TapeField:
     Raises:
         UnsupportedFieldError: the Hamiltonian contains a function that is not smooth or not known.
     """
-    writer = _TapeWriter(bracket.variables)
-    gradient = writer.write_all([hamiltonian.diff(variable) for variable in bracket.variables])
+    private, [energy] = in_private_symbols(bracket.variables, [hamiltonian])
+    writer = _TapeWriter(private)
+    gradient = writer.write_all([energy.diff(variable) for variable in private])
     sums: list[list[tuple[int, float]]] = [[] for _ in bracket.variables]
     for i, j, m, c in bracket.entries():
         value = as_float(rational(c), "a structure constant")
@@ -187,10 +189,12 @@ def tape_of_equations(variables: Sequence[Symbol], derivatives: Sequence[Expr]) 
     r"""Any smooth equations $\dot x_i = f_i(x)$ as a tape: for systems that are not written as a Lie-Poisson bracket.
 
     Raises:
-        UnsupportedFieldError: a function is not smooth or not known, or a symbol is not among the variables.
+        UnsupportedFieldError: a function is not smooth or not known.
+        ParameterError: a symbol is not among the variables.
     """
-    writer = _TapeWriter(variables)
-    registers = writer.write_all(derivatives)
+    private, rates = in_private_symbols(variables, derivatives)
+    writer = _TapeWriter(private)
+    registers = writer.write_all(rates)
     return writer.tape([writer.linear([], 0.0) if register is None else register for register in registers])
 
 
@@ -201,17 +205,15 @@ def tape_of_functions(variables: Sequence[Symbol], functions: Sequence[Expr]) ->
         UnsupportedFieldError: a function is not smooth or not known.
         ParameterError: a symbol is not among the variables.
     """
-    free = sorted({str(s) for function in functions for s in function.free_symbols if s not in variables})
-    if free:
-        raise ParameterError(f"every parameter must be a number for numerical work; {', '.join(free)} has none.")
-    writer = _TapeWriter(variables)
-    registers = [writer.linear([], 0.0) if r is None else r for r in writer.write_all(functions)]
+    private, expressions = in_private_symbols(variables, functions)
+    writer = _TapeWriter(private)
+    registers = [writer.linear([], 0.0) if r is None else r for r in writer.write_all(expressions)]
     tape = writer.tape(registers)
     return TapeFunction(tape.n_components, tape.instructions, tape.outputs)
 
 
 class _TapeWriter:
-    """Writes expressions as instructions; equal instructions are written once."""
+    """Writes expressions in private symbols as instructions; equal instructions are written once."""
 
     def __init__(self, variables: Sequence[Symbol]) -> None:
         self._n = len(variables)
@@ -225,8 +227,7 @@ class _TapeWriter:
         """The register of each expression, None for one that is zero; common subexpressions are found first."""
         from sympy import cse, numbered_symbols
 
-        # The private prefix can not be typed by a user: names do not start with a digit.
-        found: Any = cse(list(expressions), symbols=numbered_symbols("0cse"), order="none")
+        found: Any = cse(list(expressions), symbols=numbered_symbols("_c"), order="none")
         shared, reduced = found
         for symbol, expression in shared:
             self._registers[symbol] = self.write(expression)
@@ -310,7 +311,7 @@ class _TapeWriter:
         return self._add("power", (self.write(base),), (as_float(rational(exponent), "an exponent"),))
 
     def _write_function(self, expression: Expr) -> int:
-        name = type(expression).__name__
+        name = name_of_function(expression)
         if name == "tan":
             return self._add("quotient", (self._function("sin", expression), self._function("cos", expression)))
         if name not in FUNCTIONS or len(expression.args) != 1:

@@ -14,6 +14,7 @@ from numbers import Integral, Rational, Real
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.names import check_name, check_not_reserved
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -96,6 +97,14 @@ def to_sympy(value: Exact) -> Expr:
     return value
 
 
+def substituted(value: Exact, values: Mapping[str, Exact]) -> Exact:
+    """The parameter with values for symbols by name, all at once: {"s": t, "t": s} exchanges two of them."""
+    if isinstance(value, Fraction):
+        return value
+    known: dict[Any, Any] = {s: to_sympy(values[str(s)]) for s in value.free_symbols if str(s) in values}
+    return cast("Expr", value.xreplace(known)) if known else value
+
+
 def is_zero(value: Exact) -> bool:
     """Whether the parameter vanishes identically (a free symbol does not)."""
     if isinstance(value, Fraction):
@@ -154,7 +163,7 @@ def _read_string(text: str, name: str) -> Exact:
     if _NAME.fullmatch(stripped) and stripped.lower() not in {"nan", "inf", "infinity"}:
         from sympy import Symbol
 
-        return Symbol(stripped)
+        return Symbol(check_name(stripped, f"{name}: the name of a symbol"))
     if len(stripped) > _MAX_CHARACTERS or not _NUMBER.fullmatch(stripped):
         raise _not_a_parameter(text, name)
     try:
@@ -187,6 +196,8 @@ def _read_expression(value: Any, name: str) -> Exact:
         or value.is_real is False
     ):
         raise ParameterError(f"{name} must be a finite real number or name; got {value}. Check the expression.")
+    for symbol in value.free_symbols:
+        check_not_reserved(str(symbol), f"{name}: the name of a symbol")
     return value
 
 

@@ -1,11 +1,12 @@
 r"""Functions on phase space as functions of arrays: the Hamiltonian, Casimirs, any expression, with derivatives.
 
-The expressions are the exact ones of a system, compiled to NumPy when they are first evaluated.
+The expressions are the exact ones of a system, compiled to NumPy when they are first evaluated
+(`liepoisson.exact.private_symbols`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
@@ -16,7 +17,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
 
 if TYPE_CHECKING:
-    from sympy import Expr
+    from sympy import Expr, Symbol
 
     from liepoisson.exact.system import System
     from liepoisson.exact.trace_values import TraceSum
@@ -46,7 +47,7 @@ class PhaseFunction:
         """Values, shape (...), at states of shape (..., N)."""
         if self._traces is not None:
             return self._traces.value(self._states(x))
-        return self._evaluate(self._value, x, ())
+        return self._evaluate((self.expression,), x, ())
 
     def gradient(self, x: ArrayLike) -> Array:
         r"""Gradients $\partial f/\partial x_i$, shape (..., N)."""
@@ -69,21 +70,16 @@ class PhaseFunction:
         return TraceSum.of(self.expression, self._variables)
 
     @cached_property
-    def _value(self) -> Callable[..., list[Any]]:
-        return compiled(self._variables, [self.expression])
+    def _gradient(self) -> tuple[Expr, ...]:
+        return tuple(self.expression.diff(v) for v in self._variables)
 
     @cached_property
-    def _gradient(self) -> Callable[..., list[Any]]:
-        return compiled(self._variables, [self.expression.diff(v) for v in self._variables])
+    def _hessian(self) -> tuple[Expr, ...]:
+        return tuple(slope.diff(v) for slope in self._gradient for v in self._variables)
 
-    @cached_property
-    def _hessian(self) -> Callable[..., list[Any]]:
-        slopes = [self.expression.diff(v) for v in self._variables]
-        return compiled(self._variables, [slope.diff(v) for slope in slopes for v in self._variables])
-
-    def _evaluate(self, function: Callable[..., list[Any]], x: ArrayLike, shape: tuple[int, ...]) -> Array:
+    def _evaluate(self, expressions: tuple[Expr, ...], x: ArrayLike, shape: tuple[int, ...]) -> Array:
         states = self._states(x)
-        values = evaluated(function, states)
+        values = evaluated(self._variables, expressions, states)
         return values.reshape(states.shape[:-1] + shape)
 
     def _states(self, x: ArrayLike) -> Array:
@@ -155,26 +151,23 @@ class PhaseFunctions:
         r"""Its derivative $\partial\dot x_i/\partial x_j$, shape (..., N, N)."""
         n = self._system.bracket.dimension
         states = as_phase_points(x, n, self._system.bracket.field_names)
-        return evaluated(self._jacobian, states).reshape(*states.shape[:-1], n, n)
+        return evaluated(self._system.variables, self._jacobian, states).reshape(*states.shape[:-1], n, n)
 
     @cached_property
-    def _jacobian(self) -> Callable[..., list[Any]]:
-        return compiled(self._system.variables, self._system.jacobian.flat())
+    def _jacobian(self) -> tuple[Expr, ...]:
+        return tuple(cast("Any", self._system.jacobian).flat())
 
 
-def compiled(variables: Sequence[Any], expressions: Sequence[Any]) -> Callable[..., list[Any]]:
-    """A NumPy function of the variables that returns the values of all expressions."""
-    from sympy import lambdify
-
-    return cast("Callable[..., list[Any]]", lambdify(tuple(variables), list(expressions), modules="numpy", cse=True))
-
-
-def evaluated(function: Callable[..., list[Any]], states: Array) -> Array:
-    """The values of a compiled function at states of shape (..., N), stacked along a new last axis.
+def evaluated(variables: Sequence[Symbol], expressions: Sequence[Expr], states: Array) -> Array:
+    """The values of expressions in the variables at states of shape (..., N), stacked along a new last axis.
 
     Raises:
-        ParameterError: a number in the function does not fit into a double.
+        ParameterError: a number in an expression does not fit into a double, or a symbol in it is no variable.
+        UnsupportedFieldError: an expression contains a function that NumPy does not have.
     """
+    from liepoisson.exact.private_symbols import numpy_function
+
+    function = numpy_function(variables, expressions)
     try:
         values = function(*np.moveaxis(states, -1, 0))
     except OverflowError as error:  # exact numbers are divided as integers, which have no bounds

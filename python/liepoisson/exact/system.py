@@ -3,18 +3,18 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import as_array
-from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, ParameterError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.hamiltonian import (
+    RESERVED_NAME,
     GivenValue,
     Hamiltonian,
     Value,
@@ -29,7 +29,7 @@ from liepoisson.exact.hamiltonian import (
     read_values,
     with_exact_numbers,
 )
-from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
+from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
 from liepoisson.field import Field, PiecesField, TapeFunction
 
 if TYPE_CHECKING:
@@ -89,6 +89,7 @@ class System:
         self.values: dict[str, Value] = read_values(parameters)
         self.parameters: dict[str, Exact] = flattened(self.values)
         bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
+        self._check_that_values_are_final()
         self.symbolic_bracket: Bracket = bracket
         self.bracket: Bracket = bracket.substitute(self.parameters) if self.parameters else bracket
         self.name: str = name or "Lie-Poisson system"
@@ -303,7 +304,8 @@ class System:
 
         Raises:
             ExpressionError: the text is not in the grammar, or a name in it is not known; with the position.
-            ParameterError: the function is none of these.
+            ParameterError: the function is none of these, or a name alone stands for an invariant and for something
+                else, such as C1 for a Casimir and for a component of a parameter C.
         """
         from liepoisson.exact.phase_functions import PhaseFunction
 
@@ -316,9 +318,23 @@ class System:
                 )
             return self._function(given)
         try:
-            return self._function(given)
+            expression = self._function(given)
         except ExpressionError as error:
             return self._named_invariant(given, error)
+        self._check_that_it_names_one_thing(given, expression)
+        return expression
+
+    def _check_that_it_names_one_thing(self, text: str, expression: Expr) -> None:
+        """Refuse a text that is both a formula and the name of an invariant, where they differ."""
+        name = text.strip()
+        if not (RESERVED_NAME.fullmatch(name) or name in self._given_integrals):
+            return
+        invariant = self.invariants.get(name)
+        if invariant is not None and invariant != expression:
+            raise ParameterError(
+                f"a name must stand for one thing; {name} is {expression} in formulas, and the invariant {invariant}. "
+                f"Write 1*{name} for the former, system.invariants[{name!r}] for the latter."
+            )
 
     def _named_invariant(self, text: str, error: ExpressionError) -> Expr:
         """The invariant that a text names, which is no formula; if it only contains such a name, say what to write."""
@@ -354,44 +370,31 @@ class System:
         return describe(self)
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled: everything but the compiled functions, which are made again when they are asked for."""
-        return {name: value for name, value in self.__dict__.items() if name not in {"_numpy_functions", "functions"}}
+        """What is pickled: everything but what is made again when it is asked for."""
+        return {name: value for name, value in self.__dict__.items() if name != "functions"}
 
     def __repr__(self) -> str:
         return f"<System {self.name!r} on {self.bracket!r}>"
 
     def _recognise_top(self) -> TopParameters | None:
-        from liepoisson.exact.top_parameters import match_top
+        from liepoisson.exact.formula.arithmetic import expanded_terms
+        from liepoisson.exact.top_parameters import MOST_TERMS, match_top
 
-        return match_top(self.bracket, self.equations) if self.bracket.dimension == 9 else None
+        # The equations are expanded to be compared, which for a high power of a sum would take minutes.
+        if self.bracket.dimension != 9 or expanded_terms(self.hamiltonian) > MOST_TERMS:
+            return None
+        return match_top(self.bracket, self.equations)
 
     def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
-        states = as_array(x, "x")
-        n = self.bracket.dimension
-        if states.ndim == 0 or states.shape[-1] != n:
-            fields = ", ".join(self.bracket.extension.field_names)
-            hint = " Transpose it?" if states.ndim > 1 and states.shape[0] == n else ""
-            raise ShapeError(f"x must end in {n} components ({fields}); got shape {states.shape}.{hint}")
-        values = self._compiled(tuple(expressions))(*np.moveaxis(states, -1, 0))
-        return [np.array(np.broadcast_to(value, states.shape[:-1]), dtype=np.float64) for value in values]
+        from liepoisson.exact.phase_functions import as_phase_points, evaluated
 
-    def _compiled(self, expressions: tuple[Expr, ...]) -> Callable[..., list[NDArray[np.float64]]]:
-        if expressions not in self._numpy_functions:
-            from sympy import lambdify
-
-            free = {s for e in expressions for s in e.free_symbols} - set(self.variables)
-            if free:
-                names = ", ".join(sorted(str(symbol) for symbol in free))
-                raise ParameterError(
-                    f"{self.name} must have numbers for all parameters; {names} has none. Give values."
-                )
-            function = lambdify(self.variables, list(expressions), modules="numpy", cse=True)
-            self._numpy_functions[expressions] = cast("Callable[..., list[NDArray[np.float64]]]", function)
-        return self._numpy_functions[expressions]
-
-    @cached_property
-    def _numpy_functions(self) -> dict[tuple[Expr, ...], Callable[..., list[NDArray[np.float64]]]]:
-        return {}
+        states = as_phase_points(x, self.bracket.dimension, self.bracket.field_names)
+        free = {s for e in expressions for s in e.free_symbols} - set(self.variables)
+        if free:
+            names = ", ".join(sorted(map(str, free)))
+            raise ParameterError(f"{self.name} must have numbers for all parameters; {names} has none. Give values.")
+        values = evaluated(self.variables, expressions, states)
+        return [values[..., k].copy() for k in range(len(expressions))]
 
     def _read(self, given: str | Expr) -> Expr:
         """A function on phase space with parameters as symbols: text is read in our grammar."""
@@ -407,8 +410,16 @@ class System:
 
     def _with_parameters(self, expression: Expr) -> Expr:
         """The expression with the parameters inserted, by name: a symbol may have been made with assumptions."""
-        free = {symbol for symbol in expression.free_symbols if str(symbol) in self.parameters}
-        return expression.subs({symbol: to_sympy(self.parameters[str(symbol)]) for symbol in free})
+        return to_sympy(substituted(expression, self.parameters))
+
+    def _check_that_values_are_final(self) -> None:
+        """Refuse the value of a parameter that is, or contains, the name of another one with a value."""
+        for name, value in self.parameters.items():
+            if known := sorted(symbols_of(value) & self.parameters.keys() - {name}):
+                raise ParameterError(
+                    f"the value of a parameter must not depend on another one that has a value; {name} = {value}, and "
+                    f"{known[0]} is {self.parameters[known[0]]}. Write the number."
+                )
 
     def _check_that_parameters_occur(self) -> None:
         known = self.symbolic_bracket.symbols | {str(symbol) for symbol in self.symbolic_hamiltonian.free_symbols}

@@ -18,6 +18,10 @@ if TYPE_CHECKING:
 ExactVector: TypeAlias = tuple[Exact, Exact, Exact]
 
 
+MOST_TERMS = 400
+"""Of an expanded Hamiltonian in which a top is looked for; one that is written as a top has 18."""
+
+
 @dataclass(frozen=True)
 class TopParameters:
     r"""Principal moments, centre of mass a, centre of charge b (all in the body frame) and the cocycle strength.

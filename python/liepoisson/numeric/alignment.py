@@ -26,6 +26,7 @@ from liepoisson.numeric._checks import (
     typical,
 )
 from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.lyapunov import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
 
@@ -273,6 +274,8 @@ def _as_alignment_times(t_end: float | None, times: ArrayLike | None) -> Array:
         raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1_000")
     if times is None:
         end = as_positive_time(t_end, "t_end")
+        if end < LEAST_TIME:
+            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1_000")
         wanted = np.geomspace(end / 1000.0, end, N_TIMES)
         wanted[-1] = end
         return wanted

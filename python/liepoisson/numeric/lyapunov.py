@@ -36,6 +36,8 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 N_TIMES = 200
+LEAST_TIME = 1e-300
+"""Shortest time of a run: a thousandth of it is still a normal double."""
 
 
 @dataclass(frozen=True)
@@ -202,6 +204,8 @@ def _as_exponent_times(t_end: float | None, times: ArrayLike | None) -> Array:
         end = as_number(t_end, "t_end", "a positive finite time")
         if not 0.0 < end < np.inf:
             raise ParameterError(f"t_end: wanted a positive finite time; got {end}; an exponent needs t_end > 0")
+        if end < LEAST_TIME:
+            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1_000")
         wanted = np.geomspace(end / 1000.0, end, N_TIMES)
         wanted[-1] = end
         return wanted

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.plot.labels import label, plain, symbol
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTED, SECOND_FIELD, SEQUENCE, house_style
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 FloatArray: TypeAlias = NDArray[np.float64]
 
 _COLOURS = {"l": ANGULAR_MOMENTUM, "alpha": FIRST_FIELD, "beta": SECOND_FIELD}
-_LETTERS = {"l": r"\ell", "alpha": r"\alpha", "beta": r"\beta", "gamma": r"\gamma", "omega": r"\omega"}
 _TINTS = (-0.45, 0.0, 0.5)
 """Towards ink (negative) or white (positive), for the first, second and third component of a vector."""
 _AZIMUTH, _ELEVATION = np.radians(35.0), np.radians(24.0)
@@ -70,21 +70,22 @@ def orbit(
     time, state, components = _arrays(run, trajectory)
     curves = _changes(invariants or {}, run, len(time))
     vectors = _vectors(components)
-    heading = title if title is not None else getattr(run, "system", None) or getattr(run, "attrs", {}).get("system")
+    name = getattr(run, "system", None) or getattr(run, "attrs", {}).get("system")
+    heading = title if title is not None else plain(name) if name else None
     with house_style():
         figure, rows, last = _panels([len(columns) for columns in vectors.values()], bool(curves))
         for k, (name, columns) in enumerate(vectors.items()):
             colour = _COLOURS.get(name, SEQUENCE[k % len(SEQUENCE)])
             in_time, in_space = rows[k]
             _in_time(in_time, time, state[:, columns], [components[c] for c in columns], colour)
-            in_time.set_ylabel(f"${_symbol(name)}$", rotation=0, ha="right", va="center")
+            in_time.set_ylabel(label(name), rotation=0, ha="right", va="center")
             if in_space is not None:
                 _in_space(in_space, state[:, columns], name, colour)
         if last is not None:
             _draw_changes(last, time, curves)
         (last or rows[-1][0]).set_xlabel(r"$t$")
         if heading:
-            figure.suptitle(str(heading), x=0.012, ha="left", fontsize=12.5, color=INK)
+            figure.suptitle(heading, x=0.012, ha="left", fontsize=12.5, color=INK)
     return figure
 
 
@@ -155,7 +156,7 @@ def _panels(sizes: Sequence[int], with_last: bool) -> tuple[Figure, list[tuple[A
 def _in_time(ax: Axes, time: FloatArray, vector: FloatArray, components: Sequence[str], colour: str) -> None:
     colours = [_mixed(colour, tint) for tint in _TINTS] if len(components) == 3 else SEQUENCE
     for k, component in enumerate(components):
-        ax.plot(time, vector[:, k], color=colours[k % len(colours)], linewidth=1.0, label=f"${_symbol(component)}$")
+        ax.plot(time, vector[:, k], color=colours[k % len(colours)], linewidth=1.0, label=label(component))
     ax.set_xlim(time[0], time[-1])
     if len(components) <= 6:
         ax.legend(ncols=len(components), loc="lower right", bbox_to_anchor=(1.0, 0.99), handlelength=1.2)
@@ -178,8 +179,8 @@ def _in_space(ax: Axes, path: FloatArray, name: str, colour: str) -> None:
     rgba = np.array([(*_rgb(colour), s) for s in strength[order]])
     ax.add_collection(LineCollection(list(segments), colors=list(rgba), linewidths=0.8, zorder=3))
     ax.plot(*points[0, :2], "o", color=INK, markersize=3.2, zorder=5)
-    symbol = _symbol(name)
-    words = rf"$|{symbol}| = {radius:.3g}$" if on_sphere else rf"max $|{symbol}| = {radius:.3g}$"
+    length = f"$|{symbol(name)}| = {radius:.3g}$"
+    words = length if on_sphere else f"max {length}"
     ax.text(0.5, -0.02, words, transform=ax.transAxes, ha="center", va="top", color=MUTED, fontsize=9)
 
 
@@ -226,8 +227,8 @@ def _draw_changes(ax: Axes, time: FloatArray, changes: Mapping[str, FloatArray])
 
     for k, (name, change) in enumerate(changes.items()):
         positive = np.where(change > 0, change, np.nan)
-        label = f"${_symbol(name)}$"
-        ax.plot(time, positive, color=SEQUENCE[(k + 3) % len(SEQUENCE)], linewidth=1.1, label=label)
+        words = label(name)
+        ax.plot(time, positive, color=SEQUENCE[(k + 3) % len(SEQUENCE)], linewidth=1.1, label=words)
     ax.set_yscale("log")
     ax.yaxis.set_minor_formatter(NullFormatter())
     ax.set_ylabel("largest change")
@@ -237,14 +238,6 @@ def _draw_changes(ax: Axes, time: FloatArray, changes: Mapping[str, FloatArray])
     else:  # a logarithmic axis without data has no limits of its own
         ax.set_ylim(1e-17, 1e-15)
     ax.legend(ncols=len(changes), loc="lower right", bbox_to_anchor=(1.0, 0.98), handlelength=1.2)
-
-
-def _symbol(name: str) -> str:
-    r"""A name as mathematical text: alpha1 is $\alpha_1$."""
-    stem = re.sub(r"_?\d*$", "", name)
-    digits = name[len(stem) :].lstrip("_")
-    letter = _LETTERS.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
-    return f"{letter}_{{{digits}}}" if digits else letter
 
 
 def _rgb(colour: str) -> tuple[float, float, float]:

@@ -3,7 +3,6 @@ r"""Figures of surfaces of section: points in a plane of two coordinates, a colo
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
@@ -11,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.plot.labels import label, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style
 
 if TYPE_CHECKING:
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
-_LETTERS = {"l": r"\ell", "alpha": r"\alpha", "beta": r"\beta", "gamma": r"\gamma", "theta": r"\theta", "phi": r"\phi"}
 _GOOD_COVERAGE = 0.14
 """Share of the axes that points may cover in all, were none above another."""
 _LARGEST, _SMALLEST = 2.6, 0.25
@@ -146,12 +145,11 @@ def _heading(points: SectionLike) -> str | None:
         system, surface = attributes.get("system"), json.loads(attributes.get("run", "{}")).get("surface")
     if not isinstance(system, str) or not isinstance(surface, str):
         return None
-    name = system.replace("$", r"\$")  # a dollar sign of the name begins no formula
-    words = f"{name}: {surface} = 0", f"{name}: {label(surface)} = 0"
-    if len(words[0]) <= _LONGEST_LINE:
-        return words[1]
-    formula = surface if len(surface) <= _LONGEST_LINE - 4 else f"{surface[: _LONGEST_LINE - 6]} …"
-    return f"{name}\n{label(formula)} = 0"
+    name = plain(system)
+    if len(f"{system}: {surface} = 0") <= _LONGEST_LINE:
+        return f"{name}: {label(surface)} = 0"
+    formula = label(surface) if len(surface) <= _LONGEST_LINE - 4 else plain(surface, _LONGEST_LINE - 4)
+    return f"{name}\n{formula} = 0"
 
 
 def _names(points: SectionLike) -> tuple[str, ...]:
@@ -203,13 +201,3 @@ def _as_size(size: Any) -> float | None:
 
 def _axis_label(coordinate: str | ArrayLike) -> str:
     return label(coordinate) if isinstance(coordinate, str) else ""
-
-
-def label(name: str) -> str:
-    r"""A name as mathematical text: alpha1 is $\alpha_1$; formulas stay as they are."""
-    found = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", name)
-    if found is None:
-        return name
-    stem, digits = found.groups()
-    letter = _LETTERS.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
-    return f"${letter}_{{{digits}}}$" if digits else f"${letter}$"

@@ -10,6 +10,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import shown
 from liepoisson.numeric.exponent_estimate import zero_threshold
 from liepoisson.numeric.spectrum import Spectrum
+from liepoisson.plot.labels import plain
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style, new_figure
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def _draw_running(ax: Axes, result: Spectrum, trajectory: int) -> None:
     ax.set_xlim(0.0, result.time[-1])
     ax.set_xlabel(r"$t$")
     ax.set_ylabel(r"$\lambda_k(t)$")
-    ax.set_title(result.system)
+    ax.set_title(plain(result.system))
 
 
 def _draw_last(ax: Axes, result: Spectrum, trajectory: int) -> None:

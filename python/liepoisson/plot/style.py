@@ -31,6 +31,7 @@ FORMATS = ("png", "svg", "pdf")
 _SETTINGS: dict[str, Any] = {
     "font.family": ["STIXGeneral", "DejaVu Serif"],
     "mathtext.fontset": "stix",
+    "text.usetex": False,  # TeX would read names of users as its own text
     "font.size": 10.5,
     "axes.labelsize": 11.5,
     "axes.titlesize": 11.5,

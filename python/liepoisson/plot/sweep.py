@@ -2,12 +2,12 @@ r"""Figures of sweeps: a curve with its band along one axis, a map over two."""
 
 from __future__ import annotations
 
-import re
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.plot.labels import label, with_formulas
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style
 
 if TYPE_CHECKING:
@@ -17,8 +17,6 @@ if TYPE_CHECKING:
     from liepoisson.sweeps.spec import Axis
 
 FloatArray: TypeAlias = NDArray[np.float64]
-
-_GREEK = ("epsilon", "phi", "theta", "psi", "alpha", "beta", "gamma", "lambda", "omega", "chi")
 
 
 def sweep(
@@ -63,13 +61,8 @@ def sweep(
 def axis_label(axis: Axis) -> str:
     r"""How an axis is called: its label, or its name as mathematical text."""
     if axis.label is not None:
-        return axis.label
-    found = re.fullmatch(r"([A-Za-z]+?)_?(\d*)", axis.name)
-    if axis.name == "energy" or found is None:
-        return "energy $H$" if found else axis.name
-    stem, digits = found.groups()
-    letter = rf"\{stem}" if stem in _GREEK else stem if len(stem) == 1 else rf"\mathrm{{{stem}}}"
-    return f"${letter}_{{{digits}}}$" if digits else f"${letter}$"
+        return with_formulas(axis.label)
+    return "energy $H$" if axis.name == "energy" else label(axis.name)
 
 
 def statistic_label(result: Sweep) -> str:

@@ -152,10 +152,11 @@ class FileFamily(Family):
     @cached_property
     def _top_formulas(self) -> Callable[..., Any] | None:
         """Inertia, a, b and epsilon as functions of all components of all parameters; None if it is no top."""
-        from sympy import Symbol, lambdify
+        from sympy import Symbol
 
         from liepoisson.exact.formula.scope import component_name
         from liepoisson.exact.parameters import to_sympy
+        from liepoisson.exact.private_symbols import numpy_function
 
         with _SYMPY:
             declared = tuple(f"{n}[{','.join(map(str, s))}]" if s else n for n, s in self.shapes.items())
@@ -169,7 +170,7 @@ class FileFamily(Family):
                 for index in np.ndindex(s)
             ]
             values = [to_sympy(v) for v in (*top.inertia, *top.a, *top.b, top.epsilon)]
-            return cast("Callable[..., Any]", lambdify([Symbol(name) for name in names], values, modules="numpy"))
+            return numpy_function([Symbol(name) for name in names], values)
 
 
 @lru_cache(maxsize=16)

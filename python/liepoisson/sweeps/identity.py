@@ -91,7 +91,7 @@ def _state_of_named(value: Any) -> Any:
     if isinstance(value, ModuleType):
         return "module", value.__name__
     if hasattr(value, "bracket") and hasattr(value, "hamiltonian"):
-        return "system", str(value.bracket.entries()), str(value.hamiltonian)
+        return "system", *system_record(value).items()
     if isinstance(value, (type, BuiltinFunctionType, np.ufunc)) and _package(value) not in ("", "__main__"):
         return "name", _package(value), getattr(value, "__qualname__", value.__name__)
     raise ParameterError(f"it depends on {type(value).__name__!r} {getattr(value, '__name__', '')}".rstrip())
@@ -131,6 +131,20 @@ def _is_foreign(item: Any, function: FunctionType) -> bool:
 def _package(item: Any) -> str:
     module = getattr(item, "__module__", None) or ("numpy" if isinstance(item, np.ufunc) else "")
     return str(module or (builtins.__name__ if isinstance(item, BuiltinFunctionType) else "")).partition(".")[0]
+
+
+def system_record(system: Any) -> dict[str, str]:
+    """A system as texts that differ where its equations can differ.
+
+    What an expression prints would not do: `pi*l1` is a multiple of l1, or its product with another symbol.
+    """
+    from sympy import srepr
+
+    from liepoisson.exact.parameters import to_sympy
+
+    entries = [(i, j, m, srepr(to_sympy(c))) for i, j, m, c in system.bracket.entries()]
+    coordinates = ", ".join(map(str, system.bracket.variables))
+    return {"bracket": repr(entries), "coordinates": coordinates, "hamiltonian": srepr(system.hamiltonian)}
 
 
 def function_record(function: Callable[..., Any]) -> dict[str, Any]:

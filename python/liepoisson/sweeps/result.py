@@ -24,6 +24,12 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+_PER_POINT = ("mean", "standard_error", "low", "high", "n_finished", "chaotic_fraction")
+_DIMENSIONS = ("member", "point", "level")
+OWN_NAMES = frozenset([*_DIMENSIONS, *_PER_POINT, "exponent", "value", "outcome"])
+"""Variables and dimensions of the dataset of a sweep, which no axis may be taken for."""
+
+
 @dataclass(frozen=True)
 class Sweep:
     """The values of a sweep at its points.
@@ -140,10 +146,13 @@ class Sweep:
 
     @property
     def dataset(self) -> Dataset:
-        """The same as a labelled xarray Dataset: on the grid of the axes, or, refined, along one axis of points."""
+        """The same as a labelled xarray Dataset: on the grid of the axes, or, refined, along one axis of points.
+
+        An axis that is called like a variable or dimension of the dataset itself is `axis_NAME` there: `axis_mean`.
+        """
         from xarray import Dataset
 
-        names = tuple(axis.name for axis in self.spec.axes)
+        names = tuple(f"axis_{axis.name}" if axis.name in OWN_NAMES else axis.name for axis in self.spec.axes)
         is_grid = self.spec.refine is None
         dims = names if is_grid else ("point",)
         shape = self.spec.shape if is_grid else (len(self.points),)
@@ -161,7 +170,7 @@ class Sweep:
         variables[name] = ((*dims, "member"), self.value.reshape(*shape, -1))
         variables["outcome"] = ((*dims, "member"), self.outcome.reshape(*shape, -1))
         coordinates: dict[str, Any] = (
-            {axis.name: list(axis.values) for axis in self.spec.axes}
+            {name: list(axis.values) for name, axis in zip(names, self.spec.axes, strict=True)}
             if is_grid
             else {**{n: ("point", self.points[:, k]) for k, n in enumerate(names)}, "level": ("point", self.level)}
         )

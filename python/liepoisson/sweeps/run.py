@@ -48,6 +48,7 @@ def sweep(
     fresh: bool = False,
     patience: float = PATIENCE,
     progress: Progress | None = None,
+    allow_code: bool = False,
     **settings: Any,
 ) -> Sweep:
     """One quantity over a grid of parameters, energies and Casimirs, on one machine or many.
@@ -66,6 +67,8 @@ def sweep(
         fresh: Discard what the store holds.
         patience: Seconds to wait for a scheduler that does not answer, and for a worker while there is none.
         progress: Called as (activity, done, total) when a piece is done.
+        allow_code: Whether the quantity of a sweep file may be a function, "package.module:function", that is imported
+            and called.  Without this a file of somebody else is only data.
         **settings: The arguments of `SweepSpec`.  Plain mappings do for some:
             `axes={"epsilon": np.linspace(0, 1, 21)}`, `starts={"energy": 1, "C1": 1}`,
             `refine={"levels": 2, "difference": 0.1}`.
@@ -75,6 +78,7 @@ def sweep(
 
     Raises:
         ParameterError: the spec is not one, or names what the system does not have.
+        SystemFileError: a sweep file cannot be read, or names a function and code is not allowed.
         OtherSweepError: the store holds another sweep, or numbers of another version of liepoisson.
         OutputError: the store can not be written, or another process is using it.
         DamagedFileError: the description of the store can not be read.
@@ -82,7 +86,7 @@ def sweep(
         KeyboardInterrupt: Ctrl-C; what is stored stays.  Orbits under way on threads end within a second; a function of
             yours can not be ended from outside, and is left to itself.
     """
-    spec = as_spec(spec, settings)
+    spec = as_spec(spec, settings, allow_code=allow_code)
     _check_options(store, scheduler, patience, progress)
     if sum(option is not None for option in (scheduler, processes, threads)) > 1:
         raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
@@ -113,11 +117,12 @@ def sweep(
             ).result()
 
 
-def as_spec(spec: Any, settings: Mapping[str, Any]) -> SweepSpec:
+def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
     """The spec that the arguments of `sweep` stand for.
 
     Raises:
         ParameterError: neither or both of a spec and its arguments are given, or an unknown one.
+        SystemFileError: a file or its tables are no sweep, or name a function and code is not allowed.
     """
     if spec is None:
         known = [entry.name for entry in fields(SweepSpec)]
@@ -128,7 +133,7 @@ def as_spec(spec: Any, settings: Mapping[str, Any]) -> SweepSpec:
         return SweepSpec(**_made(settings))
     if settings:
         raise ParameterError(f"wanted a spec or its arguments by name; got a spec and {', '.join(settings)}.")
-    return spec if isinstance(spec, SweepSpec) else read_sweep_file(spec)
+    return spec if isinstance(spec, SweepSpec) else read_sweep_file(spec, allow_code=allow_code)
 
 
 def _check_options(store: Any, scheduler: Any, patience: Any, progress: Any) -> None:

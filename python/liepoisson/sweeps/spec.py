@@ -10,7 +10,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
-from keyword import iskeyword
 from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
@@ -18,10 +17,12 @@ import numpy as np
 from liepoisson import __version__
 from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError
+from liepoisson.exact.names import check_name
 from liepoisson.numeric._checks import as_count, as_number, shown
+from liepoisson.numeric.lyapunov import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed
-from liepoisson.sweeps.identity import function_record, system_tables
+from liepoisson.sweeps.identity import function_record, system_record, system_tables
 
 Value: TypeAlias = "float | int | str | Fraction | Sequence[float | int | str | Fraction]"
 """A number, a formula in the names of the axes, or a list of them."""
@@ -32,7 +33,9 @@ DEFAULT_GENERAL = Taylor(tol=1e-9)
 """For systems that are no tops, which have no kernel of mixed precision."""
 
 QUANTITIES = ("exponent", "chaotic_fraction")
-_MOST_POINTS = 2**28
+_MOST_POINTS = 2**24
+MOST_BYTES = 2**34
+"""Memory that the results of a grid may take: 9 bytes for each orbit of each point, which are in memory together."""
 CASIMIR = re.compile(r"C[1-9][0-9]?")
 """Names of Casimirs."""
 COMPONENT = re.compile(r"(.*?)_?([1-9][0-9]?)")
@@ -51,7 +54,8 @@ class Axis:
         label: How figures call it; mathematical text in dollar signs is set as such.
 
     Raises:
-        ParameterError: the name is no identifier, or the values are not finite and strictly monotonic.
+        ParameterError: the name is none that a user may choose (`liepoisson.exact.names`), or the values are not finite
+            and strictly monotonic.
     """
 
     name: str
@@ -59,10 +63,7 @@ class Axis:
     label: str | None = None
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.name, str) and self.name.isidentifier()):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ParameterError(f"an axis must be named like a parameter; got {shown(self.name)}. Write epsilon.")
-        if iskeyword(self.name):
-            raise ParameterError(f"an axis can not have the name {self.name}, a word of Python. Write {self.name}_.")
+        check_name(self.name, "the name of an axis")
         if self.label is not None and not isinstance(self.label, str):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ParameterError(f"axis {self.name}: label: wanted a text; got {shown(self.label)}. Leave it out.")
         try:
@@ -216,10 +217,17 @@ class SweepSpec:
             raise ParameterError(f"axes: wanted two different names; got {self.axes[0].name!r} twice.")
         if math.prod(self.shape) > _MOST_POINTS:
             raise ParameterError(f"axes: wanted at most {_MOST_POINTS} points; got {' x '.join(map(str, self.shape))}.")
-        as_count(self.n, "n", least=1, most=2**31, hint="try 64")
+        n = as_count(self.n, "n", least=1, most=2**31, hint="try 64")
+        if (size := 9 * n * math.prod(self.shape)) > MOST_BYTES:
+            raise ParameterError(
+                f"a sweep must have results of at most {MOST_BYTES / 2**30:g} GiB; {' x '.join(map(str, self.shape))} "
+                f"points with n = {n} take {size / 2**30:.4g} GiB. Take fewer orbits, or parts of the grid."
+            )
         as_seed(self.seed)
         if not 0 < as_number(self.t_end, "t_end", "a positive number") < math.inf:
             raise ParameterError(f"t_end: wanted a positive number; got {self.t_end}; try 1_000")
+        if self.t_end < LEAST_TIME:
+            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {self.t_end:g}; try 1_000")
         if self.threshold is not None and not 0 < as_number(self.threshold, "threshold", "a number") < math.inf:
             raise ParameterError(f"threshold: wanted a positive number; got {self.threshold}; leave it out")
         as_method(self.method, DEFAULT_METHOD)
@@ -385,5 +393,5 @@ def _plain(value: Any) -> Any:
     if callable(value):
         return cast("Any", function_record(value))
     if hasattr(value, "bracket") and hasattr(value, "hamiltonian"):
-        return {"bracket": str(value.bracket.entries()), "hamiltonian": str(value.hamiltonian)}
+        return system_record(value)
     return str(value)

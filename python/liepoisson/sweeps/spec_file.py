@@ -2,7 +2,7 @@
 
     name = "twist"
     system = "twisted-top"                   # a name of the catalog, a system file, or tables [system.bracket], ...
-    quantity = "chaotic_fraction"            # or "exponent", or "package.module:function"
+    quantity = "chaotic_fraction"            # or "exponent"; "package.module:function" only if code is allowed
     n = 64                                   # orbits at each point
     t_end = 1000
     seed = 1
@@ -51,25 +51,33 @@ _AXIS_KEYS = ("name", "values", "from", "to", "count", "spacing", "label")
 _STARTS_KEYS = ("ensemble", "energy", "sampling")
 
 
-def read_sweep_file(source: str | Path | Mapping[str, Any]) -> SweepSpec:
+def read_sweep_file(source: str | Path | Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
     """Read a sweep file, or its tables.
 
+    A file is data: nothing that it says runs code, unless that is allowed.
+
+    Args:
+        source: The path of a file, or its tables.
+        allow_code: Whether its quantity may be a function, "package.module:function", that is imported and called.
+
     Raises:
-        SystemFileError: there is no such file, it is not TOML, or a key is unknown, missing, or has a wrong value.
+        SystemFileError: there is no such file, it is not TOML, a key is unknown, missing, or has a wrong value, or its
+            quantity is a function and that is not allowed.
     """
     if isinstance(source, Mapping):
         text, folder = TomlText("the sweep", "", dict(source)), None
     else:
         text, folder = read_toml(source), Path(source).parent
-    return _Reader(text, folder).spec()
+    return _Reader(text, folder, allow_code=allow_code).spec()
 
 
 class _Reader:
     """Turns tables into a spec; every error names the key."""
 
-    def __init__(self, toml: TomlText, folder: Path | None) -> None:
+    def __init__(self, toml: TomlText, folder: Path | None, *, allow_code: bool) -> None:
         self.toml = toml
         self.folder = folder
+        self.allow_code = allow_code
 
     def spec(self) -> SweepSpec:
         tables = self.toml.tables
@@ -77,6 +85,7 @@ class _Reader:
         for key in ("system", "axes"):
             if key not in tables:
                 raise self.toml.error((), f"wanted {key}; there is none. Add it.")
+        self.check_quantity(tables.get("quantity"))
         settings: dict[str, Any] = {key: self.number((key,), tables[key]) for key in _PLAIN if key in tables}
         settings |= {key: self.real((key,), tables[key]) for key in ("t_end", "threshold") if key in tables}
         return self.made(
@@ -91,6 +100,14 @@ class _Reader:
                 **settings,
             ),
         )
+
+    def check_quantity(self, given: object) -> None:
+        if isinstance(given, str) and ":" in given and not self.allow_code:
+            raise self.toml.error(
+                ("quantity",),
+                f"{shown(given)} is code, and a sweep file is data. If you trust it, allow it: --allow-code, or "
+                "sweep(..., allow_code=True).",
+            )
 
     def made(self, keys: Sequence[str | int], make: Any) -> Any:
         """What `make` returns; what it refuses is told with the key and the line."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -63,6 +63,12 @@ def evaluate_targets(spec: SweepSpec, family: Family, points: Array) -> Targets:
     energy = None if spec.starts.energy is None else _values(spec.starts.energy, columns, "energy", used)
     for name, values in columns.items():
         owner = _owner(name, family)
+        if (name == "energy" or CASIMIR.fullmatch(name)) and (name in family.shapes or owner is not None):
+            what = "the energy" if name == "energy" else "a Casimir"
+            raise ParameterError(
+                f"axis {name}: a name must stand for one thing; it is {what} of the starts, and a parameter of "
+                f"{family.name}. Give the axis another name, and use it in a formula for one of them."
+            )
         if name in family.shapes:
             _refuse_twice(name, name in parameters)
             parameters[name] = values
@@ -95,19 +101,20 @@ def _values(value: Value, columns: Mapping[str, Array], name: str, used: set[str
 
 
 def _formula(text: str, columns: Mapping[str, Array], name: str, used: set[str]) -> Array:
-    from sympy import lambdify
+    from sympy import Symbol
 
     from liepoisson.exact.expression import read_expression
     from liepoisson.exact.formula.scope import Scope
+    from liepoisson.exact.private_symbols import numpy_function
 
     try:
         expression = read_expression(text, Scope(symbols=tuple(columns)))
     except ExpressionError as error:
         raise ParameterError(f"{name}: {error.within_formula()}") from error
     used.update(str(symbol) for symbol in expression.free_symbols)
-    function = lambdify([*columns], expression, modules="numpy")
+    function = numpy_function([Symbol(axis) for axis in columns], [expression])
     with np.errstate(all="ignore"):
-        values = np.asarray(cast("Any", function)(*columns.values()), np.float64)
+        values = np.asarray(function(*columns.values())[0], np.float64)
     return np.array(np.broadcast_to(values, len(next(iter(columns.values())))))
 
 

@@ -76,7 +76,7 @@ def test_it_is_pickled_without_its_compiled_functions():
         ((["x"], 3, "p^2"), ShapeError, "one momentum for each"),
         (([1], ["p"], "p^2"), ShapeError, "one momentum for each"),
         ((["x"], ["x"], "x^2"), ParameterError, "given twice"),
-        ((["x 1"], ["p"], "p^2"), ParameterError, "declared by its name"),
+        ((["x 1"], ["p"], "p^2"), ParameterError, "letters, digits"),
         ((["x"], ["p"], "p^2 + abs(x)"), ExpressionError, "not smooth"),
         ((["x"], ["p"], "p^2 + y"), ExpressionError, "unknown"),
         ((["x"], ["p"], 3), ParameterError, "a text or a SymPy expression"),

@@ -16,6 +16,7 @@ from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.hamiltonian import GivenValue, is_expression
+from liepoisson.exact.names import check_name
 from liepoisson.field import QuadraticField, TapeField, TapeFunction
 
 if TYPE_CHECKING:
@@ -72,6 +73,8 @@ class CanonicalSystem:
         self.coordinates: tuple[str, ...] = tuple(coordinates)
         self.momenta: tuple[str, ...] = tuple(momenta)
         self.component_names: tuple[str, ...] = (*self.coordinates, *self.momenta, *extra)
+        for component in self.component_names:
+            check_name(component, "the name of a coordinate")
         self._scope = Scope(parameters=parameters or {}, symbols=self.component_names)
         self.hamiltonian: Expr = self.expression(hamiltonian)
         self.quadratures: dict[str, Expr] = {angle: self.expression(rate) for angle, rate in extra.items()}
@@ -208,7 +211,6 @@ class CanonicalFunctions:
 
     def __init__(self, system: CanonicalSystem) -> None:
         self._system = system
-        self._compiled: dict[tuple[Any, ...], Any] = {}
 
     @property
     def energy(self) -> PhaseFunction:
@@ -247,12 +249,9 @@ class CanonicalFunctions:
         return as_phase_points(z, len(self._system.component_names), self._system.component_names)
 
     def _evaluate(self, expressions: tuple[Any, ...], z: ArrayLike) -> Array:
-        from liepoisson.exact.phase_functions import compiled, evaluated
+        from liepoisson.exact.phase_functions import evaluated
 
-        states = self._states(z)
-        if expressions not in self._compiled:
-            self._compiled[expressions] = compiled(self._system.variables, expressions)
-        return evaluated(self._compiled[expressions], states)
+        return evaluated(self._system.variables, expressions, self._states(z))
 
 
 class _Named:

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
 from liepoisson.errors import ChartError, ParameterError, ShapeError
-from liepoisson.exact.parameters import Parameter, as_float, is_zero, read_parameter, to_sympy
+from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter, symbols_of, to_sympy
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.exact.top_parameters import TopParameters
 
@@ -24,6 +24,14 @@ if TYPE_CHECKING:
     from sympy import Expr
 
 FIELDS = ("l", "alpha", "beta")
+
+OWN_NAMES = frozenset(
+    [f"{field}{i}" for field in FIELDS for i in (1, 2, 3)]
+    + [f"{prefix}{angle}" for prefix in ("", "p_", "c_", "s_") for angle in ("phi", "psi", "theta")]
+    + [f"{letter}{i}" for letter in "qp" for i in range(4)]
+    + ["v", "w", "eta", "r", "X", "Y"]
+)
+"""Symbols that formulas of the charts are written in, of which no parameter may have the name."""
 
 ON_LEAF = 1e-8
 """How far the Casimirs of a state may be from those of the chart, relative to the terms they are sums of.
@@ -152,6 +160,7 @@ def _from_casimirs(system: Any, top: TopParameters, casimirs: Mapping[str, Param
             'casimirs={"C1": 1, "C2": 0, "C3": 1}, or give a state with x= or a Leaf with leaf=.'
         )
     C1, C2, C3 = (to_sympy(read_parameter(casimirs[name], name)) for name in ("C1", "C2", "C3"))
+    _refuse_own_names((C1, C2, C3))
     if is_zero(C3) or to_any(C3).is_negative:
         raise beta_is_zero(f"C3 = {decimal(C3)}")
     if not top.has_bracket(system.bracket):
@@ -275,4 +284,14 @@ def top_of(system: Any) -> TopParameters:
             "these charts are those of the charged and the twisted top, H = l.I^-1 l/2 + a.alpha + b.beta; got "
             f"{getattr(system, 'name', type(system).__name__)!s:.60}. Use for example Top.twisted_kovalevskaya()."
         )
+    _refuse_own_names((*top.inertia, *top.a, *top.b, top.epsilon))
     return top
+
+
+def _refuse_own_names(values: Sequence[Exact]) -> None:
+    """Refuse symbols that the charts would take for their own coordinates, momenta and constants."""
+    if taken := sorted(OWN_NAMES & {name for value in values for name in symbols_of(value)}):
+        raise ParameterError(
+            f"a symbol must stand for one thing; {', '.join(taken)} would be a parameter, and a coordinate or constant "
+            "of a chart. Rename the parameter."
+        )

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.exact.names import ELEMENTARY_FUNCTIONS
 from liepoisson.exact.parameters import Exact, to_sympy
 
 if TYPE_CHECKING:
@@ -38,10 +39,8 @@ _OPERATIONS: dict[str, Callable[..., float]] = {
     "pow": math.pow,
 }
 _DOUBLES: dict[str, Callable[..., float]] = {
-    name: getattr(math, name)
-    for name in ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "asin", "acos", "atan")
+    name: getattr(math, name) for name in ELEMENTARY_FUNCTIONS if name != "sqrt"
 }
-ELEMENTARY_FUNCTIONS = ("sqrt", *_DOUBLES)
 
 
 class RefusedError(Exception):
@@ -67,6 +66,14 @@ class Measure:
     depth: int
     functions: int
     value: float | None
+
+
+def expanded_terms(expression: Expr) -> int:
+    """At most so many terms has an expression when it is expanded; counted without expanding it."""
+    try:
+        return Arithmetic().measure(expression).terms
+    except RefusedError:  # a constant in it that no double holds
+        return _ENDLESS
 
 
 class Arithmetic:

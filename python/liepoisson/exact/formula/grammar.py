@@ -19,11 +19,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from liepoisson.errors import ExpressionError
+from liepoisson.exact.names import MAX_NAME
 
 MAX_CHARACTERS = 20_000
 MAX_NESTING = 64
 MAX_DIGITS = 200
-MAX_NAME = 100
 
 _TOKEN = re.compile(
     r"[ \t\r\n]+|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"

@@ -10,20 +10,15 @@ from itertools import product
 from typing import TYPE_CHECKING, TypeAlias
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.formula.arithmetic import ELEMENTARY_FUNCTIONS
-from liepoisson.exact.formula.tensor_arithmetic import MATRIX_FUNCTIONS
 from liepoisson.exact.hamiltonian import GivenValue, Value, read_values
+from liepoisson.exact.names import CONSTANTS, FUNCTIONS, check_name, check_not_reserved
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
 
-FUNCTIONS: tuple[str, ...] = (*MATRIX_FUNCTIONS, *ELEMENTARY_FUNCTIONS)
-CONSTANTS = ("pi",)
-
 Shape: TypeAlias = tuple[int, ...]
 """() for a scalar, (n,) for a vector, (m, n) for a matrix."""
 
-_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]{0,99}")
 _DECLARATION = re.compile(r"([A-Za-z_][A-Za-z_0-9]{0,99})(?:\[ *([1-9][0-9]{0,2}) *(?:, *([1-9][0-9]{0,2}) *)?\])?")
 
 
@@ -61,6 +56,8 @@ class Scope:
         object.__setattr__(self, "values", values)
         object.__setattr__(self, "shapes", shapes)
         object.__setattr__(self, "components", _components(self.fields, shapes))
+        for name in self.components:
+            check_not_reserved(name, "a name of a component")
 
     @classmethod
     def of_bracket(
@@ -138,11 +135,6 @@ def _shape(value: Value) -> Shape:
 
 
 def _check_name(name: str, *, twice: bool) -> None:
-    if not _IDENTIFIER.fullmatch(name):
-        raise ParameterError(
-            f"a name must consist of letters, digits and _, and not begin with a digit; got {name!r:.60}. Rename it."
-        )
-    if name in FUNCTIONS or name in CONSTANTS:
-        raise ParameterError(f"a name must not be that of a function or constant of formulas; got {name}. Rename it.")
+    check_name(name)
     if twice:
         raise ParameterError(f"a name must stand for one thing; {name} is a field and a parameter. Rename one of them.")

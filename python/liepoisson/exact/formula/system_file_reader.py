@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
@@ -17,6 +18,7 @@ from liepoisson.exact.formula.grammar import MAX_DIGITS, parse
 from liepoisson.exact.formula.scope import Scope, read_declaration
 from liepoisson.exact.formula.toml_text import TomlText, UnreadableNumber
 from liepoisson.exact.hamiltonian import RESERVED_NAME, Value
+from liepoisson.exact.names import check_name
 from liepoisson.exact.parameters import Exact
 from liepoisson.exact.system_file import Integral, Reference, SystemFile
 
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _MAX_LIST = 100_000
+_LONGEST_NAME = 200
 _KEYS: dict[str, tuple[str, ...]] = {
     "": ("name", "source", "description", "symbols", "bracket", "parameters", "hamiltonian", "integrals", "reference"),
     "bracket": ("algebra", "structure_constants", "matrices", "basis_names", "extension", "W", "variables"),
@@ -58,11 +61,13 @@ class _Reader:
         for key in ("bracket", "hamiltonian"):
             self.table((key,), tables.get(key))
         given = self.table(("parameters",), tables.get("parameters", {}))
+        for name in given:
+            self.guarded(("parameters", name), partial(check_name, name, "the name of a parameter"))
         parameters = {key: self.value(("parameters", key), item) for key, item in given.items() if key != "symbols"}
         symbols = self.symbols(tables, given)
         bracket = self.bracket(tables["bracket"], parameters, symbols)
         file = SystemFile(
-            name=self.text(("name",), tables.get("name", Path(self.toml.path).stem)),
+            name=self.name(tables.get("name", Path(self.toml.path).stem)),
             bracket=bracket,
             hamiltonian=self.hamiltonian(tables["hamiltonian"]),
             parameters=parameters,
@@ -77,6 +82,14 @@ class _Reader:
         self.check_formulas(file)
         return file
 
+    def name(self, given: object) -> str:
+        """How the system is called: one line, of which every character can be written to files and terminals."""
+        words = " ".join(self.text(("name",), given).split())
+        if len(words) > _LONGEST_NAME:
+            message = f"wanted at most {_LONGEST_NAME} characters; got {len(words)}. Put more into description."
+            raise self.toml.error(("name",), message)
+        return "".join(c if c.isprintable() else "\ufffd" for c in words)
+
     def bracket(self, table: dict[str, Any], parameters: Mapping[str, Value], symbols: tuple[str, ...]) -> Bracket:
         self.check_keys(("bracket",), table, _KEYS["bracket"])
         declared = [*_declarations(parameters), *symbols]
@@ -89,7 +102,8 @@ class _Reader:
                 got = f"{len(names)} for an extension of dimension {extension.dimension}"
                 raise self.toml.error(("bracket", "variables"), f"wanted one name per field; got {got}. Correct one.")
             extension = self.guarded(("bracket", "variables"), lambda: extension.rename(*names))
-        return self.guarded(("bracket",), lambda: algebra @ extension)
+        named = next((key for key in ("variables", "basis_names") if key in table), None)
+        return self.guarded(("bracket", named) if named else ("bracket",), lambda: algebra @ extension)
 
     def algebra(self, table: dict[str, Any], symbols: Sequence[str]) -> LieAlgebra:
         from liepoisson.exact.lie_algebra import LieAlgebra

@@ -208,8 +208,6 @@ class TensorArithmetic:
 _NO_VALUE = Vector(())
 """What a function returns for arguments of the wrong kind or shape."""
 
-MATRIX_FUNCTIONS = ("dot", "cross", "norm", "diag", "inv", "transpose", "trace")
-
 
 def _is_square(matrix: Matrix) -> bool:
     return len(matrix.rows) == len(matrix.rows[0])

@@ -29,7 +29,7 @@ MOST_FIELDS_MOVED = 20
 """For symmetries, which are matrices that act on the fields."""
 
 MOST_TERMS = 400
-"""Of the Hamiltonian, for its equations and for the symmetries that keep it."""
+"""Of the Hamiltonian when it is expanded, for its equations and for the symmetries that keep it."""
 
 
 @final
@@ -66,9 +66,14 @@ def too_large_bracket(bracket: Bracket) -> str:
 
 def too_large_motion(bracket: Bracket, hamiltonian: Expr) -> str:
     """Why the equations are not printed; empty if they are."""
-    from sympy import Add
+    return too_large_bracket(bracket) or too_large_formula(hamiltonian)
 
-    return too_large_bracket(bracket) or _beyond(len(Add.make_args(hamiltonian)), MOST_TERMS, "terms in H")
+
+def too_large_formula(hamiltonian: Expr) -> str:
+    """Why the Hamiltonian is printed as it is, and nothing that needs its terms; empty if it is not too large."""
+    from liepoisson.exact.formula.arithmetic import expanded_terms
+
+    return _beyond(expanded_terms(hamiltonian), MOST_TERMS, "terms in H")
 
 
 def too_large_for_symmetries(bracket: Bracket, hamiltonian: Expr) -> str:

@@ -18,6 +18,7 @@ from liepoisson.exact.report.bracket_facts import Topic
 from liepoisson.exact.report.counterexamples import is_nonzero_on, is_nonzero_somewhere
 from liepoisson.exact.report.decimals import LONG_NUMBER, Decimal
 from liepoisson.exact.report.equal_integrals import same_integral
+from liepoisson.exact.report.limits import too_large_formula
 from liepoisson.exact.report.lines import (
     Column,
     Equation,
@@ -114,7 +115,9 @@ class HamiltonianFacts(Topic):
     def __init__(self, system: System, notation: VectorNotation, named: NamedForm) -> None:
         self.expression = system.hamiltonian
         self.values = dict(named.values)
-        if self._names_the_given_one(named):
+        if too_large_formula(system.hamiltonian):
+            self.formula, self.values = notation.components(system.hamiltonian), dict(system.values)
+        elif self._names_the_given_one(named):
             same = named.bracket is system.bracket
             self.formula = (notation if same else VectorNotation(named.bracket)).formula(named.hamiltonian)
         else:  # the equations are those of a top, but H contains Casimirs besides

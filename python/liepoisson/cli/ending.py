@@ -1,0 +1,146 @@
+"""How the command ends, whatever happens: the one place that turns errors into a sentence and an exit code.
+
+Done: 0.  Refused or failed: 2, with one sentence on standard error and no traceback.  130: Ctrl-C.  141: who read the
+output has gone.  `LIEPOISSON_TRACEBACK=1` shows where an error comes from that is none of the expected ones.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from contextlib import suppress
+
+from liepoisson.errors import LiePoissonError
+
+REFUSED = 2
+INTERRUPTED = 130
+"""Exit code of a command that Ctrl-C has ended."""
+BROKEN_PIPE = 141
+"""Exit code of a command whose output nobody reads any more: that of a program which the signal SIGPIPE has ended."""
+
+TRACEBACK = "LIEPOISSON_TRACEBACK"
+UNEXPECTED = "this is a mistake in liepoisson"
+"""Said of errors that no command expects."""
+
+_LONGEST = 4000
+"""Characters of a message that are printed; no name that a user chose makes it longer."""
+
+
+class InterruptedCommandError(Exception):
+    """Ctrl-C where no command says what became of its work."""
+
+
+class NobodyReadsError(Exception):
+    """A pipe that is read no more."""
+
+
+def end(command: Callable[[], object]) -> None:
+    """Run a command and leave the process with its exit code."""
+    _open_what_is_closed()
+    _write_any_text()
+    try:
+        code = _exit_code(command)
+        sys.stdout.flush()
+    except BaseException as error:
+        code = _report(error)
+    _leave_quietly(code)
+
+
+def _exit_code(command: Callable[[], object]) -> int:
+    """The code with which a command itself leaves, or 0."""
+    try:
+        command()
+    except SystemExit as end_of_command:
+        code = end_of_command.code
+        if isinstance(code, str):
+            print(code, file=sys.stderr)
+            return 1
+        return code or 0
+    return 0
+
+
+def _report(error: BaseException) -> int:
+    """Say in one sentence what went wrong; the exit code."""
+    if _is_interruption(error):
+        _say("interrupted.")
+        return INTERRUPTED
+    if isinstance(error, (NobodyReadsError, BrokenPipeError)):
+        return BROKEN_PIPE
+    if os.environ.get(TRACEBACK) and not isinstance(error, LiePoissonError):
+        import traceback
+
+        with suppress(OSError):
+            traceback.print_exception(error)
+    _say(f"liepoisson: {sentence(error)}")
+    return REFUSED
+
+
+def sentence(error: BaseException) -> str:
+    """What an error says to a user."""
+    if isinstance(error, LiePoissonError):
+        return _clipped(str(error))
+    if isinstance(error, MemoryError):
+        said = str(error).removesuffix(".")
+        return _clipped(f"not enough memory{f' ({said})' if said else ''}. Ask for less at a time.")
+    if isinstance(error, RecursionError):
+        return "something in the input is nested too deeply. Simplify it."
+    if isinstance(error, OSError):
+        what = error.strerror or str(error) or type(error).__name__
+        named = isinstance(error.filename, (str, bytes))
+        doing = f"could not use {os.fsdecode(error.filename)!r:.120}" if named else "the output could not be written"
+        return _clipped(f"{doing}: {what}.")
+    said = " ".join(str(error).split())
+    return _clipped(
+        f"{type(error).__name__}: {said or 'no reason given'}; {UNEXPECTED}: please report it, with what "
+        f"{TRACEBACK}=1 prints."
+    )
+
+
+def _is_interruption(error: BaseException | None) -> bool:
+    """Whether Ctrl-C is the cause: while a class is made, Python 3.11 turns it into a RuntimeError."""
+    while error is not None and not isinstance(error, (InterruptedCommandError, KeyboardInterrupt)):
+        error = error.__cause__
+    return error is not None
+
+
+def _clipped(text: str) -> str:
+    shown = text if len(text) <= _LONGEST else f"{text[: _LONGEST - 4]} ..."
+    return "".join(c if c in "\n\t" or c.isprintable() else ascii(c)[1:-1] for c in shown)
+
+
+def _say(line: str) -> None:
+    """Print on standard error, if anybody listens."""
+    with suppress(OSError, ValueError):
+        print(line, file=sys.stderr, flush=True)
+
+
+def _open_what_is_closed() -> None:
+    """Take the numbers of closed standard streams, so that no file gets them that the command opens later."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # the lowest free number
+    for name in ("stdout", "stderr"):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, "w", encoding="utf-8"))  # noqa: SIM115  # until the process ends
+
+
+def _write_any_text() -> None:
+    """Replace what a terminal or a file cannot encode, such as the bytes of a file name that are no text."""
+    for stream in (sys.stdout, sys.stderr):
+        reconfigure = getattr(stream, "reconfigure", None)
+        if reconfigure is not None:
+            reconfigure(errors="backslashreplace")
+
+
+def _leave_quietly(code: int) -> None:
+    """Exit, without another attempt to write what could not be written."""
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except (OSError, ValueError):
+            with suppress(OSError, ValueError):
+                os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+    sys.exit(code)

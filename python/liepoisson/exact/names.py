@@ -1,0 +1,58 @@
+"""Names: which ones formulas keep for themselves, and which ones a user may choose.
+
+There is one rule, for parameters, their components, symbols, fields, coordinates, canonical coordinates and the axes of
+sweeps: a name consists of ASCII letters, digits and `_`, does not begin with a digit, has at most 100 characters, and
+is none of the functions and constants below.  Every other name is free, and stands for what the user says and for
+nothing else: `e`, `E`, `I`, `N`, `S`, `lambda` and `beta` mean nothing by themselves.
+"""
+
+from __future__ import annotations
+
+import re
+
+from liepoisson.errors import ParameterError
+
+ELEMENTARY_FUNCTIONS = (
+    "sqrt", "exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "asin", "acos", "atan",
+)  # fmt: skip
+MATRIX_FUNCTIONS = ("dot", "cross", "norm", "diag", "inv", "transpose", "trace")
+FUNCTIONS = (*MATRIX_FUNCTIONS, *ELEMENTARY_FUNCTIONS)
+CONSTANTS = ("pi",)
+
+MAX_NAME = 100
+"""Characters of the longest name."""
+
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
+
+
+def check_name(name: object, what: str = "a name") -> str:
+    """The name, if a user may choose it.
+
+    Args:
+        name: What the user chose.
+        what: What kind of name it is, at the beginning of a message: "a field name".
+
+    Raises:
+        ParameterError: it is no identifier, too long, or the name of a function or constant of formulas.
+    """
+    if not isinstance(name, str) or not _IDENTIFIER.fullmatch(name):
+        raise ParameterError(
+            f"{what} must consist of letters, digits and _ (of ASCII), and not begin with a digit; "
+            f"got {name!r:.60}. Rename it."
+        )
+    if len(name) > MAX_NAME:
+        raise ParameterError(
+            f"{what} must have at most {MAX_NAME} characters; got {len(name)}: {name[:20]}... Shorten it."
+        )
+    check_not_reserved(name, what)
+    return name
+
+
+def check_not_reserved(name: str, what: str = "a name") -> None:
+    """Refuse the names of functions and constants of formulas.
+
+    Raises:
+        ParameterError: it is one of these.
+    """
+    if name in FUNCTIONS or name in CONSTANTS:
+        raise ParameterError(f"{what} must not be that of a function or constant of formulas; got {name}. Rename it.")

@@ -1,0 +1,119 @@
+"""Expressions in symbols of the package's own, in which they are compiled and lowered.
+
+SymPy compiles an expression by printing it: `exp(1)` is printed as `e`, and an argument that a user called e would then
+be read for it.  Here every variable is first replaced by a private symbol.  What is compiled thus depends on the order
+of the variables only, to the last bit, and never on their names.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+from liepoisson.errors import ParameterError, UnsupportedFieldError
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+NumpyFunction: TypeAlias = Callable[..., list[Any]]
+"""Takes one array for each variable and returns a list of one value for each expression."""
+
+
+def in_private_symbols(
+    variables: Sequence[Symbol], expressions: Sequence[Expr]
+) -> tuple[tuple[Symbol, ...], list[Expr]]:
+    """Private symbols for the variables, in their order, and the expressions in them.
+
+    All symbols are replaced at once, so that none can be mistaken for another one.  Symbols are the same if SymPy says
+    so; that two of them are printed alike means nothing.
+
+    Raises:
+        ParameterError: a symbol in an expression is none of the variables.
+        UnsupportedFieldError: a function in it is not one of SymPy's, or it binds a variable of its own, like a sum.
+    """
+    from sympy import S, Symbol, sympify
+
+    width = len(str(len(variables)))  # leading zeros: the order of the names is that of the variables
+    private = tuple(Symbol(f"_{k:0{width}d}") for k in range(len(variables)))
+    named = dict(zip(variables, private, strict=True))
+    exact: list[Any] = [sympify(expression) for expression in expressions]
+    free = {symbol for expression in exact for symbol in expression.free_symbols} - named.keys()
+    if free:
+        names = ", ".join(sorted(str(symbol) for symbol in free))
+        raise ParameterError(f"every parameter must be a number for numerical work; {names} has none. Give values.")
+    for expression in exact:
+        _refuse_foreign_functions(expression)
+    return private, [expression if expression is S.Zero else expression.xreplace(named) for expression in exact]
+
+
+def name_of_function(expression: Expr) -> str | None:
+    """The name of SymPy's function of which this is a value, such as "sin"; None if it is none of SymPy's own.
+
+    A function that a user made and called sin is not the sine.
+    """
+    import sympy
+
+    kind = type(expression)
+    return kind.__name__ if getattr(sympy, kind.__name__, None) is kind else None
+
+
+def numpy_function(variables: Sequence[Symbol], expressions: Sequence[Expr]) -> NumpyFunction:
+    """A NumPy function of the variables that returns the values of all expressions.
+
+    The same variables and expressions give the same function again, without compiling.
+
+    Raises:
+        ParameterError: a symbol in an expression is none of the variables.
+        UnsupportedFieldError: an expression contains a function that NumPy does not have.
+    """
+    return _numpy_function(tuple(variables), tuple(expressions))
+
+
+@lru_cache(maxsize=1024)
+def _numpy_function(variables: tuple[Symbol, ...], expressions: tuple[Expr, ...]) -> NumpyFunction:
+    from sympy import lambdify
+    from sympy.printing.codeprinter import PrintMethodNotImplementedError
+    from sympy.printing.numpy import NumPyPrinter
+
+    symbols, private = in_private_symbols(variables, expressions)
+    printer = NumPyPrinter(
+        {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": False, "user_functions": {}}
+    )
+    try:
+        function: Any = lambdify(symbols, private, modules="numpy", printer=printer, cse=_common_parts)
+    except PrintMethodNotImplementedError as error:
+        raise UnsupportedFieldError(
+            f"a function of arrays must be made of functions that NumPy has; got {_shown(expressions)}. Replace the "
+            "others."
+        ) from error
+    return cast("NumpyFunction", function)
+
+
+def _common_parts(expressions: Any) -> Any:
+    """Common subexpressions, under names that no variable has."""
+    from sympy import cse, numbered_symbols
+
+    return cse(expressions, symbols=numbered_symbols("_c"), list=False)
+
+
+def _refuse_foreign_functions(expression: Any) -> None:
+    from sympy import Function, Symbol
+
+    for value in expression.atoms(Function):
+        if name_of_function(value) is None:
+            raise UnsupportedFieldError(
+                f"a function on phase space must be made of SymPy's own functions; got {_shown([value])}, which is not "
+                "defined there. Replace it by a smooth expression."
+            )
+    if bound := expression.atoms(Symbol) - expression.free_symbols:
+        names = ", ".join(sorted(map(str, bound)))
+        raise UnsupportedFieldError(
+            f"a function on phase space must have no variable of its own; got {_shown([expression])} with {names}. "
+            "Write out sums, integrals and derivatives."
+        )
+
+
+def _shown(expressions: Sequence[Any]) -> str:
+    text = ", ".join(map(str, expressions))
+    return text if len(text) <= 60 else text[:57] + "..."

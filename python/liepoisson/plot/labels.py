@@ -1,0 +1,89 @@
+r"""Texts of users in figures: the one place where names, formulas and labels become texts that Matplotlib can draw.
+
+Matplotlib reads what is between two dollar signs as mathematical text and fails, when the figure is drawn, on what it
+cannot read.  A name of a system is therefore always plain text, the name of a coordinate is mathematical text of a form
+that is known to be readable, and only the label of an axis, which a user writes for figures, may contain formulas.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+
+LONGEST = 200
+"""Characters of the longest text that is drawn; the layout of longer ones takes minutes."""
+_LETTERS = {
+    name: rf"\{name}"
+    for name in (
+        "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "kappa", "lambda", "mu", "nu", "xi",
+        "rho", "sigma", "tau", "phi", "chi", "psi", "omega",
+    )
+} | {"l": r"\ell"}  # fmt: skip
+_NAME = re.compile(r"([A-Za-z]+?)_?([0-9]*)")
+_IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
+
+
+def plain(text: object, most: int = LONGEST) -> str:
+    r"""Any text as it is, for Matplotlib: no dollar sign begins a formula, no character breaks a line or a file.
+
+    Args:
+        text: What is drawn, a name or a formula.
+        most: Characters after which it is cut.
+    """
+    shown = "".join(_drawable(character) for character in str(text)[: most + 1])
+    shown = shown if len(shown) <= most else f"{shown[: most - 2]} …"
+    return shown.replace("$", r"\$")
+
+
+def symbol(name: str, letters: dict[str, str] | None = None) -> str:
+    r"""A name as mathematical text without its dollar signs: alpha1 is \alpha_{1}, any other one is upright.
+
+    Args:
+        name: An identifier, such as that of a coordinate; anything else is written letter by letter, too.
+        letters: Further letters and how they are written.
+    """
+    known = _LETTERS if letters is None else _LETTERS | letters
+    found = _NAME.fullmatch(name)
+    if found is None or len(name) > LONGEST:
+        return rf"\mathrm{{{_upright(name)}}}"
+    stem, digits = found.groups()
+    letter = known.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
+    return f"{letter}_{{{digits}}}" if digits else letter
+
+
+def label(name: str) -> str:
+    r"""A letter or word with a number as mathematical text: alpha1 is $\alpha_1$; any other text is plain.
+
+    A name that begins with a hyphen below is mathematical text, too: a legend leaves out plain ones.
+    """
+    is_symbol = _NAME.fullmatch(name) or (name.startswith("_") and _IDENTIFIER.fullmatch(name))
+    return f"${symbol(name)}$" if is_symbol and len(name) <= LONGEST else plain(name)
+
+
+def with_formulas(text: str) -> str:
+    r"""A label in which dollar signs enclose formulas; as plain text if Matplotlib cannot read one of them."""
+    from matplotlib.cbook import is_math_text
+    from matplotlib.mathtext import MathTextParser
+
+    shown = "".join(character if character == "\n" else _drawable(character) for character in text[: LONGEST + 1])
+    if len(shown) > LONGEST or not is_math_text(shown):
+        return plain(text)
+    try:
+        for line in shown.split("\n"):
+            MathTextParser("path").parse(line)
+    except (ValueError, RecursionError):
+        return plain(text)
+    return shown
+
+
+def _drawable(character: str) -> str:
+    """The character; a space for one that breaks lines, a mark for one that no font has and no file can hold."""
+    if character.isspace():
+        return " "
+    return "\ufffd" if unicodedata.category(character) in {"Cc", "Cf", "Cs", "Co", "Cn"} else character
+
+
+def _upright(name: str) -> str:
+    r"""A name inside of \mathrm: only letters and digits as they are."""
+    shown = name if len(name) <= LONGEST else f"{name[: LONGEST - 3]}..."
+    return "".join(c if c.isascii() and c.isalnum() else r"\_" if c == "_" else r"\ " for c in shown)

@@ -1,0 +1,60 @@
+"""Texts of users in figures: every text is drawn, and drawn as it is."""
+
+import warnings
+
+import pytest
+from hostile_names import FAMOUS, REFUSED
+from matplotlib.cbook import is_math_text
+from matplotlib.mathtext import MathTextParser
+
+from liepoisson.plot.labels import LONGEST, label, plain, symbol, with_formulas
+from liepoisson.plot.style import house_style, new_figure
+
+TEXTS = [
+    r"$\nosuch{y}$", "$", "$$", "a$b$c", "\\$", "$" + "{" * 300 + "x" + "}" * 300 + "$", r"\frac{", "a__b", "^_{}%&#~",
+    "a\nb\tc", "\x00\x1b[31m", "\udcff", "\u202eabc", "n" * 200_000, "", " ", "_hidden", "e\u0301", "\U0001f600",
+]  # fmt: skip
+
+
+def test_plain_text_is_never_mathematical_text():
+    for text in [*TEXTS, *FAMOUS, *REFUSED]:
+        assert not is_math_text(plain(text))
+        assert len(plain(text)) <= 2 * LONGEST
+        assert plain(text).replace(r"\$", "").isprintable()
+    assert plain("a$b$c").replace(r"\$", "$") == "a$b$c"
+    assert plain("n" * 300, 10) == "nnnnnnnn …"
+
+
+def test_names_are_mathematical_text_that_can_be_read():
+    parser = MathTextParser("path")
+    for name in [*FAMOUS, *REFUSED, *TEXTS, "a__b1", "alpha_12", "_1", "p_theta"]:
+        parser.parse(f"${symbol(name)}$")
+        shown = label(name)
+        if is_math_text(shown):
+            parser.parse(shown)
+    assert (label("alpha1"), label("l_12"), label("Casimir2")) == (
+        r"$\alpha_{1}$",
+        r"$\ell_{12}$",
+        r"$\mathrm{Casimir}_{2}$",
+    )
+    assert label("dot(l, l) - 1") == "dot(l, l) - 1"
+    assert label("_a") == r"$\mathrm{\_a}$"
+
+
+@pytest.mark.parametrize("text", [r"$\epsilon$", "twist", r"$a_1$ and $\frac{b}{2}$", "one\ntwo $x$"])
+def test_labels_may_contain_formulas(text):
+    assert with_formulas(text) == text
+
+
+@pytest.mark.parametrize("text", TEXTS)
+def test_labels_that_cannot_be_read_are_plain_text(text):
+    shown = with_formulas(text)
+    assert shown == plain(text) or not is_math_text(text) or shown == text
+    with house_style(), warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of letters that no font has
+        figure = new_figure(3, 2)
+        ax = figure.add_subplot()
+        ax.set_xlabel(shown)
+        ax.set_title(f"{plain(text)}: {label(text)} = 0")
+        ax.plot([0, 1], [0, 1], label=label(text))
+        figure.canvas.draw()
