@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, as_array, protect
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, TopField
 from liepoisson.numeric._checks import (
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Orbit:
-    """Trajectories at given times.
+    """Trajectories at given times.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
         system: Name of the system.
@@ -71,6 +71,10 @@ class Orbit:
     order: int
     kernel: str
     series: tuple[tuple[Array, Array], ...] = ()
+
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only."""
+        protect(self)
 
     def at(self, t: ArrayLike) -> Array:
         """States at any times between the first and the last, from the power series of the steps.

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, protect
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import (
@@ -40,7 +40,7 @@ N_TIMES = 200
 
 @dataclass(frozen=True)
 class Growth:
-    """Finite-time Lyapunov exponents.
+    """Finite-time Lyapunov exponents.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
         system: Name of the system.
@@ -78,6 +78,10 @@ class Growth:
     final_state: Array
     order: int
     kernel: str
+
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only."""
+        protect(self)
 
     @property
     def dataset(self) -> Dataset:

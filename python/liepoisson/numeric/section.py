@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, as_array, protect
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import Field, TapeFunction
 from liepoisson.numeric._checks import (
@@ -73,6 +73,8 @@ class FirstReturn(NamedTuple):
 class Section:
     """Crossings of a surface $s(x) = 0$ along trajectories, ordered by trajectory, then in the order of travel.
 
+    The arrays are read-only; `.copy()` gives one that can be changed.
+
     Attributes:
         system: Name of the system.
         components: Names of the components of the phase space.
@@ -130,6 +132,10 @@ class Section:
     final_state: Array
     order: int
     kernel: str
+
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only."""
+        protect(self)
 
     @property
     def n_trajectories(self) -> int:

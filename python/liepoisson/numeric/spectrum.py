@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, protect
 from liepoisson.errors import ParameterError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, component_names, shown, trajectories
@@ -30,7 +30,7 @@ N_TIMES = 256
 
 @dataclass(frozen=True)
 class Spectrum:
-    r"""Lyapunov spectra with their errors.
+    r"""Lyapunov spectra with their errors.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
         system: Name of the system.
@@ -84,6 +84,10 @@ class Spectrum:
     order: int
     kernel: str
     covariant: CovariantVectors | None = None
+
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only."""
+        protect(self)
 
     @property
     def exponents(self) -> Array:
@@ -200,7 +204,7 @@ def lyapunov_spectrum(
     frames = TangentFrames(
         system, x0, n_vectors=n_exponents, seed=seed, first=first, method=method, threads=threads, time_limit=time_limit
     )
-    start = frames.state.copy()
+    start = frames.state.copy()  # which is advanced in place
     if structure is None:
         structure = poisson_structure(system, start)
     elif not isinstance(structure, PoissonStructure):  # pyright: ignore[reportUnnecessaryIsInstance]

@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, protect
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor
@@ -50,6 +50,12 @@ class PoissonStructure:
     n_zeros: NDArray[np.int64]
     corank: NDArray[np.int64]
     is_regular: NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        """Copies the arrays, which a caller may have made, and makes them read-only."""
+        for name, kind in (("n_zeros", np.int64), ("corank", np.int64), ("is_regular", np.bool_)):
+            object.__setattr__(self, name, np.array(getattr(self, name), dtype=kind))
+        protect(self)
 
 
 def poisson_structure(system: Any, states: Array) -> PoissonStructure | None:
