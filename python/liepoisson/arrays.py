@@ -17,7 +17,7 @@ Array: TypeAlias = NDArray[np.float64]
 
 
 def as_array(values: ArrayLike, name: str) -> Array:
-    """An array of doubles with memory of its own, whatever a caller gives: aligned, in the machine's byte order, C order.
+    """An array of doubles with memory of its own, whatever a caller gives: aligned, native byte order, C order.
 
     It is always a copy.  A function takes it once, at its beginning, checks the copy, and works with the copy only: the
     caller's array may be changed later, or by another thread while the core runs without the interpreter's lock.

@@ -1,5 +1,7 @@
 """Every public function and method that takes arrays, with a call for it."""
 
+# ruff: noqa: PLW0108  # nothing is made before it is called
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache
@@ -27,10 +29,13 @@ QUATERNION = np.array([0.5, 0.5, -0.5, 0.5])
 
 @dataclass(frozen=True)
 class Case:
-    """A call with arrays by name."""
+    """A call with arrays by name, some of them made when they are needed."""
 
     call: Callable[..., Any]
     arrays: dict[str, Any]
+
+    def copies(self) -> dict[str, Any]:
+        return {name: np.array(value() if callable(value) else value) for name, value in self.arrays.items()}
 
 
 @cache
@@ -115,16 +120,19 @@ CASES: dict[str, Case] = {
     "Attitude.at": Case(lambda t: attitude().at(t), {"t": TIMES[1:]}),
     "Attitude.body": Case(lambda vectors: attitude().body(vectors), {"vectors": STATE[:3]}),
     "Attitude.space": Case(lambda vectors: attitude().space(vectors), {"vectors": STATE[:3]}),
-    "CanonicalSystem.vector_field": Case(lambda z: chart("euler").system.vector_field(z), {"z": inside("euler")}),
+    "CanonicalSystem.vector_field": Case(
+        lambda z: chart("euler").system.vector_field(z), {"z": lambda: inside("euler")}
+    ),
     "CovariantVectors.distance_from_centre": Case(
-        lambda vectors: covariant().distance_from_centre(vectors, 5), {"vectors": covariant().state}
+        lambda vectors: covariant().distance_from_centre(vectors, 5), {"vectors": lambda: covariant().state}
     ),
     "EulerChart.__init__": Case(lambda x: numbers_of("euler", x), {"x": STATE}),
     "EulerChart.from_body": Case(lambda x: chart("euler").from_body(x), {"x": STATE[None]}),
     "EulerChart.margins": Case(lambda x: chart("euler").margins(x), {"x": STATES}),
-    "EulerChart.to_body": Case(lambda z: chart("euler").to_body(z), {"z": inside("euler")}),
-    "FiniteTimeFit.chi_squared": Case(lambda coefficients: fits()[0].chi_squared(coefficients),
-                                      {"coefficients": np.array([0.1, 1.0, 0.2])}),
+    "EulerChart.to_body": Case(lambda z: chart("euler").to_body(z), {"z": lambda: inside("euler")}),
+    "FiniteTimeFit.chi_squared": Case(
+        lambda coefficients: fits()[0].chi_squared(coefficients), {"coefficients": np.array([0.1, 1.0, 0.2])}
+    ),
     "FiniteTimeFit.curve": Case(lambda time: fits()[0].curve(time), {"time": LONG}),
     "LagrangeMap.integrals": Case(lambda x: lp.LagrangeMap(step=0.1).integrals(LAGRANGE, x), {"x": STATES}),
     "Leaf.contains": Case(lambda x: leaf().contains(x), {"x": STATES}),
@@ -136,18 +144,16 @@ CASES: dict[str, Case] = {
     "LeafConstants.of": Case(lambda x: numbers_of("euler", x), {"x": STATE}),
     "LogFit.curve": Case(lambda time: fits()[1].curve(time), {"time": LONG}),
     "Orbit.at": Case(lambda t: orbit().at(t), {"t": TIMES}),
-    "OrdinaryLagrange.__init__": Case(
-        lambda x: [str(lp.OrdinaryLagrange(LAGRANGE, x=x).hamiltonian)], {"x": ORDINARY}
-    ),
+    "OrdinaryLagrange.__init__": Case(lambda x: [str(lp.OrdinaryLagrange(LAGRANGE, x=x).hamiltonian)], {"x": ORDINARY}),
     "OrdinaryLagrange.from_body": Case(lambda x: chart("ordinary").from_body(x), {"x": ORDINARY[None]}),
     "OrdinaryLagrange.margins": Case(lambda x: chart("ordinary").margins(x), {"x": ORDINARY[None]}),
     "OrdinaryLagrange.to_body": Case(
-        lambda z, psi: chart("ordinary").to_body(z, psi), {"z": inside("ordinary"), "psi": np.array([0.4])}
+        lambda z, psi: chart("ordinary").to_body(z, psi), {"z": lambda: inside("ordinary"), "psi": np.array([0.4])}
     ),
     "QuaternionChart.__init__": Case(lambda x: numbers_of("quaternion", x), {"x": STATE}),
     "QuaternionChart.from_body": Case(lambda x: chart("quaternion").from_body(x), {"x": STATE[None]}),
     "QuaternionChart.margins": Case(lambda x: chart("quaternion").margins(x), {"x": STATES}),
-    "QuaternionChart.to_body": Case(lambda z: chart("quaternion").to_body(z), {"z": inside("quaternion")}),
+    "QuaternionChart.to_body": Case(lambda z: chart("quaternion").to_body(z), {"z": lambda: inside("quaternion")}),
     "ReducedLagrange.__init__": Case(lambda x: numbers_of("reduced", x), {"x": STATE}),
     "ReducedLagrange.from_body": Case(lambda x: chart("reduced").from_body(x), {"x": STATE[None]}),
     "ReducedLagrange.margins": Case(lambda x: chart("reduced").margins(x), {"x": STATES}),
@@ -155,7 +161,7 @@ CASES: dict[str, Case] = {
         lambda x: [str(lp.ReducedLagrange.ordinary(LAGRANGE, x=x).hamiltonian)], {"x": ORDINARY}
     ),
     "ReducedLagrange.to_body": Case(
-        lambda z, psi: chart("reduced").to_body(z, psi), {"z": inside("reduced"), "psi": np.array([0.4])}
+        lambda z, psi: chart("reduced").to_body(z, psi), {"z": lambda: inside("reduced"), "psi": np.array([0.4])}
     ),
     "System.invariant_values": Case(lambda x: TOP.invariant_values(x), {"x": STATES}),
     "System.vector_field": Case(lambda x: TOP.vector_field(x), {"x": STATES}),
@@ -190,9 +196,7 @@ CASES: dict[str, Case] = {
         lambda x0, t, tangents: lp.integrate(TOP, x0, t=t, tangents=tangents, dense=True),
         {"x0": STATES, "t": TIMES, "tangents": TANGENTS},
     ),
-    "largest_exponent": Case(
-        lambda x0: lp.largest_exponent(TOP, x0, t_end=100, block=1, transient=5), {"x0": STATES}
-    ),
+    "largest_exponent": Case(lambda x0: lp.largest_exponent(TOP, x0, t_end=100, block=1, transient=5), {"x0": STATES}),
     "leaf_of": Case(lambda x: lp.leaf_of(TOP, x), {"x": STATE}),
     "log_fit": Case(
         lambda time, exponent: lp.log_fit(time, exponent, window=(5, 100)), {"time": LONG, "exponent": CURVES}
@@ -217,9 +221,7 @@ CASES: dict[str, Case] = {
         {"guess": STATE},
     ),
     "stability": Case(lambda x: lp.stability(LAGRANGE, x, along=("l3",)), {"x": equilibrium()}),
-    "window_scan": Case(
-        lambda time, exponent: lp.window_scan(time, exponent), {"time": LONG, "exponent": CURVES}
-    ),
+    "window_scan": Case(lambda time, exponent: lp.window_scan(time, exponent), {"time": LONG, "exponent": CURVES}),
     "plot.exponent_distribution": Case(
         lambda exponents: drawn(lambda: lp.plot.exponent_distribution(exponents)), {"exponents": CURVES[:, -1]}
     ),
@@ -228,6 +230,6 @@ CASES: dict[str, Case] = {
     ),
     "plot.section": Case(
         lambda x, y: drawn(lambda: lp.plot.section(crossings(), x, y)),
-        {"x": crossings().state[:, 0], "y": crossings().state[:, 4]},
+        {"x": lambda: crossings().state[:, 0], "y": lambda: crossings().state[:, 4]},
     ),
 }

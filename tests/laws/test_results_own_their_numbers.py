@@ -1,4 +1,4 @@
-"""Results own their numbers: what a caller or another thread does to its arrays changes no run, no result and no file."""
+"""Results own their numbers: what a caller or another thread does to its arrays changes no run, result or file."""
 
 import dataclasses
 import inspect
@@ -6,9 +6,9 @@ import threading
 
 import numpy as np
 import pytest
+from given_arrays import CASES, STATES, TOP
 
 import liepoisson as lp
-from given_arrays import CASES, STATES, TOP
 from liepoisson import _core, plot
 from liepoisson.errors import LiePoissonError
 
@@ -75,13 +75,12 @@ def assert_same(found, wanted):
 
 
 def copies(name):
-    return {key: np.array(value) for key, value in CASES[name].arrays.items()}
+    return CASES[name].copies()
 
 
 def spoil(arrays):
     for array in arrays.values():
-        array *= -0.5
-        array += 0.125
+        array[...] = 0.125 - 0.5 * array
 
 
 @pytest.mark.thorough
@@ -236,7 +235,7 @@ LAYOUTS = {
     "unaligned": unaligned,
     "big endian": lambda array: array.astype(">f8"),
     "little endian": lambda array: array.astype("<f8"),
-    "Fortran": lambda array: np.asfortranarray(array),
+    "Fortran": np.asfortranarray,
     "strided": every_second,
     "backwards": lambda array: array[::-1].copy()[::-1],
     "read-only": frozen,

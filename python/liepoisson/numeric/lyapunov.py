@@ -60,6 +60,7 @@ class Growth:
         final_state: Last good state, shape (trajectory, component).
         order: Order of the method.
         kernel: Instruction set used.
+        time_limit: Seconds that the run was allowed to take.
     """
 
     system: str
@@ -78,6 +79,7 @@ class Growth:
     final_state: Array
     order: int
     kernel: str
+    time_limit: float = np.inf
 
     def __post_init__(self) -> None:
         """Makes the arrays read-only."""
@@ -169,6 +171,7 @@ def lyapunov_exponent(
                 f"{vectors.shape}. Give as many as there are states."
             )
         vectors = np.ascontiguousarray(np.broadcast_to(vectors, states.shape))
+    limit = as_time_limit(time_limit)
     raw = _core.growth(
         core_field(field),
         method.core(),
@@ -176,7 +179,7 @@ def lyapunov_exponent(
         vectors.ravel(),
         np.concatenate([[0.0], wanted]),
         as_threads(threads),
-        as_time_limit(time_limit),
+        limit,
         progress,
     )
     return Growth(
@@ -196,6 +199,7 @@ def lyapunov_exponent(
         final_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],
+        time_limit=limit,
     )
 
 

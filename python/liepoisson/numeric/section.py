@@ -104,6 +104,7 @@ class Section:
         final_state: Last good state of each trajectory, shape (trajectory, component).
         order: Order of the method.
         kernel: The instruction set that was used; all give the same bits.
+        time_limit: Seconds that the run was allowed to take.
     """
 
     system: str
@@ -132,6 +133,7 @@ class Section:
     final_state: Array
     order: int
     kernel: str
+    time_limit: float = np.inf
 
     def __post_init__(self) -> None:
         """Makes the arrays read-only."""
@@ -252,7 +254,7 @@ def section(
         raise ShapeError(f"surface: wanted a function of {n} components; got one of {tape.n_components}")
     coordinates = component_names(system, n) if names is None else names
     wanted = None if n_crossings is None else as_count(n_crossings, "n_crossings", least=1)
-    end, sense = _as_end(t_end), _as_direction(direction)
+    end, sense, limit = _as_end(t_end), _as_direction(direction), as_time_limit(time_limit)
     raw = _core.sections(
         core_field(field),
         method.core(),
@@ -262,7 +264,7 @@ def section(
         sense,
         wanted,
         as_threads(threads),
-        as_time_limit(time_limit),
+        limit,
         progress,
     )
     width, members = len(coordinates), np.arange(len(states))
@@ -295,6 +297,7 @@ def section(
         final_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],
+        time_limit=limit,
     )
 
 
