@@ -89,7 +89,7 @@ def _verify(path: Path, content: bytes) -> None:
     if not (end.startswith(_SEAL) and end.endswith(b"\n")):
         raise DamagedFileError(
             f"{path}: wanted a checksum of liepoisson at its end; got none: it may be truncated, or another program "
-            "(or an older liepoisson) wrote it or changed it. Make it again; if you changed it on purpose, read it with "
+            "(or an older liepoisson) wrote or changed it. Make it again; if you changed it on purpose, read it with "
             "load(path, verify=False)"
         )
     found = hashlib.sha256(memoryview(content)[:-_SEAL_LENGTH]).hexdigest().encode()
