@@ -17,7 +17,7 @@ from liepoisson.files import exclusive
 from liepoisson.studies.twisted_top import integration, runs
 from liepoisson.studies.twisted_top.integration import Tracker, complete
 from liepoisson.studies.twisted_top.runs import Settings
-from liepoisson.studies.twisted_top.store import RunStore, discard, remove_unfinished
+from liepoisson.studies.twisted_top.store import RunStore, discard, fingerprint, remove_unfinished
 from liepoisson.studies.twisted_top.study import reproduce
 
 
@@ -196,3 +196,9 @@ def test_a_run_removes_what_a_killed_one_was_writing_and_nothing_else(tmp_path):
     remove_unfinished(tmp_path)
     assert sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()) == sorted(mine)
     remove_unfinished(tmp_path / "absent")
+
+
+def test_a_fingerprint_has_all_that_determines_the_numbers_of_a_run():
+    fields = {field.name for field in dataclasses.fields(one_run(SMALL, "twisted-cube"))}
+    names = {"run" if name == "name" else name for name in fields - {"members"}}
+    assert fingerprint(one_run(SMALL, "twisted-cube")).keys() == names | {"times", "version"}

@@ -144,6 +144,7 @@ def _join(store: RunStore) -> tuple[Growth, float]:
         time=run.time,
         order=int(facts["order"]),
         kernel=str(facts["kernel"]),
+        time_limit=math.inf,
         **joined,
     )
     return growth, seconds

@@ -173,7 +173,7 @@ class RunStore:
         Raises:
             OutputError: a file could not be written.
         """
-        from liepoisson.dataset import netcdf
+        from liepoisson.netcdf import netcdf
 
         content = netcdf(growth.dataset)
         write_atomically(self.data, content)
