@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import fields
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
-
-if TYPE_CHECKING:
-    from _typeshed import DataclassInstance
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -64,13 +60,19 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
     return view
 
 
-def protect(result: DataclassInstance) -> None:
-    """Makes the arrays of a result read-only: its numbers are those that its run gave, and its file repeats them.
+class ReadOnlyArrays:
+    """Base of results, dataclasses whose arrays cannot be changed: they are what the run was given and what it gave.
 
-    For `__post_init__`; arrays in tuples are protected too.
+    So a file that is written later has the numbers of the run, and the rerun of the file too.  Arrays in tuples are
+    read-only as well, and those of copies and of results that come from another process.
     """
-    for entry in fields(result):
-        object.__setattr__(result, entry.name, _protected(getattr(result, entry.name)))
+
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only."""
+        self.__setstate__(vars(self))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update({name: _protected(value) for name, value in state.items()})
 
 
 def _protected(value: Any) -> Any:

@@ -1,7 +1,9 @@
 """Results own their numbers: what a caller or another thread does to its arrays changes no run, result or file."""
 
+import copy
 import dataclasses
 import inspect
+import pickle
 import threading
 
 import numpy as np
@@ -161,9 +163,10 @@ def test_the_arrays_of_a_result_are_read_only(kind):
         "spectrum": lambda: lp.lyapunov_spectrum(TOP, STATES[:1], t_end=5, transient=5, covariant=True),
         "section": lambda: lp.section(TOP, STATES, surface="l3", t_end=2),
     }[kind]()
-    for path, array in arrays_in(result):
-        if array.ndim:
-            assert not array.flags.writeable, path
+    for each in (result, copy.deepcopy(result), pickle.loads(pickle.dumps(result))):
+        for path, array in arrays_in(each):
+            if array.ndim:
+                assert not array.flags.writeable, path
     for name in result.dataset.data_vars:
         if result.dataset[name].dtype != object:  # names are copied
             assert not result.dataset[name].to_numpy().flags.writeable, name

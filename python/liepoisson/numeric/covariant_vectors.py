@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array, protect
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import as_count
 from liepoisson.numeric.mean_error import mean_error
@@ -28,7 +28,7 @@ _TRIANGLES = 3  # purpose of the random numbers: the coefficients at the end
 
 
 @dataclass(frozen=True)
-class CovariantVectors:
+class CovariantVectors(ReadOnlyArrays):
     """Covariant Lyapunov vectors along trajectories.
 
     Vectors of equal exponents (the zeros, above all) are not unique one by one: only the space that they span is.
@@ -45,10 +45,6 @@ class CovariantVectors:
     state: Array
     vector: Array
     growth: Array
-
-    def __post_init__(self) -> None:
-        """Makes the arrays read-only."""
-        protect(self)
 
     @property
     def exponent(self) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array, protect
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, TopField
 from liepoisson.numeric._checks import (
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Orbit:
+class Orbit(ReadOnlyArrays):
     """Trajectories at given times.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
@@ -77,10 +77,6 @@ class Orbit:
     kernel: str
     series: tuple[tuple[Array, Array], ...] = ()
     time_limit: float = np.inf
-
-    def __post_init__(self) -> None:
-        """Makes the arrays read-only."""
-        protect(self)
 
     def at(self, t: ArrayLike) -> Array:
         """States at any times between the first and the last, from the power series of the steps.

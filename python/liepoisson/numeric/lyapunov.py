@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, protect
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import (
@@ -39,7 +39,7 @@ N_TIMES = 200
 
 
 @dataclass(frozen=True)
-class Growth:
+class Growth(ReadOnlyArrays):
     """Finite-time Lyapunov exponents.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
@@ -80,10 +80,6 @@ class Growth:
     order: int
     kernel: str
     time_limit: float = np.inf
-
-    def __post_init__(self) -> None:
-        """Makes the arrays read-only."""
-        protect(self)
 
     @property
     def dataset(self) -> Dataset:

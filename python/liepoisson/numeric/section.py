@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array, protect
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import Field, TapeFunction
 from liepoisson.numeric._checks import (
@@ -70,7 +70,7 @@ class FirstReturn(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Section:
+class Section(ReadOnlyArrays):
     """Crossings of a surface $s(x) = 0$ along trajectories, ordered by trajectory, then in the order of travel.
 
     The arrays are read-only; `.copy()` gives one that can be changed.
@@ -134,10 +134,6 @@ class Section:
     order: int
     kernel: str
     time_limit: float = np.inf
-
-    def __post_init__(self) -> None:
-        """Makes the arrays read-only."""
-        protect(self)
 
     @property
     def n_trajectories(self) -> int:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, protect
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, component_names, shown, trajectories
@@ -29,7 +29,7 @@ N_TIMES = 256
 
 
 @dataclass(frozen=True)
-class Spectrum:
+class Spectrum(ReadOnlyArrays):
     r"""Lyapunov spectra with their errors.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
@@ -86,10 +86,6 @@ class Spectrum:
     kernel: str
     covariant: CovariantVectors | None = None
     time_limit: float = np.inf
-
-    def __post_init__(self) -> None:
-        """Makes the arrays read-only."""
-        protect(self)
 
     @property
     def exponents(self) -> Array:

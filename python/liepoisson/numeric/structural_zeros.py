@@ -25,7 +25,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array, protect
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import integrate
@@ -38,7 +38,7 @@ _SHORT, _DIVERGENCE = 1e-9, 1e-5
 
 
 @dataclass(frozen=True)
-class PoissonStructure:
+class PoissonStructure(ReadOnlyArrays):
     """What the bracket says about the spectrum of each trajectory.
 
     Attributes:
@@ -61,7 +61,7 @@ class PoissonStructure:
                 "PoissonStructure: wanted n_zeros, corank and is_regular of one shape (trajectory,); got shapes "
                 f"{self.n_zeros.shape}, {self.corank.shape} and {self.is_regular.shape}"
             )
-        protect(self)
+        super().__post_init__()
 
     @property
     def shape(self) -> tuple[int, ...]:
