@@ -417,3 +417,45 @@ def test_a_structure_must_fit():
         lp.PoissonStructure(5, [1], [True])
     with pytest.raises(ParameterError, match="is_regular"):
         lp.PoissonStructure([5], [1], ["yes"])
+
+
+NONSENSE = [None, "", "abc", -1, 0, float("inf"), float("nan"), [], {}, [[]], 2**70, "1", True, {"a": 1}]
+
+
+def spoiled(dataset):
+    """Datasets with something wrong in each attribute, record and variable."""
+    run, method = json.loads(dataset.attrs["run"]), json.loads(dataset.attrs["method"])
+    for value in NONSENSE:
+        for name in run:
+            yield dataset.assign_attrs(run=json.dumps(run | {name: value}))
+        for name in method:
+            yield dataset.assign_attrs(method=json.dumps(method | {name: value}))
+    for name in dataset.attrs:
+        for value in (*NONSENSE, np.zeros(3)):
+            yield dataset.assign_attrs({name: value})
+        yield dataset.drop_attrs().assign_attrs({n: v for n, v in dataset.attrs.items() if n != name})
+    for name in dataset.variables:
+        yield dataset.drop_vars(name)
+        yield dataset.assign({name: dataset[name].astype(str)})
+        if dataset[name].dtype.kind in "fi":
+            yield dataset.assign({name: dataset[name].astype(complex)})
+            yield dataset.assign({name: dataset[name] * np.nan})
+    for name in dataset.sizes:
+        yield dataset.isel({name: slice(0, 1)})
+        yield dataset.isel({name: slice(0, 0)})
+
+
+@pytest.mark.thorough
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_dataset_that_was_spoiled_is_run_or_refused_with_a_sentence(kind):
+    given = GIVEN[kind] | ({} if kind != "spectrum" else {"t_end": 2.0})
+    refused = 0
+    for dataset in spoiled(RUNS[kind](TOP, **given).dataset):
+        try:
+            lp.rerun(dataset, time_limit=2)
+        except lp.errors.LiePoissonError as error:
+            refused += 1
+            shown = str(error)
+            assert 10 < len(shown) < 1000
+    assert refused > 50

@@ -286,11 +286,11 @@ def rerun(
         raise DamagedFileError(
             f"the file does not record a run that can be repeated: {error!r:.200} is missing or altered; make it again"
         ) from error
-    version = dataset.attrs.get("version")
+    version = str(dataset.attrs.get("version"))  # of a damaged file it may be anything
     if version != _core.__version__:
         warnings.warn(
-            f"the file was made by liepoisson {version}, this is {_core.__version__}: the results may differ in their "
-            "last bits",
+            f"the file was made by liepoisson {version:.60}, this is {_core.__version__}: the results may differ in "
+            "their last bits",
             UserWarning,
             stacklevel=2,
         )
