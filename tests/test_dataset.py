@@ -1,5 +1,7 @@
 """Files: labelled, complete, repeatable bit for bit; damaged ones and full disks are refused by name."""
 
+import dataclasses
+import inspect
 import json
 import os
 import subprocess
@@ -9,8 +11,10 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.dataset import RUNS, _recorded_run
 from liepoisson.errors import DamagedFileError, OutputError, ParameterError
 from liepoisson.numeric._checks import TOP_COMPONENTS
+from liepoisson.numeric.methods import METHODS, method_of, method_record
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 
@@ -73,13 +77,15 @@ def test_missing_damaged_and_foreign_files_are_refused(tmp_path):
     with pytest.raises(DamagedFileError, match="may be truncated"):
         lp.load(path)
     path.write_text("not a dataset")
-    with pytest.raises(DamagedFileError, match="can not be read as NetCDF"):
+    with pytest.raises(DamagedFileError, match="wanted NetCDF-4"):
         lp.load(path)
     import xarray as xr
 
     xr.Dataset({"x": ("t", [1.0])}).to_netcdf(path, engine="h5netcdf")
-    with pytest.raises(DamagedFileError, match="another kind"):
+    with pytest.raises(DamagedFileError, match="wanted a checksum"):
         lp.load(path)
+    with pytest.raises(DamagedFileError, match="another kind"):
+        lp.load(path, verify=False)
 
 
 def test_a_dataset_without_its_parameters_is_not_rerun():
@@ -178,3 +184,278 @@ def test_another_version_warns():
 def test_mistakes_of_the_caller_are_not_blamed_on_the_file():
     with pytest.raises(ParameterError, match="threads"):
         lp.rerun(growth(1).dataset, threads=0)
+
+
+STATES = lp.sample_states(TOP, 3, seed=1)
+STRUCTURE = lp.PoissonStructure([5, 5, 5], [3, 3, 3], [True, False, True])
+TAYLOR = lp.Taylor(tol=1e-11, order=17, max_steps=12_345)
+# How a run is watched and shared out, on which no number depends.
+NOT_RECORDED = {"threads", "progress"}
+GIVEN = {
+    "orbit": {
+        "x0": STATES,
+        "t": [1.0, 0.5, -2.0],
+        "tangents": np.tile(np.eye(9)[:2], (3, 1, 1)),
+        "method": TAYLOR,
+        "dense": True,
+        "kernel": "lanes",
+        "time_limit": 77.0,
+    },
+    "growth": {
+        "x0": STATES,
+        "t_end": None,  # which is the last of the times
+        "times": [0.5, 1.5, 4.0],
+        "tangents": lp.sample_states(TOP, 3, seed=2),
+        "seed": 2**100,
+        "first": 11,
+        "method": TAYLOR,
+        "time_limit": 77.0,
+    },
+    "section": {
+        "x0": STATES,
+        "surface": "dot(l, beta)",
+        "t_end": -20.0,
+        "direction": -1,
+        "n_crossings": 2,
+        "keep": ("l1", "l2*l3"),
+        "method": TAYLOR,
+        "time_limit": 77.0,
+    },
+    "spectrum": {
+        "x0": STATES,
+        "t_end": 7.3,
+        "interval": 1.1,
+        "transient": 2.3,
+        "n_exponents": 9,
+        "covariant": True,
+        "structure": STRUCTURE,
+        "seed": 3,
+        "first": 4,
+        "method": TAYLOR,
+        "time_limit": 77.0,
+    },
+}
+
+
+def plain(value):
+    """A value in which two that are the same compare as equal."""
+    if isinstance(value, lp.PoissonStructure):
+        return {name: array.tolist() for name, array in vars(value).items()}
+    return value.tolist() if isinstance(value, np.ndarray) else value
+
+
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_file_records_every_argument_of_its_run(tmp_path, kind):
+    """An argument that is added later must be given here, and recorded."""
+    given = GIVEN[kind]
+    assert {*inspect.signature(RUNS[kind]).parameters} == {"system", *given} | NOT_RECORDED
+    result = RUNS[kind](TOP, **given)
+    recorded = _recorded_run(lp.load(result.save(tmp_path / "run.nc")))
+    found = recorded.arguments | {"time_limit": recorded.time_limit}
+    if kind == "section":
+        assert found["surface"] == TOP.function_tape(given["surface"], *given["keep"])
+        found["surface"] = recorded.surface
+    assert found.keys() == given.keys()
+    assert {name: plain(value) for name, value in found.items()} == {name: plain(v) for name, v in given.items()}
+
+
+METHOD_OPTIONS = {
+    "taylor": [{"tol": 3e-9, "order": 19, "precision": "mixed", "max_steps": 7}],
+    "runge-kutta": [
+        {"tol": 3e-9, "step": None, "precision": "double", "compensated": True, "max_steps": 7},
+        {"tol": None, "step": 0.3, "precision": "single", "compensated": False, "max_steps": 7},
+    ],
+    "splitting": [{"step": 0.3, "order": 6, "precision": "single", "max_steps": 7}],
+    "gauss": [{"step": 0.3, "order": 6, "max_steps": 7}],
+    "lagrange-map": [{"step": 0.3, "max_steps": 7}],
+}
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_a_record_of_a_method_has_all_its_options(name):
+    for options in METHOD_OPTIONS[name]:
+        assert {field.name for field in dataclasses.fields(METHODS[name])} == options.keys()
+        method = METHODS[name](**options)
+        record = json.loads(json.dumps(method_record(method)))
+        assert record == {"name": name, **options}
+        assert method_of(record) == method
+
+
+def runs_of_all_kinds():
+    hostile = STATES.copy()
+    hostile[1, 2] = np.inf
+    charge = {"t": [0.0, 1.0, 5.0], "method": lp.Taylor(max_steps=3)}
+    return {
+        "orbit": orbit,
+        "orbit, dense, with tangents": lambda: orbit(dense=True, tangents=np.eye(9)[:2]),
+        "orbit, components": lambda: lp.integrate(TOP, STATES[:1], t=[0, 1]),
+        "orbit, lanes": lambda: lp.integrate(TOP, STATES[:1], t=[0, 1], kernel="lanes"),
+        "orbit, failed": lambda: lp.integrate(TOP, hostile, **charge),
+        "orbit, none": lambda: lp.integrate(TOP, np.empty((0, 9)), t=[0, 1]),
+        "orbit, splitting": lambda: lp.integrate(TOP, STATES, t=[0, 1], method=lp.Splitting(step=0.1, order=6)),
+        "orbit, field": lambda: lp.integrate(lp.TopField((1, 2, 3), (1, 0, 0), (0, 1, 0), 1), STATES, t=[0, 1]),
+        "growth": growth,
+        "growth, failed": lambda: lp.lyapunov_exponent(TOP, hostile, t_end=5, method=lp.Taylor(max_steps=3)),
+        "growth, none": lambda: lp.lyapunov_exponent(TOP, np.empty((0, 9)), t_end=5),
+        "section": lambda: lp.section(TOP, STATES, surface="l3", t_end=10),
+        "section, kept": lambda: lp.section(TOP, STATES, surface="l3", t_end=10, keep=["l1^2", "dot(l, beta)"]),
+        "section, all kept": lambda: lp.section(TOP, STATES, surface="l3", t_end=10, keep=TOP.component_names),
+        "section, tape": lambda: lp.section(TOP, STATES, surface=TOP.function_tape("l3", "l1"), t_end=10),
+        "section, no crossing": lambda: lp.section(TOP, STATES, surface="l3 - 100", t_end=10),
+        "section, failed": lambda: lp.section(TOP, hostile, surface="l3", t_end=9, method=lp.Taylor(max_steps=3)),
+        "spectrum": lambda: lp.lyapunov_spectrum(TOP, STATES, t_end=12, interval=2),
+        "spectrum, covariant": lambda: lp.lyapunov_spectrum(TOP, STATES, t_end=12, transient=5, covariant=True),
+        "spectrum, failed": lambda: lp.lyapunov_spectrum(TOP, hostile, t_end=12, n_exponents=2),
+        "spectrum, field": lambda: lp.lyapunov_spectrum(TOP.field(), STATES, t_end=12),
+        "spectrum, structure": lambda: lp.lyapunov_spectrum(TOP, STATES, t_end=12, structure=STRUCTURE),
+        "chart": lambda: lp.chart_orbit(lp.EulerChart(TOP, x=STATES[0]), STATES[0], t=[0, 1, 2]),
+    }
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", runs_of_all_kinds())
+def test_what_is_loaded_is_what_was_saved_and_what_is_rerun(tmp_path, kind):
+    result = runs_of_all_kinds()[kind]()
+    path = result.save(tmp_path / "run.nc")
+    loaded = lp.load(path)
+    assert loaded.identical(result.dataset)
+    assert loaded.attrs == result.dataset.attrs
+    again = lp.rerun(path)
+    if kind == "chart":  # it does not know where the chart ends
+        assert again.dataset.drop_attrs().identical(loaded[list(again.dataset.variables)].drop_attrs())
+        return
+    assert type(again) is type(result)
+    assert again.dataset.identical(loaded)
+    assert again.save(tmp_path / "again.nc").read_bytes() == path.read_bytes()
+
+
+def test_the_last_time_of_a_spectrum_is_the_one_that_was_given():
+    """(t n)/n may differ from t by a bit, and a run from it in its last bits."""
+    t_end, n = 3.7, 3
+    assert t_end * n / n != t_end
+    spectrum = lp.lyapunov_spectrum(TOP, STATES[:1], t_end=t_end, interval=1.3, n_exponents=1)
+    assert len(spectrum.time) == n
+    assert spectrum.time[-1] == t_end
+
+
+def cut_short(kind):
+    states = lp.sample_states(TOP, 64, seed=1)
+    run = {
+        "orbit": lambda: lp.integrate(TOP, states, t=np.linspace(0, 4000, 401), time_limit=0.02, threads=1),
+        "growth": lambda: lp.lyapunov_exponent(TOP, states, t_end=3000, time_limit=0.03, threads=1),
+        "section": lambda: lp.section(TOP, states, surface="l3", t_end=3000, time_limit=0.05, threads=1),
+        "spectrum": lambda: lp.lyapunov_spectrum(TOP, states, t_end=300, n_exponents=1, time_limit=0.03, threads=1),
+    }[kind]
+    return run()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_rerun_says_that_a_limit_of_time_cannot_be_repeated(tmp_path, kind):
+    result = cut_short(kind)
+    n_cut = int((result.outcome == "time limit").sum())
+    assert n_cut
+    path = result.save(tmp_path / "run.nc")
+    with pytest.warns(UserWarning, match=f"{n_cut} trajectories of the file were ended by the time limit of 0.0"):
+        again = lp.rerun(path)
+    assert (again.outcome == "finished").all()
+    assert again.time_limit == np.inf
+    np.testing.assert_array_equal(again.initial_state, result.initial_state)
+    if kind == "section":
+        for k in range(result.n_trajectories):
+            np.testing.assert_array_equal(again.of(k)[: len(result.of(k))], result.of(k))
+        return
+    name = {"orbit": "state", "growth": "exponent", "spectrum": "exponent"}[kind]
+    before, after = getattr(result, name), getattr(again, name)
+    reached = np.isfinite(before)
+    np.testing.assert_array_equal(after[reached], before[reached])
+
+
+def test_a_rerun_takes_as_long_as_it_needs(monkeypatch):
+    """Its own limit is none: a run of more than the default hour is not cut."""
+    limits = []
+    run = RUNS["growth"]
+    monkeypatch.setitem(RUNS, "growth", lambda *a, time_limit, **o: limits.append(time_limit) or run(*a, **o))
+    lp.rerun(growth(1).dataset)
+    lp.rerun(growth(1).dataset, time_limit=5)
+    assert limits == [np.inf, 5]
+
+
+def test_starts_of_trajectories_that_were_never_begun_are_in_the_file(tmp_path):
+    states = lp.sample_states(TOP, 50, seed=1)
+    result = lp.integrate(TOP, states, t=[0, 1], tangents=np.eye(9)[:1], time_limit=1e-9)
+    assert np.isnan(result.state).any()
+    with pytest.warns(UserWarning, match="time limit"):
+        again = lp.rerun(result.save(tmp_path / "run.nc"))
+    np.testing.assert_array_equal(again.state[:, 0], states)
+    np.testing.assert_array_equal(again.tangent[:, 0, 0], np.tile(np.eye(9)[0], (50, 1)))
+
+
+@pytest.mark.parametrize("attribute", ["run", "method", "field"])
+def test_a_record_that_is_nested_too_deeply_is_refused(attribute):
+    dataset = growth(1).dataset
+    dataset.attrs[attribute] = "[" * 100_000
+    with pytest.raises(DamagedFileError, match="does not record a run"):
+        lp.rerun(dataset)
+
+
+def test_a_field_of_another_size_than_its_components_is_refused():
+    """Before the core makes room for it."""
+    dataset = growth(1).dataset
+    record = {"kind": "quadratic", "n_components": 2**62, "constant": [], "linear": [], "quadratic": []}
+    dataset.attrs["field"] = json.dumps(record)
+    with pytest.raises(DamagedFileError, match="component"):
+        lp.rerun(dataset)
+
+
+def test_a_structure_must_fit():
+    with pytest.raises(lp.errors.ShapeError, match="structure"):
+        lp.lyapunov_spectrum(TOP, STATES[:2], t_end=5, structure=STRUCTURE)
+    with pytest.raises(lp.errors.ShapeError, match="one shape"):
+        lp.PoissonStructure([1, 2], [1], [True, True])
+    with pytest.raises(lp.errors.ShapeError, match="n_zeros"):
+        lp.PoissonStructure(5, [1], [True])
+    with pytest.raises(ParameterError, match="is_regular"):
+        lp.PoissonStructure([5], [1], ["yes"])
+
+
+NONSENSE = [None, "", "abc", -1, 0, float("inf"), float("nan"), [], {}, [[]], 2**70, "1", True, {"a": 1}]
+
+
+def spoiled(dataset):
+    """Datasets with something wrong in each attribute, record and variable."""
+    run, method = json.loads(dataset.attrs["run"]), json.loads(dataset.attrs["method"])
+    for value in NONSENSE:
+        for name in run:
+            yield dataset.assign_attrs(run=json.dumps(run | {name: value}))
+        for name in method:
+            yield dataset.assign_attrs(method=json.dumps(method | {name: value}))
+    for name in dataset.attrs:
+        for value in (*NONSENSE, np.zeros(3)):
+            yield dataset.assign_attrs({name: value})
+        yield dataset.drop_attrs().assign_attrs({n: v for n, v in dataset.attrs.items() if n != name})
+    for name in dataset.variables:
+        yield dataset.drop_vars(name)
+        yield dataset.assign({name: dataset[name].astype(str)})
+        if dataset[name].dtype.kind in "fi":
+            yield dataset.assign({name: dataset[name].astype(complex)})
+            yield dataset.assign({name: dataset[name] * np.nan})
+    for name in dataset.sizes:
+        yield dataset.isel({name: slice(0, 1)})
+        yield dataset.isel({name: slice(0, 0)})
+
+
+@pytest.mark.thorough
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_dataset_that_was_spoiled_is_run_or_refused_with_a_sentence(kind):
+    given = GIVEN[kind] | ({} if kind != "spectrum" else {"t_end": 2.0})
+    refused = 0
+    for dataset in spoiled(RUNS[kind](TOP, **given).dataset):
+        try:
+            lp.rerun(dataset, time_limit=2)
+        except lp.errors.LiePoissonError as error:
+            refused += 1
+            shown = str(error)
+            assert 10 < len(shown) < 1000
+    assert refused > 50

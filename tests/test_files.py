@@ -161,3 +161,47 @@ def test_without_locks_the_folder_is_used_all_the_same(tmp_path, monkeypatch):
 def test_folder_that_can_not_be_made_is_refused(name):
     with pytest.raises(OutputError, match="another folder"), exclusive(Path(name)):
         pass
+
+
+KILLED = (
+    "import os, sys, pathlib; from liepoisson.files import write_atomically\n"
+    "os.fsync = lambda _: (print('writes', flush=True), sys.stdin.read())\n"
+    "write_atomically(pathlib.Path(sys.argv[1]), b'half')"
+)
+
+
+@pytest.fixture
+def writer(tmp_path):
+    """A process in the middle of writing `file`."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", KILLED, str(tmp_path / "file")], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert process.stdout.readline() == b"writes\n"
+    yield process
+    process.kill()
+    process.communicate()
+
+
+def test_what_a_killed_process_has_left_is_removed_by_the_next_one_that_writes_the_file(tmp_path, writer):
+    path, other = tmp_path / "file", tmp_path / "other"
+    write_atomically(path, b"new")
+    write_atomically(other, b"new")
+    assert len(list(tmp_path.glob("*.partial"))) == 1  # it is alive
+    writer.kill()
+    writer.communicate()
+    write_atomically(other, b"new")
+    assert len(list(tmp_path.glob("*.partial"))) == 1  # of another file
+    write_atomically(path, b"newer")
+    assert sorted(tmp_path.iterdir()) == [path, other]
+
+
+def test_files_that_only_look_like_unfinished_ones_stay(tmp_path):
+    path = tmp_path / "file"
+    names = ["file.partial", "file.1-2.partial", "my file.1-00000000.partial.txt", "file2.1-00000000.partial"]
+    for name in names:
+        (tmp_path / name).write_text("mine")
+    (tmp_path / "file.1-11111111.partial").mkdir()
+    (tmp_path / "file.1-22222222.partial").symlink_to(tmp_path / "file2.1-00000000.partial")
+    before = {*tmp_path.iterdir()}
+    write_atomically(path, b"new")
+    assert {*tmp_path.iterdir()} == before | {path}

@@ -1,8 +1,8 @@
-"""Arrays of doubles from what a caller gives; both wings read states through this one function."""
+"""Arrays of doubles from what a caller gives: copied once, so that nothing done to them later changes a result."""
 
 from __future__ import annotations
 
-from typing import TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,17 +13,71 @@ Array: TypeAlias = NDArray[np.float64]
 
 
 def as_array(values: ArrayLike, name: str) -> Array:
-    """An array of doubles; what would lose its meaning as a double (complex, date, text, mask) is refused."""
+    """An array of doubles with memory of its own, whatever a caller gives: aligned, native byte order, C order.
+
+    It is always a copy.  A function takes it once, at its beginning, checks the copy, and works with the copy only: the
+    caller's array may be changed later, or by another thread while the core runs without the interpreter's lock.
+
+    Raises:
+        ShapeError: It is no array of numbers (texts, rows of different lengths, objects).
+        ParameterError: Numbers that would lose their meaning as doubles (complex ones, dates, records, masked ones).
+    """
     try:
-        given = np.asanyarray(values)
-        masked = isinstance(given, np.ma.MaskedArray)
-        if given.dtype.kind in "SU":
+        masked = isinstance(values, np.ma.MaskedArray) or _has_masked_rows(values)
+        given = np.asanyarray(() if masked else values)
+        if given.dtype.kind in "SUT":
             raise TypeError("texts")
-        if not masked and given.dtype.kind not in "cmM":
-            return np.asarray(given, dtype=np.float64)
+        if given.dtype.kind == "O":
+            _refuse_other_objects(given)
+        if not masked and given.dtype.kind not in "cmMV":
+            return np.array(given, dtype=np.float64, order="C", copy=True, subok=False)
     except (TypeError, ValueError, OverflowError) as error:
         raise ShapeError(
             f"{name}: wanted an array of numbers; got {type(values).__name__} ({error}); try a list of floats"
         ) from error
     kind = "a masked array" if masked else f"an array of {given.dtype}"
     raise ParameterError(f"{name}: wanted real numbers; got {kind}; convert it, or drop what is not a number")
+
+
+def _has_masked_rows(values: Any) -> bool:
+    """Whether it is a list of masked arrays or numbers: NumPy would join them and forget the masks."""
+    return isinstance(values, (list, tuple)) and any(
+        isinstance(row, np.ma.MaskedArray) for row in cast("list[Any]", values)
+    )
+
+
+def _refuse_other_objects(given: NDArray[Any]) -> None:
+    """Objects without a value as a double: NumPy would take None as NaN, and read texts."""
+    for item in given.ravel().tolist():
+        if isinstance(item, (str, bytes)) or not hasattr(item, "__float__"):
+            raise TypeError(f"{type(item).__name__} among them")
+
+
+def read_only(array: NDArray[Any]) -> NDArray[Any]:
+    """A view of an array through which it cannot be changed."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+class ReadOnlyArrays:
+    """Base of results, dataclasses whose arrays cannot be changed: they are what the run was given and what it gave.
+
+    So a file that is written later has the numbers of the run, and the rerun of the file too.  Arrays in tuples are
+    read-only as well, and those of copies and of results that come from another process.
+    """
+
+    def __post_init__(self) -> None:
+        """Makes the arrays read-only."""
+        self.__setstate__(vars(self))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update({name: _protected(value) for name, value in state.items()})
+
+
+def _protected(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return read_only(cast("NDArray[Any]", value))
+    if type(value) is tuple:
+        return tuple(_protected(item) for item in cast("tuple[Any, ...]", value))
+    return value

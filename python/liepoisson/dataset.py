@@ -1,14 +1,16 @@
-"""The one place where arrays become labelled datasets and files, and files become runs again.
+"""The one place where results become labelled datasets and files, and files become runs again.
 
-A dataset carries everything that its run depended on: the parameters of the field, the method, the seed, the starts and
-the version of liepoisson.  `rerun` repeats a run from the file alone and gives the same bits.
+A dataset carries everything that its run was given: the parameters of the field, the method with all its options, the
+starts, the seed, the limit of time, and the version of liepoisson.  `rerun` repeats a run from the file alone and gives
+the same bits.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import warnings
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,10 +20,11 @@ from liepoisson import _core
 from liepoisson.errors import DamagedFileError, OutputError
 from liepoisson.field import Field, TapeFunction, field_of, record_of
 from liepoisson.files import write_atomically
-from liepoisson.numeric._checks import shown
+from liepoisson.netcdf import netcdf, read_netcdf
+from liepoisson.numeric._checks import as_time_limit, shown
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
-from liepoisson.numeric.methods import Method, method_of, method_record
+from liepoisson.numeric.methods import method_of, method_record
 from liepoisson.numeric.section import Section, section
 from liepoisson.numeric.spectrum import Spectrum, lyapunov_spectrum
 from liepoisson.numeric.structural_zeros import PoissonStructure
@@ -43,10 +46,17 @@ def orbit_dataset(orbit: Orbit) -> Dataset:
     variables: dict[str, Any] = {
         "state": (("trajectory", "time", "component"), orbit.state, {"long_name": "state", "units": "dimensionless"}),
         "tangent": (("trajectory", "time", "vector", "component"), orbit.tangent, {"long_name": "tangent vectors"}),
+        "initial_state": (("trajectory", "component"), orbit.initial_state, {"long_name": "state as it was given"}),
+        "initial_tangent": (
+            ("trajectory", "vector", "component"),
+            orbit.initial_tangent,
+            {"long_name": "tangent vectors as they were given"},
+        ),
         **_ends(orbit),
     }
     coordinates = {"time": ("time", orbit.time, _TIME), "component": list(orbit.components)}
-    return _dataset(orbit, "orbit", {"dense": bool(orbit.series)}, variables, coordinates)
+    kernel = "components" if orbit.kernel == "components" else "lanes"
+    return _dataset(orbit, "orbit", {"dense": bool(orbit.series), "kernel": kernel}, variables, coordinates)
 
 
 def growth_dataset(growth: Growth) -> Dataset:
@@ -128,6 +138,7 @@ def spectrum_dataset(spectrum: Spectrum) -> Dataset:
     run = {
         "seed": spectrum.seed,
         "first": spectrum.first,
+        "t_end": float(spectrum.time[-1]),
         "interval": spectrum.interval,
         "transient": spectrum.transient,
         "n_exponents": spectrum.exponent.shape[2],
@@ -138,7 +149,7 @@ def spectrum_dataset(spectrum: Spectrum) -> Dataset:
 
 def _ends(result: Orbit | Growth | Section | Spectrum) -> dict[str, Any]:
     return {
-        "outcome": ("trajectory", result.outcome.astype(object), {"long_name": "how the trajectory ended"}),
+        "outcome": ("trajectory", result.outcome, {"long_name": "how the trajectory ended"}),
         "end_time": ("trajectory", result.end_time, {"long_name": "time reached"}),
         "n_steps": ("trajectory", result.n_steps, {"long_name": "accepted steps"}),
         "final_state": (("trajectory", "component"), result.final_state, {"long_name": "last good state"}),
@@ -153,7 +164,7 @@ def _dataset(
     coordinates: dict[str, Any],
     **records: dict[str, Any],
 ) -> Dataset:
-    """The dataset, with all that its run depended on in its attributes; a long record becomes a variable."""
+    """The dataset, with all that its run was given in its attributes; a long record becomes a variable."""
     import xarray as xr
 
     attributes = {
@@ -163,7 +174,7 @@ def _dataset(
         "method": json.dumps(method_record(result.method)),
         "order": result.order,
         "kernel": result.kernel,
-        "run": json.dumps(run),
+        "run": json.dumps(run | {"time_limit": result.time_limit if math.isfinite(result.time_limit) else None}),
         "version": _core.__version__,
     }
     for name, record in {"field": record_of(result.field), **records}.items():
@@ -182,16 +193,8 @@ def _record(dataset: Dataset, name: str) -> dict[str, Any]:
     return json.loads(text)
 
 
-def netcdf(dataset: Dataset) -> memoryview:
-    """The content of a NetCDF file.
-
-    Made in memory: HDF5 does not survive a disk that fills up under a file that it has open.
-    """
-    return memoryview(dataset.to_netcdf(engine="h5netcdf"))
-
-
 def save(dataset: Dataset, path: str | Path) -> Path:
-    """Writes a dataset to a NetCDF file, whole or not at all.
+    """Writes a dataset to a NetCDF file with a checksum, whole or not at all.
 
     Raises:
         OutputError: The path is none or does not end in .nc, or the file can not be written; an older file of that name
@@ -209,14 +212,17 @@ def save(dataset: Dataset, path: str | Path) -> Path:
     return path
 
 
-def load(path: str | Path) -> Dataset:
+def load(path: str | Path, *, verify: bool = True) -> Dataset:
     """Reads a dataset that liepoisson has written, into memory.
 
-    Raises:
-        DamagedFileError: There is no such file, or it is not a whole file of ours.
-    """
-    import xarray as xr
+    Args:
+        path: The file.
+        verify: Refuse a file whose contents do not have the checksum that liepoisson wrote.  False reads what another
+            program has changed on purpose; a bit that flipped by accident is then not found either.
 
+    Raises:
+        DamagedFileError: There is no such file; it is truncated, damaged or changed; or liepoisson did not write it.
+    """
     try:
         path = Path(path)
         found = path.is_file()
@@ -224,13 +230,7 @@ def load(path: str | Path) -> Dataset:
         raise DamagedFileError(f"wanted the name of a file; got {shown(path)} ({error}); look at the name") from error
     if not found:
         raise DamagedFileError(f"{path}: wanted a file written by liepoisson; there is none of this name")
-    try:
-        with xr.open_dataset(path, engine="h5netcdf") as file:
-            dataset = file.load()
-    except Exception as error:  # whatever HDF5 and its wrappers raise on a truncated or foreign file
-        raise DamagedFileError(
-            f"{path}: can not be read as NetCDF ({error}); it may be truncated: make it again"
-        ) from error
+    dataset = read_netcdf(path, verify=verify)
     if dataset.attrs.get("format") != _FORMAT:
         raise DamagedFileError(f"{path}: wanted a file written by liepoisson (format {_FORMAT!r}); got another kind")
     return dataset
@@ -249,81 +249,146 @@ class _Recorded:
 
 
 def rerun(
-    source: str | Path | Dataset, *, threads: int | None = None, progress: Callable[[float], Any] | None = None
+    source: str | Path | Dataset,
+    *,
+    threads: int | None = None,
+    time_limit: float = math.inf,
+    progress: Callable[[float], Any] | None = None,
 ) -> Orbit | Growth | Section | Spectrum:
     """Repeats the run that made a file (or a dataset), from what it records alone.
 
     The result has the same bits as the original on any processor, with the same version of liepoisson: starts, tangent
     vectors and times come from the file, and the core computes them all with operations that IEEE 754 rounds correctly.
 
+    How far a run comes within its limit of seconds depends on the machine and cannot be repeated.  Trajectories that
+    ended with the outcome "time limit" go on to their end in the rerun, and what they had reached before has the same
+    bits.
+
+    Args:
+        source: The file, or the dataset of a result.
+        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that the rerun may take; by default as many as it needs.
+        progress: Called a few times a second with the fraction that is done.
+
     Raises:
-        DamagedFileError: The file lacks what the run depended on, or records it in a way that is not ours.
+        DamagedFileError: The file is damaged, or lacks what the run was given.
 
     Warns:
-        UserWarning: Another version of liepoisson made the file, so the bits may differ.
+        UserWarning: Another version of liepoisson made the file, so the bits may differ; or trajectories were ended by
+            the limit of time.
     """
     import xarray as xr
 
     dataset = source if isinstance(source, xr.Dataset) else load(source)
     try:
-        system, method, kind, options = _recorded_run(dataset)
-    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        recorded = _recorded_run(dataset)
+    except Exception as error:  # records that were altered fail in many ways, one nested too deeply in its own
         raise DamagedFileError(
-            f"the file does not record a run that can be repeated: {error!r} is missing or altered; make it again"
+            f"the file does not record a run that can be repeated: {error!r:.200} is missing or altered; make it again"
         ) from error
-    version = dataset.attrs.get("version")
+    version = str(dataset.attrs.get("version"))  # of a damaged file it may be anything
     if version != _core.__version__:
         warnings.warn(
-            f"the file was made by liepoisson {version}, this is {_core.__version__}: the results may differ in their "
-            "last bits",
+            f"the file was made by liepoisson {version:.60}, this is {_core.__version__}: the results may differ in "
+            "their last bits",
             UserWarning,
             stacklevel=2,
         )
-    run: Any = _RUNS[kind]
-    return run(system, method=method, threads=threads, progress=progress, **options)
+    if recorded.n_cut:
+        given = "" if recorded.time_limit is None else f" of {recorded.time_limit:g} s"
+        warnings.warn(
+            f"{recorded.n_cut} trajectories of the file were ended by the time limit{given}, which depends on the "
+            "machine and cannot be repeated: they go on to their end. Up to its end_time each has the same numbers",
+            UserWarning,
+            stacklevel=2,
+        )
+    run: Any = RUNS[recorded.kind]
+    options = recorded.arguments | {"time_limit": time_limit, "threads": threads, "progress": progress}
+    result = run(recorded.system, **options)
+    named: dict[str, Any] = {} if recorded.surface is None else {"surface": recorded.surface}
+    if not recorded.n_cut and "time limit" not in result.outcome:
+        # the limit ended nothing, here as there: the result is that of the file in this, too
+        named["time_limit"] = math.inf if recorded.time_limit is None else recorded.time_limit
+    return replace(result, **named)
 
 
-_RUNS = {"growth": lyapunov_exponent, "orbit": integrate, "section": section, "spectrum": lyapunov_spectrum}
+RUNS = {"growth": lyapunov_exponent, "orbit": integrate, "section": section, "spectrum": lyapunov_spectrum}
+"""The functions whose results can be saved and rerun, by kind."""
 
 
-def _recorded_run(dataset: Dataset) -> tuple[_Recorded, Method, str, dict[str, Any]]:
-    """What a dataset records of its run: system, method, kind and the other arguments."""
+@dataclass(frozen=True)
+class Recorded:
+    """What a dataset records of its run.
+
+    Attributes:
+        kind: Which of `RUNS` it was.
+        system: What was integrated.
+        arguments: All others by name, but for the limit of time, threads and progress.
+        time_limit: Seconds that the run was allowed to take, or None.
+        n_cut: Trajectories that it ended.
+        surface: How the surface of a section was written.
+    """
+
+    kind: str
+    system: _Recorded
+    arguments: dict[str, Any]
+    time_limit: float | None
+    n_cut: int
+    surface: str | None = None
+
+
+def _recorded_run(dataset: Dataset) -> Recorded:
+    """What a dataset records of its run."""
     attributes = dataset.attrs
     kind, run = attributes["kind"], json.loads(attributes["run"])
-    method, field = method_of(json.loads(attributes["method"])), field_of(_record(dataset, "field"))
     _expect("format", attributes["format"], _FORMAT)
-    _expect("kind", kind, *_RUNS)
-    system = _Recorded(attributes["system"], field, tuple(map(str, dataset["component"].to_numpy())))
-    times = dataset["time"].to_numpy()
-    if kind == "section":
-        return system, method, kind, _recorded_section(dataset, run)
-    if kind == "spectrum":
-        return system, method, kind, _recorded_spectrum(dataset, run)
-    if kind == "growth":
-        return system, method, kind, {
-            "x0": dataset["initial_state"].to_numpy(),
-            "times": times,
-            "tangents": dataset["initial_tangent"].to_numpy(),
-            "seed": run["seed"],
-            "first": run["first"],
-        }  # fmt: skip
-    return system, method, kind, {
-        "x0": dataset["state"].to_numpy()[:, 0],
-        "t": times,
-        "tangents": dataset["tangent"].to_numpy()[:, 0] if dataset.sizes["vector"] else None,
+    _expect("kind", kind, *RUNS)
+    field = field_of(_record(dataset, "field"))
+    names = tuple(map(str, dataset["component"].to_numpy()))
+    if len(names) != field.n_components:
+        raise ValueError(f"component: wanted {field.n_components} names; got {len(names)}")
+    limit = run["time_limit"]
+    return Recorded(
+        kind=kind,
+        system=_Recorded(attributes["system"], field, names),
+        arguments={"method": method_of(json.loads(attributes["method"])), **_ARGUMENTS[kind](dataset, run)},
+        time_limit=None if limit is None else as_time_limit(limit),
+        n_cut=int((dataset["outcome"].to_numpy() == "time limit").sum()),
+        surface=str(run["surface"]) if kind == "section" else None,
+    )
+
+
+def _recorded_orbit(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
+    """The arguments of `integrate`, but for system and method."""
+    return {
+        "x0": dataset["initial_state"].to_numpy(),
+        "t": dataset["time"].to_numpy(),
+        "tangents": dataset["initial_tangent"].to_numpy() if dataset.sizes["vector"] else None,
         "dense": bool(run["dense"]),
-        "kernel": "components" if attributes["kernel"] == "components" else "lanes",
-    }  # fmt: skip
+        "kernel": run["kernel"],
+    }
+
+
+def _recorded_growth(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
+    """The arguments of `lyapunov_exponent`, but for system and method; `t_end` is the last of the times."""
+    return {
+        "x0": dataset["initial_state"].to_numpy(),
+        "t_end": None,
+        "times": dataset["time"].to_numpy(),
+        "tangents": dataset["initial_tangent"].to_numpy(),
+        "seed": run["seed"],
+        "first": run["first"],
+    }
 
 
 def _recorded_section(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
     """The arguments of `section`, but for system and method."""
     tape = _record(dataset, "surface")
-    kept = dataset["coordinate"].to_numpy() if "coordinate" in dataset.coords else None
+    kept = dataset["coordinate" if "coordinate" in dataset.coords else "component"].to_numpy()
     return {
         "x0": dataset["initial_state"].to_numpy(),
         "surface": TapeFunction(tape["n_components"], tape["instructions"], tape["outputs"]),
-        "keep": None if kept is None else tuple(map(str, kept)),
+        "keep": tuple(map(str, kept)) if len(tape["outputs"]) > 1 else None,
         "t_end": run["t_end"],
         "direction": run["direction"],
         "n_crossings": run["n_crossings"],
@@ -336,12 +401,19 @@ def _recorded_spectrum(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
     known = names[0] in dataset
     return {
         "x0": dataset["initial_state"].to_numpy(),
-        "t_end": float(dataset["time"].to_numpy()[-1]),
         "structure": PoissonStructure(*(dataset[name].to_numpy() for name in names)) if known else None,
-        **{name: run[name] for name in ("seed", "first", "interval", "transient", "n_exponents", "covariant")},
+        **{name: run[name] for name in ("t_end", "seed", "first", "interval", "transient", "n_exponents", "covariant")},
     }
 
 
+_ARGUMENTS = {
+    "growth": _recorded_growth,
+    "orbit": _recorded_orbit,
+    "section": _recorded_section,
+    "spectrum": _recorded_spectrum,
+}
+
+
 def _expect(name: str, got: object, *wanted: str) -> None:
-    if got not in wanted:
+    if not isinstance(got, str) or got not in wanted:
         raise ValueError(f"{name}: wanted {' or '.join(wanted)}; got {shown(got)}")

@@ -51,6 +51,12 @@ class TopField(PlainField):
     b: Vector3
     epsilon: float
 
+    def __post_init__(self) -> None:
+        """Keeps plain numbers of its own."""
+        for name in ("inertia", "a", "b"):
+            object.__setattr__(self, name, tuple(float(value) for value in getattr(self, name)))
+        object.__setattr__(self, "epsilon", float(self.epsilon))
+
     @property
     def n_components(self) -> int:
         """Dimension of the state, 9."""

@@ -1,10 +1,15 @@
-"""Writing files whole or not at all, one process to a folder, with errors that say what to try."""
+"""Writing files whole or not at all, one process to a folder, with errors that say what to try.
+
+A file is written under a name that ends in `.partial`, locked while its process lives, and then renamed.  What a
+process that was killed has left is not locked any more: the next one that writes the same file removes it.
+"""
 
 from __future__ import annotations
 
 import errno
 import json
 import os
+import re
 import stat
 from collections.abc import Generator, Mapping
 from contextlib import contextmanager, suppress
@@ -24,6 +29,9 @@ _ADVICE = {
 
 # How a file system without locks answers.
 _NO_LOCKS = {errno.ENOLCK, errno.ENOTSUP, errno.ENOSYS, errno.EINVAL}
+
+# Windows does not, and has no locks of this kind.
+_RENAMES_OPEN_FILES = os.name != "nt"
 
 
 @contextmanager
@@ -45,19 +53,79 @@ def write_atomically(path: Path, content: bytes | memoryview) -> None:
         OutputError: it could not be written, or there is something else than a regular file.
     """
     target = _target(path)
-    # No other process may write to the same name, not even one on another machine.
-    partial = target.with_name(f"{target.name}.{os.getpid()}-{os.urandom(4).hex()}.partial")
     with writing(path):
         target.parent.mkdir(parents=True, exist_ok=True)
+        remove_partials(target.parent, re.compile(re.escape(target.name)))
+        descriptor, partial = _open_partial(target)
         try:
-            with partial.open("xb") as stream:
+            with os.fdopen(descriptor, "wb") as stream:
                 stream.write(content)
                 stream.flush()
                 os.fsync(stream.fileno())
-            partial.replace(target)
+                if _RENAMES_OPEN_FILES:  # while it is locked
+                    partial.replace(target)
+            if not _RENAMES_OPEN_FILES:
+                partial.replace(target)
         except BaseException:
             partial.unlink(missing_ok=True)
             raise
+
+
+_PARTIAL = re.compile(r"(.+)\.[0-9]+-[0-9a-f]{8}\.partial", re.DOTALL)
+
+
+def _open_partial(target: Path) -> tuple[int, Path]:
+    """A new file beside the target, locked; no other process may write to its name, not even one on another machine."""
+    while True:
+        partial = target.with_name(f"{target.name}.{os.getpid()}-{os.urandom(4).hex()}.partial")
+        descriptor = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), 0o666)
+        try:
+            _locked(descriptor)
+            # Another process may have found it before the lock, and removed it.
+            with suppress(FileNotFoundError):
+                if os.path.samestat(os.fstat(descriptor), partial.stat()):
+                    return descriptor, partial
+        except BaseException:
+            os.close(descriptor)
+            partial.unlink(missing_ok=True)
+            raise
+        os.close(descriptor)
+
+
+def remove_partials(folder: Path, names: re.Pattern[str]) -> None:
+    """Remove what processes that were killed have left of files with such names, where files can be locked.
+
+    A file that some process is still writing is locked and stays.
+    """
+    found: list[Path] = []
+    with suppress(OSError):  # a folder may be written to, and not read
+        found = list(folder.iterdir())
+    for path in found:
+        match = _PARTIAL.fullmatch(path.name)
+        if match is None or names.fullmatch(match[1]) is None or path.is_symlink() or not path.is_file():
+            continue
+        with suppress(OSError):  # another process was quicker, or it is not ours to remove
+            descriptor = os.open(path, os.O_RDONLY)
+            try:
+                if _locked(descriptor):
+                    path.unlink()
+            finally:
+                os.close(descriptor)
+
+
+def _locked(descriptor: int) -> bool:
+    """Whether an open file is now locked by this process; not where another one holds it or there are no locks."""
+    try:
+        import fcntl
+    except ImportError:
+        return False
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError as error:
+        if isinstance(error, BlockingIOError) or error.errno in _NO_LOCKS:
+            return False
+        raise
+    return True
 
 
 def _target(path: Path) -> Path:

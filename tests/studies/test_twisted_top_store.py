@@ -17,7 +17,7 @@ from liepoisson.files import exclusive
 from liepoisson.studies.twisted_top import integration, runs
 from liepoisson.studies.twisted_top.integration import Tracker, complete
 from liepoisson.studies.twisted_top.runs import Settings
-from liepoisson.studies.twisted_top.store import RunStore, discard
+from liepoisson.studies.twisted_top.store import RunStore, discard, fingerprint, remove_unfinished
 from liepoisson.studies.twisted_top.study import reproduce
 
 
@@ -179,3 +179,26 @@ def test_study_killed_without_warning_resumes(tmp_path):
     np.testing.assert_array_equal(
         resumed.exponent, integrate(tmp_path / "whole", settings, "twisted-unit-vectors").exponent
     )
+
+
+def test_a_run_removes_what_a_killed_one_was_writing_and_nothing_else(tmp_path):
+    mine = ["data/my.txt.1-00000000.partial", "notes.1-00000000.partial", "data/x.nc.partial"]
+    left = [
+        "claims.json.7-0af30af3.partial",
+        "report.html.7-0af30af3.partial",
+        "data/twisted-cube.nc.7-0af30af3.partial",
+        "data/manifest.json.7-0af30af3.partial",
+        "pieces/twisted-cube/000050-000099.npz.12-ab34cd56.partial",
+    ]
+    for name in mine + left:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text("")
+    remove_unfinished(tmp_path)
+    assert sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*") if path.is_file()) == sorted(mine)
+    remove_unfinished(tmp_path / "absent")
+
+
+def test_a_fingerprint_has_all_that_determines_the_numbers_of_a_run():
+    fields = {field.name for field in dataclasses.fields(one_run(SMALL, "twisted-cube"))}
+    names = {"run" if name == "name" else name for name in fields - {"members"}}
+    assert fingerprint(one_run(SMALL, "twisted-cube")).keys() == names | {"times", "version"}

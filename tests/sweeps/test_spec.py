@@ -1,6 +1,7 @@
 """What a sweep is: axes, formulas, files, and what is refused."""
 
 import json
+from dataclasses import fields
 from fractions import Fraction
 
 import numpy as np
@@ -297,3 +298,14 @@ def test_what_varies_is_not_said_to_be_held():
 def test_an_epsilon_by_a_formula_is_a_scale_too():
     assert "epsilon |beta|" in held(["s"], {"epsilon": "s"})[-1]
     assert "epsilon |beta|" not in held(["s"], {"epsilon": 1, "b": ["s", 0, 0]})[-1]
+
+
+def test_a_record_has_all_that_determines_the_numbers():
+    """What is added to a spec or to its starts must be recorded: the store of a sweep is read by this record."""
+    spec = SweepSpec(system="kovalevskaya", axes=(Axis("epsilon", (0.0, 1.0)),), refine=Refinement(1, 0.1))
+    record = spec.record()
+    # Name and threshold change no value that is stored; where cells are halved by the threshold, `refine` has it.
+    assert {field.name for field in fields(SweepSpec)} - {"name", "threshold"} == record.keys() - {"version"}
+    assert {field.name for field in fields(Starts)} == record["starts"].keys()
+    assert {field.name for field in fields(Axis)} - {"label"} == record["axes"][0].keys()
+    assert {field.name for field in fields(Refinement)} == record["refine"].keys() - {"by"}

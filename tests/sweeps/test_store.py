@@ -93,6 +93,16 @@ def test_a_killed_sweep_goes_on(tmp_path, right):
     np.testing.assert_array_equal(result.value, right)
 
 
+def test_what_a_killed_sweep_was_writing_is_removed(tmp_path):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    left, mine = path / "level0" / "value" / "2.0.4194305.partial", path / "level0" / "value" / "my.partial"
+    left.write_bytes(b"half")
+    mine.write_bytes(b"mine")
+    assert sweep(**SPEC, store=path).n_reused == 12
+    assert (left.exists(), mine.exists()) == (False, True)
+
+
 @pytest.mark.thorough
 def test_a_full_disk_is_told_and_what_is_done_is_kept(tmp_path, right):
     path = tmp_path / "a.zarr"

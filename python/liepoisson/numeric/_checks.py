@@ -103,7 +103,7 @@ def component_names(system: Any, n: int) -> tuple[str, ...]:
 
 
 def as_states(x0: ArrayLike, n_components: int, name: str = "x0", *, some_may_fail: bool = False) -> Array:
-    """States as an array of shape (trajectory, component); one state may come without the first axis.
+    """A copy of states as an array of shape (trajectory, component); one state may come without the first axis.
 
     Where some may fail, rows that are not finite are kept beside good ones: their trajectories end at once, with an
     outcome, and the others run.
@@ -121,11 +121,11 @@ def as_states(x0: ArrayLike, n_components: int, name: str = "x0", *, some_may_fa
             f"{name}: wanted finite numbers; trajectory {int(np.argmax(bad))} of {len(states)} has a NaN or an "
             f"infinity ({int(bad.sum())} such in all); drop these rows"
         )
-    return np.ascontiguousarray(states)
+    return states
 
 
 def as_times(t: ArrayLike, name: str, *, least: int) -> Array:
-    """Finite, strictly monotone times, at least `least` of them."""
+    """A copy of finite, strictly monotone times, at least `least` of them."""
     times = np.atleast_1d(as_array(t, name))
     if times.ndim != 1 or len(times) < least:
         raise ShapeError(f"{name} must have shape (time,) with {least} or more times; got shape {times.shape}")
@@ -135,7 +135,7 @@ def as_times(t: ArrayLike, name: str, *, least: int) -> Array:
             f"{name}: wanted finite, strictly increasing or strictly decreasing times; got {_abridged(times)}; "
             "sort them and drop repeated ones"
         )
-    return np.ascontiguousarray(times)
+    return times
 
 
 def as_threads(threads: int | None) -> int:

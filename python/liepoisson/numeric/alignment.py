@@ -151,8 +151,7 @@ def alignment(
     """
     method = as_method(method, Taylor(tol=1e-13))
     n = as_field(system).n_components
-    # copied, since it is advanced in place and may be the caller's
-    states, wanted = as_states(x0, n, some_may_fail=True).copy(), _as_alignment_times(t_end, times)
+    states, wanted = as_states(x0, n, some_may_fail=True), _as_alignment_times(t_end, times)
     k = as_count(n_vectors, "n_vectors", least=2, most=n)
     seed, first = as_seed(seed), as_first(first, len(states))
     drawn = sample_alignment_vectors(n, len(states), k, seed=seed, first=first)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import as_count
 from liepoisson.numeric.mean_error import mean_error
@@ -28,7 +28,7 @@ _TRIANGLES = 3  # purpose of the random numbers: the coefficients at the end
 
 
 @dataclass(frozen=True)
-class CovariantVectors:
+class CovariantVectors(ReadOnlyArrays):
     """Covariant Lyapunov vectors along trajectories.
 
     Vectors of equal exponents (the zeros, above all) are not unique one by one: only the space that they span is.
@@ -166,9 +166,9 @@ class CovariantRecord:
         growth = np.full((n_all, self._during, n), np.nan)
         time = self._t_end * np.arange(n_times) / self._during
         states = self._states + [source.state] * (n_times - len(self._states))
-        result = CovariantVectors(time, np.stack(states, axis=1), vector, growth)
+        states = np.stack(states, axis=1)
         if not finished.any():
-            return result
+            return CovariantVectors(time, states, vector, growth)
         coefficients = _random_triangles(n, n_all, seed=source.seed, first=source.first)[finished]
         for k in range(len(self._triangles) - 1, -1, -1):
             if k < self._during:
@@ -179,7 +179,7 @@ class CovariantRecord:
             if k < self._during:
                 growth[finished, k] = -np.log(length) * self._during / self._t_end
         vector[finished, 0] = _rows(self._frames[0][finished] @ coefficients)
-        return result
+        return CovariantVectors(time, states, vector, growth)
 
 
 def _rows(matrices: Array) -> NDArray[np.float64]:

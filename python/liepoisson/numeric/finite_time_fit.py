@@ -298,6 +298,7 @@ def window_scan(
         ShapeError: `exponent` is not (trajectory, time).
         ParameterError: bad times, a bad window or none, or fewer than two members that finished.
     """
+    time = as_array(time, "time")
     wanted = window_grid(time) if windows is None else tuple(windows)
     if not wanted:
         raise ParameterError("windows: wanted at least one (start, end); got none; leave it out to take window_grid")

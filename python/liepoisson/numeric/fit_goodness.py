@@ -84,8 +84,8 @@ def fit_goodness(
         ParameterError: bad times or window, fewer than p + 3 sample times in it, fewer than 10 p members, or
             members whose differences from the law do not vary independently, as where all are the same.
     """
-    fit = finite_time_fit(time, exponent, window=window, n_bootstrap=2)
     times, curves = as_array(time, "time"), as_array(exponent, "exponent")
+    fit = finite_time_fit(times, curves, window=window, n_bootstrap=2)
     if curves.ndim != 2:
         raise ShapeError(f"exponent must have shape (trajectory, time); got {curves.shape}. Transpose it?")
     inside = np.flatnonzero((times >= window[0]) & (times <= window[1]))

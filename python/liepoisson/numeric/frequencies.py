@@ -194,7 +194,7 @@ def main_frequency(signal: ArrayLike, interval: float, *, window_order: int = 1)
         ShapeError: The signal has another shape than stated.
         ParameterError: The signal is not finite, or the interval is not positive.
     """
-    values = np.atleast_2d(np.asarray(signal))
+    values = np.atleast_2d(np.array(signal))
     if values.ndim != 2 or values.shape[1] < 17 or values.dtype.kind not in "iufc":
         raise ShapeError(
             f"signal must have shape (sample,) or (trajectory, sample), numbers, 17 samples or more; got shape "

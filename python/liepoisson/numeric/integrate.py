@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, TopField
 from liepoisson.numeric._checks import (
@@ -34,14 +34,16 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Orbit:
-    """Trajectories at given times.
+class Orbit(ReadOnlyArrays):
+    """Trajectories at given times.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
         system: Name of the system.
         components: Names of the components of the state.
         field: Its vector field.
         method: How it was integrated.
+        initial_state: Shape (trajectory, component).
+        initial_tangent: Shape (trajectory, tangent, component).
         time: Times, shape (time,); the first is that of the initial states.
         state: States, shape (trajectory, time, component); NaN from where a trajectory failed.
         tangent: Tangent vectors, shape (trajectory, time, tangent, component).
@@ -55,12 +57,15 @@ class Orbit:
             "scalar": the same bits), or "components", the kernel for one trajectory (other last bits).
         series: Dense output of each trajectory, if it was asked for: starts of the steps, shape (step,), and
             coefficients, shape (step, order, component).
+        time_limit: Seconds that the run was allowed to take.
     """
 
     system: str
     components: tuple[str, ...]
     field: Field
     method: Method
+    initial_state: Array
+    initial_tangent: Array
     time: Array
     state: Array
     tangent: Array
@@ -71,6 +76,7 @@ class Orbit:
     order: int
     kernel: str
     series: tuple[tuple[Array, Array], ...] = ()
+    time_limit: float = np.inf
 
     def at(self, t: ArrayLike) -> Array:
         """States at any times between the first and the last, from the power series of the steps.
@@ -189,6 +195,7 @@ def integrate(
             f"{kernel!r} for {len(states)} trajectories with {vectors.shape[1]} tangent vectors of a field of kind "
             f"{field.kind!r}; leave it out to have it chosen"
         )
+    limit = as_time_limit(time_limit)
     raw = _core.orbits(
         core_field(field),
         method.core(),
@@ -197,7 +204,7 @@ def integrate(
         vectors.shape[1],
         times,
         as_threads(threads),
-        as_time_limit(time_limit),
+        limit,
         dense,
         alone if kernel is None else kernel == "components",
         progress,
@@ -207,6 +214,8 @@ def integrate(
         components=component_names(system, n),
         field=field,
         method=method,
+        initial_state=states,
+        initial_tangent=vectors,
         time=times,
         state=raw["state"].reshape(len(states), len(times), n),
         tangent=raw["tangent"].reshape(len(states), len(times), vectors.shape[1], n),
@@ -217,6 +226,7 @@ def integrate(
         order=raw["order"],
         kernel=raw["kernel"],
         series=tuple((starts, c.reshape(len(starts), raw["order"] + 1, n)) for starts, c in raw["series"]),
+        time_limit=limit,
     )
 
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import (
@@ -41,8 +41,8 @@ LEAST_TIME = 1e-300
 
 
 @dataclass(frozen=True)
-class Growth:
-    """Finite-time Lyapunov exponents.
+class Growth(ReadOnlyArrays):
+    """Finite-time Lyapunov exponents.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
         system: Name of the system.
@@ -62,6 +62,7 @@ class Growth:
         final_state: Last good state, shape (trajectory, component).
         order: Order of the method.
         kernel: Instruction set used.
+        time_limit: Seconds that the run was allowed to take.
     """
 
     system: str
@@ -80,6 +81,7 @@ class Growth:
     final_state: Array
     order: int
     kernel: str
+    time_limit: float = np.inf
 
     @property
     def dataset(self) -> Dataset:
@@ -167,6 +169,7 @@ def lyapunov_exponent(
                 f"{vectors.shape}. Give as many as there are states."
             )
         vectors = np.ascontiguousarray(np.broadcast_to(vectors, states.shape))
+    limit = as_time_limit(time_limit)
     raw = _core.growth(
         core_field(field),
         method.core(),
@@ -174,7 +177,7 @@ def lyapunov_exponent(
         vectors.ravel(),
         np.concatenate([[0.0], wanted]),
         as_threads(threads),
-        as_time_limit(time_limit),
+        limit,
         progress,
     )
     return Growth(
@@ -194,6 +197,7 @@ def lyapunov_exponent(
         final_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],
+        time_limit=limit,
     )
 
 

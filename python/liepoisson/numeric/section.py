@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import Field, TapeFunction
 from liepoisson.numeric._checks import (
@@ -70,8 +70,10 @@ class FirstReturn(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Section:
+class Section(ReadOnlyArrays):
     """Crossings of a surface $s(x) = 0$ along trajectories, ordered by trajectory, then in the order of travel.
+
+    The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
         system: Name of the system.
@@ -102,6 +104,7 @@ class Section:
         final_state: Last good state of each trajectory, shape (trajectory, component).
         order: Order of the method.
         kernel: The instruction set that was used; all give the same bits.
+        time_limit: Seconds that the run was allowed to take.
     """
 
     system: str
@@ -130,6 +133,7 @@ class Section:
     final_state: Array
     order: int
     kernel: str
+    time_limit: float = np.inf
 
     @property
     def n_trajectories(self) -> int:
@@ -246,7 +250,7 @@ def section(
         raise ShapeError(f"surface: wanted a function of {n} components; got one of {tape.n_components}")
     coordinates = component_names(system, n) if names is None else names
     wanted = None if n_crossings is None else as_count(n_crossings, "n_crossings", least=1)
-    end, sense = _as_end(t_end), _as_direction(direction)
+    end, sense, limit = _as_end(t_end), _as_direction(direction), as_time_limit(time_limit)
     raw = _core.sections(
         core_field(field),
         method.core(),
@@ -256,7 +260,7 @@ def section(
         sense,
         wanted,
         as_threads(threads),
-        as_time_limit(time_limit),
+        limit,
         progress,
     )
     width, members = len(coordinates), np.arange(len(states))
@@ -289,6 +293,7 @@ def section(
         final_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],
+        time_limit=limit,
     )
 
 

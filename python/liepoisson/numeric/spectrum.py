@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array
-from liepoisson.errors import ParameterError
+from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, component_names, shown, trajectories
 from liepoisson.numeric.covariant_vectors import CovariantRecord, CovariantVectors
@@ -29,8 +29,8 @@ N_TIMES = 256
 
 
 @dataclass(frozen=True)
-class Spectrum:
-    r"""Lyapunov spectra with their errors.
+class Spectrum(ReadOnlyArrays):
+    r"""Lyapunov spectra with their errors.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
         system: Name of the system.
@@ -61,6 +61,7 @@ class Spectrum:
         order: Order of the method.
         kernel: Instruction set used.
         covariant: The covariant Lyapunov vectors, if they were asked for.
+        time_limit: Seconds that the run was allowed to take.
     """
 
     system: str
@@ -84,6 +85,7 @@ class Spectrum:
     order: int
     kernel: str
     covariant: CovariantVectors | None = None
+    time_limit: float = np.inf
 
     @property
     def exponents(self) -> Array:
@@ -187,7 +189,7 @@ def lyapunov_spectrum(
         Spectrum; a trajectory that fails is an outcome in it, not an error.
 
     Raises:
-        ShapeError: `x0` has another shape.
+        ShapeError: `x0` or an array of `structure` has another shape.
         ParameterError: Numbers out of range; more than 10,000,000 intervals; `covariant` without a transient, without
             all exponents, or with more than 4 GiB to keep.
         KeyboardInterrupt: Ctrl-C.
@@ -200,11 +202,15 @@ def lyapunov_spectrum(
     frames = TangentFrames(
         system, x0, n_vectors=n_exponents, seed=seed, first=first, method=method, threads=threads, time_limit=time_limit
     )
-    start = frames.state.copy()
+    start = frames.state.copy()  # which is advanced in place
     if structure is None:
         structure = poisson_structure(system, start)
     elif not isinstance(structure, PoissonStructure):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"structure: wanted a PoissonStructure; got {shown(structure)}; leave it out")
+    elif structure.shape != (len(start),):
+        raise ShapeError(
+            f"structure: wanted arrays of shape ({len(start)},), a value for each trajectory; got {structure.shape}"
+        )
     before = n_intervals(transient, interval, names=("transient", "interval"))
     per_time = -(-n_intervals(t_end, interval) // N_TIMES)
     n_times = -(-n_intervals(t_end, interval) // per_time)
@@ -225,6 +231,7 @@ def lyapunov_spectrum(
             if vectors is not None:
                 vectors.keep(triangles)
     time, finished = t_end * np.arange(1, n_times + 1) / n_times, frames.outcome == "finished"
+    time[-1] = t_end  # which the quotient may miss by a bit; a file has the time from here
     if vectors is not None:
         for triangles in clock.intervals(frames, before, transient / max(1, before)):
             vectors.settle(triangles)
@@ -251,4 +258,5 @@ def lyapunov_spectrum(
         order=frames.order,
         kernel=frames.kernel,
         covariant=None if vectors is None else vectors.vectors(),
+        time_limit=float(time_limit),
     )

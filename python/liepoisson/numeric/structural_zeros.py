@@ -25,7 +25,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor
@@ -37,7 +38,7 @@ _SHORT, _DIVERGENCE = 1e-9, 1e-5
 
 
 @dataclass(frozen=True)
-class PoissonStructure:
+class PoissonStructure(ReadOnlyArrays):
     """What the bracket says about the spectrum of each trajectory.
 
     Attributes:
@@ -50,6 +51,41 @@ class PoissonStructure:
     n_zeros: NDArray[np.int64]
     corank: NDArray[np.int64]
     is_regular: NDArray[np.bool_]
+
+    def __post_init__(self) -> None:
+        """Copies the arrays, which a caller may have made, and makes them read-only."""
+        for name, kind in (("n_zeros", np.int64), ("corank", np.int64), ("is_regular", np.bool_)):
+            object.__setattr__(self, name, _as_labels(getattr(self, name), name, kind))
+        if not self.n_zeros.shape == self.corank.shape == self.is_regular.shape:
+            raise ShapeError(
+                "PoissonStructure: wanted n_zeros, corank and is_regular of one shape (trajectory,); got shapes "
+                f"{self.n_zeros.shape}, {self.corank.shape} and {self.is_regular.shape}"
+            )
+        super().__post_init__()
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Shape (trajectory,) of each array."""
+        return self.n_zeros.shape
+
+
+def _as_labels(values: Any, name: str, kind: type[np.int64] | type[np.bool_]) -> NDArray[Any]:
+    """A copy of whole numbers, or of truth values.
+
+    Raises:
+        ShapeError: they have no shape (trajectory,).
+        ParameterError: they are of another kind.
+    """
+    try:
+        given = np.array(values)
+    except ValueError as error:  # rows of different lengths
+        raise ShapeError(f"{name}: wanted an array of shape (trajectory,); got {error}") from error
+    if given.ndim != 1:
+        raise ShapeError(f"{name}: wanted an array of shape (trajectory,); got shape {given.shape}")
+    if given.size and given.dtype.kind not in ("b" if kind is np.bool_ else "iu"):
+        wanted = "truth values" if kind is np.bool_ else "whole numbers"
+        raise ParameterError(f"{name}: wanted {wanted}; got an array of {given.dtype}; take those of another spectrum")
+    return given.astype(kind)
 
 
 def poisson_structure(system: Any, states: Array) -> PoissonStructure | None:

@@ -67,7 +67,7 @@ class TangentFrames:
         self.method: Method = as_method(method, Taylor(tol=1e-13))
         self.field: Field = field_for(system, as_field(system), self.method)
         n = self.field.n_components
-        self.state: Array = as_states(x0, n, some_may_fail=True).copy()
+        self.state: Array = as_states(x0, n, some_may_fail=True)
         k = n if n_vectors is None else as_count(n_vectors, "n_exponents", least=1, most=n)
         self.seed, self.first = as_seed(seed), as_first(first, len(self.state))
         self.frame: Array = orthonormal_frames(n, k, len(self.state), seed=self.seed, first=self.first)

@@ -11,7 +11,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError
 from liepoisson.field import PiecesField
 from liepoisson.numeric._checks import (
@@ -203,6 +203,7 @@ def decide(
     """
     end, limit = as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
     rule = _as_rule(rule)
+    x0 = as_array(x0, "x0")  # once, as three runs start from it
     half = None if progress is None else lambda fraction: progress(0.5 * fraction)
     rest = None if progress is None else lambda fraction: progress(0.5 + 0.5 * fraction)
     deadline = clock.monotonic() + limit

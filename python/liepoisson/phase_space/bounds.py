@@ -124,7 +124,7 @@ def _bounds_of_state(top: System, x: ArrayLike, field: TopField) -> Bounds:
         raise ParameterError(
             f"x must be at most {_LARGEST:g}, for its squares to be doubles; got {size:g}. Choose other units."
         )
-    leaf: Leaf = leaf_of(top, x)
+    leaf: Leaf = leaf_of(top, states)
     l, alpha, beta = leaf.state.reshape(3, 3)
     inertia, a, b = (np.array(v) for v in (field.inertia, field.a, field.b))
     energy = float(np.sum(l**2 / inertia) / 2 + a @ alpha + b @ beta)

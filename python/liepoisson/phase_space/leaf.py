@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, read_only
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
@@ -74,7 +74,7 @@ class Leaf:
     def _set(self, system: System, place: Place, values: Array, state: Array) -> None:
         self.system: System = system
         self.place: Place = place
-        self.state: Array = state
+        self.state: Array = read_only(state)
         self._values = values
 
     @property
@@ -310,7 +310,7 @@ def leaf_of(system: System, x: ArrayLike) -> Leaf:
     state = as_phase_points(x, bracket.dimension, bracket.field_names)
     if state.ndim != 1:
         raise ShapeError(f"x must be one state, shape ({state.shape[-1]},); got shape {state.shape}. Pass one of them.")
-    return Leaf._through(system, _finite(state, "x").copy())  # pyright: ignore[reportPrivateUsage]
+    return Leaf._through(system, _finite(state, "x"))  # pyright: ignore[reportPrivateUsage]
 
 
 def _finite(states: Array, name: str) -> Array:

@@ -116,7 +116,7 @@ def _changes(invariants: Mapping[str, ArrayLike], run: OrbitLike, n: int) -> dic
     """The largest change of each invariant so far."""
     n_times, changes = len(np.asarray(run.time)), dict[str, FloatArray]()
     for name, values in invariants.items():
-        curve = np.asarray(values, np.float64)
+        curve = np.array(values, np.float64)
         if curve.shape != (n_times,):
             raise ShapeError(
                 f"invariants[{name!r}] must have shape (time,), here ({n_times},); got {curve.shape}. "

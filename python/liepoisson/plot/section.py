@@ -169,7 +169,7 @@ def _values(points: SectionLike, wanted: str | ArrayLike, n: int, which: str) ->
                 f"{wanted!r:.80}. For a formula keep it: section(..., keep=[...])."
             )
         return np.asarray(points.state, np.float64)[:, names.index(wanted)]
-    values = np.asarray(wanted, np.float64)
+    values = np.array(wanted, np.float64)
     if values.shape != (n,):
         raise ShapeError(f"{which} must have shape (crossing,), here ({n},); got {values.shape}. Take one coordinate?")
     return values

@@ -7,6 +7,7 @@ import json
 import math
 import re
 from collections.abc import Callable, Mapping, Sequence
+from copy import deepcopy
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
@@ -144,6 +145,7 @@ class Starts:
             if not (isinstance(name, str) and CASIMIR.fullmatch(name)):  # pyright: ignore[reportUnnecessaryIsInstance]
                 raise ParameterError(f"starts: wanted ensemble, energy, sampling, C1, C2, ...; got {shown(name)}.")
             _check_value(value, name, is_one=True)
+        object.__setattr__(self, "casimirs", _owned(self.casimirs))
 
 
 @dataclass(frozen=True)
@@ -210,7 +212,11 @@ class SweepSpec:
 
     def __post_init__(self) -> None:
         self._check_types()
+        # Copies: what a caller does to its lists and arrays later is not what was asked.
         object.__setattr__(self, "axes", tuple(self.axes))
+        object.__setattr__(self, "parameters", _owned(self.parameters))
+        if isinstance(self.system, Mapping):
+            object.__setattr__(self, "system", deepcopy(cast("Any", self.system)))
         if len(self.axes) not in (1, 2) or not all(isinstance(axis, Axis) for axis in self.axes):  # pyright: ignore[reportUnnecessaryIsInstance]
             raise ParameterError(f"axes: wanted one or two of Axis; got {shown(self.axes)}. See Axis.linear.")
         if len({axis.name for axis in self.axes}) != len(self.axes):
@@ -366,6 +372,17 @@ def _check_value(value: Any, name: str, *, is_one: bool = False) -> None:
         number = as_number(value, name, f"{what}, each within the range of a double")
         if not math.isfinite(number):
             raise ParameterError(f"{name}: wanted finite numbers; got {shown(value)}. Correct it.")
+
+
+def _owned(value: Any) -> Any:
+    """A copy in plain numbers and tuples: an array would be recorded by its text, which has eight digits."""
+    if isinstance(value, Mapping):
+        return {name: _owned(item) for name, item in cast("Mapping[Any, Any]", value).items()}
+    if isinstance(value, (np.ndarray, np.generic)):
+        return _owned(cast("Any", value).tolist())
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return tuple(_owned(item) for item in cast("Sequence[Any]", value))
+    return value
 
 
 def _varies(value: Value, axes: Sequence[Axis]) -> bool:

@@ -47,6 +47,7 @@ _SKIPPABLE = 0x184D2A5C
 """One of the sixteen magic numbers of skippable frames."""
 _ZSTD_LEVEL = 3
 _LEVEL = re.compile("level[0-9]+")
+_PARTIAL = re.compile(r"[0-9.]+\.[0-9]+\.partial")
 
 
 @dataclass
@@ -168,6 +169,9 @@ class SweepStore:
             size = _stored_size(folder, size)
             with _zarr(self.path):
                 self._create_level(folder, points, size, n)
+                for partial in folder.glob("*/*.partial"):  # of a process that was killed: this one has the lock
+                    if _PARTIAL.fullmatch(partial.name):
+                        partial.unlink(missing_ok=True)
             arrays: Any = zarr.open_group(store=str(folder), mode="r", use_consolidated=False)
             _check_arrays(arrays, _layouts(len(points), len(self._spec.axes), n, size))
             stored = np.asarray(arrays["point"])

@@ -62,6 +62,7 @@ class ReducedLagrange:
         with_cyclic_angle: bool = False,
     ) -> None:
         check_lagrange(top_of(system))
+        x = None if x is None else as_array(x, "x")  # once, as it is read twice
         self.chart: EulerChart = EulerChart(system, casimirs=casimirs, x=x, leaf=leaf, gauge="e3, e1")
         self.l3: Expr = conserved_l3(l3, x, symbolic=casimirs is None and leaf is None)
         self.with_cyclic_angle: bool = with_cyclic_angle

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -108,6 +109,7 @@ def _integrate_piece(store: RunStore, first: int, count: int, threads: int | Non
         first=first,
         method=Taylor(tol=run.tolerance),
         threads=threads,
+        time_limit=math.inf,  # what is stored must not depend on how quick the machine is
         progress=listen,
     )
     seconds = time.perf_counter() - started
@@ -142,6 +144,7 @@ def _join(store: RunStore) -> tuple[Growth, float]:
         time=run.time,
         order=int(facts["order"]),
         kernel=str(facts["kernel"]),
+        time_limit=math.inf,
         **joined,
     )
     return growth, seconds

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from liepoisson import __version__
 from liepoisson.errors import DamagedFileError, ParameterError
-from liepoisson.files import write_atomically, write_json, writing
+from liepoisson.files import remove_partials, write_atomically, write_json, writing
 from liepoisson.numeric.lyapunov import Growth
 from liepoisson.studies.twisted_top.runs import Run, Settings, plan
 
@@ -34,11 +34,14 @@ if TYPE_CHECKING:
 AnyArray: TypeAlias = NDArray[Any]
 
 # What a growth says of the whole ensemble; the rest of it is one array each with a row per member.
-_OF_THE_WHOLE = {"system", "components", "field", "method", "seed", "first", "time", "order", "kernel"}
+_OF_THE_WHOLE = {"system", "components", "field", "method", "seed", "first", "time", "order", "kernel", "time_limit"}
 _PIECE = re.compile(r"\d{6,}-\d{6,}\.npz")
 _MANIFEST = re.compile(r"manifest\.json")
 # How text that is no JSON fails; too deeply nested, with a RecursionError.
 _UNREADABLE = (OSError, ValueError, RecursionError)
+# What else a study writes.
+_RESULTS = re.compile(r"(measurements|claims)\.json|report\.html")
+_DATA = re.compile(r"[^/]+\.nc|manifest\.json")
 # What an interrupted write leaves behind.
 _PARTIAL = re.compile(r"(\.[0-9]+-[0-9a-f]+)?\.partial")
 MEMBER_ARRAYS = tuple(field.name for field in dataclasses.fields(Growth) if field.name not in _OF_THE_WHOLE)
@@ -170,7 +173,7 @@ class RunStore:
         Raises:
             OutputError: a file could not be written.
         """
-        from liepoisson.dataset import netcdf
+        from liepoisson.netcdf import netcdf
 
         content = netcdf(growth.dataset)
         write_atomically(self.data, content)
@@ -229,6 +232,15 @@ def discard(out: Path) -> None:
         _remove(out / "data", _MANIFEST)
         with suppress(OSError):
             (out / "pieces").rmdir()
+
+
+def remove_unfinished(out: Path) -> None:
+    """Remove what a run that was killed has left of files that it was writing; files of others stay."""
+    if out.is_dir():
+        remove_partials(out, _RESULTS)
+        remove_partials(out / "data", _DATA)
+        for run in plan(Settings()):
+            remove_partials(out / "pieces" / run.name, _PIECE)
 
 
 def _remove(folder: Path, pattern: re.Pattern[str]) -> None:

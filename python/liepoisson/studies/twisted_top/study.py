@@ -15,7 +15,7 @@ from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS, draw_all
 from liepoisson.studies.twisted_top.integration import Progress, Tracker, complete
 from liepoisson.studies.twisted_top.measurements import PRINTED, RunResult, measurements, produced_by, reduce_run
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Settings, plan
-from liepoisson.studies.twisted_top.store import RunStore, discard
+from liepoisson.studies.twisted_top.store import RunStore, discard, remove_unfinished
 
 
 @dataclass(frozen=True)
@@ -59,6 +59,7 @@ def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: P
     with exclusive(out):
         if fresh:
             discard(out)
+        remove_unfinished(out)
         return _reproduce(settings, out, progress)
 
 

@@ -1,0 +1,284 @@
+"""Results own their numbers: what a caller or another thread does to its arrays changes no run, result or file."""
+
+import copy
+import dataclasses
+import inspect
+import pickle
+import threading
+
+import numpy as np
+import pytest
+from given_arrays import CASES, STATES, TOP
+
+import liepoisson as lp
+from liepoisson import _core, plot
+from liepoisson.errors import LiePoissonError
+
+CORE = ("orbits", "growth", "sections")
+
+
+def public_callables():
+    for name in lp.__all__:
+        value = getattr(lp, name)
+        if inspect.isfunction(value):
+            yield name, value
+        if inspect.isclass(value):
+            for member, function in inspect.getmembers(value, callable):
+                if not member.startswith("_") or member == "__init__":
+                    yield f"{name}.{member}", function
+    for name in plot.__all__:
+        yield f"plot.{name}", getattr(plot, name)
+
+
+def takes_arrays(function):
+    try:
+        parameters = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):  # a class of C
+        return False
+    return any("ArrayLike" in str(parameter.annotation) for parameter in parameters)
+
+
+def test_every_function_that_takes_arrays_is_tried_here():
+    assert {name for name, value in public_callables() if takes_arrays(value)} == set(CASES)
+
+
+def arrays_in(value, path="", above=()):
+    """Every array in a result, by its place."""
+    if id(value) in above:
+        return
+    above = (*above, id(value))
+    if isinstance(value, np.ndarray):
+        yield path, value
+    elif isinstance(value, dict):
+        for key, item in value.items():
+            yield from arrays_in(item, f"{path}[{key!r}]", above)
+    elif isinstance(value, (tuple, list)):
+        for k, item in enumerate(value):
+            yield from arrays_in(item, f"{path}[{k}]", above)
+    elif hasattr(value, "picture"):
+        yield f"{path}.picture", value.picture
+    elif dataclasses.is_dataclass(value) or isinstance(value, lp.Leaf):
+        for key, item in vars(value).items():
+            yield from arrays_in(item, f"{path}.{key}", above)
+    elif isinstance(value, (float, str)):
+        yield path, np.array(value)
+
+
+def snapshot(result):
+    found = {path: array.copy() for path, array in arrays_in(result)}
+    assert found, f"nothing to compare in {result!r}"
+    return found
+
+
+def assert_same(found, wanted):
+    assert found.keys() == wanted.keys()
+    for path, array in wanted.items():
+        np.testing.assert_array_equal(found[path], array, err_msg=path)
+
+
+def copies(name):
+    return CASES[name].copies()
+
+
+def spoil(arrays):
+    for array in arrays.values():
+        array[...] = 0.125 - 0.5 * array
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", CASES)
+def test_a_result_does_not_change_with_the_arrays_that_it_was_made_from(name):
+    given = copies(name)
+    result = CASES[name].call(**given)
+    before = snapshot(result)
+    spoil(given)
+    assert_same(snapshot(result), before)
+    for path, array in arrays_in(result):
+        assert not any(np.shares_memory(array, item) for item in given.values()), path
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", CASES)
+def test_a_run_does_not_read_the_arrays_of_the_caller(name, monkeypatch):
+    """They are changed when the core is about to run, as another thread could: all was copied before."""
+    wanted, given = snapshot(CASES[name].call(**copies(name))), copies(name)
+    calls = []
+
+    def spoiled_before(function):
+        def call(*arguments):
+            if not calls:
+                spoil(given)
+            calls.append(function)
+            return function(*arguments)
+
+        return call
+
+    for name_of_function in CORE:
+        monkeypatch.setattr(_core, name_of_function, spoiled_before(getattr(_core, name_of_function)))
+    assert_same(snapshot(CASES[name].call(**given)), wanted)
+
+
+def test_another_thread_may_write_while_the_core_runs():
+    """The core runs without the interpreter's lock; progress tells that it does."""
+    states = lp.sample_states(TOP, 64, seed=3)
+    given, runs, done = states.copy(), threading.Event(), threading.Event()
+
+    def write():
+        runs.wait(30)
+        while not done.is_set():
+            given[...] = np.random.default_rng(0).standard_normal(given.shape)
+
+    writer = threading.Thread(target=write)
+    writer.start()
+    try:
+        growth = lp.lyapunov_exponent(TOP, given, t_end=300, threads=1, progress=lambda _: runs.set())
+    finally:
+        done.set()
+        runs.set()
+        writer.join()
+    np.testing.assert_array_equal(growth.initial_state, states)
+    np.testing.assert_array_equal(growth.exponent, lp.lyapunov_exponent(TOP, states, t_end=300).exponent)
+
+
+def test_a_file_and_its_rerun_are_those_of_the_run(tmp_path):
+    states, times = STATES.copy(), np.array([0.0, 1.0, 2.5])
+    results = [
+        lp.integrate(TOP, states, t=times, tangents=states),
+        lp.lyapunov_exponent(TOP, states, times=times[1:], tangents=states),
+        lp.lyapunov_spectrum(TOP, states, t_end=5),
+        lp.section(TOP, states, surface="l3", t_end=10),
+    ]
+    before = [snapshot(result) for result in results]
+    states *= 0.5
+    times += 1
+    for k, result in enumerate(results):
+        assert_same(snapshot(lp.rerun(result.save(tmp_path / f"{k}.nc"))), before[k])
+
+
+@pytest.mark.parametrize("kind", ["orbit", "growth", "spectrum", "section"])
+def test_the_arrays_of_a_result_are_read_only(kind):
+    result = {
+        "orbit": lambda: lp.integrate(TOP, STATES, t=[0, 1], dense=True),
+        "growth": lambda: lp.lyapunov_exponent(TOP, STATES, t_end=1),
+        "spectrum": lambda: lp.lyapunov_spectrum(TOP, STATES[:1], t_end=5, transient=5, covariant=True),
+        "section": lambda: lp.section(TOP, STATES, surface="l3", t_end=2),
+    }[kind]()
+    for each in (result, copy.deepcopy(result), pickle.loads(pickle.dumps(result))):
+        for path, array in arrays_in(each):
+            if array.ndim:
+                assert not array.flags.writeable, path
+    for name in result.dataset.data_vars:
+        if result.dataset[name].dtype != object:  # names are copied
+            assert not result.dataset[name].to_numpy().flags.writeable, name
+
+
+def test_a_structure_that_a_caller_gives_is_copied():
+    n_zeros = np.array([5, 5, 5])
+    structure = lp.PoissonStructure(n_zeros, np.array([3, 3, 3]), np.array([True, True, True]))
+    spectrum = lp.lyapunov_spectrum(TOP, STATES, t_end=5, structure=structure)
+    n_zeros[:] = 0
+    assert spectrum.structure.n_zeros.tolist() == [5, 5, 5]
+
+
+def test_a_sweep_keeps_the_values_that_it_was_given():
+    values, a, casimirs = np.array([0.0, 1.0]), np.array([0.1, 0.2, 0.123456789012]), {"C1": np.float64(1.0)}
+    starts = lp.Starts(casimirs=casimirs)
+    spec = lp.SweepSpec(system="twisted-top", axes=(lp.Axis("epsilon", values),), parameters={"a": a}, starts=starts)
+    record, digest = spec.record(), spec.fingerprint()
+    values *= 2
+    a *= 2
+    casimirs["C1"] = 7
+    assert spec.record() == record
+    assert spec.fingerprint() == digest
+    assert record["parameters"]["a"] == [0.1, 0.2, 0.123456789012]
+
+
+class Counted:
+    """An array that counts how often it is read: what is read twice may be two things."""
+
+    def __init__(self, array):
+        self.array, self.n_read = array, 0
+
+    def __array__(self, dtype=None, copy=None):
+        self.n_read += 1
+        return np.array(self.array, dtype=dtype)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", CASES)
+def test_each_array_is_read_once(name):
+    given = {key: Counted(array) for key, array in copies(name).items()}
+    CASES[name].call(**given)
+    assert {key: array.n_read for key, array in given.items()} == dict.fromkeys(given, 1)
+
+
+class OfAnotherKind(np.ndarray):
+    """A subclass, as packages for units have it."""
+
+
+def unaligned(array):
+    memory = np.zeros(array.nbytes + 1, np.uint8)
+    view = memory[1:].view(np.float64).reshape(array.shape)
+    view[...] = array
+    assert not view.flags.aligned
+    return view
+
+
+def every_second(array):
+    wide = np.repeat(array, 2, axis=-1)
+    return wide[..., ::2]
+
+
+def frozen(array):
+    array.flags.writeable = False
+    return array
+
+
+LAYOUTS = {
+    "unaligned": unaligned,
+    "big endian": lambda array: array.astype(">f8"),
+    "little endian": lambda array: array.astype("<f8"),
+    "Fortran": np.asfortranarray,
+    "strided": every_second,
+    "backwards": lambda array: array[::-1].copy()[::-1],
+    "read-only": frozen,
+    "subclass": lambda array: array.view(OfAnotherKind),
+    "objects": lambda array: array.astype(object),
+    "list": lambda array: array.tolist(),
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("layout", LAYOUTS)
+@pytest.mark.parametrize("name", [name for name in CASES if not name.startswith("plot")])
+def test_the_layout_of_an_array_does_not_matter(name, layout):
+    wanted = snapshot(CASES[name].call(**copies(name)))
+    assert_same(snapshot(CASES[name].call(**{k: LAYOUTS[layout](v) for k, v in copies(name).items()})), wanted)
+
+
+@pytest.mark.parametrize("function", ["integrate", "lyapunov_exponent", "section", "lyapunov_spectrum", "megno"])
+def test_rows_that_share_their_memory(function):
+    """A broadcast array has one row and strides of zero."""
+    options = {"integrate": {"t": [0, 1]}, "section": {"surface": "l3", "t_end": 3}}.get(function, {"t_end": 10})
+    run = getattr(lp, function)
+    same = np.broadcast_to(STATES[0], STATES.shape)
+    assert_same(snapshot(run(TOP, same, **options)), snapshot(run(TOP, np.array(same), **options)))
+
+
+HARMFUL = {
+    "masked": lambda array: np.ma.MaskedArray(array, mask=array > 0),
+    "list of masked": lambda array: [np.ma.MaskedArray(row, mask=True) for row in np.atleast_1d(array)],
+    "complex": lambda array: array + 1j,
+    "dates": lambda array: np.full(array.shape, np.datetime64("2020-01-01")),
+    "texts": lambda array: array.astype(str),
+    "texts as objects": lambda array: array.astype(str).astype(object),
+    "nothing": lambda array: np.full(array.shape, None),
+    "records": lambda array: np.zeros(array.shape, dtype=[("x", float)]),
+}
+
+
+@pytest.mark.parametrize("harm", HARMFUL)
+@pytest.mark.parametrize("name", [name for name in CASES if not name.startswith("plot")])
+def test_what_is_no_array_of_real_numbers_is_refused(name, harm):
+    with pytest.raises(LiePoissonError):
+        CASES[name].call(**{key: HARMFUL[harm](value) for key, value in copies(name).items()})
