@@ -19,8 +19,8 @@ def inflated(context: Context) -> Verdict:
     return evidence.conclude(
         "holds with a condition",
         "True of the singularity sin θ = 0: quaternions, or rotation matrices, have none. It is not the only one: "
-        "the root r = √(η − 2ε l·β) is singular where α and β are collinear, and these states are reached. They need one plane "
-        "more, with coordinates X, Y and {X, Y} = −εw: α = A(X e₁ + Y e₂ + v e₃), β = w A e₃.",
+        "the root r = √(η − 2ε l·β) is singular where α and β are collinear, and these states are reached. They need "
+        "one plane more, with coordinates X, Y and {X, Y} = −εw: α = A(X e₁ + Y e₂ + v e₃), β = w A e₃.",
     )
 
 

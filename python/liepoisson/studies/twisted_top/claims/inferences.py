@@ -48,8 +48,7 @@ def chaos_from_bounded_motion(context: Context) -> Verdict:
         "Not for a single orbit: one that is asymptotic to a saddle is bounded and has a positive exponent, also in an "
         "integrable top (here the exponent is 1). A positive exponent for a set of starts of positive measure does "
         "imply chaos, since the entropy is then positive (Pesin's formula). Random starts, as in Figure 1, are evidence "
-        "of that "
-        "kind.",
+        "of that kind.",
     )
 
 
@@ -62,8 +61,8 @@ def section_surface(context: Context) -> Verdict:
     evidence.zero("s = a·(α × β) = −d(l·β)/dt, for every I, a, b, ε", top.rate(l.dot(beta)) + s, decisive=True)
     evidence.note(
         "l·β is bounded for given H, C₁, C₂, C₃. An orbit that returns near its start, as almost every one does "
-        "(Poincaré), cannot have a monotone l·β unless it is constant: so s changes its sign again and again on almost every "
-        "orbit, or is "
+        "(Poincaré), cannot have a monotone l·β unless it is constant: so s changes its sign again and again on almost "
+        "every orbit, or is "
         "zero on a whole component of the energy surface (as for a = 0, and for β = 0)."
     )
     expected = alpha.cross(beta).dot(top.omega.cross(top.a)) + top.epsilon * top.a.cross(beta).dot(top.a.cross(beta))
@@ -81,8 +80,8 @@ def section_surface(context: Context) -> Verdict:
     return evidence.conclude(
         "incomplete",
         "One can be named, in the vectors: s = a·(α × β) = 0, where l·β is extremal. For given H, C₁, C₂, C₃ "
-        "almost every orbit crosses it again and again (unless s is zero throughout, as for a = 0). In the coordinates (q, p) with "
-        "e∥ = e₃ it is dp_φ/dt = 0.",
+        "almost every orbit crosses it again and again (unless s is zero throughout, as for a = 0). In the coordinates "
+        "(q, p) with e∥ = e₃ it is dp_φ/dt = 0.",
     )
 
 

@@ -54,9 +54,8 @@ def never_collinear(context: Context) -> Verdict:
         "wrong",
         "Orbits with α × β ≠ 0 do reach collinear states. These form a set of codimension two in the leaf, so almost "
         "every orbit avoids it. How near an orbit comes depends on the leaf and the energy: where the energy "
-        "surface of the leaf contains collinear states, orbits pass arbitrarily near, and φ then changes by nearly π at once; "
-        "where it "
-        "contains none, they stay away.",
+        "surface of the leaf contains collinear states, orbits pass arbitrarily near, and φ then changes by nearly π at "
+        "once; where it contains none, they stay away.",
     )
 
 
@@ -198,8 +197,8 @@ def leaves_are_cotangent(context: Context) -> Verdict:
     evidence.note(
         "Every point of the leaf is of this form for one (n, x, y): the leaf is the sum of two tangent bundles of the "
         "sphere S², a bundle of rank 4 with second Stiefel–Whitney class twice that of the tangent bundle, which "
-        "is 0; hence it is trivial (bundles over S² are classified by π₁(SO(4)) = ℤ₂): the leaf is S² × ℝ⁴, simply connected, "
-        "while T*SO(3) has fundamental group ℤ₂."
+        "is 0; hence it is trivial (bundles over S² are classified by π₁(SO(4)) = ℤ₂): the leaf is S² × ℝ⁴, simply "
+        "connected, while T*SO(3) has fundamental group ℤ₂."
     )
     return evidence.conclude(
         "underspecified",

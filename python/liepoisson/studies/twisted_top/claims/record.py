@@ -19,8 +19,8 @@ def claims_to_json(results: Iterable[ClaimResult], produced_by: Mapping[str, Any
     The document has `schema_version`, `paper`, `errata` (see `errata`) and `claims`, a list of objects with the keys
 
     - `id`, `place`, `words`, `statement`, `follows_from`: as in `Claim`; ids are stable between versions;
-    - `verdict`: "holds", "holds with a condition", "incomplete", "misprint", "wrong", "underspecified", "not settled" or
-      "not run";
+    - `verdict`: "holds", "holds with a condition", "incomplete", "misprint", "wrong", "underspecified", "not settled"
+      or "not run";
     - `method`: "exact" or "numerical";
     - `proof`: what the proof consists of, for example "1 counter-example, 3 identities";
     - `steps`: a list of objects, the fields of `Step`;
