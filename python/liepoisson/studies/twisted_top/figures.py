@@ -51,7 +51,7 @@ def lyapunov(results: Results) -> Figure:
     """
     twisted, ordinary = results["twisted-unit-vectors"], results["ordinary-unit-vectors"]
     with house_style():
-        figure = new_figure(7.6, 3.7)
+        figure = new_figure(7.6, 3.0)
         grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1))
         _draw_both_tops(figure.add_subplot(grid[:, 0]), twisted, ordinary)
         _draw_residual(figure.add_subplot(grid[0, 1]), twisted)
@@ -94,8 +94,8 @@ def _draw_residual(ax: Axes, twisted: RunResult) -> None:
     ax.plot(time, printed_fit(time) - fitted, color=MUTED, linestyle=_DASHES, linewidth=1.1, label="fit as printed")
     ax.set_xscale("log")
     time_axis(ax, time[0], time[-1])
-    ax.set_ylabel(r"$\langle\lambda(t)\rangle$ minus our fit")
-    ax.legend(loc="best", fontsize=8.5)
+    ax.set_ylabel(r"$\langle\lambda\rangle - {}$fit")
+    ax.legend(loc="best", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     ax.set_title("(b)  twisted")
 
 

@@ -44,11 +44,21 @@ class FrontPage:
     open: tuple[Line, ...]
     questions: tuple[Line, ...]
 
+    @property
+    def refined_claims(self) -> tuple[str, ...]:
+        """The claims of `refined`."""
+        return tuple(line.claims[0] for line in self.refined)
+
+    @property
+    def open_claims(self) -> tuple[str, ...]:
+        """The claims of `open`."""
+        return tuple(line.claims[0] for line in self.open)
+
 
 _CONFIRMED = (
     Line(
-        "Both brackets, (2) and (3), satisfy the Jacobi identity; the Leibniz bracket is not semidirect; the Casimirs "
-        "are those printed, (7), and there are no others.",
+        "Both brackets, (2) and (3), satisfy the Jacobi identity; (3) is not semidirect; the Casimirs (7) are right, "
+        "and there are no others.",
         (
             "charged-jacobi",
             "leibniz-jacobi",
@@ -81,8 +91,10 @@ _CONFIRMED = (
             "gauge-limits",
         ),
     ),
-    Line("The mean exponent of the twisted Kovalevskaya top is positive,", ("twisted-kovalevskaya-chaotic",)),
-    Line("that of the ordinary one goes to zero like ln t/t.", ("ordinary-exponent-vanishes",)),
+    Line(
+        "The mean exponent of the twisted Kovalevskaya top is positive; that of the ordinary one goes to zero.",
+        ("twisted-kovalevskaya-chaotic", "ordinary-exponent-vanishes"),
+    ),
 )
 
 _NOT_CONFIRMED: dict[tuple[str, str], str] = {
@@ -140,6 +152,7 @@ _QUESTIONS: dict[tuple[str, str], str] = {
 }
 
 _MISTAKES = ("wrong", "misprint", "underspecified")
+_ORDER = (*_MISTAKES, "incomplete", "holds with a condition")
 
 
 def front_page(claims: Iterable[Mapping[str, Any]], errata: Iterable[Mapping[str, Any]]) -> FrontPage:
@@ -158,7 +171,8 @@ def front_page(claims: Iterable[Mapping[str, Any]], errata: Iterable[Mapping[str
         for claim in claims
         if claim["verdict"] == "holds" and claim["id"] not in named
     )
-    own = mistakes(errata)
+    # The mistake that most claims share comes first among those of its kind.
+    own = sorted(mistakes(errata), key=lambda pair: (_ORDER.index(pair[0]["verdict"]), -len(pair[1])))
     return FrontPage(
         confirmed=confirmed,
         not_confirmed=tuple(_line(entry, same, _NOT_CONFIRMED) for entry, same in own if entry["verdict"] in _MISTAKES),

@@ -6,7 +6,7 @@ import base64
 import math
 import platform
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
@@ -62,6 +62,7 @@ def render(study: StudyResult, figures: Mapping[str, Path]) -> str:
         count=with_spaces,
         mathematics=mathematics,
         inside=inside_quotation,
+        spans=spans,
     )
     template = environment.from_string(
         files("liepoisson.studies.twisted_top").joinpath("report.html.j2").read_text(encoding="utf-8")
@@ -246,6 +247,17 @@ def with_spaces(number: float) -> str:
 def true_minus(value: object) -> str:
     """Text with typographic minus signs before numbers."""
     return re.sub(r"(?<![\w\u2212])-(?=[\d.])", "\u2212", str(value))
+
+
+def spans(names: Iterable[str], numbers: Mapping[str, int]) -> list[tuple[str, str]]:
+    """Claims in the order of their numbers, runs of three or more as first and last: [5, 9, 10, 11] as 5, 9–11."""
+    runs: list[list[str]] = []
+    for name in sorted(names, key=lambda name: numbers[name]):
+        if runs and numbers[name] == numbers[runs[-1][-1]] + 1:
+            runs[-1].append(name)
+        else:
+            runs.append([name])
+    return [pair for run in runs for pair in ([(run[0], run[-1])] if len(run) > 2 else [(name, name) for name in run])]
 
 
 def inside_quotation(words: str) -> str:

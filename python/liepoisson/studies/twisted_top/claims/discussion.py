@@ -150,8 +150,8 @@ def homoclinic_orbits(context: Context) -> Verdict:
         "holds with a condition",
         "Not of all of them: for a = (a₁, 0, 0), b = (0, 0, b₃) and any inertia the states l = (0, 0, z), "
         "α = (x, y, 0), β = (0, 0, B) form an invariant set, with saddles z = z₀, x = d = εBI₃a₁/z₀, y = 0 and "
-        "elementary homoclinic orbits z(t) = z₀ + 2k²I₃²/(z₀ ± m cosh kt), where m² = a₁dI₃ and k² = (m² − z₀²)/I₃², provided that k² > 0. "
-        "Others are not examined here.",
+        "elementary homoclinic orbits z(t) = z₀ + 2k²I₃²/(z₀ ± m cosh kt), where m² = a₁dI₃ and "
+        "k² = (m² − z₀²)/I₃², provided that k² > 0. Others are not examined here.",
     )
 
 

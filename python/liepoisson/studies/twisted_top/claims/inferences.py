@@ -47,8 +47,8 @@ def chaos_from_bounded_motion(context: Context) -> Verdict:
         "holds with a condition",
         "Not for a single orbit: one that is asymptotic to a saddle is bounded and has a positive exponent, also in an "
         "integrable top (here the exponent is 1). A positive exponent for a set of starts of positive measure does "
-        "imply chaos, since the entropy is then positive (Pesin's formula). Random starts, as in Figure 1, are evidence "
-        "of that kind.",
+        "imply chaos, since the entropy is then positive (Pesin's formula). Random starts, as in Figure 1, are "
+        "evidence of that kind.",
     )
 
 

@@ -54,8 +54,8 @@ def never_collinear(context: Context) -> Verdict:
         "wrong",
         "Orbits with α × β ≠ 0 do reach collinear states. These form a set of codimension two in the leaf, so almost "
         "every orbit avoids it. How near an orbit comes depends on the leaf and the energy: where the energy "
-        "surface of the leaf contains collinear states, orbits pass arbitrarily near, and φ then changes by nearly π at "
-        "once; where it contains none, they stay away.",
+        "surface of the leaf contains collinear states, orbits pass arbitrarily near, and φ then changes by nearly π "
+        "at once; where it contains none, they stay away.",
     )
 
 
