@@ -2,7 +2,8 @@
 
 SYMBOLS: tuple[tuple[str, str], ...] = (
     ("l, α, β", "angular momentum and the two fields; together the state, nine numbers"),
-    ("I = (I₁, I₂, I₃)", "principal moments of inertia, I_max the largest; ω = I⁻¹l the angular velocity"),
+    ("I = (I₁, I₂, I₃)", "principal moments of inertia, I_max the largest"),
+    ("ω", "angular velocity, ω = I⁻¹l"),
     ("a, b", "centres of mass and of charge, constant vectors with components a₁, …, b₃"),
     ("ε", "strength of the cocycle; ε = 0 is the charged top, ε ≠ 0 the twisted one"),
     ("H", "energy, l·ω/2 + a·α + b·β, equation (1)"),

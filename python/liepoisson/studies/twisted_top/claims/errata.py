@@ -25,7 +25,7 @@ _TELLING: tuple[StepKind, ...] = ("counterexample", "rank", "search")
 
 
 def errata(results: Iterable[ClaimResult]) -> list[dict[str, Any]]:
-    """The claims whose verdict differs from "holds", as plain data, the gravest first.
+    """The claims whose verdict differs from "holds", as plain data, the gravest and most often repeated first.
 
     Each has `id`, `place`, `words` (of the paper), `verdict`, `method`, `statement` (what the paper says),
     `correct_statement`, `follows_from` and `shown_by`: a `summary` of the proof and its `decisive` steps.
@@ -35,9 +35,9 @@ def errata(results: Iterable[ClaimResult]) -> list[dict[str, Any]]:
     found = [result for result in results if result.verdict.verdict in KINDS]
     order, ids = list(KINDS), {result.claim.id for result in found}
     own = [result for result in found if result.claim.follows_from not in ids]
+    groups = [(result, [other for other in found if other.claim.follows_from == result.claim.id]) for result in own]
     entries: list[dict[str, Any]] = []
-    for result in sorted(own, key=lambda r: order.index(r.verdict.verdict)):
-        same = [other for other in found if other.claim.follows_from == result.claim.id]
+    for result, same in sorted(groups, key=lambda group: (order.index(group[0].verdict.verdict), -len(group[1]))):
         entries += [_entry(result, ""), *(_entry(other, result.claim.id) for other in same)]
     return entries
 
