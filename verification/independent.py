@@ -40,7 +40,7 @@ SPACING = 50.0
 """Time between two starts on the long orbit: nine times the inverse of the exponent."""
 WINDOW = (100.0, 1600.0)
 STICKY = 0.145
-"""Exponents of single orbits over the window lie around 0.166 with a standard deviation of 0.009 in the sea."""
+"""Exponents of single orbits over the window are 0.168 ± 0.010; those of sticky orbits form a tail below, 5% of all."""
 TOL = 1e-15
 STEP = 0.1
 OURS = {"Taylor": lp.Taylor(tol=TOL), "splitting 6": lp.Splitting(step=STEP, order=6)}

@@ -26,6 +26,7 @@ _VARIABLE = re.compile(
             rf"{_START}[aAI](?:{_FORMULA}|{_PHRASE})",
             rf"(?:(?<=[{_OPERATORS}])|(?<=[{_OPERATORS}]\s))[aAI]{_END}{_NO_WORD}",
             "(?<=ᵀ)A",
+            "(?<=matrix )[A-Z]",
         )
     )
 )

@@ -18,6 +18,7 @@ SYMBOLS: tuple[tuple[str, str], ...] = (
     ("P", "l·α + ε I₁a₃β₃, the third integral of the twisted Lagrange top, equation (8)"),
     ("K", "the quartic integral of the ordinary Kovalevskaya top"),
     ("t", "time; d/dt is the derivative along the flow of H"),
+    ("δl, δα, δβ", "variations of the state: solutions of the equations linearised along an orbit"),
     ("λ(t), ⟨λ(t)⟩", "largest Lyapunov exponent of one start up to the time t, and its mean over the starts"),
     ("λ, c₁, c₀", "coefficients of the fit ⟨λ(t)⟩ = λ + c₁/√t + c₀/t"),
     ("χ²", "squared distance of fitted numbers, with their errors and correlations"),

@@ -296,7 +296,7 @@ CLAIMS: tuple[Claim, ...] = (
     Claim(
         "rotation-matrix",
         "Section 4, Canonical Description, matrix A after equation (9)",
-        "The printed A is orthogonal.",
+        "The printed matrix A is orthogonal.",
         rotation_matrix,
     ),
     Claim(

@@ -37,7 +37,7 @@ def centre_of_rotation(context: Context) -> Verdict:
         {"dl₃/dt": (top.rate(l[2]).subs(substitution((*top.a, *alpha), (0, 1, 0, 1, 0, 0))), 1)},
         "a = (0, 1, 0), α = (1, 0, 0)",
     )
-    return evidence.conclude("misprint", "The centre of mass a must lie on the symmetry axis.")
+    return evidence.conclude("misprint", "The centre of mass, the vector a, must lie on the symmetry axis.")
 
 
 def zero_field(context: Context) -> Verdict:

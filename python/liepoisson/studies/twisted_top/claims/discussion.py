@@ -17,6 +17,7 @@ KOVALEVSKAYA = (2, 2, 1)
 # Every polynomial of degree d in (l, alpha) has weight at most 2d, in (l, alpha, beta) at most 3d.
 HEAVY_WEIGHT, TWISTED_WEIGHT = 10, 12
 HEAVY_WEIGHTS = (1, 1, 1, 2, 2, 2)
+_WEIGHT = "in a monomial a component of l counts one, of α two"
 TWISTED_WEIGHTS = (*HEAVY_WEIGHTS, 3, 3, 3)
 
 
@@ -48,11 +49,11 @@ def kovalevskaya_inertia(context: Context) -> Verdict:
     )
     right = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
     counts = [_heavy_count(right, weight) for weight in range(1, 5)]
-    what = f"I = {KOVALEVSKAYA}: integrals of weight ≤ 4 beyond the polynomials in H, l·α, |α|², namely K"
+    what = f"I = {KOVALEVSKAYA}: integrals of weight ≤ 4 ({_WEIGHT}) beyond the polynomials in H, l·α, |α|², namely K"
     evidence.search(what, _table(counts), sum(count.excess for count in counts), 1)
     printed = symbolic_top(context, inertia=AS_PRINTED, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
     counts = [_heavy_count(printed, weight) for weight in range(1, HEAVY_WEIGHT + 1)]
-    what = f"I = {AS_PRINTED}: integrals of weight ≤ {HEAVY_WEIGHT} beyond the polynomials in H, l·α, |α|²"
+    what = f"I = {AS_PRINTED}: integrals of weight ≤ {HEAVY_WEIGHT} ({_WEIGHT}) beyond the polynomials in H, l·α, |α|²"
     evidence.search(what, _table(counts), sum(count.excess for count in counts), 0, decisive=True)
     evidence.note(
         "A polynomial of degree ≤ 5 in (l, α) has weight ≤ 10: there is no further one. Exact: the rank of d/dt on the "

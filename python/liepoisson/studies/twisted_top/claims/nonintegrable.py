@@ -93,7 +93,8 @@ def not_integrable(context: Context) -> Verdict:
     counts = _local_counts(evidence, context, curve, block)
     limit = block[:_WITHOUT_BETA, :_WITHOUT_BETA].subs(x, 0)
     evidence.equal(
-        "exponents at x = 0 (t → −∞) on V₃, of which 0 belongs to V₃/V₂ and the others to V₂",
+        "exponents at x = 0 (t → −∞) on V₃, those of V₅ with δβ = 0, of which 0 belongs to V₃/V₂ and the others to "
+        "V₂, those with l·δα + α·δl = 0",
         _listed(exponents(limit, x)),
         _listed({0 * sqrt(2): 1, sqrt(2) / 2: 1, -sqrt(2) / 2: 1}),
         decisive=True,
@@ -148,7 +149,7 @@ def _local_counts(evidence: Evidence, context: Context, curve: Separatrix, block
     cases = (
         ("V₃", block[:n, :n], _WEIGHTS[:n], [0, 1, 3], 3),
         ("V₅ for ε = 0", untwisted, _WEIGHTS, [0, 1, 1, 3, 5], 5),
-        ("V₅ for ε = 1", block, _WEIGHTS, [0, 1, 1, 3, 5], 4),
+        ("V₅ = (δl₁, δl₂, δα₃, δβ₁, δβ₂) for ε = 1", block, _WEIGHTS, [0, 1, 1, 3, 5], 4),
     )
     counts: dict[str, int] = {}
     for name, matrix, weights, exponents_wanted, wanted in cases:
@@ -157,7 +158,7 @@ def _local_counts(evidence: Evidence, context: Context, curve: Separatrix, block
         counts[name] = laurent_solutions(local, p)
         evidence.equal(f"x = i, exponents of (x − i)ʷ δ on {name}, w = 1, 2, 3 for l, α, β", found, exponents_wanted)
         evidence.equal(
-            f"x = i, solutions on {name} without logarithm, out of {len(weights)}",
+            f"x = i, x = exp t along the separatrix: solutions on {name} without logarithm, out of {len(weights)}",
             counts[name],
             wanted,
             decisive=name.endswith("1"),
