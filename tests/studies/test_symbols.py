@@ -13,14 +13,22 @@ VARIABLE = re.compile(r"<i>(.*?)</i>([₀₁₂₃]*)")
 
 def letters(text):
     """The variables of a text, without indices; those written together, as in "vw", one by one."""
-    return {letter for name, _ in VARIABLE.findall(str(mathematics(text))) if name[0] != "d" for letter in name}
+    return {
+        letter
+        for name, _ in VARIABLE.findall(str(mathematics(text)))
+        if name[0] != "d"
+        for letter in name
+        if letter != "π"
+    }
 
 
 LISTED = set().union(*(letters(symbol) for symbol, _ in SYMBOLS))
 
 
 def unexplained(text):
-    return {x for x in letters(text) - LISTED if not re.search(rf"{x}[₀₁₂₃]?²?(\(t\))? ?[=∥]|with .{{0,40}}{x} ", text)}
+    """Letters that are neither listed nor introduced: by "x =", in a vector "= (x, y, 0)", or as "coordinates X, Y"."""
+    introduced = r"{0}[₀₁₂₃]?²?(\(t\))? ?(=|the )|= \([^)]*{0}|coordinates [^.]{{0,30}}{0}"
+    return {x for x in letters(text) - LISTED if not re.search(introduced.format(x), text)}
 
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=lambda claim: claim.id)

@@ -100,8 +100,9 @@ def twist_in_hamiltonian(context: Context) -> Verdict:
     return evidence.conclude(
         "holds with a condition",
         "True where the coordinates exist, α × β ≠ 0 and sin θ ≠ 0: there V = (va + wb)·A e∥ + r a·A e⊥ with "
-        "r = √(η − 2ε l·β) is the only term with ε, and it depends on p. In coordinates without that singularity the "
-        "twist is in the bracket again, {X, Y} = −εw, and the potential does not contain the momenta p.",
+        "r = √(η − 2ε l·β) is the only term with ε, and it depends on p. In coordinates without that singularity, with "
+        "one plane more and its coordinates X, Y, the twist is in the bracket again, {X, Y} = −εw, and the potential "
+        "contains no momentum p.",
     )
 
 
