@@ -16,6 +16,7 @@ from liepoisson.studies.twisted_top.mathematics import mathematics
         ("A Lie algebra; A Aᵀ = 1", "A Lie algebra; _A_ _A_ᵀ = 1"),
         ("2ε sin θ", "2_ε_ sin _θ_"),
         ("β = wn", "_β_ = _wn_"),
+        ("The matrix A is; matrix A after", "The matrix _A_ is; matrix _A_ after"),
         ("we do: dz/dt = yz", "we do: _dz_/_dt_ = _yz_"),
     ],
 )
@@ -29,3 +30,4 @@ def test_what_has_a_meaning_in_html_is_escaped():
 
 def test_indices_that_unicode_lacks_are_set_low():
     assert str(mathematics("p_φ e⊥")) == "<i>p</i><sub><i>φ</i></sub> <i>e</i><sub>⊥</sub>"
+    assert str(mathematics("2 I_max")) == "2 <i>I</i><sub>max</sub>"

@@ -6,16 +6,26 @@ import dataclasses
 import json
 import re
 import shutil
+from types import SimpleNamespace
 
 import pytest
 from small_study import SHORT, integrate, one_run
 
+from liepoisson.numeric.finite_time_fit import Estimate
 from liepoisson.studies.twisted_top import integration, runs
 from liepoisson.studies.twisted_top.claims.errata import TITLE
 from liepoisson.studies.twisted_top.figures import FIGURES
 from liepoisson.studies.twisted_top.integration import Tracker
 from liepoisson.studies.twisted_top.measurements import PRINTED, command, measurements, reduce_run
-from liepoisson.studies.twisted_top.report import moments, power_of_ten, scientific, true_minus
+from liepoisson.studies.twisted_top.report import (
+    _overshoot,
+    _scan_range,
+    moments,
+    plus_minus,
+    power_of_ten,
+    scientific,
+    true_minus,
+)
 from liepoisson.studies.twisted_top.runs import Settings, plan
 from liepoisson.studies.twisted_top.store import RunStore
 from liepoisson.studies.twisted_top.study import reproduce, run_all, summary
@@ -97,11 +107,27 @@ def test_report_is_self_contained_and_holds_every_claim(study):
 
 
 @pytest.mark.thorough
+def test_the_first_page_has_the_numbers_the_figure_and_the_verdicts(study):
+    result, _ = study
+    page = (result.out / "report.html").read_text(encoding="utf-8")
+    front = page[page.index('<section class="front">') : page.index('<section class="second">')]
+    assert page.index('<section class="front">') < page.index(TITLE)
+    assert front.count("data:image/svg+xml;base64,") == 1
+    for words in ("Table 1.", "<h3>Confirmed</h3>", "<h3>Not confirmed</h3>", "<h3>What we ask</h3>"):
+        assert words in front
+    ranges = _scan_range([result.results[f"twisted-{name}"] for name in ("unit-vectors", "cube", "gaussian")])
+    lead = " ".join(front[: front.index("<figure>")].split())
+    assert f"{ranges['low']:.4f} to {ranges['high']:.4f}" in lead
+    assert plus_minus(result.results["twisted-unit-vectors"].fit.estimates["lambda"]) in lead
+    assert "overshoots" not in lead  # the run ends with the window
+
+
+@pytest.mark.thorough
 def test_summary_lists_the_errata_and_names_the_report(study):
     text = summary(study[0])
     assert TITLE in text
     for entry in study[0].claims["errata"]:
-        assert f"    {entry['id']}\n" in text
+        assert entry["follows_from"] or f"    {entry['id']}\n" in text
     assert max(len(line) for line in text.splitlines()) <= 120
     assert "unit vectors" in text
     assert str(study[0].out / "report.html") in text
@@ -129,14 +155,27 @@ def test_fits_change_with_the_data(study, tmp_path):
 # Words and numbers of the report
 
 
+@pytest.mark.parametrize(
+    ("fitted", "above", "below"), [(0.1290, True, False), (0.1257, False, False), (0.1200, False, True)]
+)
+def test_the_fit_is_compared_with_the_mean_beyond_its_window(fitted, above, below):
+    measured = Estimate(0.12569, 0.0003, 0.1251, 0.1263)
+    run = SimpleNamespace(
+        run=SimpleNamespace(end_time=1000.0),
+        curve=SimpleNamespace(at=lambda time: measured),
+        fit=SimpleNamespace(window=(20.0, 200.0), curve=lambda time: fitted),
+    )
+    found = _overshoot(run)
+    assert (found["continues"], found["above"], found["below"]) == (True, above, below)
+    assert found["outside"] == (above or below)
+
+
 def test_command_repeats_the_options():
     assert command(Settings()) == "liepoisson reproduce twisted-top"
     assert command(Settings(members=500, end_time=200.0, seed=3)).endswith("--members 500 --end-time 200 --seed 3")
 
 
 def test_numbers_are_set_as_in_print():
-    from liepoisson.numeric.finite_time_fit import Estimate
-
     assert scientific(Estimate(1.04e-5, 1.3e-6, 0, 0)) == "(1.04\u00a0±\u00a00.13)\u00a0×\u00a010⁻⁵"
     assert scientific(Estimate(-2.8e-6, 2.7e-6, 0, 0)).startswith("(\u22122.80")
     assert power_of_ten(1e-13) == "10⁻¹³"

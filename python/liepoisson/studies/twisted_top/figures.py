@@ -44,17 +44,17 @@ def printed_fit(time: FloatArray) -> FloatArray:
 
 
 def lyapunov(results: Results) -> Figure:
-    r"""The paper's figure, made again: both tops, our fit and the printed one; below, what the eye can not see in it.
+    r"""The paper's figure, made again: both tops, our fit and the printed one; beside it, what the eye cannot see.
 
-    Lower left: the mean of the twisted top minus our fit, with its confidence band, and the printed fit minus ours.
+    Upper right: the mean of the twisted top minus our fit, with its confidence band, and the printed fit minus ours.
     Lower right: $t\langle\lambda(t)\rangle$ of the ordinary top, a straight line in $\ln t$ if it is regular.
     """
     twisted, ordinary = results["twisted-unit-vectors"], results["ordinary-unit-vectors"]
     with house_style():
-        figure = new_figure(7.2, 6.4)
-        grid = figure.add_gridspec(2, 2, height_ratios=(1.55, 1))
-        _draw_both_tops(figure.add_subplot(grid[0, :]), twisted, ordinary)
-        _draw_residual(figure.add_subplot(grid[1, 0]), twisted)
+        figure = new_figure(7.6, 3.0)
+        grid = figure.add_gridspec(2, 2, width_ratios=(1.5, 1))
+        _draw_both_tops(figure.add_subplot(grid[:, 0]), twisted, ordinary)
+        _draw_residual(figure.add_subplot(grid[0, 1]), twisted)
         _draw_power_of_growth(figure.add_subplot(grid[1, 1]), ordinary)
     return figure
 
@@ -94,8 +94,8 @@ def _draw_residual(ax: Axes, twisted: RunResult) -> None:
     ax.plot(time, printed_fit(time) - fitted, color=MUTED, linestyle=_DASHES, linewidth=1.1, label="fit as printed")
     ax.set_xscale("log")
     time_axis(ax, time[0], time[-1])
-    ax.set_ylabel(r"$\langle\lambda(t)\rangle$ minus our fit")
-    ax.legend(loc="best", fontsize=8.5)
+    ax.set_ylabel(r"$\langle\lambda\rangle - {}$fit")
+    ax.legend(loc="best", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
     ax.set_title("(b)  twisted")
 
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-_SCRIPTS = "₀₁₂₃₄₅₆₇₈₉⁰¹²³⁴⁵⁶⁷⁸⁹⁻′⊥∥ᵏʷᵀ"
+_SCRIPTS = "₀₁₂₃₄₅₆₇₈₉⁰¹²³⁴⁵⁶⁷⁸⁹⁻′⊥∥ᵏʷᵀ_"
 _OPERATORS = r"=≠<>≤≥≃×·+−±/|∇∂√⊗→∈(,"
 # A letter that no letter touches, nor the "&" and ";" of an entity of escaped text such as "&lt;".
 _START, _END = r"(?<![A-Za-z’&;])", r"(?![A-Za-z’;])"
@@ -26,11 +26,12 @@ _VARIABLE = re.compile(
             rf"{_START}[aAI](?:{_FORMULA}|{_PHRASE})",
             rf"(?:(?<=[{_OPERATORS}])|(?<=[{_OPERATORS}]\s))[aAI]{_END}{_NO_WORD}",
             "(?<=ᵀ)A",
+            "(?<=matrix )[A-Z]",
         )
     )
 )
-# Indices that Unicode does not have: p_φ, and the ⊥ and ∥ of e⊥, e∥.
-_INDEX = re.compile(r"_(<i>[α-ωϵ]</i>)|(?<=</i>)([⊥∥])")
+# Indices that Unicode does not have: p_φ, I_max, and the ⊥ and ∥ of e⊥, e∥.
+_INDEX = re.compile(r"_(<i>[α-ωϵ]</i>|max)|(?<=</i>)([⊥∥])")
 
 
 def mathematics(text: object) -> Markup:

@@ -6,8 +6,7 @@ import base64
 import math
 import platform
 import re
-from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
@@ -17,11 +16,13 @@ import numpy as np
 
 from liepoisson import __version__
 from liepoisson.numeric.finite_time_fit import Estimate, FiniteTimeFit, LogFit
-from liepoisson.studies.twisted_top.claims.errata import KINDS, TITLE
+from liepoisson.studies.twisted_top.claims.errata import KINDS, TITLE, count_verdicts, mistakes
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS
+from liepoisson.studies.twisted_top.front_page import front_page
 from liepoisson.studies.twisted_top.mathematics import mathematics
 from liepoisson.studies.twisted_top.measurements import PRINTED, RESAMPLING, RunResult, by_energy, command
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Moments
+from liepoisson.studies.twisted_top.symbols import SYMBOLS
 
 if TYPE_CHECKING:
     from liepoisson.studies.twisted_top.study import StudyResult
@@ -38,6 +39,7 @@ VERDICTS = {
     "holds with a condition": "partly",
     "incomplete": "partly",
     "misprint": "partly",
+    "underspecified": "partly",
     "wrong": "bad",
     "not settled": "open",
     "not run": "open",
@@ -59,6 +61,8 @@ def render(study: StudyResult, figures: Mapping[str, Path]) -> str:
         interval=interval,
         count=with_spaces,
         mathematics=mathematics,
+        inside=inside_quotation,
+        spans=spans,
     )
     template = environment.from_string(
         files("liepoisson.studies.twisted_top").joinpath("report.html.j2").read_text(encoding="utf-8")
@@ -70,7 +74,8 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
     results = study.results
     main, ordinary = results["twisted-unit-vectors"], results["ordinary-unit-vectors"]
     claims = study.claims["claims"]
-    counts = Counter(str(claim["verdict"]) for claim in claims)
+    errata = study.claims["errata"]
+    counts = count_verdicts(claims, errata)
     return {
         "settings": study.settings,
         "results": results,
@@ -79,6 +84,7 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "ensembles": [
             (ENSEMBLE_LABELS[name], results[f"twisted-{name}"], results[f"ordinary-{name}"]) for name in ENSEMBLES
         ],
+        "scan_ranges": {name: _scan_range([results[f"twisted-{name}"]]) for name in ENSEMBLES},
         "readings": [
             results[name]
             for name in ("twisted-unit-vectors", "twisted-halved-unit-vectors", "twisted-cube", "twisted-halved-cube")
@@ -95,13 +101,17 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "short_end": results["ordinary-as-printed-unit-vectors"].run.end_time,
         "claims": claims,
         "errata": [
-            (words, [entry for entry in study.claims["errata"] if entry["verdict"] == verdict])
+            (words, [(entry, same) for entry, same in mistakes(errata) if entry["verdict"] == verdict])
             for verdict, words in KINDS.items()
         ],
+        "front": front_page(claims, errata),
+        "symbols": SYMBOLS,
+        "repeats": {entry["id"]: entry["follows_from"] for entry in errata if entry["follows_from"]},
+        "repeated": len(claims) - sum(counts.values()),
         "errata_title": TITLE,
         "numbers": {claim["id"]: number for number, claim in enumerate(claims, 1)},
         "paper": study.claims["paper"],
-        "verdicts": [(verdict, kind, counts[verdict]) for verdict, kind in VERDICTS.items() if counts[verdict]],
+        "verdicts": [(verdict, kind, counts[verdict]) for verdict, kind in VERDICTS.items() if verdict in counts],
         "kinds": VERDICTS,
         "exact": sum(claim["method"] == "exact" and claim["verdict"] != "not run" for claim in claims),
         "figures": {name: _data_address(path) for name, path in figures.items()},
@@ -150,6 +160,8 @@ def _overshoot(result: RunResult) -> dict[str, Any]:
         "fitted": fitted,
         "continues": end > result.fit.window[1],
         "outside": not measured.contains(fitted),
+        "above": fitted > measured.high,
+        "below": fitted < measured.low,
     }
 
 
@@ -235,6 +247,22 @@ def with_spaces(number: float) -> str:
 def true_minus(value: object) -> str:
     """Text with typographic minus signs before numbers."""
     return re.sub(r"(?<![\w\u2212])-(?=[\d.])", "\u2212", str(value))
+
+
+def spans(names: Iterable[str], numbers: Mapping[str, int]) -> list[tuple[str, str]]:
+    """Claims in the order of their numbers, runs of three or more as first and last: [5, 9, 10, 11] as 5, 9–11."""
+    runs: list[list[str]] = []
+    for name in sorted(names, key=lambda name: numbers[name]):
+        if runs and numbers[name] == numbers[runs[-1][-1]] + 1:
+            runs[-1].append(name)
+        else:
+            runs.append([name])
+    return [pair for run in runs for pair in ([(run[0], run[-1])] if len(run) > 2 else [(name, name) for name in run])]
+
+
+def inside_quotation(words: str) -> str:
+    """Words for use between quotation marks: their own become single ones, and the last full stop goes."""
+    return words.replace("“", "‘").replace("”", "’").removesuffix(".")
 
 
 def _data_address(path: Path) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import time
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -144,6 +143,10 @@ def _small(estimate: Estimate) -> str:
 
 
 def verdict_counts(claims: dict[str, Any]) -> str:
-    """How many claims got which verdict, as text."""
-    counts = Counter(str(claim["verdict"]) for claim in claims["claims"])
-    return ", ".join(f"{number} {verdict}" for verdict, number in counts.most_common())
+    """How many claims got which verdict, as text; a mistake that several claims share is counted once."""
+    from liepoisson.studies.twisted_top.claims.errata import count_verdicts
+
+    counts = count_verdicts(claims["claims"], claims["errata"])
+    repeated = len(claims["claims"]) - sum(counts.values())
+    texts = [f"{counts[verdict]} {verdict}" for verdict in sorted(counts, key=lambda v: -counts[v])]
+    return ", ".join(texts) + (f"; {repeated} more repeat one of these mistakes" if repeated else "")

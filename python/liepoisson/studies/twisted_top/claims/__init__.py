@@ -23,7 +23,9 @@ from collections.abc import Callable, Iterable
 from liepoisson.studies.twisted_top.claims import (
     canonical,
     charged,
+    charts,
     discussion,
+    inferences,
     leaves,
     nonintegrable,
     numerics,
@@ -50,10 +52,12 @@ CLAIMS: tuple[Claim, ...] = (
     *twisted.CLAIMS,
     *twisted_lagrange.CLAIMS,
     *canonical.CLAIMS,
+    *charts.CLAIMS,
     *leaves.CLAIMS,
     *discussion.CLAIMS,
     *nonintegrable.CLAIMS,
     *numerics.CLAIMS,
+    *inferences.CLAIMS,
 )
 """All claims, in the order of the paper."""
 

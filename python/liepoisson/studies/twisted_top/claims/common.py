@@ -93,16 +93,16 @@ def _all_polynomial_casimirs(evidence: Evidence, top: SymbolicTop) -> None:
 def complete_integrability(evidence: Evidence, top: SymbolicTop, integrals: dict[str, Any]) -> None:
     """State that three integrals are constant, in involution, and independent together with the Casimirs."""
     names = list(integrals)
-    for name, integral in integrals.items():
-        text = written(integral, top.bracket)
-        if text != name:
-            evidence.note(f"{name} = {text}")
+    texts = {name: written(integral, top.bracket) for name, integral in integrals.items()}
+    formulas = [f"{name} = {text}" for name, text in texts.items() if text != name]
+    for formula in formulas:
+        evidence.note(formula)
     for i, first in enumerate(names):
         for second in names[i + 1 :]:
             evidence.zero(f"{{{first}, {second}}} = 0", top.bracket(integrals[first], integrals[second]))
     functions = at_generic_parameters((*integrals.values(), *top.casimirs), top.bracket.variables)
     what = f"rank of d({', '.join(names)}, C₁, C₂, C₃) at a rational point, with primes for the parameters"
-    evidence.independent(what, functions, top.bracket, GENERIC_POINT)
+    evidence.independent(what, functions, top.bracket, GENERIC_POINT, formulas)
 
 
 def strata_steps(evidence: Evidence, bracket: Bracket, wanted: dict[str, int]) -> list[Stratum]:

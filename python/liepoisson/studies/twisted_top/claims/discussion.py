@@ -17,6 +17,7 @@ KOVALEVSKAYA = (2, 2, 1)
 # Every polynomial of degree d in (l, alpha) has weight at most 2d, in (l, alpha, beta) at most 3d.
 HEAVY_WEIGHT, TWISTED_WEIGHT = 10, 12
 HEAVY_WEIGHTS = (1, 1, 1, 2, 2, 2)
+_WEIGHT = "in a monomial a component of l counts one, of α two"
 TWISTED_WEIGHTS = (*HEAVY_WEIGHTS, 3, 3, 3)
 
 
@@ -34,6 +35,10 @@ def kovalevskaya_inertia(context: Context) -> Verdict:
     from sympy import Symbol
 
     evidence = Evidence()
+    evidence.note(
+        "The weight of a monomial counts a component of l once and one of α twice: for b = 0 the equations raise it by "
+        "one, so that every polynomial integral is a sum of integrals of one weight each."
+    )
     kappa = Symbol("kappa", positive=True)
     general = symbolic_top(context, inertia=(2 * kappa, 2 * kappa, kappa), a=("a1", "a2", 0), b=(0, 0, 0), epsilon=0)
     evidence.zero(
@@ -44,14 +49,14 @@ def kovalevskaya_inertia(context: Context) -> Verdict:
     )
     right = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
     counts = [_heavy_count(right, weight) for weight in range(1, 5)]
-    what = f"I = {KOVALEVSKAYA}: integrals of weight ≤ 4 beyond the polynomials in H, l·α, |α|², namely K"
+    what = f"I = {KOVALEVSKAYA}: integrals of weight ≤ 4 ({_WEIGHT}) beyond the polynomials in H, l·α, |α|², namely K"
     evidence.search(what, _table(counts), sum(count.excess for count in counts), 1)
     printed = symbolic_top(context, inertia=AS_PRINTED, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
     counts = [_heavy_count(printed, weight) for weight in range(1, HEAVY_WEIGHT + 1)]
-    what = f"I = {AS_PRINTED}: integrals of weight ≤ {HEAVY_WEIGHT} beyond the polynomials in H, l·α, |α|²"
+    what = f"I = {AS_PRINTED}: integrals of weight ≤ {HEAVY_WEIGHT} ({_WEIGHT}) beyond the polynomials in H, l·α, |α|²"
     evidence.search(what, _table(counts), sum(count.excess for count in counts), 0, decisive=True)
     evidence.note(
-        "Weights: l 1, α 2; so in particular no polynomial of degree ≤ 5 in (l, α). Exact: the rank of d/dt on the "
+        "A polynomial of degree ≤ 5 in (l, α) has weight ≤ 10: there is no further one. Exact: the rank of d/dt on the "
         "monomials, taken modulo 2⁶¹ − 1, bounds the number of integrals from above, the known ones from below."
     )
     evidence.data = {"found_and_known_by_weight": [[count.found, len(count.known)] for count in counts]}
@@ -135,8 +140,8 @@ def homoclinic_orbits(context: Context) -> Verdict:
         _rate(yt, c, s, k) + xt * zt / moment - strength * a1,
     )
     evidence.zero(
-        "z = z₀ + 2k²I₃²/(z₀ ± m cosh kt), x = (z₀²/2I₃ + a₁d − z²/2I₃)/a₁, y = −(dz/dt)/a₁ solves them, where "
-        "d = εBI₃a₁/z₀, m² = a₁dI₃, k² = (m² − z₀²)/I₃² > 0",
+        "with z₀ ≠ 0, d = εBI₃a₁/z₀, m² = a₁dI₃ and k² = (m² − z₀²)/I₃² > 0, "
+        "z = z₀ + 2k²I₃²/(z₀ ± m cosh kt), x = (z₀²/2I₃ + a₁d − z²/2I₃)/a₁, y = −(dz/dt)/a₁ solves them",
         [_hyperbolic(residual, c, s, k, k_squared) for residual in residuals],
     )
     evidence.note(
@@ -144,8 +149,10 @@ def homoclinic_orbits(context: Context) -> Verdict:
     )
     return evidence.conclude(
         "holds with a condition",
-        "Not of all of them: a = (a₁, 0, 0), b = (0, 0, b₃) has, for any inertia, an invariant plane motion with "
-        "elementary homoclinic orbits, z = z₀ + 2k²I₃²/(z₀ ± m cosh kt). Others are not examined here.",
+        "Not of all of them: for a = (a₁, 0, 0), b = (0, 0, b₃) and any inertia the states l = (0, 0, z), "
+        "α = (x, y, 0), β = (0, 0, B) form an invariant set, with saddles z = z₀, x = d = εBI₃a₁/z₀, y = 0 and "
+        "elementary homoclinic orbits z(t) = z₀ + 2k²I₃²/(z₀ ± m cosh kt), where m² = a₁dI₃ and "
+        "k² = (m² − z₀²)/I₃², provided that k² > 0. Others are not examined here.",
     )
 
 
@@ -176,31 +183,35 @@ def _heavy_count(top: SymbolicTop, weight: int) -> IntegralCount:
     return count_integrals(equations, variables, HEAVY_WEIGHTS, known, weight)
 
 
-_DISCUSSION = "Section 5, Discussion"
-
 CLAIMS: tuple[Claim, ...] = (
     Claim(
         "kovalevskaya-inertia",
-        f"{_DISCUSSION}, second paragraph",
+        "Section 5, Discussion, second paragraph",
         "The Kovalevskaya case has I₁ = I₂, I₃ = 2I₁ and a₃ = 0.",
         kovalevskaya_inertia,
+        words="the Kovalevskaya case involves setting I₁ = I₂, I₃ = 2I₁, and a₃ = 0",
     ),
     Claim(
         "kovalevskaya-integrable",
-        f"{_DISCUSSION}, second paragraph",
+        "Section 5, Discussion, second paragraph",
         "The Kovalevskaya case of the uncharged heavy top is integrable.",
         kovalevskaya_integrable,
+        words="This top is integrable",
+        follows_from="kovalevskaya-inertia",
     ),
     Claim(
         "nearby-integrable-case",
-        f"{_DISCUSSION}, third paragraph",
+        "Section 5, Discussion, third paragraph",
         "An integrable twisted top with parameters close to the Kovalevskaya values is not ruled out; none was found.",
         nearby_integrable_case,
+        words="The presence of chaos does not rule out the existence of an integrable case with parameters “close” "
+        "to the Kovalevskaya values … We have not found such a case.",
     ),
     Claim(
         "homoclinic-orbits",
-        f"{_DISCUSSION}, fourth paragraph",
+        "Section 5, Discussion, fourth paragraph",
         "A Melnikov analysis is hindered by the complicated form of the homoclinic orbits.",
         homoclinic_orbits,
+        words="The present case is less straightforward because of the complicated form of the homoclinic orbits.",
     ),
 )

@@ -157,14 +157,21 @@ class Evidence:
         self.equal(what, len(rows), wanted, computed, kind="rank", decisive=decisive)
         return len(rows)
 
-    def independent(self, what: str, functions: Sequence[Any], bracket: Bracket, point: Sequence[Any]) -> bool:
+    def independent(
+        self,
+        what: str,
+        functions: Sequence[Any],
+        bracket: Bracket,
+        point: Sequence[Any],
+        computed: Sequence[str] = (),
+    ) -> bool:
         """State that the differentials of the functions are independent at a point, with a minor of the matrix."""
         from sympy import Matrix
 
         at = dict(zip(bracket.variables, point, strict=True))
         slopes: Any = Matrix([[f.diff(x).subs(at) for x in bracket.variables] for f in functions])
         _, columns = slopes.rref()
-        computed = [f"at {state(bracket, point)}"]
+        computed = [*computed, f"at {state(bracket, point)}"]
         if len(columns) == len(functions):
             minor = slopes.extract(list(range(len(functions))), list(columns)).det()
             chosen = names(bracket.variables[k] for k in columns)

@@ -49,10 +49,40 @@ def never_collinear(context: Context) -> Verdict:
         "t = 0 on the orbit through l = α = (0, 0, 0), β = (1, 0, 0), for ε = 1, a = (0, 0, 1), b = 0, any inertia",
     )
     evidence.data = {"derivatives": [show(value) for value in series]}
+    _stays_away(evidence, context)
     return evidence.conclude(
         "wrong",
         "Orbits with α × β ≠ 0 do reach collinear states. These form a set of codimension two in the leaf, so almost "
-        "every orbit avoids it, but orbits pass arbitrarily near, and φ then jumps by nearly π.",
+        "every orbit avoids it. How near an orbit comes depends on the leaf and the energy: where the energy "
+        "surface of the leaf contains collinear states, orbits pass arbitrarily near, and φ then changes by nearly π "
+        "at once; where it contains none, they stay away.",
+    )
+
+
+def _stays_away(evidence: Evidence, context: Context) -> None:
+    """State that the energy surface of some leaf contains no collinear state."""
+    from sympy import Rational, Symbol
+
+    top = symbolic_top(context, inertia=(2, "3/2", 1), a=(0, 0, 1), b=(0, 0, 0), epsilon="1/20")
+    tenth = Rational(1, 10)
+    start = substitution(top.bracket.variables, (3 * tenth, 2 * tenth, tenth, 1, 0, 0, 0, 1, 0))
+    C1, C2, C3 = (casimir.subs(start) for casimir in top.casimirs)
+    # With C2 = 0 and C3 = 1 a collinear state has alpha = 0 and 2 epsilon l.beta = C1, so |l| >= C1/(2 epsilon).
+    least = (C1 / (2 * top.epsilon)) ** 2 / (2 * top.inertia[0])
+    l, alpha, beta = top.vectors
+    s = Symbol("s")
+    collinear = substitution((*l, *alpha, *beta), (s, 0, 0, 0, 0, 0, 1, 0, 0))
+    evidence.zero("α = 0, β = e₁, l = s e₁: C₁ = 2ε s", top.casimirs[0].subs(collinear) - 2 * top.epsilon * s)
+    evidence.counterexample(
+        "an energy surface may contain no collinear state: on this leaf one has α = 0 and l·β = C₁/2ε, hence "
+        "H = l·I⁻¹l/2 ≥ (C₁/2ε)²/(2 I_max) with I_max = 2 the largest moment of inertia, far above the energy",
+        {
+            "C₂, C₃": ((C2, C3), (0, 1)),
+            "H": (top.hamiltonian.subs(start), Rational(49, 1200)),
+            "(C₁/2ε)²/(2 I_max)": (least, Rational(2601, 100)),
+        },
+        "I = (2, 3/2, 1), a = (0, 0, 1), b = 0, ε = 1/20, l = (3/10, 1/5, 1/10), α = (1, 0, 0), β = (0, 1, 0)",
+        decisive=False,
     )
 
 
@@ -166,14 +196,15 @@ def leaves_are_cotangent(context: Context) -> Verdict:
     )
     evidence.note(
         "Every point of the leaf is of this form for one (n, x, y): the leaf is the sum of two tangent bundles of the "
-        "sphere, a rank-4 bundle with w₂ = 2w₂(TS²) = 0, hence trivial (bundles over S² are classified by π₁(SO(4)) = "
-        "Z₂): the leaf is S² × R⁴, simply connected, while T*SO(3) has fundamental group Z₂."
+        "sphere S², a bundle of rank 4 with second Stiefel–Whitney class twice that of the tangent bundle, which "
+        "is 0; hence it is trivial (bundles over S² are classified by π₁(SO(4)) = ℤ₂): the leaf is S² × ℝ⁴, simply "
+        "connected, while T*SO(3) has fundamental group ℤ₂."
     )
     return evidence.conclude(
-        "wrong",
-        "For ε ≠ 0 every leaf with β ≠ 0 is diffeomorphic to S² × R⁴, not to T*SO(3); the collinear states are "
-        "regular points of it. The Euler-angle chart covers the leaf without them (the part 2ε l·β < η) and "
-        "without sin θ = 0.",
+        "underspecified",
+        "The paper does not say so. If it is meant: for ε ≠ 0 every leaf with β ≠ 0 is diffeomorphic to S² × ℝ⁴ "
+        "(S² the sphere of directions of β), not to T*SO(3); the collinear states are regular points of it. The "
+        "Euler-angle chart covers the leaf without them (the part 2ε l·β < η) and without sin θ = 0.",
     )
 
 
@@ -192,37 +223,44 @@ def _rotation_symmetric(evidence: Evidence, bracket: Any) -> None:
     )
 
 
-_CANONICAL = "Section 4, Canonical description"
-
 CLAIMS: tuple[Claim, ...] = (
     Claim(
         "leaf-dimension",
-        f"{_CANONICAL}, first paragraph",
+        "Section 4, Canonical Description, first paragraph",
         "The symplectic leaves have six dimensions, nine coordinates less three Casimirs.",
         leaf_dimension,
+        words="(9 coordinates, 3 Casimirs)",
     ),
     Claim(
         "collinear-stays-collinear",
-        f"{_CANONICAL}, after the rate of l·β",
+        "Section 4, Canonical Description, after equation (14)",
         "If η = 2ε l·β initially (α and β collinear), then it remains so for all times.",
         collinear_stays,
+        words="If η = 2ε l·β initially, then it remains so for all times",
     ),
     Claim(
         "never-collinear",
-        f"{_CANONICAL}, after the rate of l·β",
+        "Section 4, Canonical Description, after equation (14)",
         "If α and β are not collinear initially, they never become collinear.",
         never_collinear,
+        words="if η ≠ 2ε l·β initially, then the two vectors α and β are never collinear",
+        follows_from="collinear-stays-collinear",
     ),
     Claim(
         "always-invertible",
-        f"{_CANONICAL}, paragraph on the inversion",
+        "Section 4, Canonical Description, next paragraph after equation (14)",
         "The map to Euler angles can always be inverted, if α and β are not initially collinear.",
         always_invertible,
+        words="we can always invert Eqs. (9) and (13) for (φ, ψ, θ), as long as α and β are not initially collinear",
+        follows_from="collinear-stays-collinear",
     ),
     Claim(
         "leaves-cotangent-so3",
-        f"{_CANONICAL}, implied by the global use of (q, p)",
-        "The leaves are covered by Euler angles and their momenta, as the phase space T*SO(3) of the charged top is.",
+        "Section 4, Canonical Description, first paragraph",
+        "Implied: the leaves of the twisted top are covered by Euler angles and their momenta, as T*SO(3) is.",
         leaves_are_cotangent,
+        words="the transformation is invertible on the symplectic leaves, so that it can be used to canonize the "
+        "system",
+        follows_from="collinear-stays-collinear",
     ),
 )

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.parameters import Parameter
 
 Ruling: TypeAlias = Literal[
-    "holds", "holds with a condition", "incomplete", "misprint", "wrong", "not settled", "not run"
+    "holds", "holds with a condition", "incomplete", "misprint", "wrong", "underspecified", "not settled", "not run"
 ]
 Method: TypeAlias = Literal["exact", "numerical"]
 
@@ -26,8 +26,9 @@ class Verdict:
     """What a check found.
 
     Attributes:
-        verdict: Whether the claim holds; "incomplete" when it is right as far as it goes and more is proved here; "not
-            run" when the measurements that it needs are absent.
+        verdict: Whether the claim holds; "incomplete" when it is right as far as it goes and more is proved here;
+            "underspecified" when the paper only implies it, or leaves open what decides it; "not run" when the
+            measurements that it needs are absent.
         method: "exact" for identities and counterexamples in exact arithmetic, "numerical" for measured numbers.
         steps: The computation, step by step.
         correct_statement: What is true instead, or the condition; empty when the claim holds as it stands.
@@ -78,15 +79,19 @@ class Claim:
 
     Attributes:
         id: Stable name, in lower case with hyphens.
-        place: Where the paper says it.
-        statement: What it says, in other words.
+        place: Where the paper says it: section, and equation where there is one.
+        statement: What it says, in the notation of the study; what it only implies begins with "Implied: ".
         check: Computes the verdict anew each time.
+        words: The words of the paper; empty where the claim is an equation.
+        follows_from: The claim whose mistake this one repeats or is deduced from; empty if it stands for itself.
     """
 
     id: str
     place: str
     statement: str
     check: Callable[[Context], Verdict]
+    words: str = ""
+    follows_from: str = ""
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -61,7 +62,7 @@ def two_field_extensions(context: Context) -> Verdict:
         form, killing, derived = extension.classify().name, _killing_signature(bracket), _derived_dimension(bracket)
         found = proof.holds and (form, killing, derived) == (case.normal_form, case.killing, case.derived)
         computed = (
-            f"A = {form.replace('^2', '²').replace('^3', '³')}; {proof}",
+            f"A = {_blackboard(form)}; {proof}",
             f"so(3) ⊗ A: Killing form with {killing[0]} positive and {killing[1]} negative eigenvalues, derived "
             f"algebra of dimension {derived}",
         )
@@ -72,8 +73,14 @@ def two_field_extensions(context: Context) -> Verdict:
     return evidence.conclude(
         "holds with a condition",
         "True when the algebra of the two fields has a unit (l acts on both fields) and the second field is nilpotent. "
-        "Otherwise there are also so(4) = so(3) ⊗ (R × R), so(3,1) = so(3) ⊗ C, and algebras without unit.",
+        "Otherwise there are also so(4) = so(3) ⊗ (ℝ × ℝ), so(3,1) = so(3) ⊗ ℂ, and algebras without unit.",
     )
+
+
+def _blackboard(form: str) -> str:
+    """The name of an algebra with the usual letters for real and complex numbers."""
+    text = re.sub(r"\bR\b", "ℝ", re.sub(r"\bC\b", "ℂ", form))
+    return text.replace("^2", "²").replace("^3", "³")
 
 
 def _square_completed(evidence: Evidence) -> None:
@@ -231,9 +238,10 @@ def bounded(context: Context) -> Verdict:
     moments = [largest - gap for gap in gaps]
     excess = sum(x**2 / moment for x, moment in zip(l, moments, strict=True)) - l.dot(l) / largest
     exact = sum(x**2 * gap / (moment * largest) for x, moment, gap in zip(l, moments, gaps, strict=True))
-    evidence.zero("l·I⁻¹l − |l|²/Imax = Σ lᵢ² (Imax − Iᵢ)/(Iᵢ Imax) ≥ 0", excess - exact)
+    evidence.zero("l·I⁻¹l − |l|²/I_max = Σ lᵢ² (I_max − Iᵢ)/(Iᵢ I_max) ≥ 0", excess - exact)
     evidence.note(
-        "With w² = C₃: |l|²/(2Imax) ≤ H − a·α − b·β ≤ H + |b|w + |a| √(|C₁| + 2|ε| w |l|), and the right-hand side "
+        "With w² = C₃ and I_max the largest moment of inertia: |l|²/(2 I_max) ≤ H − a·α − b·β ≤ H + |b|w + |a| "
+        "√(|C₁| + 2|ε| w |l|), and the right-hand side "
         "grows only like |l|^½: l is bounded, hence α, and |β| = w."
     )
     s, c = Symbol("s"), Matrix(symbols("c1:4"))
@@ -246,60 +254,64 @@ def bounded(context: Context) -> Verdict:
     )
     return evidence.conclude(
         "holds with a condition",
-        "The joint level sets of H and the three Casimirs are bounded (I > 0): with w² = C₃, |l|²/(2Imax) ≤ H + |b|w + "
-        "|a| √(|C₁| + 2|ε| w |l|). The level sets of H alone are not.",
+        "The joint level sets of H and the three Casimirs are bounded (all moments of inertia positive): "
+        "|l|²/(2 I_max) ≤ H + |b|w + |a| √(|C₁| + 2|ε| w |l|), where w² = C₃ and I_max is the largest moment. The "
+        "level sets of H alone are not.",
     )
 
-
-_TWISTED = "Section 3, The twisted top"
 
 CLAIMS: tuple[Claim, ...] = (
     Claim(
         "two-field-extensions",
-        f"{_TWISTED}, first paragraph",
+        "Section 3, The Twisted Top, first paragraph",
         "The only extension of the bracket to two field variables is the semidirect product.",
         two_field_extensions,
+        words="the only bracket extension of two field variables (such as l and α) is of the semidirect product type",
     ),
     Claim(
         "leibniz-not-semidirect",
-        f"{_TWISTED}, first paragraph",
+        "Section 3, The Twisted Top, first paragraph",
         "With three fields there is an extension that is not semidirect, the Leibniz bracket.",
         not_semidirect,
+        words="To obtain an extension that is not semidirect, one requires at least three variables",
     ),
     Claim(
         "leibniz-jacobi",
-        f"{_TWISTED}, equation of the bracket",
+        "Section 3, The Twisted Top, equation (3)",
         "The Leibniz bracket is a Poisson bracket.",
         leibniz_jacobi,
     ),
     Claim(
         "epsilon-measures-deviation",
-        f"{_TWISTED}, after the equation of the bracket",
+        "Section 3, The Twisted Top, after equation (3)",
         "ε measures the deviation from the semidirect bracket and need not be small.",
         epsilon_is_a_scale,
+        words="ε is a parameter measuring the deviation from a semidirect bracket and is not necessarily small",
     ),
     Claim(
         "leibniz-equations",
-        f"{_TWISTED}, equations of motion",
+        "Section 3, The Twisted Top, equations (4) to (6)",
         "The equations are dl/dt = l × ω + α × a + β × b, dα/dt = α × ω + ε β × a, dβ/dt = β × ω.",
         equations,
     ),
     Claim(
         "leibniz-casimirs",
-        f"{_TWISTED}, equation of the Casimirs",
+        "Section 3, The Twisted Top, equation (7)",
         "The Casimirs of the Leibniz bracket are |α|² + 2ε l·β, α·β and |β|².",
         leibniz_casimirs,
     ),
     Claim(
         "alpha-not-rigid",
-        f"{_TWISTED}, before and after the Casimirs",
+        "Section 3, The Twisted Top, before and after equation (7)",
         "α does not turn rigidly, its length is not constant, but its projection on β is; β does turn rigidly.",
         alpha_not_rigid,
+        words="α does not simply rotate rigidly (though β still does)",
     ),
     Claim(
         "bounded-energy-surfaces",
-        f"{_TWISTED}, paragraph on boundedness",
+        "Section 3, The Twisted Top, second paragraph",
         "For a positive definite inertia tensor the energy surfaces of the twisted top are bounded.",
         bounded,
+        words="the energy surfaces of the twisted top are bounded",
     ),
 )

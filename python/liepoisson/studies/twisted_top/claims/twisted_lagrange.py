@@ -64,25 +64,26 @@ def charged_case(context: Context) -> Verdict:
     )
 
 
-_TWISTED = "Section 3, The twisted top"
-
 CLAIMS: tuple[Claim, ...] = (
     Claim(
         "twisted-lagrange-p",
-        f"{_TWISTED}, equation of P and its derivation",
+        "Section 3, The Twisted Top, equation (8) and the three lines after it",
         "With I₁ = I₂, a on the axis and b = 0, P = l·α + ε I₁a₃β₃ is constant, by the displayed three lines.",
         p_constant,
     ),
     Claim(
         "twisted-lagrange-involution",
-        f"{_TWISTED}, last paragraph, and abstract",
+        "Section 3, The Twisted Top, last paragraph, and abstract",
         "H, l₃ and P are in involution, and the twisted Lagrange top is integrable.",
         involution,
+        words="the invariants {H, l₃, P} are in involution",
     ),
     Claim(
         "twisted-lagrange-uncharged",
-        "Section 1, Introduction, fourth paragraph, and Section 3, conditions of the Lagrange case",
+        "Section 1, Introduction, third paragraph, and Section 3, before equation (8)",
         "The symmetric twisted top is integrable when it is uncharged, b = 0.",
         charged_case,
+        words="it is integrable when it has an axis of symmetry (two moments of inertia are equal), … and the "
+        "electric field vanishes (or, equivalently, the top is uncharged)",
     ),
 )
