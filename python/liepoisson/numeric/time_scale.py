@@ -12,6 +12,7 @@ one of the Euclidean norm and of that with each component in units of its own ro
 
 from __future__ import annotations
 
+import math
 import time as clock
 
 import numpy as np
@@ -77,6 +78,37 @@ def time_scale(
         rate[chunk] = _rates(run, states[chunk])
     with np.errstate(divide="ignore"):
         return 1.0 / rate
+
+
+def zero_threshold(time: ArrayLike, scale: ArrayLike) -> Array:
+    r"""$3\ln(t/T)/t$: finite-time exponents below are consistent with zero; $3/t$ before t = e T, infinite at t = 0.
+
+    Tangent vectors grow like t/T on a regular torus, and the factor 3 leaves room.  It bounds no exponent: any orbit
+    may be below at time t and above later.  It is no verdict, either: that is what `decide` is for.
+
+    Args:
+        time: Averaging times.
+        scale: The time scales T, of a shape that goes with that of the times; NaN gives NaN.
+    """
+    t, unit = np.broadcast_arrays(np.asarray(time, np.float64), np.asarray(scale, np.float64))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logarithm = np.log(np.maximum(t / unit, math.e))
+        return np.where(t > 0, 3.0 * logarithm / t, np.where(np.isnan(unit), np.nan, np.inf))
+
+
+def natural_duration(n: float, scale: Array, *, fastest: bool = False, otherwise: float) -> float:
+    """About n natural times of the median orbit or of the fastest one, to two significant digits.
+
+    Args:
+        n: How many.
+        scale: Time scales, shape (trajectory,).
+        fastest: Of the fastest orbit.
+        otherwise: What is taken where no orbit has a time scale, as where the field vanishes.
+    """
+    known = scale[np.isfinite(scale) & (scale > 0)]
+    if not len(known):
+        return otherwise
+    return float(f"{n * float(known.min() if fastest else np.median(known)):.1e}")
 
 
 class _Run:
@@ -169,7 +201,7 @@ def _derivatives(run: _Run, states: Array, lowest: Array) -> tuple[Array, Array]
 
 
 def _radius(matrices: Array, scale: Array) -> Array:
-    """Spectral radii; for nilpotent matrices a norm, with or without components in units of their scale; shape (matrix,)."""
+    """Spectral radii, shape (matrix,); for nilpotent matrices a norm, maybe of components over `scale`."""
     result = np.full(len(matrices), np.nan)
     good = np.isfinite(matrices).all(axis=(1, 2))
     largest = scale.max(axis=1, keepdims=True)

@@ -191,8 +191,8 @@ def decide(
       (`liepoisson.numeric.averages`): the same on a torus, different by a few per cent where an orbit wanders.
 
     "Chaotic" needs two votes of the first three and none against; "regular" needs the same for it, and averages that
-    have settled.  The run must be at least 100 natural times long, $t\ge 100\,T$ with T from `time_scale`.  Growth power
-    and MEGNO come from the same tangent vector and mostly agree; SALI comes from two others, averages from none.
+    have settled.  The run must be at least 100 natural times long, $t\ge 100\,T$ with T from `time_scale`.  Growth
+    power and MEGNO come from the same tangent vector and mostly agree; SALI comes from two others, averages from none.
 
     Nothing here has a unit of time: multiply H by c and divide `t_end` by c, and the verdicts are the same.
 
@@ -228,7 +228,7 @@ def decide(
         and Simó, Astron. Astrophys. Suppl. 147 (2000) 205.
     """
     end, limit = as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
-    rule = _as_rule(rule)
+    rule = as_rule(rule)
     deadline = clock.monotonic() + limit
     scale = time_scale(system, x0, method=method, threads=threads, time_limit=_left(deadline))
     with np.errstate(divide="ignore"):
@@ -279,7 +279,12 @@ def _left(deadline: float) -> float:
     return max(deadline - clock.monotonic(), 1e-9)
 
 
-def _as_rule(rule: Any) -> Rule:
+def as_rule(rule: Any) -> Rule:
+    """The rule that is given, or the default one.
+
+    Raises:
+        ParameterError: it is no `Rule`.
+    """
     if rule is None:
         return Rule()
     if not isinstance(rule, Rule):
