@@ -28,7 +28,7 @@ from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
 from liepoisson.numeric.averages import average_drift
 from liepoisson.numeric.estimates import Estimate
 from liepoisson.numeric.megno import Megno, megno
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.time_scale import time_scale
 
@@ -36,6 +36,9 @@ Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]
 
 KINDS: tuple[Kind, ...] = ("regular", "chaotic", "undecided")
 INDICATORS = ("growth_power", "megno", "sali", "averages")
+
+METHOD = Taylor(tol=1e-13)
+"""Default method of the three runs that a verdict needs."""
 
 
 @dataclass(frozen=True)
@@ -228,7 +231,7 @@ def decide(
         and Simó, Astron. Astrophys. Suppl. 147 (2000) 205.
     """
     end, limit = as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
-    rule = as_rule(rule)
+    rule, method = as_rule(rule), as_method(method, METHOD)
     deadline = clock.monotonic() + limit
     scale = time_scale(system, x0, method=method, threads=threads, time_limit=_left(deadline))
     with np.errstate(divide="ignore"):
