@@ -1,7 +1,7 @@
 """The tables and the figure of docs/chaos.md: `python docs/figures/error_rates.py [N] [n]`.
 
-N = 200 starts for each system of the first two tables, n = 128 for each weakly chaotic one, whose runs are long.  Some 8
-minutes on one core.
+N = 128 starts for each system of the first two tables, n = 128 for each weakly chaotic one, whose runs are long.  Some
+8 minutes on one core.
 
 Writes the tables between their markers in docs/chaos.md, and docs/images/sticky.png.
 """
@@ -37,9 +37,9 @@ TIMES = (300.0, 1000.0, 3000.0)
 # regular, so the rate of chaotic orbits called regular is a lower bound.
 LONG, REGULAR_BELOW, CHAOTIC_ABOVE = 1e4, 15.0, 30.0
 
-# Small perturbations of integrable systems: thin chaotic layers, weak exponents, sticky orbits.  They are decided at two
-# times and judged by runs 100 times longer.  The threshold for averages was fixed on the first two systems with the seeds
-# 2001 to 2003; here are others.
+# Small perturbations of integrable systems: thin chaotic layers, weak exponents, sticky orbits.  They are decided at
+# two times and judged by runs 100 times longer.  The threshold for averages was fixed on the first two systems with the
+# seeds 2001 to 2003; here are others.
 WEAK_STARTS, WEAK_TANGENTS, WEAK_LONG_TANGENTS = 5001, 5002, 5003
 WEAK_TIMES, TIMES_LONGER = (300.0, 1000.0), 100.0
 # A torus has ln|v| = ln t + c, by 2.3 more at t = 100,000 than at 10,000.
@@ -205,5 +205,5 @@ def sticky(path: Path) -> None:
 
 if __name__ == "__main__":
     sticky(DOCS / "images" / "sticky.png")
-    sizes = [*map(int, sys.argv[1:]), *(200, 128)[len(sys.argv) - 1 :]]
+    sizes = [*map(int, sys.argv[1:]), *(128, 128)[len(sys.argv) - 1 :]]
     write_table(DOCS / "chaos.md", table(*sizes))

@@ -6,14 +6,16 @@ with the spectral radius of the derivative of the field at 8 times of the first 
 and T is divided by c; scale each component of the state by a number of its own and T stays.  So t/T is a pure number,
 the length of a run in natural units, and whatever is said of t/T is said whatever the units.
 
-Where all eigenvalues vanish, as for x' = p, p' = 0, a norm of Df takes the place of the spectral radius: the smaller
-one of the Euclidean norm and of that with each component in units of its own root mean square along the stretch.
+Where all eigenvalues vanish, $\sqrt{\frac12\sum_{ij}|A_{ij}A_{ji}|}$ takes the place of the spectral radius; where this
+vanishes, too, as for x' = p, p' = 0, a norm of Df: the smaller one of the Euclidean norm and of that with each
+component in units of its own root mean square along the stretch.
 """
 
 from __future__ import annotations
 
 import math
 import time as clock
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -32,10 +34,11 @@ _STRETCH = 32.0
 # 1e-6, and Df has relative errors of that size from the order and of 1e-8 from round-off.
 _LEAST_CHANGE, _RUNG = 1e-8, 1e2
 _LOWEST, _HIGHEST = 1e-60, 1e60
-# Below this part of the norm all eigenvalues count as zero: those of a nilpotent matrix of three rows, with errors of
-# 1e-8 in its entries, are some 1e-3 of its norm.
-_NILPOTENT = 1e-2
+# Below this part of the coupling all eigenvalues count as zero: those of a nilpotent matrix of three rows, with errors
+# of 1e-8 in its entries, are some 1e-3 of its norm.  Where neither is above round-off the matrix is triangular.
+_NILPOTENT, _ROUND_OFF = 1e-2, 1e-12
 _CHUNK, _TOGETHER = 256, 32
+_NO_UNIT = 1e-6
 
 
 def time_scale(
@@ -48,7 +51,7 @@ def time_scale(
 ) -> Array:
     r"""The natural unit of time of each orbit, $T = 1/\mathrm{median}_k\,\rho(Df(x(t_k)))$.
 
-    The median is over 8 points of the first 32 natural times of the orbit, and $\rho$ is the spectral
+    The median is over 8 points of the first 32 natural times or so of the orbit, and $\rho$ is the spectral
     radius.  For a linear oscillator T is 1 over its angular frequency, beside a saddle 1 over the largest exponent.
 
     Args:
@@ -66,18 +69,51 @@ def time_scale(
         ShapeError: `x0` has another shape than stated.
         ParameterError: no start is finite.
     """
+    return orbit_units(system, x0, method=method, threads=threads, time_limit=time_limit).time
+
+
+class OrbitUnits(NamedTuple):
+    """Natural units of orbits.
+
+    Attributes:
+        time: As `time_scale` returns it, shape (trajectory,).
+        component: Root mean square of each component of the state along the first stretch, shape (trajectory,
+            component); that of the largest one for components that are zero or less than 1e-6 of it; 1 where all are
+            zero or the orbit failed.
+    """
+
+    time: Array
+    component: Array
+
+
+def orbit_units(
+    system: HasField,
+    x0: ArrayLike,
+    *,
+    method: Method | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+) -> OrbitUnits:
+    """Natural units of time and of each component along orbits.
+
+    Arguments and errors are those of `time_scale`.
+
+    Raises:
+        ShapeError: `x0` has another shape than stated.
+        ParameterError: no start is finite.
+    """
     field = as_field(system)
     # whatever the caller's method, but a field that is given by its pieces knows no other
     how = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
     states = as_states(x0, field.n_components, some_may_fail=True)
     run = _Run(system.name, field, how, threads, clock.monotonic() + as_time_limit(time_limit))
-    rate = np.full(len(states), np.nan)
+    rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
     for start in range(0, len(good), _CHUNK):
         chunk = good[start : start + _CHUNK]
-        rate[chunk] = _rates(run, states[chunk])
+        rate[chunk], size[chunk] = _rates(run, states[chunk])
     with np.errstate(divide="ignore"):
-        return 1.0 / rate
+        return OrbitUnits(1.0 / rate, _units(size))
 
 
 def zero_threshold(time: ArrayLike, scale: ArrayLike) -> Array:
@@ -149,11 +185,20 @@ class _Run:
         )
 
 
-def _rates(run: _Run, x0: Array) -> Array:
-    """Median spectral radius of Df along the first stretch of each orbit, shape (trajectory,)."""
+def _units(size: Array) -> Array:
+    """Sizes of components that can be units: not zero and not of another order than the largest one."""
+    known = np.where(np.isfinite(size), size, 0.0)
+    largest = known.max(axis=1, keepdims=True)
+    return np.where(known > _NO_UNIT * largest, known, np.where(largest > 0.0, largest, 1.0))
+
+
+def _rates(run: _Run, x0: Array) -> tuple[Array, Array]:
+    """Median spectral radius of Df along the first stretch of each orbit, and the sizes of its components there."""
     at_start, rung = _derivatives(run, x0, np.full(len(x0), _LOWEST))
-    first = _radius(at_start, np.abs(x0))
-    rates = first.copy()
+    radius, coupling = _radius(at_start, np.abs(x0)), _coupling(at_start)
+    # where components act on each other in longer circles only, what is left of the coupling is round-off
+    first = np.where(coupling > _NILPOTENT * radius, coupling, radius)
+    rates, sizes = first.copy(), np.abs(x0)
     moving = np.flatnonzero((first > 0.0) & np.isfinite(first))
     lengths = _STRETCH / first[moving]
     # A few members with stretches of about the same length run together, each seen at times of its own.
@@ -164,13 +209,14 @@ def _rates(run: _Run, x0: Array) -> Array:
             some = alike[start : start + run.together]
             members = moving[some]
             orbit = run.states(x0[members], lengths[some, None] * np.arange(N_POINTS) / (N_POINTS - 1))
-            rates[members] = _median_radius(run, orbit, rung[members])
-    return rates
+            sizes[members] = np.sqrt((orbit**2).mean(axis=1))
+            rates[members] = _median_radius(run, orbit, sizes[members], rung[members])
+    return rates, sizes
 
 
-def _median_radius(run: _Run, orbit: Array, rung: Array) -> Array:
+def _median_radius(run: _Run, orbit: Array, sizes: Array, rung: Array) -> Array:
     """Median over the points of orbits, shape (trajectory, time, component), of the spectral radius of Df."""
-    scale = np.repeat(np.sqrt((orbit**2).mean(axis=1)), N_POINTS, axis=0)
+    scale = np.repeat(sizes, N_POINTS, axis=0)
     points = orbit.reshape(-1, orbit.shape[2])
     reached = np.isfinite(points).all(axis=1)
     found = np.full(len(points), np.nan)
@@ -200,15 +246,30 @@ def _derivatives(run: _Run, states: Array, lowest: Array) -> tuple[Array, Array]
     return derivatives, rung
 
 
+def _coupling(matrices: Array) -> Array:
+    r"""$\sqrt{\frac12\sum_{ij}|A_{ij}A_{ji}|}$, shape (matrix,): 1 for a rotation, as is its spectral radius.
+
+    It knows no units of components, either, and unlike the spectral radius it hardly changes with small errors where
+    eigenvalues coincide.
+    """
+    products = np.abs(matrices * np.swapaxes(matrices, 1, 2))
+    return np.sqrt(0.5 * products.sum(axis=(1, 2)))
+
+
 def _radius(matrices: Array, scale: Array) -> Array:
-    """Spectral radii, shape (matrix,); for nilpotent matrices a norm, maybe of components over `scale`."""
+    """Spectral radii, shape (matrix,); of nilpotent matrices the coupling, or if this is zero, too, a norm."""
     result = np.full(len(matrices), np.nan)
     good = np.isfinite(matrices).all(axis=(1, 2))
+    if good.any():
+        result[good] = _finite_radius(matrices[good], scale[good])
+    return result
+
+
+def _finite_radius(matrices: Array, scale: Array) -> Array:
     largest = scale.max(axis=1, keepdims=True)
     units = np.where(scale > 0.0, scale, np.where(largest > 0.0, largest, 1.0))
-    scaled = matrices[good] * units[good][:, None, :] / units[good][:, :, None]
-    if good.any():
-        norm = np.minimum(*(np.linalg.norm(each, axis=(1, 2)) for each in (matrices[good], scaled)))
-        radius = np.abs(np.linalg.eigvals(scaled)).max(axis=1)
-        result[good] = np.where(radius > _NILPOTENT * norm, radius, norm)
-    return result
+    scaled = matrices * units[:, None, :] / units[:, :, None]
+    norm = np.minimum(*(np.linalg.norm(each, axis=(1, 2)) for each in (matrices, scaled)))
+    radius, coupling = np.abs(np.linalg.eigvals(scaled)).max(axis=1), _coupling(matrices)
+    rate = np.where(radius > _NILPOTENT * coupling, radius, coupling)
+    return np.where(rate > _ROUND_OFF * norm, rate, norm)

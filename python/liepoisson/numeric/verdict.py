@@ -30,7 +30,8 @@ from liepoisson.numeric.estimates import Estimate
 from liepoisson.numeric.megno import Megno, megno
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.proportions import proportion
-from liepoisson.numeric.time_scale import time_scale
+from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.numeric.time_scale import orbit_units
 
 Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]
 
@@ -197,7 +198,8 @@ def decide(
     have settled.  The run must be at least 100 natural times long, $t\ge 100\,T$ with T from `time_scale`.  Growth
     power and MEGNO come from the same tangent vector and mostly agree; SALI comes from two others, averages from none.
 
-    Nothing here has a unit of time: multiply H by c and divide `t_end` by c, and the verdicts are the same.
+    Nothing here has units: multiply H by c and divide `t_end` by c, or a component by a constant (tangent vectors are
+    drawn and their angles taken in units of the components along the orbit), and the verdicts are the same.
 
     What the rule cannot see: an orbit that has hardly begun to be chaotic by `t_end`, and whose averages stand still
     until then.  Of orbits that are chaotic in a run 100 times longer at most 5% are called "regular", for the systems
@@ -233,13 +235,16 @@ def decide(
     end, limit = as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
     rule, method = as_rule(rule), as_method(method, METHOD)
     deadline = clock.monotonic() + limit
-    scale = time_scale(system, x0, method=method, threads=threads, time_limit=_left(deadline))
+    units = orbit_units(system, x0, method=method, threads=threads, time_limit=_left(deadline))
     with np.errstate(divide="ignore"):
-        natural_time = end / scale
+        natural_time = end / units.time
+    n_all, n = units.component.shape
+    tangents = sample_tangents(n, n_all, seed=as_seed(seed), first=as_first(first, n_all))
     growth = megno(
         system,
         x0,
         t_end=end,
+        tangents=units.component * tangents,
         seed=seed,
         first=first,
         method=method,
@@ -252,6 +257,7 @@ def decide(
         system,
         x0,
         times=end * np.arange(1, 9) / 8,
+        units=units.component,
         seed=seed,
         first=first,
         method=method,
@@ -323,7 +329,7 @@ def _judge(
 
 def _growth_power(growth: Megno) -> Array:
     """Least-squares slope of ln|v| against ln t over the last decade of time."""
-    last = growth.time >= 0.1 * growth.time[-1]
+    last = growth.time >= 0.1 * (1.0 - 1e-9) * growth.time[-1]  # round-off decides for no sample in any unit of time
     log_time = np.log(growth.time[last])
     log_time -= log_time.mean()
     # not a product of matrices, whose order of summation depends on the number of rows
