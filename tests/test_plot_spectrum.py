@@ -24,7 +24,7 @@ def test_curves_and_points_are_those_of_the_trajectory():
 
 def test_a_trajectory_without_values_is_refused():
     result = lyapunov_spectrum(TOP, np.array([np.ones(9), np.full(9, 1e200)]), t_end=20)
-    draw(result, logarithmic=False)
+    draw(result, enlarged=False)
     with pytest.raises(ParameterError, match="ended with 'not finite'"):
         draw(result, trajectory=1)
     with pytest.raises(ParameterError, match="result: wanted what lyapunov_spectrum returns"):

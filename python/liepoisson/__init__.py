@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from liepoisson.numeric.section import FirstReturn, Section, first_return, section
     from liepoisson.numeric.spectrum import Spectrum, lyapunov_spectrum
     from liepoisson.numeric.structural_zeros import PoissonStructure
+    from liepoisson.numeric.time_scale import time_scale
     from liepoisson.numeric.verdict import Agreement, Rule, Verdict, agreement, decide
     from liepoisson.phase_space.bounds import Bounds, bounds
     from liepoisson.phase_space.chart_orbit import ChartOrbit, chart_orbit
@@ -168,6 +169,7 @@ __all__ = [
     "stability",
     "su",
     "sweep",
+    "time_scale",
     "trivial",
     "window_scan",
 ]
@@ -274,6 +276,7 @@ _HOME = {
     "stability": "phase_space.stability",
     "su": "exact.lie_algebras",
     "sweep": "sweeps.run",
+    "time_scale": "numeric.time_scale",
     "trivial": "exact.extensions",
     "window_scan": "numeric.finite_time_fit",
 }

@@ -115,7 +115,12 @@ def spectrum_dataset(spectrum: Spectrum) -> Dataset:
     exponent = {"long_name": "finite-time Lyapunov exponents", "units": "inverse time, dimensionless"}
     variables: dict[str, Any] = {
         "exponent": (("trajectory", "time", "k"), spectrum.exponent, exponent),
-        "error": (("trajectory", "k"), spectrum.error, {"long_name": "statistical error at the last time"}),
+        "error": (
+            ("trajectory", "k"),
+            spectrum.error,
+            {"long_name": "standard error at the last time, over the time of each orbit"},
+        ),
+        "time_scale": ("trajectory", spectrum.time_scale, {"long_name": "natural unit of time of each orbit"}),
         "largest_ratio": ("trajectory", spectrum.largest_ratio, {"long_name": "of stretchings within one interval"}),
         "initial_state": (("trajectory", "component"), spectrum.initial_state, {"long_name": "state at time 0"}),
         **_ends(spectrum),

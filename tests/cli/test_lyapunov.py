@@ -68,11 +68,11 @@ def test_failed_runs_are_counted_and_left_out():
     x0 = lp.sample_states(top, 3, seed=1)
     x0[1] = 1e200  # overflows at once
     growth = lp.lyapunov_exponent(top, x0, t_end=5)
-    lines = "\n".join(summary(growth, "by hand"))
+    lines = "\n".join(summary(growth, "by hand", 1.0))
     assert "finished 2" in lines
     assert "of the 2 finished runs" in lines
     failed = lp.lyapunov_exponent(top, np.full((2, 9), 1e200), t_end=5)
-    assert "no run finished" in "\n".join(summary(failed, "by hand"))
+    assert "no run finished" in "\n".join(summary(failed, "by hand", 1.0))
 
 
 def test_one_run_has_no_standard_error(command):
@@ -138,4 +138,4 @@ def test_spectrum_of_runs_that_failed_has_nothing_to_tell():
     from liepoisson.numeric.spectrum import lyapunov_spectrum
 
     failed = lyapunov_spectrum(lp.Top.twisted_kovalevskaya(), np.full((2, 9), 1e200), t_end=5)
-    assert "no run finished" in "\n".join(summary(failed, "by hand"))
+    assert "no run finished" in "\n".join(summary(failed, "by hand", 1.0))

@@ -8,11 +8,13 @@ from scipy import stats
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.exponent_estimate import _is_done, largest_exponent, zero_threshold
+from liepoisson.numeric.exponent_estimate import _is_done, largest_exponent
 from liepoisson.numeric.exponents_by_energy import exponents_by_energy
 from liepoisson.numeric.fit_goodness import _f_tail, fit_goodness
 from liepoisson.numeric.mean_error import batch_errors, mean_error, n_longest_batches, student_quantile
 from liepoisson.numeric.proportions import proportion
+from liepoisson.numeric.time_scale import zero_threshold
+from liepoisson.numeric.verdict import Rule, decide
 
 TOP = lp.Top.twisted_kovalevskaya()
 FAST = lp.Taylor(tol=1e-9)
@@ -63,13 +65,13 @@ def test_a_run_stops_only_when_its_halves_agree_too():
     noise = 1e-4 * np.random.default_rng(0).standard_normal((1, 256))
     steady, jump = 0.15 + noise, np.where(np.arange(256) < 128, 0.1, 0.2) + noise
     assert mean_error(jump)[0] < 0.05
-    assert list(_is_done(np.concatenate([steady, jump]), 20.0, 0.05)) == [True, False]
-    assert not _is_done(steady, 20.0, 1e-7)[0]
+    assert list(_is_done(np.concatenate([steady, jump]), 20.0, 0.05, np.ones(2))) == [True, False]
+    assert not _is_done(steady, 20.0, 1e-7, np.ones(1))[0]
 
 
 def test_intervals_have_the_quantile_of_student():
     """256 blocks make 8 longest batches, 7 degrees of freedom: 2.3646 for 95%."""
-    estimate = largest_exponent(TOP, lp.sample_states(TOP, 2, seed=1), t_end=5120, method=FAST)
+    estimate = largest_exponent(TOP, lp.sample_states(TOP, 2, seed=1), t_end=5120, block=20, method=FAST)
     half = np.diff(estimate.interval(), axis=1)[:, 0] / 2
     assert half == pytest.approx(2.3646 * estimate.error, rel=1e-3)
     assert estimate.interval().mean(axis=1) == pytest.approx(estimate.value)
@@ -93,7 +95,8 @@ def test_regular_orbits_are_consistent_with_zero_and_have_neither_error_bar_nor_
     assert estimate.is_zero.all()
     assert np.isnan(estimate.interval()).all()
     assert not estimate.converged.any()
-    assert "consistent with zero at t = 3000: below 3 ln t / t = 8.0e-03  (finished)" in str(estimate)
+    assert "consistent with zero at t = 3000: below 3 ln(t/T) / t = 8." in str(estimate)
+    assert np.log(3000 / estimate.time_scale) == pytest.approx(8.0, abs=0.3)
     chaotic = largest_exponent(TOP, x0, t_end=3000, method=FAST)
     assert not chaotic.is_zero.any()
     assert (chaotic.interval()[:, 0] > 0).all()
@@ -107,7 +110,7 @@ def test_a_sticky_orbit_is_consistent_with_zero_until_it_leaves_its_island():
     early, late = (largest_exponent(top, start, t_end=t) for t in (2000, 20000))
     assert early.is_zero[0]
     assert not late.is_zero[0]
-    assert late.interval()[0, 0] > zero_threshold(2000)
+    assert late.interval()[0, 0] > zero_threshold(2000, early.time_scale)[0]
 
 
 @pytest.mark.thorough
@@ -120,10 +123,11 @@ def test_a_regular_orbit_goes_on_until_its_threshold_is_small_enough():
 
 
 def test_mean_and_distribution_are_those_of_the_values():
-    estimate = largest_exponent(TOP, lp.sample_states(TOP, 12, seed=1), t_end=1280, method=FAST)
-    mean = estimate.mean()
+    estimate = largest_exponent(TOP, lp.sample_states(TOP, 12, seed=1), t_end=1280, block=20, method=FAST)
+    mean = estimate.mean
     assert mean.value == pytest.approx(estimate.value.mean())
-    assert mean.standard_error == pytest.approx(estimate.value.std() / np.sqrt(12), rel=0.1)
+    assert mean.standard_error == pytest.approx(estimate.value.std(ddof=1) / np.sqrt(12))
+    assert mean.high - mean.value == pytest.approx(stats.t.ppf(0.975, 11) * mean.standard_error, rel=1e-3)
     assert mean.contains(mean.value)
     windows = estimate.finite_time(320)
     assert windows.shape == (12, 4)
@@ -133,8 +137,8 @@ def test_mean_and_distribution_are_those_of_the_values():
     assert density @ np.diff(edges) == pytest.approx(1)
     with pytest.raises(ParameterError, match="length: wanted a time from 20 to 1280"):
         estimate.finite_time(5)
-    with pytest.raises(ParameterError, match="at least 2 trajectories"):
-        largest_exponent(TOP, np.ones(9), t_end=1280, method=FAST).mean()
+    one = largest_exponent(TOP, np.ones(9), t_end=1280, method=FAST)
+    assert one.mean[:2] == (one.value[0], one.error[0])  # of one orbit it is the error over its time
 
 
 def test_a_trajectory_that_fails_is_an_outcome():
@@ -152,7 +156,7 @@ def test_a_trajectory_that_fails_is_an_outcome():
         ({}, "wanted t_end, wanted_error, or both"),
         ({"wanted_error": 0}, "wanted_error: wanted a positive number"),
         ({"wanted_error": np.nan}, "wanted_error: wanted a positive number"),
-        ({"t_end": 100}, "at least 64 blocks"),
+        ({"t_end": 100, "block": 20}, "at least 64 blocks"),
         ({"t_end": 100, "block": 0}, "block: wanted a positive finite time"),
         ({"t_end": -1}, "t_end: wanted a positive finite time"),
         ({"t_end": 1e12}, "t_end: wanted at most 10000000 intervals"),
@@ -202,8 +206,7 @@ def test_leaves_of_other_systems_and_bad_numbers_are_refused():
             exponents_by_energy(other, leaf=leaf, **run)
     for wrong, words in (
         ({"leaf": None}, "leaf: wanted a Leaf"),
-        ({"threshold": np.nan}, "threshold: wanted a finite number >= 0"),
-        ({"threshold": -1}, "threshold: wanted a finite number >= 0"),
+        ({"rule": 0.02}, "rule: wanted a Rule"),
         ({"n": 10**12}, "n: wanted a whole number from 1 to 10000000"),
     ):
         with pytest.raises(ParameterError, match=words):
@@ -215,11 +218,13 @@ def test_exponents_energy_by_energy_are_those_of_the_starts():
     leaf = lp.Leaf(TOP, {"C1": 1.0, "C2": 0.2, "C3": 1.0})
     profile = exponents_by_energy(TOP, leaf=leaf, energies=[0.0, 1.0], n=8, t_end=200, seed=3, method=FAST)
     x0 = leaf.sample(8, seed=3, energy=1.0)
-    growth = lp.lyapunov_exponent(TOP, x0, times=[200.0], seed=3, method=FAST)
-    assert np.array_equal(profile.exponent[1], growth.exponent[:, 0])
-    assert profile.mean[1].value == pytest.approx(growth.exponent.mean())
-    assert profile.threshold == pytest.approx(3 * np.log(200) / 200)
-    assert profile.fraction[1].value == np.mean(growth.exponent > profile.threshold)
+    decided = decide(TOP, x0, t_end=200, seed=3, method=FAST)
+    assert np.array_equal(profile.exponent[1], decided.exponent)
+    assert np.array_equal(profile.verdict[1], decided.verdict)
+    assert profile.mean[1].value == pytest.approx(decided.exponent.mean())
+    assert profile.mean[1].standard_error == pytest.approx(decided.exponent.std(ddof=1) / np.sqrt(8))
+    assert profile.chaotic[1] == decided.fraction("chaotic")
+    assert profile.undecided[1] == decided.fraction("undecided")
     assert "C2 = 0.2" in str(profile)
     with pytest.raises(ShapeError, match="one or more energies"):
         exponents_by_energy(TOP, leaf=leaf, energies=[], n=2, t_end=10)
@@ -230,8 +235,8 @@ def test_integrable_top_has_no_chaotic_energy():
     top = lp.Top.twisted_lagrange()
     leaf = lp.Leaf(top, {"C1": 1.0, "C2": 0.2, "C3": 1.0})
     profile = exponents_by_energy(top, leaf=leaf, energies=[1.0, 2.0], n=8, t_end=1000, method=FAST)
-    assert [fraction.value for fraction in profile.fraction] == [0.0, 0.0]
-    assert all(0.2 < fraction.high < 0.4 for fraction in profile.fraction)  # Wilson: z^2/(n + z^2) = 0.32
+    assert [share.value for share in profile.chaotic] == [0.0, 0.0]
+    assert all(0.2 < share.high < 0.4 for share in profile.chaotic)  # Wilson: z^2/(n + z^2) = 0.32
 
 
 def test_wilson_interval_solves_its_quadratic():
@@ -310,7 +315,8 @@ def test_goodness_wants_members_that_differ(members):
 def test_goodness_does_not_depend_on_the_unit_of_time():
     """A p-value is the same if all exponents are multiplied by a number: t -> c t, lambda -> lambda/c."""
     time, curves = _ensemble(lambda t: 0.12 + 0.1 / t)
-    expected = fit_goodness(time, curves).p_value
+    expected = fit_goodness(time, curves, window=(20, 200)).p_value
+    assert fit_goodness(time * 1e9, curves / 1e9).p_value == pytest.approx(fit_goodness(time, curves).p_value)
     for c in (1e-9, 1e9):
         assert fit_goodness(time * c, curves / c, window=(20 * c, 200 * c)).p_value == pytest.approx(expected)
 

@@ -13,6 +13,7 @@ from liepoisson.numeric.finite_time_fit import (
     finite_time_fit,
     log_fit,
     mean_curve,
+    last_decade,
     window_grid,
     window_scan,
 )
@@ -65,7 +66,7 @@ def test_bootstrap_error_is_that_of_the_mean_of_member_fits():
     design = np.stack([np.ones_like(t), t**-0.5, 1 / t], axis=1)
     members, *_ = np.linalg.lstsq(design, exponent[:, inside].T, rcond=None)
     expected = members.std(axis=1) / np.sqrt(n)
-    fit = finite_time_fit(TIME, exponent, n_bootstrap=4000)
+    fit = finite_time_fit(TIME, exponent, window=(20, 200), n_bootstrap=4000)
     # A standard deviation of 4000 replicates has a relative error of 1/sqrt(8000) = 1.1 %; bound at five of them.
     np.testing.assert_allclose(list(fit.standard_errors.values()), expected, rtol=0.056)
 
@@ -191,10 +192,13 @@ def test_a_scan_over_no_window_is_refused():
 
 def test_default_windows_lie_inside_the_sample_times():
     windows = window_grid(np.arange(1.0, 251.0))
-    assert (20.0, 200.0) in windows
+    assert (25.0, 250.0) in windows
     assert all(2 * start <= end <= 250 for start, end in windows)
-    assert (100.0, 200.0) in windows
-    assert (100.0, 100.0) not in windows
+    assert (50.0, 125.0) in windows
+    assert (50.0, 50.0) not in windows
+    assert last_decade(np.arange(1.0, 251.0)) == (25.0, 250.0)
+    # and follow the unit of time
+    assert np.array(window_grid(1e-6 * np.arange(1.0, 251.0))) == pytest.approx(1e-6 * np.array(windows))
 
 
 def test_an_estimate_reads_with_its_error():
@@ -246,7 +250,7 @@ def test_bad_input_is_refused_with_a_reason(time, exponent, options, error, mess
 
 def test_no_windows_and_bad_resampling_are_refused():
     with pytest.raises(ParameterError, match="no window"):
-        window_grid(np.arange(1.0, 40.0))
+        window_grid(np.arange(1.0, 5.0))
     with pytest.raises(ParameterError, match="confidence"):
         Resampling(confidence=0.0)
     with pytest.raises(ParameterError, match="time must lie in"):

@@ -57,7 +57,7 @@ def test_an_unstable_equilibrium_has_the_eigenvalues_of_the_linearised_flow():
 def test_all_exponents_of_an_integrable_system_vanish(system):
     x0 = lp.sample_states(system, 3, seed=1)
     spectrum = lyapunov_spectrum(system, x0, t_end=1000)
-    assert np.abs(spectrum.exponents).max() < spectrum.residuals.zero_threshold
+    assert (np.abs(spectrum.exponents).max(axis=1) < spectrum.residuals.zero_threshold).all()
     assert spectrum.structure is not None
     assert (spectrum.structure.n_zeros == x0.shape[1]).all()
 
@@ -72,7 +72,7 @@ def test_a_generic_twisted_orbit_has_five_zeros_and_two_pairs():
     assert (residuals.zeros_below_threshold == 1.0).all()
     assert np.abs(residuals.sum).max() < 1e-14  # the field has no divergence; a sum of logarithms to round-off
     assert np.abs(residuals.pairing).max() < 10 / 1000  # a bounded change of the logarithms, over t
-    assert spectrum.exponents[:, 0].min() > residuals.zero_threshold
+    assert (spectrum.exponents[:, 0] > residuals.zero_threshold).all()
     assert "5 of 9" in spectrum.check()
     assert "for 6 of 6 trajectories" in spectrum.check()
 
@@ -88,7 +88,7 @@ def test_spectra_of_the_twisted_kovalevskaya_top_at_full_length():
     residuals = spectrum.residuals
     assert np.abs(residuals.zeros).max() <= 3 * np.log(1e4) / 1e4  # measured 1.5e-3
     assert np.abs(residuals.pairing).max() <= 1e-3  # measured 9.4e-4
-    assert spectrum.mean[1].max() <= 2e-3  # measured 1.2e-3
+    assert (np.sqrt((spectrum.error**2).sum(axis=0)) / 100).max() <= 2e-3  # over time, measured 1.2e-3
 
 
 def test_the_zeros_that_are_checked_are_the_middle_ones_not_those_nearest_to_zero():
@@ -138,8 +138,8 @@ def test_the_first_exponent_is_that_of_lyapunov_exponent():
 
 def test_members_are_the_same_alone_in_pieces_and_on_any_number_of_threads():
     x0 = lp.sample_states(TOP, 9, seed=3)
-    whole = lyapunov_spectrum(TOP, x0, t_end=60, first=250, threads=2)
-    pieces = [lyapunov_spectrum(TOP, x0[k : k + 4], t_end=60, first=250 + k, threads=1) for k in (0, 4, 8)]
+    whole = lyapunov_spectrum(TOP, x0, t_end=60, interval=5, first=250, threads=2)
+    pieces = [lyapunov_spectrum(TOP, x0[k : k + 4], t_end=60, interval=5, first=250 + k) for k in (0, 4, 8)]
     assert np.array_equal(np.concatenate([piece.exponent for piece in pieces]), whole.exponent)
 
 
@@ -198,12 +198,12 @@ def test_what_is_done_by_the_time_limit_is_kept():
 @pytest.mark.thorough
 @pytest.mark.parametrize(
     "run",
-    [{"t_end": 4e7}, {"t_end": 10, "transient": 4e7}, {"t_end": 10, "transient": 4e6, "covariant": True}],
+    [{"t_end": 1e7}, {"t_end": 10, "transient": 1e7}, {"t_end": 10, "transient": 1e6, "covariant": True}],
 )
 def test_a_time_limit_ends_runs_of_millions_of_intervals(run):
     start = time.monotonic()
-    spectrum = lyapunov_spectrum(TOP, np.ones(9), time_limit=0.3, **run)
-    # 8 million intervals in which nothing goes on took 20 s and more
+    spectrum = lyapunov_spectrum(TOP, np.ones(9), time_limit=0.3, interval=5, **run)
+    # millions of intervals in which nothing goes on took 20 s and more
     assert time.monotonic() - start < 5
     assert list(spectrum.outcome) == ["time limit"]
     assert np.isnan(spectrum.exponents).all()
@@ -244,7 +244,7 @@ def test_keeping_the_volume_knows_no_unit_of_time(unit):
 def test_a_field_without_a_bracket_has_no_structure_and_few_exponents_no_sum():
     x0 = lp.sample_states(TOP, 1, seed=1)
     assert "no Poisson tensor" in lyapunov_spectrum(BareField(), x0, t_end=20).check()
-    few = lyapunov_spectrum(TOP, x0, t_end=20, n_exponents=3)
+    few = lyapunov_spectrum(TOP, x0, t_end=20, interval=5, n_exponents=3)
     assert few.exponent.shape == (1, 4, 3)
     assert "only 3 of 9 exponents" in few.check()
 

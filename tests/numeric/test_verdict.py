@@ -8,7 +8,7 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.proportions import proportion
-from liepoisson.numeric.verdict import INDICATORS, Rule, _natural_time, agreement, decide
+from liepoisson.numeric.verdict import INDICATORS, Rule, agreement, decide
 
 CHAOTIC = lp.Top.twisted_kovalevskaya()
 MIXED = lp.Top.heavy(inertia=(2, 2, 1.2), a=(-1, 0, 0))
@@ -31,11 +31,11 @@ def mixed():
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", INTEGRABLE)
 def test_integrable_tops_are_never_chaotic(name):
-    """64 starts each; 0 of 9,000 in docs/chaos.md."""
+    """64 starts each; 0 of 1,800 in docs/chaos.md.  Averages of many tori have not settled at t = 1,000."""
     system = INTEGRABLE[name]()
     verdict = decide(system, lp.sample_states(system, 64, seed=11), t_end=1000, seed=12)
     assert not (verdict.verdict == "chaotic").any(), str(verdict)
-    assert (verdict.verdict == "regular").mean() > 0.95
+    assert (verdict.verdict == "regular").mean() > 0.2
 
 
 @pytest.mark.thorough
@@ -51,25 +51,35 @@ def test_verdicts_agree_with_a_long_run(mixed):
     long_run = 1e4 * lp.lyapunov_exponent(MIXED, x0, times=[1e4], seed=5).exponent[:, 0]
     assert not ((mixed.verdict == "chaotic") & (long_run < 15)).any()
     missed = (mixed.verdict == "regular") & (long_run > 30)
-    assert missed.sum() <= 5  # 5% of 439 in docs/chaos.md; measured here: 5 of 61
+    assert missed.sum() <= 3  # 5% of 61; measured here: 0, and 5 without the vote of the averages
 
 
 def test_votes_follow_the_thresholds():
     power = np.array([1.0, 3.0, 9.0, np.nan])
     mean = np.array([2.0, 4.0, 9.0, np.nan])
     sali = np.array([0.5, 1e-6, 1e-12, np.nan])
-    assert Rule().votes(power, mean, sali).tolist() == [[-1] * 3, [0] * 3, [1] * 3, [0] * 3]
+    averages = np.array([1e-3, 1e-2, 1.0, np.nan])
+    votes = Rule().votes(power, mean, sali, averages)
+    assert votes.tolist() == [[-1] * 4, [0] * 4, [1, 1, 1, 0], [0] * 4]
+    assert Rule().kinds(votes, np.full(4, 1e3)).tolist() == ["regular", "undecided", "chaotic", "undecided"]
+    assert Rule().kinds(votes, np.full(4, 99.0)).tolist() == ["undecided"] * 4
+
+
+def test_regular_needs_averages_that_have_settled_and_chaotic_does_not():
+    votes = np.array([[-1, -1, -1, 0], [-1, -1, 0, -1], [1, 1, 0, -1], [-1, 1, 1, 0], [-1, 0, 0, -1]], np.int8)
+    kinds = Rule().kinds(votes, np.full(5, 1e3)).tolist()
+    assert kinds == ["undecided", "regular", "chaotic", "undecided", "undecided"]
 
 
 @pytest.mark.thorough
 def test_two_votes_and_none_against_make_a_verdict(mixed):
-    for verdict, votes in zip(mixed.verdict, mixed.votes.tolist(), strict=True):
+    for verdict, (*votes, averages) in zip(mixed.verdict, mixed.votes.tolist(), strict=True):
         if 1 in votes and -1 in votes:
             assert verdict == "undecided"
         elif votes.count(1) >= 2:
             assert verdict == "chaotic"
         else:
-            assert verdict == ("regular" if votes.count(-1) >= 2 else "undecided")
+            assert verdict == ("regular" if votes.count(-1) >= 2 and averages == -1 else "undecided")
     assert set(mixed.verdict) == {"regular", "chaotic", "undecided"}
 
 
@@ -83,24 +93,59 @@ def test_a_strict_rule_leaves_all_undecided():
 
 @pytest.mark.parametrize("t_end", [5, 20, 50])
 def test_a_short_run_decides_nothing(t_end):
-    """All orbits of this top are chaotic; by their votes 50, 47 and 17 of these 50 would be regular."""
+    """All orbits of this top are chaotic; by their tangent vectors 50, 47 and 17 of these 50 would be regular."""
     x0 = lp.sample_states(CHAOTIC, 50, seed=1)
     assert (decide(CHAOTIC, x0, t_end=t_end).verdict == "undecided").all()
-    by_votes = decide(CHAOTIC, x0, t_end=t_end, rule=Rule(least_time=0))
+    by_votes = decide(CHAOTIC, x0, t_end=t_end, rule=Rule(least_time=0, averages=1e9))
     assert (by_votes.verdict == "regular").sum() >= 15
 
 
-@pytest.mark.parametrize("unit", [1e-3, 1.0, 1e3])
-def test_natural_time_is_the_norm_of_the_derivative_and_knows_no_unit_of_time(unit):
-    """H and t -> H/unit and t unit: the same orbits, so the same natural time and verdicts."""
-    x0 = lp.sample_states(CHAOTIC, 4, seed=1)
-    norms = np.linalg.norm(lp.Top.kovalevskaya().functions.jacobian(x0), ord=2, axis=(1, 2))
-    slow = lp.Top.heavy(inertia=(2 * unit, 2 * unit, unit), a=(-1 / unit, 0, 0))
-    verdict = decide(slow, x0, t_end=300 * unit)
-    # 1e-6: h |Df|/2 is 2e-7 of the norm at h = 3e-7
-    assert verdict.natural_time == pytest.approx(300 * norms, rel=1e-6)
+def rescaled(name, unit):
+    """The same top with a Hamiltonian that is `unit` times as large."""
+    inertia, a, epsilon = {
+        "chaotic": ((2, 2, 1), (-1, 0, 0), 1.0),
+        "mixed": ((2, 2, 1.2), (-1, 0, 0), 0.0),
+        "regular": ((1, 2, 3), (0, 0, 0), 0.0),
+    }[name]
+    # epsilon belongs to the bracket, so it stays
+    return lp.Top(inertia=[I / unit for I in inertia], a=[unit * value for value in a], epsilon=epsilon)
+
+
+@pytest.mark.filterwarnings("ignore::liepoisson.errors.InertiaWarning")
+@pytest.mark.parametrize("name", ["chaotic", "mixed", "regular"])
+@pytest.mark.parametrize("unit", [1e-5, 1e5])
+def test_verdicts_know_no_unit_of_time(name, unit):
+    """H and t -> c H and t/c: the same orbits.
+
+    Chaotic orbits lose their digits, so that values differ and only the verdict is compared.
+    """
+    x0 = lp.sample_states(CHAOTIC, 6, seed=1)
+    plain, other = (decide(rescaled(name, c), x0, t_end=600 / c) for c in (1, unit))
+    assert plain.verdict.tolist() == other.verdict.tolist()
+    assert other.natural_time == pytest.approx(plain.natural_time, rel=1e-6)
+    regular = plain.verdict == "regular"
+    for value in ("growth_power", "mean_megno", "sali", "average_drift"):
+        one, two = (getattr(each, value)[regular] for each in (plain, other))
+        assert one == pytest.approx(two, rel=1e-4), value
+
+
+@pytest.mark.parametrize("size", [1e-3, 10.0, 1e4])
+def test_verdicts_know_no_unit_of_the_state(size):
+    """For b = 0, (l, alpha, beta)(t) -> (s l, s^2 alpha, s^3 beta)(s t) takes orbits to orbits."""
+    top = lp.Top.heavy(inertia=(2, 2, 1.2), a=(-1, 0, 0))
+    x0 = lp.sample_states(top, 12, seed=3)
+    units = np.repeat(size ** np.arange(1, 1 + x0.shape[1] // 3), 3)
+    plain, other = decide(top, x0, t_end=1000), decide(top, x0 * units, t_end=1000 / size)
+    assert other.natural_time == pytest.approx(plain.natural_time, rel=1e-5)
+    assert {"chaotic", "regular"} <= set(plain.verdict)
+    assert plain.verdict.tolist() == other.verdict.tolist()
+
+
+def test_a_fast_rigid_body_is_regular_after_half_a_unit_of_time():
+    body = lp.System(lp.so(3) @ lp.trivial(), "100000*(l1^2 + l2^2/2 + l3^2/3)/2")
+    verdict = decide(body, [[0.6, 0.5, 0.3], [0.1, 0.9, 0.2]], t_end=0.5)
     assert (verdict.verdict == "regular").all()
-    assert (decide(slow, x0, t_end=20 * unit).verdict == "undecided").all()
+    assert (verdict.natural_time > 1e3).all()
 
 
 def test_growth_power_and_megno_of_exponential_growth():
@@ -126,9 +171,10 @@ def test_a_field_of_pieces_is_decided_with_its_own_method():
 
 
 @pytest.mark.parametrize("wrong", [-1, np.nan, "long"])
-def test_a_least_time_that_is_none_is_refused(wrong):
-    with pytest.raises(ParameterError, match=r"rule\.least_time"):
-        Rule(least_time=wrong)
+@pytest.mark.parametrize("name", ["least_time", "averages"])
+def test_thresholds_that_are_no_numbers_are_refused(name, wrong):
+    with pytest.raises(ParameterError, match=rf"rule\.{name}"):
+        Rule(**{name: wrong})
 
 
 def test_a_sticky_orbit_is_regular_at_first_and_chaotic_later():
@@ -136,11 +182,29 @@ def test_a_sticky_orbit_is_regular_at_first_and_chaotic_later():
     assert [decide(MIXED, x0, t_end=t).verdict[0] for t in (1000, 4000)] == ["regular", "chaotic"]
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize("epsilon", [0.01, 0.05])
+def test_weak_chaos_is_seldom_called_regular(epsilon):
+    """Of 64 starts those that are chaotic at t = 30,000; by their tangent vectors a quarter of them is regular at 300.
+
+    0 and 0 of 28 and 53 measured; a rule that misses 5% would have more than 7 in one case of 1,000.
+    """
+    top = lp.Top(inertia=(2, 2, 1), a=(-1, 0, 0), epsilon=epsilon)
+    x0 = lp.sample_states(top, 64, seed=77)
+    fast = lp.Taylor(tol=1e-11)
+    chaotic = 3e4 * lp.lyapunov_exponent(top, x0, times=[3e4], seed=5, method=fast).exponent[:, 0] > 30
+    verdict = decide(top, x0, t_end=300, seed=6)
+    assert chaotic.sum() > 20
+    assert (chaotic & (verdict.verdict == "regular")).sum() <= 7
+    by_vectors = decide(top, x0, t_end=300, seed=6, rule=Rule(averages=1e9))
+    assert (chaotic & (by_vectors.verdict == "regular")).sum() > 0.15 * chaotic.sum()
+
+
 def test_members_are_the_same_in_pieces_and_for_any_number_of_threads():
     x0 = lp.sample_states(MIXED, 20, seed=3)
     whole = decide(MIXED, x0, t_end=100, seed=1, threads=1)
     part = decide(MIXED, x0[7:12], t_end=100, seed=1, first=7, threads=2)
-    for name in ("verdict", "growth_power", "mean_megno", "sali", "exponent", "votes"):
+    for name in ("verdict", "growth_power", "mean_megno", "sali", "average_drift", "exponent", "votes"):
         assert np.array_equal(getattr(whole, name)[7:12], getattr(part, name)), name
 
 
@@ -148,14 +212,14 @@ def test_agreement_counts_and_lists_every_disagreement(mixed):
     report = agreement(mixed)
     assert report.indicators == INDICATORS
     assert report.n == 120
-    assert report.same.diagonal().tolist() == [120] * 3
-    assert report.contrary.diagonal().tolist() == [0] * 3
-    for i in range(3):
-        for j in range(3):
+    assert report.same.diagonal().tolist() == [120] * 4
+    assert report.contrary.diagonal().tolist() == [0] * 4
+    for i in range(4):
+        for j in range(4):
             one, other = mixed.votes[:, i], mixed.votes[:, j]
             assert report.same[i, j] == sum(a == b for a, b in zip(one, other, strict=True))
             assert report.contrary[i, j] == sum(a * b == -1 for a, b in zip(one, other, strict=True))
-    split = [k for k, votes in enumerate(mixed.votes.tolist()) if len(set(votes)) > 1]
+    split = [k for k, votes in enumerate(mixed.votes.tolist()) if len(set(votes[:3])) > 1]
     assert [d.member for d in report.disagreements] == split
     first = report.disagreements[0]
     assert first.values["sali"] == mixed.sali[split[0]]
@@ -230,14 +294,6 @@ def test_the_time_limit_holds_for_all_parts():
     assert (verdict.verdict == "undecided").all()
 
 
-@pytest.mark.parametrize("t_end", [1e-20, 1e-3, 1e3, 1e9, 1e14])
-def test_natural_time_is_known_for_short_and_long_runs(t_end):
-    x0 = lp.sample_states(CHAOTIC, 4, seed=1)
-    norms = np.linalg.norm(CHAOTIC.functions.jacobian(x0), ord=2, axis=(1, 2))
-    known = _natural_time(CHAOTIC, x0, t_end, None, None, deadline=time.monotonic() + 60)
-    assert known == pytest.approx(t_end * norms, rel=1e-5)
-
-
 def test_no_trajectories_have_no_verdicts():
     verdict = decide(CHAOTIC, np.empty((0, 9)), t_end=10)
     assert verdict.verdict.shape == verdict.natural_time.shape == (0,)
@@ -263,6 +319,8 @@ def test_beside_the_separatrix_of_a_free_rigid_body():
     x0[:, 1], x0[:, 3:] = 1.0, 0.3
     x0[:, 0] = x0[:, 2] = 1e-6
     for t_end in (300, 3000):
-        assert (decide(body, x0, t_end=t_end).verdict == "regular").all()
+        # far from its mean for most of the time, so that averages settle late
+        assert not (decide(body, x0, t_end=t_end).verdict == "chaotic").any()
+        assert (decide(body, x0, t_end=t_end, rule=Rule(averages=1e9)).verdict == "regular").all()
     x0[:, 0] = x0[:, 2] = 1e-16
     assert (decide(body, x0, t_end=300).verdict == "chaotic").all()

@@ -27,6 +27,7 @@ def test_formulas_set_vectors():
     spec = SweepSpec(
         system="twisted-top",
         axes=(Axis("ratio", (1.0, 2.0)), Axis("phi", (0.0, 0.5, 1.0))),
+        t_end=1000.0,
         parameters={"I": [2, 2, "2/ratio"], "a": ["cos(phi)", "sin(phi)", 0], "b": [0, 0, 0], "epsilon": 1},
     )
     found = targets(spec)
@@ -41,6 +42,7 @@ def test_axes_set_components_energy_and_casimirs():
     spec = SweepSpec(
         system="twisted-top",
         axes=(Axis("b3", (0.0, 1.0)), Axis("energy", (2.0, 3.0))),
+        t_end=1000.0,
         parameters={**KOVALEVSKAYA, "epsilon": 1},
         starts=Starts(casimirs={"C1": "1 + b3"}),
     )
@@ -69,7 +71,7 @@ def test_other_systems_are_not_taken_for_tops():
 
 
 def test_functions_are_families():
-    spec = SweepSpec(system=lp.Top.kovalevskaya, axes=(Axis("epsilon", (0.0, 1.0)),))
+    spec = SweepSpec(system=lp.Top.kovalevskaya, axes=(Axis("epsilon", (0.0, 1.0)),), t_end=1000.0)
     assert targets(spec).parameters["epsilon"].tolist() == [0, 1]
     assert as_family(lp.Top.kovalevskaya).system({"epsilon": 0.5}).epsilon == Fraction(1, 2)
 
@@ -91,7 +93,7 @@ def test_functions_are_families():
         ({"t_end": float("inf")}, "t_end"),
         ({"quantity": 3}, "quantity: wanted one of exponent"),
         ({"starts": "cube"}, "starts: wanted"),
-        ({"threshold": 0.0}, "threshold"),
+        ({"rule": 0.03}, "rule: wanted a Rule"),
         ({"axes": None}, "axes: wanted one or two"),
         ({"axes": 3}, "axes: wanted one or two"),
         ({"parameters": None}, "parameters: wanted a mapping"),
@@ -106,7 +108,8 @@ def test_functions_are_families():
     ],
 )
 def test_what_is_no_sweep_is_refused(change, message):
-    given = {"system": "twisted-top", "axes": (Axis("epsilon", (0.0, 1.0)),), "parameters": KOVALEVSKAYA, **change}
+    axes = (Axis("epsilon", (0.0, 1.0)),)
+    given = {"system": "twisted-top", "axes": axes, "t_end": 1000.0, "parameters": KOVALEVSKAYA, **change}
     with pytest.raises(ParameterError, match=message):
         targets(SweepSpec(**given))
 
@@ -144,13 +147,13 @@ def test_other_refusals():
         Axis("x", (0.0, 1.0), 3)
     for name in (":", "a.:b", ".a:b", "a:", "a:b.c"):
         with pytest.raises(UnknownNameError, match="quantity"):
-            SweepSpec(system="twisted-top", axes=(Axis("epsilon", (0.0, 1.0)),), quantity=name)
+            SweepSpec(system="twisted-top", axes=(Axis("epsilon", (0.0, 1.0)),), t_end=9.0, quantity=name)
     with pytest.raises(ParameterError, match="function or constant of formulas; got asin"):
         Axis("asin", (0.0, 1.0))
     with pytest.raises(ParameterError, match="starts: wanted ensemble"):
         Starts(casimirs={"foo": 1})
     with pytest.raises(UnknownNameError, match="quantity"):
-        SweepSpec(system="twisted-top", axes=(Axis("epsilon", (0.0, 1.0)),), quantity="bogus")
+        SweepSpec(system="twisted-top", axes=(Axis("epsilon", (0.0, 1.0)),), t_end=9.0, quantity="bogus")
     with pytest.raises(UnknownNameError, match="ensemble"):
         Starts(ensemble="bogus")
     with pytest.raises(ParameterError, match="increasing or decreasing"):
@@ -166,7 +169,6 @@ system = "twisted-top"
 quantity = "chaotic_fraction"
 n = 8
 t_end = "100*2"
-threshold = 0.03
 seed = 5
 [parameters]
 I = [2, 2, "1"]
@@ -192,6 +194,9 @@ order = 6
 [refine]
 levels = 2
 difference = 0.25
+[rule]
+megno = [2.5, "2*3"]
+averages = 1e-3
 """
 
 
@@ -205,7 +210,7 @@ def test_a_file_says_the_same_as_python(tmp_path):
         n=8,
         t_end=200.0,
         quantity="chaotic_fraction",
-        threshold=0.03,
+        rule=lp.Rule(megno=(2.5, 6.0), averages=1e-3),
         method=lp.Splitting(step=0.1, order=6),
         seed=5,
         refine=Refinement(2, 0.25),
@@ -224,6 +229,9 @@ def test_a_file_says_the_same_as_python(tmp_path):
         ('name = "splitting"', 'name = "split"', "wanted one of"),
         ("step = 0.1", "stepp = 0.1", "no such option"),
         ("levels = 2", "", "levels and difference"),
+        ("averages = 1e-3", "average = 1e-3", "Did you mean averages"),
+        ("megno = [2.5,", "megno = [7,", r"rule\.megno: wanted two increasing numbers"),
+        ("seed = 5", "threshold = 0.03", "the key is unknown"),
         ('energy = "phi"', 'enrgy = "phi"', "Did you mean energy"),
         ("n = 8", "n = 0.5", "n: wanted"),
         ('to = "pi/2"', 'to = "pi/"', "formula"),
@@ -245,7 +253,8 @@ def test_a_wrong_file_is_refused_with_the_key(tmp_path, old, new, message):
 
 
 def test_the_fingerprint_tells_sweeps_apart():
-    base = {"system": "twisted-top", "axes": (Axis("epsilon", (0.0, 1.0)),), "parameters": KOVALEVSKAYA}
+    axes = (Axis("epsilon", (0.0, 1.0)),)
+    base = {"system": "twisted-top", "axes": axes, "t_end": 1000.0, "parameters": KOVALEVSKAYA}
     changes = [
         {"seed": 1},
         {"n": 65},
@@ -255,12 +264,14 @@ def test_the_fingerprint_tells_sweeps_apart():
         {"method": lp.Taylor()},
         {"starts": Starts(ensemble="cube")},
         {"quantity": "json:loads"},
+        {"quantity": "chaotic_fraction"},
+        {"quantity": "chaotic_fraction", "rule": lp.Rule(averages=1e-3)},
         {"refine": Refinement(1, 0.5)},
         {"system": lp.Top.kovalevskaya},
     ]
     prints = [SweepSpec(**{**base, **change}).fingerprint() for change in ({}, *changes)]
     assert len(set(prints)) == len(prints)
-    assert SweepSpec(**base, quantity="chaotic_fraction", name="other").fingerprint() == prints[0]
+    assert SweepSpec(**base, rule=lp.Rule(averages=1e-3), name="other").fingerprint() == prints[0]
     json.dumps(SweepSpec(**base).record())
 
 
@@ -268,6 +279,7 @@ def test_what_is_held_is_said():
     spec = SweepSpec(
         system="twisted-top",
         axes=(Axis("epsilon", (0.0, 1.0)), Axis("e", (0.0, 1.0))),
+        t_end=1000.0,
         parameters=KOVALEVSKAYA,
         starts=Starts(energy="e", casimirs={"C1": 1, "C3": 2}),
     )
@@ -281,6 +293,7 @@ def held(axes, parameters, **starts):
     spec = SweepSpec(
         system="twisted-top",
         axes=tuple(Axis(a, (0.0, 1.0)) for a in axes),
+        t_end=1000.0,
         parameters=parameters,
         starts=Starts(**starts),
     )

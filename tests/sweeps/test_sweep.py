@@ -144,14 +144,28 @@ def fails_at_one(system, x0, **_):
     return np.zeros(len(x0))
 
 
-def test_the_chaotic_fraction_and_its_interval():
-    result = sweep(
-        **{**TWIST, "n": 40, "t_end": 300.0, "quantity": "chaotic_fraction"}, axes=(Axis("epsilon", (0.0, 1.0)),)
-    )
+def test_the_chaotic_fraction_is_that_of_the_one_rule():
+    given = {**TWIST, "n": 40, "t_end": 300.0, "quantity": "chaotic_fraction"}
+    result = sweep(**given, axes=(Axis("epsilon", (0.0, 1.0)),))
     low, high = result.interval()
     assert result.statistic[0] == 0.0
     assert high[0] < 0.1
     assert low[1] > 0.7
+    for epsilon, point in zip((0.0, 1.0), result.verdict, strict=True):
+        top = lp.Top.kovalevskaya(epsilon=epsilon)
+        x0 = lp.sample_states(top, 40, seed=result.spec.seed)
+        assert (lp.decide(top, x0, t_end=300.0, seed=result.spec.seed).verdict == point).all()
+    assert result.undecided_fraction == pytest.approx((result.verdict == "undecided").mean(axis=1))
+    assert result.chaotic_fraction == pytest.approx((result.verdict == "chaotic").mean(axis=1))
+    assert set(result.dataset) >= {"verdict", "chaotic_fraction", "undecided_fraction", "low", "high"}
+
+
+def test_a_sweep_of_exponents_has_no_verdicts():
+    result = sweep(**{**TWIST, "n": 4, "t_end": 20.0}, axes=(Axis("epsilon", (0.0, 1.0)),))
+    with pytest.raises(ParameterError, match="take quantity=.chaotic_fraction."):
+        _ = result.chaotic_fraction
+    low, high = result.interval(0.95)
+    assert (high - low) / 2 == pytest.approx(3.182446 * result.standard_error, rel=1e-3)  # Student's t, 3 degrees
 
 
 def test_wilson_interval_known_values():

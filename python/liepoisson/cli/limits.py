@@ -1,8 +1,14 @@
-"""Options that several commands have, refused before anything is printed or computed: seed, threads, time limit."""
+"""Options that several commands have: seed, threads, time limit, and what times are where none is given."""
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Any
+
 from liepoisson.errors import ParameterError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 _MOST_THREADS = 4096
 
@@ -19,3 +25,13 @@ def check_limits(*, seed: int, time_limit: float, threads: int | None = None) ->
         raise ParameterError(f"--time-limit must be a positive number of seconds; got {time_limit:g}. Try 60.")
     if threads is not None and not 1 <= threads <= _MOST_THREADS:
         raise ParameterError(f"--threads must be from 1 to {_MOST_THREADS}; got {threads}. Leave it out to use all.")
+
+
+def unit_of_time(system: Any, x0: NDArray[np.float64]) -> float:
+    """The median natural unit of time of orbits, to two digits; 1 where none has one, as at rest in no field.
+
+    Commands take their default times and steps in it, so that they suit systems that are fast or slow.
+    """
+    from liepoisson.numeric.time_scale import natural_duration, time_scale
+
+    return natural_duration(1.0, time_scale(system, x0), otherwise=1.0)

@@ -10,6 +10,9 @@ if TYPE_CHECKING:
     from liepoisson.numeric.methods import Method
 
 DEFAULT_STEP = 0.1
+"""In natural times of the orbits (`time_scale`)."""
+
+STEP_HELP = "Step of the methods with equal steps.  [default: a tenth of a natural time of the orbits]"
 
 _OPTIONS: dict[str, dict[str, Any]] = {
     "taylor": {"tol": 1e-13, "order": None, "precision": "double"},
@@ -21,8 +24,13 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 """The options of each method, with their defaults."""
 
 
-def named_method(name: str, **options: Any) -> Method:
+def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
     """The method of this name with the options that were given; None stands for an option that was not.
+
+    Args:
+        name: Its name.
+        unit: Natural unit of time of the orbits, of which a default step is a tenth.
+        **options: Its options.
 
     Raises:
         UnknownNameError: no method has this name.
@@ -40,4 +48,6 @@ def named_method(name: str, **options: Any) -> Method:
         allowed = ", ".join(f"--{key}" for key in known)
         raise ParameterError(f"--{foreign[0]} is not an option of {name}, which has {allowed}. Leave it out.")
     values = {key: given.get(key, default) for key, default in known.items()}
+    if "step" not in given and values.get("step") == DEFAULT_STEP:
+        values["step"] = float(f"{DEFAULT_STEP * unit:.1e}")
     return METHODS[name](**values)

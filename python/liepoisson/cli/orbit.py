@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import numpy as np
 import typer
 
-from liepoisson.cli.limits import check_limits
-from liepoisson.cli.methods import named_method
+from liepoisson.cli.limits import check_limits, unit_of_time
+from liepoisson.cli.methods import STEP_HELP, named_method
 from liepoisson.cli.output import (
     FIGURE_HELP,
     KEEP_HINT,
@@ -47,6 +47,9 @@ if TYPE_CHECKING:
     FloatArray: TypeAlias = NDArray[np.float64]
 
 _MOST_POINTS = 10_000_000
+_TIME = 100.0
+"""Default time of the run, in natural times of the orbit."""
+T_HELP = "Time of the run; a negative one runs backwards.  [default: 100 natural times of the orbit]"
 _ROUND_OFF = 1e-15
 """The tolerance of power series that is the default of `integrate`: one orbit costs little."""
 
@@ -59,13 +62,13 @@ def orbit(
     leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
     energy: Annotated[float | None, typer.Option(help=ENERGY_HELP)] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
-    t: Annotated[float, typer.Option("--t", help="Time of the run; a negative one runs backwards.")] = 100.0,
+    t: Annotated[float | None, typer.Option("--t", help=T_HELP)] = None,
     points: Annotated[int, typer.Option(help="Times at which the state is kept, evenly spaced.")] = 2001,
     method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting, gauss or lagrange-map.")] = "taylor",
     tol: Annotated[
         float | None, typer.Option(help="Tolerance of taylor and runge-kutta.  [default: 1e-15, 1e-8]")
     ] = None,
-    step: Annotated[float | None, typer.Option(help="Step of the methods with equal steps.  [default: 0.1]")] = None,
+    step: Annotated[float | None, typer.Option(help=STEP_HELP)] = None,
     order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
     time_limit: Annotated[float, typer.Option(help="Seconds that the run may take.")] = 3600.0,
     out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
@@ -84,8 +87,15 @@ def orbit(
     slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
     data = data_file(out, f"{slug}-orbit.nc")
     stem = figure_stem(plot, figure, f"{slug}-orbit")
-    how = named_method(method, tol=_ROUND_OFF if tol is None and method == "taylor" else tol, step=step, order=order)
+    options: dict[str, Any] = {
+        "tol": _ROUND_OFF if tol is None and method == "taylor" else tol,
+        "step": step,
+        "order": order,
+    }
+    named_method(method, **options)  # refused before anything is computed
     begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
+    unit = unit_of_time(chosen, begin.state)
+    how, t = named_method(method, unit=unit, **options), _TIME * unit if t is None else t
     print(f"{chosen.name}: one orbit to t = {t:g}, {points} points")
     print("\n".join(start_lines(chosen, begin)), flush=True)
     try:
@@ -140,8 +150,8 @@ def _written(system: System, run: Orbit, data: Path | None, stem: Path | None) -
     return written
 
 
-def _check_times(t: float, points: int) -> None:
-    if not (math.isfinite(t) and t != 0):
-        raise ParameterError(f"--t must be a finite time other than 0; got {t:g}. Try 100.")
+def _check_times(t: float | None, points: int) -> None:
+    if t is not None and not (math.isfinite(t) and t != 0):
+        raise ParameterError(f"--t must be a finite time other than 0; got {t:g}. Leave it out.")
     if not 2 <= points <= _MOST_POINTS:
         raise ParameterError(f"--points must be from 2 to {_MOST_POINTS}; got {points}. Try 2001.")

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 import numpy as np
 import typer
 
-from liepoisson.cli.limits import check_limits
+from liepoisson.cli.limits import check_limits, unit_of_time
 from liepoisson.cli.output import (
     FIGURE_HELP,
     KEEP_HINT,
@@ -56,7 +56,7 @@ NO_CROSSING = 1
 N_STARTS, N_CROSSINGS = 24, 500
 _MOST_STARTS, _MOST_CROSSINGS = 100_000, 1_000_000_000
 _TIME = 100.0
-"""Time for each crossing that is wanted: the tops of the catalog need 5 to 50."""
+"""Time for each crossing that is wanted, in natural times: the tops of the catalog need some 5 to 50."""
 _SAMPLES = 10_000
 """States at which the axes are judged."""
 _ROUND_OFF = 1e-9
@@ -85,7 +85,8 @@ def section(
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
     crossings: Annotated[int, typer.Option(help="Of each orbit, which ends with the last one.")] = N_CROSSINGS,
     t: Annotated[
-        float | None, typer.Option("--t", help="Time at which an orbit ends at the latest.  [default: 100 a crossing]")
+        float | None,
+        typer.Option("--t", help="Time at which an orbit ends at the latest.  [default: 100 natural times a crossing]"),
     ] = None,
     keep: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=KEEP_HELP)] = None,
     threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
@@ -111,7 +112,7 @@ def section(
     chosen = read_numeric_system(system, settings or ())
     _check_counts(starts, start, crossings)
     if t is not None and not (math.isfinite(t) and t != 0):
-        raise ParameterError(f"--t must be a finite time other than 0; got {t:g}. Try {_TIME * crossings:g}.")
+        raise ParameterError(f"--t must be a finite time other than 0; got {t:g}. Leave it out.")
     check_limits(seed=seed, threads=threads, time_limit=time_limit)
     slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
     data = data_file(out, f"{slug}-section.nc")
@@ -124,8 +125,9 @@ def section(
     _check_formulas(chosen, (cut.function, *(keep or ())))
     check_that_it_varies(chosen, cut.function)
     print("\n".join(head_lines(chosen, begin, cut, direction, alone=bool(start))), flush=True)
-    n, t_end = N_STARTS if starts is None else starts, _TIME * crossings if t is None else t
+    n = N_STARTS if starts is None else starts
     x0 = begin.state[None] if start else _starts(begin, cut, n, seed, direction)
+    t_end = _TIME * crossings * unit_of_time(chosen, x0) if t is None else t
     if not start:
         print(f"starts   {n} on the leaf, the energy surface and the section, seed {seed}", flush=True)
     try:

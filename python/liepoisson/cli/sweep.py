@@ -101,14 +101,18 @@ def summary(result: Sweep) -> list[str]:
         lines.append(f"{result.n_damaged} damaged pieces of the store were computed anew")
     low, high = result.interval()
     names = [axis.name for axis in spec.axes]
-    what = "chaotic fraction" if spec.quantity == "chaotic_fraction" else "mean"
-    if spec.quantity == "chaotic_fraction":
-        lines.append(f"chaotic: exponent above {spec.chaos_threshold:.4g}")
-    lines.append("  ".join(f"{name:>10}" for name in names) + f"  {what}, 95% interval")
+    what = (
+        "chaotic fraction, 95% interval over the starts, undecided"
+        if spec.is_verdict
+        else ("mean over the starts, 95% interval")
+    )
+    lines.append("  ".join(f"{name:>10}" for name in names) + f"  {what}")
+    undecided = result.undecided_fraction if spec.is_verdict else None
 
     def row(point: np.intp) -> str:
         place = "  ".join(f"{value:>10.6g}" for value in result.points[point])
-        return f"{place}  {result.statistic[point]:.4f}  [{low[point]:.4f}, {high[point]:.4f}]"
+        line = f"{place}  {result.statistic[point]:.4f}  [{low[point]:.4f}, {high[point]:.4f}]"
+        return line if undecided is None else f"{line}  {undecided[point]:.4f}"
 
     order = np.arange(len(result.points)) if len(names) == 2 else result.points[:, 0].argsort()
     hidden = len(order) - _MOST_ROWS

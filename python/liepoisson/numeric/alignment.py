@@ -97,6 +97,7 @@ def alignment(
     times: ArrayLike | None = None,
     n_vectors: int = 2,
     within: Within = "space",
+    units: ArrayLike | None = None,
     seed: int = 0,
     first: int = 0,
     method: Method | None = None,
@@ -129,6 +130,8 @@ def alignment(
         within: Where the vectors start: "space", uniform directions in the whole phase space; "leaf", tangent to the
             symplectic leaf, $v = J(x_0)w$ with w uniform; "energy", tangent to the energy surface on the leaf, with
             $w\perp J\nabla H$.  The flow keeps them there.
+        units: Unit of each component along each orbit, positive, shape (trajectory, component): angles and lengths are
+            those of $v_i/u_i$, and vectors in the whole space are drawn uniformly in these; by default 1.
         seed: Draws the tangent vectors, in a stream of their own: they are independent of the vector of an exponent or
             MEGNO with the same seed.
         first: Number of the first member: member k has the same vectors in whichever piece of an ensemble it is.
@@ -155,7 +158,8 @@ def alignment(
     k = as_count(n_vectors, "n_vectors", least=2, most=n)
     seed, first = as_seed(seed), as_first(first, len(states))
     drawn = sample_alignment_vectors(n, len(states), k, seed=seed, first=first)
-    vectors = _first_vectors(system, states, drawn, within)
+    size = np.ones(states.shape) if units is None else _as_units(units, states)
+    vectors = _first_vectors(system, states, drawn * size[:, None] if within == "space" else drawn, within)
     sali = np.full((len(states), len(wanted)), np.nan)
     log_gali = np.full((len(states), len(wanted), k - 1), np.nan)
     outcome = np.where(np.isfinite(states).all(axis=1), "finished", "not finite").astype("<U16")
@@ -167,7 +171,8 @@ def alignment(
             break
         states[alive], vectors[alive], outcome[alive] = travel(states[alive], vectors[alive], before, now)
         good = np.flatnonzero(outcome == "finished")
-        sali[good, i], log_gali[good, i] = _sali(vectors[good]), _log_gali(vectors[good])
+        seen = vectors[good] if units is None else _unit(vectors[good] / size[good][:, None])
+        sali[good, i], log_gali[good, i] = _sali(seen), _log_gali(seen)
         before = now
         if progress is not None:
             progress((i + 1) / len(wanted))
@@ -228,6 +233,14 @@ def _log_gali(vectors: Array) -> Array:
     upper = np.linalg.qr(np.swapaxes(vectors, -1, -2), mode="r")
     heights = np.maximum(np.abs(np.diagonal(upper, axis1=-2, axis2=-1)), FLOOR)
     return np.cumsum(np.log(heights[:, 1:]), axis=1)
+
+
+def _as_units(units: ArrayLike, states: Array) -> Array:
+    """Positive units in the shape of the states."""
+    size = np.broadcast_to(as_states(units, states.shape[1], "units"), states.shape)
+    if not (size > 0.0).all():
+        raise ParameterError("units: wanted positive numbers; got zero or less; leave it out")
+    return size
 
 
 def _first_vectors(system: Any, states: Array, drawn: Array, within: Within) -> Array:

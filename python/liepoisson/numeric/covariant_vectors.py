@@ -53,7 +53,10 @@ class CovariantVectors(ReadOnlyArrays):
 
     @property
     def error(self) -> Array:
-        """Statistical errors of these exponents (see `mean_error`), shape (trajectory, k)."""
+        """Standard errors of these exponents as averages over the time of each orbit, shape (trajectory, k).
+
+        See `mean_error`.
+        """
         return mean_error(self.growth)
 
     def centre(self, n_zeros: int) -> Array:
@@ -129,7 +132,7 @@ class CovariantRecord:
         if not transient > 0.0:
             raise ParameterError(
                 "covariant: wanted a transient > 0, in which the vectors turn into their directions; got none; "
-                f"try transient={min(100.0, t_end):g}"
+                f"try transient={t_end / 10:g}"
             )
         size = 24 * n**2 * len(frames.state) * (during + after)
         if size > MOST_BYTES:

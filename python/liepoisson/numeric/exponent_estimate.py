@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,14 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_number, shown
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_number, as_time_limit, shown
 from liepoisson.numeric.estimates import Estimate, Resampling
-from liepoisson.numeric.mean_error import mean_error, n_longest_batches, student_quantile
+from liepoisson.numeric.mean_error import mean_error, mean_interval, n_longest_batches, student_quantile
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
+from liepoisson.numeric.time_scale import natural_duration, time_scale, zero_threshold
 
-LONGEST = 100_000.0
-"""Default for the longest run, if an error is wanted."""
+LONGEST, BLOCK, TRANSIENT = 100_000.0, 20.0, 100.0
+"""Defaults for the longest run, if an error is wanted, the blocks and the transient: in natural times."""
 
 # Fewer blocks give no autocorrelation worth the name.
 _LEAST_BLOCKS = 64
@@ -45,11 +47,13 @@ class ExponentEstimate:
         transient: Time before the first block.
         rates: Mean growth rate in each block, in inverse time, shape (trajectory, block); NaN after the end of a run.
         time: Averaging time of each trajectory, shape (trajectory,).
+        time_scale: Natural unit of time T of each trajectory (`liepoisson.time_scale`), shape (trajectory,).
         value: Mean growth rate over all blocks, shape (trajectory,); NaN for a run that failed.
-        error: Its statistical error, from the autocorrelation of the blocks and from batches of them (`mean_error`).
-        is_zero: Whether the value is consistent with zero at time t, below $3\ln t/t$, as on a regular orbit.  It then
-            falls with time and has neither an error bar nor an interval.  This bounds nothing: a chaotic orbit that has
-            stuck to an island until t looks the same.  See `zero_threshold` for the unit of time in the logarithm.
+        error: Its standard error as an average over the time of this one orbit, from the autocorrelation of the blocks
+            and from batches of them (`mean_error`), shape (trajectory,).
+        is_zero: Whether the value is consistent with zero at time t, below $3\ln(t/T)/t$, as on a regular orbit.  It
+            then falls with time and has neither an error bar nor an interval.  This bounds nothing: a chaotic orbit
+            that has stuck to an island until t looks the same.  `decide` is the rule for regular and chaotic.
         converged: Whether the run finished with an exponent: not `is_zero`, both halves agree within three of their
             combined errors, and the error is at most `wanted_error`, if one was wanted.
         wanted_error: What the runs were continued for, or None.
@@ -64,6 +68,7 @@ class ExponentEstimate:
     transient: float
     rates: Array
     time: Array
+    time_scale: Array
     value: Array
     error: Array
     is_zero: NDArray[np.bool_]
@@ -88,20 +93,20 @@ class ExponentEstimate:
         ends = np.stack([self.value - q * self.error, self.value + q * self.error], axis=1)
         return np.where(self.is_zero[:, None], np.nan, ends)
 
-    def mean(self, resampling: Resampling | None = None) -> Estimate:
-        """Mean over the trajectories that have a value, with bootstrap errors over them.
+    @property
+    def mean(self) -> Estimate:
+        """Mean over the trajectories that have a value, with its standard error and Student's interval of 95%.
 
-        Over random starts this mixes leaves, energies, regular and chaotic orbits; the error tells how well the mean of
-        this mixture is known, not how well any orbit's exponent is.
-
-        Raises:
-            ParameterError: fewer than two trajectories have a value.
+        The error is the spread over the starts over the root of their number (`mean_over_starts`), as in
+        `Spectrum.mean`; of a single trajectory, the value with its own error over time.  Over random starts this mixes
+        leaves, energies, regular and chaotic orbits; the error tells how well the mean of this mixture is known, not
+        how well any orbit's exponent is.
         """
-        resampling = resampling or Resampling()
-        values = self.value[np.isfinite(self.value)]
-        if len(values) < 2:
-            raise ParameterError(f"mean: wanted at least 2 trajectories with a value; got {len(values)}; take more")
-        return bootstrap_mean(values, resampling)
+        known = np.isfinite(self.value)
+        if known.sum() == 1:
+            (k,) = np.flatnonzero(known)
+            return Estimate(float(self.value[k]), float(self.error[k]), *map(float, self.interval()[k]))
+        return mean_interval(self.value[known])
 
     def finite_time(self, length: float) -> Array:
         """Exponents over consecutive windows of a length, a whole number of blocks, shape (trajectory, window).
@@ -158,12 +163,12 @@ class ExponentEstimate:
                 lines.append(f"{outcome} at once: no value")
                 continue
             if self.is_zero[k]:
-                threshold = f"below 3 ln t / t = {zero_threshold(self.time[k]):.1e}"
+                threshold = f"below 3 ln(t/T) / t = {zero_threshold(self.time[k], self.time_scale[k]):.1e}"
                 lines.append(f"consistent with zero at t = {self.time[k]:g}: {threshold}  ({outcome})")
                 continue
             value = str(Estimate(self.value[k], self.error[k], *self.interval()[k]))
             state = "converged" if self.converged[k] else "not converged"
-            lines.append(f"{value}  (t = {self.time[k]:g}, {outcome}, {state})")
+            lines.append(f"{value}  (over t = {self.time[k]:g}, {outcome}, {state})")
         return "\n".join(lines)
 
 
@@ -173,8 +178,8 @@ def largest_exponent(
     *,
     wanted_error: float | None = None,
     t_end: float | None = None,
-    block: float = 20.0,
-    transient: float = 100.0,
+    block: float | None = None,
+    transient: float | None = None,
     seed: int = 0,
     first: int = 0,
     method: Method | None = None,
@@ -187,20 +192,24 @@ def largest_exponent(
     The growth rates of one tangent vector in blocks of time are averaged.  They are correlated: the error comes from
     their autocorrelation or from 8 to 15 batches of them, whichever is larger.  If an error is wanted, each run goes
     on from where it is, half as long again each time, until its error is that small and its halves agree, its
-    value is consistent with zero and $3\ln t/t$ is that small, or `t_end` is reached.
+    value is consistent with zero and $3\ln(t/T)/t$ is that small, or `t_end` is reached.
 
-    A value below $3\ln t/t$ is what a regular orbit shows; then `is_zero` holds, and there is neither error bar nor
-    bound: a sticky orbit may look regular for thousands of time units.  No error can tell of a region that the orbit
+    A value below $3\ln(t/T)/t$ is what a regular orbit shows, with T its `time_scale`; then `is_zero` holds, and there
+    is neither error bar nor
+    bound: a sticky orbit may look regular for thousands of natural times.  No error can tell of a region that the orbit
     has not visited yet, and one that has stuck to an island for most of the run looks converged.
 
     Args:
         system: The system.
         x0: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         wanted_error: Error at which a run stops, in inverse time.  Without one all runs last until `t_end`.
-        t_end: (Longest) averaging time, positive; by default 100,000 if an error is wanted.
+        t_end: (Longest) averaging time, positive; by default, if an error is wanted, some 100,000 natural times of the
+            median orbit.
         block: Length of a block, positive, in which the vector must not grow by more than 1e308 ("not finite").
-            Shorter ones do not change the estimate.
-        transient: Time before averaging, in which the vector turns into its direction.
+            Shorter ones do not change the estimate.  By default some 20 natural times of the fastest orbit, and at most
+            `t_end`/128; give it if an ensemble that is computed in pieces is to be the same, bit for bit.
+        transient: Time before averaging, in which the vector turns into its direction; by default some 100 natural
+            times of the median orbit.
         seed: Draws the tangent vectors, those of `lyapunov_exponent`.
         first: Number of the first member, so that an ensemble can be computed in pieces.
         method: How; by default `Taylor(tol=1e-13)`.
@@ -219,10 +228,22 @@ def largest_exponent(
 
     References: [benettin1980]; for the error see `liepoisson.numeric.mean_error`.
     """
-    wanted, n_blocks, block = _as_plan(wanted_error, t_end, block)
+    deadline = time.monotonic() + as_time_limit(time_limit)
+    _check_wanted(wanted_error, t_end)
+    scale = time_scale(system, x0, method=method, threads=threads, time_limit=time_limit)
+    wanted, n_blocks, block = _as_plan(wanted_error, t_end, block, scale)
+    if transient is None:
+        transient = natural_duration(TRANSIENT, scale, otherwise=0.0)
     transient = as_duration(transient, "transient", zero=True)
     frames = TangentFrames(
-        system, x0, n_vectors=1, seed=seed, first=first, method=method, threads=threads, time_limit=time_limit
+        system,
+        x0,
+        n_vectors=1,
+        seed=seed,
+        first=first,
+        method=method,
+        threads=threads,
+        time_limit=max(deadline - time.monotonic(), 1e-9),
     )
     start = frames.state.copy()
     before = n_intervals(transient, block, names=("transient", "block"))
@@ -235,23 +256,31 @@ def largest_exponent(
     goal = n_blocks if wanted is None else _FIRST_LOOK
     for k in range(n_blocks):
         if k == goal and wanted is not None:
-            stopped |= _is_done(np.stack(done, axis=1), block, wanted)
+            stopped |= _is_done(np.stack(done, axis=1), block, wanted, scale)
             goal = math.ceil(_LONGER * goal)
         if not frames.goes_on(~stopped).any():
             break
         done.append(stretchings(clock.run(frames, block, only=~stopped))[:, 0] / block)
     rates = np.stack(done, axis=1) if done else np.empty((len(start), 0))
-    return _estimate(system.name, frames, rates, start, block=block, transient=transient, wanted=wanted)
+    return _estimate(system.name, frames, rates, start, scale, block=block, transient=transient, wanted=wanted)
 
 
-def _as_plan(wanted_error: float | None, t_end: float | None, block: float) -> tuple[float | None, int, float]:
+def _check_wanted(wanted_error: float | None, t_end: float | None) -> None:
+    if wanted_error is None and t_end is None:
+        raise ParameterError("wanted t_end, wanted_error, or both; got neither; try wanted_error=0.01")
+
+
+def _as_plan(
+    wanted_error: float | None, t_end: float | None, block: float | None, scale: Array
+) -> tuple[float | None, int, float]:
     """The wanted error, the largest number of blocks, and their length, which divides the longest time."""
     wanted = None if wanted_error is None else as_number(wanted_error, "wanted_error", "a positive number")
-    if wanted is None and t_end is None:
-        raise ParameterError("wanted t_end, wanted_error, or both; got neither; try wanted_error=0.01")
     if wanted is not None and not 0.0 < wanted < math.inf:
         raise ParameterError(f"wanted_error: wanted a positive number; got {wanted}; try 0.01")
-    longest = as_duration(LONGEST if t_end is None else t_end, "t_end")
+    longest = as_duration(natural_duration(LONGEST, scale, otherwise=LONGEST) if t_end is None else t_end, "t_end")
+    if block is None:
+        most = longest / (2 * _LEAST_BLOCKS)
+        block = min(natural_duration(BLOCK, scale, fastest=True, otherwise=most), most)
     n_blocks = n_intervals(longest, as_duration(block, "block"), names=("t_end", "block"))
     if n_blocks < _LEAST_BLOCKS:
         raise ParameterError(
@@ -261,15 +290,23 @@ def _as_plan(wanted_error: float | None, t_end: float | None, block: float) -> t
     return wanted, n_blocks, longest / n_blocks
 
 
-def _is_done(rates: Array, block: float, wanted: float) -> NDArray[np.bool_]:
+def _is_done(rates: Array, block: float, wanted: float, scale: Array) -> NDArray[np.bool_]:
     """Whether runs may stop: error small enough and halves agree, or consistent with zero as closely as is wanted."""
-    threshold = float(zero_threshold(block * rates.shape[1]))
+    threshold = zero_threshold(block * rates.shape[1], scale)
     settled = (_difference_of_halves(rates) <= _HALVES) & (mean_error(rates) <= wanted)
     return np.where(rates.mean(axis=1) <= threshold, threshold <= wanted, settled)
 
 
 def _estimate(
-    name: str, frames: TangentFrames, done: Array, start: Array, *, block: float, transient: float, wanted: float | None
+    name: str,
+    frames: TangentFrames,
+    done: Array,
+    start: Array,
+    scale: Array,
+    *,
+    block: float,
+    transient: float,
+    wanted: float | None,
 ) -> ExponentEstimate:
     n_done = np.isfinite(done).sum(axis=1)
     done = done[:, : int(n_done.max(initial=0))]
@@ -279,8 +316,8 @@ def _estimate(
         part = done[rows, :length]
         value[rows], error[rows] = part.mean(axis=1), mean_error(part)
         halves[rows] = _difference_of_halves(part)
-    time = n_done * block
-    is_zero = value <= zero_threshold(time)
+    duration = n_done * block
+    is_zero = value <= zero_threshold(duration, scale)
     converged = (frames.outcome == "finished") & (halves <= _HALVES) & ~is_zero
     if wanted is not None:
         converged &= error <= wanted
@@ -289,7 +326,8 @@ def _estimate(
         block=block,
         transient=transient,
         rates=done,
-        time=time,
+        time=duration,
+        time_scale=scale,
         value=value,
         error=error,
         is_zero=is_zero,
@@ -311,28 +349,3 @@ def _difference_of_halves(rates: Array) -> Array:
     error = np.hypot(*map(mean_error, parts))
     difference = np.abs(parts[0].mean(axis=1) - parts[1].mean(axis=1))
     return np.divide(difference, error, out=np.zeros_like(error), where=error > 0)
-
-
-def zero_threshold(time: ArrayLike) -> Array:
-    r"""$3\ln t/t$: finite-time exponents below are consistent with zero; infinite at t = 0.
-
-    Tangent vectors grow like t on a regular torus, and the factor 3 leaves room.  It bounds no exponent: any orbit may
-    be below at time t and above later.
-
-    The unit of time in the logarithm is 1.  So the natural time of the system, one over the size of its linearised
-    field, should be about 1, as for tops with vectors of length one.  Multiply the Hamiltonian of another system by a
-    constant, which changes its unit of time: a regular orbit that is c times as fast has $\ln(c\,t)/t$ and may exceed
-    the threshold, a chaotic one that is c times as slow stays below c times as long.
-    """
-    t = np.asarray(time, dtype=np.float64)
-    return np.divide(3.0 * np.log(np.maximum(t, math.e)), t, out=np.full_like(t, np.inf), where=t > 0)
-
-
-def bootstrap_mean(values: Array, resampling: Resampling) -> Estimate:
-    """Mean of one number per member, shape (trajectory,), with bootstrap error and percentile interval."""
-    stream = np.random.default_rng(np.random.SeedSequence(resampling.seed))
-    draws = (stream.integers(0, len(values), len(values)) for _ in range(resampling.n_bootstrap))
-    means = np.array([values[draw].mean() for draw in draws])
-    tail = (1.0 - resampling.confidence) / 2.0
-    low, high = np.quantile(means, [tail, 1.0 - tail])
-    return Estimate(float(values.mean()), float(means.std(ddof=1)), float(low), float(high))

@@ -11,13 +11,12 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_number, shown, typical
-from liepoisson.numeric.estimates import Estimate, Resampling
-from liepoisson.numeric.exponent_estimate import bootstrap_mean, zero_threshold
-from liepoisson.numeric.lyapunov import lyapunov_exponent
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, shown, typical
+from liepoisson.numeric.estimates import Estimate, as_confidence
+from liepoisson.numeric.mean_error import mean_interval
 from liepoisson.numeric.methods import Method
-from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.tangent_frames import as_duration
+from liepoisson.numeric.verdict import Kind, Rule, Verdict, as_rule, decide
 
 _MOST = 10_000_000
 
@@ -41,10 +40,14 @@ class EnergyProfile:
         t_end: Time of each exponent.
         exponent: Exponents at `t_end`, in inverse time, shape (energy, trajectory); NaN for runs that failed.
         outcome: How each run ended, shape (energy, trajectory).
-        mean: Mean exponent at each energy, with bootstrap errors over the starts; of NaN with fewer than two runs.
-        threshold: What counts as chaotic: a larger exponent.
-        fraction: Share of the starts at each energy whose exponent is above the threshold, with Wilson's interval;
-            of NaN without runs.  With the default threshold a lower bound of the chaotic share of the energy surface.
+        verdict: "regular", "chaotic" or "undecided" by `rule`, as `decide` says, shape (energy, trajectory).
+        rule: Its thresholds.
+        mean: Mean exponent at each energy with its standard error, the spread over the starts over the root of their
+            number, and Student's interval; of NaN with fewer than two runs.
+        chaotic: Share of the chaotic ones among the starts at each energy whose runs finished, with the binomial
+            standard error and Wilson's interval; of NaN without runs.
+        undecided: Share of the undecided ones, likewise.  What is undecided may be either: the chaotic share of the
+            energy surface lies between `chaotic` and `chaotic` + `undecided`, but for the errors of both.
     """
 
     system: str
@@ -53,19 +56,22 @@ class EnergyProfile:
     t_end: float
     exponent: Array
     outcome: NDArray[np.str_]
+    verdict: NDArray[np.str_]
+    rule: Rule
     mean: tuple[Estimate, ...]
-    threshold: float
-    fraction: tuple[Estimate, ...]
+    chaotic: tuple[Estimate, ...]
+    undecided: tuple[Estimate, ...]
 
     def __str__(self) -> str:
         leaf = ", ".join(f"{name} = {value:.4g}" for name, value in self.casimirs.items())
         lines = [
             f"{self.system}, {leaf}; {self.exponent.shape[1]} starts per energy, t = {self.t_end:g}, "
-            f"chaotic above {self.threshold:.2g}",
-            "  energy  mean exponent      chaotic at least",
+            "errors over the starts",
+            "  energy  mean exponent      chaotic            undecided",
         ]
-        for energy, mean, fraction in zip(self.energy, self.mean, self.fraction, strict=True):
-            lines.append(f"{energy:8.4g}  {mean!s:17}  {fraction.value:.2f} [{fraction.low:.2f}, {fraction.high:.2f}]")
+        for energy, mean, *shares in zip(self.energy, self.mean, self.chaotic, self.undecided, strict=True):
+            texts = (f"{share.value:.2f} [{share.low:.2f}, {share.high:.2f}]" for share in shares)
+            lines.append(f"{energy:8.4g}  {mean!s:17}  " + "  ".join(texts))
         return "\n".join(lines)
 
     def __repr__(self) -> str:
@@ -82,7 +88,7 @@ def exponents_by_energy(
     energies: ArrayLike,
     n: int,
     t_end: float,
-    threshold: float | None = None,
+    rule: Rule | None = None,
     seed: int = 0,
     confidence: float = 0.95,
     method: Method | None = None,
@@ -90,13 +96,11 @@ def exponents_by_energy(
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
 ) -> EnergyProfile:
-    r"""Mean exponent, and a lower bound of the chaotic share, at each energy of a leaf.
+    r"""Mean exponent, and the chaotic and the undecided share, at each energy of a leaf.
 
     Starts have the microcanonical measure, which the flow preserves: the fraction of chaotic starts estimates the
-    chaotic share of the energy surface.  What is counted are exponents above $3\ln t/t$, and a chaotic orbit that is
-    weak, or sticks until t, is below: the fraction estimates a lower bound.  For the twisted Kovalevskaya top, on one
-    leaf at E = -1.2, it is 0.62 at t = 1,000, where `decide` finds 0.96 at t = 5,000.  The same seed is used at each
-    energy.
+    chaotic share of the energy surface.  Each orbit is judged by `decide`, whose docstring says what it cannot see;
+    what it leaves undecided is counted by itself.  The same seed is used at each energy.
 
     Args:
         system: The system.
@@ -104,8 +108,7 @@ def exponents_by_energy(
         energies: Values of the Hamiltonian, shape (energy,); `leaf.energy_range()` tells which occur.
         n: Starts at each energy, at most 10,000,000.
         t_end: Time of the exponents, positive.
-        threshold: Exponent above which an orbit counts as chaotic, >= 0; by default $3\ln t/t$.  Weak chaos below is
-            missed, as are orbits that stick until then; the default takes the natural time of the system to be about 1.
+        rule: Other thresholds than those of `decide`.
         seed: Draws starts and tangent vectors.
         confidence: Coverage of the intervals.
         method: How; by default `Taylor(tol=1e-13)`.
@@ -125,39 +128,47 @@ def exponents_by_energy(
     if values.ndim != 1 or values.size == 0:
         raise ShapeError(f"energies must have shape (energy,) with one or more energies; got shape {values.shape}.")
     n, t_end = as_count(n, "n", least=1, most=_MOST, hint="try n=100"), as_duration(t_end, "t_end")
-    limit = float(zero_threshold(t_end)) if threshold is None else as_number(threshold, "threshold", "a number >= 0")
-    if not 0.0 <= limit < np.inf:
-        raise ParameterError(f"threshold: wanted a finite number >= 0; got {limit}; leave it out for 3 ln t / t")
-    resampling = Resampling(confidence=confidence, seed=seed)
-    exponents, outcomes = np.empty((len(values), n)), np.empty((len(values), n), dtype="<U32")
+    rule, confidence = as_rule(rule), as_confidence(confidence)
+    verdicts: list[Verdict] = []
     for k, energy in enumerate(values):
         listen = None if progress is None else (lambda part, k=k: progress((k + part) / len(values)))
-        growth = lyapunov_exponent(
-            system,
-            leaf.sample(n, seed=seed, energy=float(energy)),
-            times=[t_end],
-            seed=seed,
-            method=method,
-            threads=threads,
-            time_limit=time_limit,
-            progress=listen,
+        verdicts.append(
+            decide(
+                system,
+                leaf.sample(n, seed=seed, energy=float(energy)),
+                t_end=t_end,
+                rule=rule,
+                seed=seed,
+                method=method,
+                threads=threads,
+                time_limit=time_limit,
+                progress=listen,
+            )
         )
-        exponents[k], outcomes[k] = growth.exponent[:, -1], growth.outcome
-    finished = [row[np.isfinite(row)] for row in exponents]
+    outcome = np.stack([each.outcome for each in verdicts])
+    exponent = np.stack([np.where(each.outcome == "finished", each.exponent, np.nan) for each in verdicts])
+    finished = [row[np.isfinite(row)] for row in exponent]
     nothing = Estimate(*[float("nan")] * 4)
+
+    def share(kind: Kind) -> tuple[Estimate, ...]:
+        done = ((each.outcome == "finished").any() for each in verdicts)
+        return tuple(
+            each.fraction(kind, confidence=confidence) if some else nothing
+            for each, some in zip(verdicts, done, strict=True)
+        )
+
     return EnergyProfile(
         system=system.name,
         casimirs=leaf.casimirs,
         energy=values,
         t_end=t_end,
-        exponent=exponents,
-        outcome=outcomes,
-        mean=tuple(bootstrap_mean(row, resampling) if len(row) > 1 else nothing for row in finished),
-        threshold=limit,
-        fraction=tuple(
-            proportion(int(np.sum(row > limit)), len(row), confidence=confidence) if len(row) else nothing
-            for row in finished
-        ),
+        exponent=exponent,
+        outcome=outcome,
+        verdict=np.stack([each.verdict for each in verdicts]),
+        rule=rule,
+        mean=tuple(mean_interval(row, confidence=confidence) if len(row) > 1 else nothing for row in finished),
+        chaotic=share("chaotic"),
+        undecided=share("undecided"),
     )
 
 

@@ -251,7 +251,7 @@ def finite_time_fit(
     time: ArrayLike,
     exponent: ArrayLike,
     *,
-    window: Window = (20.0, 200.0),
+    window: Window | None = None,
     n_bootstrap: int = 1000,
     seed: int = 0,
     confidence: float = 0.95,
@@ -266,7 +266,8 @@ def finite_time_fit(
         time: Sample times, shape (time,), positive and increasing.
         exponent: Finite-time exponents, shape (trajectory, time), in inverse time.  Members with a value that is
             not finite are left out and counted.
-        window: First and last time used; it must hold at least 5 sample times.
+        window: First and last time used; it must hold at least 5 sample times.  By default the last decade of the
+            sample times, which may begin too early: see `window_scan`.
         n_bootstrap: Number of bootstrap replicates.
         seed: Draws the replicates.
         confidence: Coverage of the intervals.
@@ -280,6 +281,7 @@ def finite_time_fit(
 
     References: Tang and Boozer, Physica D 95, 283 (1996); Thiffeault and Morrison (2001), figure of the exponents.
     """
+    window = last_decade(time) if window is None else window
     return window_scan(time, exponent, windows=[window], n_bootstrap=n_bootstrap, seed=seed, confidence=confidence)[0]
 
 
@@ -311,7 +313,7 @@ def log_fit(
     time: ArrayLike,
     exponent: ArrayLike,
     *,
-    window: Window = (50.0, 1000.0),
+    window: Window | None = None,
     n_bootstrap: int = 1000,
     seed: int = 0,
     confidence: float = 0.95,
@@ -325,6 +327,7 @@ def log_fit(
         ShapeError: `exponent` is not (trajectory, time).
         ParameterError: bad times or window, or fewer than two members that finished.
     """
+    window = last_decade(time) if window is None else window
     reduction = EnsembleReduction(time, log_windows=[window])
     reduction.add(exponent)
     return reduction.log_fits(Resampling(n_bootstrap, confidence, seed))[0]
@@ -342,17 +345,36 @@ def mean_curve(time: ArrayLike, exponent: ArrayLike, *, confidence: float = 0.95
     return reduction.mean_curve(confidence=confidence)
 
 
+def last_decade(time: ArrayLike) -> Window:
+    """The last sample time and a tenth of it, or the first sample time where that is later.
+
+    Raises:
+        ShapeError: `time` is not one-dimensional, or empty.
+        ParameterError: times that are not positive and increasing.
+    """
+    t = _checked_time(time)
+    return max(float(t[0]), float(t[-1]) / 10.0), float(t[-1])
+
+
 def window_grid(
     time: ArrayLike,
     *,
-    starts: Sequence[float] = (5, 10, 20, 30, 50, 70, 100),
-    ends: Sequence[float] = (100, 200, 500, 1000),
+    starts: Sequence[float] | None = None,
+    ends: Sequence[float] | None = None,
 ) -> tuple[Window, ...]:
     """The windows [start, end] inside the sample times whose end is at least twice their start.
+
+    Args:
+        time: Sample times, shape (time,), positive and increasing.
+        starts: By default 1/200, 1/100, 1/50, 1/20, 1/10, 1/5 and 1/2 of the last time.
+        ends: By default 1/10, 1/5, 1/2 of the last time, and this time.
 
     Raises:
         ParameterError: no such window.
     """
+    last = float(_checked_time(time)[-1])
+    starts = [last / n for n in (200, 100, 50, 20, 10, 5, 2)] if starts is None else starts
+    ends = [last / n for n in (10, 5, 2, 1)] if ends is None else ends
     t = _checked_time(time)
     grid = [(float(start), float(end)) for end in ends for start in starts if 2 * start <= end <= t[-1]]
     windows = tuple(window for window in grid if np.count_nonzero(_inside(window, t)) >= _MIN_TIMES)

@@ -26,7 +26,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import as_count
 from liepoisson.numeric.estimates import Window
-from liepoisson.numeric.finite_time_fit import finite_time_fit
+from liepoisson.numeric.finite_time_fit import finite_time_fit, last_decade
 
 _COEFFICIENTS = 3
 # Contrasts are known to some 1e-16 of the curves, and eigenvalues, squares of spreads, to 1e-16 of the largest: spreads
@@ -68,14 +68,14 @@ class FitGoodness:
 
 
 def fit_goodness(
-    time: ArrayLike, exponent: ArrayLike, *, window: Window = (20.0, 200.0), n_degrees: int = 6
+    time: ArrayLike, exponent: ArrayLike, *, window: Window | None = None, n_degrees: int = 6
 ) -> FitGoodness:
     r"""Goodness of $\lambda + c_1/\sqrt t + c_0/t$ for the mean of an ensemble in a window.
 
     Args:
         time: Sample times, shape (time,), positive and increasing.
         exponent: Finite-time exponents, shape (trajectory, time).  Members that did not finish are left out.
-        window: First and last time used.
+        window: First and last time used; by default the last decade of the sample times.
         n_degrees: Degrees of freedom p: p + 3 of the sample times, evenly spread in order, are used.  The p-value
             depends on it: more degrees see finer structure and dilute what is coarse.  Choose it before looking.
 
@@ -85,6 +85,7 @@ def fit_goodness(
             members whose differences from the law do not vary independently, as where all are the same.
     """
     times, curves = as_array(time, "time"), as_array(exponent, "exponent")
+    window = last_decade(times) if window is None else window
     fit = finite_time_fit(times, curves, window=window, n_bootstrap=2)
     if curves.ndim != 2:
         raise ShapeError(f"exponent must have shape (trajectory, time); got {curves.shape}. Transpose it?")

@@ -24,7 +24,7 @@ from liepoisson.numeric._checks import (
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
 from liepoisson.numeric.lyapunov import lyapunov_exponent
 from liepoisson.numeric.methods import Method, Taylor, as_method
-from liepoisson.numeric.sampling import as_first, as_seed
+from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 
 _N_TIMES = 200
 # Members whose fine samples are in memory at once: 256 x 4,096 numbers are 8 MB.
@@ -74,6 +74,7 @@ def megno(
     *,
     t_end: float,
     n_samples: int = 4096,
+    tangents: ArrayLike | None = None,
     seed: int = 0,
     first: int = 0,
     method: Method | None = None,
@@ -101,6 +102,7 @@ def megno(
             beside good ones ends at once, with the outcome "not finite".
         t_end: Last time, positive, in units of the system's own time.
         n_samples: Samples of $\ln|v|$, at least 8, rounded up to a multiple of twice the number of times returned.
+        tangents: Tangent vectors at time 0, shape (trajectory, component), not zero, instead of random ones.
         seed: Draws the tangent vectors, uniform on the unit sphere of the phase space.
         first: Number of the first member: member k has the same vector in whichever piece of an ensemble it is.
         method: How; by default `Taylor(tol=1e-13)`.  Methods without power series step to every sample.
@@ -126,6 +128,8 @@ def megno(
     end = as_positive_time(t_end, "t_end")
     samples = as_count(n_samples, "n_samples", least=8, most=2**26, hint="try n_samples=4096")
     seed, first = as_seed(seed), as_first(first, len(states))
+    vectors = sample_tangents(states.shape[1], len(states), seed=seed, first=first) if tangents is None else tangents
+    vectors = np.broadcast_to(as_states(vectors, states.shape[1], "tangents"), states.shape)
     n_times = min(_N_TIMES, samples // 2)
     stride = 2 * -(-samples // (2 * n_times))
     at_once = min(_CHUNK, len(states))
@@ -134,15 +138,15 @@ def megno(
     deadline = clock.monotonic() + as_time_limit(time_limit)
     parts: list[tuple[Array, ...]] = []
     outcome: list[NDArray[np.str_]] = []
+    spare = states[np.isfinite(states).all(axis=1)][:1]
     for start in range(0, max(1, len(states)), _CHUNK):  # once for no states: empty arrays of the right shapes
         chunk = states[start : start + _CHUNK]
         growth = lyapunov_exponent(
             system,
             # an ensemble may have bad rows, but not only bad ones: a good one stands beside them and is dropped
-            np.concatenate([chunk, states[np.isfinite(states).all(axis=1)][:1]]),
+            np.concatenate([chunk, spare]),
             times=fine,
-            seed=seed,
-            first=first + start,
+            tangents=np.concatenate([vectors[start : start + _CHUNK], vectors[:1]])[: len(chunk) + len(spare)],
             method=method,
             threads=threads,
             time_limit=max(deadline - clock.monotonic(), 1e-9),

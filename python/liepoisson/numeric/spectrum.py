@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from time import monotonic as clock_now
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,16 +14,20 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, component_names, shown, trajectories
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_time_limit, component_names, shown, trajectories
 from liepoisson.numeric.covariant_vectors import CovariantRecord, CovariantVectors
-from liepoisson.numeric.mean_error import mean_error
+from liepoisson.numeric.mean_error import mean_error, mean_over_starts
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.spectrum_check import SpectrumResiduals, check_lines, spectrum_residuals
 from liepoisson.numeric.structural_zeros import PoissonStructure, poisson_structure
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
+from liepoisson.numeric.time_scale import natural_duration, time_scale
 
 if TYPE_CHECKING:
     from xarray import Dataset
+
+INTERVAL = 5.0
+"""Default time between orthonormalisations, in natural times of the fastest orbit."""
 
 N_TIMES = 256
 """Most output times; the intervals between them are the shortest batches of the errors."""
@@ -45,11 +50,13 @@ class Spectrum(ReadOnlyArrays):
         time: Averaging times, evenly spaced, shape (time,); they count from the end of the transient.
         exponent: Running values $t^{-1}\sum\ln R_{kk}$ in inverse time, shape (trajectory, time, k); NaN from where a
             trajectory failed.
-        error: Statistical error of the last values (see `mean_error`), shape (trajectory, k); NaN where a trajectory
-            failed.  It does not contain the bias of order $\ln t/t$ that all finite-time exponents have, and it is too
-            small while t is below some twenty times the time for which orbits stick to islands.  Measured for the
-            twisted Kovalevskaya top: at t = 1,000 the spread over copies within 1e-9 of four starts is 1.1 to 2.0
-            of it, and the intervals of 95% hold the mean in 65% to 90%; from t = 4,000 to 10,000 on in 83% to 94%.
+        time_scale: Natural unit of time T of each trajectory (`liepoisson.time_scale`), shape (trajectory,).
+        error: Standard error of each last value as an average over the time of this one orbit (see `mean_error`), shape
+            (trajectory, k); NaN where a trajectory failed.  It is no error over starts: that is in `mean`.  It does
+            not contain the bias of order $\ln(t/T)/t$ that all finite-time exponents have, and it is too small while t
+            is below some twenty times the time for which orbits stick to islands.  Measured for the twisted
+            Kovalevskaya top: at t = 1,000 the spread over copies within 1e-9 of four starts is 1.1 to 2.0 of it, and
+            the intervals of 95% hold the mean in 65% to 90%; from t = 4,000 to 10,000 on in 83% to 94%.
         structure: What the bracket says about zeros and pairs, or None for a system without a Poisson tensor.
         largest_ratio: Largest ratio of two stretchings within one interval, shape (trajectory,).  The smallest
             exponents have a relative error of some 1e-16 times this in each interval: choose a shorter one above 1e8.
@@ -73,6 +80,7 @@ class Spectrum(ReadOnlyArrays):
     interval: float
     transient: float
     time: Array
+    time_scale: Array
     exponent: Array
     error: Array
     structure: PoissonStructure | None
@@ -97,16 +105,14 @@ class Spectrum(ReadOnlyArrays):
 
     @property
     def mean(self) -> tuple[Array, Array]:
-        """Mean spectrum of the trajectories that finished, and its error, both shape (k,); NaN where none did.
+        """Mean spectrum of the trajectories that finished, and its standard error, both shape (k,); NaN where none did.
 
-        The error is that of the averages over time, for these starts; other starts have other leaves and energies.
+        The error is the spread over the starts over the root of their number (`mean_over_starts`): that of the mean as
+        an estimate for all starts like these.  It contains the errors over time, which are part of the spread.  Of a
+        single trajectory it is the error over the time of this orbit.
         """
         finished = self.outcome == "finished"
-        if not finished.any():
-            nothing = np.full(self.exponents.shape[1], np.nan)
-            return nothing, nothing.copy()
-        error = np.sqrt((self.error[finished] ** 2).sum(axis=0)) / finished.sum()
-        return self.exponents[finished].mean(axis=0), error
+        return mean_over_starts(self.exponents[finished], self.error[finished])
 
     @property
     def residuals(self) -> SpectrumResiduals:
@@ -132,7 +138,9 @@ class Spectrum(ReadOnlyArrays):
 
     def __repr__(self) -> str:
         mean, error = self.mean
-        known = f" ± {error[0]:.2g}" if np.isfinite(error[0]) else ""
+        n = int(np.sum(self.outcome == "finished"))
+        over = f"over {n} starts" if n > 1 else "over the time of one orbit"
+        known = f" ± {error[0]:.2g} ({over})" if np.isfinite(error[0]) else ""
         largest = f"largest {mean[0]:.4g}{known} at t = {self.time[-1]:g}"
         return f"<Spectrum of {self.system}: {len(mean)} exponents of {trajectories(self.outcome)}, {largest}>"
 
@@ -142,7 +150,7 @@ def lyapunov_spectrum(
     x0: ArrayLike,
     *,
     t_end: float,
-    interval: float = 5.0,
+    interval: float | None = None,
     transient: float = 0.0,
     n_exponents: int | None = None,
     covariant: bool = False,
@@ -163,15 +171,17 @@ def lyapunov_spectrum(
     involution (the energy among them), and pairs $\pm\lambda$ on the leaf.  A generic orbit of the twisted top has
     $(x, y, 0, 0, 0, 0, 0, -y, -x)$.  `Spectrum.residuals` measures how well this holds, `Spectrum.check()` tells it.
 
-    Finite-time values are biased by some $\ln t/t$, as the vectors of the zeros grow like powers of time.  Here t is in
-    units of the system's natural time, which is about 1 for tops with vectors of length one.
+    Finite-time values are biased by some $\ln(t/T)/t$, as the vectors of the zeros grow like powers of time; T is the
+    `time_scale` of the orbit.
 
     Args:
         system: The system.
         x0: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         t_end: Averaging time, positive, in units of the system's own time.
         interval: Longest time between orthonormalisations, positive.  Within it the stretchings must not differ by more
-            than some 1e8 (`Spectrum.largest_ratio`), nor exceed 1e308 ("not finite"); shorter ones cost time.
+            than some 1e8 (`Spectrum.largest_ratio`), nor exceed 1e308 ("not finite"); shorter ones cost time.  By
+            default some 5 natural times of the fastest orbit; give it if an ensemble that is computed in pieces is to
+            be the same, bit for bit.
         transient: Time before the averages begin, in which the frame turns into its directions.
         n_exponents: How many, the largest ones; by default all.
         covariant: Also compute the covariant Lyapunov vectors, by Ginelli's method.  The run then goes on for another
@@ -197,10 +207,21 @@ def lyapunov_spectrum(
     References:
         [benettin1980]; for covariant vectors [ginelli2007].
     """
-    t_end, interval = as_duration(t_end, "t_end"), as_duration(interval, "interval")
+    t_end, deadline = as_duration(t_end, "t_end"), clock_now() + as_time_limit(time_limit)
     transient = as_duration(transient, "transient", zero=True)
+    scale = time_scale(system, x0, method=method, threads=threads, time_limit=time_limit)
+    if interval is None:
+        interval = natural_duration(INTERVAL, scale, fastest=True, otherwise=t_end / N_TIMES)
+    interval = as_duration(interval, "interval")
     frames = TangentFrames(
-        system, x0, n_vectors=n_exponents, seed=seed, first=first, method=method, threads=threads, time_limit=time_limit
+        system,
+        x0,
+        n_vectors=n_exponents,
+        seed=seed,
+        first=first,
+        method=method,
+        threads=threads,
+        time_limit=max(deadline - clock_now(), 1e-9),
     )
     start = frames.state.copy()  # which is advanced in place
     if structure is None:
@@ -246,6 +267,7 @@ def lyapunov_spectrum(
         interval=interval,
         transient=transient,
         time=time,
+        time_scale=scale,
         exponent=np.cumsum(growth, axis=1) / time[:, None],
         error=np.where(finished[:, None], mean_error(rates), np.nan),
         structure=structure,

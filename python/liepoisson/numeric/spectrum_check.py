@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liepoisson.arrays import Array
-from liepoisson.numeric.exponent_estimate import zero_threshold
 from liepoisson.numeric.structural_zeros import keeps_volume
+from liepoisson.numeric.time_scale import zero_threshold
 
 if TYPE_CHECKING:
     from liepoisson.numeric.spectrum import Spectrum
@@ -31,29 +31,30 @@ class SpectrumResiduals:
         zeros: The structural zeros, the middle exponents in decreasing order, shape (trajectory, largest number of
             them); NaN beyond the number of this trajectory, and for starts on leaves of lower rank, where a growing
             direction across the leaf moves the middle.
-        zero_threshold: $3\ln t/t$, below which an exponent at time t is consistent with zero: tangent vectors in these
-            directions grow like powers of time.  A fault that makes an exponent smaller than this is not seen: 0.021
-            at t = 1,000, 0.0028 at t = 10,000.  It takes the natural time of the system to be about 1.
+        zero_threshold: $3\ln(t/T)/t$ with T the time scale of the orbit, below which an exponent at time t is
+            consistent with zero: tangent vectors in these directions grow like powers of time; shape (trajectory,).  A
+            fault that makes an exponent smaller than this is not seen: with T = 1 0.021 at t = 1,000, 0.0028 at
+            t = 10,000.
     """
 
     sum: Array
     pairing: Array
     zeros: Array
-    zero_threshold: float
+    zero_threshold: Array
 
     @property
     def zeros_below_threshold(self) -> Array:
         """Fraction of the structural zeros below the threshold, per trajectory; NaN where there are none."""
         known = np.isfinite(self.zeros)
         n = known.sum(axis=1)
-        small = (np.abs(np.where(known, self.zeros, np.inf)) <= self.zero_threshold).sum(axis=1)
+        small = (np.abs(np.where(known, self.zeros, np.inf)) <= self.zero_threshold[:, None]).sum(axis=1)
         return np.divide(small, n, out=np.full(len(n), np.nan), where=n > 0)
 
 
 def spectrum_residuals(spectrum: Spectrum) -> SpectrumResiduals:
     """The residuals; sums, pairs and zeros are NaN where not all exponents are known, or no structure."""
     values, n = -np.sort(-spectrum.exponents, axis=1), len(spectrum.components)
-    threshold = float(zero_threshold(spectrum.time[-1]))
+    threshold = zero_threshold(spectrum.time[-1], spectrum.time_scale)
     complete, structure = values.shape[1] == n, spectrum.structure
     total = values.sum(axis=1) if complete else np.full(len(values), np.nan)
     pairing = (values + values[:, ::-1])[:, : n // 2] if complete else np.full((len(values), n // 2), np.nan)
@@ -89,8 +90,9 @@ def check_lines(spectrum: Spectrum) -> list[str]:
     within, zeros = residuals.zeros_below_threshold[finished], residuals.zeros[finished]
     claim = f"structural zeros: {' or '.join(map(str, counts))} of {len(spectrum.components)}"
     if np.isfinite(zeros).any():
+        threshold = _range(residuals.zero_threshold[finished])
         lines.append(
-            f"{claim}, at most {_largest(zeros):.1e}; below 3 ln t / t = {residuals.zero_threshold:.1e} for "
+            f"{claim}, at most {_largest(zeros):.1e}; below 3 ln(t/T) / t = {threshold} for "
             f"{int(np.sum(within == 1.0))} of {int(finished.sum())} trajectories (smaller faults are not seen)"
         )
     lines.append("assumed: the ranks of J and of the gradients at the start stay the same along the orbits")
@@ -111,6 +113,12 @@ def _sum_line(spectrum: Spectrum, total: Array) -> str:
 def _largest(values: Array) -> float:
     known = np.abs(values[np.isfinite(values)])
     return float(known.max()) if known.size else float("nan")
+
+
+def _range(values: Array) -> str:
+    """The least and the largest one, or the one that both are to two digits."""
+    ends = sorted({f"{value:.1e}" for value in (np.nanmin(values), np.nanmax(values))}, key=float)
+    return " to ".join(ends)
 
 
 def _ratio_line(spectrum: Spectrum) -> list[str]:

@@ -1,4 +1,7 @@
-r"""Regular, chaotic or undecided: a rule made of three indicators, and how well these agree."""
+r"""Regular, chaotic or undecided: the one rule, made of four indicators, and how well these agree.
+
+`decide` applies it to orbits; sweeps, exponents by energy and the command line ask `decide`.
+"""
 
 from __future__ import annotations
 
@@ -13,55 +16,59 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError
-from liepoisson.field import PiecesField
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
     HasField,
-    as_field,
     as_number,
-    as_states,
     as_time_limit,
     shown,
     trajectories,
 )
 from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
+from liepoisson.numeric.averages import average_drift
 from liepoisson.numeric.estimates import Estimate
-from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.megno import Megno, megno
-from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.proportions import proportion
+from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.numeric.time_scale import orbit_units
 
 Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]
 
 KINDS: tuple[Kind, ...] = ("regular", "chaotic", "undecided")
-INDICATORS = ("growth_power", "megno", "sali")
+INDICATORS = ("growth_power", "megno", "sali", "averages")
 
-# The parts of the run from which the derivative of the field is taken, the first one that changes a tangent vector by
-# as much as this; and the members whose matrices are in memory at once.
-_SHORT, _LEAST_CHANGE, _CHUNK = (1e-21, 1e-18, 1e-15, 1e-12, 1e-9), 1e-10, 256
+METHOD = Taylor(tol=1e-13)
+"""Default method of the three runs that a verdict needs."""
 
 
 @dataclass(frozen=True)
 class Rule:
-    r"""Thresholds of the three indicators: (regular, chaotic); a value between the two is no vote.
+    r"""Thresholds of the indicators: (regular, chaotic) for three of them; a value between the two is no vote.
 
     The growth power is regular below its first number and chaotic above the second, MEGNO likewise; SALI is regular
-    above its first number and chaotic below the second.  Two votes for one kind and none for the other are a verdict,
-    unless the run is shorter than `least_time`, in natural units (`Verdict.natural_time`).
+    above its first number and chaotic below the second.  The change of averages is regular below its one number, and
+    no vote above: orbits near a resonance settle slowly, too.
+
+    "Chaotic" are two votes for it and none against it among the first three.  "Regular" are two votes for it and none
+    against it among the same three, and settled averages.  All is "undecided" in a run that is shorter than
+    `least_time`, in natural units (`Verdict.natural_time`).
 
     Growth power and MEGNO were fixed on a training set of eight integrable tops, 256 starts each, at t = 1000: the
     largest power there was 1.6, the largest mean MEGNO 2.64, where a torus has 1 and 2.  On purely exponential growth
     they are $0.424\,\lambda t$ and $\lambda t/2$: "chaotic" needs $\lambda t > 9.4$ and 10.  The numbers for SALI and
-    `least_time` are choices of ours.  docs/chaos.md names the systems and says what other systems reached.
+    `least_time` are choices of the authors.  The one for averages was fixed on two Kovalevskaya tops with a weak twist
+    (docs/chaos.md): so that at most 5% of the orbits that are chaotic in a run 100 times longer are "regular".
     """
 
     growth_power: tuple[float, float] = (2.0, 4.0)
     megno: tuple[float, float] = (3.0, 5.0)
     sali: tuple[float, float] = (1e-4, 1e-8)
+    averages: float = 4e-3
     least_time: float = 100.0
 
     def __post_init__(self) -> None:
-        for name in INDICATORS:
+        for name in INDICATORS[:3]:
             try:
                 low, high = (as_number(value, f"rule.{name}", "two numbers") for value in getattr(self, name))
             except (TypeError, ValueError):
@@ -73,17 +80,34 @@ class Rule:
                     f"rule.{name}: wanted two {order} numbers (regular, chaotic); got {shown(getattr(self, name))}; "
                     f"try {getattr(type(self), name)}"
                 )
-        if not as_number(self.least_time, "rule.least_time", "a number") >= 0.0:
-            raise ParameterError(
-                f"rule.least_time: wanted a number >= 0; got {shown(self.least_time)}; try {type(self).least_time}"
-            )
+        for name in ("averages", "least_time"):
+            if not as_number(getattr(self, name), f"rule.{name}", "a number") >= 0.0:
+                raise ParameterError(
+                    f"rule.{name}: wanted a number >= 0; got {shown(getattr(self, name))}; "
+                    f"try {getattr(type(self), name)}"
+                )
 
-    def votes(self, growth_power: Array, mean_megno: Array, sali: Array) -> NDArray[np.int8]:
+    def votes(self, growth_power: Array, mean_megno: Array, sali: Array, averages: Array) -> NDArray[np.int8]:
         """What each indicator says: -1 regular, +1 chaotic, 0 neither (or no value), shape (trajectory, indicator)."""
         rising = ((growth_power, self.growth_power), (mean_megno, self.megno))
         columns = [np.where(value < low, -1, np.where(value > high, 1, 0)) for value, (low, high) in rising]
         columns.append(np.where(sali > self.sali[0], -1, np.where(sali < self.sali[1], 1, 0)))
+        columns.append(np.where(averages < self.averages, -1, 0))
         return np.stack(columns, axis=-1).astype(np.int8)
+
+    def kinds(self, votes: NDArray[np.int8], natural_time: Array) -> NDArray[np.str_]:
+        """The verdicts that votes make, shape (trajectory,); those of failed trajectories are for the caller to drop.
+
+        Args:
+            votes: As `votes` returns them, shape (trajectory, indicator).
+            natural_time: Length of the run in natural units, shape (trajectory,).
+        """
+        of_vectors, settled = votes[:, :3], votes[:, 3] < 0
+        for_chaos, for_order = (of_vectors > 0).sum(axis=1), (of_vectors < 0).sum(axis=1)
+        long_enough = natural_time >= self.least_time
+        chaotic = long_enough & (for_chaos >= 2) & (for_order == 0)
+        regular = long_enough & (for_order >= 2) & (for_chaos == 0) & settled
+        return np.where(chaotic, "chaotic", np.where(regular, "regular", "undecided"))
 
 
 @dataclass(frozen=True)
@@ -97,13 +121,15 @@ class Verdict:
         seed: Seed of the tangent vectors.
         first: Number of the first member.
         verdict: "regular", "chaotic" or "undecided", shape (trajectory,); a trajectory that failed is "undecided".
-        natural_time: $t\,\|Df(x_0)\|_2$ at `t_end`, a pure number: the time in units of the fastest rate at which
-            neighbours of the start move apart or turn, shape (trajectory,).
+        natural_time: `t_end` over the time scale of the orbit (`time_scale`), a pure number, shape (trajectory,).
         growth_power: Slope of $\ln|v|$ against $\ln t$ over [t_end/10, t_end], shape (trajectory,).
         mean_megno: $\bar Y$ at `t_end`, shape (trajectory,).
         sali: SALI at `t_end`, shape (trajectory,).
+        average_drift: Largest change of a weighted average between the parts of the run, in units of the spread of what
+            is averaged, shape (trajectory,).
         exponent: Finite-time exponent at `t_end`, in inverse time, shape (trajectory,).
-        votes: -1 regular, +1 chaotic, 0 neither, for growth power, MEGNO and SALI, shape (trajectory, indicator).
+        votes: -1 regular, +1 chaotic, 0 neither, for growth power, MEGNO, SALI and averages, shape (trajectory,
+            indicator).
         outcome: How each trajectory ended, shape (trajectory,).
     """
 
@@ -117,6 +143,7 @@ class Verdict:
     growth_power: Array
     mean_megno: Array
     sali: Array
+    average_drift: Array
     exponent: Array
     votes: NDArray[np.int8]
     outcome: NDArray[np.str_]
@@ -158,29 +185,33 @@ def decide(
 ) -> Verdict:
     r"""Decides whether each orbit is regular or chaotic, or says that it cannot tell by `t_end`.
 
-    Three indicators vote:
+    Four indicators vote:
 
     - the growth power p, the slope of $\ln|v| = t\,\lambda(t)$ against $\ln t$ over the last decade of time: 1 on a
       torus, $0.424\,\lambda t$ on a chaotic orbit;
     - the mean MEGNO $\bar Y$: 2 on a torus, $\lambda t/2$ on a chaotic orbit;
-    - SALI: of order one or falling like a power of t on a torus, exponentially on a chaotic orbit.
+    - SALI: of order one or falling like a power of t on a torus, exponentially on a chaotic orbit;
+    - weighted averages of the squares of the components over the first and the last part of the run
+      (`liepoisson.numeric.averages`): the same on a torus, different by a few per cent where an orbit wanders.
 
-    A verdict needs two votes for it and none against it, and a run of at least 100 natural times,
-    $t\,\|Df(x_0)\|_2\ge 100$: before that a chaotic orbit cannot be told from a regular one, and all is "undecided".
-    Growth power and MEGNO come from the same tangent vector and mostly agree; SALI comes from two others.
+    "Chaotic" needs two votes of the first three and none against; "regular" needs the same for it, and averages that
+    have settled.  The run must be at least 100 natural times long, $t\ge 100\,T$ with T from `time_scale`.  Growth
+    power and MEGNO come from the same tangent vector and mostly agree; SALI comes from two others, averages from none.
 
-    What the rule cannot see: an orbit that has hardly begun to be chaotic by `t_end`.  Sticky orbits are such, and
-    exponents below about $10/t$ are "undecided" or "regular", below about $5/t$ "regular".  An unstable periodic orbit
-    or equilibrium of an integrable system is "chaotic" though no neighbour of it is; so is any orbit on which the
-    tangent vectors grow exponentially.  docs/chaos.md has error rates for t >= 300; between 100 natural times and
-    there they were not measured.
+    Nothing here has units: multiply H by c and divide `t_end` by c, or a component by a constant (tangent vectors are
+    drawn and their angles taken in units of the components along the orbit), and the verdicts are the same.
+
+    What the rule cannot see: an orbit that has hardly begun to be chaotic by `t_end`, and whose averages stand still
+    until then.  Of orbits that are chaotic in a run 100 times longer at most 5% are called "regular", for the systems
+    of docs/chaos.md, at the price of many "undecided" ones.  An unstable periodic orbit or equilibrium of an integrable
+    system is "chaotic" though no neighbour of it is; so is any orbit on which the tangent vectors grow exponentially.
 
     Args:
         system: The system.
         x0: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
             beside good ones ends at once, with the outcome "not finite".
-        t_end: Time after which it is decided, in units of the system's own time; some hundred periods at least.  All
-            orbits for which it is too short are "undecided".
+        t_end: Time after which it is decided, in units of the system's own time; some hundred periods at least, some
+            thousand if "regular" is to be said.  All orbits for which it is too short are "undecided".
         seed: Draws the tangent vectors.
         first: Number of the first member: member k has the same verdict in whichever piece of an ensemble it is.
         rule: Other thresholds than those whose error rates were measured.
@@ -202,36 +233,55 @@ def decide(
         and Simó, Astron. Astrophys. Suppl. 147 (2000) 205.
     """
     end, limit = as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
-    rule = _as_rule(rule)
-    x0 = as_array(x0, "x0")  # once, as three runs start from it
-    half = None if progress is None else lambda fraction: progress(0.5 * fraction)
-    rest = None if progress is None else lambda fraction: progress(0.5 + 0.5 * fraction)
+    rule, method = as_rule(rule), as_method(method, METHOD)
+    x0 = as_array(x0, "x0")  # once, as several runs start from it
     deadline = clock.monotonic() + limit
-    natural_time = _natural_time(system, x0, end, method, threads, deadline=deadline)
+    units = orbit_units(system, x0, method=method, threads=threads, time_limit=_left(deadline))
+    with np.errstate(divide="ignore"):
+        natural_time = end / units.time
+    n_all, n = units.component.shape
+    tangents = sample_tangents(n, n_all, seed=as_seed(seed), first=as_first(first, n_all))
     growth = megno(
         system,
         x0,
         t_end=end,
+        tangents=units.component * tangents,
         seed=seed,
         first=first,
         method=method,
         threads=threads,
         time_limit=_left(deadline),
-        progress=half,
+        progress=_part(progress, 0),
     )
     # Eight pieces: a vector may grow by e^600 in each before a piece must be repeated in halves.
     angle = alignment(
         system,
         x0,
         times=end * np.arange(1, 9) / 8,
+        units=units.component,
         seed=seed,
         first=first,
         method=method,
         threads=threads,
         time_limit=_left(deadline),
-        progress=rest,
+        progress=_part(progress, 1),
     )
-    return _judge(growth, angle, natural_time, rule)
+    averages = average_drift(
+        system,
+        x0,
+        t_end=end,
+        natural_time=natural_time,
+        method=method,
+        threads=threads,
+        time_limit=_left(deadline),
+        progress=_part(progress, 2),
+    )
+    return _judge(growth, angle, averages, natural_time, rule)
+
+
+def _part(progress: Callable[[float], Any] | None, k: int) -> Callable[[float], Any] | None:
+    """Progress of the k-th of three parts."""
+    return None if progress is None else lambda fraction: progress((k + fraction) / 3)
 
 
 def _left(deadline: float) -> float:
@@ -239,7 +289,12 @@ def _left(deadline: float) -> float:
     return max(deadline - clock.monotonic(), 1e-9)
 
 
-def _as_rule(rule: Any) -> Rule:
+def as_rule(rule: Any) -> Rule:
+    """The rule that is given, or the default one.
+
+    Raises:
+        ParameterError: it is no `Rule`.
+    """
     if rule is None:
         return Rule()
     if not isinstance(rule, Rule):
@@ -247,62 +302,26 @@ def _as_rule(rule: Any) -> Rule:
     return rule
 
 
-def _natural_time(
-    system: HasField, x0: ArrayLike, t_end: float, method: Method | None, threads: int | None, *, deadline: float
-) -> Array:
-    r"""The time in natural units, $t\,\|Df(x_0)\|_2$, shape (trajectory,); NaN without a start or time left.
-
-    Df is read off the variational equations, $M(h) = 1 + h\,Df + O(h^2)$ at the first of $h = 10^{-21}t, 10^{-18}t,
-    \ldots, 10^{-9}t$ at which $\|M(h) - 1\|_2\ge 10^{-10}$.  From 100 to 1e14 natural times that leaves relative errors
-    of at most some 1e-7 from the order and 1e-5 from round-off.
-    """
-    field = as_field(system)
-    # whatever the caller's method, but a field that is given by its pieces knows no other
-    method = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
-    states = as_states(x0, field.n_components, some_may_fail=True)
-    n, result = states.shape[1], np.full(len(states), np.nan)
-    good = np.flatnonzero(np.isfinite(states).all(axis=1))
-    for start in range(0, len(good), _CHUNK):
-        chunk = good[start : start + _CHUNK]
-        for share in _SHORT:
-            identity = np.tile(np.eye(n), (len(chunk), 1, 1))
-            short = integrate(
-                system,
-                states[chunk],
-                t=[0.0, share * t_end],
-                tangents=identity,
-                method=method,
-                threads=threads,
-                time_limit=_left(deadline),
-            )
-            chunk = chunk[arrived := short.outcome == "finished"]
-            change = np.linalg.norm(short.tangent[arrived, 1] - np.eye(n), ord=2, axis=(1, 2))
-            result[chunk] = change / share
-            chunk = chunk[change < _LEAST_CHANGE]
-            if not len(chunk):
-                break
-    return result
-
-
-def _judge(growth: Megno, angle: Alignment, natural_time: Array, rule: Rule) -> Verdict:
+def _judge(
+    growth: Megno, angle: Alignment, averages: tuple[Array, NDArray[np.str_]], natural_time: Array, rule: Rule
+) -> Verdict:
     power, mean, sali = _growth_power(growth), growth.mean[:, -1], angle.sali[:, -1]
-    votes = rule.votes(power, mean, sali)
-    outcome = np.where(growth.outcome == "finished", angle.outcome, growth.outcome)
-    for_chaos, for_order = (votes > 0).sum(axis=1), (votes < 0).sum(axis=1)
-    decidable = (outcome == "finished") & (natural_time >= rule.least_time)
-    chaotic = decidable & (for_chaos >= 2) & (for_order == 0)
-    regular = decidable & (for_order >= 2) & (for_chaos == 0)
+    votes = rule.votes(power, mean, sali, averages[0])
+    outcome = growth.outcome
+    for other in (angle.outcome, averages[1]):
+        outcome = np.where(outcome == "finished", other, outcome)
     return Verdict(
         system=growth.system,
         t_end=float(growth.time[-1]),
         rule=rule,
         seed=growth.seed,
         first=growth.first,
-        verdict=np.where(chaotic, "chaotic", np.where(regular, "regular", "undecided")),
+        verdict=np.where(outcome == "finished", rule.kinds(votes, natural_time), "undecided"),
         natural_time=natural_time,
         growth_power=power,
         mean_megno=mean,
         sali=sali,
+        average_drift=averages[0],
         exponent=growth.log_growth[:, -1] / growth.time[-1],
         votes=votes,
         outcome=outcome,
@@ -311,7 +330,7 @@ def _judge(growth: Megno, angle: Alignment, natural_time: Array, rule: Rule) -> 
 
 def _growth_power(growth: Megno) -> Array:
     """Least-squares slope of ln|v| against ln t over the last decade of time."""
-    last = growth.time >= 0.1 * growth.time[-1]
+    last = growth.time >= 0.1 * (1.0 - 1e-9) * growth.time[-1]  # round-off decides for no sample in any unit of time
     log_time = np.log(growth.time[last])
     log_time -= log_time.mean()
     # not a product of matrices, whose order of summation depends on the number of rows
@@ -341,7 +360,7 @@ class Agreement:
         same: Members on which two indicators say the same, shape (indicator, indicator).
         contrary: Members that one of them calls regular and the other chaotic, shape (indicator, indicator).
         n: Members that finished.
-        disagreements: Every member on which the three do not all say the same, in order.
+        disagreements: Every member on which the first three do not all say the same, in order.
     """
 
     indicators: tuple[str, ...]
@@ -356,7 +375,7 @@ class Agreement:
         for i, name in enumerate(self.indicators):
             cells = (f"{self.same[i, j]} / {self.contrary[i, j]}" for j in range(len(self.indicators)))
             lines.append(f"{name:{width + 4}}" + "".join(f"{cell:>{width + 2}}" for cell in cells))
-        lines.append(f"{len(self.disagreements)} of {self.n} members without a unanimous vote")
+        lines.append(f"{len(self.disagreements)} of {self.n} members without a unanimous vote of the tangent vectors")
         return "\n".join([*lines, *map(str, self.disagreements)])
 
 
@@ -375,13 +394,14 @@ def agreement(verdict: Verdict) -> Agreement:
     votes = verdict.votes[done].astype(np.int64)
     same = (votes[:, :, None] == votes[:, None, :]).sum(axis=0)
     contrary = (votes[:, :, None] * votes[:, None, :] == -1).sum(axis=0)
-    split = done[(votes != votes[:, :1]).any(axis=1)]
+    # averages never vote for chaos: that they do not vote is no disagreement
+    split = done[(votes[:, :3] != votes[:, :1]).any(axis=1)]
     return Agreement(INDICATORS, same, contrary, len(done), tuple(_disagreement(verdict, int(k)) for k in split))
 
 
 def _disagreement(verdict: Verdict, k: int) -> Disagreement:
     names = {-1: "regular", 0: "undecided", 1: "chaotic"}
-    values = (verdict.growth_power[k], verdict.mean_megno[k], verdict.sali[k])
+    values = (verdict.growth_power[k], verdict.mean_megno[k], verdict.sali[k], verdict.average_drift[k])
     return Disagreement(
         member=verdict.first + k,
         verdict=str(verdict.verdict[k]),

@@ -8,8 +8,8 @@ import numpy as np
 
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import shown
-from liepoisson.numeric.exponent_estimate import zero_threshold
 from liepoisson.numeric.spectrum import Spectrum
+from liepoisson.numeric.time_scale import zero_threshold
 from liepoisson.plot.labels import plain
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style, new_figure
 
@@ -18,17 +18,18 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-def spectrum(result: Spectrum, *, trajectory: int = 0, logarithmic: bool = True) -> Figure:
+def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) -> Figure:
     r"""Running Lyapunov exponents of one trajectory against time, and their last values with error bars.
 
-    The shaded band is $|\lambda| \le 3\ln t/t$: what is inside is consistent with zero at that time.  On the right,
-    open circles are the mirror images $-\lambda_k$; they fall on the others where the spectrum comes in pairs.
+    All axes are linear.  Below, the middle of the same is enlarged, so that zeros can be told from small exponents.
+    The shaded band is $|\lambda| \le 3\ln(t/T)/t$: what is inside is consistent with zero at that time.  Error bars on
+    the right are one standard error over the time of this orbit; open circles are the mirror images $-\lambda_k$, which
+    fall on the others where the spectrum comes in pairs.
 
     Args:
         result: What `lyapunov_spectrum` returns.
         trajectory: Which trajectory.
-        logarithmic: Whether the axis of exponents is linear up to the band's last width and logarithmic beyond, so that
-            zeros can be told from small exponents.
+        enlarged: Whether to add the lower row, from -2 to 2 times the last width of the band.
 
     Raises:
         ParameterError: no spectrum, no such trajectory, or it did not finish.
@@ -43,46 +44,40 @@ def spectrum(result: Spectrum, *, trajectory: int = 0, logarithmic: bool = True)
             f"trajectory: wanted one that finished; {trajectory} ended with {str(result.outcome[trajectory])!r}; "
             "take another"
         )
+    curves = result.exponent[trajectory]
+    largest = 1.15 * float(np.abs(curves[len(curves) // 10 :]).max())
+    near = 2.0 * float(zero_threshold(result.time[-1], result.time_scale[trajectory]))
+    rows = [largest, near] if enlarged and near < 0.9 * largest else [largest]
     with house_style():
-        figure = new_figure(8.0, 4.2)
-        left, right = figure.subplots(1, 2, sharey=True, width_ratios=(2.2, 1))
-        _draw_running(left, result, trajectory)
-        _draw_last(right, result, trajectory)
-        if logarithmic:
-            _scale(left, float(zero_threshold(result.time[-1])))
+        figure = new_figure(8.0, 4.2 if len(rows) == 1 else 6.8)
+        panels = np.atleast_2d(figure.subplots(len(rows), 2, sharey="row", sharex="col", width_ratios=(2.2, 1)))
+        for (left, right), size in zip(panels, rows, strict=True):
+            _draw_running(left, result, trajectory)
+            _draw_last(right, result, trajectory)
+            left.set_ylim(-size, size)
+        panels[0, 0].set_title(plain(result.system))
+        panels[0, 1].set_title(f"at $t = {result.time[-1]:g}$")
+        for ax, words in zip(panels[-1], (r"$t$", r"$k$"), strict=True):
+            ax.set_xlabel(words)
+        if len(rows) > 1:
+            panels[1, 0].set_title(f"the same, enlarged {largest / near:.2g} times")
     return figure
-
-
-def _scale(ax: Axes, bound: float) -> None:
-    """Linear within the bound of the zeros, logarithmic beyond."""
-    from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
-
-    ax.set_yscale("symlog", linthresh=bound, linscale=0.6)
-    top = ax.get_ylim()[1]
-    decades = [10.0**p for p in range(-12, 12) if bound <= 10.0**p <= top]
-    ax.yaxis.set_major_locator(FixedLocator([*(-d for d in decades[::-1]), 0.0, *decades]))
-    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
-    ax.yaxis.set_minor_locator(NullLocator())
 
 
 def _draw_running(ax: Axes, result: Spectrum, trajectory: int) -> None:
     curves = result.exponent[trajectory]
-    bound = zero_threshold(result.time)
+    bound = zero_threshold(result.time, result.time_scale[trajectory])
     ax.fill_between(result.time, -bound, bound, color=MUTED, alpha=0.13, linewidth=0)
     for k, curve in enumerate(curves.T):
         ax.plot(result.time, curve, color=_colour(k, curves.shape[1]), linewidth=1.1)
     ax.axhline(0.0, color=INK, linewidth=0.6)
-    largest = 1.15 * np.abs(curves[len(curves) // 10 :]).max()
-    ax.set_ylim(-largest, largest)
     ax.set_xlim(0.0, result.time[-1])
-    ax.set_xlabel(r"$t$")
     ax.set_ylabel(r"$\lambda_k(t)$")
-    ax.set_title(plain(result.system))
 
 
 def _draw_last(ax: Axes, result: Spectrum, trajectory: int) -> None:
     values, errors = result.exponents[trajectory], result.error[trajectory]
-    bound = float(zero_threshold(result.time[-1]))
+    bound = float(zero_threshold(result.time[-1], result.time_scale[trajectory]))
     ax.axhspan(-bound, bound, color=MUTED, alpha=0.13, linewidth=0)
     numbers = np.arange(1, len(values) + 1)
     for k, number in enumerate(numbers):
@@ -92,7 +87,6 @@ def _draw_last(ax: Axes, result: Spectrum, trajectory: int) -> None:
         ax.plot(numbers, -values[::-1], "o", markersize=8, markerfacecolor="none", markeredgecolor=MUTED, linestyle="")
     ax.axhline(0.0, color=INK, linewidth=0.6)
     ax.set_xticks(numbers)
-    ax.set_xlabel(r"$k$")
 
 
 def _colour(k: int, n: int) -> str:

@@ -32,12 +32,14 @@ def sweep(
 ) -> Axes:
     r"""What a sweep found: a curve with its confidence band for one axis, a map with a colour bar for two.
 
+    Undecided orbits widen the curve of a chaotic fraction: the dotted line above it counts them as chaotic.
+
     In a map dark is small: integrable cases are dark lines.  A point fills the rectangle halfway to its neighbours on
     the grid; where it was refined, those of the finer level lie above.  What could not be computed is hatched.
 
     Args:
         result: Result of `liepoisson.sweep`.
-        confidence: Coverage of the band (Wilson's interval of a fraction, the normal one of a mean).
+        confidence: Coverage of the band (Wilson's interval of a fraction, Student's of a mean over the starts).
         vmin: Lower end of the colours, by default 0 or the least value.
         vmax: Upper end, by default 1 for a fraction or the largest value.
         show_levels: Mark the points that refinement added: ticks below a curve, dots in a map.
@@ -68,8 +70,8 @@ def axis_label(axis: Axis) -> str:
 def statistic_label(result: Sweep) -> str:
     """What the values are, with their unit."""
     t = f"{result.spec.t_end:g}"
-    if result.spec.quantity == "chaotic_fraction":
-        return rf"chaotic fraction, $\lambda({t}) > {result.spec.chaos_threshold:.3g}$"
+    if result.spec.is_verdict:
+        return rf"chaotic fraction at $t = {t}$"
     return rf"mean $\lambda({t})$, in inverse time" if result.spec.is_exponent else "mean value"
 
 
@@ -86,14 +88,16 @@ def _curve(
     if show_levels and added.any():
         transform = ax.get_xaxis_transform()
         ax.plot(x[added], np.full(added.sum(), 0.015), "|", color=MUTED, markersize=5, transform=transform, zorder=2)
-    if result.spec.quantity == "chaotic_fraction":
+    if result.spec.is_verdict:
+        most = y + result.undecided_fraction[order]
+        ax.plot(x, most, color=colour, linewidth=0.9, linestyle=(0, (1, 2)), zorder=2)
         ax.set_ylim(-0.03, 1.03)
     ax.set_xlabel(axis_label(result.spec.axes[0]))
     ax.set_ylabel(statistic_label(result))
 
 
 def _map(result: Sweep, ax: Axes, vmin: float | None, vmax: float | None, *, show_levels: bool) -> None:
-    is_fraction = result.spec.quantity == "chaotic_fraction"
+    is_fraction = result.spec.is_verdict
     xs, ys, image = lattice_image(result)
     finite = image[np.isfinite(image)]
     low = vmin if vmin is not None else min(0.0, float(finite.min())) if finite.size else 0.0

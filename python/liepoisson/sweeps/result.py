@@ -6,7 +6,6 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import NormalDist
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +13,12 @@ from numpy.typing import NDArray
 
 from liepoisson import __version__
 from liepoisson.arrays import Array
+from liepoisson.errors import ParameterError
+from liepoisson.numeric._checks import shown
+from liepoisson.numeric.estimates import as_confidence
+from liepoisson.numeric.mean_error import student_quantile
 from liepoisson.numeric.proportions import wilson_interval
+from liepoisson.numeric.verdict import as_rule
 from liepoisson.sweeps.execute import Report
 from liepoisson.sweeps.lattice import Place
 from liepoisson.sweeps.spec import SweepSpec
@@ -24,10 +28,16 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-_PER_POINT = ("mean", "standard_error", "low", "high", "n_finished", "chaotic_fraction")
+_PER_POINT = ("mean", "standard_error", "low", "high", "n_finished")
+_PER_POINT += ("chaotic_fraction", "undecided_fraction")
 _DIMENSIONS = ("member", "point", "level")
-OWN_NAMES = frozenset([*_DIMENSIONS, *_PER_POINT, "exponent", "value", "outcome"])
+OWN_NAMES = frozenset([*_DIMENSIONS, *_PER_POINT, "exponent", "verdict", "value", "outcome"])
 """Variables and dimensions of the dataset of a sweep, which no axis may be taken for."""
+_MEANING = {
+    "standard_error": {"long_name": "of the mean over the starts: their spread over the root of their number"},
+    "low": {"long_name": "lower end of the 95% interval over the starts"},
+    "high": {"long_name": "upper end of the 95% interval over the starts"},
+}
 
 
 @dataclass(frozen=True)
@@ -39,7 +49,8 @@ class Sweep:
         places: The points on the lattice, see `liepoisson.sweeps.lattice`.
         points: Values of the axes, shape (point, axis).
         level: 0 for the grid, then the level of refinement that added the point, shape (point,).
-        value: Exponents in inverse time, or values of the quantity, shape (point, member); NaN where an orbit failed.
+        value: Exponents in inverse time; verdicts, -1 regular, 0 undecided, +1 chaotic; or values of the quantity;
+        shape (point, member); NaN where an orbit failed.
         outcome_code: How each orbit ended, shape (point, member), as numbers of `OUTCOMES`.
         method: How orbits were integrated, in words.
         held: What is the same at all points, in words.
@@ -106,7 +117,10 @@ class Sweep:
 
     @property
     def standard_error(self) -> Array:
-        """Of the mean over the starts, shape (point,); NaN for fewer than two."""
+        """Standard error of the mean over the starts, their spread over the root of their number, shape (point,).
+
+        NaN for fewer than two.
+        """
         counts, mean = self.n_finished, self.mean
         squares = np.nansum((self.value - mean[:, None]) ** 2, axis=1)
         with np.errstate(all="ignore"):
@@ -114,29 +128,84 @@ class Sweep:
 
     @property
     def n_chaotic(self) -> NDArray[np.int64]:
-        """Orbits whose exponent is above the threshold, shape (point,)."""
-        return (np.nan_to_num(self.value, nan=-np.inf) > self.spec.chaos_threshold).sum(axis=1)
+        """Orbits with the verdict "chaotic", shape (point,).
+
+        Raises:
+            ParameterError: the sweep has no verdicts.
+        """
+        return self._count(1)
+
+    @property
+    def n_undecided(self) -> NDArray[np.int64]:
+        """Orbits with the verdict "undecided", shape (point,).
+
+        Raises:
+            ParameterError: the sweep has no verdicts.
+        """
+        return self._count(0)
+
+    @property
+    def verdict(self) -> NDArray[np.str_]:
+        """Verdict on each orbit, shape (point, member): "regular", "chaotic", or "undecided", as where it failed.
+
+        Raises:
+            ParameterError: the sweep has no verdicts.
+        """
+        self._require_verdicts()
+        return np.where(self.value > 0, "chaotic", np.where(self.value < 0, "regular", "undecided"))
 
     @property
     def chaotic_fraction(self) -> Array:
-        """Share of the orbits with a value whose exponent is above the threshold, shape (point,)."""
-        with np.errstate(all="ignore"):
-            return np.where(self.n_finished > 0, self.n_chaotic / np.maximum(self.n_finished, 1), np.nan)
+        """Share of the chaotic ones among the orbits that finished, shape (point,).
+
+        Undecided ones count among all: the true share lies between this and this plus `undecided_fraction`, but for the
+        errors of both.
+
+        Raises:
+            ParameterError: the sweep has no verdicts.
+        """
+        return self._share(self.n_chaotic)
+
+    @property
+    def undecided_fraction(self) -> Array:
+        """Share of the undecided ones among the orbits that finished, shape (point,).
+
+        Raises:
+            ParameterError: the sweep has no verdicts.
+        """
+        return self._share(self.n_undecided)
+
+    def _count(self, code: int) -> NDArray[np.int64]:
+        self._require_verdicts()
+        return (self.value == code).sum(axis=1)
+
+    def _share(self, counts: NDArray[np.int64]) -> Array:
+        return np.where(self.n_finished > 0, counts / np.maximum(self.n_finished, 1), np.nan)
+
+    def _require_verdicts(self) -> None:
+        if not self.spec.is_verdict:
+            raise ParameterError(
+                f"verdicts: wanted a sweep of them; got one of {shown(self.spec.quantity)}; "
+                'take quantity="chaotic_fraction"'
+            )
 
     def interval(self, confidence: float = 0.95) -> tuple[Array, Array]:
-        """Wilson's interval of the chaotic fraction, or the normal one of the mean, shape (point,) each.
+        """Wilson's interval of the chaotic fraction, or Student's of the mean over the starts, shape (point,) each.
 
         It tells of the starts at hand as a random sample; points share their starts, so their errors are correlated.
         """
-        if self.spec.quantity == "chaotic_fraction":
+        if self.spec.is_verdict:
             return wilson_interval(self.n_chaotic, self.n_finished, confidence)
-        half = NormalDist().inv_cdf((1 + confidence) / 2) * self.standard_error
+        probability = 0.5 + as_confidence(confidence) / 2
+        sizes, where = np.unique(np.maximum(self.n_finished, 2), return_inverse=True)
+        quantile = np.array([student_quantile(probability, n - 1) for n in sizes.tolist()])[where]
+        half = quantile * self.standard_error
         return self.mean - half, self.mean + half
 
     @property
     def statistic(self) -> Array:
         """What the sweep is about: the chaotic fraction, or the mean; shape (point,)."""
-        return self.chaotic_fraction if self.spec.quantity == "chaotic_fraction" else self.mean
+        return self.chaotic_fraction if self.spec.is_verdict else self.mean
 
     @property
     def overhead(self) -> float:
@@ -157,17 +226,19 @@ class Sweep:
         dims = names if is_grid else ("point",)
         shape = self.spec.shape if is_grid else (len(self.points),)
         low, high = self.interval()
-        per_point: Mapping[str, Any] = {
-            "mean": self.mean,
-            "standard_error": self.standard_error,
-            "low": low,
-            "high": high,
-            "n_finished": self.n_finished,
-            **({"chaotic_fraction": self.chaotic_fraction} if self.spec.is_exponent else {}),
+        is_verdict = self.spec.is_verdict
+        statistic: Mapping[str, Any] = (
+            {"chaotic_fraction": self.chaotic_fraction, "undecided_fraction": self.undecided_fraction}
+            if is_verdict
+            else {"mean": self.mean, "standard_error": self.standard_error}
+        )
+        per_point: Mapping[str, Any] = {**statistic, "low": low, "high": high, "n_finished": self.n_finished}
+        variables: dict[str, Any] = {
+            name: (dims, values.reshape(shape), _MEANING.get(name, {})) for name, values in per_point.items()
         }
-        variables: dict[str, Any] = {name: (dims, values.reshape(shape)) for name, values in per_point.items()}
-        name = "exponent" if self.spec.is_exponent else "value"
-        variables[name] = ((*dims, "member"), self.value.reshape(*shape, -1))
+        name = "exponent" if self.spec.is_exponent else "verdict" if is_verdict else "value"
+        members = self.verdict if is_verdict else self.value
+        variables[name] = ((*dims, "member"), members.reshape(*shape, -1))
         variables["outcome"] = ((*dims, "member"), self.outcome.reshape(*shape, -1))
         coordinates: dict[str, Any] = (
             {name: list(axis.values) for name, axis in zip(names, self.spec.axes, strict=True)}
@@ -184,7 +255,7 @@ class Sweep:
             "held": "; ".join(self.held),
             "method": self.method,
             "t_end": float(self.spec.t_end),
-            "threshold": self.spec.chaos_threshold,
+            **({"rule": json.dumps(vars(as_rule(self.spec.rule)))} if self.spec.is_verdict else {}),
             "seed": str(self.spec.seed),
             "spec": json.dumps(self.spec.record(), sort_keys=True),
             "liepoisson_version": __version__,

@@ -17,11 +17,12 @@ from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.files import exclusive
 from liepoisson.numeric._checks import as_count, as_number, shown
+from liepoisson.numeric.verdict import as_rule
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.lattice import Lattice, Place, split
 from liepoisson.sweeps.result import Sweep
-from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
+from liepoisson.sweeps.spec import QUANTITIES, Axis, Refinement, Starts, SweepSpec
 from liepoisson.sweeps.spec_file import read_sweep_file
 from liepoisson.sweeps.starts import Meaning, check_casimirs
 from liepoisson.sweeps.store import Level, SweepStore
@@ -91,7 +92,7 @@ def sweep(
     if sum(option is not None for option in (scheduler, processes, threads)) > 1:
         raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
     family = as_family(spec.system)
-    if not spec.is_exponent:
+    if spec.quantity not in QUANTITIES:
         resolve(spec.quantity)
     lattice = Lattice(spec)
     # Said before anything is made: wrong names and values.
@@ -128,7 +129,7 @@ def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False)
         known = [entry.name for entry in fields(SweepSpec)]
         if unknown := [name for name in settings if name not in known]:
             raise ParameterError(f"a sweep has no setting {unknown[0]!r}; known: {', '.join(known)}. Correct the name.")
-        if missing := [name for name in ("system", "axes") if name not in settings]:
+        if missing := [name for name in ("system", "axes", "t_end") if name not in settings]:
             raise ParameterError(f"a sweep must have {' and '.join(missing)}. Give it, or a spec, or a sweep file.")
         return SweepSpec(**_made(settings))
     if settings:
@@ -286,7 +287,8 @@ class _Run:
                 starts=spec.starts,
                 n=spec.n,
                 t_end=float(spec.t_end),
-                quantity="exponent" if spec.is_exponent else spec.quantity,
+                quantity=spec.quantity,
+                rule=as_rule(spec.rule),
                 method=spec.method,
                 seed=spec.seed,
                 version=__version__,

@@ -23,6 +23,7 @@ from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.numeric.lyapunov import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed
+from liepoisson.numeric.verdict import Rule, as_rule
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
 
 Value: TypeAlias = "float | int | str | Fraction | Sequence[float | int | str | Fraction]"
@@ -181,14 +182,14 @@ class SweepSpec:
             such as `{"a": ["cos(phi)", "sin(phi)", 0]}`.
         starts: Where the orbits start.
         n: Orbits at each point.
-        t_end: Time of each orbit, in units of the system's own time.
-        quantity: "exponent", "chaotic_fraction", the dotted name "package.module:function", or a function
-            `f(system, x0, *, t_end, method, seed, threads)` that returns a number for each start, shape (start,).
-        threshold: Exponent above which an orbit counts as chaotic, in inverse time; by default 2 ln(t)/t at t = t_end.
-            Of 8,192 orbits of unit-vector starts to t = 250, 500 and 1,000, none of the Euler and the twisted Lagrange
-            top is above, and 2, 3 and 4 of the Kovalevskaya top.
+        t_end: Time of each orbit, in units of the system's own time.  It has no default, as no time suits all systems:
+            `lp.time_scale` has the natural unit of time of an orbit, of which some 1,000 are a long run.
+        quantity: "exponent"; "chaotic_fraction", where each orbit is judged by `lp.decide`; the dotted name
+            "package.module:function", or a function `f(system, x0, *, t_end, method, seed, threads)` that returns a
+            number for each start, shape (start,).
+        rule: Thresholds of the verdicts for "chaotic_fraction"; by default those of `lp.decide`.
         method: How orbits are integrated; by default `Taylor(tol=1e-9, precision="mixed")` for tops, in double
-            precision for other systems.
+            precision for other systems; for "chaotic_fraction" that of `lp.decide`.
         seed: Draws starts and tangent vectors.
         refine: Where to look closer, or None.
         name: How the sweep is called.
@@ -199,12 +200,12 @@ class SweepSpec:
 
     system: Any
     axes: tuple[Axis, ...]
+    t_end: float
     parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])
     starts: Starts = field(default_factory=Starts)
     n: int = 64
-    t_end: float = 1000.0
     quantity: str | Callable[..., Any] = "exponent"
-    threshold: float | None = None
+    rule: Rule | None = None
     method: Method | None = None
     seed: int = 0
     refine: Refinement | None = None
@@ -231,11 +232,12 @@ class SweepSpec:
             )
         as_seed(self.seed)
         if not 0 < as_number(self.t_end, "t_end", "a positive number") < math.inf:
-            raise ParameterError(f"t_end: wanted a positive number; got {self.t_end}; try 1_000")
+            raise ParameterError(
+                f"t_end: wanted a positive number; got {self.t_end}; try 1_000 times what lp.time_scale gives"
+            )
         if self.t_end < LEAST_TIME:
-            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {self.t_end:g}; try 1_000")
-        if self.threshold is not None and not 0 < as_number(self.threshold, "threshold", "a number") < math.inf:
-            raise ParameterError(f"threshold: wanted a positive number; got {self.threshold}; leave it out")
+            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {self.t_end:g}")
+        as_rule(self.rule)
         as_method(self.method, DEFAULT_METHOD)
         self._check_quantity()
 
@@ -270,14 +272,12 @@ class SweepSpec:
     @property
     def is_exponent(self) -> bool:
         """Whether the values are finite-time exponents."""
-        return self.quantity in QUANTITIES
+        return self.quantity == "exponent"
 
     @property
-    def chaos_threshold(self) -> float:
-        """The exponent above which an orbit counts as chaotic, in inverse time."""
-        if self.threshold is not None:
-            return float(self.threshold)
-        return 2 * math.log(max(self.t_end, math.e)) / self.t_end
+    def is_verdict(self) -> bool:
+        """Whether the values are verdicts: -1 regular, 0 undecided, +1 chaotic."""
+        return self.quantity == "chaotic_fraction"
 
     def record(self) -> dict[str, Any]:
         """The spec as plain data that JSON can write; system files by their tables, functions by name and digest."""
@@ -288,7 +288,8 @@ class SweepSpec:
             "starts": _plain(vars(self.starts)),
             "n": int(self.n),
             "t_end": float(self.t_end),
-            "quantity": _plain(self.quantity) if not self.is_exponent else "exponent",
+            "quantity": _plain(self.quantity),
+            "rule": _plain(vars(as_rule(self.rule))) if self.is_verdict else None,
             "method": None if self.method is None else method_record(self.method),
             "seed": int(self.seed),
             "refine": None if self.refine is None else {**vars(self.refine), "by": self._refined_by()},
@@ -315,7 +316,7 @@ class SweepSpec:
         return _plain(system_tables(self.system))
 
     def _refined_by(self) -> list[Any]:
-        return [self.quantity, self.chaos_threshold] if self.quantity == "chaotic_fraction" else ["mean"]
+        return ["chaotic_fraction"] if self.is_verdict else ["mean"]
 
     def held(self) -> list[str]:
         """What is the same at all points, in words."""

@@ -33,6 +33,7 @@ A path of a system file is looked for beside the sweep file.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import fields
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
@@ -41,10 +42,11 @@ from liepoisson.errors import ParameterError, UnknownNameError
 from liepoisson.exact.formula.toml_text import TomlText, read_toml
 from liepoisson.numeric._checks import shown
 from liepoisson.numeric.methods import METHODS, Method
+from liepoisson.numeric.verdict import Rule
 from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
 
 _KEYS = (
-    "name", "system", "axes", "parameters", "starts", "n", "t_end", "quantity", "threshold", "method", "seed", "refine",
+    "name", "system", "axes", "parameters", "starts", "n", "t_end", "quantity", "rule", "method", "seed", "refine",
 )  # fmt: skip
 _PLAIN = ("name", "n", "quantity", "seed")
 _AXIS_KEYS = ("name", "values", "from", "to", "count", "spacing", "label")
@@ -82,12 +84,12 @@ class _Reader:
     def spec(self) -> SweepSpec:
         tables = self.toml.tables
         self.check_keys((), tables, _KEYS)
-        for key in ("system", "axes"):
+        for key in ("system", "axes", "t_end"):
             if key not in tables:
                 raise self.toml.error((), f"wanted {key}; there is none. Add it.")
         self.check_quantity(tables.get("quantity"))
         settings: dict[str, Any] = {key: self.number((key,), tables[key]) for key in _PLAIN if key in tables}
-        settings |= {key: self.real((key,), tables[key]) for key in ("t_end", "threshold") if key in tables}
+        settings["t_end"] = self.real(("t_end",), tables["t_end"])
         return self.made(
             (),
             lambda: SweepSpec(
@@ -97,6 +99,7 @@ class _Reader:
                 starts=self.starts(self.table("starts")),
                 method=self.method(self.table("method")),
                 refine=self.refinement(self.table("refine")),
+                rule=self.rule(self.table("rule")),
                 **settings,
             ),
         )
@@ -180,6 +183,18 @@ class _Reader:
             raise self.toml.error(("refine",), "wanted levels and difference. Add what is missing.")
         difference = self.real(("refine", "difference"), table["difference"])
         return self.made(("refine",), lambda: Refinement(table["levels"], difference))
+
+    def rule(self, table: dict[str, Any]) -> Rule | None:
+        if not table:
+            return None
+        self.check_keys(("rule",), table, tuple(entry.name for entry in fields(Rule)))
+        return self.made(("rule",), lambda: Rule(**{key: self.numbers(("rule", key), table[key]) for key in table}))
+
+    def numbers(self, keys: Sequence[str | int], given: object) -> Any:
+        """A number, or a list of them as a tuple."""
+        if isinstance(given, list):
+            return tuple(self.real(keys, value) for value in cast("list[Any]", given))
+        return self.real(keys, given)
 
     def table(self, name: str) -> dict[str, Any]:
         given = self.toml.tables.get(name, {})

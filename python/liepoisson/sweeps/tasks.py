@@ -20,9 +20,11 @@ from liepoisson.numeric._checks import shown
 from liepoisson.numeric.lyapunov import lyapunov_exponent
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.sampling import sample_states, sample_tangents
+from liepoisson.numeric.verdict import METHOD as DEFAULT_OF_VERDICTS
+from liepoisson.numeric.verdict import Rule, decide
 from liepoisson.sweeps.errors import WorkerVersionError
 from liepoisson.sweeps.family import Family, NumericTop
-from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD
+from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD, QUANTITIES
 from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
 
 if TYPE_CHECKING:
@@ -53,10 +55,11 @@ class Piece:
         starts: How starts are drawn.
         n: Orbits of a point.
         t_end: Their time.
-        quantity: "exponent", a dotted name, or a function.
+        quantity: "exponent", "chaotic_fraction", a dotted name, or a function.
         method: How they are integrated, or None for the default.
         seed: Draws starts and tangent vectors.
         version: Version of liepoisson that may compute it.
+        rule: Thresholds of verdicts.
         threads: Threads of the core.
         meaning: What the prescribed Casimirs mean at all points; None if they can mean one thing only.
     """
@@ -72,6 +75,7 @@ class Piece:
     method: Method | None
     seed: int
     version: str
+    rule: Rule = field(default_factory=Rule)
     threads: int | None = 1
     meaning: Meaning | None = None
 
@@ -124,7 +128,7 @@ def run_piece(piece: Piece, listen: Listener | None = None) -> PieceResult:
             f"the sweep needs liepoisson {piece.version} on all workers; this one has {liepoisson.__version__}. "
             "Install the same version there."
         )
-    if piece.quantity != "exponent":
+    if piece.quantity not in QUANTITIES:
         resolve(piece.quantity)
     points = _Points(piece, listen or _silent)
     points.compute()
@@ -205,6 +209,11 @@ class _Points:
         x0, found = _starts(piece, systems, self.listen)
         for rows in _groups(systems):
             system, points = systems[rows[0]], [chosen[row] for row in rows]
+            if piece.quantity == "chaotic_fraction":
+                self.method = str(piece.method or DEFAULT_OF_VERDICTS)
+                for row, point in zip(rows, points, strict=True):
+                    self.value[point], self.outcome[point] = _verdicts(piece, system, x0[row], found[row], self.listen)
+                continue
             if piece.quantity != "exponent":
                 self.method = str(piece.method or "the default of the quantity")
                 for row, point in zip(rows, points, strict=True):
@@ -225,7 +234,7 @@ def _systems(piece: Piece, listen: Listener) -> list[Any]:
         key = repr(values)
         if key not in known:
             listen(0.0)
-            make = piece.family.numeric if piece.quantity == "exponent" else piece.family.system
+            make = piece.family.numeric if piece.quantity in QUANTITIES else piece.family.system
             try:
                 known[key] = make(values)
             except Exception as error:
@@ -304,6 +313,30 @@ def _exponents(
     value[found] = growth.exponent[:, -1]  # NaN where an orbit failed
     outcome[found] = _ORDER[np.searchsorted(_SORTED, growth.outcome)]
     return value, outcome
+
+
+def _verdicts(
+    piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_], listen: Listener
+) -> tuple[Array, NDArray[np.int8]]:
+    """Verdicts of one point as numbers, -1 regular, 0 undecided, +1 chaotic, and outcomes, shape (member,)."""
+    value, outcome = np.full(piece.n, np.nan), np.full(piece.n, NO_START, np.int8)
+    if not found.any():
+        return value, outcome
+    verdict = decide(
+        system,
+        # member k keeps its tangent vectors; rows without a start end at once
+        np.where(found[:, None], x0, np.nan),
+        t_end=piece.t_end,
+        seed=piece.seed,
+        rule=piece.rule,
+        method=piece.method,
+        threads=piece.threads,
+        time_limit=_TIME_LIMIT,
+        progress=listen,
+    )
+    codes = _ORDER[np.searchsorted(_SORTED, verdict.outcome)]
+    numbers = (verdict.verdict == "chaotic").astype(np.float64) - (verdict.verdict == "regular")
+    return np.where(found & (codes == 0), numbers, np.nan), np.where(found, codes, outcome).astype(np.int8)
 
 
 _ORDER = np.argsort(np.array(OUTCOMES))

@@ -63,6 +63,8 @@ SPREAD = (0.05, 0.95)
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 ENERGY_GROUPS = 8
 
+SCAN_STARTS = (5.0, 10.0, 20.0, 30.0, 50.0, 70.0, 100.0)
+"""Starts of the windows of the scan."""
 _ROWS_AT_A_TIME = 2000
 _TIMES_AT_A_TIME = 50
 
@@ -141,7 +143,7 @@ def reduce_run(run: Run, members: Members) -> RunResult:
 def scan_windows(run: Run) -> tuple[Window, ...]:
     """The windows of the scan, those that end after the run cut at its end."""
     ends = sorted({min(end, run.end_time) for end in (100.0, 200.0, 500.0, 1000.0)})
-    return window_grid(run.time, ends=ends)
+    return window_grid(run.time, starts=SCAN_STARTS, ends=ends)
 
 
 def log_scan_windows(run: Run) -> tuple[Window, ...]:

@@ -1,0 +1,275 @@
+r"""The time scale of an orbit: the time in which neighbours of the orbit turn or move apart by a factor of order e.
+
+$$ T = 1\,/\,\mathrm{median}_k\,\rho\bigl(Df(x(t_k))\bigr) $$
+
+with the spectral radius of the derivative of the field at 8 times of the first stretch of the orbit.  Multiply H by c
+and T is divided by c; scale each component of the state by a number of its own and T stays.  So t/T is a pure number,
+the length of a run in natural units, and whatever is said of t/T is said whatever the units.
+
+Where all eigenvalues vanish, $\sqrt{\frac12\sum_{ij}|A_{ij}A_{ji}|}$ takes the place of the spectral radius; where this
+vanishes, too, as for x' = p, p' = 0, a norm of Df: the smaller one of the Euclidean norm and of that with each
+component in units of its own root mean square along the stretch.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.arrays import Array
+from liepoisson.field import Field, PiecesField
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_field, as_states, as_time_limit
+from liepoisson.numeric.integrate import Orbit, integrate
+from liepoisson.numeric.methods import Method, Taylor
+
+N_POINTS = 8
+"""Points of the orbit at which the derivative of the field is taken: those of a stretch of some 32 natural times."""
+
+_STRETCH = 32.0
+# Df is read off M(h) = 1 + h Df + O(h^2) at the first rung h at which |M(h) - 1| is this large: then it is at most
+# 1e-6, and Df has relative errors of that size from the order and of 1e-8 from round-off.
+_LEAST_CHANGE, _RUNG = 1e-8, 1e2
+_LOWEST, _HIGHEST = 1e-60, 1e60
+# Below this part of the coupling all eigenvalues count as zero: those of a nilpotent matrix of three rows, with errors
+# of 1e-8 in its entries, are some 1e-3 of its norm.  Where neither is above round-off the matrix is triangular.
+_NILPOTENT, _ROUND_OFF = 1e-2, 1e-12
+_CHUNK, _TOGETHER = 256, 32
+_NO_UNIT = 1e-6
+
+
+def time_scale(
+    system: HasField,
+    x0: ArrayLike,
+    *,
+    method: Method | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+) -> Array:
+    r"""The natural unit of time of each orbit, $T = 1/\mathrm{median}_k\,\rho(Df(x(t_k)))$.
+
+    The median is over 8 points of the first 32 natural times or so of the orbit, and $\rho$ is the spectral
+    radius.  For a linear oscillator T is 1 over its angular frequency, beside a saddle 1 over the largest exponent.
+
+    Args:
+        system: The system.
+        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless.
+        method: How; needed for a field that is given by its pieces, else power series are used.
+        threads: By default all processors.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that it may take.
+
+    Returns:
+        Shape (trajectory,), in units of the system's own time; infinite where Df vanishes, NaN where the start or the
+        orbit is not finite, or no time was left.
+
+    Raises:
+        ShapeError: `x0` has another shape than stated.
+        ParameterError: no start is finite.
+    """
+    return orbit_units(system, x0, method=method, threads=threads, time_limit=time_limit).time
+
+
+class OrbitUnits(NamedTuple):
+    """Natural units of orbits.
+
+    Attributes:
+        time: As `time_scale` returns it, shape (trajectory,).
+        component: Root mean square of each component of the state along the first stretch, shape (trajectory,
+            component); that of the largest one for components that are zero or less than 1e-6 of it; 1 where all are
+            zero or the orbit failed.
+    """
+
+    time: Array
+    component: Array
+
+
+def orbit_units(
+    system: HasField,
+    x0: ArrayLike,
+    *,
+    method: Method | None = None,
+    threads: int | None = None,
+    time_limit: float = TIME_LIMIT,
+) -> OrbitUnits:
+    """Natural units of time and of each component along orbits.
+
+    Arguments and errors are those of `time_scale`.
+
+    Raises:
+        ShapeError: `x0` has another shape than stated.
+        ParameterError: no start is finite.
+    """
+    field = as_field(system)
+    # whatever the caller's method, but a field that is given by its pieces knows no other
+    how = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
+    states = as_states(x0, field.n_components, some_may_fail=True)
+    run = _Run(system.name, field, how, threads, clock.monotonic() + as_time_limit(time_limit))
+    rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
+    good = np.flatnonzero(np.isfinite(states).all(axis=1))
+    for start in range(0, len(good), _CHUNK):
+        chunk = good[start : start + _CHUNK]
+        rate[chunk], size[chunk] = _rates(run, states[chunk])
+    with np.errstate(divide="ignore"):
+        return OrbitUnits(1.0 / rate, _units(size))
+
+
+def zero_threshold(time: ArrayLike, scale: ArrayLike) -> Array:
+    r"""$3\ln(t/T)/t$: finite-time exponents below are consistent with zero; $3/t$ before t = e T, infinite at t = 0.
+
+    Tangent vectors grow like t/T on a regular torus, and the factor 3 leaves room.  It bounds no exponent: any orbit
+    may be below at time t and above later.  It is no verdict, either: that is what `decide` is for.
+
+    Args:
+        time: Averaging times.
+        scale: The time scales T, of a shape that goes with that of the times; NaN gives NaN.
+    """
+    t, unit = np.broadcast_arrays(np.asarray(time, np.float64), np.asarray(scale, np.float64))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        logarithm = np.log(np.maximum(t / unit, math.e))
+        return np.where(t > 0, 3.0 * logarithm / t, np.where(np.isnan(unit), np.nan, np.inf))
+
+
+def natural_duration(n: float, scale: Array, *, fastest: bool = False, otherwise: float) -> float:
+    """About n natural times of the median orbit or of the fastest one, to two significant digits.
+
+    Args:
+        n: How many.
+        scale: Time scales, shape (trajectory,).
+        fastest: Of the fastest orbit.
+        otherwise: What is taken where no orbit has a time scale, as where the field vanishes.
+    """
+    known = scale[np.isfinite(scale) & (scale > 0)]
+    if not len(known):
+        return otherwise
+    return float(f"{n * float(known.min() if fastest else np.median(known)):.1e}")
+
+
+class _Run:
+    """Short integrations of a system before a deadline."""
+
+    def __init__(self, name: str, field: Field, method: Method | None, threads: int | None, deadline: float) -> None:
+        self.name = name
+        self._field, self._method, self._threads, self._deadline = field, method, threads, deadline
+        # Steps of power series do not depend on the wanted times; those of a splitting end there.
+        self.together = 1 if isinstance(field, PiecesField) else _TOGETHER
+
+    def field(self) -> Field:
+        return self._field
+
+    def states(self, x0: Array, t: Array) -> Array:
+        """States of each member at its own times, shape (trajectory, time); NaN at times that it did not reach."""
+        every, places = np.unique(np.concatenate([[0.0], t.ravel()]), return_inverse=True)
+        state = self._integrated(x0, every, None).state
+        return state[np.arange(len(x0))[:, None], places[1:].reshape(t.shape)]
+
+    def changes(self, x0: Array, h: float) -> Array:
+        """M(h) - 1, shape (trajectory, component, component); NaN where a trajectory failed."""
+        n = x0.shape[1]
+        orbit = self._integrated(x0, [0.0, h], np.tile(np.eye(n), (len(x0), 1, 1)))
+        # tangents are rows; a transposed matrix has the same eigenvalues, but not the same scaled norm
+        return np.swapaxes(orbit.tangent[:, 1], 1, 2) - np.eye(n)
+
+    def _integrated(self, x0: Array, t: ArrayLike, tangents: Array | None) -> Orbit:
+        return integrate(
+            self,
+            x0,
+            t=t,
+            tangents=tangents,
+            method=self._method,
+            kernel="lanes",  # the same bits however the ensemble is cut
+            threads=self._threads,
+            time_limit=max(self._deadline - clock.monotonic(), 1e-9),
+        )
+
+
+def _units(size: Array) -> Array:
+    """Sizes of components that can be units: not zero and not of another order than the largest one."""
+    known = np.where(np.isfinite(size), size, 0.0)
+    largest = known.max(axis=1, keepdims=True)
+    return np.where(known > _NO_UNIT * largest, known, np.where(largest > 0.0, largest, 1.0))
+
+
+def _rates(run: _Run, x0: Array) -> tuple[Array, Array]:
+    """Median spectral radius of Df along the first stretch of each orbit, and the sizes of its components there."""
+    at_start, rung = _derivatives(run, x0, np.full(len(x0), _LOWEST))
+    radius, coupling = _radius(at_start, np.abs(x0)), _coupling(at_start)
+    # where components act on each other in longer circles only, what is left of the coupling is round-off
+    first = np.where(coupling > _NILPOTENT * radius, coupling, radius)
+    rates, sizes = first.copy(), np.abs(x0)
+    moving = np.flatnonzero((first > 0.0) & np.isfinite(first))
+    lengths = _STRETCH / first[moving]
+    # A few members with stretches of about the same length run together, each seen at times of its own.
+    octave = np.floor(np.log2(lengths))
+    for which in np.unique(octave):
+        alike = np.flatnonzero(octave == which)
+        for start in range(0, len(alike), run.together):
+            some = alike[start : start + run.together]
+            members = moving[some]
+            orbit = run.states(x0[members], lengths[some, None] * np.arange(N_POINTS) / (N_POINTS - 1))
+            sizes[members] = np.sqrt((orbit**2).mean(axis=1))
+            rates[members] = _median_radius(run, orbit, sizes[members], rung[members])
+    return rates, sizes
+
+
+def _median_radius(run: _Run, orbit: Array, sizes: Array, rung: Array) -> Array:
+    """Median over the points of orbits, shape (trajectory, time, component), of the spectral radius of Df."""
+    scale = np.repeat(sizes, N_POINTS, axis=0)
+    points = orbit.reshape(-1, orbit.shape[2])
+    reached = np.isfinite(points).all(axis=1)
+    found = np.full(len(points), np.nan)
+    if reached.any():
+        derivatives, _ = _derivatives(run, points[reached], np.repeat(rung, N_POINTS)[reached] / _RUNG)
+        found[reached] = _radius(derivatives, scale[reached])
+    return np.median(found.reshape(len(orbit), N_POINTS), axis=1)
+
+
+def _derivatives(run: _Run, states: Array, lowest: Array) -> tuple[Array, Array]:
+    """Df at states, from a rung of times h upwards, and the rung that was taken; zero where nothing changes."""
+    n = states.shape[1]
+    derivatives, rung = np.zeros((len(states), n, n)), lowest.copy()
+    left = np.arange(len(states))
+    while len(left):
+        for h in np.unique(rung[left]):
+            here = left[rung[left] == h]
+            change = run.changes(states[here], float(h))
+            derivatives[here] = change / h
+            size = np.linalg.norm(change, axis=(1, 2)) if len(here) else np.zeros(0)
+            done = ~(size < _LEAST_CHANGE)
+            left = np.setdiff1d(left, here[done], assume_unique=True)
+            rung[here[~done]] *= _RUNG
+        gone = rung[left] > _HIGHEST
+        derivatives[left[gone]] = 0.0
+        left = left[~gone]
+    return derivatives, rung
+
+
+def _coupling(matrices: Array) -> Array:
+    r"""$\sqrt{\frac12\sum_{ij}|A_{ij}A_{ji}|}$, shape (matrix,): 1 for a rotation, as is its spectral radius.
+
+    It knows no units of components, either, and unlike the spectral radius it hardly changes with small errors where
+    eigenvalues coincide.
+    """
+    products = np.abs(matrices * np.swapaxes(matrices, 1, 2))
+    return np.sqrt(0.5 * products.sum(axis=(1, 2)))
+
+
+def _radius(matrices: Array, scale: Array) -> Array:
+    """Spectral radii, shape (matrix,); of nilpotent matrices the coupling, or if this is zero, too, a norm."""
+    result = np.full(len(matrices), np.nan)
+    good = np.isfinite(matrices).all(axis=(1, 2))
+    if good.any():
+        result[good] = _finite_radius(matrices[good], scale[good])
+    return result
+
+
+def _finite_radius(matrices: Array, scale: Array) -> Array:
+    largest = scale.max(axis=1, keepdims=True)
+    units = np.where(scale > 0.0, scale, np.where(largest > 0.0, largest, 1.0))
+    scaled = matrices * units[:, None, :] / units[:, :, None]
+    norm = np.minimum(*(np.linalg.norm(each, axis=(1, 2)) for each in (matrices, scaled)))
+    radius, coupling = np.abs(np.linalg.eigvals(scaled)).max(axis=1), _coupling(matrices)
+    rate = np.where(radius > _NILPOTENT * coupling, radius, coupling)
+    return np.where(rate > _ROUND_OFF * norm, rate, norm)

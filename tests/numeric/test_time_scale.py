@@ -1,0 +1,143 @@
+"""The natural unit of time of an orbit, and what is taken in it."""
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric.time_scale import natural_duration, time_scale, zero_threshold
+
+TOP = lp.Top.twisted_kovalevskaya()
+
+
+def plain_time_scale(system, x0):
+    """The definition, with the exact derivative at the eight times of a stretch of 32 natural times."""
+    jacobian = system.functions.jacobian(x0)
+    first = np.sqrt(np.abs(jacobian * jacobian.T).sum() / 2)
+    states = lp.integrate(system, x0, t=np.linspace(0, 32 / first, 8)).state[0]
+    return 1 / np.median([np.abs(np.linalg.eigvals(system.functions.jacobian(state))).max() for state in states])
+
+
+def test_it_is_what_its_definition_says():
+    x0 = lp.sample_states(TOP, 5, seed=1)
+    expected = [plain_time_scale(TOP, state) for state in x0]
+    assert time_scale(TOP, x0) == pytest.approx(expected, rel=1e-5)
+
+
+def test_of_a_sleeping_top_it_is_one_over_its_exponent():
+    """I = (2, 2, 1), alpha = (-2, 0, 0), l = 0: neighbours grow like exp(sqrt 2 t), in two directions like exp(t)."""
+    upright = np.zeros(9)
+    upright[3] = -2.0
+    top = lp.Top.heavy(inertia=(2, 2, 1), a=(-1, 0, 0))
+    assert time_scale(top, upright[: top.field().n_components]) == pytest.approx([1 / np.sqrt(2)], rel=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1e-12, 1e-5, 3.7, 1e5, 1e12])
+def test_it_follows_the_unit_of_time(unit):
+    slow = lp.Top.heavy(inertia=(2 * unit, 2 * unit, unit), a=(-1 / unit, 0, 0))
+    x0 = lp.sample_states(TOP, 4, seed=1)
+    assert time_scale(slow, x0) == pytest.approx(unit * time_scale(lp.Top.kovalevskaya(), x0), rel=1e-5)
+
+
+@pytest.mark.parametrize("size", [1e-3, 10.0, 1e4])
+def test_it_knows_no_unit_of_the_components(size):
+    """For b = 0 (s l, s^2 alpha, s^3 beta)(s t) is an orbit with (l, alpha, beta)(t)."""
+    x0 = lp.sample_states(TOP, 4, seed=1)
+    units = np.repeat([size, size**2, size**3], 3)
+    assert time_scale(TOP, x0 * units) == pytest.approx(time_scale(TOP, x0) / size, rel=1e-5)
+
+
+class Linear:
+    """x' = A x."""
+
+    name = "linear"
+
+    def __init__(self, matrix):
+        self.matrix = matrix
+
+    def field(self):
+        entries = [(i, j, float(value)) for (i, j), value in np.ndenumerate(self.matrix) if value]
+        return lp.QuadraticField(len(self.matrix), (), tuple(entries), ())
+
+
+@pytest.mark.parametrize(
+    ("matrix", "expected"),
+    [
+        ([[0, 3], [-3, 0]], 1 / 3),  # an oscillator
+        ([[0, 1e-8], [-9e8, 0]], 1 / 3),  # the same, components in other units
+        ([[0, 4], [1, 0]], 1 / 2),  # a saddle
+        ([[0, 1, 0], [0, 0, 1], [1, 0, 0]], 1.0),  # no two components act on each other
+        ([[0, 0], [0, 0]], np.inf),
+    ],
+)
+def test_of_linear_fields(matrix, expected):
+    scale = time_scale(Linear(np.array(matrix, float)), [1.0] * len(matrix))
+    assert scale == pytest.approx([expected], rel=1e-5)
+
+
+def test_a_free_particle_has_the_rate_at_which_it_covers_its_distance():
+    """x' = c p: nothing but the orbit has a time, and it follows the unit of time and those of x and p."""
+    scale = time_scale(Linear(np.array([[0.0, 5.0], [0.0, 0.0]])), [1.0, 1.0])
+    assert 0.2 <= scale[0] <= 0.2 * 32
+    faster = time_scale(Linear(np.array([[0.0, 5e4], [0.0, 0.0]])), [1.0, 1.0])
+    assert 1e4 * faster == pytest.approx(scale, rel=1e-5)
+
+
+def test_nothing_has_no_natural_times():
+    assert natural_duration(20, np.array([np.inf, np.nan]), otherwise=7.0) == 7.0
+
+
+def test_members_are_the_same_in_any_ensemble_and_failures_are_nan():
+    x0 = lp.sample_states(TOP, 40, seed=1)
+    x0[3] = np.nan
+    x0[4] *= 1e160
+    whole = time_scale(TOP, x0)
+    assert np.array_equal(whole[7:9], time_scale(TOP, x0[7:9], threads=1))
+    assert np.isnan(whole[3:5]).all()
+    assert np.isfinite(np.delete(whole, [3, 4])).all()
+
+
+def test_a_field_of_pieces_needs_its_own_method():
+    pieces, x0 = lp.Top.kovalevskaya().pieces(), lp.sample_states(TOP, 2, seed=1)
+    own = time_scale(pieces, x0, method=lp.Splitting(step=0.01))
+    assert own == pytest.approx(time_scale(lp.Top.kovalevskaya(), x0), rel=1e-3)
+
+
+def test_thresholds_of_zeros_are_in_natural_times():
+    t = np.array([0.0, 1.0, 1e3])
+    assert zero_threshold(t, 1.0) == pytest.approx([np.inf, 3.0, 3 * np.log(1e3) / 1e3])
+    assert 1e5 * zero_threshold(1e3, 1.0) == pytest.approx(zero_threshold(1e-2, 1e-5))
+    assert np.isnan(zero_threshold(10.0, np.nan))
+
+
+def test_durations_have_two_digits():
+    scale = np.array([0.12345, 1.0, 7.0, np.nan])
+    assert natural_duration(20, scale, otherwise=0) == 20
+    assert natural_duration(20, scale, fastest=True, otherwise=0) == 2.5
+
+
+@pytest.mark.filterwarnings("ignore::liepoisson.errors.InertiaWarning")
+@pytest.mark.parametrize("unit", [1e-5, 1e5])
+def test_no_default_has_a_unit_of_time(unit):
+    """Spectra, their check and exponents with errors of a free rigid body whose H is `unit` times as large."""
+    x0 = lp.sample_states(TOP, 3, seed=1)
+    bodies = (lp.Top.free_rigid_body(inertia=np.array([1.0, 2.0, 3.0]) / c) for c in (1.0, unit))
+    (one, one_check), (two, two_check) = (
+        (lp.largest_exponent(body, x0, t_end=2000 / c), lp.lyapunov_spectrum(body, x0, t_end=500 / c))
+        for body, c in zip(bodies, (1.0, unit), strict=True)
+    )
+    for name in ("block", "transient"):
+        assert getattr(two, name) * unit == pytest.approx(getattr(one, name)), name
+    assert one.is_zero.all()
+    assert two.is_zero.all()
+    assert two.value / unit == pytest.approx(one.value, rel=1e-6)
+    assert two_check.interval * unit == pytest.approx(one_check.interval)
+    assert two_check.exponents / unit == pytest.approx(one_check.exponents, abs=1e-8)
+    assert [check.check().count("for 3 of 3") for check in (one_check, two_check)] == [1, 1]
+
+
+def test_bad_input_is_refused():
+    with pytest.raises(ShapeError):
+        time_scale(TOP, np.ones(8))
+    with pytest.raises(ParameterError):
+        time_scale(TOP, np.full(9, np.nan))
