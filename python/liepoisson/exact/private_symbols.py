@@ -30,7 +30,7 @@ def in_private_symbols(
 
     Raises:
         ParameterError: a symbol in an expression is none of the variables.
-        UnsupportedFieldError: a function in it is not one of SymPy's, or it binds a variable of its own, like a sum.
+        UnsupportedFieldError: a function in it is neither one of SymPy's nor a trace, or it binds a variable of its own, like a sum.
     """
     from sympy import S, Symbol, sympify
 
@@ -100,8 +100,10 @@ def _common_parts(expressions: Any) -> Any:
 def _refuse_foreign_functions(expression: Any) -> None:
     from sympy import Function, Symbol
 
+    from liepoisson.exact.trace import Trace
+
     for value in expression.atoms(Function):
-        if name_of_function(value) is None:
+        if name_of_function(value) is None and type(value) is not Trace:
             raise UnsupportedFieldError(
                 f"a function on phase space must be made of SymPy's own functions; got {_shown([value])}, which is not "
                 "defined there. Replace it by a smooth expression."
