@@ -30,7 +30,8 @@ def in_private_symbols(
 
     Raises:
         ParameterError: a symbol in an expression is none of the variables.
-        UnsupportedFieldError: a function in it is neither one of SymPy's nor a trace, or it binds a variable of its own, like a sum.
+        UnsupportedFieldError: a function in it is neither one of SymPy's nor a trace, or it binds a variable of its
+            own, like a sum.
     """
     from sympy import S, Symbol, sympify
 
