@@ -109,7 +109,7 @@ def test_values_may_be_given_on_the_command_line(command):
     values = ["--set", "I=2,2,1", "--set", "a=[-1, 0, 0]", "--set", "b=0,0,0", "--set", "epsilon=1/3"]
     code, out, _ = command("inspect", "twisted-top", *values)
     assert code == 0
-    assert "C₁ = 3 |α|² + 2 l·β" in out
+    assert "C₁ = |α|² + ⅔ l·β" in out
     assert "ε = 1/3" in out
 
 
