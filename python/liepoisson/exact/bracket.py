@@ -215,9 +215,8 @@ class Bracket:
     def casimirs(self, degree: int | None = None) -> list[Expr]:
         r"""Generators of the polynomial Casimirs: those of each degree modulo products of the lower ones.
 
-        They are called C1, C2, ... everywhere, in this order.  For `so(3) @ leibniz(3, epsilon)`:
-        $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.  Symbolic parameters are taken as
-        generic.
+        They are called C1, C2, ... everywhere, in this order.  Symbolic parameters are taken as generic.  For
+        `so(3) @ leibniz(3, epsilon)`: $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.
 
         Each has the coefficient 1 at its leading monomial: that of the latest fields, and among these of the first
         coordinates.  Nothing else is multiplied or cleared, so that values inserted for symbols give the generators of
