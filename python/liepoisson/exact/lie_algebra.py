@@ -27,6 +27,7 @@ from liepoisson.exact.tensors import (
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.extension import Extension
+    from liepoisson.exact.lie.defining_matrices import MatrixFamily
     from liepoisson.exact.lie.lie_structure import LieStructure, Square, Subspace, Triple
 
 MAX_DIMENSION = 1000
@@ -50,6 +51,8 @@ class LieAlgebra:
         dimension: The dimension n.
         basis_names: Names of the basis elements.
         name: How it is printed.
+        family: The matrices that it consists of, if one of the constructors of `exact.lie_algebras` made it.
+        summands: The algebras of which it is the direct sum, if it was made as one.
 
     Raises:
         ShapeError: `structure_constants` is not n x n x n, or `basis_names` has another length.
@@ -129,6 +132,8 @@ class LieAlgebra:
         check_dimension(n)
         self.dimension: int = int(n)
         self.brackets: Brackets = brackets
+        self.family: MatrixFamily | None = None
+        self.summands: tuple[LieAlgebra, ...] = ()
         self.name: str = name
         self.basis_names: tuple[str, ...] = read_names(basis_names, "basis_names", tuple(str(i + 1) for i in range(n)))
         if len(self.basis_names) != n:
@@ -253,7 +258,9 @@ class LieAlgebra:
         moved = {(i + n, j + n): {k + n: c for k, c in row.items()} for (i, j), row in other.brackets.items()}
         names = joined_names(self.basis_names, other.basis_names)
         name = f"{self.name} + {other.name}"
-        return LieAlgebra.from_brackets(n + m, {**self.brackets, **moved}, name, names, check=False)
+        total = LieAlgebra.from_brackets(n + m, {**self.brackets, **moved}, name, names, check=False)
+        total.summands = (*(self.summands or (self,)), *(other.summands or (other,)))
+        return total
 
     def __matmul__(self, extension: Extension) -> Bracket:
         """The Lie-Poisson bracket of g (x) A."""

@@ -13,6 +13,7 @@ from numbers import Integral
 from typing import TypeAlias
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.lie.defining_matrices import MatrixFamily
 from liepoisson.exact.lie.sine_algebra import sine_algebra, sine_energy, sine_modes
 from liepoisson.exact.lie_algebra import MAX_DIMENSION, LieAlgebra
 
@@ -61,7 +62,9 @@ def so(n: int, q: int = 0) -> LieAlgebra:
     if size == 3:
         cyclic = ((0, 1, 2), (1, 2, 0), (2, 0, 1))
         brackets = {(min(i, j), max(i, j)): {k: eta[k] * (1 if i < j else -1)} for i, j, k in cyclic}
-        return LieAlgebra.from_brackets(3, brackets, name, check=False)
+        algebra = LieAlgebra.from_brackets(3, brackets, name, check=False)
+        algebra.family = MatrixFamily("so", 3)
+        return algebra
     pairs = list(combinations(range(size), 2))
     basis: list[_Entries] = [{(i, j): eta[j], (j, i): -eta[i]} for i, j in pairs]
     place = {pair: k for k, pair in enumerate(pairs)}
@@ -69,7 +72,7 @@ def so(n: int, q: int = 0) -> LieAlgebra:
     def coordinates(matrix: _Entries) -> dict[int, float]:
         return {place[i, j]: eta[j] * value.real for (i, j), value in matrix.items() if i < j}
 
-    return _of_matrices(basis, coordinates, name, index_names("", pairs, size))
+    return _of_matrices(basis, coordinates, name, index_names("", pairs, size), MatrixFamily("so", size, tuple(basis)))
 
 
 def su(n: int) -> LieAlgebra:
@@ -97,7 +100,7 @@ def su(n: int) -> LieAlgebra:
         return found | _diagonal_coordinates({k: v.imag for (j, k), v in matrix.items() if j == k}, 2 * m, n)
 
     names = index_names("a", pairs, n) + index_names("s", pairs, n) + tuple(f"h{k + 1}" for k in range(n - 1))
-    return _of_matrices(basis, coordinates, f"su({n})", names)
+    return _of_matrices(basis, coordinates, f"su({n})", names, MatrixFamily("su", n, tuple(basis)))
 
 
 def sl(n: int) -> LieAlgebra:
@@ -118,7 +121,7 @@ def sl(n: int) -> LieAlgebra:
         return found | _diagonal_coordinates({k: v.real for (j, k), v in matrix.items() if j == k}, m, n)
 
     names = index_names("e", pairs, n) + tuple(f"h{k + 1}" for k in range(n - 1))
-    return _of_matrices(basis, coordinates, f"sl({n})", names)
+    return _of_matrices(basis, coordinates, f"sl({n})", names, MatrixFamily("sl", n, tuple(basis)))
 
 
 def gl(n: int) -> LieAlgebra:
@@ -134,7 +137,8 @@ def gl(n: int) -> LieAlgebra:
     def coordinates(matrix: _Entries) -> dict[int, float]:
         return {i * n + j: value.real for (i, j), value in matrix.items()}
 
-    return _of_matrices([{pair: 1} for pair in pairs], coordinates, f"gl({n})", index_names("", pairs, n))
+    basis: list[_Entries] = [{pair: 1} for pair in pairs]
+    return _of_matrices(basis, coordinates, f"gl({n})", index_names("", pairs, n), MatrixFamily("gl", n, tuple(basis)))
 
 
 def se(n: int) -> LieAlgebra:
@@ -224,7 +228,9 @@ def sine(N: int) -> LieAlgebra:
         raise ParameterError(
             f"sine(N) needs an odd N, so that no mode is its own opposite; got N = {size}. Take {size - 1}."
         )
-    return sine_algebra(size)
+    algebra = sine_algebra(size)
+    algebra.family = MatrixFamily("sine", size)
+    return algebra
 
 
 ALGEBRAS: dict[str, Callable[..., LieAlgebra]] = {
@@ -283,7 +289,9 @@ def _diagonal_coordinates(diagonal: dict[int, float], start: int, n: int) -> dic
     return found
 
 
-def _of_matrices(basis: list[_Entries], coordinates: _Coordinates, name: str, names: tuple[str, ...]) -> LieAlgebra:
+def _of_matrices(
+    basis: list[_Entries], coordinates: _Coordinates, name: str, names: tuple[str, ...], family: MatrixFamily
+) -> LieAlgebra:
     """The algebra of the commutators XY - YX of matrices whose coordinates are known in closed form."""
     having: dict[int, set[int]] = {}
     for k, matrix in enumerate(basis):
@@ -297,7 +305,9 @@ def _of_matrices(basis: list[_Entries], coordinates: _Coordinates, name: str, na
             if j > i:
                 row = coordinates(_commutator(matrix, basis[j]))
                 brackets[i, j] = {k: Fraction(int(c)) for k, c in row.items()}
-    return LieAlgebra.from_brackets(len(basis), brackets, name, names, check=False)
+    algebra = LieAlgebra.from_brackets(len(basis), brackets, name, names, check=False)
+    algebra.family = family
+    return algebra
 
 
 def _commutator(x: _Entries, y: _Entries) -> _Entries:
