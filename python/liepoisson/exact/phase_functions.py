@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.system import System
+    from liepoisson.exact.trace_values import TraceSum
 
 
 class PhaseFunction:
@@ -43,16 +44,29 @@ class PhaseFunction:
 
     def __call__(self, x: ArrayLike) -> Array:
         """Values, shape (...), at states of shape (..., N)."""
+        if self._traces is not None:
+            return self._traces.value(self._states(x))
         return self._evaluate(self._value, x, ())
 
     def gradient(self, x: ArrayLike) -> Array:
         r"""Gradients $\partial f/\partial x_i$, shape (..., N)."""
+        if self._traces is not None:
+            return self._traces.gradient(self._states(x))
         return self._evaluate(self._gradient, x, (len(self._variables),))
 
     def hessian(self, x: ArrayLike) -> Array:
         r"""Second derivatives $\partial^2 f/\partial x_i\partial x_j$, shape (..., N, N)."""
+        if self._traces is not None:
+            return self._traces.hessian(self._states(x))
         n = len(self._variables)
         return self._evaluate(self._hessian, x, (n, n))
+
+    @cached_property
+    def _traces(self) -> TraceSum | None:
+        """The function as a sum of traces, which need no compilation; None if it is none."""
+        from liepoisson.exact.trace_values import TraceSum
+
+        return TraceSum.of(self.expression, self._variables)
 
     @cached_property
     def _value(self) -> Callable[..., list[Any]]:
@@ -68,9 +82,12 @@ class PhaseFunction:
         return compiled(self._variables, [slope.diff(v) for slope in slopes for v in self._variables])
 
     def _evaluate(self, function: Callable[..., list[Any]], x: ArrayLike, shape: tuple[int, ...]) -> Array:
-        states = as_phase_points(x, len(self._variables), self._fields)
+        states = self._states(x)
         values = evaluated(function, states)
         return values.reshape(states.shape[:-1] + shape)
+
+    def _states(self, x: ArrayLike) -> Array:
+        return as_phase_points(x, len(self._variables), self._fields)
 
     def __repr__(self) -> str:
         return f"<PhaseFunction {self.expression}>"

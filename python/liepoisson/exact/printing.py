@@ -17,6 +17,8 @@ from liepoisson.exact.report.styles import LATEX, PLAIN, UNICODE, Style, split_n
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
+    from liepoisson.exact.trace import Trace
+
 
 @dataclass(frozen=True)
 class Gradient:
@@ -169,6 +171,12 @@ def write_atom(atom: Atom, style: Style) -> str:
     return text
 
 
+def write_trace(trace: Trace, style: Style) -> str:
+    """A trace of a product of fields as matrices: tr(alpha^2 beta)."""
+    runs = [style.vector(name) if n == 1 else style.power(style.vector(name), str(n)) for name, n in trace.text]
+    return style.function(trace.function_name, " ".join(runs))
+
+
 class _Writer:
     """Writes one formula in one style."""
 
@@ -225,6 +233,8 @@ class _Writer:
             degree = 2 if isinstance(atom, Square) else sum(place < _NOT_A_FIELD - 1 for place in fields)
             # Names at the end, so that no order is left to chance.
             return degree, (0 if isinstance(atom, (Cross, Image, Itself)) else kind, *fields, *map(str, vectors))
+        if getattr(base, "is_trace", False):
+            return len(cast("Trace", base).word), (8, str(base))
         name = str(base)
         return (1, (9, self.places[name])) if name in self.places else None
 
@@ -321,6 +331,8 @@ class _Writer:
                 return write_atom(self.atoms[symbol], self.style)
             name = str(symbol)
             return self.style.component(name, *(self.coordinates.get(name) or split_name(name)))
+        if getattr(expression, "is_trace", False):
+            return write_trace(cast("Any", expression), self.style)
         if expression.is_Function:
             arguments = ", ".join(self.sum(cast("Any", argument)) for argument in expression.args)
             return self.style.function(str(expression.func), arguments)

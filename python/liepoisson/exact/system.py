@@ -204,8 +204,11 @@ class System:
         """
         from sympy import simplify
 
-        value = self.bracket(self._function(function), self.hamiltonian)
-        return value if value == 0 or value.is_polynomial(*self.variables) else simplify(value)
+        from liepoisson.exact.trace import abbreviated
+
+        value, traces = abbreviated(self.bracket(self._function(function), self.hamiltonian))
+        polynomial = value.is_zero or value.is_polynomial(*self.variables, *traces)
+        return (value if polynomial else cast("Any", simplify(value))).xreplace(traces)
 
     def is_constant(self, function: str | Expr) -> bool:
         """Whether a function on phase space is found constant along every orbit.
@@ -214,8 +217,9 @@ class System:
         is a proof and False may mean that it did not succeed.
         """
         from liepoisson.exact.parameters import is_zero
+        from liepoisson.exact.trace import abbreviated
 
-        return is_zero(self.derivative(function))
+        return is_zero(abbreviated(self.derivative(function))[0])
 
     @cached_property
     def top_parameters(self) -> TopParameters | None:

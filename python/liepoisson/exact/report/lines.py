@@ -225,5 +225,8 @@ def record_of(piece: Written) -> dict[str, str]:
 
 
 def record_of_formula(formula: Formula, expression: Expr) -> dict[str, str]:
-    """A formula for JSON, and the same in components, in the grammar of system files."""
-    return {**record_of(formula), "expression": Formula(expression).write(PLAIN)}
+    """A formula for JSON, and the same in components, in the grammar of system files, which has no traces."""
+    from liepoisson.exact.trace import traces_in
+
+    components = {} if traces_in(expression) else {"expression": Formula(expression).write(PLAIN)}
+    return {**record_of(formula), **components}

@@ -70,6 +70,10 @@ class VectorNotation:
 
     def formula(self, expression: Expr) -> Formula:
         """The expression in vector notation as far as it is recognised, exactly equal to what was given."""
+        from liepoisson.exact.trace import traces_in
+
+        if traces_in(expression):
+            return self.components(expression)
         recognised = _Recognition(self, expression)
         rewritten = recognised.rewrite(expression)
         if not recognised.atoms or not self._same(rewritten, recognised.meanings, expression):

@@ -1,0 +1,88 @@
+"""Words in the matrices of several fields: Leibniz extensions in closed form, others by linear algebra."""
+
+from collections import Counter
+
+import pytest
+import sympy as sp
+
+from liepoisson.exact.extension import Extension
+from liepoisson.exact.extensions import crmhd, leibniz, semidirect
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.linear_algebra import rank
+from liepoisson.exact.trace_words import balanced_combinations, canonical, leibniz_combinations, rotations
+
+epsilon = sp.Symbol("epsilon")
+
+
+def test_rotations_are_one_word():
+    assert canonical((2, 0, 1)) == canonical((1, 2, 0)) == (0, 1, 2)
+    assert len(rotations((0, 1, 0, 1))) == 2
+    assert len(rotations((0, 0, 1, 1))) == 4
+
+
+def test_the_squares_of_the_twisted_top():
+    """tr(alpha^2) + 2 epsilon tr(l beta), tr(alpha beta), tr(beta^2)."""
+    assert list(leibniz_combinations(3, 2, epsilon)) == [{(0, 2): 2 * epsilon, (1, 1): 1}, {(1, 2): 1}, {(2, 2): 1}]
+
+
+@pytest.mark.parametrize(("n", "degree"), [(1, 4), (2, 3), (3, 2), (3, 5), (4, 3), (5, 4)])
+def test_leibniz_words_are_the_powers_of_z(n, degree):
+    """Against the product (epsilon x0 z^(n-1) + ... + x_(n-1))^degree of noncommuting x, multiplied out by SymPy."""
+    z = sp.Symbol("z")
+    x = sp.symbols(f"x0:{n}", commutative=False)
+    first = (epsilon if n > 1 else 1) * x[0] * z ** (n - 1)
+    product = sp.expand((first + sum(x[k] * z ** (n - 1 - k) for k in range(1, n))) ** degree)
+    for power, found in zip(reversed(range(n)), leibniz_combinations(n, degree, epsilon), strict=True):
+        wanted = Counter()
+        for term in sp.Add.make_args(product.coeff(z, power)):
+            number, factors = term.args_cnc()
+            letters = [int(str(sp.Pow(f, 1).as_base_exp()[0])[1:]) for f in factors for _ in range(f.as_base_exp()[1])]
+            wanted[canonical(tuple(letters))] += sp.Mul(*number)
+        ratio = {sp.cancel(wanted[word] / found[word]) for word in found}
+        assert set(wanted) == set(found)
+        assert len(ratio) == 1
+        assert ratio.pop().is_Integer
+
+
+@pytest.mark.parametrize(("n", "degree"), [(2, 2), (2, 4), (3, 2), (3, 3)])
+def test_linear_algebra_finds_the_powers_of_z(n, degree):
+    closed, found = list(leibniz_combinations(n, degree, epsilon)), balanced_combinations(leibniz(n, epsilon), degree)
+    assert len(found) == len(closed) == n
+    words = sorted({word for combination in (*closed, *found) for word in combination})
+    rows = [{words.index(w): sp.sympify(q) for w, q in c.items()} for c in (*closed, *found)]
+    field = Coefficients.containing([q for row in rows for q in row.values()])
+    assert rank([{k: field.read(q) for k, q in row.items()} for row in rows], field) == n
+
+
+def test_passive_fields_give_all_their_words():
+    """A = R + m with m^2 = 0: every word without l, 2 of 4 letters with two a and two b that are no rotations."""
+    found = balanced_combinations(semidirect(3), 4)
+    words = {word for combination in found for word in combination}
+    assert all(0 not in word for word in words)
+    assert {(1, 1, 2, 2), (1, 2, 1, 2)} <= words
+    assert len(found) == 6
+
+
+def test_magnetohydrodynamics():
+    """psi.psi, v.psi, p.psi, v.p - beta_e omega.psi."""
+    found = balanced_combinations(crmhd(), 2)
+    beta_e = sp.Symbol("beta_e")
+    wanted = [{(3, 3): 1}, {(1, 3): 1}, {(2, 3): 1}, {(1, 2): 1, (0, 3): -beta_e}]
+    for combination in wanted:
+        assert any(
+            set(combination) == set(c) and len({sp.cancel(c[w] / sp.sympify(combination[w])) for w in c}) == 1
+            for c in found
+        )
+    assert len(found) == 4
+
+
+def test_complex_numbers_double_the_traces():
+    """so(3) (x) C = so(3, 1): real and imaginary part of tr X^2."""
+    numbers = Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 1): {0: -1}})
+    found = balanced_combinations(numbers, 2)
+    assert [sorted(c) for c in found] == [[(0, 1)], [(0, 0), (1, 1)]]
+    assert sp.cancel(found[1][0, 0] / found[1][1, 1]) == -1
+
+
+def test_too_many_words_are_left_out():
+    assert balanced_combinations(crmhd(), 6) == []
