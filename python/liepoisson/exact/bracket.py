@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.parameters import Exact
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
     from liepoisson.exact.strata import Stratum
+    from liepoisson.exact.trace_casimirs import TraceCasimirs
 
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
@@ -143,7 +144,10 @@ class Bracket:
         r"""The bracket $\{f, g\} = \nabla f \cdot J \nabla g$, expanded."""
         from sympy import S, expand
 
-        return expand(sum((df * v for df, v in zip(self._gradient(f), self.vector_field(g), strict=True)), S.Zero))
+        slopes = self._gradient(f)
+        if not any(slopes):
+            return S.Zero
+        return expand(sum((df * v for df, v in zip(slopes, self.vector_field(g), strict=True)), S.Zero))
 
     def vector_field(self, h: Expr) -> tuple[Expr, ...]:
         r"""The right-hand side of $\dot x = \{x, h\} = J \nabla h$, one expression per coordinate, expanded."""
@@ -213,13 +217,19 @@ class Bracket:
     def casimirs(self, degree: int | None = None) -> list[Expr]:
         r"""Generators of the polynomial Casimirs: those of each degree modulo products of the lower ones.
 
-        They are called C1, C2, ... everywhere, in this order.  For `so(3) @ leibniz(3, epsilon)`:
-        $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.  Symbolic parameters are
-        generic.
+        They are called C1, C2, ... everywhere, in this order.  Symbolic parameters are taken as generic.  For
+        `so(3) @ leibniz(3, epsilon)`: $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$.
 
         Each has the coefficient 1 at its leading monomial: that of the latest fields, and among these of the first
         coordinates.  Nothing else is multiplied or cleared, so that values inserted for symbols give the generators of
         the bracket with these values, except where `casimir_report` names a jump.
+
+        They are expanded where linear algebra on all monomials finds them.  For so(n), su(n), sl(n), gl(n) and the sine
+        algebra beyond its limits they are traces, $\operatorname{tr} X^k$: SymPy expressions that are differentiated,
+        substituted and evaluated as they are, and written out by `.expand(trace=True)` only.  The matrix X, the order
+        and the normalisation are those of `liepoisson.exact.trace_casimirs`.
+
+        The list may be incomplete: `n_unknown_casimirs` says how many are missing.
 
         Args:
             degree: Find all up to this degree.  None: raise the degree until as many independent ones are found as the
@@ -228,11 +238,31 @@ class Bracket:
         Raises:
             ParameterError: the degree is not a positive integer, or too large for the search.
         """
-        if degree not in self._casimirs:
-            from liepoisson.exact.casimirs import casimir_generators
+        return list(self._known_casimirs(degree)[0])
 
-            self._casimirs[degree] = tuple(casimir_generators(self, degree))
-        return list(self._casimirs[degree])
+    @property
+    def n_unknown_casimirs(self) -> int:
+        """How many independent Casimirs are missing in `casimirs()`: 0 if every one is a function of them."""
+        return self.corank() - self._known_casimirs(None)[1]
+
+    def _known_casimirs(self, degree: int | None) -> tuple[tuple[Expr, ...], int]:
+        if degree not in self._casimirs:
+            from liepoisson.exact.casimirs import generators_and_number
+
+            generators, n_independent = generators_and_number(self, degree)
+            self._casimirs[degree] = tuple(generators), n_independent
+        return self._casimirs[degree]
+
+    @cached_property
+    def trace_casimirs(self) -> TraceCasimirs | None:
+        r"""The Casimirs in closed form as traces $\operatorname{tr} X^k$, and Pfaffians; None where none is known.
+
+        `casimirs` returns them where a search for polynomials could not end, see
+        `liepoisson.exact.trace_casimirs.replaces_search`.
+        """
+        from liepoisson.exact.trace_casimirs import trace_casimirs
+
+        return trace_casimirs(self)
 
     def casimir_report(self, degree: int | None = None) -> CasimirReport:
         """The Casimirs with proofs of their number, completeness, and the parameter values where more appear.
@@ -322,7 +352,7 @@ class Bracket:
         return J
 
     @cached_property
-    def _casimirs(self) -> dict[int | None, tuple[Expr, ...]]:
+    def _casimirs(self) -> dict[int | None, tuple[tuple[Expr, ...], int]]:
         return {}
 
     def _gradient(self, f: Expr) -> list[Expr]:
@@ -335,9 +365,16 @@ class Bracket:
                 f"a function on phase space must be a SymPy expression; got {f!r} of type {type(f).__name__}. "
                 "Build it from bracket.variables."
             ) from None
-        expression = self.in_own_variables(expression)
+        expression, casimirs = self._modulo_casimirs(self.in_own_variables(expression))
         occurring = expression.free_symbols
-        return [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
+        slopes: list[Any] = [expression.diff(v) if v in occurring else S.Zero for v in self.variables]
+        return [slope.xreplace(casimirs) for slope in slopes] if casimirs else slopes
+
+    def _modulo_casimirs(self, expression: Expr) -> tuple[Expr, dict[Any, Expr]]:
+        """The function without the traces that are Casimirs, whose gradients J annihilates."""
+        from liepoisson.exact.trace_casimirs import modulo_casimirs
+
+        return modulo_casimirs(expression, self)
 
     def in_own_variables(self, expression: Expr) -> Expr:
         """The expression in `variables`: for SymPy, a symbol l1 that was made with assumptions is another one."""

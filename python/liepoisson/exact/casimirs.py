@@ -30,6 +30,7 @@ from liepoisson.exact.poisson.casimir_search import (
 )
 from liepoisson.exact.poisson.leading_monomials import leading, place
 from liepoisson.exact.poisson.takiff import leibniz_strength, lifted
+from liepoisson.exact.trace_casimirs import TraceCasimirs, replaces_search
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -70,9 +71,10 @@ class CasimirReport:
             which the generators are not the limits of the generic ones.
         examined: All values that had to be looked at; elsewhere, the generic answer holds in the degrees searched.
         undecided: Conditions on several parameters that were not looked at.
-        verified: Whether J grad C = 0 for every generator, expanded anew.
+        verified: Whether J grad C = 0 for every generator, expanded anew; for traces, proved from their matrices.
         method: How they were found, in words.
         limits: Why the search ended before it was complete, or "".
+        meanings: Where generators are traces: what the matrix is, for each summand of the algebra; {x} for its name.
     """
 
     generators: tuple[Expr, ...]
@@ -87,6 +89,7 @@ class CasimirReport:
     verified: bool
     method: str
     limits: str
+    meanings: tuple[str, ...] = ()
 
 
 @dataclass
@@ -111,21 +114,52 @@ class _Found:
 
 def casimir_generators(bracket: Bracket, degree: int | None = None) -> list[Expr]:
     """Generators of the Casimirs, without examining special values of the parameters; see `CasimirReport`."""
-    return _expressions(bracket, _find(bracket, degree))
+    return generators_and_number(bracket, degree)[0]
+
+
+def generators_and_number(bracket: Bracket, degree: int | None) -> tuple[list[Expr], int]:
+    """The generators, and how many of them are functionally independent (proved to be so many)."""
+    found = _traces_or_found(bracket, degree)
+    if isinstance(found, TraceCasimirs):
+        return list(found.generators), found.independent
+    return _expressions(bracket, found), found.independent
+
+
+def shortage(bracket: Bracket) -> str:
+    """How many Casimirs are known where not all are, as in "only 1 of 6 independent Casimirs known"; else empty."""
+    corank, missing = bracket.corank(), bracket.n_unknown_casimirs
+    return f"only {corank - missing} of {corank} independent Casimirs known" if missing else ""
 
 
 def leading_monomials(bracket: Bracket) -> tuple[tuple[int, ...], ...]:
-    """The leading monomials of C1, C2, ..., as indices of coordinates.
+    """The leading monomials of C1, C2, ..., as indices of coordinates; for traces, their words.
 
     Among brackets with the same ones the generators depend continuously on the structure constants: each is the one
     solution of a linear system with the same pivots.
     """
-    return tuple(leading(polynomial, bracket.tensor.block) for _, polynomial in _find(bracket, None).generators)
+    found = _traces_or_found(bracket, None)
+    if isinstance(found, TraceCasimirs):
+        return found.leading
+    return tuple(leading(polynomial, bracket.tensor.block) for _, polynomial in found.generators)
 
 
 def independent_casimirs(bracket: Bracket) -> int:
     """How many functionally independent Casimirs are found (proved to be so many)."""
-    return _find(bracket, None).independent
+    return bracket.corank() - bracket.n_unknown_casimirs
+
+
+def _traces_or_found(bracket: Bracket, degree: int | None) -> _Found | TraceCasimirs:
+    """What a search finds; traces where it could not end (`replaces_search`), and where it finds less."""
+    if degree is None and replaces_search(bracket) and (traces := bracket.trace_casimirs) is not None:
+        return traces
+    found = _find(bracket, degree)
+    return (_more_traces(bracket, found) if degree is None else None) or found
+
+
+def _more_traces(bracket: Bracket, found: _Found) -> TraceCasimirs | None:
+    """The traces, if they are more than a search found that is not complete."""
+    traces = None if found.complete else bracket.trace_casimirs
+    return traces if traces is not None and traces.independent > found.independent else None
 
 
 def _find(bracket: Bracket, degree: int | None) -> _Found:
@@ -151,11 +185,15 @@ def casimir_report(bracket: Bracket, degree: int | None = None) -> CasimirReport
     Raises:
         ParameterError: the degree is not a positive integer, or a search up to it is too large.
     """
+    if degree is None and replaces_search(bracket) and (traces := bracket.trace_casimirs) is not None:
+        return _report_of_traces(bracket, traces, {})
     search = CasimirSearch(bracket.tensor, with_pivots=bool(bracket.tensor.field.parameters))
     found = _search(search, _checked_degree(degree), _corank(bracket.tensor))
     if degree is None and (closed := _lift(bracket, search.pivots)) is not None:
         closed.dimensions, closed.limits = found.dimensions, "" if closed.complete else found.limits
         found = _better(closed, found)
+    if degree is None and (traces := _more_traces(bracket, found)) is not None:
+        return _report_of_traces(bracket, traces, found.dimensions)
     exceptional, examined, undecided = _exceptional(bracket, search, found, degree)
     return CasimirReport(
         generators=tuple(_expressions(bracket, found)),
@@ -171,6 +209,51 @@ def casimir_report(bracket: Bracket, degree: int | None = None) -> CasimirReport
         method=found.method,
         limits=found.limits,
     )
+
+
+def _report_of_traces(bracket: Bracket, traces: TraceCasimirs, dimensions: dict[int, int]) -> CasimirReport:
+    exceptional, examined, undecided = _exceptional_for_traces(bracket, traces)
+    return CasimirReport(
+        generators=traces.generators,
+        degrees=traces.degrees,
+        dimensions=dimensions,
+        independent=traces.independent,
+        corank=traces.corank,
+        complete=traces.complete,
+        exceptional=exceptional,
+        examined=examined,
+        undecided=undecided,
+        verified=True,
+        method=traces.method,
+        limits=traces.limits,
+        meanings=traces.meanings,
+    )
+
+
+def _exceptional_for_traces(
+    bracket: Bracket, traces: TraceCasimirs
+) -> tuple[tuple[ExceptionalCase, ...], tuple[str, ...], tuple[str, ...]]:
+    """For Leibniz extensions the strength decides alone; for others special values are not looked for."""
+    field, strength = bracket.tensor.field, leibniz_strength(bracket.extension)
+    if not field.parameters:
+        return (), (), ()
+    if strength is None or not bracket.extension.symbols:
+        return (), (), (f"values of {', '.join(map(str, field.parameters))} with more Casimirs were not looked for",)
+    from liepoisson.exact.poisson.exceptional_parameters import special_values
+
+    values, undecided = special_values({field.read(strength)}, field)
+    cases: list[ExceptionalCase] = []
+    for condition, substitution in values:
+        try:
+            special = bracket.substitute(substitution)
+        except ParameterError:  # a pole: there is no bracket at this value
+            continue
+        inserted: Any = {name: to_sympy(value) for name, value in substitution.items()}
+        generators = casimir_generators(special)
+        jumps = _differing([generator.subs(inserted) for generator in traces.generators], generators)
+        if jumps or _corank(special.tensor) > traces.corank:
+            cases.append(ExceptionalCase(condition, generators, jumps))
+    return tuple(cases), tuple(condition for condition, _ in values), undecided
 
 
 def quotient_casimirs(tensor: LinearPoissonTensor) -> list[Polynomial]:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.printing import Gradient
 from liepoisson.exact.report.bracket_facts import AlgebraFacts, CasimirFacts, ExtensionFacts, JacobiFacts, Topic
 from liepoisson.exact.report.leaf_facts import RankFacts, StrataFacts, SymmetryFacts
@@ -145,6 +146,7 @@ def describe(system: System) -> str:
     lines += ["  equations", *_equation_lines(EquationFacts(system, notation, named)), "  invariants"]
     for name, expression in system.invariants.items():
         lines.append(f"    {name} = {notation.formula(expression).write(NAMES)}")
+    lines += [f"    ({missing})"] if (missing := shortage(system.bracket)) else []
     definitions = notation.definitions(notation.formula(e) for e in (*system.invariants.values(), system.hamiltonian))
     lines += [f"    {definition.write(NAMES)}" for definition in definitions]
     return "\n".join(lines)

@@ -9,7 +9,7 @@ outside of this set.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations, product
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +37,7 @@ class Stratum:
         casimirs: Functions that are constant on the leaves in this set.
         certificate: What was computed.
         proved: Whether the rank is this one everywhere in the set.
+        complete: Whether the functions are as many as cut out the leaves (not decided for parallel fields: True).
     """
 
     condition: str
@@ -44,6 +45,7 @@ class Stratum:
     casimirs: tuple[Expr, ...]
     certificate: str
     proved: bool
+    complete: bool = True
 
 
 @dataclass(frozen=True)
@@ -89,7 +91,8 @@ class _Stratification:
         n = n_independent(casimirs, tensor) if casimirs else 0
         bound = min(tensor.dimension - n, tensor.dimension - tensor.dimension % 2)
         drop = self._drop(fields, tensor, rank)
-        yield self._open(fields, rank, bound, drop, self._embedded(casimirs, fields))
+        found = self._open(fields, rank, bound, drop, self._embedded(casimirs, fields))
+        yield replace(found, complete=n == tensor.dimension - rank)
         if drop is not None and drop.kind == "parallel":
             yield self._parallel(fields, tensor, drop)
             yield from self.below(tuple(f for f in fields if f not in drop.fields), seen)

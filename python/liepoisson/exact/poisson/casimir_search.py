@@ -192,15 +192,16 @@ def n_independent(polynomials: Sequence[Polynomial], tensor: LinearPoissonTensor
     generic = tensor.generic_rank
     if generic is not None:
         residues, p = generic.residues, generic.residues.p
-        rows = [_gradient({m: residues(c) for m, c in q.items()}, generic.point) for q in polynomials]
+        rows = [gradient_at({m: residues(c) for m, c in q.items()}, generic.point) for q in polynomials]
         return rank_mod([{v: value % p for v, value in row.items()} for row in rows], tensor.dimension, p)
     random = Random(1)
     point = [tensor.field.number(random.randrange(1, 100)) for _ in range(tensor.dimension)]
-    gradients = [_gradient(polynomial, point) for polynomial in polynomials]
+    gradients = [gradient_at(polynomial, point) for polynomial in polynomials]
     return rank([{v: value for v, value in row.items() if value} for row in gradients], tensor.field)
 
 
-def _gradient(polynomial: Polynomial, point: Sequence[Any]) -> dict[int, Any]:
+def gradient_at(polynomial: Polynomial, point: Sequence[Any]) -> dict[int, Any]:
+    """The gradient of a polynomial at a point, by coordinate."""
     gradient: dict[int, Any] = {}
     for monomial, coefficient in polynomial.items():
         for position, factor in enumerate(monomial):

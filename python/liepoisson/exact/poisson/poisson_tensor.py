@@ -99,8 +99,11 @@ class LinearPoissonTensor:
             random = Random(seed)
             point = tuple(random.randrange(1, PRIME) for _ in range(self.dimension))
             try:
+                # By identity: a few structure constants occur again and again.
+                distinct = {id(c): c for row in self.rows for form in row.values() for _, c in form}
+                images = {key: residues(c) for key, c in distinct.items()}
                 matrix = [
-                    {j: sum(residues(c) * point[m] for m, c in form) for j, form in row.items()} for row in self.rows
+                    {j: sum(images[id(c)] * point[m] for m, c in form) for j, form in row.items()} for row in self.rows
                 ]
             except ZeroDivisionError:
                 continue

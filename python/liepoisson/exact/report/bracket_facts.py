@@ -231,6 +231,7 @@ class CasimirFacts(Topic):
         report = self.report
         found: list[Line] = [(Equation(Name(name), formula),) for name, formula, _ in self.formulas]
         found += definition_lines(self.definitions)
+        found += [(f"with {meaning}",) for meaning in self._meanings]
         if self.formulas:
             verified = "proved: J grad C = 0 for each" if report.verified else "NOT verified: J grad C is not zero"
             found.append((f"{verified} ({report.method})",))
@@ -248,6 +249,14 @@ class CasimirFacts(Topic):
             found.append((f"not decided: {'; '.join(report.undecided)}",))
         return found
 
+    @property
+    def _meanings(self) -> list[str]:
+        """What the fields are as matrices, where traces occur: one sentence, or one for each summand of the algebra."""
+        field, meanings = self.bracket.field_names[0], self.report.meanings
+        numbers = [f" in tr{k}" if len(meanings) > 1 else "" for k in range(1, len(meanings) + 1)]
+        others = " (the other fields likewise)" if len(self.bracket.field_names) > 1 else ""
+        return [meaning.format(x=field) + n + others for meaning, n in zip(meanings, numbers, strict=True)]
+
     def _completeness(self) -> str:
         report = self.report
         if report.complete and not report.independent:
@@ -261,6 +270,7 @@ class CasimirFacts(Topic):
         return {
             "generators": [{"name": n, **record_of_formula(f, e)} for n, f, e in self.formulas],
             "definitions": [record_of(definition) for definition in self.definitions],
+            "matrices": self._meanings,
             "verified": report.verified,
             "complete": report.complete,
             "independent": report.independent,

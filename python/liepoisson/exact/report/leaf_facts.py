@@ -108,7 +108,7 @@ class StrataFacts(Topic):
         if stratum.casimirs and stratum.rank:
             line = (
                 *line,
-                ", constant on them: ",
+                ", constant on them: " if stratum.complete else ", constant on them (there are others): ",
                 *joined(map(self._casimir, stratum.casimirs)),
             )
         return (*line, " (proved)") if stratum.proved else line
@@ -126,6 +126,7 @@ class StrataFacts(Topic):
                 "rank": stratum.rank,
                 "proved": stratum.proved,
                 "certificate": stratum.certificate,
+                "complete": stratum.complete,
                 "casimirs": [record_of_formula(self.notation.formula(e), e) for e in stratum.casimirs],
             }
             for stratum in self.strata
