@@ -7,6 +7,7 @@ from hypothesis import strategies as st
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.exact.lie_algebra import LieAlgebra
 
 TWISTED = lp.Top(inertia=(2, "3/2", 1), a=(-1, "1/3", "1/5"), b=("1/5", "1/2", "-1/3"), epsilon=1)
 CHARGED = lp.Top(inertia=(2, "3/2", 1), a=(-1, "1/3", "1/5"), b=("1/5", "1/2", "-1/3"), epsilon=0)
@@ -121,9 +122,12 @@ def test_an_unlisted_stratum_says_so():
     assert (leaf.rank, leaf.is_regular) == (2, False)
     assert "not listed" in leaf.stratum
     assert np.trace(leaf.tangent_projector(leaf.state)) == pytest.approx(2)
-    assert leaf.contains(leaf.state)
-    with pytest.raises(LeafError, match="not listed"):
-        leaf.project(leaf.state)
+    assert leaf.residual(leaf.state) < 1e-15
+    assert "the leaf is a smaller part of this level set" in repr(leaf)
+    assert not leaf.contains([1, 0, 0, 0, 0, 2])  # another value of a Casimir: decided all the same
+    for function in (leaf.project, leaf.contains):
+        with pytest.raises(LeafError, match="not listed"):
+            function(leaf.state)
 
 
 @pytest.mark.thorough
@@ -178,15 +182,47 @@ def test_guesses_that_are_no_states_end_with_a_typed_error(bad):
 
 @pytest.mark.thorough
 def test_an_open_stratum_with_too_few_known_casimirs_says_so():
-    """su(5) has four Casimirs, of degrees 2 to 5; the search ends at degree 3."""
-    fluid = lp.catalog.system("zeitlin-5")
+    """su(5) has four Casimirs, of degrees 2 to 5; the search ends at degree 3, and no matrices are known here."""
+    by_hand = LieAlgebra.from_brackets(24, lp.su(5).brackets, check=False) @ lp.trivial()
+    fluid = lp.System(by_hand, sum(k * x**2 for k, x in enumerate(by_hand.variables, start=1)))
     leaf = lp.leaf_of(fluid, lp.sample_states(fluid, 1, seed=1)[0])
     assert (leaf.rank, leaf.is_regular, leaf.stratum) == (20, True, "generic")
     assert np.trace(leaf.tangent_projector(leaf.state)) == pytest.approx(20)
-    with pytest.raises(LeafError, match=r"24 - 20 = 4 independent Casimirs .* found 2 of them .*C1, C2"):
-        leaf.project(leaf.state)
+    assert repr(leaf).endswith(
+        "(only 2 of 4 independent Casimirs known: the leaf is a smaller part of this level set)>"
+    )
+    assert "    (only 2 of 4 independent Casimirs known)" in fluid.describe().splitlines()
+    for function in (leaf.project, leaf.contains):
+        with pytest.raises(LeafError, match=r"24 - 20 = 4 independent Casimirs .* 2 of them were found .*C1, C2"):
+            function(leaf.state)
     with pytest.raises(LeafError, match="24 - 20 = 4"):
         lp.Leaf(fluid, leaf.casimirs)
+
+
+def test_a_listed_open_stratum_with_too_few_known_casimirs_says_so():
+    """[e1, e3] = e1, [e2, e3] = e2/2 has the Casimir x1/x2^2, which is no polynomial: none of one is found."""
+    bracket = LieAlgebra.from_brackets(3, {(0, 2): {0: 1}, (1, 2): {1: "1/2"}}) @ lp.trivial()
+    leaf = lp.leaf_of(lp.System(bracket, "dot(l, l)/2"), [1, 2, 3])
+    assert (leaf.rank, leaf.is_regular, leaf.casimirs) == (2, True, {})
+    assert "only 0 of 1 independent Casimirs known" in repr(leaf)
+    with pytest.raises(LeafError, match="3 - 2 = 1"):
+        leaf.project(leaf.state)
+
+
+@pytest.mark.thorough
+def test_a_leaf_of_su5_is_the_level_set_of_four_traces():
+    fluid = lp.catalog.system("zeitlin-5")
+    random = np.random.default_rng(1)
+    x = random.standard_normal(24)
+    leaf = lp.leaf_of(fluid, x)
+    assert (leaf.rank, leaf.caution, list(leaf.casimirs)) == (20, "", ["C1", "C2", "C3", "C4"])
+    moved = leaf.project(x + 0.05 * random.standard_normal((4, 24)))
+    assert leaf.contains(moved, tol=1e-13).all()
+    again = lp.Leaf(fluid, leaf.casimirs)
+    assert again.residual(again.state) < 1e-13
+    tangent = leaf.tangent_basis(moved)
+    slopes = [f.gradient(moved)[:, None, :] @ tangent for f in leaf.casimir_functions.values()]
+    assert max(np.abs(slope).max() for slope in slopes) < 1e-9
 
 
 def test_states_of_any_size_have_their_stratum():

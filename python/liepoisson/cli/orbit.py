@@ -101,6 +101,8 @@ def orbit(
 @np.errstate(all="ignore")
 def run_lines(system: System, run: Orbit) -> list[str]:
     """What the command prints about the run: the method, the outcome, the largest change of each invariant."""
+    from liepoisson.exact.casimirs import shortage
+
     lines = [
         f"method   {run.method}, order {run.order}, {run.field.kind} kernel ({run.kernel})",
         f"outcome  {run.outcome[0]} at t = {run.end_time[0]:g}, {run.n_steps[0]} steps",
@@ -111,7 +113,8 @@ def run_lines(system: System, run: Orbit) -> list[str]:
     lines.append(f"drift    largest change along {len(state)} points")
     values = system.invariant_values(state)
     width = max(map(len, values))
-    return lines + [f"  {name:<{width}}  {np.abs(f - f[0]).max():.0e}" for name, f in values.items()]
+    lines += [f"  {name:<{width}}  {np.abs(f - f[0]).max():.0e}" for name, f in values.items()]
+    return lines + ([f"  {missing}"] if (missing := shortage(system.bracket)) else [])
 
 
 def _integrated(system: System, x0: FloatArray, t: float, points: int, **options: Any) -> Orbit:

@@ -273,6 +273,7 @@ def _write_data(run: Section, data: Path) -> None:
 
 
 def _drawn(system: System, run: Section, begin: Start, cut: Surface, axes: tuple[str, str]) -> Figure:
+    from liepoisson.exact.casimirs import shortage
     from liepoisson.plot.section import label
     from liepoisson.plot.section import section as draw
     from liepoisson.plot.style import house_style, new_figure
@@ -287,6 +288,7 @@ def _drawn(system: System, run: Section, begin: Start, cut: Surface, axes: tuple
         draw(run, x, y, xlabel=xlabel, ylabel=ylabel, ax=ax)
         _widen(ax)
         values = "".join(f", {label(name)} = {value:.4g}" for name, value in begin.leaf.casimirs.items())
+        values += f" ({missing})" if (missing := shortage(system.bracket)) else ""
         name = wrap(f"{system.name}:", _TITLE_WIDTH)
         gap = "\n" if len("".join(name)) > _TITLE_WIDTH // 2 else " "
         heading = "\n".join(name) + f"{gap}section {label(cut.function)} = 0"

@@ -267,6 +267,7 @@ def leaf_lines(system: System, start: Start) -> list[str]:
     leaf = start.leaf
     values = ", ".join(f"{name} = {value:.9g}" for name, value in leaf.casimirs.items())
     lines = [f"leaf     dimension {leaf.rank}, {leaf.stratum}" + (f": {values}" if values else "")]
+    lines += [f"         {leaf.caution}"] if leaf.caution else []
     lines.append(f"energy   H = {start.energy:.9g}")
     if system.top_parameters is not None and np.isfinite(start.energy):
         from liepoisson.phase_space.bounds import bounds

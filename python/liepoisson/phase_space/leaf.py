@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.numeric._checks import as_number, shown
 from liepoisson.phase_space._checks import as_energy, as_system
@@ -101,6 +102,17 @@ class Leaf:
         """The functions that are constant on the leaves of this stratum, by the names of `casimirs`."""
         return dict(self.place.casimirs)
 
+    @property
+    def caution(self) -> str:
+        """Why the values of `casimirs` do not say which leaf this is; empty if they do, with the stratum.
+
+        The leaf is then contained in their level set, and smaller.
+        """
+        if self.place.is_known:
+            return ""
+        missing = shortage(self.system.bracket) if self.is_regular else "the equations are not known"
+        return f"{missing}: the leaf is a smaller part of this level set"
+
     @cached_property
     def equations(self) -> Equations:
         """Independent equations of the leaf, N - rank of them.
@@ -117,8 +129,8 @@ class Leaf:
     def residual(self, x: ArrayLike) -> Array:
         r"""The largest relative violation of the equations, $|f - c| / (|c| + |x||\nabla f|)$, shape (...).
 
-        A field that must vanish counts relative to the length of the whole state.  On a stratum that is not listed only
-        the Casimirs are compared: necessary, not sufficient.
+        A field that must vanish counts relative to the length of the whole state.  On a stratum that is not listed, and
+        where not all Casimirs are known, only the known ones are compared: necessary, not sufficient.
         """
         states = self._points(x)
         if not self.place.is_known:
@@ -127,8 +139,15 @@ class Leaf:
         return self.equations.residual(states)
 
     def contains(self, x: ArrayLike, tol: float = 1e-10) -> NDArray[np.bool_]:
-        """Whether the states lie on the leaf to a relative tolerance, shape (...)."""
-        return self.residual(x) <= tol
+        """Whether the states lie on the leaf to a relative tolerance, shape (...).
+
+        Raises:
+            LeafError: a state has the same values of the known functions, and not all equations of the leaf are known.
+        """
+        close = self.residual(x) <= tol
+        if not self.place.is_known and np.any(close):
+            raise LeafError(_unknown(self.system, self.place))
+        return close
 
     def project(
         self, x: ArrayLike, *, energy: float | None = None, surface: str | Expr | PhaseFunction | None = None
@@ -269,8 +288,10 @@ class Leaf:
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} = {value:.6g}" for name, value in self.casimirs.items())
+        caution = f" ({self.caution})" if self.caution else ""
         return (
-            f"<Leaf of dimension {self.rank} of {self.system.name!r}, {self.stratum}{': ' if values else ''}{values}>"
+            f"<Leaf of dimension {self.rank} of {self.system.name!r}, {self.stratum}{': ' if values else ''}{values}"
+            f"{caution}>"
         )
 
 
@@ -306,10 +327,11 @@ def _unknown(system: System, place: Place) -> str:
             "a listed stratum to project or sample."
         )
     n, known = system.bracket.dimension, ", ".join(place.casimirs) or "none"
+    n_found = n - place.rank - system.bracket.n_unknown_casimirs
     return (
         f"the equations of the leaves of {system.name!r} are not known: {n} - {place.rank} = {n - place.rank} "
-        f"independent Casimirs cut out those of its open stratum, and the search found {len(place.casimirs)} of them "
-        f"within its limits ({known}). Only tangent spaces are known, from a state: leaf_of(system, x)."
+        f"independent Casimirs cut out those of its open stratum, and {n_found} of them were found within the limits "
+        f"of the search ({known}). Only tangent spaces are known, from a state: leaf_of(system, x)."
     )
 
 

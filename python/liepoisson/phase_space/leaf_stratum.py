@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -63,7 +63,10 @@ def place_of(system: System, x: Array) -> Place:
     for k, stratum in enumerate(listed):
         if (stratum.proved or stratum.rank == rank) and _holds(stratum.condition, system.bracket, x):
             place = _place(system, stratum, x, is_open=k == 0)
-            return place if _cuts_out(place, x) else _unlisted(system, rank)
+            if _cuts_out(place, x):
+                return place
+            is_open = k == 0 and rank == stratum.rank and system.bracket.n_unknown_casimirs > 0
+            return replace(place, is_known=False) if is_open else _unlisted(system, rank)
     if not listed and rank == system.bracket.rank():
         place = open_place(system)
         return place if not place.is_known or _cuts_out(place, x) else _unlisted(system, rank)
@@ -75,7 +78,7 @@ def open_place(system: System) -> Place:
     listed = strata_of(system.bracket)
     words, rank = (listed[0].condition, listed[0].rank) if listed else ("generic", system.bracket.rank())
     n, casimirs = system.bracket.dimension, system.functions.casimirs
-    return Place(words, rank, True, casimirs, np.zeros((0, n)), is_known=len(casimirs) >= n - rank)
+    return Place(words, rank, True, casimirs, np.zeros((0, n)), is_known=not system.bracket.n_unknown_casimirs)
 
 
 def numeric_rank(system: System, x: Array) -> int:
