@@ -5,13 +5,17 @@ from dataclasses import replace
 import pytest
 import sympy as sp
 
+from liepoisson.catalog import zeitlin
 from liepoisson.exact.bracket import Bracket
+from liepoisson.exact.casimirs import shortage
+from liepoisson.exact.describe import inspect
 from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
 from liepoisson.exact.lie.defining_matrices import DefiningMatrices, defining_matrices
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.lie_algebras import gl, heisenberg, se, sine, sl, so, su
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank
+from liepoisson.exact.report.styles import UNICODE
 from liepoisson.exact.system import System
 from liepoisson.exact.trace import Trace, traces_in
 from liepoisson.exact.trace_casimirs import modulo_casimirs, replaces_search, trace_casimirs
@@ -98,6 +102,7 @@ def test_small_brackets_keep_polynomials():
     assert not replaces_search(se(3) @ trivial())
 
 
+@pytest.mark.thorough
 def test_large_brackets_have_traces():
     bracket = sine(7) @ trivial()
     assert [str(c) for c in bracket.casimirs()] == [f"tr(l**{k})" for k in range(2, 8)]
@@ -156,6 +161,7 @@ def test_the_check_at_a_point_alone_refuses_a_wrong_matrix(monkeypatch):
     assert trace_casimirs(su(3) @ trivial()) is None
 
 
+@pytest.mark.thorough
 def test_casimirs_commute_with_everything():
     bracket = su(5) @ trivial()
     x = bracket.variables
@@ -185,3 +191,26 @@ def test_an_integral_that_is_a_trace_is_constant():
     system = System(bracket, sum(k * x**2 for k, x in enumerate(bracket.variables)))
     assert system.is_constant(bracket.casimirs()[-1])
     assert list(system.invariants) == ["H", "C1", "C2", "C3", "C4"]
+
+
+@pytest.mark.thorough
+def test_inspect_tells_traces_and_what_their_matrix_is():
+    report = inspect(zeitlin(5))
+    text, record = report.text(UNICODE), report.record()
+    assert all(line in text for line in ("C₁ = tr(w²)", "C₄ = tr(w⁵)", "complete: 4 independent", "rank 20, corank 4"))
+    assert "with w = sum of w_n T_n" in text
+    assert r"\operatorname{tr}\left(\boldsymbol{w}^{5}\right)" in report.latex()
+    casimirs = record["casimirs"]
+    assert (casimirs["complete"], casimirs["verified"], len(casimirs["matrices"])) == (True, True, 1)
+    assert "expression" not in casimirs["generators"][0]  # the grammar of system files has no traces
+    assert record["rank"] == {"lower": 20, "upper": 20, "corank": 4, "proved": True}
+
+
+def test_reports_say_that_functions_on_leaves_are_missing():
+    """[e1, e3] = e1, [e2, e3] = e2/2: no polynomial is constant on its leaves."""
+    bracket = LieAlgebra.from_brackets(3, {(0, 2): {0: 1}, (1, 2): {1: "1/2"}}) @ trivial()
+    assert [stratum.complete for stratum in bracket.strata()] == [False, True]
+    assert shortage(bracket) == "only 0 of 1 independent Casimirs known"
+    assert shortage(so(3) @ trivial()) == ""
+    lines = System(bracket, "dot(l, l)/2").describe().splitlines()
+    assert "    (only 0 of 1 independent Casimirs known)" in lines

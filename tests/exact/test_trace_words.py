@@ -25,7 +25,7 @@ def test_the_squares_of_the_twisted_top():
     assert list(leibniz_combinations(3, 2, epsilon)) == [{(0, 2): 2 * epsilon, (1, 1): 1}, {(1, 2): 1}, {(2, 2): 1}]
 
 
-@pytest.mark.parametrize(("n", "degree"), [(1, 4), (2, 3), (3, 2), (3, 5), (4, 3), (5, 4)])
+@pytest.mark.parametrize(("n", "degree"), [(1, 4), (2, 3), (3, 2), (3, 4), (4, 3), (5, 3)])
 def test_leibniz_words_are_the_powers_of_z(n, degree):
     """Against the product (epsilon x0 z^(n-1) + ... + x_(n-1))^degree of noncommuting x, multiplied out by SymPy."""
     z = sp.Symbol("z")
