@@ -86,7 +86,7 @@ def _numpy_function(variables: tuple[Symbol, ...], expressions: tuple[Expr, ...]
         function: Any = lambdify(symbols, private, **options)
     except PrintMethodNotImplementedError as error:
         raise _not_for_arrays(expressions) from error
-    if set(cast("Any", printer).module_imports) - {"numpy"}:  # functions of Python take no arrays
+    if set(cast("Any", printer).module_imports) - {"numpy", "functools"}:  # those of `math` take no arrays
         raise _not_for_arrays(expressions)
     return cast("NumpyFunction", function)
 
