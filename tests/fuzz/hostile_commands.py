@@ -252,7 +252,7 @@ def run(arguments, files, folder, *, seconds):
     """Run a command in a folder, in this process; its exit code and what it printed.
 
     Raises:
-        ComplaintError: a traceback, an exit code that is none of the documented ones, no reason given, or too long a run.
+        ComplaintError: a traceback, an exit code that is not documented, no reason given, or too long a run.
     """
     for name, text in files.items():
         Path(folder, name).write_text(text, encoding="utf-8", errors="replace")

@@ -321,3 +321,16 @@ def test_the_dataset_of_a_sweep_has_room_for_axes_of_any_name(name):
     result = lp.sweep(system=top_tables(name), axes={name: [0.5, 1]}, n=2, t_end=2, threads=1)
     assert result.dataset["mean"].dims == (f"axis_{name}",)
     np.testing.assert_array_equal(result.dataset[f"axis_{name}"], [0.5, 1])
+
+
+def test_a_parameter_of_a_symmetry_is_not_called_like_one_of_the_bracket():
+    d = sp.Symbol("d")
+    extension = Extension([[[1, 0], [0, 0]], [[0, 1], [1, 0]]])
+    texts = [str(found) for found in (lp.so(3) @ extension.rename("d", "u")).derivations()]
+    assert not any("d*d" in text for text in texts), texts
+    scaled = Extension(
+        [[[1, 0, 0], [0, 0, 0], [0, 0, 0]], [[0, 1, 0], [1, 0, 0], [0, 0, 0]], [[0, 0, 1], [0, d, 0], [1, 0, 0]]]
+    )
+    nilpotent = [s for s in (lp.so(3) @ scaled).derivations() if s.kind == "nilpotent"]
+    assert nilpotent
+    assert all("d_" in str(found) for found in nilpotent)

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
+from liepoisson.exact.names import free_name
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, listed, read_parameter, to_sympy
 
 if TYPE_CHECKING:
@@ -237,7 +238,7 @@ def _derivation(bracket: Bracket, entries: list[list[Any]]) -> Derivation:
         scaled = [f"{name} -> {_power(w)}*{name}" for name, w in zip(bracket.field_names, weights, strict=True) if w]
         return Derivation(exact, "grading", ", ".join(scaled))
     if (D**n).is_zero_matrix:
-        d = Symbol("d")
+        d = Symbol(free_name("d", {*bracket.symbols, *bracket.field_names}))
         flow: Any = eye(n)
         for k in range(1, n):
             flow += (d * D) ** k / factorial(k)

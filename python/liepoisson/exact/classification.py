@@ -14,6 +14,7 @@ from liepoisson.exact.commutative.commutative_algebra import CommutativeAlgebra
 from liepoisson.exact.commutative.local_normal_form import RealFactor, SurdVector, real_factors
 from liepoisson.exact.extension import Extension, Products
 from liepoisson.exact.linear.real_fields import RealField, Surd
+from liepoisson.exact.names import free_name
 from liepoisson.exact.normal_forms import complex_name
 from liepoisson.exact.parameters import Exact, Parameter, to_sympy
 
@@ -333,7 +334,7 @@ def _field_name(field: RealField, adjoined: Sequence[Expr], factors: Sequence[Re
 def _polynomial(coefficients: Sequence[Expr]) -> str:
     from sympy import Symbol
 
-    x: Any = Symbol("x")
+    x: Any = Symbol(free_name("x", {str(s) for c in coefficients for s in c.free_symbols}))
     total: Any = sum((c * x**k for k, c in enumerate(reversed(coefficients))), 0 * x)
     return str(total)
 

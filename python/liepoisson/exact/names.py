@@ -9,6 +9,7 @@ nothing else: `e`, `E`, `I`, `N`, `S`, `lambda` and `beta` mean nothing by thems
 from __future__ import annotations
 
 import re
+from collections.abc import Collection
 
 from liepoisson.errors import ParameterError
 
@@ -46,6 +47,13 @@ def check_name(name: object, what: str = "a name") -> str:
         )
     check_not_reserved(name, what)
     return name
+
+
+def free_name(wanted: str, taken: Collection[str]) -> str:
+    """The wanted name for a symbol of a report, with as many `_` behind it as make it differ from names of users."""
+    while wanted in taken:
+        wanted += "_"
+    return wanted
 
 
 def check_not_reserved(name: str, what: str = "a name") -> None:

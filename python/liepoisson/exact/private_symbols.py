@@ -82,13 +82,20 @@ def _numpy_function(variables: tuple[Symbol, ...], expressions: tuple[Expr, ...]
         {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": False, "user_functions": {}}
     )
     try:
-        function: Any = lambdify(symbols, private, modules="numpy", printer=printer, cse=_common_parts)
+        # SymPy's annotation of `cse` knows only bool; its documentation says "or callable".
+        options: dict[str, Any] = {"modules": "numpy", "printer": printer, "cse": _common_parts}
+        function: Any = lambdify(symbols, private, **options)
     except PrintMethodNotImplementedError as error:
-        raise UnsupportedFieldError(
-            f"a function of arrays must be made of functions that NumPy has; got {_shown(expressions)}. Replace the "
-            "others."
-        ) from error
+        raise _not_for_arrays(expressions) from error
+    if set(cast("Any", printer).module_imports) - {"numpy", "functools"}:  # those of `math` take no arrays
+        raise _not_for_arrays(expressions)
     return cast("NumpyFunction", function)
+
+
+def _not_for_arrays(expressions: Sequence[Any]) -> UnsupportedFieldError:
+    return UnsupportedFieldError(
+        f"a function of arrays must be made of functions that NumPy has; got {_shown(expressions)}. Replace the others."
+    )
 
 
 def _common_parts(expressions: Any) -> Any:
