@@ -36,7 +36,7 @@ def test_indices_are_those_of_the_tangent_vectors_of_integrate():
     angle = alignment(CHAOTIC, x0, times=[20], n_vectors=3, seed=5)
     v0 = sample_alignment_vectors(9, 4, 3, seed=5)
     v = lp.integrate(CHAOTIC, x0, t=[0, 20], tangents=v0, method=lp.Taylor(tol=1e-13)).tangent[:, 1]
-    v /= np.linalg.norm(v, axis=-1, keepdims=True)
+    v = v / np.linalg.norm(v, axis=-1, keepdims=True)
     gram = np.sqrt(np.linalg.det(v @ np.swapaxes(v, -1, -2)))  # volume by Gram's determinant
     # rel 1e-3: Gram's determinant is the square of a volume of 1e-4 to 1e-6, so it loses up to 1e-16/1e-12
     assert angle.gali(3)[:, 0] == pytest.approx(gram, rel=1e-3)
