@@ -6,7 +6,7 @@ import base64
 import math
 import platform
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from datetime import UTC, datetime
 from importlib.resources import files
 from pathlib import Path
@@ -51,19 +51,20 @@ def render(study: StudyResult, figures: Mapping[str, Path]) -> str:
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters.update(
-        pm=plus_minus,
-        sci=scientific,
-        millionths=millionths,
-        power=power_of_ten,
-        moments=moments,
-        minus=true_minus,
-        interval=interval,
-        count=with_spaces,
-        mathematics=mathematics,
-        inside=inside_quotation,
-        spans=spans,
-    )
+    filters: dict[str, Callable[..., Any]] = {
+        "pm": plus_minus,
+        "sci": scientific,
+        "millionths": millionths,
+        "power": power_of_ten,
+        "moments": moments,
+        "minus": true_minus,
+        "interval": interval,
+        "count": with_spaces,
+        "mathematics": mathematics,
+        "inside": inside_quotation,
+        "spans": spans,
+    }
+    environment.filters.update(filters)
     template = environment.from_string(
         files("liepoisson.studies.twisted_top").joinpath("report.html.j2").read_text(encoding="utf-8")
     )

@@ -58,7 +58,7 @@ def _with_a_plane(evidence: Evidence, context: Context) -> None:
         turning = sum(f.diff(x) * g.diff(y) - f.diff(y) * g.diff(x) for x, y in zip(q, p, strict=True))
         return turning - epsilon * w * (f.diff(X) * g.diff(Y) - f.diff(Y) * g.diff(X))
 
-    l = Rational(1, 2) * Matrix(left_matrix(q)) * Matrix(p)
+    l: Any = Rational(1, 2) * Matrix(left_matrix(q)) * Matrix(p)
     fields = (*(rotation * column(X, Y, v)), *(w * rotation[:, 2]))
     evidence.zero(
         "l = Gp/2, the angular momentum in quaternions q with momenta p: {|q|², l} = 0", [bracket(N, x) for x in l]
