@@ -207,9 +207,11 @@ class System:
 
         from liepoisson.exact.trace import abbreviated
 
+        value: Any
         value, traces = abbreviated(self.bracket(self._function(function), self.hamiltonian))
-        polynomial = value.is_zero or value.is_polynomial(*self.variables, *traces)
-        return (value if polynomial else cast("Any", simplify(value))).xreplace(traces)
+        polynomial = value == 0 or value.is_polynomial(*self.variables, *traces)
+        simplified: Any = value if polynomial else simplify(value)
+        return simplified.xreplace(traces)
 
     def is_constant(self, function: str | Expr) -> bool:
         """Whether a function on phase space is found constant along every orbit.
