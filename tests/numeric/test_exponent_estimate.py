@@ -14,7 +14,7 @@ from liepoisson.numeric.fit_goodness import _f_tail, fit_goodness
 from liepoisson.numeric.mean_error import batch_errors, mean_error, n_longest_batches, student_quantile
 from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.time_scale import zero_threshold
-from liepoisson.numeric.verdict import Rule, decide
+from liepoisson.numeric.verdict import decide
 
 TOP = lp.Top.twisted_kovalevskaya()
 FAST = lp.Taylor(tol=1e-9)
