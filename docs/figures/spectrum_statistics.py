@@ -29,7 +29,8 @@ def main() -> None:
     print(f"the same from independent pieces: median {np.median(naive_errors(spectrum)):.2g}")
     print(f"orbits with an error of at most 0.002: {np.sum(error <= 2e-3)}")
     over_time = np.sqrt((spectrum.error**2).sum(axis=0)) / len(spectrum.error)
-    print(f"errors of the mean spectrum over time: at most {over_time.max():.2g}; over starts {spectrum.mean[1].max():.2g}")
+    over_starts = spectrum.mean[1]
+    print(f"errors of the mean spectrum: over time {over_time.max():.2g} at most, over starts {over_starts.max():.2g}")
 
 
 if __name__ == "__main__":
