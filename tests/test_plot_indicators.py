@@ -53,7 +53,7 @@ def test_panels_show_growth_megno_and_sali(results):
 def test_members_labels_and_a_time(results):
     axes = indicators(*results, members=[2, 0], labels=["two", "zero"], decided_at=50)
     np.testing.assert_array_equal(axes[2].lines[0].get_ydata(), results[1].sali[2])
-    assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["two", "zero", r"$\ln t$"]
+    assert [text.get_text() for text in axes[0].get_legend().get_texts()] == ["two", "zero", r"$\ln(t/t_0)$"]
     assert all(ax.lines[-1].get_xdata()[0] == 50 for ax in axes)
     assert axes[0].lines[0].get_color() == axes[2].lines[0].get_color()
 

@@ -1,4 +1,4 @@
-"""The figures of docs/sweeps.md: `python docs/figures/sweeps.py [FOLDER]`, about half a minute on two cores."""
+"""The figures of docs/sweeps.md: `python docs/figures/sweeps.py [FOLDER]`, some minutes on two cores."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ def twist():
         system="twisted-top",
         parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
         axes=(Axis.linear("epsilon", 0, 1, 21, label=r"twist $\epsilon\,|\beta|$, $|\beta| = 1$"),),
-        n=256,
+        n=64,
         t_end=1000.0,
         quantity="chaotic_fraction",
         seed=1,
-        refine=Refinement(levels=3, difference=0.1),
+        refine=Refinement(levels=2, difference=0.15),
     )
     told("twist", result)
     with house_style():
@@ -45,11 +45,11 @@ def direction():
         "seed": 1,
     }
     parameters = {"I": [2, 2, 1], "a": [0, 0, 1], "b": ["sin(pi*angle)", 0, "cos(pi*angle)"]}
-    refine = Refinement(levels=3, difference=0.15)
-    curve = sweep(**common, parameters={**parameters, "epsilon": 1}, n=256, refine=refine)
+    refine = Refinement(levels=2, difference=0.2)
+    curve = sweep(**common, parameters={**parameters, "epsilon": 1}, n=64, refine=refine)
     told("direction", curve)
-    axes = (*common["axes"], Axis.linear("epsilon", 0, 1, 13, label=r"twist $\epsilon\,|\beta|$, $|\beta| = 1$"))
-    plane = sweep(**{**common, "axes": axes}, parameters=parameters, n=32, refine=Refinement(levels=2, difference=0.25))
+    axes = (*common["axes"], Axis.linear("epsilon", 0, 1, 9, label=r"twist $\epsilon\,|\beta|$, $|\beta| = 1$"))
+    plane = sweep(**{**common, "axes": axes, "t_end": 500.0}, parameters=parameters, n=16)
     told("direction and twist", plane)
     with house_style():
         figure = new_figure(9.6, 3.9)

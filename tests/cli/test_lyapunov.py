@@ -139,3 +139,25 @@ def test_spectrum_of_runs_that_failed_has_nothing_to_tell():
 
     failed = lyapunov_spectrum(lp.Top.twisted_kovalevskaya(), np.full((2, 9), 1e200), t_end=5)
     assert "no run finished" in "\n".join(summary(failed, "by hand", 1.0))
+
+
+def test_verdicts_are_those_of_decide(command):
+    top = lp.Top.twisted_kovalevskaya()
+    verdict = lp.decide(top, lp.sample_states(top, 12, seed=3), t_end=400, seed=3)
+    options = ("--n", 12, "--t-end", 400, "--seed", 3, "--verdict")
+    code, out, err = command("lyapunov", "twisted-kovalevskaya", *options)
+    assert (code, err) == (0, "")
+    rows = dict(re.findall(r"^  (regular|chaotic|undecided) +(\d+) ", out, re.MULTILINE))
+    assert {kind: int(count) for kind, count in rows.items()} == {
+        kind: int((verdict.verdict == kind).sum()) for kind in ("regular", "chaotic", "undecided")
+    }
+    assert "95% intervals over the starts" in out
+
+
+def test_the_default_time_is_natural(command):
+    """1,000 natural times of the median orbit, whatever the unit of time."""
+    system = lp.catalog.system("free-rigid-body")
+    wanted = 1000 * float(np.median(lp.time_scale(system, lp.sample_states(system, 3, seed=0))))
+    _, out, _ = command("lyapunov", "free-rigid-body", "--n", 3)
+    found = float(re.search(r"to t = ([0-9.e+]+), 1,000 natural times", out)[1])
+    assert found == pytest.approx(wanted, rel=0.05)  # two digits

@@ -208,7 +208,7 @@ def test_a_figure_that_folds_the_section_says_so(command, monkeypatch):
         (["kovalevskaya", "--energy", "1", "--energy", "2"], "--energy must be given once; it comes twice"),
         (["kovalevskaya", "--starts", "0"], "--starts must be from 1 to 100000; got 0"),
         (["kovalevskaya", "--crossings", "0"], "--crossings must be from 1 to 1000000000; got 0. Try 500."),
-        (["kovalevskaya", "--t", "nan"], "--t must be a finite time other than 0; got nan. Try 50000."),
+        (["kovalevskaya", "--t", "nan"], "--t must be a finite time other than 0; got nan. Leave it out."),
         (["kovalevskaya", "--t", "0"], "--t must be a finite time other than 0"),
         (["kovalevskaya", "--threads", "0"], "--threads must be from 1 to 4096; got 0"),
         (["kovalevskaya", "--seed", "-1"], "--seed must be at least 0"),

@@ -14,7 +14,7 @@ from liepoisson.numeric.fit_goodness import _f_tail, fit_goodness
 from liepoisson.numeric.mean_error import batch_errors, mean_error, n_longest_batches, student_quantile
 from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.time_scale import zero_threshold
-from liepoisson.numeric.verdict import Rule, decide
+from liepoisson.numeric.verdict import decide
 
 TOP = lp.Top.twisted_kovalevskaya()
 FAST = lp.Taylor(tol=1e-9)
@@ -46,7 +46,9 @@ def test_a_run_goes_on_from_where_it_is_until_the_error_is_small_enough():
     assert len(set(estimate.time)) > 1
     # nothing is done twice and nothing left out: the same blocks as one long run of each
     for k, time in enumerate(estimate.time):
-        alone = largest_exponent(TOP, x0[k], t_end=time, first=k, method=FAST)
+        alone = largest_exponent(
+            TOP, x0[k], t_end=time, block=estimate.block, transient=estimate.transient, first=k, method=FAST
+        )
         assert np.array_equal(alone.rates[0], estimate.rates[k, : round(time / estimate.block)])
         assert np.isnan(estimate.rates[k, round(time / estimate.block) :]).all()
         assert alone.value[0] == estimate.value[k]

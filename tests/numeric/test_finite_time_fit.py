@@ -11,9 +11,9 @@ from liepoisson.numeric.finite_time_fit import (
     Estimate,
     Resampling,
     finite_time_fit,
+    last_decade,
     log_fit,
     mean_curve,
-    last_decade,
     window_grid,
     window_scan,
 )

@@ -1,8 +1,8 @@
 """What a printed error covers: the number before it, over the starts or over the time of one orbit.
 
 The simulations have fixed seeds.  A count of N independent cases with coverage p has the standard deviation
-sqrt(N p (1 - p)); bounds lie five of them away from what is stated, so that a right program fails with a probability below
-1e-6.
+sqrt(N p (1 - p)); bounds lie five of them away from what is stated, so that a right program fails with a probability
+below 1e-6.
 """
 
 from dataclasses import replace
@@ -33,7 +33,7 @@ def starts_with_errors(n, own):
 @pytest.mark.parametrize(("n", "one", "two"), [(10, 0.656, 0.918), (50, 0.678, 0.944)])
 @pytest.mark.parametrize("own", [0.1, 2.0])
 def test_the_error_of_a_mean_over_starts_covers_the_mean_of_all_starts(n, one, two, own):
-    """By Student's t with n - 1 degrees 1 error covers 65.7% and 67.8%, 1.96 errors 91.8% and 94.4%, 0 being the truth."""
+    """By Student's t with n - 1 degrees one error covers 65.7% and 67.8%, and 1.96 errors 91.8% and 94.4%."""
     values = starts_with_errors(n, own)
     mean, error = mean_over_starts(values.T, np.full(values.T.shape, own))
     for width, wanted in ((1.0, one), (1.96, two)):

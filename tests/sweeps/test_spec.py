@@ -235,7 +235,7 @@ def test_a_file_says_the_same_as_python(tmp_path):
         ('energy = "phi"', 'enrgy = "phi"', "Did you mean energy"),
         ("n = 8", "n = 0.5", "n: wanted"),
         ('to = "pi/2"', 'to = "pi/"', "formula"),
-        ("values = [0, 0.5, 1]", "values = [1, 1e100, 1e400]", r"line 19: \[axes\]\[2\] values: .*fit into a double"),
+        ("values = [0, 0.5, 1]", "values = [1, 1e100, 1e400]", r"line 18: \[axes\]\[2\] values: .*fit into a double"),
         ("t_end =", "t_end = 1e309 #", "t_end: the number must fit into a double"),
         ("t_end =", "t_end = nan #", "t_end: wanted a number; got nan. Correct"),
         ("n = 8", "n = 1e309", "n: the number must fit into a double"),

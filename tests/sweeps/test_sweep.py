@@ -162,7 +162,7 @@ def test_the_chaotic_fraction_is_that_of_the_one_rule():
 
 def test_a_sweep_of_exponents_has_no_verdicts():
     result = sweep(**{**TWIST, "n": 4, "t_end": 20.0}, axes=(Axis("epsilon", (0.0, 1.0)),))
-    with pytest.raises(ParameterError, match="take quantity=.chaotic_fraction."):
+    with pytest.raises(ParameterError, match="take quantity="):
         _ = result.chaotic_fraction
     low, high = result.interval(0.95)
     assert (high - low) / 2 == pytest.approx(3.182446 * result.standard_error, rel=1e-3)  # Student's t, 3 degrees

@@ -104,6 +104,7 @@ def average_drift(
     return drift, outcome
 
 
+@np.errstate(all="ignore")  # squares may overflow or vanish
 def _change(state: Array) -> Array:
     """The change of the average square, largest component, shape (trajectory,), of states (trajectory, sample, ...)."""
     n = state.shape[1]

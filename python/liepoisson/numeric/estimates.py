@@ -18,7 +18,11 @@ Window: TypeAlias = tuple[float, float]
 
 
 class Estimate(NamedTuple):
-    """A number with its standard error and its confidence interval [low, high]."""
+    """A number with its standard error and its confidence interval [low, high].
+
+    The error is that of this number as an estimate of what it stands for.  What was averaged, the starts, the members
+    of an ensemble or the time of one orbit, is said by what returns it.
+    """
 
     value: float
     standard_error: float

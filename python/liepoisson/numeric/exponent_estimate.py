@@ -281,6 +281,8 @@ def _as_plan(
     if block is None:
         most = longest / (2 * _LEAST_BLOCKS)
         block = min(natural_duration(BLOCK, scale, fastest=True, otherwise=most), most)
+        if t_end is None:
+            longest = block * math.ceil(longest / block)
     n_blocks = n_intervals(longest, as_duration(block, "block"), names=("t_end", "block"))
     if n_blocks < _LEAST_BLOCKS:
         raise ParameterError(

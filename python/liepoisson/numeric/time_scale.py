@@ -86,6 +86,7 @@ class OrbitUnits(NamedTuple):
     component: Array
 
 
+@np.errstate(all="ignore")  # what overflows or vanishes has no unit, which is said by NaN or infinity
 def orbit_units(
     system: HasField,
     x0: ArrayLike,
@@ -112,8 +113,7 @@ def orbit_units(
     for start in range(0, len(good), _CHUNK):
         chunk = good[start : start + _CHUNK]
         rate[chunk], size[chunk] = _rates(run, states[chunk])
-    with np.errstate(divide="ignore"):
-        return OrbitUnits(1.0 / rate, _units(size))
+    return OrbitUnits(1.0 / rate, _units(size))
 
 
 def zero_threshold(time: ArrayLike, scale: ArrayLike) -> Array:

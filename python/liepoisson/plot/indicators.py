@@ -54,8 +54,9 @@ def indicators(
 ) -> tuple[Axes, Axes, Axes]:
     r"""Growth $\ln|v|$, mean MEGNO and SALI of orbits against time, in three panels with the same time axis.
 
-    Dashed are $\ln t$ and 2, the laws of a torus, and the round-off at the foot of SALI; thin lines are the thresholds
-    between which MEGNO and SALI do not vote.  The axes of growth and MEGNO are linear up to 10 and logarithmic beyond.
+    Dashed are $\ln(t/t_0)$ from the first time on, whose rise is that of a torus in any unit of time, the 2 of a torus,
+    and the round-off at the foot of SALI; thin lines are the thresholds between which MEGNO and SALI do not vote.  The
+    axes of growth and MEGNO are linear up to 10 and logarithmic beyond.
 
     Args:
         growth: Result of `megno`.
@@ -82,6 +83,8 @@ def indicators(
         raise ParameterError(f"members: wanted numbers from 0 to {len(mean) - 1}; got {list(chosen)}")
     if labels is not None and len(labels) != len(chosen):
         raise ParameterError(f"labels: wanted one for each of {len(chosen)} members; got {len(labels)}")
+    from matplotlib.ticker import FixedLocator
+
     t, t_angle = np.asarray(growth.time), np.asarray(angle.time)
     with house_style():
         top, middle, low = _panels(axes)
@@ -93,7 +96,7 @@ def indicators(
         first, last = max(t[0], t_angle[0]), min(t[-1], t_angle[-1])
         reference: dict[str, Any] = {"color": MUTED, "linewidth": 0.9, "linestyle": (0, (5, 3)), "zorder": 1}
         torus_time = np.geomspace(first, last, 100)
-        top.plot(torus_time, np.log(torus_time), label=r"$\ln t$", **reference)
+        top.plot(torus_time, np.log(torus_time / first), label=r"$\ln(t/t_0)$", **reference)
         middle.axhline(2.0, **reference)
         low.axhline(1e-16, **reference)
         chosen_rule = Rule() if rule is None else rule
@@ -112,6 +115,8 @@ def indicators(
             ax.set_yscale("symlog", linthresh=_LINEAR_TO)
             ax.set_ylim(bottom=0.0)
             ax.set_xlabel("")
+            # 5 lies halfway to 10: so far the axis is linear, and the ticks show it
+            ax.yaxis.set_major_locator(FixedLocator([0.0, 5.0, *(10.0**k for k in range(1, 16))]))
             ax.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
         low.set_yscale("log")
         if labels is not None and len(labels) <= _MOST_LABELS:

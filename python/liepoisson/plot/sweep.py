@@ -32,7 +32,7 @@ def sweep(
 ) -> Axes:
     r"""What a sweep found: a curve with its confidence band for one axis, a map with a colour bar for two.
 
-    Undecided orbits widen the curve of a chaotic fraction: the dotted line above it counts them as chaotic.
+    Above the curve of a chaotic fraction a dotted line counts the undecided orbits as chaotic, too.
 
     In a map dark is small: integrable cases are dark lines.  A point fills the rectangle halfway to its neighbours on
     the grid; where it was refined, those of the finer level lie above.  What could not be computed is hatched.
@@ -93,7 +93,7 @@ def _curve(
         ax.plot(x, most, color=colour, linewidth=0.9, linestyle=(0, (1, 2)), zorder=2)
         ax.set_ylim(-0.03, 1.03)
     ax.set_xlabel(axis_label(result.spec.axes[0]))
-    ax.set_ylabel(statistic_label(result))
+    ax.set_ylabel(statistic_label(result) + ("\n(dotted: with the undecided)" if result.spec.is_verdict else ""))
 
 
 def _map(result: Sweep, ax: Axes, vmin: float | None, vmax: float | None, *, show_levels: bool) -> None:

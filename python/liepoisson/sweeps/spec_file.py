@@ -4,7 +4,7 @@
     system = "twisted-top"                   # a name of the catalog, a system file, or tables [system.bracket], ...
     quantity = "chaotic_fraction"            # or "exponent"; "package.module:function" only if code is allowed
     n = 64                                   # orbits at each point
-    t_end = 1000
+    t_end = 1000                             # has no default: see liepoisson.time_scale
     seed = 1
     [parameters]                             # numbers, formulas in the names of the axes, lists of them
     I = [2, 2, 1]
@@ -26,6 +26,8 @@
     [refine]
     levels = 2
     difference = 0.1
+    [rule]                                   # thresholds of verdicts, see liepoisson.Rule
+    averages = 4e-3
 
 A path of a system file is looked for beside the sweep file.
 """
