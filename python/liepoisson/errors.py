@@ -73,6 +73,14 @@ class UnsupportedFieldError(LiePoissonError):
     """The numeric core has no kernel for this vector field."""
 
 
+class MemoryLimitError(LiePoissonError, MemoryError):
+    """A run whose result, or whose trajectories under way, do not fit into memory; the message says how much was wanted."""
+
+
+class CoreError(LiePoissonError, RuntimeError):
+    """A mistake in the compiled core, which stopped at it; the message says where."""
+
+
 class LeafError(LiePoissonError, ValueError):
     """A state, an energy or values of Casimirs that belong to no point of the leaf that was asked for."""
 

@@ -192,9 +192,9 @@ impl<'r, V: Lane> Series<'r, V> {
     #[inline(always)]
     fn readers(&self, group: usize, tile: &Tile) -> (Reader<V>, Reader<V>) {
         assert!((group + 1) * self.group <= self.row && tile.n_components <= self.group);
-        let first = self.known[group * self.group..].as_ptr();
-        let last = self.known[self.k * self.row + group * self.group..].as_ptr();
-        (Reader(first), Reader(last))
+        // Both pointers are those of all rows, moved: a pointer to a part of them may not be used outside of that part.
+        let first = self.known.as_ptr().wrapping_add(group * self.group);
+        (Reader(first), Reader(first.wrapping_add(self.k * self.row)))
     }
 
     /// Coefficient `k` of the products.
@@ -275,7 +275,8 @@ impl<'r, V: Lane> Series<'r, V> {
 ///
 /// Reading is unchecked: a check for every coefficient would cost as much as the arithmetic. It is sound because the
 /// indices of a [`Tile`] are below the number of components, which is at most the length of a group, and because a loop
-/// from order 0 to `k` stays in the rows that [`Series::new`] has found to be there.
+/// from order 0 to `k` stays in the rows that [`Series::new`] has found to be there. Before the first row and after the last
+/// the pointer is moved once more, and not read.
 struct Reader<V>(*const V);
 
 impl<V: Lane> Reader<V> {
@@ -319,7 +320,7 @@ impl<V: Lane> Reader<V> {
 #[inline(always)]
 #[allow(clippy::pointers_in_nomem_asm_block)] // nothing is read through it there
 fn opaque<T>(pointer: *const T) -> *const T {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", not(miri)))]
     {
         let mut pointer = pointer;
         // SAFETY: there is no instruction in it.
@@ -328,6 +329,6 @@ fn opaque<T>(pointer: *const T) -> *const T {
         }
         pointer
     }
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(any(not(target_arch = "x86_64"), miri))] // Miri runs no assembly
     pointer
 }
