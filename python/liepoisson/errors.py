@@ -74,7 +74,7 @@ class UnsupportedFieldError(LiePoissonError):
 
 
 class MemoryLimitError(LiePoissonError, MemoryError):
-    """A run whose result, or whose trajectories under way, do not fit into memory; the message says how much was wanted."""
+    """A run that does not fit into memory, with its result; the message says how much was wanted."""
 
 
 class CoreError(LiePoissonError, RuntimeError):
@@ -113,7 +113,7 @@ class InertiaWarning(UserWarning):
 
 
 class SurfaceWarning(UserWarning):
-    """A surface of section in which orbits lie: they stay on it and cross it nowhere."""
+    """A surface of section in which orbits lie, so that they cross it nowhere, or whose function cannot be followed."""
 
 
 class MixingWarning(UserWarning):

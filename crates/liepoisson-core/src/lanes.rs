@@ -899,3 +899,65 @@ fn run_avx2<T: Task>(task: T) -> T::Output {
 fn run_single<T: Task>(task: T) -> T::Output {
     task.run::<x86::One<f64>>()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers through registers and back.
+    struct ThereAndBack;
+
+    impl Task for ThereAndBack {
+        type Output = ();
+
+        fn run<V: Wide>(self) {
+            let mut registers = vec![V::splat(0.0); 3];
+            let numbers: Vec<f64> = (0..3 * V::WIDTH).map(|i| 0.5 + i as f64).collect();
+            as_scalars_mut(&mut registers).copy_from_slice(&numbers);
+            assert_eq!(as_scalars(&registers), numbers);
+            for (i, &number) in numbers.iter().enumerate() {
+                assert_eq!(registers[i / V::WIDTH].get(i % V::WIDTH), number);
+            }
+            registers[1].set(V::WIDTH - 1, -7.0);
+            assert_eq!(as_scalars(&registers)[2 * V::WIDTH - 1], -7.0);
+            let narrow = V::narrow(registers[0], registers[2]);
+            assert_eq!(<V::Narrow as Lane>::WIDTH, 2 * V::WIDTH);
+            assert_eq!(narrow.get(V::WIDTH), f64::from(numbers[2 * V::WIDTH] as f32));
+            let (low, high) = V::widen(narrow);
+            assert_eq!((low.as_scalars(), high.as_scalars()), (&numbers[..V::WIDTH], &numbers[2 * V::WIDTH..]));
+        }
+    }
+
+    #[test]
+    fn the_numbers_of_registers_are_those_of_the_slice() {
+        for simd in Simd::ALL {
+            dispatch(simd, ThereAndBack);
+        }
+    }
+
+    #[test]
+    fn numbers_are_registers_of_one() {
+        let mut numbers = [1.0, 2.0, 3.0];
+        as_single_registers::<f64>(&mut numbers)[1] = 5.0;
+        assert_eq!(numbers, [1.0, 5.0, 3.0]);
+        assert!(std::panic::catch_unwind(|| as_single_registers::<Pair<f64>>(&mut [1.0, 2.0]).len()).is_err());
+    }
+
+    #[test]
+    fn vectors_of_space_turn() {
+        struct Turn;
+        impl Task for Turn {
+            type Output = ();
+            fn run<V: Wide>(self) {
+                let numbers: Vec<f64> = (1..=8).map(f64::from).collect();
+                let mut turned = vec![0.0; 8];
+                V::TwoVectors::load(&numbers).rotate().store(&mut turned);
+                assert_eq!(turned, [2.0, 3.0, 1.0, 4.0, 6.0, 7.0, 5.0, 8.0]);
+                let mut second = vec![0.0; 4];
+                V::TwoVectors::load(&numbers).swap().first().store(&mut second);
+                assert_eq!(second, [5.0, 6.0, 7.0, 8.0]);
+            }
+        }
+        Simd::ALL.into_iter().for_each(|simd| dispatch(simd, Turn));
+    }
+}
