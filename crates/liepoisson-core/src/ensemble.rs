@@ -474,9 +474,9 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
             if may_sit && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
                 let member = self.queue.fetch_add(1, Ordering::Relaxed);
                 if member < ensemble.n_members() {
-                    block.load(lane, 0, &ensemble.states[member * n..][..n]);
+                    load(block, lane, 0, &ensemble.states[member * n..][..n]);
                     for k in 0..n_tangents {
-                        block.load(lane, 1 + k, &ensemble.tangents[(member * n_tangents + k) * n..][..n]);
+                        load(block, lane, 1 + k, &ensemble.tangents[(member * n_tangents + k) * n..][..n]);
                     }
                     seat.take(member, ensemble.times[0]);
                     observer.begin(lane, member);
@@ -696,6 +696,18 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         let done = if ended { ONE as u64 } else { (fraction * ONE) as u64 };
         self.control.done.fetch_add(done - seat.reported, Ordering::Relaxed);
         seat.reported = done;
+    }
+}
+
+/// Puts values into one group of a lane; those that its numbers cannot hold, since single precision ends at 1e-38, as NaN:
+/// a state of 1e-300 would come to rest at the origin and be said to have finished there.
+fn load(block: &mut dyn Block, lane: usize, group: usize, values: &[f64]) {
+    let size = |values: &[f64]| values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+    block.load(lane, group, values);
+    let mut held = vec![0.0; values.len()];
+    block.read(lane, group, &mut held);
+    if size(&held) < 0.5 * size(values) {
+        block.load(lane, group, &vec![f64::NAN; values.len()]);
     }
 }
 

@@ -9,7 +9,7 @@ use liepoisson_core::ensemble::{Control, Ensemble, Observer, Outcome, Step, Stop
 use liepoisson_core::error::Error;
 use liepoisson_core::field::{Instruction, Quadratic, Tape};
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::Taylor;
+use liepoisson_core::method::{RungeKutta, Single, Taylor};
 use proptest::prelude::*;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -366,5 +366,16 @@ fn no_members_make_an_empty_result() {
             Ensemble { field: &top, method: taylor(1e-12), states: &[], tangents: &[], n_tangents, times: &[0.0, 1.0] };
         let found = orbits(&ensemble, 4, Simd::widest(), &Control::default(), true, |_| ()).unwrap();
         assert!(found.states.is_empty() && found.summaries.is_empty());
+    }
+}
+
+#[test]
+fn a_state_below_the_numbers_of_single_precision_fails_and_does_not_rest_at_zero() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let single = Single::<RungeKutta>::new(RungeKutta::fixed(0.1, 1000).unwrap()).unwrap();
+    for (scale, outcome) in [(1e-300, Outcome::NotFinite), (1e-30, Outcome::Finished), (0.0, Outcome::Finished)] {
+        let states: Vec<f64> = starts(5).iter().map(|x| x * scale).collect();
+        let found = run(&top, single, &states, &[], &[0.0, 1.0], Simd::widest());
+        assert!(found.summaries.iter().all(|summary| summary.outcome == outcome), "{scale:e}: {:?}", found.summaries);
     }
 }
