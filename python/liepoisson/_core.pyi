@@ -67,7 +67,10 @@ class _Sections(_Ends):
     count: NDArray[np.int64]
     touch_count: NDArray[np.int64]
     unbounded_steps: NDArray[np.int64]
-    undefined_steps: NDArray[np.int64]
+    unseen_steps: NDArray[np.int64]
+    undefined_time: _Array
+    unresolved_time: _Array
+    seen_to: _Array
     in_surface: NDArray[np.bool_]
     time: _Array
     state: _Array

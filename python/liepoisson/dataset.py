@@ -89,7 +89,14 @@ def section_dataset(section: Section) -> Dataset:
             section.unbounded_steps,
             {"long_name": "steps with an estimated error of the state"},
         ),
-        "undefined_steps": ("trajectory", section.undefined_steps, {"long_name": "steps without a surface function"}),
+        "unseen_steps": ("trajectory", section.unseen_steps, {"long_name": "steps with a part that was not seen"}),
+        "undefined_time": ("trajectory", section.undefined_time, {"long_name": "time without a surface function"}),
+        "unresolved_time": (
+            "trajectory",
+            section.unresolved_time,
+            {"long_name": "time for which the surface function could not be followed"},
+        ),
+        "seen_to": ("trajectory", section.seen_to, {"long_name": "time up to which it was followed without a gap"}),
         "initial_state": (("trajectory", "component"), section.initial_state, {"long_name": "state at time 0"}),
         **_ends(section),
     }

@@ -73,6 +73,14 @@ class UnsupportedFieldError(LiePoissonError):
     """The numeric core has no kernel for this vector field."""
 
 
+class MemoryLimitError(LiePoissonError, MemoryError):
+    """A run that does not fit into memory, with its result; the message says how much was wanted."""
+
+
+class CoreError(LiePoissonError, RuntimeError):
+    """A mistake in the compiled core, which stopped at it; the message says where."""
+
+
 class LeafError(LiePoissonError, ValueError):
     """A state, an energy or values of Casimirs that belong to no point of the leaf that was asked for."""
 
@@ -105,7 +113,7 @@ class InertiaWarning(UserWarning):
 
 
 class SurfaceWarning(UserWarning):
-    """A surface of section in which orbits lie: they stay on it and cross it nowhere."""
+    """A surface of section in which orbits lie, so that they cross it nowhere, or whose function cannot be followed."""
 
 
 class MixingWarning(UserWarning):

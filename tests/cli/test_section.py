@@ -1,6 +1,7 @@
 """`liepoisson section`: default surfaces, crossings of one leaf and energy, and the files."""
 
 import re
+import time
 
 import numpy as np
 import pytest
@@ -108,6 +109,25 @@ def test_a_surface_that_does_not_exist_everywhere(command):
 
     code, _, err = command("section", "kovalevskaya", "--surface", "sqrt(alpha1 - 7)", *FEW)
     assert (code, "none of 96 random states could be moved to a crossing" in err) == (2, True)
+
+
+@pytest.mark.thorough
+def test_what_was_not_seen_is_not_said_to_be_missing(command):
+    fast = ("section", "kovalevskaya", "--surface", "sin(10^12*l1)", "--starts", 3)
+    code, out, err = command(*fast, "--t", 2)
+    assert code == 1
+    assert re.search(r"^missed   the function could not be followed in \S+% of the time$", out, re.MULTILINE)
+    assert re.fullmatch(
+        r"liepoisson: no crossing of sin\(.*l1\) = 0 was found up to t = 2; the function could not be followed in "
+        r"\S+% of the time.\n",
+        err,
+    )
+    begin = time.perf_counter()
+    code, out, err = command(*fast, "--time-limit", 1)
+    assert time.perf_counter() - begin < 10, "starts and formulas take a second or two beside the run"
+    assert (code, "outcome  time limit 3" in out) == (1, True)
+    assert "where the first orbit ended (time limit; 50000 was wanted); the function could not be followed in" in err
+    assert "no orbit crosses" not in err
 
 
 @pytest.mark.thorough

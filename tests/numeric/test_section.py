@@ -1,10 +1,13 @@
 """Sections: crossings lie on the surface and on the levels of the integrals; none is missed, none is counted twice."""
 
+import warnings
+from time import perf_counter
+
 import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import DamagedFileError, ExpressionError, ParameterError, ShapeError
+from liepoisson.errors import DamagedFileError, ExpressionError, ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import TapeFunction, TopField
 
 KOVALEVSKAYA = lp.catalog.system("kovalevskaya")
@@ -221,7 +224,7 @@ def test_surfaces_that_are_the_same_set_have_the_same_section_however_narrow_the
     assert np.array_equal(peak.count, pair.count)
     np.testing.assert_allclose(peak.time, pair.time, atol=1e-9)
     assert (peak.unbounded_steps == 0).all()
-    assert (peak.undefined_steps == 0).all()
+    assert (peak.unseen_steps == 0).all()
 
 
 def test_orbits_that_lie_in_the_surface_are_told():
@@ -383,3 +386,50 @@ def test_an_altered_surface_is_not_rerun():
     dataset.attrs["surface"] = "{}"
     with pytest.raises(DamagedFileError, match="does not record a run"):
         lp.rerun(dataset)
+
+
+def test_a_surface_that_cannot_be_followed_is_not_said_to_be_missed():
+    """sin(10^12 l1) vanishes all the time, closer together than round-off of the state lets anybody see."""
+    with pytest.warns(SurfaceWarning, match="could not be followed in .*% of the time, where crossings are not found"):
+        found = lp.section(FREE, free_start(), surface="sin(10^12*l1)", t_end=3)
+    assert found.unresolved_share > 0.95
+    assert found.seen_to[0] < 0.01
+    assert 0 < found.unseen_steps[0] <= found.n_steps[0]
+    assert found.undefined_time[0] == 0
+    assert "not followed in " in repr(found)
+
+
+def test_a_surface_that_vanishes_below_the_smallest_numbers_is_not_one_in_which_orbits_lie():
+    with pytest.warns(SurfaceWarning) as seen:
+        lp.section(FREE, free_start(), surface=TapeFunction(9, (("power", (0,), (1e308,)),), (9,)), t_end=3)
+    assert ["lie" in str(warning.message).split() for warning in seen] == [False]
+
+
+@pytest.mark.parametrize(
+    "surface",
+    [
+        TapeFunction(9, (("linear", (0,), (1e12, 0.0)), ("sin", (9,), ())), (10,)),
+        TapeFunction(9, (("power", (0,), (1e308,)),), (9,)),
+        TapeFunction(9, (("linear", (0,), (1e5, 0.0)), ("sin", (9,), ())), (10,)),
+    ],
+    ids=["fast", "huge power", "many crossings"],
+)
+def test_a_limit_of_time_holds_for_every_surface(surface):
+    begin = perf_counter()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SurfaceWarning)
+        found = lp.section(FREE, free_start(), surface=surface, t_end=1e6, time_limit=0.3)
+    # the whole run would take hours; the allowance is for a machine with other work
+    assert perf_counter() - begin < 3
+    assert list(found.outcome) == ["time limit"]
+    assert 0 < found.end_time[0] < 1e6
+    assert found.seen_to[0] <= found.end_time[0]
+    assert (found.time <= found.end_time[0]).all()
+
+
+def test_no_return_is_said_only_where_the_surface_was_followed():
+    steady = lp.first_return(FREE, free_start(), surface="l1 - 0.51", t_end=5)
+    assert steady.outcome == "no return"
+    with pytest.warns(SurfaceWarning, match="could not be followed"):
+        fast = lp.first_return(FREE, free_start(), surface="2 + sin(10^12*l1)", t_end=5)
+    assert fast.outcome == "none seen"

@@ -103,12 +103,25 @@ impl Step<'_> {
     }
 }
 
+/// Why an observer ends a trajectory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stop {
+    /// It has served its purpose, and ends with this step.
+    Served,
+    /// The run has to stop, and the step was not looked at to its end: the trajectory ends `after` its start, with the reason
+    /// that [`Control::reason_to_stop`] gives. For steps with power series, which can be cut anywhere.
+    Interrupted {
+        /// Length of the part of the step that was looked at.
+        after: f64,
+    },
+}
+
 /// What a worker does with the trajectories that it advances; each worker has its own.
 pub trait Observer: Send {
     /// `member` starts in `lane`.
     fn begin(&mut self, lane: usize, member: usize);
-    /// A step was accepted. Breaks where the trajectory has served its purpose: it then ends with this step.
-    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<()> {
+    /// A step was accepted. Breaks where the trajectory is to end.
+    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
         let _ = (lane, step);
         ControlFlow::Continue(())
     }
@@ -149,11 +162,12 @@ impl Control {
         }
     }
 
-    /// Looks at the clock; cheap, but not cheap enough for every step.
-    fn look_at_clock(&self) {
+    /// Looks at the clock; cheap, but not cheap enough for every step. What takes long within a step asks for itself.
+    pub(crate) fn look_at_clock(&self) -> Option<Outcome> {
         if self.deadline.is_some_and(|deadline| Instant::now() >= deadline) {
             self.time_is_up.store(true, Ordering::Relaxed);
         }
+        self.reason_to_stop()
     }
 
     /// Asks the workers to stop soon.
@@ -197,9 +211,10 @@ impl<F: Space, M: Method<F>> Ensemble<'_, F, M> {
     pub fn check(&self) -> Result<(), Error> {
         let n = self.field.n_components();
         if !self.states.len().is_multiple_of(n) {
-            return Err(Error::Length { name: "states", wanted: n * (self.n_members() + 1), got: self.states.len() });
+            let wanted = n.saturating_mul(self.n_members() + 1);
+            return Err(Error::Length { name: "states", wanted, got: self.states.len() });
         }
-        let wanted = self.states.len() * self.n_tangents;
+        let wanted = self.states.len().saturating_mul(self.n_tangents);
         if self.tangents.len() != wanted {
             return Err(Error::Length { name: "tangents", wanted, got: self.tangents.len() });
         }
@@ -223,7 +238,10 @@ impl<F: Space, M: Method<F>> Ensemble<'_, F, M> {
     /// function that it is given waits for the workers, at most so long, and says whether they have all ended.
     ///
     /// # Errors
-    /// See [`Ensemble::check`].
+    /// See [`Ensemble::check`]; no memory for the trajectories under way, no thread.
+    ///
+    /// # Panics
+    /// As a worker does, with its message; the other workers are stopped before.
     pub fn run<O: Observer>(
         &self,
         threads: usize,
@@ -233,19 +251,64 @@ impl<F: Space, M: Method<F>> Ensemble<'_, F, M> {
         watch: impl FnOnce(&dyn Fn(Duration) -> bool),
     ) -> Result<(), Error> {
         self.check()?;
-        let threads = threads.clamp(1, self.n_members().max(1));
+        if self.n_members() == 0 {
+            return Ok(());
+        }
+        let threads = threads.clamp(1, self.n_members());
+        self.reserve(threads, simd)?;
         let (queue, running) = (AtomicUsize::new(0), Running::new(threads));
+        let mut panic = None;
+        let mut refused = None;
         std::thread::scope(|scope| {
+            let mut workers = Vec::new();
             for _ in 0..threads {
-                let (queue, running, observer) = (&queue, &running, &observer);
-                scope.spawn(move || {
-                    let _counted = running.guard();
+                let (queue, observer) = (&queue, &observer);
+                let counted = running.guard();
+                let work = move || {
+                    let _counted = counted;
+                    let _cancels = CancelOnPanic(control);
                     Worker { ensemble: self, queue, control }.run(simd, observer);
-                });
+                };
+                // fewer threads than were asked for do the same work
+                match std::thread::Builder::new().spawn_scoped(scope, work) {
+                    Ok(worker) => workers.push(worker),
+                    Err(refusal) => refused = Some(refusal),
+                }
+            }
+            if !workers.is_empty() {
+                refused = None;
             }
             watch(&|at_most| running.wait(at_most));
+            for worker in workers {
+                if let Err(message) = worker.join() {
+                    panic = Some(message);
+                }
+            }
         });
-        Ok(())
+        match (panic, refused) {
+            (Some(message), _) => std::panic::resume_unwind(message),
+            (None, Some(_)) => Err(Error::Threads { wanted: threads }),
+            (None, None) => Ok(()),
+        }
+    }
+
+    /// Finds out whether there is memory for the trajectories under way: where an allocation fails, Rust ends the process.
+    fn reserve(&self, threads: usize, simd: Simd) -> Result<(), Error> {
+        let registers = self.method.registers(self.field, self.n_tangents);
+        let bytes = registers.saturating_mul(simd.width() * size_of::<f64>()).saturating_mul(threads);
+        let mut room = Vec::<u8>::new();
+        room.try_reserve_exact(bytes).map_err(|_| Error::Memory { bytes })
+    }
+}
+
+/// Stops the other workers when the one that holds it panics.
+struct CancelOnPanic<'c>(&'c Control);
+
+impl Drop for CancelOnPanic<'_> {
+    fn drop(&mut self) {
+        if std::thread::panicking() {
+            self.0.cancel();
+        }
     }
 }
 
@@ -261,7 +324,7 @@ impl Running {
     }
 
     /// Counts one worker down when dropped, also when it panics.
-    fn guard(&self) -> impl Drop + '_ {
+    fn guard(&self) -> impl Drop + Send + '_ {
         struct Guard<'r>(&'r Running);
         impl Drop for Guard<'_> {
             fn drop(&mut self) {
@@ -285,10 +348,48 @@ impl Running {
     }
 }
 
-/// Turns of the loop between two looks at the clock and the flag of cancellation, and two reports of progress.
-const TURNS_PER_REPORT: usize = 64;
+/// Turns of the loop between two looks at the clock, and two reports of progress, where turns are short.
+const TURNS_PER_REPORT: u64 = 64;
 
-/// Samples within one step between two looks at the flag of cancellation.
+/// How often a worker looks at the clock, and how many equal steps it takes at once: as often and as many as the time that
+/// they take allows. It begins carefully, since a step of a large field can take longer than a whole run of a small one.
+struct Pace {
+    /// Steps between two looks.
+    steps: u64,
+    /// Steps that are left up to the next look.
+    left: u64,
+    last: Instant,
+}
+
+impl Pace {
+    /// Between two looks there should be so much time: less costs more looks, more is felt as a delay.
+    const SHORT: Duration = Duration::from_millis(1);
+    const LONG: Duration = Duration::from_millis(20);
+
+    fn new() -> Pace {
+        Pace { steps: 1, left: 1, last: Instant::now() }
+    }
+
+    /// Counts steps of all lanes together; whether it is time for a look.
+    #[inline(always)]
+    fn is_time(&mut self, steps: u64, most_repeats: u64) -> bool {
+        self.left = self.left.saturating_sub(steps);
+        if self.left > 0 {
+            return false;
+        }
+        let now = Instant::now();
+        let elapsed = now.duration_since(self.last);
+        if elapsed < Pace::SHORT {
+            self.steps = (2 * self.steps).min(TURNS_PER_REPORT * most_repeats);
+        } else if elapsed > Pace::LONG {
+            self.steps = (self.steps / 2).max(1);
+        }
+        (self.left, self.last) = (self.steps, now);
+        true
+    }
+}
+
+/// Samples within one step between two looks at the clock.
 const SAMPLES_PER_LOOK: usize = 4096;
 
 struct Worker<'w, F, M> {
@@ -327,11 +428,11 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         let mut observer = make_observer(lanes);
         let mut seats: Vec<Seat> = (0..lanes).map(|_| Seat::empty(ensemble.n_tangents)).collect();
         let (mut sizes, mut verdicts) = (vec![0.0; lanes], vec![Verdict::Taken; lanes]);
-        let mut turns = 0;
+        let mut pace = Pace::new();
         self.control.look_at_clock();
         while self.fill_seats(block, &mut seats, &mut observer) {
             block.prepare(&mut sizes);
-            let repeats = self.plan(block, &mut seats);
+            let repeats = self.plan(block, &mut seats, pace.steps);
             for (lane, seat) in seats.iter_mut().enumerate() {
                 sizes[lane] = self.decide(block, lane, seat, sizes[lane], repeats, &mut observer);
             }
@@ -347,15 +448,14 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
                     self.dismiss(block, lane, seat, Outcome::Finished, &mut observer);
                 }
             }
-            turns += 1;
-            if turns % TURNS_PER_REPORT == 0 {
+            if pace.is_time(repeats, block.most_repeats()) {
                 for seat in seats.iter_mut().filter(|seat| seat.occupied) {
                     self.report(seat, false);
                 }
                 self.control.look_at_clock();
-                if self.control.reason_to_stop().is_some() {
-                    break;
-                }
+            }
+            if self.control.reason_to_stop().is_some() {
+                break;
             }
         }
         let outcome = self.control.reason_to_stop().unwrap_or(Outcome::Cancelled);
@@ -374,9 +474,9 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
             if may_sit && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
                 let member = self.queue.fetch_add(1, Ordering::Relaxed);
                 if member < ensemble.n_members() {
-                    block.load(lane, 0, &ensemble.states[member * n..][..n]);
+                    load(block, lane, 0, &ensemble.states[member * n..][..n]);
                     for k in 0..n_tangents {
-                        block.load(lane, 1 + k, &ensemble.tangents[(member * n_tangents + k) * n..][..n]);
+                        load(block, lane, 1 + k, &ensemble.tangents[(member * n_tangents + k) * n..][..n]);
                     }
                     seat.take(member, ensemble.times[0]);
                     observer.begin(lane, member);
@@ -388,11 +488,11 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
     }
 
     /// Divides the time up to the next wanted one into equal steps, for a method that takes such; how many steps all
-    /// seats can take at once. A power of two, so that the product with the size is exact.
-    fn plan(&self, block: &dyn Block, seats: &mut [Seat]) -> u64 {
+    /// seats can take at once, and not more than `most`. A power of two, so that the product with the size is exact.
+    fn plan(&self, block: &dyn Block, seats: &mut [Seat], most: u64) -> u64 {
         let Stepping::Fixed(longest) = block.stepping() else { return 1 };
         let (times, max_steps) = (self.ensemble.times, self.ensemble.method.max_steps());
-        let mut repeats = block.most_repeats();
+        let mut repeats = block.most_repeats().min(most);
         for seat in seats.iter_mut().filter(|seat| seat.occupied) {
             if seat.steps_left == 0 {
                 let interval = seat.until(times[seat.next_sample.max(1)]);
@@ -461,12 +561,15 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         block: &mut dyn Block,
         lane: usize,
         seat: &mut Seat,
-        (size, is_last): (f64, bool),
+        (mut size, mut is_last): (f64, bool),
         observer: &mut O,
     ) -> f64 {
         let times = self.ensemble.times;
         let step = Step { block, lane, time: seat.time, size, scales: &seat.scales };
-        let enough = observer.step(lane, &step).is_break();
+        let stop = observer.step(lane, &step).break_value();
+        if let Some(Stop::Interrupted { after }) = stop {
+            (size, is_last) = (after, false);
+        }
         while seat.next_sample < times.len() {
             let tau = seat.until(times[seat.next_sample]);
             if !is_last && tau.abs() > size.abs() {
@@ -474,8 +577,9 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
             }
             observer.sample(lane, seat.next_sample, tau, &step);
             seat.next_sample += 1;
-            let looks = seat.next_sample.is_multiple_of(SAMPLES_PER_LOOK);
-            if let Some(outcome) = self.control.reason_to_stop().filter(|_| looks) {
+            if seat.next_sample.is_multiple_of(SAMPLES_PER_LOOK)
+                && let Some(outcome) = self.control.look_at_clock()
+            {
                 self.dismiss(block, lane, seat, outcome, observer);
                 return 0.0;
             }
@@ -486,7 +590,7 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
             seat.move_clock(size);
         }
         seat.n_steps += 1;
-        if enough {
+        if stop == Some(Stop::Served) {
             seat.next_sample = times.len();
         }
         size
@@ -519,7 +623,7 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         let is_last = size == seat.until(target) && repeats == 1;
         let whole = size * repeats as f64;
         let step = Step { block, lane, time: seat.time, size: whole, scales: &seat.scales };
-        let enough = observer.step(lane, &step).is_break();
+        let served = observer.step(lane, &step) == ControlFlow::Break(Stop::Served);
         seat.n_steps += repeats;
         seat.careful_steps = seat.careful_steps.saturating_sub(repeats);
         seat.steps_left = seat.steps_left.saturating_sub(repeats);
@@ -530,7 +634,7 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         } else {
             seat.move_clock(whole);
         }
-        if enough {
+        if served {
             seat.next_sample = self.ensemble.times.len();
         }
     }
@@ -592,6 +696,18 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         let done = if ended { ONE as u64 } else { (fraction * ONE) as u64 };
         self.control.done.fetch_add(done - seat.reported, Ordering::Relaxed);
         seat.reported = done;
+    }
+}
+
+/// Puts values into one group of a lane; those that its numbers cannot hold, since single precision ends at 1e-38, as NaN:
+/// a state of 1e-300 would come to rest at the origin and be said to have finished there.
+fn load(block: &mut dyn Block, lane: usize, group: usize, values: &[f64]) {
+    let size = |values: &[f64]| values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+    block.load(lane, group, values);
+    let mut held = vec![0.0; values.len()];
+    block.read(lane, group, &mut held);
+    if size(&held) < 0.5 * size(values) {
+        block.load(lane, group, &vec![f64::NAN; values.len()]);
     }
 }
 

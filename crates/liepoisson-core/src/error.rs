@@ -1,5 +1,6 @@
 //! Every reason for which the core refuses a call.
 
+use crate::field::MOST_COMPONENTS;
 use std::fmt;
 
 /// Why a call was refused.
@@ -80,8 +81,25 @@ pub enum Error {
         /// Bytes that could not be had.
         bytes: usize,
     },
-    /// A field without components.
-    NoComponents,
+    /// A field without components, or with more than any memory could hold series of.
+    Components {
+        /// What came.
+        got: usize,
+    },
+    /// A direction of crossings that is not -1, 0 or 1.
+    Direction {
+        /// What came.
+        got: i8,
+    },
+    /// Trajectories that are to end before their first crossing.
+    NoCrossings,
+    /// No thread could be started.
+    Threads {
+        /// How many were wanted.
+        wanted: usize,
+    },
+    /// The kernel for one orbit, for something else than the state of a top in power series.
+    AcrossComponents,
     /// The name of an instruction that no tape has.
     UnknownInstruction {
         /// What came.
@@ -198,7 +216,24 @@ impl fmt::Display for Error {
                  ask for fewer trajectories or times at once, or leave dense output out",
                 *bytes as f64
             ),
-            Error::NoComponents => write!(f, "field: wanted one component or more; got none; give it a state"),
+            Error::Components { got: 0 } => {
+                write!(f, "field: wanted one component or more; got none; give it a state")
+            }
+            Error::Components { got } => {
+                write!(f, "field: wanted at most {MOST_COMPONENTS} components; got {got}; try a smaller truncation")
+            }
+            Error::Direction { got } => write!(f, "direction: wanted -1, 0 or 1; got {got}; try 0 for both"),
+            Error::NoCrossings => {
+                write!(f, "n_crossings: wanted one or more; got 0; leave it out to have all of them")
+            }
+            Error::Threads { wanted } => {
+                write!(f, "threads: wanted {wanted}; the system starts none; try fewer, or end other programs")
+            }
+            Error::AcrossComponents => write!(
+                f,
+                "components: wanted a top, Taylor in double precision and no tangent vectors; got another run; try \
+                 components=False"
+            ),
             Error::UnknownInstruction { name } => write!(
                 f,
                 "instruction: wanted linear, product, quotient, power, sqrt, exp, log, sin, cos, sinh, cosh, tanh, \

@@ -6,6 +6,12 @@
 
 use crate::error::Error;
 
+/// What unsafe code relies on is implemented in this file alone.
+mod sealed {
+    pub trait Sealed {}
+}
+use sealed::Sealed;
+
 /// A part of a computation that works with one type of register; see [`Lane::outline`].
 pub trait Piece {
     /// Does it. Must be `#[inline(always)]`, like everything that it calls.
@@ -15,7 +21,7 @@ pub trait Piece {
 /// A few numbers of one trajectory in one register: its components, instead of trajectories, fill the register.
 ///
 /// The numbers come in vectors of space, each with a fourth number beside its three components.
-pub trait Vectors: Copy + 'static {
+pub trait Vectors: Sealed + Copy + 'static {
     /// The first numbers of `numbers`, as many as there are.
     fn load(numbers: &[f64]) -> Self;
     /// Writes all numbers to the front of `numbers`.
@@ -47,7 +53,7 @@ pub trait TwoVectors<One: Vectors>: Vectors {
 }
 
 /// What a lane holds: `f64` or `f32`.
-pub trait Number: Copy + Send + Sync {
+pub trait Number: Sealed + Copy + Send + Sync {
     /// The nearest such number.
     fn of(x: f64) -> Self;
     /// The same number in double precision.
@@ -76,8 +82,29 @@ impl Number for f32 {
     }
 }
 
-/// A register of `WIDTH` numbers, one per trajectory.
-pub trait Lane: Copy + Send + Sync + 'static {
+/// A register of `WIDTH` numbers, one per trajectory. Sealed: [`as_scalars`] relies on what its types consist of.
+///
+/// ```compile_fail,E0277
+/// # use liepoisson_core::lanes::{Lane, Piece};
+/// #[derive(Clone, Copy)]
+/// struct Mine(f64);
+/// impl Lane for Mine {
+///     type Number = f64;
+///     const WIDTH: usize = 1_000_000; // a lie that reading would follow
+///     const REGISTERS: usize = 16;
+///     fn splat(x: f64) -> Self { Mine(x) }
+///     fn add(self, _: Self) -> Self { self }
+///     fn sub(self, _: Self) -> Self { self }
+///     fn mul(self, _: Self) -> Self { self }
+///     fn mul_add(self, _: Self, _: Self) -> Self { self }
+///     fn neg_mul_add(self, _: Self, _: Self) -> Self { self }
+///     fn abs(self) -> Self { self }
+///     fn outline<P: Piece>(piece: P) { piece.run() }
+///     fn div(self, _: Self) -> Self { self }
+///     fn sqrt(self) -> Self { self }
+/// }
+/// ```
+pub trait Lane: Sealed + Copy + Send + Sync + 'static {
     /// What the register holds.
     type Number: Number;
     /// Number of trajectories that the register holds.
@@ -171,6 +198,12 @@ pub fn as_single_registers<V: Lane>(numbers: &mut [V::Number]) -> &mut [V] {
     // them; the alignment has just been compared.
     unsafe { std::slice::from_raw_parts_mut(numbers.as_mut_ptr().cast(), numbers.len()) }
 }
+
+impl Sealed for f64 {}
+impl Sealed for f32 {}
+impl Sealed for [f64; 4] {}
+impl<T: Sealed> Sealed for [T; 2] {}
+impl<T: Sealed> Sealed for Pair<T> {}
 
 impl Vectors for [f64; 4] {
     #[inline(always)]
@@ -416,7 +449,7 @@ impl Wide for f64 {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Inner, Lane, Number, Pair, Piece, TwoVectors, Vectors, Wide};
+    use super::{Inner, Lane, Number, Pair, Piece, Sealed, TwoVectors, Vectors, Wide};
     use std::arch::x86_64::*;
 
     /// Eight trajectories in an AVX-512 register.
@@ -451,6 +484,14 @@ mod x86 {
     /// Two of them in an AVX-512 register.
     #[derive(Clone, Copy)]
     pub struct Avx512Vectors(__m512d);
+
+    impl Sealed for F64x8 {}
+    impl Sealed for F64x4 {}
+    impl Sealed for F32x16 {}
+    impl Sealed for F32x8 {}
+    impl<T: Sealed> Sealed for One<T> {}
+    impl Sealed for Avx2Vector {}
+    impl Sealed for Avx512Vectors {}
 
     // SAFETY (all blocks of this module): its types are private to this crate and are instantiated only behind
     // `dispatch`, which has checked that the processor has these instructions.
@@ -857,4 +898,66 @@ fn run_avx2<T: Task>(task: T) -> T::Output {
 #[target_feature(enable = "avx2,fma")]
 fn run_single<T: Task>(task: T) -> T::Output {
     task.run::<x86::One<f64>>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers through registers and back.
+    struct ThereAndBack;
+
+    impl Task for ThereAndBack {
+        type Output = ();
+
+        fn run<V: Wide>(self) {
+            let mut registers = vec![V::splat(0.0); 3];
+            let numbers: Vec<f64> = (0..3 * V::WIDTH).map(|i| 0.5 + i as f64).collect();
+            as_scalars_mut(&mut registers).copy_from_slice(&numbers);
+            assert_eq!(as_scalars(&registers), numbers);
+            for (i, &number) in numbers.iter().enumerate() {
+                assert_eq!(registers[i / V::WIDTH].get(i % V::WIDTH), number);
+            }
+            registers[1].set(V::WIDTH - 1, -7.0);
+            assert_eq!(as_scalars(&registers)[2 * V::WIDTH - 1], -7.0);
+            let narrow = V::narrow(registers[0], registers[2]);
+            assert_eq!(<V::Narrow as Lane>::WIDTH, 2 * V::WIDTH);
+            assert_eq!(narrow.get(V::WIDTH), f64::from(numbers[2 * V::WIDTH] as f32));
+            let (low, high) = V::widen(narrow);
+            assert_eq!((low.as_scalars(), high.as_scalars()), (&numbers[..V::WIDTH], &numbers[2 * V::WIDTH..]));
+        }
+    }
+
+    #[test]
+    fn the_numbers_of_registers_are_those_of_the_slice() {
+        for simd in Simd::ALL {
+            dispatch(simd, ThereAndBack);
+        }
+    }
+
+    #[test]
+    fn numbers_are_registers_of_one() {
+        let mut numbers = [1.0, 2.0, 3.0];
+        as_single_registers::<f64>(&mut numbers)[1] = 5.0;
+        assert_eq!(numbers, [1.0, 5.0, 3.0]);
+        assert!(std::panic::catch_unwind(|| as_single_registers::<Pair<f64>>(&mut [1.0, 2.0]).len()).is_err());
+    }
+
+    #[test]
+    fn vectors_of_space_turn() {
+        struct Turn;
+        impl Task for Turn {
+            type Output = ();
+            fn run<V: Wide>(self) {
+                let numbers: Vec<f64> = (1..=8).map(f64::from).collect();
+                let mut turned = vec![0.0; 8];
+                V::TwoVectors::load(&numbers).rotate().store(&mut turned);
+                assert_eq!(turned, [2.0, 3.0, 1.0, 4.0, 6.0, 7.0, 5.0, 8.0]);
+                let mut second = vec![0.0; 4];
+                V::TwoVectors::load(&numbers).swap().first().store(&mut second);
+                assert_eq!(second, [5.0, 6.0, 7.0, 8.0]);
+            }
+        }
+        Simd::ALL.into_iter().for_each(|simd| dispatch(simd, Turn));
+    }
 }

@@ -5,13 +5,16 @@ mod common;
 use common::*;
 use liepoisson_core::analysis::lyapunov::growth;
 use liepoisson_core::analysis::orbit::orbits;
-use liepoisson_core::ensemble::{Control, Ensemble, Observer, Outcome, Step, Summary};
+use liepoisson_core::ensemble::{Control, Ensemble, Observer, Outcome, Step, Stop, Summary};
 use liepoisson_core::error::Error;
+use liepoisson_core::field::{Instruction, Quadratic, Tape};
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::Taylor;
+use liepoisson_core::method::{RungeKutta, Single, Taylor};
 use proptest::prelude::*;
+use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
 
 /// Bits, so that NaN equals NaN.
 fn bits(values: &[f64]) -> Vec<u64> {
@@ -289,4 +292,90 @@ fn cancelling_is_seen_between_the_samples_of_one_step_and_seats_nobody() {
     ensemble.run(1, Simd::Scalar, &control, observer, |_| ()).unwrap();
     assert!(seen.into_inner() < 10_000);
     assert_eq!(outcomes.into_inner().unwrap(), [Outcome::Cancelled]);
+}
+
+#[test]
+fn a_step_with_millions_of_wanted_times_ends_with_the_limit_of_time() {
+    // a body at rest: its series is constant, and all times are in one step
+    let rest = Quadratic::new(1, &[], &[], &[]).unwrap();
+    let times: Vec<f64> = (0..4_000_000).map(f64::from).collect();
+    let ensemble =
+        Ensemble { field: &rest, method: taylor(1e-15), states: &[1.0], tangents: &[], n_tangents: 0, times: &times };
+    let control = Control::with_time_limit(Duration::from_millis(2));
+    let found = orbits(&ensemble, 1, Simd::widest(), &control, false, |_| ()).unwrap();
+    assert_eq!(found.summaries[0].outcome, Outcome::TimeLimit);
+    assert!(found.states.last().unwrap().is_nan());
+}
+
+#[test]
+fn a_field_whose_steps_take_long_ends_with_the_limit_of_time() {
+    // x' = sin(sin(... x)): a step takes milliseconds, of which 64 were taken between two looks at the clock
+    let sines = (0..20_000).map(Instruction::Sin).collect();
+    let field = Tape::new(1, sines, vec![20_000]).unwrap();
+    let ensemble = Ensemble {
+        field: &field,
+        method: taylor(1e-15),
+        states: &[1.0],
+        tangents: &[],
+        n_tangents: 0,
+        times: &[0.0, 1e9],
+    };
+    let control = Control::with_time_limit(Duration::from_millis(1));
+    let found = orbits(&ensemble, 1, Simd::widest(), &control, false, |_| ()).unwrap();
+    assert_eq!(found.summaries[0].outcome, Outcome::TimeLimit);
+    assert!(found.summaries[0].n_steps <= 3, "{}", found.summaries[0].n_steps);
+}
+
+/// Panics in the third step of member 1.
+struct Clumsy(Vec<usize>);
+
+impl Observer for Clumsy {
+    fn begin(&mut self, lane: usize, member: usize) {
+        self.0[lane] = member;
+    }
+    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
+        assert!(self.0[lane] != 1 || step.time < 1.0, "member 1 stumbles");
+        ControlFlow::Continue(())
+    }
+    fn end(&mut self, _lane: usize, _member: usize, _summary: Summary) {}
+}
+
+#[test]
+fn a_worker_that_panics_stops_the_others_and_its_message_arrives() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let states = starts(40);
+    let ensemble = Ensemble {
+        field: &top,
+        method: Taylor::new(1e-12, None, u64::MAX).unwrap(),
+        states: &states,
+        tangents: &[],
+        n_tangents: 0,
+        times: &[0.0, 1e12], // ends with the universe, unless it is stopped
+    };
+    let control = Control::default();
+    let run = || ensemble.run(2, Simd::widest(), &control, |lanes| Clumsy(vec![0; lanes]), |_| ());
+    let panic = std::panic::catch_unwind(std::panic::AssertUnwindSafe(run)).unwrap_err();
+    assert_eq!(panic.downcast_ref::<&str>(), Some(&"member 1 stumbles"));
+}
+
+#[test]
+fn no_members_make_an_empty_result() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    for n_tangents in [0, 1, usize::MAX] {
+        let ensemble =
+            Ensemble { field: &top, method: taylor(1e-12), states: &[], tangents: &[], n_tangents, times: &[0.0, 1.0] };
+        let found = orbits(&ensemble, 4, Simd::widest(), &Control::default(), true, |_| ()).unwrap();
+        assert!(found.states.is_empty() && found.summaries.is_empty());
+    }
+}
+
+#[test]
+fn a_state_below_the_numbers_of_single_precision_fails_and_does_not_rest_at_zero() {
+    let top = TWISTED_KOVALEVSKAYA.top();
+    let single = Single::<RungeKutta>::new(RungeKutta::fixed(0.1, 1000).unwrap()).unwrap();
+    for (scale, outcome) in [(1e-300, Outcome::NotFinite), (1e-30, Outcome::Finished), (0.0, Outcome::Finished)] {
+        let states: Vec<f64> = starts(5).iter().map(|x| x * scale).collect();
+        let found = run(&top, single, &states, &[], &[0.0, 1.0], Simd::widest());
+        assert!(found.summaries.iter().all(|summary| summary.outcome == outcome), "{scale:e}: {:?}", found.summaries);
+    }
 }

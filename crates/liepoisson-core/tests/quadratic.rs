@@ -264,11 +264,22 @@ fn entries_with_the_same_indices_add_up() {
     assert_eq!(series[0][1], [15.0, 0.0, 2.0]);
 }
 
+/// Memory and time follow the entries, not the square of the number of components.
+#[test]
+fn a_field_of_a_million_components_with_few_products_is_made() {
+    let n = 1 << 20;
+    let entries: Vec<_> = (0..2000).map(|k| (k, 500 * k, 500 * k + 1, 1.0)).collect();
+    let field = Quadratic::new(n, &[], &[(n - 1, 0, 1.0)], &entries).unwrap();
+    assert_eq!(field.n_components(), n);
+}
+
 #[test]
 fn entries_that_make_no_field_are_refused_by_name() {
     let refused =
         |n, constant: &[_], linear: &[_], quadratic: &[_]| Quadratic::new(n, constant, linear, quadratic).unwrap_err();
-    assert_eq!(refused(0, &[], &[], &[]), Error::NoComponents);
+    for got in [0, 1 << 31, 1 << 62, usize::MAX] {
+        assert_eq!(refused(got, &[], &[], &[]), Error::Components { got });
+    }
     let index = |name, got| Error::ComponentIndex { name, n_components: 2, got };
     assert_eq!(refused(2, &[(2, 1.0)], &[], &[]), index("constant", 2));
     assert_eq!(refused(2, &[], &[(0, 5, 1.0)], &[]), index("linear", 5));

@@ -11,6 +11,7 @@ use liepoisson_core::field::{Field, Functions, Instruction, Quadratic, Tape};
 use liepoisson_core::lanes::Simd;
 use proptest::prelude::*;
 use std::f64::consts::PI;
+use std::time::Duration;
 
 const TOLERANCE: f64 = f64::EPSILON;
 
@@ -171,7 +172,7 @@ fn steep_functions_are_followed_on_shorter_parts_of_a_step() {
         assert_eq!(found.crossing_counts, [20], "tanh({factor} x)");
         let farthest = found.crossings.states.chunks(2).fold(0.0_f64, |farthest, x| farthest.max(x[0].abs()));
         assert!(farthest < 1e-14, "tanh({factor} x): {farthest:e}");
-        assert_eq!(found.doubts[0].n_undefined, 0);
+        assert_eq!(found.doubts[0].n_unseen, 0);
     }
 }
 
@@ -192,7 +193,7 @@ fn crossings_on_a_peak_that_is_much_narrower_than_a_step_are_found() {
             let error = (state[0] - 0.1).abs() - wanted;
             assert!(error.abs() < 1e-14, "k = {k:e}: {error:e}");
         }
-        assert_eq!((found.doubts[0].n_undefined, found.doubts[0].n_unbounded), (0, 0));
+        assert_eq!((found.doubts[0].n_unseen, found.doubts[0].n_unbounded), (0, 0));
     }
 }
 
@@ -228,7 +229,11 @@ fn a_pole_is_no_crossing() {
     let reciprocal = |constant: f64| vec![line(0, 0.0, 1.0), Instruction::Quotient(2, 0), line(3, 1.0, constant)];
     let found = ten_turns(reciprocal(0.0));
     assert_eq!(found.crossing_counts, [0]);
-    assert!(found.doubts[0].n_undefined >= 20);
+    let doubts = found.doubts[0];
+    // a pole is in a step, which is a few of its 16384 parts
+    assert!((20..=60).contains(&doubts.n_unseen), "{doubts:?}");
+    assert!((0.0..0.02).contains(&doubts.unresolved_time) && doubts.unresolved_time > 0.0, "{doubts:?}");
+    assert!((doubts.seen_to - PI / 2.0).abs() < 0.01, "{doubts:?}");
     // 1/x = 2 where x = 1/2
     let found = ten_turns(reciprocal(-2.0));
     assert_eq!(found.crossing_counts, [20]);
@@ -241,9 +246,91 @@ fn where_the_surface_does_not_exist_nothing_is_found_and_it_is_counted() {
     let found = ten_turns(vec![Instruction::Sqrt(0), line(2, 1.0, -0.5)]);
     assert_eq!(found.crossing_counts, [20]);
     assert!(found.crossings.states.chunks(2).all(|state| (state[0] - 0.25).abs() < 1e-12));
-    assert!(found.doubts[0].n_undefined > 0);
+    let doubts = found.doubts[0];
+    // x is negative half of the time; where it becomes so the root has no series
+    assert!((doubts.undefined_time - 10.0 * PI).abs() < 0.01, "{doubts:?}");
+    assert!(doubts.unresolved_time > 0.0 && doubts.unresolved_time < 0.02, "{doubts:?}");
+    assert!(doubts.n_unseen < found.summaries[0].n_steps);
     // sqrt(x) is zero where it ends, and never crosses
     assert_eq!(ten_turns(vec![Instruction::Sqrt(0)]).crossing_counts, [0]);
+}
+
+/// `sin(factor x)`
+fn sine_of(factor: f64) -> Vec<Instruction> {
+    vec![line(0, factor, 0.0), Instruction::Sin(2)]
+}
+
+#[test]
+fn a_function_that_cannot_be_followed_is_not_said_to_be_missed() {
+    // faster than its error allows; larger than numbers go, or zero below them: no crossing, and no word of none
+    for instructions in [sine_of(1e12), sine_of(1e17), vec![Instruction::Power(0, 1e308)]] {
+        let found = alone(&oscillator(), &[0.9, 0.0], [0.0, 2.0], &surface(2, instructions.clone()));
+        let (doubts, n_steps) = (found.doubts[0], found.summaries[0].n_steps);
+        assert_eq!(found.summaries[0].outcome, Outcome::Finished);
+        assert!((2.0 - doubts.unresolved_time).abs() < 0.01, "{instructions:?}: {doubts:?}");
+        assert!(doubts.n_unseen <= n_steps && !doubts.is_in_surface, "{instructions:?}: {doubts:?} in {n_steps}");
+        assert!(doubts.seen_to < 0.01, "{instructions:?}: {doubts:?}");
+    }
+}
+
+#[test]
+fn a_function_that_is_seen_all_the_way_says_so() {
+    let found = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &plane(&[1.0, 0.0], -3.0));
+    let doubts = found.doubts[0];
+    assert_eq!((doubts.n_unseen, doubts.undefined_time, doubts.unresolved_time), (0, 0.0, 0.0));
+    assert_eq!(doubts.seen_to, 40.0);
+}
+
+#[test]
+fn a_step_of_long_work_ends_with_the_limit_of_time() {
+    // a step of the oscillator has thousands of parts for these functions, and there are thousands of steps
+    let (field, start) = (oscillator(), [libm::cos(0.1), -libm::sin(0.1)]);
+    for factor in [3e4, 1e12] {
+        let times = [0.1, 0.1 + 2e3 * PI];
+        let ensemble = Ensemble {
+            field: &field,
+            method: taylor(TOLERANCE),
+            states: &start,
+            tangents: &[],
+            n_tangents: 0,
+            times: &times,
+        };
+        let surface = surface(2, sine_of(factor));
+        let control = Control::with_time_limit(Duration::from_millis(150));
+        let begin = std::time::Instant::now();
+        let cut = sections(&ensemble, &surface, 1, Simd::widest(), &control, |_| ()).unwrap();
+        // to the end it would take minutes; the allowance is for a machine with other work
+        assert!(begin.elapsed() < Duration::from_secs(4), "{:?}", begin.elapsed());
+        let end = &cut.summaries[0];
+        assert_eq!(end.outcome, Outcome::TimeLimit);
+        assert!(end.time > times[0] && end.time < times[1], "{}", end.time);
+        assert!(cut.doubts[0].seen_to <= end.time);
+        // the end is where it says, and what was found up to there is what is found without a limit
+        assert!((end.state[0] - libm::cos(end.time)).abs() < 1e-12);
+        let whole = alone(&field, &start, [times[0], end.time], &surface);
+        let n = cut.crossings.times.len();
+        assert!(cut.crossings.times.iter().all(|&time| time <= end.time));
+        assert!(whole.crossings.times.len() <= n + 1 && n <= whole.crossings.times.len() + 1, "{n}");
+        assert!(factor > 1e10 || n > 0, "nothing was found");
+        assert!(cut.crossings.times.iter().zip(&whole.crossings.times).all(|(a, b)| (a - b).abs() < 1e-12));
+    }
+}
+
+#[test]
+fn directions_and_numbers_of_crossings_that_are_none_are_refused() {
+    let (field, start) = (oscillator(), [1.0, 0.0]);
+    let ensemble = Ensemble {
+        field: &field,
+        method: taylor(TOLERANCE),
+        states: &start,
+        tangents: &[],
+        n_tangents: 0,
+        times: &[0.0, 1.0],
+    };
+    let refused = |surface| sections(&ensemble, &surface, 1, Simd::Scalar, &Control::default(), |_| ()).err();
+    let plane = plane(&[1.0, 0.0], 0.0);
+    assert_eq!(refused(Surface { direction: 5, ..plane.clone() }), Some(Error::Direction { got: 5 }));
+    assert_eq!(refused(Surface { n_crossings: Some(0), ..plane }), Some(Error::NoCrossings));
 }
 
 #[test]

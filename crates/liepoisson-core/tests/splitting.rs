@@ -365,7 +365,7 @@ fn parameters_out_of_range_are_refused() {
     let piece = |form, generator, derivative| vec![Ridge { form, generator, derivative }];
     let number = |name, got| Err(Error::ParameterNotFinite { name, got });
     let index = |name| Err(Error::ComponentIndex { name, n_components: 2, got: 2 });
-    assert_eq!(Pieces::new(0, vec![]), Err(Error::NoComponents));
+    assert_eq!(Pieces::new(0, vec![]), Err(Error::Components { got: 0 }));
     assert_eq!(Pieces::new(2, piece(vec![(2, 1.0)], vec![], vec![])), index("form"));
     assert_eq!(Pieces::new(2, piece(vec![], vec![(1, 2, 1.0)], vec![])), index("generator"));
     let infinite = f64::INFINITY;

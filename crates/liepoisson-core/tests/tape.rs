@@ -565,7 +565,7 @@ fn malformed_tapes_are_refused() {
             .err()
     };
     assert_eq!(make(1, "sin", &[0], &[], &[1]), None);
-    assert_eq!(make(0, "linear", &[], &[1.0], &[]), Some(Error::NoComponents));
+    assert_eq!(make(0, "linear", &[], &[1.0], &[]), Some(Error::Components { got: 0 }));
     assert_eq!(make(1, "sinus", &[0], &[], &[1]), Some(Error::UnknownInstruction { name: "sinus".into() }));
     let operands = |name, wanted, got| Some(Error::InstructionOperands { name, wanted, got });
     assert_eq!(make(1, "sin", &[0, 0], &[], &[1]), operands("sin", (1, 0), (2, 0)));

@@ -1,4 +1,7 @@
 //! Python shell over `liepoisson-core`: arrays in, arrays out, errors translated, the interpreter released meanwhile.
+//!
+//! Whatever comes in, an exception or a result goes out: arrays are copied before the interpreter is released, since other
+//! threads may write into them, and a panic becomes a `CoreError`.
 
 use liepoisson_core::analysis::section::{self, Doubts, Surface};
 use liepoisson_core::analysis::{lyapunov, orbit};
@@ -12,17 +15,57 @@ use liepoisson_core::method::{
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
-/// A refusal of the core as `liepoisson.errors.ParameterError`.
+/// A refusal of the core as one of the errors of `liepoisson.errors`.
 fn translate(error: Error) -> PyErr {
+    let class = match error {
+        Error::Memory { .. } => "MemoryLimitError",
+        Error::Length { .. } => "ShapeError",
+        Error::MethodForField => "UnsupportedFieldError",
+        _ => "ParameterError",
+    };
+    exception(class, &error.to_string())
+}
+
+fn exception(class: &str, message: &str) -> PyErr {
     Python::attach(|py| {
-        let refusal = py.import("liepoisson.errors").and_then(|errors| errors.getattr("ParameterError"));
-        match refusal.and_then(|class| class.call1((error.to_string(),))) {
+        let class = py.import("liepoisson.errors").and_then(|errors| errors.getattr(class));
+        match class.and_then(|class| class.call1((message,))) {
             Ok(refusal) => PyErr::from_value(refusal),
             Err(failure) => failure,
         }
     })
+}
+
+/// A panic of the core, which is a mistake in it, as `liepoisson.errors.CoreError`.
+fn broken(panic: &(dyn Any + Send)) -> PyErr {
+    let message = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+    let message = message.unwrap_or("without a message");
+    exception(
+        "CoreError",
+        &format!(
+            "the compiled core stopped: {message}; this is a mistake in liepoisson, please report how it came about"
+        ),
+    )
+}
+
+/// Runs `work`; a panic becomes an exception.
+fn guarded<R>(work: impl FnOnce() -> Result<R, Error>) -> PyResult<R> {
+    match catch_unwind(AssertUnwindSafe(work)) {
+        Ok(result) => result.map_err(translate),
+        Err(panic) => Err(broken(&*panic)),
+    }
+}
+
+/// An array of the caller as numbers of our own.
+fn copied(array: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
+    let (array, mut numbers) = (array.as_array(), Vec::new());
+    numbers.try_reserve_exact(array.len()).map_err(|_| translate(Error::Memory { bytes: 8 * array.len() }))?;
+    numbers.extend(array.iter().copied());
+    Ok(numbers)
 }
 
 /// A vector field that the core integrates.
@@ -42,9 +85,9 @@ type PieceParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
 /// Name, registers, numbers.
 type InstructionParts = (String, Vec<usize>, Vec<f64>);
 
-fn read_instructions(instructions: &[InstructionParts]) -> PyResult<Vec<Instruction>> {
+fn read_instructions(instructions: &[InstructionParts]) -> Result<Vec<Instruction>, Error> {
     let read = |(name, registers, numbers): &InstructionParts| Instruction::from_parts(name, registers, numbers);
-    instructions.iter().map(read).collect::<Result<_, _>>().map_err(translate)
+    instructions.iter().map(read).collect()
 }
 
 #[pymethods]
@@ -63,7 +106,7 @@ impl Field {
     /// The charged or twisted top.
     #[staticmethod]
     fn top(inertia: [f64; 3], a: [f64; 3], b: [f64; 3], epsilon: f64) -> PyResult<Field> {
-        Top::new(inertia, a, b, epsilon).map(|top| Field(Kind::Top(top))).map_err(translate)
+        guarded(|| Top::new(inertia, a, b, epsilon)).map(|top| Field(Kind::Top(top)))
     }
 
     /// Any field of degree at most two, by its nonzero entries.
@@ -74,15 +117,15 @@ impl Field {
         linear: Vec<(usize, usize, f64)>,
         quadratic: Vec<(usize, usize, usize, f64)>,
     ) -> PyResult<Field> {
-        let field = Quadratic::new(n_components, &constant, &linear, &quadratic).map_err(translate)?;
+        let field = guarded(|| Quadratic::new(n_components, &constant, &linear, &quadratic))?;
         Ok(Field(Kind::Quadratic(field)))
     }
 
     /// Any smooth field, by the instructions that compute it.
     #[staticmethod]
     fn tape(n_components: usize, instructions: Vec<InstructionParts>, outputs: Vec<usize>) -> PyResult<Field> {
-        let instructions = read_instructions(&instructions)?;
-        Tape::new(n_components, instructions, outputs).map(|tape| Field(Kind::Tape(tape))).map_err(translate)
+        let tape = guarded(|| Tape::new(n_components, read_instructions(&instructions)?, outputs))?;
+        Ok(Field(Kind::Tape(tape)))
     }
 
     /// A Lie-Poisson system by pieces of its Hamiltonian, each with a known flow: form, derivative, matrix.
@@ -90,7 +133,7 @@ impl Field {
     fn pieces(n_components: usize, pieces: Vec<PieceParts>) -> PyResult<Field> {
         let ridges =
             pieces.into_iter().map(|(form, derivative, generator)| Ridge { form, generator, derivative }).collect();
-        Pieces::new(n_components, ridges).map(|pieces| Field(Kind::Pieces(pieces))).map_err(translate)
+        guarded(|| Pieces::new(n_components, ridges)).map(|pieces| Field(Kind::Pieces(pieces)))
     }
 }
 
@@ -213,6 +256,11 @@ fn supervised<R: Send>(
     progress: Option<Py<PyAny>>,
     work: impl Send + FnOnce(&Control, &mut (dyn FnMut(&dyn Fn(Duration) -> bool) + Send)) -> Result<R, Error>,
 ) -> PyResult<R> {
+    if time_limit.is_nan() || time_limit <= 0.0 {
+        let message = format!("time_limit: wanted a positive number of seconds; got {time_limit}; try 60");
+        return Err(exception("ParameterError", &message));
+    }
+    // beyond what a clock can count there is no limit
     let control = Duration::try_from_secs_f64(time_limit).map_or_else(|_| Control::default(), Control::with_time_limit);
     let mut interruption: Option<PyErr> = None;
     let result = py.detach(|| {
@@ -234,11 +282,12 @@ fn supervised<R: Send>(
                 }
             }
         };
-        work(&control, &mut watch)
+        catch_unwind(AssertUnwindSafe(|| work(&control, &mut watch)))
     });
-    match interruption {
-        Some(error) => Err(error),
-        None => result.map_err(translate),
+    match (result, interruption) {
+        (_, Some(error)) => Err(error),
+        (Ok(result), None) => result.map_err(translate),
+        (Err(panic), None) => Err(broken(&*panic)),
     }
 }
 
@@ -247,11 +296,16 @@ fn add_summaries(result: &Bound<'_, PyDict>, summaries: &[Summary], n: usize) ->
     let py = result.py();
     let code =
         |summary: &Summary| Outcome::ALL.iter().position(|&outcome| outcome == summary.outcome).unwrap_or(0) as i8;
-    let states = summaries.iter().flat_map(|summary| (0..n).map(|i| summary.state.get(i).copied().unwrap_or(f64::NAN)));
+    let mut states = Vec::new();
+    let bytes = summaries.len().saturating_mul(n).saturating_mul(8);
+    states.try_reserve_exact(summaries.len().saturating_mul(n)).map_err(|_| translate(Error::Memory { bytes }))?;
+    for summary in summaries {
+        states.extend((0..n).map(|i| summary.state.get(i).copied().unwrap_or(f64::NAN)));
+    }
     result.set_item("outcome", PyArray1::from_iter(py, summaries.iter().map(code)))?;
     result.set_item("end_time", PyArray1::from_iter(py, summaries.iter().map(|summary| summary.time)))?;
     result.set_item("n_steps", PyArray1::from_iter(py, summaries.iter().map(|summary| summary.n_steps as i64)))?;
-    result.set_item("final_state", PyArray1::from_vec(py, states.collect()))?;
+    result.set_item("final_state", PyArray1::from_vec(py, states))?;
     Ok(())
 }
 
@@ -273,7 +327,7 @@ fn orbits<'py>(
     components: bool,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (states, tangents, times) = (states.as_slice()?, tangents.as_slice()?, times.as_slice()?);
+    let (states, tangents, times) = (&*copied(&states)?, &*copied(&tangents)?, &*copied(&times)?);
     let simd = Simd::from_environment().map_err(translate)?;
     macro_rules! run {
         ($field:expr, $method:expr) => {{
@@ -284,7 +338,10 @@ fn orbits<'py>(
         }};
     }
     let (kernel, orbits) = match (&field.0, method.0) {
-        (Kind::Top(top), How::Taylor(taylor)) if components => ("components", run!(top, AcrossComponents(taylor))),
+        (Kind::Top(top), How::Taylor(taylor)) if components && n_tangents == 0 => {
+            ("components", run!(top, AcrossComponents(taylor)))
+        }
+        _ if components => return Err(translate(Error::AcrossComponents)),
         _ => (simd.name(), with_field_and_method!(field, method, run)),
     };
     let result = PyDict::new(py);
@@ -315,7 +372,7 @@ fn growth<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let simd = Simd::from_environment().map_err(translate)?;
-    let (states, tangents, times) = (states.as_slice()?, tangents.as_slice()?, times.as_slice()?);
+    let (states, tangents, times) = (&*copied(&states)?, &*copied(&tangents)?, &*copied(&times)?);
     macro_rules! run {
         ($field:expr, $method:expr) => {{
             let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents: 1, times };
@@ -351,14 +408,16 @@ fn sections<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let simd = Simd::from_environment().map_err(translate)?;
-    let (states, times) = (states.as_slice()?, times.as_slice()?);
+    let (states, times) = (&*copied(&states)?, &*copied(&times)?);
     let How::Taylor(method) = method.0 else { return Err(translate(Error::MethodForField)) };
     let (n_components, instructions, outputs) = surface;
-    let instructions = read_instructions(&instructions)?;
-    let functions = |outputs: &[usize]| Functions::new(n_components, instructions.clone(), outputs.to_vec());
-    let (first, further) = outputs.split_at(outputs.len().min(1));
-    let kept = (!further.is_empty()).then(|| functions(further)).transpose().map_err(translate)?;
-    let surface = Surface { function: functions(first).map_err(translate)?, kept, direction, n_crossings };
+    let surface = guarded(|| {
+        let instructions = read_instructions(&instructions)?;
+        let functions = |outputs: &[usize]| Functions::new(n_components, instructions.clone(), outputs.to_vec());
+        let (first, further) = outputs.split_at(outputs.len().min(1));
+        let kept = (!further.is_empty()).then(|| functions(further)).transpose()?;
+        Ok(Surface { function: functions(first)?, kept, direction, n_crossings })
+    })?;
     macro_rules! run {
         ($field:expr) => {{
             let ensemble = Ensemble { field: $field, method, states, tangents: &[], n_tangents: 0, times };
@@ -380,7 +439,11 @@ fn sections<'py>(
         PyArray1::from_iter(py, sections.doubts.iter().map(|doubts| count(doubts) as i64))
     };
     result.set_item("unbounded_steps", doubts(&|doubts| doubts.n_unbounded))?;
-    result.set_item("undefined_steps", doubts(&|doubts| doubts.n_undefined))?;
+    result.set_item("unseen_steps", doubts(&|doubts| doubts.n_unseen))?;
+    let times = |time: &dyn Fn(&Doubts) -> f64| PyArray1::from_iter(py, sections.doubts.iter().map(time));
+    result.set_item("undefined_time", times(&|doubts| doubts.undefined_time))?;
+    result.set_item("unresolved_time", times(&|doubts| doubts.unresolved_time))?;
+    result.set_item("seen_to", times(&|doubts| doubts.seen_to))?;
     let in_surface = sections.doubts.iter().map(|doubts| doubts.is_in_surface);
     result.set_item("in_surface", PyArray1::from_iter(py, in_surface))?;
     result.set_item("count", counts(sections.crossing_counts))?;

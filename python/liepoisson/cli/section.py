@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import warnings
 from collections.abc import Sequence
 from textwrap import wrap
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
@@ -37,7 +38,7 @@ from liepoisson.cli.starts import (
 )
 from liepoisson.cli.surfaces import Direction, Surface, default_surface
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, SurfaceWarning
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -107,7 +108,7 @@ def section(
     Several orbits of one leaf and one energy: those of --start or, moved there, of --guess, of --leaf and --energy,
     or else of member 0 of the random states.  With --start, this orbit alone.
 
-    The exit code is 1 where no orbit crosses the surface.
+    The exit code is 1 where no crossing is found.
     """
     chosen = read_numeric_system(system, settings or ())
     _check_counts(starts, start, crossings)
@@ -150,7 +151,7 @@ def section(
         _write_data(run, data)
         print(f"wrote    {data}")
     if not len(run.time):
-        print(f"liepoisson: no orbit crosses {cut.function} = 0 up to t = {t_end:g}.", file=sys.stderr)
+        print(f"liepoisson: {why_nothing(run)}", file=sys.stderr)
         raise typer.Exit(NO_CROSSING)
     if stem is not None and axes is not None:
         if not keep and begin.leaf.rank == 4 and is_folded(begin, cut, axes, run.state):
@@ -172,20 +173,50 @@ def head_lines(system: System, begin: Start, cut: Surface, direction: Direction,
     return [*lines, f"section  dimension {dimension}{remark}"]
 
 
+def _farthest(run: Section) -> float:
+    """The farthest time that an orbit reached."""
+    reached = run.end_time[np.isfinite(run.end_time)]
+    return float(reached[np.argmax(np.abs(reached))]) if reached.size else 0.0
+
+
+def why_nothing(run: Section) -> str:
+    """What is said of a run without crossings: that there are none only where all was seen to the end."""
+    from liepoisson.numeric.section import as_percent
+
+    finished = bool((run.outcome == "finished").all())
+    if finished and not run.unseen_steps.any():
+        return f"no orbit crosses {run.surface} = 0 up to t = {run.t_end:g}."
+    least = float(np.nan_to_num(np.abs(run.end_time)).min()) * (1 if run.t_end > 0 else -1)
+    sentence = f"no crossing of {run.surface} = 0 was found up to t = {least:g}"
+    if not finished:
+        reasons = ", ".join(sorted({str(name) for name in run.outcome if name != "finished"}))
+        sentence += f", where the first orbit ended ({reasons}; {run.t_end:g} was wanted)"
+    gaps = [
+        f"{words} in {as_percent(share)} of the time"
+        for words, share in (("could not be followed", run.unresolved_share), ("has no value", run.undefined_share))
+        if share
+    ]
+    return sentence + (f"; the function {' and '.join(gaps)}." if gaps else ".")
+
+
 @np.errstate(all="ignore")
 def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
     """What the command prints about the run."""
+    from liepoisson.numeric.section import as_percent
+
     names, counts = np.unique(run.outcome, return_counts=True)
     lines = [
         f"method   {run.method}, order {run.order}, {run.field.kind} kernel ({run.kernel})",
         "outcome  " + ", ".join(f"{name} {n}" for name, n in zip(names, counts, strict=True)),
         f"found    {len(run.time)} crossings, {run.count.min()} to {run.count.max()} of each orbit, "
-        f"to t = {run.end_time.max():.6g}; undecided touches: {len(run.touch_time)}",
+        f"to t = {_farthest(run):.6g}; undecided touches: {len(run.touch_time)}",
     ]
     if unbounded := int(run.unbounded_steps.sum()):
         lines.append(f"error    of the state estimated, not bounded, in {unbounded} of {run.n_steps.sum()} steps")
-    if undefined := int(run.undefined_steps.sum()):
-        lines.append(f"missed   the function does not exist in {undefined} of {run.n_steps.sum()} steps")
+    if undefined := run.undefined_share:
+        lines.append(f"missed   the function does not exist in {as_percent(undefined)} of the time")
+    if unresolved := run.unresolved_share:
+        lines.append(f"missed   the function could not be followed in {as_percent(unresolved)} of the time")
     if full and len(run.time):
         energy = begin.leaf.system.functions.energy(run.state)
         worst, drift = begin.leaf.residual(run.state).max(), np.abs(energy - begin.energy).max()
@@ -261,7 +292,9 @@ def _crossings(system: System, x0: FloatArray, *, t_end: float, **options: Any) 
     from liepoisson.numeric.section import section as find_crossings
 
     total = len(x0) * abs(t_end)
-    with progress_bar() as bar:
+    with progress_bar() as bar, warnings.catch_warnings():
+        # a line of the output says so, with the share of the time
+        warnings.filterwarnings("ignore", "the surface function .* could not be followed", SurfaceWarning)
         listen = None if bar is None else (lambda done: bar("looking for crossings", done * total, total))
         return find_crossings(system, x0, t_end=t_end, progress=listen, **options)
 

@@ -51,13 +51,19 @@ _SAME_POINT = 1e-9
 what integration to round-off adds up in a long run, far below any section."""
 
 
+_GAP = 1e-3
+"""Share of the time from which on a surface that could not be followed is warned of: a pole costs a ten-thousandth of
+the step that it is in."""
+
+
 class FirstReturn(NamedTuple):
     """Images of the map of first return.
 
     Attributes:
         state: Where each orbit returned, shape (..., component); NaN where it did not.
         time: When, shape (...).
-        outcome: "returned"; "no return" until `t_end`; or why the orbit ended before, as for `integrate`.  Shape (...).
+        outcome: "returned"; "no return" until `t_end`; "none seen", where the surface function could not be followed
+            all the time; or why the orbit ended before, as for `integrate`.  Shape (...).
     """
 
     state: Array
@@ -96,8 +102,13 @@ class Section(ReadOnlyArrays):
             error and leaves to the side that it came from; whether it crossed in between is not decided.
         unbounded_steps: Steps of each trajectory in which the error of the state was estimated and not bounded, shape
             (trajectory,).
-        undefined_steps: Steps of each trajectory in which $s$ or its series does not exist: crossings there are not
-            found, shape (trajectory,).
+        unseen_steps: Steps of each trajectory with a part on which crossings are not found, since $s$ has no value
+            there or could not be followed, shape (trajectory,).
+        undefined_time: For how long $s$ had no value, shape (trajectory,).
+        unresolved_time: For how long $s$ had values but could not be followed: it varies faster than its error allows,
+            or a singularity of it is near.  Shape (trajectory,).
+        seen_to: Time up to which $s$ was followed without such a gap: where the first began, or `end_time`.  Shape
+            (trajectory,).
         outcome: How each trajectory ended, shape (trajectory,); "finished" also after `n_crossings` crossings.
         end_time: Time that each trajectory reached, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
@@ -126,7 +137,10 @@ class Section(ReadOnlyArrays):
     touch_time: Array
     touch_state: Array
     unbounded_steps: NDArray[np.int64]
-    undefined_steps: NDArray[np.int64]
+    unseen_steps: NDArray[np.int64]
+    undefined_time: Array
+    unresolved_time: Array
+    seen_to: Array
     outcome: NDArray[np.str_]
     end_time: Array
     n_steps: NDArray[np.int64]
@@ -144,6 +158,16 @@ class Section(ReadOnlyArrays):
     def count(self) -> NDArray[np.int64]:
         """Number of crossings of each trajectory, shape (trajectory,)."""
         return np.bincount(self.trajectory, minlength=self.n_trajectories)
+
+    @property
+    def unresolved_share(self) -> float:
+        """Share of the time of all trajectories for which $s$ could not be followed; crossings then are not found."""
+        return _share(self.unresolved_time, self.end_time)
+
+    @property
+    def undefined_share(self) -> float:
+        """Share of the time of all trajectories for which $s$ had no value."""
+        return _share(self.undefined_time, self.end_time)
 
     def of(self, trajectory: int) -> Array:
         """Crossings of one trajectory, shape (crossing, coordinate), in the order of travel.
@@ -170,7 +194,20 @@ class Section(ReadOnlyArrays):
 
     def __repr__(self) -> str:
         n, of = len(self.time), self.n_trajectories
-        return f"<Section {self.surface} = 0 of {self.system}: {n} crossings of {of} trajectories>"
+        gap = f", not followed in {as_percent(self.unresolved_share)} of the time" if self.unresolved_share else ""
+        return f"<Section {self.surface} = 0 of {self.system}: {n} crossings of {of} trajectories{gap}>"
+
+
+def as_percent(share: float) -> str:
+    """A share for people: two digits, and never 0% or 100% for one that is not."""
+    if 0.9999 <= share < 1:
+        return "over 99.99%"
+    return f"{100 * share:.2g}%" if share < 0.99 else f"{100 * share:.4g}%"
+
+
+def _share(part: Array, end_time: Array) -> float:
+    whole = float(np.nansum(np.abs(end_time)))
+    return min(float(np.sum(part)) / whole, 1.0) if whole > 0 else 0.0
 
 
 def section(
@@ -199,8 +236,10 @@ def section(
       bounded, for every smooth s.  The second is bounded by a majorant if the field is of degree two at most and the
       steps are not so long that the bound is of no use; else it is estimated from the last terms of the series of the
       state, and `unbounded_steps` counts these steps.  Round-off is estimated.
-    - Where s does not exist (the square root of a negative number) nothing is found, and `undefined_steps` counts
-      the steps.  A pole, at which s changes its sign, is no crossing.
+    - Where s has no value (the square root of a negative number), or cannot be followed (next to a pole or to the end
+      of a root, or where it varies faster than the error of the state allows), nothing is found.  `undefined_time` and
+      `unresolved_time` say for how long, `seen_to` up to when there was no such gap, and a `SurfaceWarning` tells when
+      it is more than a thousandth of the time.  A pole, at which s changes its sign, is no crossing.
     - Where $|s|$ falls below the error and returns to the side that it came from, the point is reported as a touch and
       not decided.  A tangency is one.
 
@@ -266,6 +305,7 @@ def section(
     width, members = len(coordinates), np.arange(len(states))
     label = "s" if isinstance(surface, TapeFunction) else str(_formula(surface, "surface"))
     _warn_of_orbits_in_the_surface(label, raw["in_surface"])
+    _warn_of_gaps(label, _share(raw["unresolved_time"], raw["end_time"]))
     return Section(
         system=system.name,
         components=component_names(system, n),
@@ -286,7 +326,10 @@ def section(
         touch_time=raw["touch_time"],
         touch_state=raw["touch_state"].reshape(len(raw["touch_time"]), width),
         unbounded_steps=raw["unbounded_steps"],
-        undefined_steps=raw["undefined_steps"],
+        unseen_steps=raw["unseen_steps"],
+        undefined_time=raw["undefined_time"],
+        unresolved_time=raw["unresolved_time"],
+        seen_to=raw["seen_to"],
         outcome=outcome_names(raw["outcome"]),
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
@@ -352,7 +395,7 @@ def _arrivals(system: HasField, x: Array, options: dict[str, Any]) -> tuple[Arra
     found = section(system, x, n_crossings=1, **options)
     returned, times = np.full(x.shape, np.nan), np.full(len(x), np.nan)
     returned[found.trajectory], times[found.trajectory] = found.state, found.time
-    outcome = np.where(found.outcome == "finished", "no return", found.outcome)
+    outcome = _outcome_without_crossing(found)
     outcome[found.trajectory] = "returned"
     # Within one step of a power series no orbit is periodic: a near crossing there is the start itself.
     near = np.abs(returned - x).max(axis=1) <= _SAME_POINT * np.abs(x).max(axis=1)
@@ -363,9 +406,13 @@ def _arrivals(system: HasField, x: Array, options: dict[str, Any]) -> tuple[Arra
         there = second.count == 2
         returned[again], times[again] = np.nan, np.nan
         returned[again[there]], times[again[there]] = second.state[last[there]], second.time[last[there]]
-        ended = np.where(second.outcome == "finished", "no return", second.outcome)
-        outcome[again] = np.where(there, "returned", ended)
+        outcome[again] = np.where(there, "returned", _outcome_without_crossing(second))
     return returned, times, outcome
+
+
+def _outcome_without_crossing(found: Section) -> NDArray[np.str_]:
+    none = np.where(found.unresolved_time > 0, "none seen", "no return")
+    return np.where(found.outcome == "finished", none, found.outcome)
 
 
 def _surface_alone(surface: Function | TapeFunction) -> Function | TapeFunction:
@@ -410,6 +457,16 @@ def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) 
         which = "the orbit lies" if len(in_surface) == 1 else f"{n} of {len(in_surface)} orbits lie"
         warnings.warn(
             f"{which} in the surface {surface} = 0, from start to end, and cross it nowhere; try another surface",
+            SurfaceWarning,
+            stacklevel=3,
+        )
+
+
+def _warn_of_gaps(surface: str, share: float) -> None:
+    if share > _GAP:
+        warnings.warn(
+            f"the surface function {surface} could not be followed in {as_percent(share)} of the time, where crossings "
+            "are not found: it varies too fast, or is singular nearby; try a smoother one",
             SurfaceWarning,
             stacklevel=3,
         )

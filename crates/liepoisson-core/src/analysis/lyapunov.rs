@@ -1,6 +1,6 @@
 //! The largest Lyapunov exponent of each trajectory as a function of time.
 
-use super::{UNREACHED, name_unreached, unreached};
+use super::{Rows, UNREACHED, filled, name_unreached};
 use crate::ensemble::{Control, Ensemble, Observer, Step, Summary};
 use crate::error::Error;
 use crate::field::Space;
@@ -40,7 +40,8 @@ pub fn growth<F: Space, M: Method<F>>(
     let (n, members, n_times) = (ensemble.field.n_components(), ensemble.n_members(), ensemble.times.len() - 1);
     // Only the direction of a tangent vector counts, so one whose square would leave the range of numbers is brought
     // near length one by a power of two, exactly.
-    let mut tangents = ensemble.tangents.to_vec();
+    let mut tangents = filled(ensemble.tangents.len(), 0.0)?;
+    tangents.copy_from_slice(ensemble.tangents);
     let mut initial = Vec::with_capacity(members);
     for (member, vectors) in tangents.chunks_exact_mut(n * ensemble.n_tangents).enumerate() {
         let largest = vectors[..n].iter().fold(0.0_f64, |largest, component| largest.max(component.abs()));
@@ -54,23 +55,23 @@ pub fn growth<F: Space, M: Method<F>>(
         }
         initial.push(libm::log(norm));
     }
-    let growth = Mutex::new(Growth {
-        exponents: unreached(members.saturating_mul(n_times))?,
-        summaries: vec![UNREACHED; members],
-    });
+    let mut exponents = filled(members.saturating_mul(n_times), f64::NAN)?;
+    let summaries = Mutex::new(filled(members, UNREACHED)?);
+    let rows = Rows::new(&mut exponents, members);
     let recorder = |lanes| Recorder {
-        shared: &growth,
+        summaries: &summaries,
+        rows: &rows,
         times: ensemble.times,
         initial: &initial,
         members: vec![0; lanes],
-        exponents: vec![vec![f64::NAN; n_times]; lanes],
+        exponents: (0..lanes).map(|_| Default::default()).collect(),
         tangent: vec![0.0; n],
     };
     let ensemble = Ensemble { tangents: &tangents, ..*ensemble };
     ensemble.run(threads, simd, control, recorder, watch)?;
-    let mut growth = growth.into_inner().expect("no worker panics while it writes");
-    name_unreached(&mut growth.summaries, control);
-    Ok(growth)
+    let mut summaries = summaries.into_inner().expect(POISONED);
+    name_unreached(&mut summaries, control);
+    Ok(Growth { exponents, summaries })
 }
 
 #[inline(always)]
@@ -90,20 +91,23 @@ fn logarithm(norm: f64, scale: i64) -> f64 {
     libm::log(libm::scalbn(norm, -exponent)) + whole as f64 * std::f64::consts::LN_2
 }
 
+const POISONED: &str = "no worker panics while it writes";
+
 struct Recorder<'g> {
-    shared: &'g Mutex<Growth>,
+    summaries: &'g Mutex<Vec<Summary>>,
+    rows: &'g Rows<'g>,
     times: &'g [f64],
     /// Logarithm of the initial length of each member's tangent vector.
     initial: &'g [f64],
     members: Vec<usize>,
-    exponents: Vec<Vec<f64>>,
+    exponents: Vec<&'g mut [f64]>,
     tangent: Vec<f64>,
 }
 
 impl Observer for Recorder<'_> {
     fn begin(&mut self, lane: usize, member: usize) {
         self.members[lane] = member;
-        self.exponents[lane].fill(f64::NAN);
+        self.exponents[lane] = self.rows.take(member);
     }
 
     fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
@@ -115,10 +119,7 @@ impl Observer for Recorder<'_> {
         }
     }
 
-    fn end(&mut self, lane: usize, member: usize, summary: Summary) {
-        let row = &self.exponents[lane];
-        let mut shared = self.shared.lock().expect("no worker panics while it writes");
-        shared.exponents[member * row.len()..(member + 1) * row.len()].copy_from_slice(row);
-        shared.summaries[member] = summary;
+    fn end(&mut self, _lane: usize, member: usize, summary: Summary) {
+        self.summaries.lock().expect(POISONED)[member] = summary;
     }
 }

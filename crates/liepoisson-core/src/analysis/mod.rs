@@ -6,6 +6,7 @@ pub mod section;
 
 use crate::ensemble::{Control, Outcome, Summary};
 use crate::error::Error;
+use std::sync::Mutex;
 
 /// A member that no worker has started, because the run was ended before.
 const UNREACHED: Summary = Summary { outcome: Outcome::Cancelled, time: f64::NAN, n_steps: 0, state: Vec::new() };
@@ -19,12 +20,32 @@ fn name_unreached(summaries: &mut [Summary], control: &Control) {
     }
 }
 
-/// An array of `len` NaN, or the refusal of the memory for it.
-fn unreached(len: usize) -> Result<Vec<f64>, Error> {
+/// An array of `len` times the same, or the refusal of the memory for it.
+fn filled<T: Clone>(len: usize, value: T) -> Result<Vec<T>, Error> {
     let mut values = Vec::new();
-    values.try_reserve_exact(len).map_err(|_| Error::Memory { bytes: len.saturating_mul(8) })?;
-    values.resize(len, f64::NAN);
+    let bytes = len.saturating_mul(size_of::<T>());
+    values.try_reserve_exact(len).map_err(|_| Error::Memory { bytes })?;
+    values.resize(len, value);
     Ok(values)
+}
+
+/// An array as one row for each member, to be taken by the worker that computes it: results are written where they stay, and
+/// are in memory once.
+struct Rows<'r>(Mutex<Vec<&'r mut [f64]>>);
+
+impl<'r> Rows<'r> {
+    fn new(values: &'r mut [f64], members: usize) -> Rows<'r> {
+        let row = values.len().checked_div(members).unwrap_or(0);
+        Rows(Mutex::new(match row {
+            0 => (0..members).map(|_| <&mut [f64]>::default()).collect(),
+            _ => values.chunks_exact_mut(row).collect(),
+        }))
+    }
+
+    /// The row of a member; empty if it was taken before.
+    fn take(&self, member: usize) -> &'r mut [f64] {
+        std::mem::take(&mut self.0.lock().expect("no worker panics while it takes a row")[member])
+    }
 }
 
 #[cfg(test)]
@@ -33,7 +54,20 @@ mod tests {
 
     #[test]
     fn an_array_that_no_memory_can_hold_is_refused() {
-        assert_eq!(unreached(usize::MAX / 8), Err(Error::Memory { bytes: usize::MAX / 8 * 8 }));
-        assert!(unreached(3).unwrap().iter().all(|value| value.is_nan()));
+        assert_eq!(filled(usize::MAX / 8, 1.0), Err(Error::Memory { bytes: usize::MAX / 8 * 8 }));
+        assert_eq!(filled(usize::MAX, UNREACHED), Err(Error::Memory { bytes: usize::MAX }));
+        assert_eq!(filled(3, 1.0).unwrap(), [1.0; 3]);
+    }
+
+    #[test]
+    fn rows_are_taken_once_and_are_parts_of_the_array() {
+        let mut values: Vec<f64> = (0..6).map(f64::from).collect();
+        let rows = Rows::new(&mut values, 3);
+        assert_eq!(rows.take(2), [4.0, 5.0]);
+        assert!(rows.take(2).is_empty());
+        rows.take(0)[1] = 7.0;
+        assert_eq!(values[1], 7.0);
+        assert!(Rows::new(&mut [], 3).take(2).is_empty());
+        assert!(Rows::new(&mut [], 0).0.into_inner().unwrap().is_empty());
     }
 }

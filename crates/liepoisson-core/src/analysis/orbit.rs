@@ -1,7 +1,7 @@
 //! Orbits: states and tangent vectors at given times, and the power series of every step on request.
 
-use super::{UNREACHED, name_unreached, unreached};
-use crate::ensemble::{Control, Ensemble, Observer, Step, Summary};
+use super::{Rows, UNREACHED, filled, name_unreached};
+use crate::ensemble::{Control, Ensemble, Observer, Step, Stop, Summary};
 use crate::error::Error;
 use crate::field::Space;
 use crate::lanes::Simd;
@@ -44,26 +44,29 @@ pub fn orbits<F: Space, M: Method<F>>(
     dense: bool,
     watch: impl FnOnce(&dyn Fn(Duration) -> bool),
 ) -> Result<Orbits, Error> {
+    ensemble.check()?;
     let (n, n_times, n_tangents) = (ensemble.field.n_components(), ensemble.times.len(), ensemble.n_tangents);
     let members = ensemble.n_members();
-    let row = n_times * n;
-    let refused = AtomicUsize::new(0);
-    let orbits = Mutex::new(Orbits {
-        states: unreached(members.saturating_mul(row))?,
-        tangents: unreached(members.saturating_mul(row).saturating_mul(n_tangents))?,
-        summaries: vec![UNREACHED; members],
-        series: vec![Series::default(); if dense { members } else { 0 }],
+    let numbers = members.saturating_mul(n_times).saturating_mul(n);
+    let mut states = filled(numbers, f64::NAN)?;
+    let mut tangents = filled(numbers.saturating_mul(n_tangents), f64::NAN)?;
+    let ended = Mutex::new(Ended {
+        summaries: filled(members, UNREACHED)?,
+        series: filled(if dense { members } else { 0 }, Series::default())?,
     });
+    let refused = AtomicUsize::new(0);
+    let (state_rows, tangent_rows) = (Rows::new(&mut states, members), Rows::new(&mut tangents, members));
     ensemble.run(
         threads,
         simd,
         control,
         |lanes| Recorder {
-            shared: &orbits,
+            shared: &ended,
+            rows: [&state_rows, &tangent_rows],
             n,
             n_tangents,
-            states: vec![vec![f64::NAN; row]; lanes],
-            tangents: vec![vec![f64::NAN; row * n_tangents]; lanes],
+            states: empty_rows(lanes),
+            tangents: empty_rows(lanes),
             series: vec![Series::default(); lanes],
             dense,
             control,
@@ -75,19 +78,31 @@ pub fn orbits<F: Space, M: Method<F>>(
     if bytes > 0 {
         return Err(Error::Memory { bytes });
     }
-    let mut orbits = orbits.into_inner().expect(POISONED);
-    name_unreached(&mut orbits.summaries, control);
-    Ok(orbits)
+    let Ended { mut summaries, series } = ended.into_inner().expect(POISONED);
+    name_unreached(&mut summaries, control);
+    Ok(Orbits { states, tangents, summaries, series })
+}
+
+/// What is known of members that have ended, beside their rows.
+struct Ended {
+    summaries: Vec<Summary>,
+    series: Vec<Series>,
+}
+
+fn empty_rows<'r>(lanes: usize) -> Vec<&'r mut [f64]> {
+    (0..lanes).map(|_| Default::default()).collect()
 }
 
 const POISONED: &str = "no worker panics while it writes";
 
 struct Recorder<'o> {
-    shared: &'o Mutex<Orbits>,
+    shared: &'o Mutex<Ended>,
+    /// Where states and tangent vectors of all members belong.
+    rows: [&'o Rows<'o>; 2],
     n: usize,
     n_tangents: usize,
-    states: Vec<Vec<f64>>,
-    tangents: Vec<Vec<f64>>,
+    states: Vec<&'o mut [f64]>,
+    tangents: Vec<&'o mut [f64]>,
     series: Vec<Series>,
     dense: bool,
     control: &'o Control,
@@ -96,20 +111,19 @@ struct Recorder<'o> {
 }
 
 impl Observer for Recorder<'_> {
-    fn begin(&mut self, lane: usize, _member: usize) {
-        self.states[lane].fill(f64::NAN);
-        self.tangents[lane].fill(f64::NAN);
+    fn begin(&mut self, lane: usize, member: usize) {
+        (self.states[lane], self.tangents[lane]) = (self.rows[0].take(member), self.rows[1].take(member));
         self.series[lane] = Series::default();
     }
 
-    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<()> {
+    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
         if self.dense {
             let Series { times, coefficients } = &mut self.series[lane];
             if times.try_reserve(1).is_err() || step.copy_series(coefficients).is_err() {
                 self.refused.store((8 * coefficients.len()).max(1), Ordering::Relaxed);
                 self.control.cancel();
                 self.series[lane] = Series::default();
-                return ControlFlow::Break(());
+                return ControlFlow::Break(Stop::Served);
             }
             times.push(step.time);
         }
@@ -130,10 +144,7 @@ impl Observer for Recorder<'_> {
     }
 
     fn end(&mut self, lane: usize, member: usize, summary: Summary) {
-        let (states, tangents) = (&self.states[lane], &self.tangents[lane]);
         let mut shared = self.shared.lock().expect(POISONED);
-        shared.states[member * states.len()..(member + 1) * states.len()].copy_from_slice(states);
-        shared.tangents[member * tangents.len()..(member + 1) * tangents.len()].copy_from_slice(tangents);
         shared.summaries[member] = summary;
         if self.dense {
             shared.series[member] = std::mem::take(&mut self.series[lane]);

@@ -192,9 +192,9 @@ impl<'r, V: Lane> Series<'r, V> {
     #[inline(always)]
     fn readers(&self, group: usize, tile: &Tile) -> (Reader<V>, Reader<V>) {
         assert!((group + 1) * self.group <= self.row && tile.n_components <= self.group);
-        let first = self.known[group * self.group..].as_ptr();
-        let last = self.known[self.k * self.row + group * self.group..].as_ptr();
-        (Reader(first), Reader(last))
+        // Both pointers are those of all rows, moved: a pointer to a part of them may not be used outside of that part.
+        let first = self.known.as_ptr().wrapping_add(group * self.group);
+        (Reader(first), Reader(first.wrapping_add(self.k * self.row)))
     }
 
     /// Coefficient `k` of the products.
@@ -275,7 +275,8 @@ impl<'r, V: Lane> Series<'r, V> {
 ///
 /// Reading is unchecked: a check for every coefficient would cost as much as the arithmetic. It is sound because the
 /// indices of a [`Tile`] are below the number of components, which is at most the length of a group, and because a loop
-/// from order 0 to `k` stays in the rows that [`Series::new`] has found to be there.
+/// from order 0 to `k` stays in the rows that [`Series::new`] has found to be there. Before the first row and after the last
+/// the pointer is moved once more, and not read.
 struct Reader<V>(*const V);
 
 impl<V: Lane> Reader<V> {
@@ -319,7 +320,7 @@ impl<V: Lane> Reader<V> {
 #[inline(always)]
 #[allow(clippy::pointers_in_nomem_asm_block)] // nothing is read through it there
 fn opaque<T>(pointer: *const T) -> *const T {
-    #[cfg(target_arch = "x86_64")]
+    #[cfg(all(target_arch = "x86_64", not(miri)))]
     {
         let mut pointer = pointer;
         // SAFETY: there is no instruction in it.
@@ -328,6 +329,88 @@ fn opaque<T>(pointer: *const T) -> *const T {
         }
         pointer
     }
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(any(not(target_arch = "x86_64"), miri))] // Miri runs no assembly
     pointer
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lanes::{Simd, Task, Wide, dispatch};
+    use proptest::prelude::*;
+
+    /// The sums of a tile in every way that there is, from coefficients `(order, group, component)` without a number more.
+    struct EverySum<'s> {
+        tile: &'s Tile,
+        group: usize,
+        n_tangents: usize,
+        k: usize,
+        numbers: &'s [f64],
+    }
+
+    impl Task for EverySum<'_> {
+        type Output = Vec<Vec<f64>>;
+
+        fn run<V: Wide>(self) -> Vec<Vec<f64>> {
+            let rows: Box<[V]> = self.numbers.iter().map(|&number| V::splat(number)).collect();
+            let series = Series::new(&rows, self.group * (1 + self.n_tangents), self.group, self.k);
+            let mut sums = Vec::new();
+            self.tile.run(Collect { series, n_tangents: self.n_tangents, to: &mut sums });
+            sums
+        }
+    }
+
+    struct Collect<'s, V> {
+        series: Series<'s, V>,
+        n_tangents: usize,
+        to: &'s mut Vec<Vec<f64>>,
+    }
+
+    impl<V: Lane> Kernel for Collect<'_, V> {
+        fn run<const Q: usize, const S: usize, const A: usize>(self, tile: &Tile) {
+            let mut keep = |sums: Sums<V, Q, S, A>| {
+                self.to.push(sums.in_order()[..tile.shape().n_products()].iter().map(|sum| sum.get(0)).collect());
+            };
+            keep(self.series.of_state(tile));
+            (1..=self.n_tangents).for_each(|t| keep(self.series.of_tangent(tile, t)));
+            if self.n_tangents > 0 {
+                self.series.of_both(tile).into_iter().for_each(keep);
+            }
+        }
+    }
+
+    proptest! {
+        /// Also where the rows end exactly with the last coefficient that is read, and begin with the first.
+        #[test]
+        fn a_tile_of_every_shape_forms_its_products(
+            k in 0_usize..5, spare in 0_usize..3, n_tangents in 0_usize..3,
+            numbers in prop::collection::vec(-1.0_f64..1.0, 5 * 3 * 11),
+        ) {
+            for shape in SHAPES {
+                let n_components = shape.columns + shape.n_rows();
+                let indices: Vec<usize> = (0..n_components).rev().collect();
+                let (columns, rows) = indices.split_at(shape.columns);
+                let tile = Tile::new(columns, rows, shape.shared, n_components);
+                let group = n_components + spare;
+                let row = group * (1 + n_tangents);
+                let coefficients: Vec<f64> = numbers.iter().copied().cycle().take(row * (k + 1)).collect();
+                let x = |order: usize, group_number: usize, i: usize| coefficients[order * row + group_number * group + i];
+                let state = |[i, j]: [usize; 2]| (0..=k).fold(0.0, |sum, s| x(s, 0, i).mul_add(x(k - s, 0, j), sum));
+                let tangent = |t: usize, [i, j]: [usize; 2]| (0..=k).fold(0.0, |sum, s| {
+                    let sum = x(s, 0, i).mul_add(x(k - s, t, j), sum);
+                    x(s, t, i).mul_add(x(k - s, 0, j), sum)
+                });
+                let products = tile.products();
+                let mut wanted = vec![products.iter().map(|&product| state(product)).collect::<Vec<f64>>()];
+                for t in (1..=n_tangents).chain([0, 1].into_iter().filter(|_| n_tangents > 0)) {
+                    let of = |&product: &[usize; 2]| if t == 0 { state(product) } else { tangent(t, product) };
+                    wanted.push(products.iter().map(of).collect());
+                }
+                for simd in Simd::ALL {
+                    let task = EverySum { tile: &tile, group, n_tangents, k, numbers: &coefficients };
+                    prop_assert_eq!(&dispatch(simd, task), &wanted, "{:?} {:?}", shape, simd);
+                }
+            }
+        }
+    }
 }

@@ -1,6 +1,7 @@
 //! Which tiles form a given set of products: a greedy cover, chosen once for a field.
 
 use super::convolution::{SHAPES, Shape, Tile};
+use std::collections::BTreeMap;
 
 /// Tiles that form each of `products` (pairs of components, in either order) exactly once.
 ///
@@ -20,10 +21,9 @@ pub(super) fn cover(n_components: usize, products: &[[usize; 2]]) -> Vec<Tile> {
 
 /// The products that are not covered yet, as a symmetric relation between components.
 struct Open {
-    n: usize,
-    /// `partner[i * n + j]`: the product of components `i` and `j` is wanted.
-    partner: Vec<bool>,
-    degree: Vec<usize>,
+    /// For each component the others with which its product is wanted, in ascending order: memory for the products that
+    /// there are, not for all pairs of components.
+    partners: Vec<Vec<usize>>,
 }
 
 /// The rows that a choice of columns offers: with all of them, and with the first alone.
@@ -35,47 +35,52 @@ struct Panel {
 
 impl Open {
     fn new(n: usize, products: &[[usize; 2]]) -> Open {
-        let mut open = Open { n, partner: vec![false; n * n], degree: vec![0; n] };
+        let mut partners = vec![Vec::new(); n];
         for &[i, j] in products {
-            open.set(i, j, true);
+            partners[i].push(j);
+            partners[j].push(i);
         }
-        open
+        for others in &mut partners {
+            others.sort_unstable();
+            others.dedup();
+        }
+        Open { partners }
     }
 
     fn wants(&self, i: usize, j: usize) -> bool {
-        self.partner[i * self.n + j]
-    }
-
-    fn set(&mut self, i: usize, j: usize, wanted: bool) {
-        for (i, j) in [(i, j), (j, i)] {
-            if self.partner[i * self.n + j] != wanted {
-                self.partner[i * self.n + j] = wanted;
-                self.degree[i] = if wanted { self.degree[i] + 1 } else { self.degree[i] - 1 };
-            }
-        }
+        self.partners[i].binary_search(&j).is_ok()
     }
 
     fn close(&mut self, tile: &Tile) {
         for [i, j] in tile.products() {
             debug_assert!(self.wants(i, j), "a product is formed once");
-            self.set(i, j, false);
+            for (i, j) in [(i, j), (j, i)] {
+                if let Ok(at) = self.partners[i].binary_search(&j) {
+                    self.partners[i].remove(at);
+                }
+            }
         }
     }
 
     /// The component with most open products, alone or with the one or two that share most partners with it, whichever
-    /// costs least for each product; none when all are covered.
+    /// costs least for each product; none when all are covered. Of several that are equal the first is taken.
     fn best_columns(&self) -> Option<Vec<usize>> {
-        let first = (0..self.n).rev().max_by_key(|&i| self.degree[i]).filter(|&i| self.degree[i] > 0)?;
+        let degree = |i: usize| self.partners[i].len();
+        let first = (0..self.partners.len()).rev().max_by_key(|&i| degree(i)).filter(|&i| degree(i) > 0)?;
         let mut columns = vec![first];
         let mut best = (self.panel(&columns).cost_per_product(), columns.clone());
+        // the rows that all columns so far share
+        let mut rows = self.partners[first].clone();
         while columns.len() < 3 {
-            let common = |i: &usize| {
-                (0..self.n).filter(|&row| self.wants(*i, row) && columns.iter().all(|&c| self.wants(c, row))).count()
-            };
-            let Some(next) = (0..self.n).rev().filter(|i| !columns.contains(i)).max_by_key(common) else {
+            let mut common = BTreeMap::new();
+            for &i in rows.iter().flat_map(|&row| &self.partners[row]).filter(|i| !columns.contains(i)) {
+                *common.entry(i).or_insert(0_usize) += 1;
+            }
+            let Some((&next, _)) = common.iter().rev().max_by_key(|entry| entry.1) else {
                 break;
             };
             columns.push(next);
+            rows.retain(|&row| self.wants(next, row));
             let cost = self.panel(&columns).cost_per_product();
             if cost < best.0 {
                 best = (cost, columns.clone());
@@ -87,7 +92,7 @@ impl Open {
     fn panel(&self, columns: &[usize]) -> Panel {
         // A column is no shared row: its products with two columns would be formed twice.
         let is_shared = |row: usize| !columns.contains(&row) && columns.iter().all(|&column| self.wants(column, row));
-        let rows = || (0..self.n).filter(|&row| self.wants(columns[0], row));
+        let rows = || self.partners[columns[0]].iter().copied();
         let (shared, single) = if columns.len() == 1 {
             (Vec::new(), rows().collect())
         } else {

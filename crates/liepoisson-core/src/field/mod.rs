@@ -12,7 +12,16 @@ pub use quadratic::Quadratic;
 pub use tape::{Enclosure, Functions, Instruction, Tape};
 pub use top::Top;
 
+use crate::error::Error;
 use crate::lanes::{Lane, Piece};
+
+/// Most components that a field may have: far more than any system here, and few enough that lists of them fit into memory.
+pub const MOST_COMPONENTS: usize = 1 << 20;
+
+/// Refuses a number of components before anything of that length is made.
+fn check_components(got: usize) -> Result<(), Error> {
+    if (1..=MOST_COMPONENTS).contains(&got) { Ok(()) } else { Err(Error::Components { got }) }
+}
 
 /// Where a system lives.
 pub trait Space: Sync {

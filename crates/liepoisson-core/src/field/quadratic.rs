@@ -2,7 +2,7 @@
 
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
-use super::{Field, Majorant, SinglePrecision, Space, needs_remainder, over};
+use super::{Field, Majorant, SinglePrecision, Space, check_components, needs_remainder, over};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -48,16 +48,14 @@ impl Quadratic {
     /// Entries with the same indices add up, and `x_j x_k` is the same product as `x_k x_j`; what adds up to zero is left out.
     ///
     /// # Errors
-    /// No components, an index that is none of a component, an entry that is not finite.
+    /// No components or too many, an index that is none of a component, an entry that is not finite.
     pub fn new(
         n_components: usize,
         constant: &[(usize, f64)],
         linear: &[(usize, usize, f64)],
         quadratic: &[(usize, usize, usize, f64)],
     ) -> Result<Quadratic, Error> {
-        if n_components == 0 {
-            return Err(Error::NoComponents);
-        }
+        check_components(n_components)?;
         let constant = collect("constant", n_components, constant.iter().map(|&(i, c)| ([i], c)))?;
         let linear = collect("linear", n_components, linear.iter().map(|&(i, j, c)| ([i, j], c)))?;
         let by_product = |&(i, j, k, c): &(usize, usize, usize, f64)| ([j.min(k), j.max(k), i], c);

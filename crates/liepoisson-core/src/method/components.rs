@@ -29,6 +29,10 @@ impl Method<Top> for AcrossComponents {
         })
     }
 
+    fn registers(&self, _field: &Top, _n_tangents: usize) -> usize {
+        size_of::<Rows>() / size_of::<f64>()
+    }
+
     fn max_steps(&self) -> u64 {
         self.0.max_steps()
     }

@@ -91,6 +91,11 @@ impl<F: Field> Method<F> for Gauss {
         })
     }
 
+    fn registers(&self, field: &F, n_tangents: usize) -> usize {
+        // two sets of rates; state, start, one stage and what rounding took
+        field.registers(n_tangents, 1) + (2 * self.n_stages + 6) * field.row(n_tangents)
+    }
+
     fn max_steps(&self) -> u64 {
         self.max_steps
     }

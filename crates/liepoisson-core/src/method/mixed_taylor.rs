@@ -72,6 +72,10 @@ impl Method<Top> for MixedTaylor {
         })
     }
 
+    fn registers(&self, field: &Top, n_tangents: usize) -> usize {
+        2 * (self.double_order() + 1) * GROUP + (self.0.order() + 1) * field.row(n_tangents)
+    }
+
     fn max_steps(&self) -> u64 {
         self.0.max_steps()
     }

@@ -27,6 +27,9 @@ pub trait Method<F>: Copy + Sync {
     /// Room for as many trajectories as the registers `V` hold, at rest at the origin.
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f>;
 
+    /// Registers that such a block takes, about: what is asked for before it is made.
+    fn registers(&self, field: &F, n_tangents: usize) -> usize;
+
     /// Most steps that a trajectory may take.
     fn max_steps(&self) -> u64;
 

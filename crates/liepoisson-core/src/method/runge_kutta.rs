@@ -109,6 +109,11 @@ impl<F: Field> Method<F> for RungeKutta {
         Box::new(RungeKuttaBlock::<F, V>::new(*self, field, n_tangents))
     }
 
+    fn registers(&self, field: &F, n_tangents: usize) -> usize {
+        // the rates of all stages; state, start, one stage and what rounding took
+        field.registers(n_tangents, 1) + (STAGES.len() + 6) * field.row(n_tangents)
+    }
+
     fn max_steps(&self) -> u64 {
         self.max_steps
     }
@@ -121,6 +126,10 @@ impl<F: Field + SinglePrecision> Method<F> for Single<RungeKutta> {
             *tolerance = tolerance.max(SINGLE_TOLERANCE);
         }
         Box::new(RungeKuttaBlock::<F, V::Narrow>::new(method, field, n_tangents))
+    }
+
+    fn registers(&self, field: &F, n_tangents: usize) -> usize {
+        self.0.registers(field, n_tangents)
     }
 
     fn max_steps(&self) -> u64 {

@@ -66,6 +66,10 @@ impl<F: Field> Method<F> for Taylor {
         Box::new(TaylorBlock { field, method: *self, trend, n_tangents, row: field.row(n_tangents), rows })
     }
 
+    fn registers(&self, field: &F, n_tangents: usize) -> usize {
+        field.registers(n_tangents, self.order)
+    }
+
     fn max_steps(&self) -> u64 {
         self.max_steps
     }

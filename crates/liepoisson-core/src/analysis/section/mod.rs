@@ -2,13 +2,14 @@
 //!
 //! In every step the series of `s` follows from that of the state. Its sign is surveyed piece by piece ([`survey`]), with a
 //! bound of what it leaves out ([`remainder`]) and of round-off, so that no pair of crossings within a step is missed.
+//! Where that fails, the time for which it does is kept beside the crossings ([`Doubts`]).
 
 mod points;
 mod remainder;
 mod survey;
 
-use super::{UNREACHED, name_unreached};
-use crate::ensemble::{Control, Ensemble, Observer, Step, Summary};
+use super::{UNREACHED, filled, name_unreached};
+use crate::ensemble::{Control, Ensemble, Observer, Step, Stop, Summary};
 use crate::error::Error;
 use crate::field::{Enclosure, Field, Functions, Majorant};
 use crate::lanes::Simd;
@@ -18,6 +19,7 @@ pub use points::Points;
 use remainder::{Sizes, shifted};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 use survey::{Mark, survey};
 
@@ -35,15 +37,34 @@ pub struct Surface {
 }
 
 /// Where less is known.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Doubts {
     /// Steps in which the error of the state could be estimated only, not bounded.
     pub n_unbounded: u64,
-    /// Parts of steps in which the function does not exist, or nothing is known of it however short they are made:
-    /// crossings there are not found, and a change of sign across them is none.
-    pub n_undefined: u64,
-    /// Whether the function stays within its error of zero from the start to the end: the orbit lies in the surface.
+    /// Steps with a part of which nothing is known: crossings there are not found, and a change of sign across it is none.
+    pub n_unseen: u64,
+    /// The length of the parts on which the function has no value.
+    pub undefined_time: f64,
+    /// The length of the parts on which the function has values, but could not be followed: it varies too fast for its error,
+    /// or has a singularity nearby.
+    pub unresolved_time: f64,
+    /// Time up to which there was no such part: that of the first, or the end.
+    pub seen_to: f64,
+    /// Whether the function stays within its error of zero from the start to the end, and would not on orbits beside this one:
+    /// the orbit lies in the surface.
     pub is_in_surface: bool,
+}
+
+impl Doubts {
+    /// Of a member before its first step.
+    const NONE: Doubts = Doubts {
+        n_unbounded: 0,
+        n_unseen: 0,
+        undefined_time: 0.0,
+        unresolved_time: 0.0,
+        seen_to: f64::NAN,
+        is_in_surface: false,
+    };
 }
 
 /// Sections of all members of an ensemble: points member by member.
@@ -70,10 +91,12 @@ pub struct Sections {
 /// between them. That error is the sum of what the series of the function leaves out, which is bounded, of how far the error
 /// of the state moves the function, and of an estimate of round-off. The error of the state is bounded for fields of degree
 /// two where the bound is sharp, and estimated by the last four terms of its series otherwise ([`Doubts::n_unbounded`]).
-/// A member that starts on the surface, within the error, does not cross it there.
+/// A member that starts on the surface, within the error, does not cross it there. Where the function cannot be followed
+/// nothing is found, and [`Doubts`] say for how long.
 ///
 /// # Errors
-/// See [`Ensemble::check`]; functions of another number of components than the field.
+/// See [`Ensemble::check`]; functions of another number of components than the field; a direction that is none, no crossing
+/// wanted; no memory for the points.
 pub fn sections<F: Field>(
     ensemble: &Ensemble<'_, F, Taylor>,
     surface: &Surface,
@@ -88,26 +111,41 @@ pub fn sections<F: Field>(
             return Err(Error::Length { name: "variables of the surface", wanted: n, got: functions.n_components() });
         }
     }
+    if !(-1..=1).contains(&surface.direction) {
+        return Err(Error::Direction { got: surface.direction });
+    }
+    if surface.n_crossings == Some(0) {
+        return Err(Error::NoCrossings);
+    }
+    ensemble.check()?;
+    let refused = AtomicUsize::new(0);
     let ended = Mutex::new(Ended {
-        crossings: Collected::new(members),
-        touches: Collected::new(members),
-        doubts: vec![Doubts::default(); members],
-        summaries: vec![UNREACHED; members],
+        crossings: Collected::new(members)?,
+        touches: Collected::new(members)?,
+        doubts: filled(members, Doubts::NONE)?,
+        summaries: filled(members, UNREACHED)?,
     });
     let recorder = |lanes| Recorder {
         shared: &ended,
+        control,
+        refused: &refused,
         surface,
         majorant: ensemble.field.majorant(),
         n,
+        start: ensemble.times[0],
         seats: vec![Seat::default(); lanes],
         room: Room::default(),
     };
     ensemble.run(threads, simd, control, recorder, watch)?;
+    match refused.into_inner() {
+        0 => {}
+        bytes => return Err(Error::Memory { bytes }),
+    }
     let Ended { crossings, touches, doubts, mut summaries } = ended.into_inner().expect(POISONED);
     name_unreached(&mut summaries, control);
     let width = surface.kept.as_ref().map_or(n, Functions::n_functions);
-    let (crossings, crossing_counts) = crossings.arrange(width);
-    let (touches, touch_counts) = touches.arrange(width);
+    let (crossings, crossing_counts) = crossings.arrange(width)?;
+    let (touches, touch_counts) = touches.arrange(width)?;
     Ok(Sections { crossings, crossing_counts, touches, touch_counts, doubts, summaries })
 }
 
@@ -123,9 +161,14 @@ const POISONED: &str = "no worker panics while it writes";
 
 struct Recorder<'s> {
     shared: &'s Mutex<Ended>,
+    control: &'s Control,
+    /// Bytes for points that could not be had; the run is then cancelled.
+    refused: &'s AtomicUsize,
     surface: &'s Surface,
     majorant: Option<Majorant>,
     n: usize,
+    /// Time at which members start.
+    start: f64,
     seats: Vec<Seat>,
     room: Room,
 }
@@ -140,18 +183,33 @@ struct Room {
     sizes: Sizes,
     /// How far the series of the state is from the state on the step.
     error_of_state: f64,
+    /// Parts of the step that were given up although the function exists.
+    n_lost: usize,
+    /// Whether there is a part of the step of which nothing is known.
+    is_blind: bool,
 }
 
 /// One trajectory under way.
-#[derive(Clone, Default)]
+#[derive(Clone)]
 struct Seat {
     crossings: Points,
     touches: Points,
     doubts: Doubts,
     /// The last sign of the function that is known, 0 if none is.
     side: i8,
+    /// Whether one ever was.
+    had_side: bool,
     /// The point nearest to the surface since then, where the sign is not known.
     nearest: Option<Nearest>,
+    /// Bytes for its points that could not be had.
+    refused: usize,
+}
+
+impl Default for Seat {
+    fn default() -> Seat {
+        let (crossings, touches) = (Points::default(), Points::default());
+        Seat { crossings, touches, doubts: Doubts::NONE, side: 0, had_side: false, nearest: None, refused: 0 }
+    }
 }
 
 #[derive(Clone)]
@@ -164,39 +222,63 @@ struct Nearest {
 
 impl Observer for Recorder<'_> {
     fn begin(&mut self, lane: usize, _member: usize) {
-        let seat = &mut self.seats[lane];
-        (seat.doubts, seat.side, seat.nearest) = (Doubts::default(), 0, None);
+        self.seats[lane] = Seat::default();
     }
 
-    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<()> {
+    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
         let mut state = std::mem::take(&mut self.room.state);
         state.clear();
-        if step.copy_series(&mut state).is_ok() {
+        (self.room.n_lost, self.room.is_blind) = (0, false);
+        let whole = Part { from: 0.0, length: 1.0 };
+        let looked = if step.copy_series(&mut state).is_ok() {
             self.room.sizes.measure(&state, self.n, step.size);
             let bound = self.majorant.and_then(|majorant| self.room.sizes.error_of_state(majorant));
             self.room.error_of_state = bound.unwrap_or_else(|| self.room.sizes.last());
             self.seats[lane].doubts.n_unbounded += u64::from(bound.is_none());
-            self.look(lane, step, &state, Part { from: 0.0, length: 1.0 }, 0);
+            self.look(lane, step, &state, whole, 0)
         } else {
-            self.seats[lane].lose_sight();
-        }
+            self.lose_sight(lane, step, whole, true);
+            ControlFlow::Continue(())
+        };
         self.room.state = state;
-        if self.seats[lane].crossings.signs.len() < self.wanted() {
+        let seat = &mut self.seats[lane];
+        seat.doubts.n_unseen += u64::from(self.room.is_blind);
+        if seat.refused > 0 {
+            self.refused.store(seat.refused, Ordering::Relaxed);
+            self.control.cancel();
+        } else if let ControlFlow::Break(after) = looked {
+            return ControlFlow::Break(Stop::Interrupted { after: after * step.size });
+        }
+        if self.seats[lane].refused == 0 && self.seats[lane].crossings.signs.len() < self.wanted() {
             ControlFlow::Continue(())
         } else {
-            ControlFlow::Break(())
+            ControlFlow::Break(Stop::Served)
         }
     }
 
     fn end(&mut self, lane: usize, member: usize, summary: Summary) {
+        let can_tell = !self.seats[lane].had_side && self.can_tell(&summary.state);
         let seat = &mut self.seats[lane];
-        if let (Some(nearest), true) = (seat.nearest.take(), seat.side != 0) {
-            seat.touches.push(nearest.time, &nearest.kept, seat.side);
+        seat.leave_the_nearest();
+        if !seat.had_side && summary.n_steps > 0 {
+            seat.doubts.is_in_surface = can_tell && seat.doubts.n_unseen == 0;
+            if !seat.doubts.is_in_surface {
+                seat.doubts.unresolved_time = (summary.time - self.start).abs() - seat.doubts.undefined_time;
+                seat.doubts.seen_to = self.start;
+            }
         }
-        seat.doubts.is_in_surface = seat.side == 0 && seat.doubts.n_undefined == 0 && summary.n_steps > 0;
+        if seat.doubts.seen_to.is_nan() {
+            seat.doubts.seen_to = summary.time;
+        }
         let mut shared = self.shared.lock().expect(POISONED);
-        shared.crossings.take(member, &mut seat.crossings);
-        shared.touches.take(member, &mut seat.touches);
+        let taken =
+            [shared.crossings.take(member, &mut seat.crossings), shared.touches.take(member, &mut seat.touches)];
+        if let Some(&bytes) =
+            taken.iter().find_map(|taken| taken.as_ref().err()).or((seat.refused > 0).then_some(&seat.refused))
+        {
+            self.refused.store(bytes, Ordering::Relaxed);
+            self.control.cancel();
+        }
         shared.doubts[member] = seat.doubts;
         shared.summaries[member] = summary;
     }
@@ -212,25 +294,41 @@ struct Part {
 /// A part of a step is halved at most so often to make the series of the function converge.
 const MOST_HALVINGS: u32 = 14;
 
+/// Parts of one step that are given up before the rest of it is not halved any more. A singularity costs a few; a function
+/// that varies faster than its error allows costs all parts there are, 16384 in every step, and nothing is found on them.
+const MOST_LOST: usize = 256;
+
 /// The error, in units of the round-off of the sum of the terms, that is small enough not to ask for shorter parts.
 const SHARP: f64 = 16.0;
 
 /// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
 const BLUNT: f64 = 8.0;
 
+/// Distances, in units of the state, at which it is tried whether the function can be told from zero at all.
+const BESIDE: [f64; 4] = [-0.3, -0.01, 0.01, 0.3];
+
 impl Recorder<'_> {
     fn wanted(&self) -> usize {
         self.surface.n_crossings.unwrap_or(usize::MAX)
     }
 
-    /// Looks for crossings on a part of a step, given the series of the state about its start.
+    /// Looks for crossings on a part of a step, given the series of the state about its start. Breaks where the run has to stop,
+    /// with the place up to which it has looked.
     ///
     /// The step is as long as the series of the state allows; a function with a singularity of its own near the orbit, such as
     /// a pole or the end of a root, or a steep one, has a series that needs shorter parts.
-    fn look(&mut self, lane: usize, step: &Step<'_>, state: &[f64], part: Part, halvings: u32) {
+    fn look(&mut self, lane: usize, step: &Step<'_>, state: &[f64], part: Part, halvings: u32) -> ControlFlow<f64> {
+        if self.seats[lane].crossings.signs.len() >= self.wanted() {
+            return ControlFlow::Continue(());
+        }
+        // most steps need no halving, and one part takes no time
+        if halvings > 0 && self.control.look_at_clock().is_some() {
+            return ControlFlow::Break(part.from);
+        }
         let (surface, n) = (self.surface, self.n);
+        let is_last = halvings == MOST_HALVINGS || self.room.n_lost >= MOST_LOST;
         self.room.expand(state, step.size * part.length, &surface.function, n);
-        if let Some(error) = self.room.error(&state[..n], &surface.function, halvings) {
+        if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
             let (wanted, seat) = (self.wanted(), &mut self.seats[lane]);
             let series = std::mem::take(&mut self.room.series);
             survey(&series, error, &mut |mark| {
@@ -240,13 +338,34 @@ impl Recorder<'_> {
                 }
             });
             self.room.series = series;
-        } else if halvings == MOST_HALVINGS || !self.exists_somewhere(step, part) {
-            self.seats[lane].lose_sight();
+            return ControlFlow::Continue(());
+        }
+        let exists = self.exists_somewhere(step, part);
+        if is_last || !exists {
+            self.lose_sight(lane, step, part, exists);
+            return ControlFlow::Continue(());
+        }
+        let half = Part { length: part.length / 2.0, ..part };
+        self.look(lane, step, state, half, halvings + 1)?;
+        let middle = shifted(state, n, step.size * half.length);
+        self.look(lane, step, &middle, Part { from: part.from + half.length, ..half }, halvings + 1)
+    }
+
+    /// Nothing is known of the function here: what its sign was before says nothing about what comes.
+    fn lose_sight(&mut self, lane: usize, step: &Step<'_>, part: Part, exists: bool) {
+        self.room.n_lost += usize::from(exists);
+        self.room.is_blind = true;
+        let seat = &mut self.seats[lane];
+        seat.leave_the_nearest();
+        seat.side = 0;
+        let time = (part.length * step.size).abs();
+        if exists {
+            seat.doubts.unresolved_time += time;
+            if seat.doubts.seen_to.is_nan() {
+                seat.doubts.seen_to = step.time + part.from * step.size;
+            }
         } else {
-            let half = Part { length: part.length / 2.0, ..part };
-            self.look(lane, step, state, half, halvings + 1);
-            let middle = shifted(state, n, step.size * half.length);
-            self.look(lane, step, &middle, Part { from: part.from + half.length, ..half }, halvings + 1);
+            seat.doubts.undefined_time += time;
         }
     }
 
@@ -257,6 +376,25 @@ impl Recorder<'_> {
             step.state((part.from + 0.25 * f64::from(place) * part.length) * step.size, &mut state);
             self.surface.function.series(&state, &mut self.room.work, &mut value);
             value[0].is_finite()
+        })
+    }
+
+    /// Whether the function is beyond its error of zero somewhere beside this state. Where it never is, since it vanishes
+    /// below the smallest numbers or its error is larger than itself, an orbit on which it is not cannot be said to lie in
+    /// the surface.
+    fn can_tell(&mut self, state: &[f64]) -> bool {
+        let size = state.iter().fold(0.0_f64, |size, component| size.max(component.abs()));
+        let (size, unit) = (if size > 0.0 { size } else { 1.0 }, 16.0 * f64::EPSILON);
+        let mut beside = state.to_vec();
+        (0..state.len()).any(|i| {
+            let found = BESIDE.iter().any(|distance| {
+                beside[i] = state[i] + distance * size;
+                let work = &mut self.room.enclosures;
+                let found = self.surface.function.enclosure(&beside, 0.0, unit * size, unit, work);
+                found.value.abs() > found.error
+            });
+            beside[i] = state[i];
+            found
         })
     }
 }
@@ -275,11 +413,12 @@ impl Room {
         sizes.measure(state, n, length);
     }
 
-    /// How far the series is from the function, at most; none where it does not exist, or where shorter parts are better.
+    /// How far the series is from the function, at most; none where it does not exist, where shorter parts are better, or,
+    /// on the last part, where it is of no use.
     ///
     /// Each coefficient of the state and each operation is right to a few units in the last place of a sum of products, and
     /// so is every shift of the survey.
-    fn error(&mut self, start: &[f64], function: &Functions, halvings: u32) -> Option<f64> {
+    fn error(&mut self, start: &[f64], function: &Functions, halvings: u32, is_last: bool) -> Option<f64> {
         let Room { series, enclosures, sizes, error_of_state, .. } = self;
         let unit = 2.0 * series.len() as f64 * f64::EPSILON;
         let total: f64 = series.iter().map(|c| c.abs()).sum();
@@ -288,7 +427,9 @@ impl Room {
         let left_out = sizes.left_out(start, function, halvings, along, enclosures);
         let error = along + left_out + unit * total;
         let is_sharp = error <= SHARP * unit * total || left_out <= along && along <= BLUNT * here;
-        (error.is_finite() && total.is_finite() && (is_sharp || halvings == MOST_HALVINGS)).then_some(error)
+        // a bound beyond the function itself tells nothing
+        let is_of_use = is_sharp || is_last && error < total;
+        (error.is_finite() && total.is_finite() && is_of_use).then_some(error)
     }
 
     /// What is kept of the point at a fraction `at` of the step.
@@ -309,10 +450,13 @@ impl Room {
 }
 
 impl Seat {
-    /// The function does not exist here: what its sign was before says nothing about what comes.
-    fn lose_sight(&mut self) {
-        self.doubts.n_undefined += 1;
-        (self.side, self.nearest) = (0, None);
+    /// Ends the stay near the surface without a decision: a touch, if it came from a side.
+    fn leave_the_nearest(&mut self) {
+        if let Some(Nearest { time, kept, .. }) = self.nearest.take()
+            && self.side != 0
+        {
+            self.touch((time, kept), self.side);
+        }
     }
 
     /// Draws the conclusion from what is known of the sign at a place of the step.
@@ -331,9 +475,10 @@ impl Seat {
 
     /// The function has this sign from a place on that `keep` knows.
     fn note_sign(&mut self, side: i8, direction: i8, keep: impl FnOnce() -> (f64, Vec<f64>)) {
+        self.had_side = true;
         match self.nearest.take() {
             Some(Nearest { time, kept, .. }) if self.side != side => self.cross(side, direction, (time, kept)),
-            Some(Nearest { time, kept, .. }) => self.touches.push(time, &kept, side),
+            Some(Nearest { time, kept, .. }) => self.touch((time, kept), side),
             // between two steps, whose ends differ in round-off
             None if self.side == -side => self.cross(side, direction, keep()),
             None => self.side = side,
@@ -342,9 +487,15 @@ impl Seat {
 
     fn cross(&mut self, side: i8, direction: i8, (time, kept): (f64, Vec<f64>)) {
         if direction == 0 || direction == side {
-            self.crossings.push(time, &kept, side);
+            let pushed = self.crossings.push(time, &kept, side);
+            self.refused = self.refused.max(pushed.err().unwrap_or(0));
         }
-        (self.side, self.nearest) = (side, None);
+        (self.side, self.had_side, self.nearest) = (side, true, None);
+    }
+
+    fn touch(&mut self, (time, kept): (f64, Vec<f64>), side: i8) {
+        let pushed = self.touches.push(time, &kept, side);
+        self.refused = self.refused.max(pushed.err().unwrap_or(0));
     }
 }
 

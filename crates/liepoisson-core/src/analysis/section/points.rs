@@ -1,5 +1,8 @@
 //! Points of a section, of one trajectory and of many: flat arrays, each number once in memory.
 
+use crate::analysis::filled;
+use crate::error::Error;
+
 /// Points of one or many trajectories; of many, trajectory by trajectory, each in the order of travel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Points {
@@ -12,10 +15,23 @@ pub struct Points {
 }
 
 impl Points {
-    pub(super) fn push(&mut self, time: f64, kept: &[f64], sign: i8) {
+    /// Adds a point.
+    ///
+    /// # Errors
+    /// The bytes for which there is no memory.
+    pub(super) fn push(&mut self, time: f64, kept: &[f64], sign: i8) -> Result<(), usize> {
+        self.reserve(1, kept.len())?;
         self.times.push(time);
         self.states.extend_from_slice(kept);
         self.signs.push(sign);
+        Ok(())
+    }
+
+    fn reserve(&mut self, points: usize, numbers: usize) -> Result<(), usize> {
+        let has_room = self.times.try_reserve(points).is_ok()
+            && self.states.try_reserve(numbers).is_ok()
+            && self.signs.try_reserve(points).is_ok();
+        if has_room { Ok(()) } else { Err((8 * (self.states.len() + numbers)).max(1)) }
     }
 
     fn clear(&mut self) {
@@ -34,26 +50,37 @@ pub(super) struct Collected {
 }
 
 impl Collected {
-    pub(super) fn new(members: usize) -> Collected {
-        Collected { places: vec![(0, 0); members], ..Collected::default() }
+    pub(super) fn new(members: usize) -> Result<Collected, Error> {
+        Ok(Collected { places: filled(members, (0, 0))?, ..Collected::default() })
     }
 
     /// Takes the points of a member, and leaves its arrays empty.
-    pub(super) fn take(&mut self, member: usize, points: &mut Points) {
+    ///
+    /// # Errors
+    /// The bytes for which there is no memory.
+    pub(super) fn take(&mut self, member: usize, points: &mut Points) -> Result<(), usize> {
+        self.points.reserve(points.times.len(), points.states.len())?;
         self.places[member] = (self.points.times.len(), points.times.len());
         self.points.times.extend_from_slice(&points.times);
         self.points.states.extend_from_slice(&points.states);
         self.points.signs.extend_from_slice(&points.signs);
         points.clear();
+        Ok(())
     }
 
     /// The points member by member, and the number of points of each member.
     ///
     /// In place, along the cycles of the permutation: a second copy of millions of states would double the memory.
-    pub(super) fn arrange(self, width: usize) -> (Points, Vec<usize>) {
+    ///
+    /// # Errors
+    /// There is no memory for a list of the points.
+    pub(super) fn arrange(self, width: usize) -> Result<(Points, Vec<usize>), Error> {
         let Collected { mut points, places } = self;
         let counts = places.iter().map(|&(_, count)| count).collect();
-        let mut source: Vec<usize> = places.into_iter().flat_map(|(first, count)| first..first + count).collect();
+        let mut source: Vec<usize> = Vec::new();
+        let n_points = points.times.len();
+        source.try_reserve_exact(n_points).map_err(|_| Error::Memory { bytes: 8 * n_points })?;
+        source.extend(places.into_iter().flat_map(|(first, count)| first..first + count));
         let mut row = vec![0.0; width];
         for start in 0..source.len() {
             if source[start] == start {
@@ -75,7 +102,7 @@ impl Collected {
             points.states[to * width..][..width].copy_from_slice(&row);
             (points.times[to], points.signs[to]) = (time, sign);
         }
-        (points, counts)
+        Ok((points, counts))
     }
 }
 
@@ -87,17 +114,17 @@ mod tests {
     fn points_come_member_by_member_in_whatever_order_members_end() {
         let counts = [3, 0, 2, 1, 4];
         for ending in [[0, 1, 2, 3, 4], [4, 3, 2, 1, 0], [2, 4, 1, 0, 3], [3, 0, 4, 2, 1]] {
-            let mut collected = Collected::new(counts.len());
+            let mut collected = Collected::new(counts.len()).unwrap();
             for member in ending {
                 let mut points = Points::default();
                 for k in 0..counts[member] {
                     let number = (10 * member + k) as f64;
-                    points.push(number, &[number, -number], if k % 2 == 0 { 1 } else { -1 });
+                    points.push(number, &[number, -number], if k % 2 == 0 { 1 } else { -1 }).unwrap();
                 }
-                collected.take(member, &mut points);
+                collected.take(member, &mut points).unwrap();
                 assert_eq!(points, Points::default());
             }
-            let (points, found) = collected.arrange(2);
+            let (points, found) = collected.arrange(2).unwrap();
             assert_eq!(found, counts);
             let wanted: Vec<f64> = (0..5).flat_map(|m| (0..counts[m]).map(move |k| (10 * m + k) as f64)).collect();
             assert_eq!(points.times, wanted);

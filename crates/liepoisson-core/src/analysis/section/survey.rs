@@ -4,6 +4,9 @@
 //! there if `|c_0| > sum_{k>0} |c_k|`, and at most one if `|c_1| > sum_{k>1} k |c_k|`: then it is monotone. Where neither
 //! holds, the piece is halved. Near a simple zero the second test succeeds, elsewhere the first, once the piece is small;
 //! near a double zero neither does until the polynomial is below the given error on the whole piece.
+//!
+//! So pieces are many only beside zeros and beside places where the polynomial equals the error, of which there are as many as
+//! its degree allows. That holds for numbers that add up; those near the ends of their range are scaled first.
 
 use crate::method::MAX_ORDER;
 
@@ -36,8 +39,31 @@ pub(super) enum Mark {
 /// Pieces are halved at most so often: then they are as short as the spacing of numbers near 1.
 const MOST_HALVINGS: u32 = 52;
 
-/// Goes along `sum c_k u^k`, `u` from 0 to 1, whose values are known up to `error`.
+/// Coefficients outside of this range are scaled: sums of a few may overflow, or lose all digits.
+const RANGE: std::ops::Range<f64> = 1e-200..1e200;
+
+/// Goes along `sum c_k u^k`, `u` from 0 to 1, whose values are known up to `error`; all of them finite.
 pub(super) fn survey(coefficients: &[f64], error: f64, mark: &mut impl FnMut(Mark)) {
+    let largest = coefficients.iter().fold(0.0_f64, |largest, c| largest.max(c.abs()));
+    if largest == 0.0 || RANGE.contains(&largest) {
+        return survey_scaled(coefficients, error, mark);
+    }
+    // by a power of two, which rounds nothing that counts
+    let (_, exponent) = libm::frexp(largest);
+    let mut scaled = [0.0; MAX_ORDER + 1];
+    let scaled = &mut scaled[..coefficients.len()];
+    for (to, c) in scaled.iter_mut().zip(coefficients) {
+        *to = libm::scalbn(*c, -exponent);
+    }
+    survey_scaled(scaled, libm::scalbn(error, -exponent), &mut |found| {
+        mark(match found {
+            Mark::Near { at, size } => Mark::Near { at, size: libm::scalbn(size, exponent) },
+            known => known,
+        });
+    });
+}
+
+fn survey_scaled(coefficients: &[f64], error: f64, mark: &mut impl FnMut(Mark)) {
     let rest = sum_of_sizes(&coefficients[1..]);
     if coefficients[0].abs() > rest + error {
         return mark(Mark::Sign { at: 0.0, positive: coefficients[0] > 0.0 });
@@ -217,6 +243,17 @@ mod tests {
     fn a_minimum_above_the_error_is_no_tangency() {
         let found = marks(&[0.09 + 1e-12, -0.6, 1.0], 1e-14);
         assert!(found.iter().all(|mark| matches!(mark, Mark::Sign { positive: true, .. })), "{found:?}");
+    }
+
+    #[test]
+    fn numbers_at_the_ends_of_their_range_are_surveyed_like_others() {
+        // binomials of the shift overflow beside the largest number; unscaled, every piece was halved 52 times
+        let c: Vec<f64> = (0..=40).map(|k| if k % 2 == 0 { 1.0 } else { -1.7 }).collect();
+        let wanted = marks(&c, 1e-13);
+        for exponent in [1023, -1000] {
+            let scaled: Vec<f64> = c.iter().map(|c| libm::scalbn(*c, exponent)).collect();
+            assert_eq!(marks(&scaled, libm::scalbn(1e-13, exponent)), wanted);
+        }
     }
 
     proptest! {

@@ -13,7 +13,7 @@ mod sums;
 pub use enclosure::Enclosure;
 pub use functions::Functions;
 
-use super::{Field, Space};
+use super::{Field, Space, check_components};
 use crate::error::Error;
 use crate::lanes::Lane;
 use graph::Graph;
@@ -219,9 +219,7 @@ impl Tape {
 
 /// Refuses instructions and outputs that read what is not there.
 fn check(n_components: usize, instructions: &[Instruction], outputs: &[usize]) -> Result<(), Error> {
-    if n_components == 0 {
-        return Err(Error::NoComponents);
-    }
+    check_components(n_components)?;
     for (index, instruction) in instructions.iter().enumerate() {
         instruction.check(index, n_components + index)?;
     }

@@ -80,6 +80,10 @@ impl<F: Split> Method<F> for Splitting {
         Box::new(SplittingBlock::<&F, V>::new(field, *self, n_tangents))
     }
 
+    fn registers(&self, field: &F, n_tangents: usize) -> usize {
+        registers(field.n_components(), n_tangents)
+    }
+
     fn max_steps(&self) -> u64 {
         self.max_steps
     }
@@ -90,9 +94,18 @@ impl<F: Split> Method<F> for Single<Splitting> {
         Box::new(SplittingBlock::<&F, V::Narrow>::new(field, self.0, n_tangents))
     }
 
+    fn registers(&self, field: &F, n_tangents: usize) -> usize {
+        registers(field.n_components(), n_tangents)
+    }
+
     fn max_steps(&self) -> u64 {
         self.0.max_steps
     }
+}
+
+/// The groups, the same before the last steps, and the vectors that a flow needs.
+fn registers(n_components: usize, n_tangents: usize) -> usize {
+    n_components * (2 * (1 + n_tangents) + 3)
 }
 
 /// An integrable top in discrete time: the (charged, twisted) Lagrange top, `I1 = I2` with `a` and `b` along the third axis.
@@ -138,6 +151,10 @@ impl Method<Top> for LagrangeMap {
         assert!(LagrangeMap::applies_to(field), "a Lagrange top: I1 = I2, a and b along the third axis");
         let composition = Splitting { order: 2, step: self.step, max_steps: self.max_steps };
         Box::new(SplittingBlock::<_, V>::new(DiscreteLagrange(*field), composition, n_tangents))
+    }
+
+    fn registers(&self, field: &Top, n_tangents: usize) -> usize {
+        registers(field.n_components(), n_tangents)
     }
 
     fn max_steps(&self) -> u64 {
