@@ -12,12 +12,12 @@ References: [johansson2017], for the ball arithmetic; Krawczyk (1969); Moore, Ke
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
-from typing import Any
+from typing import Any, cast
 
-from flint import arb, arb_mat, ctx, fmpq, fmpq_poly, fmpz, fmpz_mat, fmpz_poly
+from flint import acb, arb, arb_mat, ctx, fmpq, fmpq_poly, fmpz, fmpz_mat, fmpz_poly
 
 PRECISIONS = (128, 256, 512, 1024)
 """Bits of the ball arithmetic, tried in this order."""
@@ -31,7 +31,7 @@ class UndecidedError(Exception):
 
 
 @contextmanager
-def precision(bits: int) -> Iterator[None]:
+def precision(bits: int) -> Generator[None]:
     """Ball arithmetic with this many bits inside."""
     before = ctx.prec
     ctx.prec = bits
@@ -70,7 +70,7 @@ def real_roots(polynomial: fmpq_poly | fmpz_poly) -> list[arb]:
     return [
         root.real
         for factor, _ in whole.factor_squarefree()[1]
-        for root, _ in factor.complex_roots()
+        for root, _ in cast("list[tuple[acb, int]]", factor.complex_roots())
         if root.imag.is_zero()
     ]
 

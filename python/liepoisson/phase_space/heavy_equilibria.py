@@ -1,8 +1,8 @@
 r"""All equilibria of a heavy top on a leaf, and of tops that reduce to one, by algebra.
 
 Unknown are $n$ with $|n|^2 = N$ and $\ell$ with $\ell\cdot n = c$; the energy is $\frac12\ell\cdot D\ell + A\cdot n$
-with $D = I^{-1}$. An equilibrium has $n\times D\ell = 0$, so $\ell = \lambda I n$, and $\ell\times D\ell + n\times A = 0$,
-so $(\lambda^2 I + \mu)\,n = A$. Put $\mu = \lambda^2\sigma$:
+with $D = I^{-1}$. An equilibrium has $n\times D\ell = 0$, so $\ell = \lambda I n$, and
+$\ell\times D\ell + n\times A = 0$, so $(\lambda^2 I + \mu)\,n = A$. Put $\mu = \lambda^2\sigma$:
 
 $$\sum_k \frac{A_k^2}{(I_k+\sigma)^2} =: P(\sigma) = N\lambda^4, \qquad
   \sum_k \frac{I_k A_k^2}{(I_k+\sigma)^2} =: Q(\sigma) = c\lambda^3 .$$
@@ -119,7 +119,8 @@ def _regular(inertia: Vector, field: Vector, size: fmpq, momentum: fmpq) -> list
     for sigma in real_roots(equation):
         speed = ball(momentum / size) * evaluate(first, sigma) / evaluate(second, sigma)
         n = [
-            ball(field[k]) / ((speed * speed) * (ball(inertia[k]) + sigma)) if field[k] != 0 else arb(0) for k in range(3)
+            ball(field[k]) / ((speed * speed) * (ball(inertia[k]) + sigma)) if field[k] != 0 else arb(0)
+            for k in range(3)
         ]
         found.append((n, speed, POINT))
     return found

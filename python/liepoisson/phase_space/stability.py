@@ -59,6 +59,10 @@ class Equilibrium:
         combination: Coefficients of H and the integrals, by name. Where the vector fields of the integrals vanish or
             depend on each other there is a choice; a definite combination is taken if one is found.
         n_found: From how many starts a search came here, or to the same family; 1 if it was no search.
+        family: What connected set of equilibria of its leaf it belongs to, as far as `equilibria` knows: "point" (it is
+            isolated), "circle", "sphere", "all rotations" (like the group SO(3)), "family of dimension ...", or
+            "degenerate": the linear equations are, and no family was found. "point" from `stability`, which looks at
+            one state only.
     """
 
     leaf: Leaf
@@ -75,6 +79,7 @@ class Equilibrium:
     signature: tuple[int, int, int]
     combination: dict[str, float]
     n_found: int = 1
+    family: str = "point"
 
     @property
     def system(self) -> System:
@@ -273,6 +278,20 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction]) -> Eq
         signature=best.signature(),
         combination=dict(zip(("H", *integrals), (combination + 0.0).tolist(), strict=True)),
     )
+
+
+def null_directions(leaf: Leaf, fields: HamiltonianFields, x: Array) -> Array:
+    """Orthonormal directions in which a family of (relative) equilibria may go on from x, shape (N, n).
+
+    The kernel of the second variation on the slice, and the motions of the integrals.
+    """
+    rates, scale = fields.fields(x), fields.scale(x)
+    point = _Point(fields, leaf, x, multipliers(rates[None], scale[None])[0])
+    flow = point.linear_flow(np.array([1.0, *-point.omega]))[0]
+    symmetry = point.symmetry
+    basis = flow.slice_basis(symmetry) if symmetry.size else np.eye(flow.size)
+    found = np.concatenate([symmetry, basis @ flow.restricted(basis).kernel()], axis=1)
+    return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
 
 
 @dataclass(frozen=True)

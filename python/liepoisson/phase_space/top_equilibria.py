@@ -149,17 +149,18 @@ def casimir_values(leaf: Leaf, top: ExactTop) -> tuple[fmpq, fmpq, fmpq]:
     x = leaf.system.variables
     l, alpha, beta = x[:3], x[3:6], x[6:]
     twice = 2 * Rational(int(top.epsilon.p), int(top.epsilon.q))
-    formulas = (
-        sum(p * q for p, q in zip(alpha, alpha, strict=True)) + twice * sum(p * q for p, q in zip(l, beta, strict=True)),
+    formulas: tuple[Any, ...] = (
+        sum(p * q for p, q in zip(alpha, alpha, strict=True))
+        + twice * sum(p * q for p, q in zip(l, beta, strict=True)),
         sum(p * q for p, q in zip(alpha, beta, strict=True)),
         sum(p * q for p, q in zip(beta, beta, strict=True)),
     )
     return cast("tuple[fmpq, fmpq, fmpq]", tuple(_value(leaf, formula) for formula in formulas))
 
 
-def _value(leaf: Leaf, formula: Expr) -> fmpq:
+def _value(leaf: Leaf, formula: Any) -> fmpq:
     x = leaf.system.variables
-    at = {v: 0 for v in x} | {x[3]: 1, x[6]: 1}
+    at: Any = dict.fromkeys(x, 0) | {x[3]: 1, x[6]: 1}
     for name, function in leaf.casimir_functions.items():
         factor: Any = function.expression.subs(at) / formula.subs(at)
         if factor.is_Rational and factor != 0 and (function.expression - factor * formula).expand() == 0:
@@ -276,5 +277,3 @@ def euler_characteristic_of_leaf(leaf: Leaf, top: ExactTop) -> int:
     bounded.
     """
     return 0 if leaf.rank == 6 and top.epsilon == 0 else 2
-
-

@@ -8,7 +8,8 @@ $$\alpha = \tfrac{\epsilon}{\kappa}a - \tau\beta, \qquad \ell = \kappa I\beta, \
   (I + \sigma)\gamma = b - \tau a .$$
 
 (The multipliers of $C_1 = |\alpha|^2+2\epsilon\,\ell\cdot\beta$, $C_2 = \alpha\cdot\beta$, $C_3 = |\beta|^2$ are
-$\lambda_1 = \kappa/2\epsilon$, $\lambda_2 = \kappa\tau/\epsilon$, $2\lambda_3 = \kappa^2\sigma + \kappa\tau^2/\epsilon$.)
+$\lambda_1 = \kappa/2\epsilon$, $\lambda_2 = \kappa\tau/\epsilon$ and
+$2\lambda_3 = \kappa^2\sigma + \kappa\tau^2/\epsilon$.)
 With $A = c_2 + c_3\tau$, $G = c_1 + 2c_2\tau + c_3\tau^2$ and $L = a\cdot\gamma$, $M = \gamma\cdot I\gamma$,
 $S = |\gamma|^2$ the values of the Casimirs say
 
@@ -20,11 +21,12 @@ $GL - 2AM = \epsilon|a|^2A\kappa$; with $E_3$, every solution satisfies
 
 $$|a|^2SA^2 = c_3L(GL-2AM), \qquad S(GL-2AM)^2 = c_3\epsilon^4|a|^4L^2 .$$
 
-Their resultant is a polynomial in $\sigma$ (its part without known factors has degree 42 for random numbers), its real
-roots with the zeros of the first equation are candidates for $(\sigma,\tau)$, $\kappa = \pm(S/c_3)^{1/4}$, and each
-candidate is thrown away, or proved to be one solution, by interval arithmetic with $E_1, E_2, E_3$. Where b is parallel to a,
-both contain the factor $(b-\tau a)$, which is never zero here ($\gamma\ne0$). Where A divides L as a polynomial
-($b=0$, $c_2=0$, for example), both contain $A^2$; then A = 0 is a case of its own: $E_1 = E_3 = 0$ for $(\sigma,\kappa)$.
+Their resultant is a polynomial in $\sigma$ (its part without known factors has degree 42 for random numbers). Its real
+roots with the zeros $\tau$ of the first equation are candidates, $\kappa = \pm(S/c_3)^{1/4}$, and each
+candidate is thrown away, or proved to be one solution, by interval arithmetic with $E_1, E_2, E_3$. Where b is parallel
+to a, both contain the factor $(b-\tau a)$, which is never zero here ($\gamma\ne0$). Where A divides L as a polynomial
+($b=0$, $c_2=0$, for example), both contain $A^2$; then A = 0 is a case of its own: $E_1 = E_3 = 0$ for
+$(\sigma,\kappa)$.
 
 **Singular** $\sigma=-J$ with $(b-\tau a)_K=0$ on the set K of indices with $I_k=J$: there $\gamma_K$ is free.
 
@@ -32,10 +34,12 @@ both contain the factor $(b-\tau a)$, which is never zero here ($\gamma\ne0$). W
   $2\epsilon\big(\sum_{j\notin K}(I_j-J)\gamma_j^2 + Jc_3\kappa^4\big) + \epsilon^2|a|^2\kappa - G\kappa^3 = 0$.
   A simple moment has no h: $|h|^2=0$ is a second equation.
 - $a_K=b_K=0$: $E_2$ is linear in $\tau$, $\tau = T/D$ with $T = \epsilon B - c_2\kappa^3$,
-  $D = \epsilon A_0 + c_3\kappa^3$, $A_0 = \sum a_j^2/(I_j-J)$, $B = \sum a_jb_j/(I_j-J)$, $B_2=\sum b_j^2/(I_j-J)$; then
+  $D = \epsilon A_0 + c_3\kappa^3$, $A_0 = \sum a_j^2/(I_j-J)$, $B = \sum a_jb_j/(I_j-J)$,
+  $B_2=\sum b_j^2/(I_j-J)$; then
   $2\epsilon(B_2 - 2\tau B + \tau^2A_0 + Jc_3\kappa^4) + \epsilon^2|a|^2\kappa - G\kappa^3=0$ is an equation for
-  $\kappa$ of degree 10, and $|\gamma_K|^2 = c_3\kappa^4-\sum_{j\notin K}\gamma_j^2 > 0$. If T and D are proportional
-  ($c_3B = -c_2A_0$), then $\tau=-c_2/c_3$, or $D = 0$ and $\tau$ follows from $E_1$.
+  $\kappa$ of degree 10, and $|\gamma_K|^2 = c_3\kappa^4-\sum_{j\notin K}\gamma_j^2 > 0$ (where it is zero, the state
+  is a regular one). If T and D are proportional ($c_3B = -c_2A_0$), then $\tau=-c_2/c_3$, or $D = 0$ and $\tau$
+  follows from $E_1$.
 
 **Without rotation** $\kappa=0$: $\ell=0$ and $\beta=t\,a$, $\alpha = t\,b+s\,a$, on the leaves on which these have the
 right lengths.
