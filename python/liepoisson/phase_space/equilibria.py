@@ -26,7 +26,7 @@ from liepoisson.phase_space.equilibrium_search import EquilibriumSearch, is_crit
 from liepoisson.phase_space.euler_characteristic import euler_characteristic
 from liepoisson.phase_space.leaf import Leaf, leaf_of
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
-from liepoisson.phase_space.top_equilibria import all_equilibria, euler_characteristic_of_leaf, exact_top
+from liepoisson.phase_space.top_equilibria import all_equilibria, euler_characteristic_of_leaf, exact_top, natural_units
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -107,7 +107,8 @@ def _by_algebra(leaf: Leaf) -> Equilibria | None:
     states = None if top is None else all_equilibria(leaf, top)
     if top is None or states is None:
         return None
-    found = [_with_family(analysis(leaf, one.state, {}), one.kind) for one in states]
+    units = natural_units(leaf, top, states)
+    found = [_with_family(analysis(leaf, one.state, {}, units), one.kind) for one in states]
     found.sort(key=lambda e: e.energy)
     return Equilibria(leaf, tuple(found), True, euler_characteristic_of_leaf(leaf, top), signed_sum(found), 0)
 

@@ -23,6 +23,7 @@ from liepoisson.phase_space.linearisation import (
     ComplexArray,
     LinearFlow,
     definite_combination,
+    leaf_tangent,
     linear_flow,
     spectral_verdict,
 )
@@ -246,13 +247,21 @@ _TRIED = 4
 """Random states at which two vector fields are compared."""
 
 
-def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction]) -> Equilibrium:
-    """The linear and the energy-Casimir stability of a critical point."""
+def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units: Array | None = None) -> Equilibrium:
+    """The linear and the energy-Casimir stability of a critical point.
+
+    Args:
+        leaf: Its leaf.
+        x: The state, shape (N,).
+        integrals: Integrals for a relative equilibrium.
+        units: Natural sizes of the coordinates, shape (N,), where they differ by orders of magnitude; an eigenvalue of
+            the second variation counts as zero by its size in these units.
+    """
     system = leaf.system
     fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
     rates, scale = fields.fields(x), fields.scale(x)
     omega = multipliers(rates[None], scale[None])[0]
-    point = _Point(fields, leaf, x, omega)
+    point = _Point(fields, leaf, x, omega, units)
     flow, asymmetry = point.linear_flow(np.array([1.0, *-omega]))
     basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
     flow = flow.restricted(basis)
@@ -302,10 +311,19 @@ class _Point:
     leaf: Leaf
     x: Array
     omega: Array
+    units: Array | None = None
 
     @cached_property
     def tangents(self) -> Array:
-        return self.leaf.tangent_basis(self.x)
+        """Basis of the tangent space of the leaf, orthonormal in the units."""
+        if self.units is None:
+            return self.leaf.tangent_basis(self.x)
+        return self.units[:, None] * leaf_tangent(self._poisson(), self.leaf.rank)
+
+    def _poisson(self) -> Array:
+        """J in the units."""
+        poisson = self.fields.poisson(self.x)
+        return poisson if self.units is None else poisson / np.outer(self.units, self.units)
 
     @cached_property
     def _directions(self) -> tuple[Array, Array, Array]:
@@ -317,7 +335,11 @@ class _Point:
     @property
     def symmetry(self) -> Array:
         """Basis of the span of the vector fields of the integrals, in coordinates of the tangent space of the leaf."""
-        return self.tangents.T @ self._directions[0]
+        return self._dual().T @ self._directions[0]
+
+    def _dual(self) -> Array:
+        """The basis that gives the coordinates of a tangent vector."""
+        return self.tangents if self.units is None else self.tangents / self.units[:, None] ** 2
 
     def free(self) -> Array:
         """Combinations of the integrals whose vector fields vanish here, shape (free, k)."""
@@ -328,7 +350,10 @@ class _Point:
     def linear_flow(self, coefficients: Array) -> tuple[LinearFlow, float]:
         """The linearised flow of a combination of H and the integrals on the leaf, and its asymmetry."""
         derivative = self.fields.derivatives(self.x) @ coefficients
-        return linear_flow(self.fields.poisson(self.x), derivative, self.tangents)
+        if self.units is None:
+            return linear_flow(self._poisson(), derivative, self.tangents)
+        derivative = derivative * self.units / self.units[:, None]
+        return linear_flow(self._poisson(), derivative, self.tangents / self.units[:, None])
 
 
 def _best_combination(point: _Point, flow: LinearFlow, basis: Array) -> tuple[Array, LinearFlow]:

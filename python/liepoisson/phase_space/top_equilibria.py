@@ -266,8 +266,18 @@ def _charged(leaf: Leaf, top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> list
     return found
 
 
-EULER_CHARACTERISTIC = {POINT: 1, CIRCLE: 0, BY_COUNT[2]: 2, ROTATIONS: 0}
-"""Of each kind of set."""
+def natural_units(leaf: Leaf, top: ExactTop, found: list[FoundByAlgebra]) -> Array:
+    """The sizes of l, alpha and beta on the leaf, nine numbers, in which the second variation is of order one.
+
+    Those of its equilibria; where l is zero at all of them, the momentum whose kinetic energy is that of the fields.
+    """
+    inertia, a, b = ([float(Fraction(int(x.p), int(x.q))) for x in v] for v in (top.inertia, top.a, top.b))
+    states = np.array([one.state for one in found] + [leaf.state]).reshape(-1, 3, 3)
+    l, alpha, beta = np.linalg.norm(states, axis=2).max(axis=0)
+    moment = float(np.median(inertia))
+    l = max(float(l), np.sqrt(moment * (np.linalg.norm(a) * alpha + np.linalg.norm(b) * beta)))
+    whole = max(l, float(alpha), float(beta)) or 1.0
+    return np.repeat([size if size > 0 else whole for size in (l, alpha, beta)], 3)
 
 
 def euler_characteristic_of_leaf(leaf: Leaf, top: ExactTop) -> int:
