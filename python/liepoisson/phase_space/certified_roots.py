@@ -7,7 +7,7 @@ arithmetic. That a box contains exactly one solution is Krawczyk's theorem: if
 $m - Y F(m) + (1 - Y F'(X))(X - m)$ lies in the interior of the box X with midpoint m, for any matrix Y, then F has
 exactly one zero in X, and it is nondegenerate.
 
-References: [johansson2017], for the ball arithmetic; Krawczyk (1969); Moore, Kearfott and Cloud (2009), chapter 8.
+References: [johansson2017], for the ball arithmetic; [moore2009], chapter 8.
 """
 
 from __future__ import annotations

@@ -30,9 +30,9 @@ _CRITICAL = 1e-8
 """The same for the slope of H along the leaf, which does not become small where J does, at the edge of a leaf."""
 
 _EDGE = 1e-6
-"""A state is on the edge of its leaf, where J has a lower rank, if the last singular value of J, relative to the first,
-is below this fraction of that at the leaf's own state. It is larger than `_CRITICAL`: a Toda lattice at the edge, where
-its leaf ends without an equilibrium, has a slope of the order of this value."""
+"""A state is on the edge of its leaf, where J has a lower rank, if the last singular value of J, relative to the length
+of the state, is below this fraction of that at the leaf's own state. It is larger than `_CRITICAL`: a Toda lattice
+at the edge, where its leaf ends without an equilibrium, has a slope of the order of this value."""
 
 _SAME, _SAME_ENERGY = 1e-6, 1e-9
 _STEP, _MOST_STEPS, _KICKS = 0.15, 120, 4
@@ -197,7 +197,8 @@ def is_critical(fields: HamiltonianFields, leaf: Leaf, states: Array, residual: 
         return residual <= FOUND
     vectors, sizes, _ = np.linalg.svd(fields.poisson(states))
     own = np.linalg.svd(fields.poisson(leaf.state), compute_uv=False)
-    inside = sizes[:, rank - 1] * own[0] > _EDGE * own[rank - 1] * sizes[:, 0]
+    length = float(np.linalg.norm(leaf.state))
+    inside = sizes[:, rank - 1] * length > _EDGE * own[rank - 1] * np.linalg.norm(states, axis=1)
     gradients = np.stack([f.gradient(states) for f in fields.functions], axis=-1)
     slopes = np.swapaxes(vectors[..., :rank], 1, 2) @ gradients
     curvature = np.linalg.norm(fields.functions[0].hessian(states), axis=(1, 2)) * np.linalg.norm(states, axis=1)

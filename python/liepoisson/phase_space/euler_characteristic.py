@@ -12,7 +12,7 @@ even dimension, so it does not matter whether H or -H is bounded below.
 - se(3)* in the form so(3) @ semidirect(2): a leaf with $\alpha\ne0$ is like $T^*S^2$, 2, and with $\alpha=0$ a sphere,
   2; H is proper if it has degree two and is definite in l.
 
-References: [milnor1963], for the sum; Bott (1954) and Humphreys (1990), section 3.20, for the Weyl groups.
+References: [milnor1963], for the sum; [humphreys1990], for the Weyl groups.
 """
 
 from __future__ import annotations
