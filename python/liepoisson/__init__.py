@@ -52,6 +52,7 @@ if TYPE_CHECKING:
     from liepoisson.phase_space.bounds import Bounds, bounds
     from liepoisson.phase_space.chart_orbit import ChartOrbit, chart_orbit
     from liepoisson.phase_space.equilibria import equilibria, relative_equilibrium
+    from liepoisson.phase_space.equilibrium_list import Equilibria
     from liepoisson.phase_space.frames import Attitude, attitude
     from liepoisson.phase_space.leaf import Leaf, leaf_of
     from liepoisson.phase_space.rod import Rod, rod
@@ -75,6 +76,7 @@ __all__ = [
     "Classification",
     "CovariantVectors",
     "EnergyProfile",
+    "Equilibria",
     "Equilibrium",
     "EulerChart",
     "ExponentEstimate",
@@ -186,6 +188,7 @@ _HOME = {
     "Classification": "exact.classification",
     "CovariantVectors": "numeric.covariant_vectors",
     "EnergyProfile": "numeric.exponents_by_energy",
+    "Equilibria": "phase_space.equilibrium_list",
     "Equilibrium": "phase_space.stability",
     "EulerChart": "exact.canonical.euler_chart",
     "ExponentEstimate": "numeric.exponent_estimate",

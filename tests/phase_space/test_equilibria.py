@@ -84,11 +84,14 @@ def test_circles_of_equilibria_are_listed_once():
     """The lowest states of this leaf are tilted; the symmetry of the top turns one into a circle of them."""
     top = lp.catalog.system("twisted-lagrange")
     leaf = lp.leaf_of(top, lp.sample_states(top, 1, seed=1)[0])
-    lowest, *others = lp.equilibria(top, leaf, n_starts=60)
+    found = lp.equilibria(top, leaf)
+    lowest, *others = found
     assert lowest.nullity == 1
-    assert lowest.n_found > 5
+    assert lowest.family == "circle"
     assert lowest.signature == (5, 0, 1)
     assert len(others) == 2
+    assert found.proved
+    assert "with the families" in found.completeness
 
 
 @pytest.mark.thorough
@@ -197,6 +200,8 @@ def test_refusals():
             lp.equilibria(top, leaf)
     with pytest.raises(ParameterError, match="n_starts"):
         lp.equilibria(top, lp.leaf_of(top, x), n_starts=0)
+    with pytest.raises(ParameterError, match="most_starts"):
+        lp.equilibria(top, lp.leaf_of(top, x), most_starts=0)
     with pytest.raises(ParameterError, match="leaf must be one of"):
         lp.equilibria(lp.Top.kovalevskaya(), lp.leaf_of(top, x))
     with pytest.raises(LeafError):

@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 VANISHES = 1e-8
 """A vector field below this fraction of its scale counts as zero."""
 _MAX_STEPS = 100
+_NEAR_ROUND_OFF = 1e-12
+"""Below this relative residual, two steps in succession that do not help end the iteration."""
 _ROUND_OFF = 1e-14
-"""Relative residual at which the iteration stops; what it can not reach by round-off is stopped by `_MAX_STEPS`."""
+"""Relative residual at which the iteration stops; what it cannot reach by round-off is stopped by `_MAX_STEPS`."""
 
 
 class HamiltonianFields:
@@ -85,9 +87,15 @@ class _Search:
         """The vector field of H - sum Omega K and the integrals' distances from their values, relative, (row, ...)."""
         rates = self.fields.fields(x)
         scale = self.fields.scale(x)[:, :1]
-        missing = [f(x) - v for f, v in zip(self.fields.functions[1:], self.values, strict=True)]
         parts = [(rates[..., 0] - np.einsum("rij,rj->ri", rates[..., 1:], omega)) / np.where(scale > 0, scale, 1.0)]
-        return np.concatenate(parts + [m[:, None] / (1 + abs(v)) for m, v in zip(missing, self.values, strict=True)], 1)
+        for f, value in zip(self.fields.functions[1:], self.values, strict=True):
+            parts.append(((f(x) - value) / self._level_scale(f, value, x))[:, None])
+        return np.concatenate(parts, axis=1)
+
+    def _level_scale(self, f: PhaseFunction, value: float, x: Array) -> Array:
+        """What the distance of an integral from its value is compared with."""
+        scale = abs(value) + np.linalg.norm(x, axis=1) * np.linalg.norm(f.gradient(x), axis=1)
+        return np.where(scale > 0, scale, 1.0)
 
     def newton_matrix(self, x: Array, omega: Array, basis: Array) -> Array:
         """Derivative of the residual along the leaf and the multipliers, shape (row, N + k, rank + k)."""
@@ -97,10 +105,23 @@ class _Search:
         along = (slopes[..., 0] - np.einsum("rimj,rj->rim", slopes[..., 1:], omega)) @ basis / scale
         matrix = np.concatenate([along, -self.fields.fields(x)[..., 1:] / scale], axis=2)
         for f, value in zip(self.fields.functions[1:], self.values, strict=True):
-            row = np.einsum("ri,rij->rj", f.gradient(x), basis) / (1 + abs(value))
+            row = np.einsum("ri,rij->rj", f.gradient(x), basis) / self._level_scale(f, value, x)[:, None]
             row = np.concatenate([row, np.zeros((len(x), len(self.values)))], axis=1)
             matrix = np.concatenate([matrix, row[:, None]], axis=1)
         return matrix
+
+    @property
+    def size(self) -> float:
+        """The length of the leaf's own state, by which lengths are judged where a state is near zero."""
+        return float(np.linalg.norm(self.leaf.state)) or 1.0
+
+    def units(self, x: Array, rank: int) -> Array:
+        """Natural sizes of the unknowns, (row, rank + k): the length of the state, and |f_H|/|f_K| by their scales."""
+        scale = self.fields.scale(x)
+        lengths = np.linalg.norm(x, axis=1)
+        lengths = np.where(lengths > 0, lengths, self.size)[:, None]
+        ratios = np.where(scale[:, 1:] > 0, scale[:, :1] / np.where(scale[:, 1:] > 0, scale[:, 1:], 1.0), 1.0)
+        return np.concatenate([np.repeat(lengths, rank, axis=1), np.where(ratios > 0, ratios, 1.0)], axis=1)
 
     def projected(self, x: Array) -> tuple[Array, NDArray[np.bool_]]:
         """The states projected to the leaf, and for which of them that was possible."""
@@ -131,9 +152,10 @@ def critical_points(leaf: Leaf, fields: HamiltonianFields, starts: Array, values
     x = x[alive]
     omega = multipliers(fields.fields(x), fields.scale(x))
     residual = search.residual(x, omega)
-    damping = np.ones(len(x))
+    damping, failed = np.ones(len(x)), np.zeros(len(x), dtype=np.int64)
     for _ in range(_MAX_STEPS):
-        rows = np.flatnonzero((np.linalg.norm(residual, axis=1) > _ROUND_OFF) & (damping < 1e12))
+        left = np.linalg.norm(residual, axis=1)
+        rows = np.flatnonzero((left > _ROUND_OFF) & (damping < 1e12) & ((left > _NEAR_ROUND_OFF) | (failed < 2)))
         if not rows.size:
             break
         trial, trial_omega, possible = _step(search, x[rows], omega[rows], residual[rows], damping[rows])
@@ -141,6 +163,7 @@ def critical_points(leaf: Leaf, fields: HamiltonianFields, starts: Array, values
         better = possible & (np.linalg.norm(new, axis=1) < np.linalg.norm(residual[rows], axis=1))
         taken = rows[better]
         x[taken], omega[taken], residual[taken] = trial[better], trial_omega[better], new[better]
+        failed[rows] = np.where(better, 0, failed[rows] + 1)
         damping[rows] *= np.where(better, 0.25, 4.0)
         damping = np.maximum(damping, 1e-10)
     return x, np.linalg.norm(residual, axis=1)
@@ -152,18 +175,35 @@ def _step(
     """One damped Newton step of each row."""
     basis = search.tangents(x)
     matrix = search.newton_matrix(x, omega, basis)
-    transposed = np.swapaxes(matrix, 1, 2)
-    normal = transposed @ matrix
+    # Unknowns in units of their own, so that a change of units changes nothing.
+    units = search.units(x, basis.shape[2])
+    matrix = matrix * units[:, None, :]
+    normal = np.swapaxes(matrix, 1, 2) @ matrix
     size = np.trace(normal, axis1=1, axis2=2)
-    weight = damping * np.sum(residual**2, axis=1) * size + 1e-15 * size + 1e-300
-    normal = normal + weight[:, None, None] * np.eye(normal.shape[1])
-    step = -np.linalg.solve(normal, transposed @ residual[..., None])[..., 0]
+    weight = damping * np.sum(residual**2, axis=1) + 1e-15
+    with np.errstate(invalid="ignore", divide="ignore"):
+        normal = normal / size[:, None, None] + weight[:, None, None] * np.eye(normal.shape[1])
+        right = (np.swapaxes(matrix, 1, 2) @ residual[..., None]) / size[:, None, None]
+    step = -_solved(normal, right)[..., 0] * units
     move = np.einsum("rij,rj->ri", basis, step[:, : basis.shape[2]])
     # A step longer than the state itself says nothing about the neighbourhood in which it was computed.
-    length, limit = np.linalg.norm(move, axis=1), 0.5 * (np.linalg.norm(x, axis=1) + 1e-3)
-    shrink = np.minimum(1.0, limit / np.maximum(length, 1e-300))[:, None]
+    length, limit = np.linalg.norm(move, axis=1), 0.5 * np.linalg.norm(x, axis=1) + 1e-3 * search.size
+    shrink = np.minimum(1.0, limit / np.where(length > 0, length, np.inf))[:, None]
+    shrink = np.where(length[:, None] > 0, shrink, 1.0)
     trial, possible = search.projected(x + shrink * move)
     return trial, omega + shrink * step[:, basis.shape[2] :], possible
+
+
+def _solved(matrices: Array, right: Array) -> Array:
+    """Solutions of many linear systems; a singular one has the shortest, one that is not finite has NaN."""
+    result = np.full_like(right, np.nan)
+    finite = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=(1, 2))
+    try:
+        result[finite] = np.linalg.solve(matrices[finite], right[finite])
+    except np.linalg.LinAlgError:
+        for row in np.flatnonzero(finite):
+            result[row] = np.linalg.lstsq(matrices[row], right[row])[0]
+    return result
 
 
 def multipliers(fields: Array, scale: Array) -> Array:

@@ -1,4 +1,4 @@
-r"""The search for equilibria on symplectic leaves and for relative equilibria.
+r"""Equilibria on symplectic leaves and relative equilibria: by algebra for tops, else by a search.
 
 An equilibrium of a Lie-Poisson system is a relative equilibrium of the system that it was reduced from: a steady
 rotation, for a top. It is a critical point of H on its leaf, $\nabla H = \sum_k\lambda_k\nabla C_k$. With a further
@@ -21,17 +21,19 @@ from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.phase_space._checks import as_system
 from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points
+from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
+from liepoisson.phase_space.equilibrium_search import EquilibriumSearch, is_critical
+from liepoisson.phase_space.euler_characteristic import euler_characteristic
 from liepoisson.phase_space.leaf import Leaf, leaf_of
-from liepoisson.phase_space.leaf_search import representative
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
+from liepoisson.phase_space.top_equilibria import all_equilibria, euler_characteristic_of_leaf, exact_top, natural_units
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.exact.system import System
 
-_FOUND = 1e-11
-"""Relative residual up to which a state counts as a critical point that was found."""
-_SAME, _SAME_ENERGY = 1e-6, 1e-9
+_MOST = 16
+"""The search takes at most this many times `n_starts`, unless the caller says otherwise."""
 
 
 def equilibria(
@@ -41,59 +43,83 @@ def equilibria(
     along: Sequence[str] = (),
     values: Mapping[str, float] | None = None,
     n_starts: int = 200,
+    most_starts: int | None = None,
     seed: int = 0,
-) -> list[Equilibrium]:
-    r"""The equilibria on a leaf that Newton's method finds from many random starts.
+) -> Equilibria:
+    r"""The equilibria on a leaf: all of them for a top, elsewhere those that a search finds, with a check.
 
-    The list is what was found, and no proof that there are no others. `n_found` tells how often each was met; the sum
-    over the list is the number of starts that converged, out of `n_starts`. Where many were met only once, another seed
-    finds others: take more starts. The starts depend on the values of the Casimirs and the seed; the state from which a
-    regular leaf was made does not matter.
+    **Tops** with rational parameters (doubles are rational): the equations are polynomial, and their real solutions are
+    computed with a proof that there are no others, isolated ones and families. `proved` is then true.
 
-    Equilibria that come in families (with the symmetry of the system, as circles) are listed once for each
-    family, with the spectrum of one member: states with `nullity` above 0 that agree in energy and signature count as
-    one family, so two families that are mirror images of each other are not told apart.
+    **Other systems**, relative equilibria (`along`), and leaves of tops on which an isolated equilibrium is degenerate:
+    Newton's method from random starts. What is found are equilibria; that there are no others is not
+    proved. There is one check: where H is proper on the leaf, the sum of $(-1)^{\rm index}$ over nondegenerate
+    equilibria is the Euler characteristic of the leaf (a family counts with its own, a circle with 0). It is necessary
+    and not sufficient. While it fails, the number of starts is doubled, up to `most_starts`. `completeness` says which
+    of these is the case, and so does the printed result. The starts depend on the values of the Casimirs and the seed;
+    the state from which a regular leaf was made does not matter.
+
+    Equilibria that come in families (with the symmetry of the system, as circles) are listed once for each connected
+    family, with the spectrum of one member; `family` says what it is. The search tells two families of the same
+    energy apart by looking for a path of equilibria from one to the other.
 
     Args:
         system: A system whose parameters are all numbers.
         leaf: The leaf, or the values of the Casimirs by name.
         along: Integrals, by their names in `system.invariants` or as formulas, for relative equilibria.
         values: Their values, by name.
-        n_starts: Number of starts, random states projected to the leaf.
+        n_starts: Number of starts of a search, random states projected to the leaf.
+        most_starts: What it may be doubled to; 16 times `n_starts` by default.
         seed: Draws them.
 
     Returns:
-        The equilibria by increasing energy.
+        The equilibria by increasing energy, a sequence that knows what is proved about it.
 
     Raises:
         LeafError: the Casimirs have no state, or the equations of the leaf are not known.
         ParameterError: `leaf` is neither a leaf of the system nor values of its Casimirs; `values` does not name the
-            integrals of `along`; one of these is not constant, or has no motion of its own; or `n_starts` or `seed` is
-            no whole number.
+            integrals of `along`; one of these is not constant, or has no motion of its own; or `n_starts`,
+            `most_starts` or `seed` is no whole number.
 
-    References: [holm1985], for the equations.
+    References: [holm1985], for the equations; [milnor1963], for the sum.
     """
     system = as_system(system)
     leaf = _leaf(system, leaf)
     n_starts, seed = as_count(n_starts, "n_starts", least=1), as_seed(seed)
+    most = _MOST * n_starts if most_starts is None else as_count(most_starts, "most_starts", least=1)
     integrals = integrals_of(system, along)
     wanted = _level(integrals, values, None)
-    fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
-    origin = representative(leaf)
-    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STARTS_KEY,)))
-    size = float(np.linalg.norm(origin.state)) / np.sqrt(len(origin.state)) or 1.0
-    starts = rng.standard_normal((n_starts, len(origin.state))) * size
-    starts *= np.exp(rng.uniform(np.log(0.2), np.log(5.0), (len(starts), 1)))
-    states, residual = critical_points(origin, fields, starts, wanted)
-    states, residual = states[residual <= _FOUND], residual[residual <= _FOUND]
-    found: list[Equilibrium] = []
-    for state in states[np.argsort(residual)]:
-        _add(found, leaf, state, integrals)
-    return sorted(found, key=lambda equilibrium: equilibrium.energy)
+    if not integrals and (found := _by_algebra(leaf)) is not None:
+        return found
+    expected = None if integrals else euler_characteristic(leaf)
+    search = EquilibriumSearch(leaf, integrals, wanted, seed)
+    search.extend(n_starts)
+    if expected is not None:
+        search.until_the_sum_is(expected, most)
+    return Equilibria(leaf, tuple(search.found), False, expected, _sum(search.found, integrals), search.n_starts)
 
 
-_STARTS_KEY = 5
-"""Tells the stream of random numbers of the starts from other streams with the same seed."""
+def _by_algebra(leaf: Leaf) -> Equilibria | None:
+    """All equilibria with a proof, or None."""
+    if leaf.rank == 0:
+        return Equilibria(leaf, (analysis(leaf, leaf.state, {}),), True, 1, 1, 0)
+    top = exact_top(leaf.system)
+    states = None if top is None else all_equilibria(leaf, top)
+    if top is None or states is None:
+        return None
+    units = natural_units(leaf, top, states)
+    found = [_with_family(analysis(leaf, one.state, {}, units), one.kind) for one in states]
+    found.sort(key=lambda e: e.energy)
+    return Equilibria(leaf, tuple(found), True, euler_characteristic_of_leaf(leaf, top), signed_sum(found), 0)
+
+
+def _with_family(equilibrium: Equilibrium, kind: str) -> Equilibrium:
+    return replace(equilibrium, family="degenerate" if kind == "point" and equilibrium.nullity else kind)
+
+
+def _sum(found: Sequence[Equilibrium], integrals: Mapping[str, PhaseFunction]) -> int | None:
+    """The sum of signs; with integrals it would belong to another space."""
+    return None if integrals else signed_sum(found)
 
 
 def _leaf(system: System, given: Any) -> Leaf:
@@ -141,7 +167,7 @@ def relative_equilibrium(
     integrals = integrals_of(system, along)
     fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
     states, residual = critical_points(leaf, fields, leaf.state[None], _level(integrals, values, leaf.state))
-    if not len(states) or residual[0] > _FOUND:
+    if not len(states) or not is_critical(fields, leaf, states, residual)[0]:
         left = f"{residual[0]:.1e}" if len(residual) else "no state of the leaf"
         raise ParameterError(
             f"x_guess must be near a critical point of H on its leaf{_named(integrals)}; Newton's method ends with a "
@@ -168,26 +194,3 @@ def _level(integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] |
 
 def _named(integrals: Mapping[str, PhaseFunction]) -> str:
     return f" at fixed {', '.join(integrals)}" if integrals else ""
-
-
-def _add(found: list[Equilibrium], leaf: Leaf, state: Array, integrals: Mapping[str, PhaseFunction]) -> None:
-    """Add a state to the list, or count it where it, or its family, is there already."""
-    size = float(np.linalg.norm(state))
-    for k, known in enumerate(found):
-        if np.linalg.norm(state - known.state) <= _SAME * size:
-            found[k] = replace(known, n_found=known.n_found + 1)
-            return
-    new = analysis(leaf, state, integrals)
-    for k, known in enumerate(found):
-        if _same_family(known, new):
-            found[k] = replace(known, n_found=known.n_found + 1)
-            return
-    found.append(new)
-
-
-def _same_family(known: Equilibrium, new: Equilibrium) -> bool:
-    """Whether two degenerate critical points agree in energy, constant on a family, and in the signs around them."""
-    if not new.nullity or known.nullity != new.nullity or known.signature != new.signature:
-        return False
-    slope = float(np.linalg.norm(new.system.functions.energy.gradient(new.state)) * np.linalg.norm(new.state))
-    return abs(known.energy - new.energy) <= _SAME_ENERGY * slope

@@ -23,6 +23,7 @@ from liepoisson.phase_space.linearisation import (
     ComplexArray,
     LinearFlow,
     definite_combination,
+    leaf_tangent,
     linear_flow,
     spectral_verdict,
 )
@@ -59,6 +60,10 @@ class Equilibrium:
         combination: Coefficients of H and the integrals, by name. Where the vector fields of the integrals vanish or
             depend on each other there is a choice; a definite combination is taken if one is found.
         n_found: From how many starts a search came here, or to the same family; 1 if it was no search.
+        family: What connected set of equilibria of its leaf it belongs to, as far as `equilibria` knows: "point" (it is
+            isolated), "circle", "sphere", "all rotations" (like the group SO(3)), "family of dimension ...", or
+            "degenerate": the linear equations are, and no family was found. "point" from `stability`, which looks at
+            one state only.
     """
 
     leaf: Leaf
@@ -75,6 +80,7 @@ class Equilibrium:
     signature: tuple[int, int, int]
     combination: dict[str, float]
     n_found: int = 1
+    family: str = "point"
 
     @property
     def system(self) -> System:
@@ -241,13 +247,21 @@ _TRIED = 4
 """Random states at which two vector fields are compared."""
 
 
-def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction]) -> Equilibrium:
-    """The linear and the energy-Casimir stability of a critical point."""
+def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units: Array | None = None) -> Equilibrium:
+    """The linear and the energy-Casimir stability of a critical point.
+
+    Args:
+        leaf: Its leaf.
+        x: The state, shape (N,).
+        integrals: Integrals for a relative equilibrium.
+        units: Natural sizes of the coordinates, shape (N,), where they differ by orders of magnitude; an eigenvalue of
+            the second variation counts as zero by its size in these units.
+    """
     system = leaf.system
     fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
     rates, scale = fields.fields(x), fields.scale(x)
     omega = multipliers(rates[None], scale[None])[0]
-    point = _Point(fields, leaf, x, omega)
+    point = _Point(fields, leaf, x, omega, units)
     flow, asymmetry = point.linear_flow(np.array([1.0, *-omega]))
     basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
     flow = flow.restricted(basis)
@@ -275,6 +289,20 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction]) -> Eq
     )
 
 
+def null_directions(leaf: Leaf, fields: HamiltonianFields, x: Array) -> Array:
+    """Orthonormal directions in which a family of (relative) equilibria may go on from x, shape (N, n).
+
+    The kernel of the second variation on the slice, and the motions of the integrals.
+    """
+    rates, scale = fields.fields(x), fields.scale(x)
+    point = _Point(fields, leaf, x, multipliers(rates[None], scale[None])[0])
+    flow = point.linear_flow(np.array([1.0, *-point.omega]))[0]
+    symmetry = point.symmetry
+    basis = flow.slice_basis(symmetry) if symmetry.size else np.eye(flow.size)
+    found = np.concatenate([symmetry, basis @ flow.restricted(basis).kernel()], axis=1)
+    return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
+
+
 @dataclass(frozen=True)
 class _Point:
     """A critical point with what its second variations are made of."""
@@ -283,10 +311,19 @@ class _Point:
     leaf: Leaf
     x: Array
     omega: Array
+    units: Array | None = None
 
     @cached_property
     def tangents(self) -> Array:
-        return self.leaf.tangent_basis(self.x)
+        """Basis of the tangent space of the leaf, orthonormal in the units."""
+        if self.units is None:
+            return self.leaf.tangent_basis(self.x)
+        return self.units[:, None] * leaf_tangent(self._poisson(), self.leaf.rank)
+
+    def _poisson(self) -> Array:
+        """J in the units."""
+        poisson = self.fields.poisson(self.x)
+        return poisson if self.units is None else poisson / np.outer(self.units, self.units)
 
     @cached_property
     def _directions(self) -> tuple[Array, Array, Array]:
@@ -298,7 +335,11 @@ class _Point:
     @property
     def symmetry(self) -> Array:
         """Basis of the span of the vector fields of the integrals, in coordinates of the tangent space of the leaf."""
-        return self.tangents.T @ self._directions[0]
+        return self._dual().T @ self._directions[0]
+
+    def _dual(self) -> Array:
+        """The basis that gives the coordinates of a tangent vector."""
+        return self.tangents if self.units is None else self.tangents / self.units[:, None] ** 2
 
     def free(self) -> Array:
         """Combinations of the integrals whose vector fields vanish here, shape (free, k)."""
@@ -309,7 +350,10 @@ class _Point:
     def linear_flow(self, coefficients: Array) -> tuple[LinearFlow, float]:
         """The linearised flow of a combination of H and the integrals on the leaf, and its asymmetry."""
         derivative = self.fields.derivatives(self.x) @ coefficients
-        return linear_flow(self.fields.poisson(self.x), derivative, self.tangents)
+        if self.units is None:
+            return linear_flow(self._poisson(), derivative, self.tangents)
+        derivative = derivative * self.units / self.units[:, None]
+        return linear_flow(self._poisson(), derivative, self.tangents / self.units[:, None])
 
 
 def _best_combination(point: _Point, flow: LinearFlow, basis: Array) -> tuple[Array, LinearFlow]:

@@ -1,0 +1,104 @@
+"""Equilibria of a leaf as a list, with what is known of its completeness."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, overload
+
+if TYPE_CHECKING:
+    from liepoisson.phase_space.leaf import Leaf
+    from liepoisson.phase_space.stability import Equilibrium
+
+EULER = {"point": 1, "circle": 0, "sphere": 2, "all rotations": 0}
+"""The Euler characteristic of each kind of family, and the number of its dimensions below."""
+_DIMENSION = {"point": 0, "circle": 1, "sphere": 2, "all rotations": 3}
+
+
+@dataclass(frozen=True)
+class Equilibria(Sequence["Equilibrium"]):
+    r"""The equilibria of a leaf by increasing energy, and whether they are all.
+
+    Behaves like a list of `Equilibrium`: one for each isolated equilibrium and for each connected family.
+
+    Attributes:
+        leaf: The leaf.
+        found: The equilibria.
+        proved: Whether it is proved that there are no others. That is so for tops whose parameters are rational
+            numbers, except where the algebra meets an isolated degenerate equilibrium.
+        euler_characteristic: That of the leaf, if it is known and H is proper on the leaf; else None.
+        euler_found: The sum over the list that must be equal to it if nothing is missing: $(-1)^{\rm index}$ for
+            each point, times the Euler characteristic of the family for a family (circle 0, sphere 2). None
+            where a degenerate equilibrium has no known share.
+        n_starts: How many starts the search took; 0 if the algebra gave the list.
+    """
+
+    leaf: Leaf
+    found: tuple[Equilibrium, ...]
+    proved: bool
+    euler_characteristic: int | None
+    euler_found: int | None
+    n_starts: int
+
+    @property
+    def completeness(self) -> str:
+        """What is proved about the list, and what is not, in one sentence."""
+        if self.proved:
+            families = any(e.family != "point" for e in self.found)
+            return f"these are all{', with the families that they form' if families else ''} (proved by algebra)"
+        searched = f"found from {self.n_starts} random starts; that there are no others is not proved"
+        if self.euler_characteristic is None:
+            return f"{searched}, and no check is known"
+        if self.euler_found is None:
+            return f"{searched}, and degenerate equilibria prevent the check by the Euler characteristic"
+        if self.euler_found == self.euler_characteristic:
+            return (
+                f"{searched}; the signs sum to {self.euler_found}, the Euler characteristic of the leaf, as they must "
+                "if none is missing"
+            )
+        return (
+            f"{searched}; some are missing or false, for the signs sum to {self.euler_found} and the Euler "
+            f"characteristic of the leaf is {self.euler_characteristic}: take more starts"
+        )
+
+    @overload
+    def __getitem__(self, index: int) -> Equilibrium: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[Equilibrium]: ...
+    def __getitem__(self, index: int | slice) -> Equilibrium | list[Equilibrium]:
+        """One of them, or a list of several."""
+        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
+
+    def __len__(self) -> int:
+        """How many, each family counted once."""
+        return len(self.found)
+
+    def __repr__(self) -> str:
+        n = len(self.found)
+        noun = "equilibrium" if n == 1 else "equilibria"
+        rows = [("energy", "family", "linear", "growth", "signature", "energy-Casimir")]
+        rows += [
+            (
+                f"{e.energy:.6g}",
+                e.family,
+                e.linear_stability,
+                f"{e.growth_rate:.4g}",
+                str(e.signature),
+                e.nonlinear_stability,
+            )
+            for e in self.found
+        ]
+        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+        head = f"{n} {noun} of {self.leaf.system.name!r} on a leaf of dimension {self.leaf.rank}: {self.completeness}."
+        return "\n".join([head, *table] if n else [head])
+
+
+def signed_sum(found: Sequence[Equilibrium]) -> int | None:
+    r"""The sum of $(-1)^{\rm index}\chi$ over the equilibria and their families, None if a share is not known."""
+    total = 0
+    for e in found:
+        if _DIMENSION.get(e.family, -1) != e.signature[2]:
+            return None
+        total += (-1) ** e.signature[1] * EULER[e.family]
+    return total

@@ -1,0 +1,223 @@
+r"""The search for critical points of H on a leaf from random starts, and the families that they form.
+
+Two states belong to one family if a path of critical points leads from one to the other: steps in the kernel of the
+second variation (and along the flows of the integrals), each followed by Newton's method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points
+from liepoisson.phase_space.equilibrium_list import signed_sum
+from liepoisson.phase_space.leaf_search import representative
+from liepoisson.phase_space.stability import Equilibrium, analysis, null_directions
+
+if TYPE_CHECKING:
+    from liepoisson.exact.phase_functions import PhaseFunction
+    from liepoisson.phase_space.leaf import Leaf
+
+FOUND = 1e-11
+"""Relative residual up to which a state counts as a critical point that was found."""
+
+_CRITICAL = 1e-8
+"""The same for the slope of H along the leaf, which does not become small where J does, at the edge of a leaf."""
+
+_EDGE = 1e-6
+"""A state is on the edge of its leaf, where J has a lower rank, if the last singular value of J, relative to the length
+of the state, is below this fraction of that at the leaf's own state. It is larger than `_CRITICAL`: a Toda lattice
+at the edge, where its leaf ends without an equilibrium, has a slope of the order of this value."""
+
+_SAME, _SAME_ENERGY = 1e-6, 1e-9
+_STEP, _MOST_STEPS, _KICKS = 0.15, 120, 4
+"""Steps along a family, relative to the length of the state; random steps where the straight way is blocked."""
+
+_STARTS_KEY = 5
+"""Tells the stream of random numbers of the starts from other streams with the same seed."""
+
+
+@dataclass
+class _Family:
+    """One isolated equilibrium, or several of one connected family; `curve` has states all along a closed one."""
+
+    first: Equilibrium
+    states: list[Array] = field(default_factory=list[Array])
+    kind: str = "point"
+    curve: Array | None = None
+
+    def counted(self) -> Equilibrium:
+        return replace(self.first, n_found=len(self.states), family=self.kind)
+
+
+class EquilibriumSearch:
+    """The search on one leaf; each call of `extend` takes more starts.
+
+    Args:
+        leaf: The leaf.
+        integrals: Integrals with their names.
+        values: Their values.
+        seed: Draws the starts.
+    """
+
+    def __init__(self, leaf: Leaf, integrals: Mapping[str, PhaseFunction], values: Array, seed: int) -> None:
+        self._leaf, self._integrals, self._values = leaf, integrals, values
+        self._fields = HamiltonianFields(leaf.system, [leaf.system.functions.energy, *integrals.values()])
+        self._origin = representative(leaf)
+        self._rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STARTS_KEY,)))
+        self._kicks = np.random.default_rng(0)
+        self._families: list[_Family] = []
+        self.n_starts = 0
+
+    @property
+    def found(self) -> list[Equilibrium]:
+        """What was found so far, by increasing energy."""
+        return sorted((family.counted() for family in self._families), key=lambda e: e.energy)
+
+    def extend(self, n_starts: int) -> None:
+        """Search from this many starts more."""
+        origin = self._origin.state
+        size = float(np.linalg.norm(origin)) / np.sqrt(len(origin)) or 1.0
+        starts = self._rng.standard_normal((n_starts, len(origin))) * size
+        starts *= np.exp(self._rng.uniform(np.log(0.2), np.log(5.0), (n_starts, 1)))
+        self.n_starts += n_starts
+        self.add_from(starts)
+
+    def add_from(self, starts: Array) -> None:
+        """Search from these states, and add what they lead to."""
+        states, residual = critical_points(self._origin, self._fields, starts, self._values)
+        good = is_critical(self._fields, self._leaf, states, residual)
+        states, residual = states[good], residual[good]
+        for state in states[np.argsort(residual, kind="stable")]:
+            self._add(state)
+
+    def until_the_sum_is(self, expected: int, most_starts: int) -> None:
+        """Twice as many starts each time, while the sum of the signs is known and not this number."""
+        while signed_sum(self.found) not in {None, expected} and self.n_starts < most_starts:
+            self.extend(min(self.n_starts, most_starts - self.n_starts))
+
+    def _add(self, state: Array) -> None:
+        size = float(np.linalg.norm(state))
+        for family in self._families:
+            if min(np.linalg.norm(state - known) for known in family.states) <= _SAME * size:
+                family.states.append(state)
+                return
+        new = analysis(self._leaf, state, self._integrals)
+        directions = null_directions(self._leaf, self._fields, state)
+        if directions.shape[1]:
+            alike = [family for family in self._families if _may_be_one(family.first, new)]
+            for family in sorted(alike, key=lambda f: _distance(f, state)):
+                if self._is_connected(family, state):
+                    family.states.append(state)
+                    return
+        self._families.append(self._family(new, directions))
+
+    def _family(self, first: Equilibrium, directions: Array) -> _Family:
+        """What the family is: a step in the kernel that stays a step is along a family."""
+        state, n = first.state, directions.shape[1]
+        if not n:
+            return _Family(first, [state])
+        size = float(np.linalg.norm(state))
+        moved = [self._corrected(state + _STEP * size * v) for v in directions.T]
+        if not all(m is not None and np.linalg.norm(m - state) > 0.3 * _STEP * size for m in moved):
+            return _Family(first, [state], "degenerate")
+        curve = self._round(state) if n == 1 else None
+        return _Family(first, [state], f"family of dimension {n}" if curve is None else "circle", curve)
+
+    def _is_connected(self, family: _Family, goal: Array) -> bool:
+        """Whether a path of critical points leads from the family to the goal; if not, none was found."""
+        states = family.states if family.curve is None else family.curve
+        distances = np.linalg.norm(np.asarray(states) - goal, axis=1)
+        if family.curve is not None and distances.min() > 2 * _STEP * float(np.linalg.norm(goal)):
+            return False
+        return self._walk(states[int(np.argmin(distances))], goal)
+
+    def _walk(self, x: Array, goal: Array) -> bool:
+        """Steps towards the goal in the null directions, each corrected by Newton's method."""
+        size, kicks = float(np.linalg.norm(goal)), 0
+        for _ in range(_MOST_STEPS):
+            way = goal - x
+            distance = float(np.linalg.norm(way))
+            if distance <= _SAME * size:
+                return True
+            directions = null_directions(self._leaf, self._fields, x)
+            step = directions @ (directions.T @ way)
+            length = float(np.linalg.norm(step))
+            if length < 0.05 * distance:
+                kicks += 1
+                if kicks > _KICKS or directions.shape[1] < 2:
+                    return False
+                step = directions @ self._kicks.standard_normal(directions.shape[1])
+                length = float(np.linalg.norm(step)) * 10
+            step *= min(1.0, _STEP * size / max(length, np.finfo(float).tiny))
+            moved = self._corrected(x + step)
+            if moved is None:
+                return False
+            x = moved
+        return False
+
+    def _round(self, begin: Array) -> Array | None:
+        """States all along the curve through this one, or None if it was not seen to close."""
+        size, x, before = float(np.linalg.norm(begin)), begin, np.zeros_like(begin)
+        curve = [begin]
+        for _ in range(4 * _MOST_STEPS):
+            directions = null_directions(self._leaf, self._fields, x)
+            if directions.shape[1] != 1:
+                return None
+            along = directions[:, 0] * (1.0 if directions[:, 0] @ before >= 0 else -1.0)
+            moved = self._corrected(x + _STEP * size * along)
+            if moved is None:
+                return None
+            curve.append(moved)
+            if len(curve) > 3 and np.linalg.norm(moved - begin) < 0.7 * _STEP * size:
+                return np.array(curve)
+            x, before = moved, along
+        return None
+
+    def _corrected(self, guess: Array) -> Array | None:
+        states, residual = critical_points(self._leaf, self._fields, guess[None], self._values)
+        good = is_critical(self._fields, self._leaf, states, residual)
+        return states[0] if len(states) and good[0] else None
+
+
+def _distance(family: _Family, state: Array) -> float:
+    states = family.states if family.curve is None else family.curve
+    return float(np.linalg.norm(np.asarray(states) - state, axis=1).min())
+
+
+def is_critical(fields: HamiltonianFields, leaf: Leaf, states: Array, residual: Array) -> NDArray[np.bool_]:
+    """Which states are critical points inside the leaf, and not limits on its edge, where J is smaller."""
+    rank = leaf.rank
+    if not len(states) or not rank:
+        return residual <= FOUND
+    vectors, sizes, _ = np.linalg.svd(fields.poisson(states))
+    own = np.linalg.svd(fields.poisson(leaf.state), compute_uv=False)
+    length = float(np.linalg.norm(leaf.state))
+    inside = sizes[:, rank - 1] * length > _EDGE * own[rank - 1] * np.linalg.norm(states, axis=1)
+    gradients = np.stack([f.gradient(states) for f in fields.functions], axis=-1)
+    slopes = np.swapaxes(vectors[..., :rank], 1, 2) @ gradients
+    curvature = np.linalg.norm(fields.functions[0].hessian(states), axis=(1, 2)) * np.linalg.norm(states, axis=1)
+    scale = curvature + np.linalg.norm(gradients[..., 0], axis=1)
+    left = np.array([_unexplained(s) for s in slopes])
+    return (residual <= FOUND) & inside & (left <= _CRITICAL * np.where(scale > 0, scale, 1.0))
+
+
+def _unexplained(slopes: Array) -> float:
+    """What the slopes of the integrals leave of that of H."""
+    others = slopes[:, 1:]
+    lengths = np.linalg.norm(others, axis=0)
+    others = others[:, lengths > 0] / lengths[lengths > 0]
+    return float(np.linalg.norm(slopes[:, 0] - others @ np.linalg.lstsq(others, slopes[:, 0])[0]))
+
+
+def _may_be_one(known: Equilibrium, new: Equilibrium) -> bool:
+    """Whether two critical points agree in energy, which is constant on a family, and in the signs around them."""
+    if known.nullity != new.nullity or known.signature != new.signature:
+        return False
+    slope = float(np.linalg.norm(new.system.functions.energy.gradient(new.state)) * np.linalg.norm(new.state))
+    return abs(known.energy - new.energy) <= _SAME_ENERGY * slope

@@ -1,0 +1,289 @@
+r"""All equilibria of a top on a leaf, proved to be all, by algebra over the rational numbers.
+
+Parameters and values of Casimirs are rational numbers (doubles are), and so every question below, how many real roots
+a polynomial has and which numbers are zero, has an exact answer. By the leaf:
+
+- $\beta\ne0$, $\epsilon\ne0$ (twisted): see `liepoisson.phase_space.twisted_equilibria`.
+- $\alpha\times\beta\ne0$, $\epsilon=0$ (charged): $\alpha$ and $\beta$ turn as one rigid body, $\alpha=R\alpha_0$,
+  $\beta=R\beta_0$, and an equilibrium has $\ell=0$ and $\alpha\times a+\beta\times b=0$: with
+  $B = a\alpha_0^T+b\beta_0^T$ the matrix $RB^T$ is symmetric, so it is a square root of $BB^T$. If
+  $B$ has singular values $s_1>s_2>0$ there are four; if $s_1=s_2>0$ two and a circle; if $s_1>s_2=0$ two circles; if
+  $B=0$ all rotations. The squares $s_1^2, s_2^2$ are the eigenvalues of the product of the Gram matrices of $(a,b)$ and
+  $(\alpha_0,\beta_0)$, whose trace and determinant are rational.
+- one field n left ($\beta=0$, or $\epsilon=0$ and $\alpha = pn$, $\beta = qn$): a heavy top with $A = a$ or
+  $pa+qb$, see `liepoisson.phase_space.heavy_equilibria`.
+- $\alpha=\beta=0$: a free rigid body on a sphere, $\ell$ an eigenvector of $I$.
+
+Units do not matter: the twisted problem is first brought to numbers of order one by powers of two. With
+$I = i\hat I$, $\beta = B\hat\beta$, $a = p\hat a$, $\omega = k\hat\omega$ the equations stay what they are if
+$\ell = ik\hat\ell$, $\alpha = (ik^2/p)\hat\alpha$, $b = (ik^2/B)\hat b$, $\epsilon = (ik^3/Bp^2)\hat\epsilon$.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+from flint import arb, fmpq
+
+from liepoisson.arrays import Array
+from liepoisson.phase_space.certified_roots import PRECISIONS, UndecidedError, ball, precision, rational
+from liepoisson.phase_space.heavy_equilibria import (
+    BY_COUNT,
+    CIRCLE,
+    POINT,
+    ROTATIONS,
+    Critical,
+    Vector,
+    dot,
+    groups_of,
+    heavy_equilibria,
+)
+from liepoisson.phase_space.twisted_equilibria import NotProvedError, TwistedEquilibria, TwistedLeaf
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+    from liepoisson.exact.top_parameters import TopParameters
+    from liepoisson.phase_space.leaf import Leaf
+
+
+@dataclass(frozen=True)
+class ExactTop:
+    """The parameters of a top as rational numbers."""
+
+    inertia: Vector
+    a: Vector
+    b: Vector
+    epsilon: fmpq
+
+
+@dataclass(frozen=True)
+class FoundByAlgebra:
+    """A connected set of equilibria: one state of it, rounded to doubles, shape (9,), and what the set is."""
+
+    state: Array
+    kind: str
+
+
+def exact_top(system: System) -> ExactTop | None:
+    """The top with the bracket and the equations of this system, or None: not a top, or a parameter is irrational."""
+    found = system.top_parameters
+    if found is None or not _is_bracket_of(system, found):
+        return None
+    numbers = (*found.inertia, *found.a, *found.b, found.epsilon)
+    if not all(isinstance(value, Fraction) for value in numbers):
+        return None
+    exact = [rational(cast("Fraction", value)) for value in numbers]
+    return ExactTop(exact[:3], exact[3:6], exact[6:9], exact[9])
+
+
+def _is_bracket_of(system: System, top: TopParameters) -> bool:
+    """Whether the bracket is so(3) @ leibniz(3, epsilon): other brackets may have the same equations."""
+    from liepoisson.exact.extensions import leibniz
+    from liepoisson.exact.lie_algebras import so
+
+    wanted = so(3) @ leibniz(3, top.epsilon)
+    return set(wanted.entries()) == set(system.bracket.entries())
+
+
+def all_equilibria(leaf: Leaf, top: ExactTop) -> list[FoundByAlgebra] | None:
+    """All equilibria of the top on the leaf, or None where the algebra does not prove that they are all.
+
+    That happens where one is degenerate and isolated (two are about to meet), and where the equations have a factor
+    in common that is not expected.
+
+    Args:
+        leaf: A leaf of a system with the equations and the bracket of the top, of any rank above 0.
+        top: Its parameters.
+    """
+    try:
+        search = _search(leaf, top)
+    except NotProvedError:
+        return None
+    for bits in PRECISIONS:
+        try:
+            with precision(bits):
+                return search()
+        except UndecidedError:
+            continue
+    return None
+
+
+def _search(leaf: Leaf, top: ExactTop) -> Callable[[], list[FoundByAlgebra]]:
+    l, alpha, beta = ([rational(x) for x in v] for v in leaf.state.reshape(3, 3).tolist())
+    if leaf.rank == 2:
+        return lambda: _rounded(_sphere(top, dot(l, l)))
+    if leaf.rank == 4 and top.epsilon != 0:
+        return lambda: _rounded(_heavy(top, (fmpq(1), fmpq(0)), dot(alpha, alpha), dot(l, alpha)))
+    if leaf.rank == 4:
+        share = _shares(leaf.state)
+        total = share[0] ** 2 + share[1] ** 2
+        n = [(share[0] * x + share[1] * y) / total for x, y in zip(alpha, beta, strict=True)]
+        return lambda: _rounded(_heavy(top, share, fmpq(1), dot(l, n)))
+    values = casimir_values(leaf, top)
+    if top.epsilon == 0:
+        return lambda: _charged(leaf, top, values)
+    return _twisted(top, values)
+
+
+def _rounded(found: list[Critical]) -> list[FoundByAlgebra]:
+    return [FoundByAlgebra(_doubles(critical.state), critical.kind) for critical in found]
+
+
+def _doubles(state: list[arb]) -> Array:
+    return np.array([float(x.mid()) for x in state])
+
+
+def casimir_values(leaf: Leaf, top: ExactTop) -> tuple[fmpq, fmpq, fmpq]:
+    r"""The values of $|\alpha|^2+2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$ on a regular leaf.
+
+    Those that the leaf was made from, where its Casimirs are multiples of these; else those of its state.
+    """
+    from sympy import Rational
+
+    x = leaf.system.variables
+    l, alpha, beta = x[:3], x[3:6], x[6:]
+    twice = 2 * Rational(int(top.epsilon.p), int(top.epsilon.q))
+    formulas: tuple[Any, ...] = (
+        sum(p * q for p, q in zip(alpha, alpha, strict=True))
+        + twice * sum(p * q for p, q in zip(l, beta, strict=True)),
+        sum(p * q for p, q in zip(alpha, beta, strict=True)),
+        sum(p * q for p, q in zip(beta, beta, strict=True)),
+    )
+    return cast("tuple[fmpq, fmpq, fmpq]", tuple(_value(leaf, formula) for formula in formulas))
+
+
+def _value(leaf: Leaf, formula: Any) -> fmpq:
+    x = leaf.system.variables
+    at: Any = dict.fromkeys(x, 0) | {x[3]: 1, x[6]: 1}
+    for name, function in leaf.casimir_functions.items():
+        factor: Any = function.expression.subs(at) / formula.subs(at)
+        if factor.is_Rational and factor != 0 and (function.expression - factor * formula).expand() == 0:
+            return rational(leaf.casimirs[name]) * fmpq(int(factor.q), int(factor.p))
+    value: Any = formula.subs({v: _as_sympy(c) for v, c in zip(x, leaf.state.tolist(), strict=True)})
+    return fmpq(int(value.p), int(value.q))
+
+
+def _as_sympy(value: float) -> Expr:
+    from sympy import Rational
+
+    return Rational(*value.as_integer_ratio())
+
+
+# One leaf after the other
+
+
+def _sphere(top: ExactTop, square: fmpq) -> list[Critical]:
+    """The steady rotations of a free rigid body with l.l = square."""
+    length = ball(square).sqrt()
+    found: list[Critical] = []
+    for group in groups_of(top.inertia):
+        for sign in (1, -1) if len(group) == 1 else (1,):
+            l = [sign * length if k == group[0] else arb(0) for k in range(3)]
+            found.append(Critical([*l, *[arb(0)] * 6], BY_COUNT[len(group) - 1]))
+    return found
+
+
+def _heavy(top: ExactTop, share: tuple[fmpq, fmpq], size: fmpq, momentum: fmpq) -> list[Critical]:
+    """Those with alpha = p n, beta = q n, where the share is (p, q)."""
+    field = [share[0] * x + share[1] * y for x, y in zip(top.a, top.b, strict=True)]
+    found: list[Critical] = []
+    for n, speed, kind in heavy_equilibria(top.inertia, field, size, momentum):
+        l = [speed * ball(moment) * x for moment, x in zip(top.inertia, n, strict=True)]
+        found.append(Critical(l + [ball(p) * x for p in share for x in n], kind))
+    return found
+
+
+def _shares(state: Array) -> tuple[fmpq, fmpq]:
+    """The doubles p and q of alpha = p n, beta = q n with |n| = 1, for parallel alpha and beta."""
+    _, alpha, beta = state.reshape(3, 3)
+    longest = alpha if np.linalg.norm(alpha) >= np.linalg.norm(beta) else beta
+    n = longest / np.linalg.norm(longest)
+    return rational(float(alpha @ n)), rational(float(beta @ n))
+
+
+def _twisted(top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> Callable[[], list[FoundByAlgebra]]:
+    c1, c2, c3 = values
+    i, big = _power_of_two(top.inertia[1]), _power_of_two(c3, root=2)
+    p = _power_of_two(max((abs(x) for x in top.a), default=fmpq(0)))
+    k = _power_of_two(abs(top.epsilon) * big * p**2 / i, root=3)
+    to_alpha, to_b = i * k**2 / p, i * k**2 / big
+    scaled = TwistedLeaf(
+        [x / i for x in top.inertia],
+        [x / p for x in top.a],
+        [x / to_b for x in top.b],
+        top.epsilon * big * p**2 / (i * k**3),
+        c1 / to_alpha**2,
+        c2 / (to_alpha * big),
+        c3 / big**2,
+    )
+    search = TwistedEquilibria(scaled)
+    units = [i * k] * 3 + [to_alpha] * 3 + [big] * 3
+
+    def found() -> list[FoundByAlgebra]:
+        return [
+            FoundByAlgebra(_doubles([x * ball(unit) for x, unit in zip(c.state, units, strict=True)]), c.kind)
+            for c in search.all()
+        ]
+
+    return found
+
+
+def _power_of_two(value: fmpq, root: int = 1) -> fmpq:
+    """The power of two next to the root of a positive number; 1 for zero."""
+    if value == 0:
+        return fmpq(1)
+    exponent = round((int(value.p).bit_length() - int(value.q).bit_length()) / root)
+    return fmpq(2) ** exponent
+
+
+def _charged(leaf: Leaf, top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> list[FoundByAlgebra]:
+    c1, c2, c3 = values
+    aa, ab, bb = dot(top.a, top.a), dot(top.a, top.b), dot(top.b, top.b)
+    trace = aa * c1 + 2 * ab * c2 + bb * c3
+    determinant = (aa * bb - ab**2) * (c1 * c3 - c2**2)
+    _, alpha, beta = leaf.state.reshape(3, 3)
+    a, b = (np.array([float(Fraction(int(x.p), int(x.q))) for x in v]) for v in (top.a, top.b))
+    left, _, right = np.linalg.svd(np.outer(a, alpha) + np.outer(b, beta))
+    if trace == 0:
+        signs = {(1, 1): ROTATIONS}
+    elif determinant == 0:
+        signs = {(1, 1): CIRCLE, (-1, 1): CIRCLE}
+    elif trace**2 == 4 * determinant:
+        signs = {(1, 1): POINT, (-1, -1): POINT, (1, -1): CIRCLE}
+    else:
+        signs = {(first, second): POINT for first in (1, -1) for second in (1, -1)}
+    found: list[FoundByAlgebra] = []
+    for (first, second), kind in signs.items():
+        third = first * second * round(float(np.linalg.det(left) * np.linalg.det(right)))
+        turn = left @ np.diag([first, second, third]) @ right
+        found.append(FoundByAlgebra(np.concatenate([np.zeros(3), turn @ alpha, turn @ beta]), kind))
+    return found
+
+
+def natural_units(leaf: Leaf, top: ExactTop, found: list[FoundByAlgebra]) -> Array:
+    """The sizes of l, alpha and beta on the leaf, nine numbers, in which the second variation is of order one.
+
+    Those of its equilibria; where l is zero at all of them, the momentum whose kinetic energy is that of the fields.
+    """
+    inertia, a, b = ([float(Fraction(int(x.p), int(x.q))) for x in v] for v in (top.inertia, top.a, top.b))
+    states = np.array([one.state for one in found] + [leaf.state]).reshape(-1, 3, 3)
+    l, alpha, beta = np.linalg.norm(states, axis=2).max(axis=0)
+    moment = float(np.median(inertia))
+    l = max(float(l), np.sqrt(moment * (np.linalg.norm(a) * alpha + np.linalg.norm(b) * beta)))
+    whole = max(l, float(alpha), float(beta)) or 1.0
+    return np.repeat([size if size > 0 else whole for size in (l, alpha, beta)], 3)
+
+
+def euler_characteristic_of_leaf(leaf: Leaf, top: ExactTop) -> int:
+    r"""2 for $S^2\times R^4$ (twisted), for a leaf like $T^*S^2$ (one field) and for a sphere; 0 for $SO(3)\times R^3$.
+
+    H is proper on each: on a twisted leaf $|\alpha|^2$ grows like $|\ell|$ only, on the others alpha and beta are
+    bounded.
+    """
+    return 0 if leaf.rank == 6 and top.epsilon == 0 else 2

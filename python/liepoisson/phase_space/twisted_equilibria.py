@@ -1,0 +1,480 @@
+r"""All equilibria of a twisted top, epsilon != 0, on a leaf with beta != 0, by algebra.
+
+An equilibrium has $\beta\times\omega = 0$, $\alpha\times\omega + \epsilon\beta\times a = 0$ and
+$\ell\times\omega + \alpha\times a + \beta\times b = 0$. So $\omega = \kappa\beta$, and for $\kappa\ne0$, $a\ne0$ there
+are numbers $\tau$, $\sigma$ with
+
+$$\alpha = \tfrac{\epsilon}{\kappa}a - \tau\beta, \qquad \ell = \kappa I\beta, \qquad \kappa^2\beta = \gamma, \qquad
+  (I + \sigma)\gamma = b - \tau a .$$
+
+(The multipliers of $C_1 = |\alpha|^2+2\epsilon\,\ell\cdot\beta$, $C_2 = \alpha\cdot\beta$, $C_3 = |\beta|^2$ are
+$\lambda_1 = \kappa/2\epsilon$, $\lambda_2 = \kappa\tau/\epsilon$ and
+$2\lambda_3 = \kappa^2\sigma + \kappa\tau^2/\epsilon$.)
+With $A = c_2 + c_3\tau$, $G = c_1 + 2c_2\tau + c_3\tau^2$ and $L = a\cdot\gamma$, $M = \gamma\cdot I\gamma$,
+$S = |\gamma|^2$ the values of the Casimirs say
+
+$$E_1 = 2\epsilon M + \epsilon^2|a|^2\kappa - G\kappa^3 = 0, \qquad E_2 = \epsilon L - A\kappa^3 = 0, \qquad
+  E_3 = S - c_3\kappa^4 = 0 .$$
+
+**Regular** $\sigma\ne-I_k$ wherever $(a_k,b_k)\ne0$: $\gamma = (I+\sigma)^{-1}(b-\tau a)$. From $E_1$ and $E_2$ follows
+$GL - 2AM = \epsilon|a|^2A\kappa$; with $E_3$, every solution satisfies
+
+$$|a|^2SA^2 = c_3L(GL-2AM), \qquad S(GL-2AM)^2 = c_3\epsilon^4|a|^4L^2 .$$
+
+Their resultant is a polynomial in $\sigma$ (its part without known factors has degree 42 for random numbers). Its real
+roots with the zeros $\tau$ of the first equation are candidates, $\kappa = \pm(S/c_3)^{1/4}$, and each
+candidate is thrown away, or proved to be one solution, by interval arithmetic with $E_1, E_2, E_3$. Where b is parallel
+to a, both contain the factor $(b-\tau a)$, which is never zero here ($\gamma\ne0$). Where A divides L as a polynomial
+($b=0$, $c_2=0$, for example), both contain $A^2$; then A = 0 is a case of its own: $E_1 = E_3 = 0$ for
+$(\sigma,\kappa)$.
+
+**Singular** $\sigma=-J$ with $(b-\tau a)_K=0$ on the set K of indices with $I_k=J$: there $\gamma_K$ is free.
+
+- $a_K\ne0$: $\tau$ is known, $\gamma_K = g\,a_K + h$ with $h\perp a_K$, $g$ from $E_2$, $|h|^2$ from $E_3$, and
+  $2\epsilon\big(\sum_{j\notin K}(I_j-J)\gamma_j^2 + Jc_3\kappa^4\big) + \epsilon^2|a|^2\kappa - G\kappa^3 = 0$.
+  A simple moment has no h: $|h|^2=0$ is a second equation.
+- $a_K=b_K=0$: $E_2$ is linear in $\tau$, $\tau = T/D$ with $T = \epsilon B - c_2\kappa^3$,
+  $D = \epsilon A_0 + c_3\kappa^3$, $A_0 = \sum a_j^2/(I_j-J)$, $B = \sum a_jb_j/(I_j-J)$,
+  $B_2=\sum b_j^2/(I_j-J)$; then
+  $2\epsilon(B_2 - 2\tau B + \tau^2A_0 + Jc_3\kappa^4) + \epsilon^2|a|^2\kappa - G\kappa^3=0$ is an equation for
+  $\kappa$ of degree 10, and $|\gamma_K|^2 = c_3\kappa^4-\sum_{j\notin K}\gamma_j^2 > 0$ (where it is zero, the state
+  is a regular one). If T and D are proportional ($c_3B = -c_2A_0$), then $\tau=-c_2/c_3$, or $D = 0$ and $\tau$
+  follows from $E_1$.
+
+**Without rotation** $\kappa=0$: $\ell=0$ and $\beta=t\,a$, $\alpha = t\,b+s\,a$, on the leaves on which these have the
+right lengths.
+
+**a = 0**: $\alpha = (c_2/c_3)\beta$ and a heavy top in the field b for $\kappa\ne0$; for $\kappa=0$ circles of
+$\alpha$ around $\beta=\pm\sqrt{c_3}\,b/|b|$.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
+
+from liepoisson.phase_space.certified_roots import (
+    UndecidedError,
+    ball,
+    enclosures,
+    evaluate,
+    in_powers,
+    is_positive,
+    positive_roots_of,
+    real_roots,
+    resultant,
+    unique_zero,
+    without,
+)
+from liepoisson.phase_space.heavy_equilibria import (
+    BY_COUNT,
+    CIRCLE,
+    POINT,
+    ROTATIONS,
+    BallVector,
+    Critical,
+    Vector,
+    dot,
+    groups_of,
+    heavy_equilibria,
+    is_zero,
+    placed,
+)
+
+
+class NotProvedError(Exception):
+    """The equations have a common factor that the derivation does not know."""
+
+
+@dataclass(frozen=True)
+class TwistedLeaf:
+    """The rational numbers of the problem: parameters of the top and values c1, c2, c3 of the Casimirs; c3 > 0."""
+
+    inertia: Vector
+    a: Vector
+    b: Vector
+    epsilon: fmpq
+    c1: fmpq
+    c2: fmpq
+    c3: fmpq
+
+    @property
+    def active(self) -> list[tuple[int, ...]]:
+        """The sets of equal moments on which a or b does not vanish."""
+        return [group for group in groups_of(self.inertia) if not (is_zero(self.a, group) and is_zero(self.b, group))]
+
+    @property
+    def aa(self) -> fmpq:
+        """The square of |a|."""
+        return dot(self.a, self.a)
+
+    @property
+    def determinant(self) -> fmpq:
+        """c1 c3 - c2^2."""
+        return self.c1 * self.c3 - self.c2**2
+
+
+class TwistedEquilibria:
+    """The search on one leaf; what needs no balls is computed once.
+
+    Args:
+        leaf: The problem, best with numbers of order one.
+
+    Raises:
+        NotProvedError: the equations of the regular branch have an unknown common factor.
+    """
+
+    def __init__(self, leaf: TwistedLeaf) -> None:
+        self._leaf = leaf
+        self._pairs = [] if is_zero(leaf.a) else _regular_pairs(leaf)
+
+    def all(self) -> list[Critical]:
+        """All equilibria at the present precision.
+
+        Raises:
+            UndecidedError: it does not suffice, as for an equilibrium that is degenerate and isolated.
+        """
+        leaf = self._leaf
+        if is_zero(leaf.a):
+            return _without_mass(leaf)
+        found = _at_rest(leaf)
+        for group in groups_of(leaf.inertia):
+            if not is_zero(leaf.a, group):
+                found += _singular_with_mass(leaf, group)
+            elif is_zero(leaf.b, group):
+                found += _singular_without_mass(leaf, group)
+        regular: list[list[arb]] = []
+        for pair in self._pairs:
+            for box in pair.solutions(leaf):
+                if not any(all(x.overlaps(y) for x, y in zip(box, known, strict=True)) for known in regular):
+                    regular.append(box)
+        return found + [_state(leaf, tau, kappa, _gamma(leaf, sigma, tau)) for sigma, tau, kappa in regular]
+
+
+def _state(leaf: TwistedLeaf, tau: arb, kappa: arb, gamma: Sequence[arb], kind: str = POINT) -> Critical:
+    beta = [x / (kappa * kappa) for x in gamma]
+    alpha = [ball(leaf.epsilon * x) / kappa - tau * y for x, y in zip(leaf.a, beta, strict=True)]
+    l = [kappa * ball(x) * y for x, y in zip(leaf.inertia, beta, strict=True)]
+    return Critical([*l, *alpha, *beta], kind)
+
+
+def _gamma(leaf: TwistedLeaf, sigma: arb, tau: arb) -> BallVector:
+    return [
+        (ball(b) - tau * ball(a)) / (ball(moment) + sigma) if (a, b) != (0, 0) else arb(0)
+        for moment, a, b in zip(leaf.inertia, leaf.a, leaf.b, strict=True)
+    ]
+
+
+# The regular branch
+
+
+@dataclass(frozen=True)
+class _Pair:
+    """Two equations in (sigma, u), u = tau - shift or, where tau is known, kappa, reduced to one in sigma.
+
+    Attributes:
+        pieces: Polynomials in sigma, whose roots are all that can occur, each with the coefficients in powers of u
+            (polynomials in sigma, too) of the first equation at these roots.
+        shift: What u is counted from.
+        tau: The known tau, or None.
+    """
+
+    pieces: list[tuple[fmpz_poly, list[fmpq_poly]]]
+    shift: fmpq
+    tau: fmpq | None
+
+    def solutions(self, leaf: TwistedLeaf) -> list[list[arb]]:
+        """Boxes (sigma, tau, kappa) with exactly one solution each; equal solutions may occur twice."""
+        found: list[list[arb]] = []
+        for roots, powers in self.pieces:
+            for sigma in real_roots(roots):
+                for other in enclosures([evaluate(power, sigma) for power in powers]):
+                    found += self._checked(leaf, sigma, other + ball(self.shift))
+        return found
+
+    def _checked(self, leaf: TwistedLeaf, sigma: arb, other: arb) -> list[list[arb]]:
+        if self.tau is not None:
+            candidates = [(ball(self.tau), other)]
+        else:
+            size = sum((x * x for x in _gamma(leaf, sigma, other)), arb(0)) / ball(leaf.c3)
+            if size.contains(0):  # the ball is too wide: gamma is not zero
+                raise UndecidedError
+            candidates = [(other, sign * size.sqrt().sqrt()) for sign in (1, -1)]
+        proved = (unique_zero(_Equations(leaf), [sigma, tau, kappa]) for tau, kappa in candidates)
+        return [box for box in proved if box is not None]
+
+
+class _Equations:
+    """E1, E2 and E3 as functions of (sigma, tau, kappa) with their derivatives, in balls.
+
+    Powers are written as products: FLINT's power of a ball around zero is undefined.
+    """
+
+    def __init__(self, leaf: TwistedLeaf) -> None:
+        self._leaf = leaf
+
+    def __call__(self, box: Sequence[arb]) -> tuple[list[arb], list[list[arb]]]:
+        sigma, tau, kappa = box
+        leaf, cube = self._leaf, kappa * kappa * kappa
+        eps, c1, c2, c3, aa = (ball(x) for x in (leaf.epsilon, leaf.c1, leaf.c2, leaf.c3, leaf.aa))
+        gamma = _gamma(leaf, sigma, tau)
+        used = [k for k in range(3) if (leaf.a[k], leaf.b[k]) != (0, 0)]
+        a, moment = [ball(x) for x in leaf.a], [ball(x) for x in leaf.inertia]
+        by_sigma = {k: -gamma[k] / (moment[k] + sigma) for k in used}
+        by_tau = {k: -a[k] / (moment[k] + sigma) for k in used}
+        total = sum((moment[k] * gamma[k] * gamma[k] for k in used), arb(0))
+        slope, big = c2 + c3 * tau, c1 + 2 * c2 * tau + c3 * tau * tau
+        values = [
+            2 * eps * total + eps**2 * aa * kappa - big * cube,
+            eps * sum((a[k] * gamma[k] for k in used), arb(0)) - slope * cube,
+            sum((gamma[k] * gamma[k] for k in used), arb(0)) - c3 * cube * kappa,
+        ]
+
+        def along(move: dict[int, arb]) -> list[arb]:
+            return [
+                4 * eps * sum((moment[k] * gamma[k] * move[k] for k in used), arb(0)),
+                eps * sum((a[k] * move[k] for k in used), arb(0)),
+                2 * sum((gamma[k] * move[k] for k in used), arb(0)),
+            ]
+
+        first, second = along(by_sigma), along(by_tau)
+        second = [second[0] - 2 * slope * cube, second[1] - c3 * cube, second[2]]
+        third = [eps**2 * aa - 3 * big * kappa * kappa, -3 * slope * kappa * kappa, -4 * c3 * cube]
+        return values, [list(row) for row in zip(first, second, third, strict=True)]
+
+
+@dataclass(frozen=True)
+class _Polynomials:
+    """L, S, M with their denominators cleared by the product Pi of (I + sigma): L Pi, S Pi^2, M Pi^2."""
+
+    pi: Any
+    l: Any
+    s: Any
+    m: Any
+
+
+def _polynomials(leaf: TwistedLeaf, sigma: Any, tau: Any) -> _Polynomials:
+    zero = 0 * sigma
+    pi = zero + 1
+    for group in leaf.active:
+        pi = pi * (sigma + leaf.inertia[group[0]])
+    gamma: list[Any] = [zero] * 3
+    for group in leaf.active:
+        cofactor = zero + 1
+        for other in leaf.active:
+            cofactor = cofactor * (sigma + leaf.inertia[other[0]]) if other != group else cofactor
+        for k in group:
+            gamma[k] = (leaf.b[k] - tau * leaf.a[k]) * cofactor
+    weighted = [leaf.a[k] * gamma[k] for k in range(3)]
+    squares = [x * x for x in gamma]
+    l, s = sum(weighted, zero), sum(squares, zero)
+    return _Polynomials(pi, l, s, sum((leaf.inertia[k] * squares[k] for k in range(3)), zero))
+
+
+def _regular_pairs(leaf: TwistedLeaf) -> list[_Pair]:
+    sigma, u = fmpq_mpoly_ctx.get(("sigma", "u"), Ordering.lex).gens()
+    ratio = _ratio(leaf.b, leaf.a)
+    shift = ratio if ratio is not None else fmpq(0)
+    tau = u + shift
+    p = _polynomials(leaf, sigma, tau)
+    slope, big = leaf.c2 + leaf.c3 * tau, leaf.c1 + 2 * leaf.c2 * tau + leaf.c3 * tau**2
+    l, divides = p.l, not (p.l % slope)
+    if divides:
+        l, slope = l // slope, 0 * sigma + 1
+    w = big * l * p.pi - 2 * slope * p.m
+    first = leaf.aa * p.s * slope**2 * p.pi - leaf.c3 * l * w
+    second = p.s * w**2 - leaf.c3 * leaf.epsilon**4 * leaf.aa**2 * l**2 * p.pi**4
+    # gamma is not zero; where b is parallel to a, gamma is a multiple of u
+    pairs = [_Pair(_pieces(leaf, first, second, excludes_zero=ratio is not None), shift, None)]
+    if divides and ratio != -leaf.c2 / leaf.c3:
+        pairs.append(_resting_pair(leaf))
+    return pairs
+
+
+def _resting_pair(leaf: TwistedLeaf) -> _Pair:
+    """The case A = 0 where L = 0 follows from it: E1 and E3 for sigma and kappa."""
+    sigma, kappa = fmpq_mpoly_ctx.get(("sigma", "kappa"), Ordering.lex).gens()
+    tau = -leaf.c2 / leaf.c3
+    p = _polynomials(leaf, sigma, tau)
+    big = leaf.c1 - leaf.c2**2 / leaf.c3
+    third = p.s - leaf.c3 * kappa**4 * p.pi**2
+    first = 2 * leaf.epsilon * p.m + p.pi**2 * (leaf.epsilon**2 * leaf.aa * kappa - big * kappa**3)
+    return _Pair(_pieces(leaf, third, first, excludes_zero=True), fmpq(0), tau)
+
+
+def _pieces(
+    leaf: TwistedLeaf, first: Any, second: Any, *, excludes_zero: bool
+) -> list[tuple[fmpz_poly, list[fmpq_poly]]]:
+    """The roots of the resultant, sorted by how often the first equation has the zero u = 0 that is none of ours."""
+    sigma, u = first.context().gens()
+    known = [sigma + leaf.inertia[group[0]] for group in leaf.active] + ([u] if excludes_zero else [])
+    for factor in known:
+        first, second = (_stripped(f, factor) for f in (first, second))
+    if first.gcd(second).total_degree() > 0:
+        raise NotProvedError
+    roots = fmpq_poly(resultant(first, second))
+    for group in leaf.active:
+        roots = without(roots, fmpq_poly([leaf.inertia[group[0]], 1]))
+    powers = in_powers(first)
+    pieces: list[tuple[fmpz_poly, list[fmpq_poly]]] = []
+    while excludes_zero and powers:
+        pieces.append((without(roots, powers[0]).numer(), powers))
+        roots, powers = roots.gcd(powers[0]), powers[1:]
+    return pieces or [(roots.numer(), powers)]
+
+
+def _stripped(f: Any, factor: Any) -> Any:
+    while f and not f % factor:
+        f = f // factor
+    return f
+
+
+def _ratio(b: Vector, a: Vector, at: Sequence[int] = (0, 1, 2)) -> fmpq | None:
+    """The number t with b = t a on these indices, where a does not vanish; None if they are not parallel."""
+    t = dot(a, b, at) / dot(a, a, at)
+    return t if all(b[k] == t * a[k] for k in at) else None
+
+
+# The singular branches
+
+
+def _singular_with_mass(leaf: TwistedLeaf, group: tuple[int, ...]) -> list[Critical]:
+    tau = _ratio(leaf.b, leaf.a, group)
+    if tau is None:
+        return []
+    moment, rest = leaf.inertia[group[0]], [k for k in range(3) if k not in group]
+    own = dot(leaf.a, leaf.a, group)
+    gamma = {k: (leaf.b[k] - tau * leaf.a[k]) / (leaf.inertia[k] - moment) for k in rest}
+    bare = sum((leaf.a[k] * x for k, x in gamma.items()), fmpq(0))
+    slope, big = leaf.c2 + leaf.c3 * tau, leaf.c1 + 2 * leaf.c2 * tau + leaf.c3 * tau**2
+    factor = fmpq_poly([-bare / own, 0, 0, slope / (leaf.epsilon * own)])
+    length = leaf.c3 * fmpq_poly([0, 0, 0, 0, 1]) - sum((x * x for x in gamma.values()), fmpq(0)) - own * factor**2
+    rest_of_m = sum(((leaf.inertia[k] - moment) * x * x for k, x in gamma.items()), fmpq(0))
+    equation = fmpq_poly(
+        [2 * leaf.epsilon * rest_of_m, leaf.epsilon**2 * leaf.aa, 0, -big, 2 * leaf.epsilon * moment * leaf.c3]
+    )
+    found: list[Critical] = []
+    common = equation.gcd(length)
+    on_axis = [(root, None) for root in real_roots(common)]
+    free = [(root, evaluate(length, root)) for root in positive_roots_of(equation, length)] if len(group) > 1 else []
+    for kappa, square in [*on_axis, *free]:
+        if kappa.is_zero():
+            continue
+        g = evaluate(factor, kappa)
+        vector = [ball(gamma[k]) if k in gamma else g * ball(leaf.a[k]) for k in range(3)]
+        if square is None:
+            found.append(_state(leaf, ball(tau), kappa, vector))
+            continue
+        across = _across(leaf.a, group)
+        size = (square / ball(dot(across, across))).sqrt()
+        kind = BY_COUNT[len(group) - 2]
+        for sign in (1, -1) if kind == POINT else (1,):
+            moved = [x + sign * size * ball(y) for x, y in zip(vector, across, strict=True)]
+            found.append(_state(leaf, ball(tau), kappa, moved, kind))
+    return found
+
+
+def _across(a: Vector, group: tuple[int, ...]) -> list[fmpq]:
+    """A vector on these indices that is orthogonal to a there."""
+    first = next(k for k in group if a[k] != 0)
+    other = next(k for k in group if k != first)
+    return [a[other] if k == first else -a[first] if k == other else fmpq(0) for k in range(3)]
+
+
+def _singular_without_mass(leaf: TwistedLeaf, group: tuple[int, ...]) -> list[Critical]:
+    moment, rest = leaf.inertia[group[0]], [k for k in range(3) if k not in group]
+    inverse = [1 / (leaf.inertia[k] - moment) if k in rest else fmpq(0) for k in range(3)]
+
+    def product(u: Vector, v: Vector) -> fmpq:
+        return dot([x * y for x, y in zip(u, v, strict=True)], inverse)
+
+    aa, ab, bb = product(leaf.a, leaf.a), product(leaf.a, leaf.b), product(leaf.b, leaf.b)
+    kappa = fmpq_poly([0, 1])
+    cube = kappa**3
+    d, t = fmpq_poly([leaf.epsilon * aa]) + leaf.c3 * cube, fmpq_poly([leaf.epsilon * ab]) - leaf.c2 * cube
+    found: list[Critical] = []
+    if leaf.c3 * ab == -leaf.c2 * aa:
+        found += _any_slope(leaf, group, inverse, aa, bb)
+        d, t = fmpq_poly([1]), fmpq_poly([-leaf.c2 / leaf.c3])
+    quadratic = bb * d**2 - 2 * ab * t * d + aa * t**2 + moment * leaf.c3 * cube * kappa * d**2
+    casimir = leaf.c1 * d**2 + 2 * leaf.c2 * t * d + leaf.c3 * t**2
+    equation = 2 * leaf.epsilon * quadratic + leaf.epsilon**2 * leaf.aa * kappa * d**2 - casimir * cube
+    length = leaf.c3 * cube * kappa * d**2
+    for k in rest:
+        length -= inverse[k] ** 2 * (leaf.b[k] * d - leaf.a[k] * t) ** 2
+    for root in positive_roots_of(without(equation, kappa), length):
+        tau = evaluate(t, root) / evaluate(d, root)
+        found += _tilted(leaf, group, inverse, tau, root)
+    return found
+
+
+def _any_slope(leaf: TwistedLeaf, group: tuple[int, ...], inverse: Vector, aa: fmpq, bb: fmpq) -> list[Critical]:
+    r"""The solutions with D = 0 where E2 holds for every tau: $3\epsilon A_0(\tau-\tau_0)^2 + \ldots = 0$."""
+    if aa == 0:
+        return []
+    moment, centre = leaf.inertia[group[0]], -leaf.c2 / leaf.c3
+    (kappa,) = real_roots(fmpq_poly([leaf.epsilon * aa, 0, 0, leaf.c3]))
+    still = leaf.epsilon * (2 * bb + leaf.c1 * aa / leaf.c3 - 3 * aa * centre**2)
+    rest = ball(still) + kappa * ball(leaf.epsilon**2 * (leaf.aa - 2 * moment * aa))
+    square = -rest / ball(3 * leaf.epsilon * aa)
+    if not is_positive(square):
+        return []
+    found: list[Critical] = []
+    for sign in (1, -1):
+        found += _tilted(leaf, group, inverse, ball(centre) + sign * square.sqrt(), kappa, is_checked=False)
+    return found
+
+
+def _tilted(
+    leaf: TwistedLeaf, group: tuple[int, ...], inverse: Vector, tau: arb, kappa: arb, *, is_checked: bool = True
+) -> list[Critical]:
+    """The states with a free part of gamma on the group, if its length is positive."""
+    gamma = [(ball(leaf.b[k]) - tau * ball(leaf.a[k])) * ball(inverse[k]) for k in range(3)]
+    square = ball(leaf.c3) * kappa * kappa * kappa * kappa - sum((x * x for x in gamma), arb(0))
+    if not is_checked and not is_positive(square):
+        return []
+    kind = BY_COUNT[len(group) - 1]
+    return [_state(leaf, tau, kappa, vector, k) for vector, k in placed(gamma, group, square.sqrt(), kind)]
+
+
+# Without rotation, and without mass
+
+
+def _at_rest(leaf: TwistedLeaf) -> list[Critical]:
+    square = leaf.c3 / leaf.aa
+    both = (leaf.c2 - square * dot(leaf.a, leaf.b)) / leaf.aa
+    length = square * dot(leaf.b, leaf.b) + 2 * both * dot(leaf.a, leaf.b) + both**2 / square * leaf.aa
+    if length != leaf.c1:
+        return []
+    found: list[Critical] = []
+    for sign in (1, -1):
+        t = sign * ball(square).sqrt()
+        beta = [t * ball(x) for x in leaf.a]
+        alpha = [t * ball(x) + ball(both) / t * ball(y) for x, y in zip(leaf.b, leaf.a, strict=True)]
+        found.append(Critical([arb(0)] * 3 + alpha + beta, POINT))
+    return found
+
+
+def _without_mass(leaf: TwistedLeaf) -> list[Critical]:
+    slope = leaf.c2 / leaf.c3
+    momentum = leaf.determinant / (2 * leaf.epsilon * leaf.c3)
+    found: list[Critical] = []
+    for beta, kappa, kind in heavy_equilibria(leaf.inertia, leaf.b, leaf.c3, momentum):
+        l = [kappa * ball(x) * y for x, y in zip(leaf.inertia, beta, strict=True)]
+        found.append(Critical([*l, *(ball(slope) * x for x in beta), *beta], kind))
+    if leaf.determinant <= 0:
+        return found
+    is_free = is_zero(leaf.b)
+    field = [fmpq(1), fmpq(0), fmpq(0)] if is_free else leaf.b
+    first = next(k for k in range(3) if field[k] != 0)
+    across = _across(field, (first, (first + 1) % 3))
+    out = (ball(leaf.determinant / leaf.c3) / ball(dot(across, across))).sqrt()
+    length = (ball(leaf.c3) / ball(dot(field, field))).sqrt()
+    for sign in (1,) if is_free else (1, -1):
+        beta = [sign * length * ball(x) for x in field]
+        alpha = [ball(slope) * x + out * ball(y) for x, y in zip(beta, across, strict=True)]
+        found.append(Critical([arb(0)] * 3 + alpha + beta, ROTATIONS if is_free else CIRCLE))
+    return found

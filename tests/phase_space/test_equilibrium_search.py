@@ -1,0 +1,127 @@
+"""The search for equilibria where no algebra gives them all: families, edges of leaves, units, the check."""
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.phase_space import critical_points as newton
+from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
+from liepoisson.phase_space.equilibrium_search import EquilibriumSearch
+
+
+def searched(system, leaf, n_starts, seed=0):
+    search = EquilibriumSearch(leaf, {}, np.zeros(0), seed)
+    search.extend(n_starts)
+    return search.found
+
+
+def toda(n):
+    """The open lattice in Flaschka's variables a_k, b_k: {a_k, b_k} = -a_k and {a_k, b_(k+1)} = a_k."""
+    size = 2 * n - 1
+    constants = np.zeros((size, size, size), dtype=int)
+    for k in range(n - 1):
+        for b, sign in ((n - 1 + k, -1), (n + k, 1)):
+            constants[k, b, k], constants[b, k, k] = sign, -sign
+    bracket = lp.LieAlgebra(constants.tolist()) @ lp.trivial()
+    x = bracket.coordinate_names_in_order
+    energy = " + ".join([f"2*{v}^2" for v in x[: n - 1]] + [f"{v}^2/2" for v in x[n - 1 :]])
+    return lp.System(bracket, energy), np.array([0.5] * (n - 1) + np.linspace(-1, 1.3, n).tolist())
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("n", [2, 3, 4])
+@pytest.mark.parametrize("momentum", [0.3, 0.0])
+def test_toda_lattice_has_no_equilibrium_though_its_motion_ends_at_the_edge_of_the_leaf(n, momentum):
+    """b_k = b_(k+1) and a_k = a_(k-1) = ... = 0 would be one, which is no state of the leaf a != 0."""
+    system, x = toda(n)
+    x[n - 1 :] += momentum / n - x[n - 1 :].mean()
+    found = lp.equilibria(system, lp.leaf_of(system, x), n_starts=60)
+    assert list(found) == []
+    assert not found.proved
+    assert found.euler_characteristic is None
+    assert "no check is known" in found.completeness
+
+
+def test_one_singular_system_of_equations_does_not_end_the_search():
+    matrices = np.array([np.eye(3), np.zeros((3, 3)), np.diag([2.0, 0.0, 1.0]), np.full((3, 3), np.nan), 2 * np.eye(3)])
+    right = np.ones((5, 3, 1))
+    solved = newton._solved(matrices, right)[..., 0]  # pyright: ignore[reportPrivateUsage]
+    np.testing.assert_allclose(solved[[0, 1, 2, 4]], [[1, 1, 1], [0, 0, 0], [0.5, 0, 1], [0.5, 0.5, 0.5]])
+    assert np.isnan(solved[3]).all()
+
+
+@pytest.mark.thorough
+def test_mirrored_circles_of_one_energy_are_two():
+    """The lowest states of this leaf are two circles, x and -x on one of l and alpha."""
+    system = lp.catalog.system("clebsch")
+    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    found = lp.equilibria(system, leaf, n_starts=40)
+    circles = [e for e in found if e.family == "circle"]
+    assert len(circles) == 2
+    assert circles[0].energy == pytest.approx(circles[1].energy, rel=1e-10)
+    assert found.euler_found == found.euler_characteristic == 2
+    assert "as they must if none is missing" in found.completeness
+
+
+@pytest.mark.thorough
+def test_relative_equilibria_are_listed_once_for_each_turn():
+    """The motion along l3 carries each relative equilibrium round a circle."""
+    top = lp.Top.twisted_lagrange()
+    x = np.random.default_rng(5).normal(size=9)
+    found = lp.equilibria(top, lp.leaf_of(top, x), along=("l3",), values={"l3": x[2]}, n_starts=10)
+    assert [e.family for e in found] == ["circle"] * len(found)
+    energies = [e.energy for e in found]
+    assert np.diff(energies).min() > 1e-6
+    assert sum(e.n_found for e in found) > 2 * len(found)
+
+
+def quadratic(scale, unit):
+    """A rigid body with a rotor on so(4), H and all states in other units."""
+    bracket = lp.so(4) @ lp.trivial()
+    names = bracket.coordinate_names_in_order
+    square = " + ".join(f"{(k + 1) * scale / unit**2!r}*{x}^2" for k, x in enumerate(names))
+    return lp.System(bracket, f"{square} + {scale / unit!r}*{names[0]} + {0.3 * scale / unit!r}*{names[4]}")
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("scale", "unit"), [(1e5, 1.0), (1e-5, 1.0), (1.0, 1e5), (1.0, 1e-5), (1e5, 1e-5)])
+def test_units_change_nothing(scale, unit):
+    x = np.array([0.3, -0.7, 0.2, 0.5, 0.9, -0.4])
+    system, other = quadratic(1.0, 1.0), quadratic(scale, unit)
+    first = lp.equilibria(system, lp.leaf_of(system, x), n_starts=60)
+    second = lp.equilibria(other, lp.leaf_of(other, unit * x), n_starts=60)
+    assert first.euler_found == second.euler_found == 4
+    assert len(first) == len(second)
+    assert [e.signature for e in first] == [e.signature for e in second]
+    np.testing.assert_allclose([e.energy / scale for e in second], [e.energy for e in first], rtol=1e-9)
+
+
+@pytest.mark.thorough
+def test_while_the_check_fails_more_starts_are_taken():
+    system = lp.catalog.system("manakov-so4")
+    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    few = lp.equilibria(system, leaf, n_starts=3, most_starts=3)
+    assert few.n_starts == 3
+    assert few.euler_found != 4
+    assert "some are missing or false" in few.completeness
+    more = lp.equilibria(system, leaf, n_starts=3, most_starts=400)
+    assert more.n_starts > 3
+    assert more.euler_found == more.euler_characteristic == 4
+    assert not more.proved
+
+
+def test_result_is_a_sequence_and_prints_a_sentence_and_a_table():
+    top = lp.Top.twisted_kovalevskaya()
+    found = lp.equilibria(top, {"C1": 1, "C2": 0.2, "C3": 1})
+    assert isinstance(found, Equilibria)
+    assert len(found) == 6
+    assert found[0] is next(iter(found))
+    assert found[-1].energy == max(e.energy for e in found)
+    assert [e.energy for e in found[1:3]] == [found[1].energy, found[2].energy]
+    lines = repr(found).splitlines()
+    assert lines[0] == (
+        "6 equilibria of 'twisted Kovalevskaya top' on a leaf of dimension 6: these are all (proved by algebra)."
+    )
+    assert len(lines) == 8
+    assert signed_sum(found) == 2
+    assert signed_sum(found[:2]) == 2

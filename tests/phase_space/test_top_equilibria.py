@@ -1,0 +1,241 @@
+"""All equilibria of tops: the proof against independent algebra, the search, and the sum of the signs."""
+
+import warnings
+
+import numpy as np
+import pytest
+from flint import fmpq
+
+import liepoisson as lp
+from liepoisson.phase_space.equilibrium_search import EquilibriumSearch
+from liepoisson.phase_space.top_equilibria import exact_top
+
+TEN = {"inertia": (1.81, 0.99, 1.23), "a": (0.91, 0.02, -0.62), "b": (-0.63, -0.99, 0.05), "epsilon": 0.5}
+
+
+def searched(system, leaf, n_starts, seed=0):
+    search = EquilibriumSearch(leaf, {}, np.zeros(0), seed)
+    search.extend(n_starts)
+    return search.found
+
+
+def assert_contains(all_of_them, some, tol=1e-6):
+    """Every equilibrium in `some` is in the list, or in a family of it."""
+    for e in some:
+        if e.nullity:
+            size = 1 + abs(e.energy)
+            assert any(o.family != "point" and abs(o.energy - e.energy) < tol * size for o in all_of_them), e
+        else:
+            size = np.linalg.norm(e.state)
+            assert min(np.linalg.norm(o.state - e.state) for o in all_of_them) < tol * size, e
+
+
+def random_vector(rng):
+    kind = rng.integers(5)
+    v = np.round(rng.normal(size=3), 2)
+    if kind == 0:
+        v[:] = 0
+    elif kind == 1:
+        v = rng.integers(-1, 2, 3).astype(float)
+    elif kind == 2:
+        v[rng.permutation(3)[:2]] = 0
+    elif kind == 3:
+        v[rng.integers(3)] = 0
+    return tuple(v.tolist())
+
+
+def random_top(rng):
+    """Also with equal moments, vanishing components and parallel vectors."""
+    inertia = rng.integers(1, 4, 3) if rng.random() < 0.5 else np.round(rng.uniform(0.5, 2, 3), 2)
+    a, b = random_vector(rng), random_vector(rng)
+    if rng.random() < 0.2:
+        b = tuple(2 * x for x in a)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", lp.errors.InertiaWarning)
+        return lp.Top(inertia=inertia.tolist(), a=a, b=b, epsilon=float(rng.choice([0, 1, -0.7, 0.35])))
+
+
+def random_leaf(rng, top):
+    """Of any rank above zero, also with C2 = 0."""
+    x = rng.normal(size=9) * np.exp(0.5 * rng.normal())
+    kind = rng.integers(6)
+    if kind == 1:
+        x[6:] = 0
+    elif kind == 2:
+        x[3:] = 0
+    elif kind == 3:
+        x[6:] = 2 * x[3:6]
+    leaf = lp.leaf_of(top, x)
+    if kind == 4 and leaf.is_regular:
+        values = leaf.casimirs | {"C2": 0.0}
+        return lp.Leaf(top, values)
+    return leaf
+
+
+def check(top, leaf, n_starts):
+    found = lp.equilibria(top, leaf)
+    assert found.proved, (top.top_parameters.describe(), leaf.casimirs)
+    assert found.n_starts == 0
+    for e in found:
+        assert leaf.contains(e.state, 1e-11)
+        assert e.residual < 1e-12
+    if all(e.family != "degenerate" for e in found):
+        assert found.euler_found == found.euler_characteristic, (top.top_parameters.describe(), leaf.casimirs)
+    if n_starts:
+        assert_contains(found, searched(top, leaf, n_starts))
+    return found
+
+
+@pytest.mark.thorough
+def test_ten_equilibria_of_which_the_search_finds_some():
+    """A leaf on which 200 random starts meet nine of the ten, none of them only once."""
+    top = lp.Top(**TEN)
+    rng = np.random.default_rng(0)
+    most = 0
+    for _ in range(12):
+        leaf = lp.leaf_of(top, rng.normal(size=9) * np.array([3, 3, 3, 1, 1, 1, 1, 1, 1]))
+        found = check(top, leaf, 30)
+        most = max(most, len(found))
+        assert "these are all" in found.completeness
+    assert most >= 8
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(20))
+def test_signs_of_all_equilibria_sum_to_the_euler_characteristic_and_the_search_finds_no_other(seed):
+    rng = np.random.default_rng(seed)
+    top = random_top(rng)
+    check(top, random_leaf(rng, top), 20)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 400))
+def test_many_random_tops(seed):
+    rng = np.random.default_rng(seed)
+    top = random_top(rng)
+    check(top, random_leaf(rng, top), 60)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("inertia", "a", "b", "casimirs"),
+    [((1, 2, 3), (1, 0, 0), (0, 1, 0), (2, 0, 1)), ((1, 1, 2), (1, 0, 0), (0, 0, 1), (3, 1, 1))],
+)
+def test_groebner_basis_has_as_many_real_solutions(inertia, a, b, casimirs):
+    """Equations with all gamma_j as unknowns, which includes singular matrices; solutions told apart by a linear form.
+
+    Its minimal polynomial is squarefree, so its real roots are the real solutions.
+    """
+    from sympy import QQ, Poly, count_roots, groebner, symbols
+
+    epsilon, (c1, c2, c3) = 1, casimirs
+    k, s, t, w, inverse, *g = symbols("k s t w inverse g1:4")
+    equations = [g[j] * (inertia[j] + s) - (b[j] - t * a[j]) for j in range(3)]
+    equations += [
+        2 * epsilon * sum(inertia[j] * g[j] ** 2 for j in range(3))
+        + epsilon**2 * sum(x * x for x in a) * k
+        - (c1 + 2 * c2 * t + c3 * t**2) * k**3,
+        epsilon * sum(a[j] * g[j] for j in range(3)) - (c2 + c3 * t) * k**3,
+        sum(x**2 for x in g) - c3 * k**4,
+        inverse * k - 1,
+        w - (2 * g[0] + 3 * g[1] + 5 * g[2] + 7 * t + k),
+    ]
+    basis = groebner(equations, inverse, *g, s, t, k, w, order="grevlex", domain=QQ)
+    last = Poly(basis.fglm("lex").exprs[-1], w)
+    assert last.is_sqf
+    found = lp.equilibria(lp.Top(inertia=inertia, a=a, b=b, epsilon=epsilon), {"C1": c1, "C2": c2, "C3": c3})
+    assert found.proved
+    assert len(found) == count_roots(last)
+
+
+def test_free_rigid_body_and_its_equal_moments():
+    leaf_state = [0.3, -0.4, 1.2, 0, 0, 0, 0, 0, 0]
+    kinds = {
+        (1, 1.5, 2): ["point"] * 6,
+        (1, 1, 1.5): ["point", "point", "circle"],
+        (1, 1, 1): ["sphere"],
+    }
+    for inertia, expected in kinds.items():
+        top = lp.Top.free_rigid_body(inertia)
+        found = lp.equilibria(top, lp.leaf_of(top, leaf_state))
+        assert sorted(e.family for e in found) == sorted(expected)
+        assert found.proved
+        assert found.euler_found == 2
+
+
+@pytest.mark.parametrize(
+    ("a", "b", "expected"),
+    [
+        ((1, 0, 0), (0, 1, 0.3), ["point"] * 4),
+        ((1, 0, 0), (2, 0, 0), ["circle"] * 2),
+        ((0, 0, 0), (0, 0, 0), ["all rotations"]),
+    ],
+)
+def test_charged_tops_have_four_points_two_circles_or_all_rotations(a, b, expected):
+    top = lp.Top.charged_heavy((1, 2, 2.5), a, b)
+    found = lp.equilibria(top, lp.leaf_of(top, [0.1, 0.2, -0.3, 1, 0.2, 0, 0.3, 1.1, 0.4]))
+    assert [e.family for e in found] == expected
+    assert found.proved
+    assert (found.euler_found, found.euler_characteristic) == (0, 0)
+
+
+def test_equal_singular_values_give_two_points_and_a_circle():
+    top = lp.Top.charged_heavy((1, 2, 2.5), (1, 0, 0), (0, 1, 0))
+    found = lp.equilibria(top, {"C1": 1, "C2": 0, "C3": 1})
+    assert sorted(e.family for e in found) == ["circle", "point", "point"]
+    assert found.euler_found == 0
+
+
+def test_heavy_top_on_the_leaf_beta_zero_of_a_twisted_one_is_that_of_the_heavy_top():
+    twisted, heavy = lp.Top(**TEN), lp.Top.heavy(TEN["inertia"], TEN["a"])
+    x = np.array([0.4, 1.1, -0.3, 0.2, 0.9, -0.5, 0, 0, 0])
+    first, second = (lp.equilibria(top, lp.leaf_of(top, x)) for top in (twisted, heavy))
+    np.testing.assert_allclose([e.energy for e in first], [e.energy for e in second], rtol=1e-12)
+    assert first.proved
+    assert second.proved
+
+
+def test_exceptional_leaf_with_a_state_of_rest():
+    """beta = t a, alpha = t b + s a, l = 0 is an equilibrium; it exists on leaves with one more relation."""
+    a, b, t, s = np.array([1.0, 2.0, 0.0]), np.array([0.5, 0.0, 1.0]), 0.5, -0.25
+    top = lp.Top(inertia=(1, 2, 2.5), a=a.tolist(), b=b.tolist(), epsilon=1)
+    x = np.concatenate([np.zeros(3), t * b + s * a, t * a])
+    found = lp.equilibria(top, lp.leaf_of(top, x))
+    assert found.proved
+    assert min(np.linalg.norm(e.state - x) for e in found) < 1e-12
+    assert found.euler_found == 2
+
+
+def test_mirrored_equilibria_out_of_the_plane_with_zero_middle_component():
+    """C2 = 0, b = 0: the factor A of the equations of the regular branch, and every tau with D = 0."""
+    top = lp.Top.twisted_kovalevskaya()
+    found = lp.equilibria(top, {"C1": 1, "C2": 0, "C3": 1})
+    assert len(found) == 6
+    assert found.euler_found == 2
+    energies = [e.energy for e in found]
+    np.testing.assert_allclose(energies[::2], energies[1::2], rtol=1e-12)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("unit", [1e-5, 1e-2, 1e3, 1e5])
+def test_units_change_nothing(unit):
+    """t -> t / u: l scales with u, alpha and a with u^p and u^(2-p), ...; and H with a factor of its own."""
+    x = np.array([0.9, -0.6, 0.5, 0.7, 0.2, -0.8, 0.3, 0.9, 0.4])
+    top = lp.Top(**TEN)
+    scale = np.repeat([unit, unit**2, unit**3], 3)
+    found = lp.equilibria(top, lp.leaf_of(top, x))
+    rescaled = lp.Top(inertia=TEN["inertia"], a=TEN["a"], b=[float(v / unit) for v in TEN["b"]], epsilon=0.5)
+    other = lp.equilibria(rescaled, lp.leaf_of(rescaled, x * scale))
+    assert (found.proved, other.proved) == (True, True)
+    assert len(found) == len(other)
+    assert sorted(e.signature for e in found) == sorted(e.signature for e in other)
+    np.testing.assert_allclose([e.state for e in other] / scale, [e.state for e in found], rtol=1e-9, atol=1e-11)
+
+
+def test_irrational_parameters_and_other_brackets_are_not_proved():
+    from sympy import sqrt
+
+    top = lp.Top(inertia=(1, 2, sqrt(5)), a=(1, 0, 0), epsilon=1)
+    assert exact_top(top) is None
+    assert exact_top(lp.Top(**TEN)).epsilon == fmpq(1, 2)
+    assert exact_top(lp.catalog.system("kirchhoff")) is None
