@@ -24,9 +24,9 @@ def test_compiled_functions_have_the_values_of_sympy(expression):
 
 
 def test_variables_that_are_called_like_private_ones_are_exchanged_at_once():
-    first, second = sp.symbols("_1 _0")
+    first, second = sp.symbols("_0 _1")
     private, [expression] = in_private_symbols((first, second), [first - 2 * second])
-    assert tuple(map(str, private)) == ("_0", "_1")
+    assert tuple(map(str, private)) == ("_1", "_0")
     assert expression == private[0] - 2 * private[1]
 
 

@@ -227,7 +227,8 @@ class _TapeWriter:
         """The register of each expression, None for one that is zero; common subexpressions are found first."""
         from sympy import cse, numbered_symbols
 
-        found: Any = cse(list(expressions), symbols=numbered_symbols("_c"), order="none")
+        # Sorted before the variables: after them the tape of the quaternion chart has two operations more.
+        found: Any = cse(list(expressions), symbols=numbered_symbols("0c"), order="none")
         shared, reduced = found
         for symbol, expression in shared:
             self._registers[symbol] = self.write(expression)

@@ -35,8 +35,10 @@ def in_private_symbols(
     """
     from sympy import S, Symbol, sympify
 
-    width = len(str(len(variables)))  # leading zeros: the order of the names is that of the variables
-    private = tuple(Symbol(f"_{k:0{width}d}") for k in range(len(variables)))
+    # Leading zeros, so that SymPy sorts the names by their numbers.  The last variable comes first: the tape of the
+    # quaternion chart has 115 operations then, in the other order 118.
+    n, width = len(variables), len(str(len(variables)))
+    private = tuple(Symbol(f"_{n - 1 - k:0{width}d}") for k in range(n))
     named = dict(zip(variables, private, strict=True))
     exact: list[Any] = [sympify(expression) for expression in expressions]
     free = {symbol for expression in exact for symbol in expression.free_symbols} - named.keys()
