@@ -95,7 +95,7 @@ def _draw_residual(ax: Axes, twisted: RunResult) -> None:
     ax.set_xscale("log")
     time_axis(ax, time[0], time[-1])
     ax.set_ylabel(r"$\langle\lambda\rangle - {}$fit")
-    ax.legend(loc="best", fontsize=7.5, labelspacing=0.2, handlelength=1.6)
+    ax.legend(loc="lower left", fontsize=7.5, labelspacing=0.2, handlelength=1.6, frameon=True, edgecolor="none")
     ax.set_title("(b)  twisted")
 
 

@@ -149,4 +149,4 @@ def verdict_counts(claims: dict[str, Any]) -> str:
     counts = count_verdicts(claims["claims"], claims["errata"])
     repeated = len(claims["claims"]) - sum(counts.values())
     texts = [f"{counts[verdict]} {verdict}" for verdict in sorted(counts, key=lambda v: -counts[v])]
-    return ", ".join(texts) + (f"; {repeated} more repeat one of these mistakes" if repeated else "")
+    return ", ".join(texts) + (f"\n  {repeated} more repeat one of these mistakes" if repeated else "")
