@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -210,7 +210,7 @@ class System:
         value: Any
         value, traces = abbreviated(self.bracket(self._function(function), self.hamiltonian))
         polynomial = value == 0 or value.is_polynomial(*self.variables, *traces)
-        simplified: Any = value if polynomial else simplify(value)
+        simplified: Any = value if polynomial else simplify(cast("Expr", value))
         return simplified.xreplace(traces)
 
     def is_constant(self, function: str | Expr) -> bool:

@@ -7,7 +7,7 @@ matrices for all coordinates of a field.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -164,12 +164,10 @@ class TraceSum:
         shape = (*x.shape[:-1], *(n,) * order)
         if self._rest == 0:
             return np.zeros(shape)
-        return evaluated(self._compiled[order], x).reshape(shape).copy()
+        return evaluated(self._variables, self._derivatives_of_rest[order], x).reshape(shape).copy()
 
     @cached_property
-    def _compiled(self) -> tuple[Callable[..., list[Any]], ...]:
-        from liepoisson.exact.phase_functions import compiled
-
+    def _derivatives_of_rest(self) -> tuple[tuple[Expr, ...], ...]:
+        """The part without traces, its first and its second derivatives."""
         slopes = [self._rest.diff(v) for v in self._variables]
-        second = [slope.diff(v) for slope in slopes for v in self._variables]
-        return tuple(compiled(self._variables, rows) for rows in ([self._rest], slopes, second))
+        return (self._rest,), tuple(slopes), tuple(slope.diff(v) for slope in slopes for v in self._variables)

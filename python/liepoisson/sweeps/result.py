@@ -28,8 +28,7 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
-_PER_POINT = ("mean", "standard_error", "low", "high", "n_finished")
-_PER_POINT += ("chaotic_fraction", "undecided_fraction")
+_PER_POINT = ("mean", "standard_error", "low", "high", "n_finished", "chaotic_fraction", "undecided_fraction")
 _DIMENSIONS = ("member", "point", "level")
 OWN_NAMES = frozenset([*_DIMENSIONS, *_PER_POINT, "exponent", "verdict", "value", "outcome"])
 """Variables and dimensions of the dataset of a sweep, which no axis may be taken for."""
