@@ -354,37 +354,48 @@ const TURNS_PER_REPORT: u64 = 64;
 /// How often a worker looks at the clock, and how many equal steps it takes at once: as often and as many as the time that
 /// they take allows. It begins carefully, since a step of a large field can take longer than a whole run of a small one.
 struct Pace {
-    /// Steps between two looks.
-    steps: u64,
-    /// Steps that are left up to the next look.
+    /// Turns between two looks.
+    turns: u64,
+    /// Turns that are left up to the next look.
     left: u64,
+    /// Equal steps in a turn.
+    repeats: u64,
     last: Instant,
 }
 
 impl Pace {
     /// Between two looks there should be so much time: less costs more looks, more is felt as a delay.
-    const SHORT: Duration = Duration::from_millis(1);
-    const LONG: Duration = Duration::from_millis(20);
+    const SHORT: Duration = Duration::from_millis(25);
+    const LONG: Duration = Duration::from_millis(100);
 
     fn new() -> Pace {
-        Pace { steps: 1, left: 1, last: Instant::now() }
+        Pace { turns: 1, left: 1, repeats: 1, last: Instant::now() }
     }
 
-    /// Counts steps of all lanes together; whether it is time for a look.
+    /// Counts a turn; whether it is time for a look.
     #[inline(always)]
-    fn is_time(&mut self, steps: u64, most_repeats: u64) -> bool {
-        self.left = self.left.saturating_sub(steps);
+    fn is_time(&mut self, most_repeats: u64) -> bool {
+        self.left -= 1;
         if self.left > 0 {
             return false;
         }
         let now = Instant::now();
         let elapsed = now.duration_since(self.last);
         if elapsed < Pace::SHORT {
-            self.steps = (2 * self.steps).min(TURNS_PER_REPORT * most_repeats);
+            // more steps in a turn first: they cost less than more turns
+            if self.repeats < most_repeats {
+                self.repeats *= 2;
+            } else {
+                self.turns = (2 * self.turns).min(TURNS_PER_REPORT);
+            }
         } else if elapsed > Pace::LONG {
-            self.steps = (self.steps / 2).max(1);
+            if self.turns > 1 {
+                self.turns /= 2;
+            } else {
+                self.repeats = (self.repeats / 2).max(1);
+            }
         }
-        (self.left, self.last) = (self.steps, now);
+        (self.left, self.last) = (self.turns, now);
         true
     }
 }
@@ -432,7 +443,7 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         self.control.look_at_clock();
         while self.fill_seats(block, &mut seats, &mut observer) {
             block.prepare(&mut sizes);
-            let repeats = self.plan(block, &mut seats, pace.steps);
+            let repeats = self.plan(block, &mut seats, pace.repeats);
             for (lane, seat) in seats.iter_mut().enumerate() {
                 sizes[lane] = self.decide(block, lane, seat, sizes[lane], repeats, &mut observer);
             }
@@ -448,7 +459,7 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
                     self.dismiss(block, lane, seat, Outcome::Finished, &mut observer);
                 }
             }
-            if pace.is_time(repeats, block.most_repeats()) {
+            if pace.is_time(block.most_repeats()) {
                 for seat in seats.iter_mut().filter(|seat| seat.occupied) {
                     self.report(seat, false);
                 }
