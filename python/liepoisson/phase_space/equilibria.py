@@ -24,9 +24,10 @@ from liepoisson.phase_space.critical_points import HamiltonianFields, critical_p
 from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
 from liepoisson.phase_space.equilibrium_search import EquilibriumSearch, is_critical
 from liepoisson.phase_space.euler_characteristic import euler_characteristic
+from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.leaf import Leaf, leaf_of
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
-from liepoisson.phase_space.top_equilibria import all_equilibria, euler_characteristic_of_leaf, exact_top, natural_units
+from liepoisson.phase_space.top_equilibria import all_equilibria, euler_characteristic_of_leaf, natural_units
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
