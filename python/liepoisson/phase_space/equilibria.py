@@ -50,7 +50,8 @@ def equilibria(
     r"""The equilibria on a leaf: all of them for a top, elsewhere those that a search finds, with a check.
 
     **Tops** with rational parameters (doubles are rational): the equations are polynomial, and their real solutions are
-    computed with a proof that there are no others, isolated ones and families. `proved` is then true.
+    computed with a proof that there are no others, isolated ones and families. `proved` is then true. Heavy tops of six
+    components, on so(3) @ semidirect(2), and free rigid bodies on so(3) are tops, too, by whatever name.
 
     **Other systems**, relative equilibria (`along`), and leaves of tops on which an isolated equilibrium is degenerate:
     Newton's method from random starts. What is found are equilibria; that there are no others is not
