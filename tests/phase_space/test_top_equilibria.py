@@ -185,7 +185,7 @@ def test_states_of_an_indefinite_top_that_turn_about_the_vertical_without_moment
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", ["heavy-top", "lagrange", "kovalevskaya", "goryachev-chaplygin"])
+@pytest.mark.parametrize("name", ["heavy-top", "lagrange", "kovalevskaya", "goryachev-chaplygin", "spherical-pendulum"])
 def test_heavy_tops_of_the_catalogue_on_all_leaves(name):
     system = lp.catalog.system(name)
     top = lp.Top.heavy(*(list(map(str, v)) for v in (exact_top(system).inertia, exact_top(system).a)))
