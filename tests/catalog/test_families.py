@@ -101,6 +101,15 @@ def test_the_truncation_of_su7_is_quadratic_and_keeps_its_energy():
     assert abs(orbit.state[0, 1] - orbit.state[0, 0]).max() > 0.1
 
 
+@pytest.mark.thorough
+@pytest.mark.timeout(240)
+def test_what_is_constant_in_a_zeitlin_system_is_decided():
+    """The derivatives have coefficients such as sin(2 pi/7)/pi; to simplify them would take hours."""
+    fluid = catalog.zeitlin(7)
+    assert not fluid.is_constant(fluid.variables[0])
+    assert fluid.is_constant(fluid.hamiltonian)
+
+
 def test_mistakes_are_named():
     with pytest.raises(ShapeError, match=r"J must be 4 numbers.*got 3"):
         catalog.manakov(4, (1, 2, 3))

@@ -79,6 +79,55 @@ def test_questions_about_symbols_are_answered_only_when_decided():
     assert exceeds_sum(Fraction(3), Fraction(1), Fraction(1))
 
 
+def sines(n):
+    """A polynomial in n variables with coefficients that are products of sin(k pi / 7)."""
+    x = sp.symbols(f"x1:{n + 1}")
+    return sum(
+        sp.sin((j + 1) * sp.pi / 7) * sp.sqrt(k + 2) / sp.pi * x[j] * x[k] ** 2 for j in range(n) for k in range(n)
+    )
+
+
+def test_a_polynomial_that_does_not_vanish_is_not_simplified(monkeypatch):
+    """`simplify` takes minutes for a derivative of a Zeitlin system."""
+
+    def refused(*_):
+        raise AssertionError("simplify was called")
+
+    monkeypatch.setattr(sp, "simplify", refused)
+    monkeypatch.setattr(sp.Expr, "equals", refused)
+    x, y = sp.symbols("x y")
+    tiny = sp.sqrt(2) - sp.Rational(14142135623730950488016887, 10**25)
+    for value in (x + y, (x + y) ** 6 - x**6, sines(6), tiny * x, tiny, sp.sqrt(2) + sp.sin(1)):
+        assert not is_zero(value)
+    assert is_zero((x + y) ** 2 - x**2 - 2 * x * y - y**2)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    "number",
+    [
+        sp.cos(sp.pi / 7) - sp.cos(2 * sp.pi / 7) + sp.cos(3 * sp.pi / 7) - sp.Rational(1, 2),
+        sp.sqrt(2) * sp.sqrt(3) - sp.sqrt(6),
+        sp.sin(1) ** 2 + sp.cos(1) ** 2 - 1,
+        sp.sqrt(sp.sin(1) ** 2 + sp.cos(1) ** 2 - 1),
+    ],
+)
+def test_coefficients_that_vanish_without_showing_it_are_zero(number):
+    x, y = sp.symbols("x y")
+    assert is_zero(number)
+    assert is_zero(number * x + number * x * y**2)
+    assert not is_zero(number * x + y)
+    assert not is_zero(number + sp.Rational(1, 10**20))
+
+
+@pytest.mark.thorough
+def test_what_is_no_polynomial_is_simplified():
+    x, y = sp.symbols("x y")
+    assert is_zero(1 / (x + y) - (x - y) / (x**2 - y**2))
+    assert is_zero(sp.sin(x) ** 2 + sp.cos(x) ** 2 - 1)
+    assert not is_zero(1 / (x + y) - 1 / (x - y))
+
+
 def test_a_symbolic_parameter_has_no_float_and_is_named():
     with pytest.raises(ParameterError, match=r"epsilon must be a number.*free symbol kappa"):
         as_float(2 * sp.Symbol("kappa"), "epsilon")

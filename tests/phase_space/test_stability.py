@@ -289,3 +289,22 @@ def test_states_too_near_zero_are_refused(size):
         with pytest.raises(ParameterError, match=f"component of at least 1e-100.*{size:.3g}"):
             function(top, np.full(9, size))
     assert lp.stability(top, np.zeros(9)).leaf.rank == 0
+
+
+@pytest.mark.parametrize("scale", [1e-8, 1.0, 1e8])
+@pytest.mark.parametrize("hamiltonian", ["dot(l, l)/2", "dot(l, l)^2 - 3/7*dot(l, l)"])
+def test_where_h_is_constant_on_the_leaf_nothing_grows_and_every_state_is_an_equilibrium(scale, hamiltonian):
+    """The two terms of the linearised flow cancel; their round-off is no second variation."""
+    body = lp.System(lp.so(3) @ lp.trivial(), hamiltonian)
+    rng = np.random.default_rng(0)
+    for x in scale * rng.normal(size=(20, 3)):
+        e = lp.stability(body, x)
+        assert (e.signature, e.linear_stability, e.growth_rate) == ((0, 0, 2), "degenerate", 0.0)
+
+
+def test_a_pendulum_without_a_position_is_a_body_with_equal_moments():
+    pendulum = lp.catalog.system("spherical-pendulum")
+    leaf = lp.leaf_of(pendulum, [0.4, 1.1, -0.3, 0, 0, 0])
+    for l in np.random.default_rng(1).normal(size=(20, 3)):
+        x = np.append(l * np.linalg.norm(leaf.state) / np.linalg.norm(l), [0, 0, 0])
+        assert lp.stability(pendulum, x).signature == (0, 0, 2)

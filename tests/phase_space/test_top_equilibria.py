@@ -8,7 +8,7 @@ from flint import fmpq
 
 import liepoisson as lp
 from liepoisson.phase_space.equilibrium_search import EquilibriumSearch
-from liepoisson.phase_space.top_equilibria import exact_top
+from liepoisson.phase_space.exact_top import exact_top
 
 TEN = {"inertia": (1.81, 0.99, 1.23), "a": (0.91, 0.02, -0.62), "b": (-0.63, -0.99, 0.05), "epsilon": 0.5}
 
@@ -72,15 +72,38 @@ def random_leaf(rng, top):
     return leaf
 
 
+def random_small_top(rng, n_fields, *, signs=(1,)):
+    """The same without beta, or without alpha and beta, typed by hand; moments of these signs."""
+    inertia = rng.integers(1, 4, 3) if rng.random() < 0.5 else np.round(rng.uniform(0.5, 2, 3), 2)
+    inverse, a = (
+        [f"1/({s * x})" for s, x in zip(rng.choice(signs, 3), inertia.tolist(), strict=True)],
+        random_vector(rng),
+    )
+    terms = [f"{inverse[k]}*l{k + 1}^2/2" for k in range(3)]
+    if n_fields == 2:
+        terms += [f"({a[k]})*alpha{k + 1}" for k in range(3)]
+    return lp.System(lp.so(3) @ lp.semidirect(n_fields), " + ".join(terms))
+
+
+def random_small_leaf(rng, top):
+    """Of rank four or two, also with l.alpha = 0."""
+    x = rng.normal(size=top.bracket.dimension) * np.exp(0.5 * rng.normal())
+    kind = rng.integers(4)
+    if kind == 1:
+        x[3:] = 0
+    leaf = lp.leaf_of(top, x)
+    return lp.Leaf(top, leaf.casimirs | {"C1": 0.0}) if kind == 2 and leaf.rank == 4 else leaf
+
+
 def check(top, leaf, n_starts):
     found = lp.equilibria(top, leaf)
-    assert found.proved, (top.top_parameters.describe(), leaf.casimirs)
+    assert found.proved, (top.hamiltonian, leaf.casimirs)
     assert found.n_starts == 0
     for e in found:
         assert leaf.contains(e.state, 1e-11)
         assert e.residual < 1e-12
-    if all(e.family != "degenerate" for e in found):
-        assert found.euler_found == found.euler_characteristic, (top.top_parameters.describe(), leaf.casimirs)
+    if found.euler_characteristic is not None and all(e.family != "degenerate" for e in found):
+        assert found.euler_found == found.euler_characteristic, (top.hamiltonian, leaf.casimirs)
     if n_starts:
         assert_contains(found, searched(top, leaf, n_starts))
     return found
@@ -116,6 +139,94 @@ def test_many_random_tops(seed):
     rng = np.random.default_rng(seed)
     top = random_top(rng)
     check(top, random_leaf(rng, top), 60)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("n_fields", [1, 2])
+@pytest.mark.parametrize("seed", range(12))
+def test_heavy_tops_of_six_components_and_rigid_bodies_of_three(seed, n_fields):
+    rng = np.random.default_rng(seed)
+    top = random_small_top(rng, n_fields)
+    found = check(top, random_small_leaf(rng, top), 20)
+    assert found.euler_characteristic == 2
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("signs", [(1,), (1, -1)])
+@pytest.mark.parametrize("seed", range(100, 300))
+def test_many_random_heavy_tops(seed, signs):
+    rng = np.random.default_rng(seed)
+    top = random_small_top(rng, 2, signs=signs)
+    check(top, random_small_leaf(rng, top), 60)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(8))
+def test_moments_of_any_sign_typed_by_hand(seed):
+    """Where l.alpha = 0 a heavy top with an indefinite kinetic energy has more equilibria than the two at rest."""
+    rng = np.random.default_rng(seed)
+    top = random_small_top(rng, 2, signs=(1, -1))
+    check(top, lp.Leaf(top, {"C1": 0.0, "C2": 1.7}), 30)
+
+
+@pytest.mark.thorough
+def test_states_of_an_indefinite_top_that_turn_about_the_vertical_without_momentum_along_it():
+    for extension, rest in ((lp.semidirect(2), []), (lp.leibniz(3), [0, 0, 0])):
+        top = lp.System(lp.so(3) @ extension, "l1^2 + l2^2/4 - l3^2/2 + alpha1 + alpha3")
+        found = check(top, lp.leaf_of(top, [1, 0, 0, 0, 1, 0, *rest]), 60)
+        assert len(found) == 6
+        assert found.euler_characteristic is None
+        turning = [e.state for e in found if np.linalg.norm(e.state[:3]) > 0.1]
+        assert len(turning) == 4
+        for x in turning:
+            l, alpha = x[:3], x[3:6]
+            assert abs(l @ alpha) < 1e-12
+            assert np.linalg.norm(np.cross(l * [2, 0.5, -1], alpha)) < 1e-12
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["heavy-top", "lagrange", "kovalevskaya", "goryachev-chaplygin", "spherical-pendulum"])
+def test_heavy_tops_of_the_catalogue_on_all_leaves(name):
+    system = lp.catalog.system(name)
+    top = lp.Top.heavy(*(list(map(str, v)) for v in (exact_top(system).inertia, exact_top(system).a)))
+    for x in ([0.4, 1.1, -0.3, 0.2, 0.9, -0.5], [0.4, 1.1, -0.3, 0, 0, 0], [-6, 3, 2, 0.25, 0.5, -1]):
+        found = check(system, lp.leaf_of(system, x), 20)
+        nine = lp.equilibria(top, lp.leaf_of(top, [*x, 0, 0, 0]))
+        np.testing.assert_allclose([e.energy for e in found], [e.energy for e in nine], rtol=1e-10)
+        assert [e.family for e in found] == [e.family for e in nine]
+    at_rest = check(system, lp.Leaf(system, {"C1": 0, "C2": 4}), 0)
+    assert [e.energy for e in at_rest] == pytest.approx([-2, 2], rel=1e-14)
+
+
+def test_precessions_of_a_lagrange_top_are_a_circle_and_upright_ones_are_points():
+    """n3 = (a3/(I3 - I1))/lambda^2 and lambda(I1 + (I3 - I1) n3^2) = l.alpha on |alpha| = 1, I = (1, 1, 1/2)."""
+    system = lp.catalog.system("lagrange")
+    found = lp.equilibria(system, {"C1": 3, "C2": 1})
+    circles, points = ([e for e in found if (e.family == "circle") is given] for given in (True, False))
+    assert found.proved
+    np.testing.assert_allclose([e.state for e in points], [[0, 0, 3 * s, 0, 0, s] for s in (-1, 1)], atol=1e-14)
+    assert len(circles) == 1
+    l, n = circles[0].state.reshape(2, 3)
+    speed = l[0] / n[0] if n[0] else l[1] / n[1]
+    assert n[2] == pytest.approx(-2 / speed**2, rel=1e-13)
+    assert speed * (1 - n[2] ** 2 / 2) == pytest.approx(3, rel=1e-13)
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1e-2, 1e3, 1e6])
+def test_units_change_nothing_for_a_heavy_top(unit):
+    x = np.array([0.9, -0.6, 2.5, 0.7, 0.2, -0.8])
+    system = lp.catalog.system("heavy-top")
+    found, other = (lp.equilibria(system, lp.leaf_of(system, x * np.repeat([s, s**2], 3))) for s in (1.0, unit))
+    assert sorted(e.signature for e in found) == sorted(e.signature for e in other)
+    scale = np.repeat([unit, unit**2], 3)
+    np.testing.assert_allclose([e.state for e in other] / scale, [e.state for e in found], rtol=1e-12, atol=1e-13)
+
+
+def test_a_heavy_top_depends_on_the_leaf_and_not_on_the_state_it_was_made_from():
+    system = lp.catalog.system("heavy-top")
+    leaf = lp.leaf_of(system, [0.4, 1.1, -0.3, 0.2, 0.9, -0.5])
+    lists = [lp.equilibria(system, given) for given in (leaf, leaf.casimirs)]
+    np.testing.assert_array_equal([e.state for e in lists[0]], [e.state for e in lists[1]])
 
 
 @pytest.mark.thorough

@@ -31,6 +31,9 @@ Column: TypeAlias = Any
 # A bounded exponent: Fraction("1e999999999") would fill the memory with digits.
 _NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?)")
 _MAX_CHARACTERS = 200
+# Decimals of a summand, which SymPy guarantees, and the part of the size of the summands below which a sum of these may
+# be zero.
+_DIGITS, _ROUND_OFF = 50, Fraction(1, 10**30)
 _NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
@@ -106,12 +109,53 @@ def substituted(value: Exact, values: Mapping[str, Exact]) -> Exact:
 
 
 def is_zero(value: Exact) -> bool:
-    """Whether the parameter vanishes identically (a free symbol does not)."""
+    """Whether the parameter vanishes identically (a free symbol does not).
+
+    A polynomial in its symbols is expanded, and does so if its coefficients do.  That a coefficient does not vanish is
+    proved by its decimals; only one whose decimals leave it open, and what is no polynomial, is simplified, and False
+    may then mean that SymPy did not succeed.
+    """
     if isinstance(value, Fraction):
         return value == 0
-    from sympy import simplify
+    if value.is_zero:
+        return True
+    expanded = cast("Expr", value.expand())
+    if expanded == 0:
+        return True
+    symbols = tuple(expanded.free_symbols)
+    if not expanded.is_polynomial(*symbols):
+        from sympy import simplify
 
-    return bool(value.is_zero) or bool(value.expand() == 0) or bool(simplify(value) == 0)
+        return bool(simplify(value) == 0)
+    return all(_vanishes(terms) for terms in _coefficients(expanded, symbols))
+
+
+def _coefficients(expanded: Expr, symbols: Sequence[Any]) -> list[list[Expr]]:
+    """The summands of each coefficient of an expanded polynomial."""
+    from sympy import Add
+
+    found: dict[Expr, list[Expr]] = {}
+    for term in Add.make_args(expanded):
+        number, monomial = term.as_independent(*symbols, as_Add=False)
+        found.setdefault(monomial, []).append(number)
+    return list(found.values())
+
+
+def _vanishes(terms: Sequence[Expr]) -> bool:
+    """Whether a sum of constants vanishes."""
+    from sympy import Add
+    from sympy.core.evalf import PrecisionExhausted
+
+    try:
+        decimals: Any = [term.evalf(_DIGITS, strict=True) for term in terms]
+    except PrecisionExhausted:  # a summand may vanish itself
+        decimals = []
+    if decimals and all(value.is_Float or value.is_Rational for value in decimals):
+        size = sum(abs(value) for value in decimals)
+        if abs(sum(decimals)) > size * to_sympy(_ROUND_OFF):
+            return False
+    # simplifies, and asks for the minimal polynomial of an algebraic number
+    return Add(*terms).equals(0) is True
 
 
 def is_negative(value: Exact) -> bool:

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 ExactVector: TypeAlias = tuple[Exact, Exact, Exact]
 
 
+_DIMENSIONS = (3, 6, 9)
+"""Numbers of coordinates: l, then alpha, then beta."""
+
 MOST_TERMS = 400
 """Of an expanded Hamiltonian in which a top is looked for; one that is written as a top has 18."""
 
@@ -67,15 +70,19 @@ class TopParameters:
         return tuple(expand(v) for v in (*dl, *dalpha, *beta.cross(omega)))
 
     def has_bracket(self, bracket: Bracket) -> bool:
-        r"""Whether this is the bracket of the top, with the same epsilon.
+        r"""Whether this is the bracket of the top, with the same epsilon, or that of its first fields.
 
-        Then its Casimirs are $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$ and $|\beta|^2$.  Another
-        bracket can have the same equations, with another Hamiltonian or where a = b = 0.
+        For three fields the Casimirs are then $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$ and
+        $|\beta|^2$, for two $\ell\cdot\alpha$ and $|\alpha|^2$, for one $|\ell|^2$.  Another bracket can have the
+        same equations, with another Hamiltonian or where a = b = 0.
         """
         from liepoisson.exact.extensions import leibniz
         from liepoisson.exact.lie_algebras import so
 
-        return bracket.entries() == (so(3) @ leibniz(3, self.epsilon)).entries()
+        if bracket.dimension not in _DIMENSIONS:
+            return False
+        wanted = so(3) @ leibniz(bracket.dimension // 3, self.epsilon)
+        return set(bracket.entries()) == set(wanted.entries())
 
     def field(self) -> TopField:
         """The plain description for the numeric core.
@@ -100,17 +107,20 @@ class TopParameters:
 
 
 def match_top(bracket: Bracket, equations: dict[Symbol, Expr]) -> TopParameters | None:
-    """The top that has these nine equations of motion (coordinates in the order l, alpha, beta), or None.
+    """The top that has these equations of motion (coordinates in the order l, alpha, beta), or None.
 
     The parameters are read off the coefficients and the equations are then compared with `TopParameters.equations`,
     term by term.  When a = 0 the equations do not contain epsilon, which is then read from the bracket.
+
+    Six equations are compared with those of l and alpha where beta = 0 (b and epsilon are then 0), and three with those
+    of l where alpha is 0, too.  The latter contain only the differences of the 1/I, which have to be rational; the
+    first of these is chosen such that all moments are positive.
     """
     from sympy import Matrix, Poly, PolynomialError, simplify
 
     x = list(equations)
-    if len(x) != 9:
+    if len(x) not in _DIMENSIONS:
         return None
-    l, alpha, beta = (Matrix(x[i : i + 3]) for i in (0, 3, 6))
     try:
         polynomials = [Poly(value, *x) for value in equations.values()]
     except PolynomialError:
@@ -118,7 +128,8 @@ def match_top(bracket: Bracket, equations: dict[Symbol, Expr]) -> TopParameters 
     parameters = _read_off(polynomials, bracket)
     if parameters is None:
         return None
-    expected = parameters.equations(l, alpha, beta)
+    fields = [Matrix(x[i : i + 3]) if i < len(x) else Matrix([0, 0, 0]) for i in (0, 3, 6)]
+    expected = parameters.equations(*fields)[: len(x)]
     residuals = (simplify(e - g) for e, g in zip(expected, equations.values(), strict=True))
     return parameters if all(residual == 0 for residual in residuals) else None
 
@@ -127,21 +138,32 @@ def _read_off(polynomials: Sequence[Any], bracket: Bracket) -> TopParameters | N
     """Parameters from single coefficients: 1/I from beta' = beta x omega, a and b from l', epsilon from alpha'."""
     from sympy import S
 
+    n = len(polynomials)
+
     def coefficient(row: int, *factors: int) -> Expr:
-        powers = [0] * 9
+        if max(row, *factors) >= n:
+            return S.Zero
+        powers = [0] * n
         for factor in factors:
             powers[factor] += 1
         return polynomials[row].coeff_monomial(powers)
 
-    # beta_i' contains beta_{i+1} l_{i+2} / I_{i+2};  (alpha x a)_i contains alpha_{i+1} a_{i+2}.
-    inverse = {(i + 2) % 3: coefficient(6 + i, 6 + (i + 1) % 3, (i + 2) % 3) for i in range(3)}
+    # beta_i' contains beta_{i+1} l_{i+2} / I_{i+2}, and so does alpha_i';  (alpha x a)_i contains alpha_{i+1} a_{i+2}.
+    last = n - 3
+    inverse = {(i + 2) % 3: coefficient(last + i, last + (i + 1) % 3, (i + 2) % 3) for i in range(3)}
+    if n == 3:
+        # l_i' = l_{i+1} l_{i+2} (1/I_{i+2} - 1/I_{i+1})
+        if not all(value.is_Rational for value in inverse.values()):
+            return None
+        first = S.One + sum(abs(value) for value in inverse.values())
+        inverse = {0: first, 1: first + inverse[1], 2: first - inverse[0]}
     if any(value == 0 for value in inverse.values()):
         return None
     a = {(i + 2) % 3: coefficient(i, 3 + (i + 1) % 3) for i in range(3)}
     b = {(i + 2) % 3: coefficient(i, 6 + (i + 1) % 3) for i in range(3)}
     epsilon = _epsilon_of(bracket)
     for k in range(3):
-        if a[k] != 0:
+        if a[k] != 0 and n == 9:
             epsilon = coefficient(3 + (k + 1) % 3, 6 + (k + 2) % 3) / a[k]
             break
     ordered = [[vector[k] for k in range(3)] for vector in (inverse, a, b)]

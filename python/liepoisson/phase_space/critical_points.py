@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from liepoisson.exact.system import System
     from liepoisson.phase_space.leaf import Leaf
 
+CANCELLED = 1e-13
+"""A sum below this fraction of the sizes of its terms is round-off."""
 VANISHES = 1e-8
 """A vector field below this fraction of its scale counts as zero."""
 _MAX_STEPS = 100
@@ -60,16 +62,23 @@ class HamiltonianFields:
 
     def derivatives(self, x: Array) -> Array:
         """Their derivatives, shape (..., N, N, function)."""
+        turning, bending = self.parts(x)
+        return turning + bending
+
+    def parts(self, x: Array) -> tuple[Array, Array]:
+        r"""The terms of the derivatives, $(\partial J)\nabla F$ and $J\partial\nabla F$, shape (..., N, N, function).
+
+        Where F is a function of the Casimirs they cancel, and their sizes tell what is left of the sum is round-off.
+        """
         poisson = self.poisson(x)
-        parts = [
-            np.einsum("mij,...j->...im", self._constants, f.gradient(x)) + poisson @ f.hessian(x)
-            for f in self.functions
-        ]
-        return np.stack(parts, axis=-1)
+        turning = [np.einsum("mij,...j->...im", self._constants, f.gradient(x)) for f in self.functions]
+        bending = [poisson @ f.hessian(x) for f in self.functions]
+        return np.stack(turning, axis=-1), np.stack(bending, axis=-1)
 
     def scale(self, x: Array) -> Array:
-        """What the size of the vector fields is compared with: the norm of their derivatives times that of x."""
-        return np.linalg.norm(self.derivatives(x), axis=(-3, -2)) * np.linalg.norm(x, axis=-1)[..., None]
+        """What the size of the vector fields is compared with: the norms of `parts` times that of x."""
+        size = sum(np.linalg.norm(part, axis=(-3, -2)) for part in self.parts(x))
+        return np.asarray(size * np.linalg.norm(x, axis=-1)[..., None])
 
 
 @dataclass

@@ -24,9 +24,10 @@ from liepoisson.phase_space.critical_points import HamiltonianFields, critical_p
 from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
 from liepoisson.phase_space.equilibrium_search import EquilibriumSearch, is_critical
 from liepoisson.phase_space.euler_characteristic import euler_characteristic
+from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.leaf import Leaf, leaf_of
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
-from liepoisson.phase_space.top_equilibria import all_equilibria, euler_characteristic_of_leaf, exact_top, natural_units
+from liepoisson.phase_space.top_equilibria import all_equilibria, euler_characteristic_of_leaf, natural_units
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -49,7 +50,8 @@ def equilibria(
     r"""The equilibria on a leaf: all of them for a top, elsewhere those that a search finds, with a check.
 
     **Tops** with rational parameters (doubles are rational): the equations are polynomial, and their real solutions are
-    computed with a proof that there are no others, isolated ones and families. `proved` is then true.
+    computed with a proof that there are no others, isolated ones and families. `proved` is then true. Heavy tops of six
+    components, on so(3) @ semidirect(2), and free rigid bodies on so(3) are tops, too, by whatever name.
 
     **Other systems**, relative equilibria (`along`), and leaves of tops on which an isolated equilibrium is degenerate:
     Newton's method from random starts. What is found are equilibria; that there are no others is not

@@ -22,8 +22,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.arrays import Array
+from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.linearisation import definite_sign
-from liepoisson.phase_space.top_equilibria import euler_characteristic_of_leaf, exact_top
+from liepoisson.phase_space.top_equilibria import euler_characteristic_of_leaf
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System

@@ -10,9 +10,11 @@ $$\sum_k \frac{A_k^2}{(I_k+\sigma)^2} =: P(\sigma) = N\lambda^4, \qquad
 The branches, which together are all:
 
 - $A = 0$: $n$ is an eigenvector of $I$ and $\lambda = c/(N I_k)$; for $c = 0$ every $n$ with $\ell = 0$.
-- $c = 0$, $A\ne0$: $Q > 0$, so $\lambda = 0$ and $n = \pm\sqrt N A/|A|$.
+- $c = 0$, $A\ne0$, $\lambda = 0$: $n = \pm\sqrt N A/|A|$.
+- $c = 0$, $A\ne0$, $\lambda\ne0$: the real roots of Q, each with $\lambda = \pm(P/N)^{1/4}$. There are none, in this
+  branch and in the last one, if all moments have the same sign.
 - $c\ne0$, $A\ne0$, and $\sigma\ne-I_k$ wherever $A_k\ne0$: the real roots of $c^4P^3 = N^3Q^4$, a polynomial of degree
-  at most 18; each gives one $\lambda = cP/(NQ)$.
+  at most 18; each gives one $\lambda = cP/(NQ)$. (P is positive, so Q is not zero.)
 - $\sigma = -J$, a moment with $A_k = 0$ for all k of the set K where $I_k = J$. Then $n_K$ is free up to its length,
   $JN\lambda^4 - c\lambda^3 + \sum_{j\notin K}A_j^2/(I_j-J) = 0$ and $|n_K|^2 = N - \lambda^{-4}\sum_{j\notin K}
   A_j^2/(I_j-J)^2 > 0$: two points if the moment is simple, a circle if it is double. (Where the length is zero the
@@ -27,7 +29,12 @@ from typing import TypeAlias
 
 from flint import arb, fmpq, fmpq_poly
 
-from liepoisson.phase_space.certified_roots import ball, evaluate, positive_roots_of, real_roots
+from liepoisson.phase_space.certified_roots import (
+    ball,
+    evaluate,
+    positive_roots_of,
+    real_roots,
+)
 
 Vector: TypeAlias = Sequence[fmpq]
 BallVector: TypeAlias = list[arb]
@@ -71,7 +78,7 @@ def heavy_equilibria(inertia: Vector, field: Vector, size: fmpq, momentum: fmpq)
     r"""All equilibria, as (n, lambda, kind); $\ell = \lambda I n$.
 
     Args:
-        inertia: Principal moments.
+        inertia: Principal moments, of any sign.
         field: The vector A.
         size: $N = |n|^2$, positive.
         momentum: $c = \ell\cdot n$.
@@ -81,10 +88,8 @@ def heavy_equilibria(inertia: Vector, field: Vector, size: fmpq, momentum: fmpq)
     """
     if is_zero(field):
         return _free(inertia, size, momentum)
-    if momentum == 0:
-        length = (ball(size) / ball(dot(field, field))).sqrt()
-        return [([sign * length * ball(x) for x in field], arb(0), POINT) for sign in (1, -1)]
-    found = _regular(inertia, field, size, momentum)
+    found = _at_rest(field, size) if momentum == 0 else []
+    found += _regular(inertia, field, size, momentum)
     for group in groups_of(inertia):
         if is_zero(field, group):
             found += _tilted(inertia, field, size, momentum, group)
@@ -102,7 +107,31 @@ def _free(inertia: Vector, size: fmpq, momentum: fmpq) -> list[tuple[BallVector,
     ]
 
 
+def _at_rest(field: Vector, size: fmpq) -> list[tuple[BallVector, arb, str]]:
+    length = (ball(size) / ball(dot(field, field))).sqrt()
+    return [([sign * length * ball(x) for x in field], arb(0), POINT) for sign in (1, -1)]
+
+
 def _regular(inertia: Vector, field: Vector, size: fmpq, momentum: fmpq) -> list[tuple[BallVector, arb, str]]:
+    factors, first, second = _polynomials(inertia, field)
+    equation = momentum**4 * first**3 * factors**2 - size**3 * second**4 if momentum != 0 else second
+    found: list[tuple[BallVector, arb, str]] = []
+    for sigma in real_roots(equation):
+        height = evaluate(first, sigma)
+        if momentum != 0:
+            speeds = [ball(momentum / size) * height / evaluate(second, sigma)]
+        else:
+            square = (height / ball(size)).sqrt() / abs(evaluate(factors, sigma))
+            speeds = [sign * square.sqrt() for sign in (1, -1)]
+        for speed in speeds:
+            square = speed * speed
+            n = [ball(x) / (square * (ball(inertia[k]) + sigma)) if x != 0 else arb(0) for k, x in enumerate(field)]
+            found.append((n, speed, POINT))
+    return found
+
+
+def _polynomials(inertia: Vector, field: Vector) -> tuple[fmpq_poly, fmpq_poly, fmpq_poly]:
+    r"""The product $\Pi$ of the factors $I_k+\sigma$ with $A_k\ne0$, and P and Q times its square."""
     active = [group for group in groups_of(inertia) if not is_zero(field, group)]
     factors = [fmpq_poly([inertia[group[0]], 1]) for group in active]
     weights = [dot(field, field, group) for group in active]
@@ -114,16 +143,7 @@ def _regular(inertia: Vector, field: Vector, size: fmpq, momentum: fmpq) -> list
             others *= other * other if j != k else fmpq_poly([1])
         first += weights[k] * others
         second += weights[k] * inertia[active[k][0]] * others
-    equation = momentum**4 * first**3 * all_factors**2 - size**3 * second**4
-    found: list[tuple[BallVector, arb, str]] = []
-    for sigma in real_roots(equation):
-        speed = ball(momentum / size) * evaluate(first, sigma) / evaluate(second, sigma)
-        n = [
-            ball(field[k]) / ((speed * speed) * (ball(inertia[k]) + sigma)) if field[k] != 0 else arb(0)
-            for k in range(3)
-        ]
-        found.append((n, speed, POINT))
-    return found
+    return all_factors, first, second
 
 
 def _tilted(

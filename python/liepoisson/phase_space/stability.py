@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import as_number, shown
-from liepoisson.phase_space.critical_points import VANISHES, HamiltonianFields, multipliers
+from liepoisson.phase_space.critical_points import CANCELLED, VANISHES, HamiltonianFields, multipliers
 from liepoisson.phase_space.leaf import Leaf, leaf_of
 from liepoisson.phase_space.linearisation import (
     ComplexArray,
@@ -349,11 +349,15 @@ class _Point:
 
     def linear_flow(self, coefficients: Array) -> tuple[LinearFlow, float]:
         """The linearised flow of a combination of H and the integrals on the leaf, and its asymmetry."""
-        derivative = self.fields.derivatives(self.x) @ coefficients
-        if self.units is None:
-            return linear_flow(self._poisson(), derivative, self.tangents)
-        derivative = derivative * self.units / self.units[:, None]
-        return linear_flow(self._poisson(), derivative, self.tangents / self.units[:, None])
+        units = np.ones_like(self.x) if self.units is None else self.units
+        basis = self.tangents / units[:, None]
+        parts = [part * (units / units[:, None])[..., None] for part in self.fields.parts(self.x)]
+        derivative = sum(parts) @ coefficients
+        # H - Omega K may be constant on the leaf: what is left of terms that cancel there is no second variation
+        sizes = [np.linalg.norm(np.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
+        if np.linalg.norm(basis.T @ derivative @ basis) <= CANCELLED * float(sum(sizes) @ np.abs(coefficients)):
+            derivative = np.zeros_like(derivative)
+        return linear_flow(self._poisson(), derivative, basis)
 
 
 def _best_combination(point: _Point, flow: LinearFlow, basis: Array) -> tuple[Array, LinearFlow]:

@@ -1,7 +1,8 @@
 r"""All equilibria of a top on a leaf, proved to be all, by algebra over the rational numbers.
 
 Parameters and values of Casimirs are rational numbers (doubles are), and so every question below, how many real roots
-a polynomial has and which numbers are zero, has an exact answer. By the leaf:
+a polynomial has and which numbers are zero, has an exact answer. Which systems are tops is said in
+`liepoisson.phase_space.exact_top`. By the leaf:
 
 - $\beta\ne0$, $\epsilon\ne0$ (twisted): see `liepoisson.phase_space.twisted_equilibria`.
 - $\alpha\times\beta\ne0$, $\epsilon=0$ (charged): $\alpha$ and $\beta$ turn as one rigid body, $\alpha=R\alpha_0$,
@@ -10,8 +11,8 @@ a polynomial has and which numbers are zero, has an exact answer. By the leaf:
   $B$ has singular values $s_1>s_2>0$ there are four; if $s_1=s_2>0$ two and a circle; if $s_1>s_2=0$ two circles; if
   $B=0$ all rotations. The squares $s_1^2, s_2^2$ are the eigenvalues of the product of the Gram matrices of $(a,b)$ and
   $(\alpha_0,\beta_0)$, whose trace and determinant are rational.
-- one field n left ($\beta=0$, or $\epsilon=0$ and $\alpha = pn$, $\beta = qn$): a heavy top with $A = a$ or
-  $pa+qb$, see `liepoisson.phase_space.heavy_equilibria`.
+- one field n left (six components, or $\beta=0$, or $\epsilon=0$ and $\alpha = pn$, $\beta = qn$): a heavy top with
+  $A = a$ or $pa+qb$, see `liepoisson.phase_space.heavy_equilibria`.
 - $\alpha=\beta=0$: a free rigid body on a sphere, $\ell$ an eigenvector of $I$.
 
 Units do not matter: the twisted problem is first brought to numbers of order one by powers of two. With
@@ -24,20 +25,20 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from flint import arb, fmpq
 
 from liepoisson.arrays import Array
 from liepoisson.phase_space.certified_roots import PRECISIONS, UndecidedError, ball, precision, rational
+from liepoisson.phase_space.exact_top import ExactTop
 from liepoisson.phase_space.heavy_equilibria import (
     BY_COUNT,
     CIRCLE,
     POINT,
     ROTATIONS,
     Critical,
-    Vector,
     dot,
     groups_of,
     heavy_equilibria,
@@ -47,48 +48,15 @@ from liepoisson.phase_space.twisted_equilibria import NotProvedError, TwistedEqu
 if TYPE_CHECKING:
     from sympy import Expr
 
-    from liepoisson.exact.system import System
-    from liepoisson.exact.top_parameters import TopParameters
     from liepoisson.phase_space.leaf import Leaf
 
 
 @dataclass(frozen=True)
-class ExactTop:
-    """The parameters of a top as rational numbers."""
-
-    inertia: Vector
-    a: Vector
-    b: Vector
-    epsilon: fmpq
-
-
-@dataclass(frozen=True)
 class FoundByAlgebra:
-    """A connected set of equilibria: one state of it, rounded to doubles, shape (9,), and what the set is."""
+    """A connected set of equilibria: one state of it, rounded to doubles, shape (N,), and what the set is."""
 
     state: Array
     kind: str
-
-
-def exact_top(system: System) -> ExactTop | None:
-    """The top with the bracket and the equations of this system, or None: not a top, or a parameter is irrational."""
-    found = system.top_parameters
-    if found is None or not _is_bracket_of(system, found):
-        return None
-    numbers = (*found.inertia, *found.a, *found.b, found.epsilon)
-    if not all(isinstance(value, Fraction) for value in numbers):
-        return None
-    exact = [rational(cast("Fraction", value)) for value in numbers]
-    return ExactTop(exact[:3], exact[3:6], exact[6:9], exact[9])
-
-
-def _is_bracket_of(system: System, top: TopParameters) -> bool:
-    """Whether the bracket is so(3) @ leibniz(3, epsilon): other brackets may have the same equations."""
-    from liepoisson.exact.extensions import leibniz
-    from liepoisson.exact.lie_algebras import so
-
-    wanted = so(3) @ leibniz(3, top.epsilon)
-    return set(wanted.entries()) == set(system.bracket.entries())
 
 
 def all_equilibria(leaf: Leaf, top: ExactTop) -> list[FoundByAlgebra] | None:
@@ -98,29 +66,34 @@ def all_equilibria(leaf: Leaf, top: ExactTop) -> list[FoundByAlgebra] | None:
     in common that is not expected.
 
     Args:
-        leaf: A leaf of a system with the equations and the bracket of the top, of any rank above 0.
+        leaf: A leaf of a system with the equations and the bracket of the top, of any rank above 0. N = 9, or 6 or 3
+            where the system is without beta, or without alpha and beta.
         top: Its parameters.
     """
     try:
         search = _search(leaf, top)
     except NotProvedError:
         return None
+    n = len(leaf.state)
     for bits in PRECISIONS:
         try:
             with precision(bits):
-                return search()
+                return [FoundByAlgebra(one.state[:n], one.kind) for one in search()]
         except UndecidedError:
             continue
     return None
 
 
 def _search(leaf: Leaf, top: ExactTop) -> Callable[[], list[FoundByAlgebra]]:
-    l, alpha, beta = ([rational(x) for x in v] for v in leaf.state.reshape(3, 3).tolist())
+    """The search on this leaf, to be called at one precision after the other; its states have nine components."""
     if leaf.rank == 2:
-        return lambda: _rounded(_sphere(top, dot(l, l)))
-    if leaf.rank == 4 and top.epsilon != 0:
-        return lambda: _rounded(_heavy(top, (fmpq(1), fmpq(0)), dot(alpha, alpha), dot(l, alpha)))
+        square = value_on(leaf, _product(leaf, 0, 0))
+        return lambda: _rounded(_sphere(top, square))
+    if leaf.rank == 4 and (len(leaf.state) == 6 or top.epsilon != 0):
+        size, momentum = value_on(leaf, _product(leaf, 1, 1)), value_on(leaf, _product(leaf, 0, 1))
+        return lambda: _rounded(_heavy(top, (fmpq(1), fmpq(0)), size, momentum))
     if leaf.rank == 4:
+        l, alpha, beta = ([rational(x) for x in v] for v in leaf.state.reshape(3, 3).tolist())
         share = _shares(leaf.state)
         total = share[0] ** 2 + share[1] ** 2
         n = [(share[0] * x + share[1] * y) / total for x, y in zip(alpha, beta, strict=True)]
@@ -140,33 +113,39 @@ def _doubles(state: list[arb]) -> Array:
 
 
 def casimir_values(leaf: Leaf, top: ExactTop) -> tuple[fmpq, fmpq, fmpq]:
-    r"""The values of $|\alpha|^2+2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$ on a regular leaf.
-
-    Those that the leaf was made from, where its Casimirs are multiples of these; else those of its state.
-    """
+    r"""The values of $|\alpha|^2+2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\beta|^2$ on a regular leaf."""
     from sympy import Rational
 
-    x = leaf.system.variables
-    l, alpha, beta = x[:3], x[3:6], x[6:]
     twice = 2 * Rational(int(top.epsilon.p), int(top.epsilon.q))
-    formulas: tuple[Any, ...] = (
-        sum(p * q for p, q in zip(alpha, alpha, strict=True))
-        + twice * sum(p * q for p, q in zip(l, beta, strict=True)),
-        sum(p * q for p, q in zip(alpha, beta, strict=True)),
-        sum(p * q for p, q in zip(beta, beta, strict=True)),
-    )
-    return cast("tuple[fmpq, fmpq, fmpq]", tuple(_value(leaf, formula) for formula in formulas))
+    first = _product(leaf, 1, 1) + twice * _product(leaf, 0, 2)
+    return value_on(leaf, first), value_on(leaf, _product(leaf, 1, 2)), value_on(leaf, _product(leaf, 2, 2))
 
 
-def _value(leaf: Leaf, formula: Any) -> fmpq:
+def value_on(leaf: Leaf, formula: Any) -> fmpq:
+    """The value of a polynomial that is constant on the leaf.
+
+    The one that the leaf was made from, if one of its Casimirs is a multiple of the polynomial; else that of its state.
+    """
+    from sympy import Poly, PolynomialError
+
     x = leaf.system.variables
-    at: Any = dict.fromkeys(x, 0) | {x[3]: 1, x[6]: 1}
+    wanted = Poly(formula, *x)
     for name, function in leaf.casimir_functions.items():
-        factor: Any = function.expression.subs(at) / formula.subs(at)
-        if factor.is_Rational and factor != 0 and (function.expression - factor * formula).expand() == 0:
+        try:
+            given: Any = Poly(function.expression, *x)
+        except PolynomialError:
+            continue
+        factor = given.LC() / wanted.LC()
+        if factor.is_Rational and factor != 0 and given == factor * wanted:
             return rational(leaf.casimirs[name]) * fmpq(int(factor.q), int(factor.p))
     value: Any = formula.subs({v: _as_sympy(c) for v, c in zip(x, leaf.state.tolist(), strict=True)})
     return fmpq(int(value.p), int(value.q))
+
+
+def _product(leaf: Leaf, i: int, j: int) -> Any:
+    """The scalar product of two fields, counted from 0: l, alpha, beta."""
+    x = leaf.system.variables
+    return sum(x[3 * i + k] * x[3 * j + k] for k in range(3))
 
 
 def _as_sympy(value: float) -> Expr:
@@ -267,23 +246,27 @@ def _charged(leaf: Leaf, top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> list
 
 
 def natural_units(leaf: Leaf, top: ExactTop, found: list[FoundByAlgebra]) -> Array:
-    """The sizes of l, alpha and beta on the leaf, nine numbers, in which the second variation is of order one.
+    """The sizes of l, alpha and beta on the leaf, shape (N,), in which the second variation is of order one.
 
     Those of its equilibria; where l is zero at all of them, the momentum whose kinetic energy is that of the fields.
     """
     inertia, a, b = ([float(Fraction(int(x.p), int(x.q))) for x in v] for v in (top.inertia, top.a, top.b))
-    states = np.array([one.state for one in found] + [leaf.state]).reshape(-1, 3, 3)
-    l, alpha, beta = np.linalg.norm(states, axis=2).max(axis=0)
-    moment = float(np.median(inertia))
+    n = len(leaf.state)
+    states = np.zeros((len(found) + 1, 9))
+    states[:, :n] = [*(one.state for one in found), leaf.state]
+    l, alpha, beta = np.linalg.norm(states.reshape(-1, 3, 3), axis=2).max(axis=0)
+    moment = float(np.median(np.abs(inertia)))
     l = max(float(l), np.sqrt(moment * (np.linalg.norm(a) * alpha + np.linalg.norm(b) * beta)))
     whole = max(l, float(alpha), float(beta)) or 1.0
-    return np.repeat([size if size > 0 else whole for size in (l, alpha, beta)], 3)
+    return np.repeat([size if size > 0 else whole for size in (l, alpha, beta)], 3)[:n]
 
 
-def euler_characteristic_of_leaf(leaf: Leaf, top: ExactTop) -> int:
+def euler_characteristic_of_leaf(leaf: Leaf, top: ExactTop) -> int | None:
     r"""2 for $S^2\times R^4$ (twisted), for a leaf like $T^*S^2$ (one field) and for a sphere; 0 for $SO(3)\times R^3$.
 
-    H is proper on each: on a twisted leaf $|\alpha|^2$ grows like $|\ell|$ only, on the others alpha and beta are
-    bounded.
+    H is proper on each if the kinetic energy is definite: on a twisted leaf $|\alpha|^2$ grows like $|\ell|$ only, on
+    the others alpha and beta are bounded. If it is not, only the sphere has one: None.
     """
+    if leaf.rank > 2 and not top.is_definite:
+        return None
     return 0 if leaf.rank == 6 and top.epsilon == 0 else 2

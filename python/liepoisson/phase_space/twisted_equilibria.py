@@ -28,24 +28,7 @@ to a, both contain the factor $(b-\tau a)$, which is never zero here ($\gamma\ne
 ($b=0$, $c_2=0$, for example), both contain $A^2$; then A = 0 is a case of its own: $E_1 = E_3 = 0$ for
 $(\sigma,\kappa)$.
 
-**Singular** $\sigma=-J$ with $(b-\tau a)_K=0$ on the set K of indices with $I_k=J$: there $\gamma_K$ is free.
-
-- $a_K\ne0$: $\tau$ is known, $\gamma_K = g\,a_K + h$ with $h\perp a_K$, $g$ from $E_2$, $|h|^2$ from $E_3$, and
-  $2\epsilon\big(\sum_{j\notin K}(I_j-J)\gamma_j^2 + Jc_3\kappa^4\big) + \epsilon^2|a|^2\kappa - G\kappa^3 = 0$.
-  A simple moment has no h: $|h|^2=0$ is a second equation.
-- $a_K=b_K=0$: $E_2$ is linear in $\tau$, $\tau = T/D$ with $T = \epsilon B - c_2\kappa^3$,
-  $D = \epsilon A_0 + c_3\kappa^3$, $A_0 = \sum a_j^2/(I_j-J)$, $B = \sum a_jb_j/(I_j-J)$,
-  $B_2=\sum b_j^2/(I_j-J)$; then
-  $2\epsilon(B_2 - 2\tau B + \tau^2A_0 + Jc_3\kappa^4) + \epsilon^2|a|^2\kappa - G\kappa^3=0$ is an equation for
-  $\kappa$ of degree 10, and $|\gamma_K|^2 = c_3\kappa^4-\sum_{j\notin K}\gamma_j^2 > 0$ (where it is zero, the state
-  is a regular one). If T and D are proportional ($c_3B = -c_2A_0$), then $\tau=-c_2/c_3$, or $D = 0$ and $\tau$
-  follows from $E_1$.
-
-**Without rotation** $\kappa=0$: $\ell=0$ and $\beta=t\,a$, $\alpha = t\,b+s\,a$, on the leaves on which these have the
-right lengths.
-
-**a = 0**: $\alpha = (c_2/c_3)\beta$ and a heavy top in the field b for $\kappa\ne0$; for $\kappa=0$ circles of
-$\alpha$ around $\beta=\pm\sqrt{c_3}\,b/|b|$.
+**Special** The matrix $I+\sigma$ is singular, $\kappa=0$, or a = 0: see `liepoisson.phase_space.twisted_singular`.
 """
 
 from __future__ import annotations
@@ -62,59 +45,23 @@ from liepoisson.phase_space.certified_roots import (
     enclosures,
     evaluate,
     in_powers,
-    is_positive,
-    positive_roots_of,
     real_roots,
     resultant,
     unique_zero,
     without,
 )
 from liepoisson.phase_space.heavy_equilibria import (
-    BY_COUNT,
-    CIRCLE,
-    POINT,
-    ROTATIONS,
     BallVector,
     Critical,
-    Vector,
-    dot,
     groups_of,
-    heavy_equilibria,
     is_zero,
-    placed,
 )
+from liepoisson.phase_space.twisted_leaf import TwistedLeaf, ratio_of, state_of
+from liepoisson.phase_space.twisted_singular import at_rest, singular_with_mass, singular_without_mass, without_mass
 
 
 class NotProvedError(Exception):
     """The equations have a common factor that the derivation does not know."""
-
-
-@dataclass(frozen=True)
-class TwistedLeaf:
-    """The rational numbers of the problem: parameters of the top and values c1, c2, c3 of the Casimirs; c3 > 0."""
-
-    inertia: Vector
-    a: Vector
-    b: Vector
-    epsilon: fmpq
-    c1: fmpq
-    c2: fmpq
-    c3: fmpq
-
-    @property
-    def active(self) -> list[tuple[int, ...]]:
-        """The sets of equal moments on which a or b does not vanish."""
-        return [group for group in groups_of(self.inertia) if not (is_zero(self.a, group) and is_zero(self.b, group))]
-
-    @property
-    def aa(self) -> fmpq:
-        """The square of |a|."""
-        return dot(self.a, self.a)
-
-    @property
-    def determinant(self) -> fmpq:
-        """c1 c3 - c2^2."""
-        return self.c1 * self.c3 - self.c2**2
 
 
 class TwistedEquilibria:
@@ -139,26 +86,19 @@ class TwistedEquilibria:
         """
         leaf = self._leaf
         if is_zero(leaf.a):
-            return _without_mass(leaf)
-        found = _at_rest(leaf)
+            return without_mass(leaf)
+        found = at_rest(leaf)
         for group in groups_of(leaf.inertia):
             if not is_zero(leaf.a, group):
-                found += _singular_with_mass(leaf, group)
+                found += singular_with_mass(leaf, group)
             elif is_zero(leaf.b, group):
-                found += _singular_without_mass(leaf, group)
+                found += singular_without_mass(leaf, group)
         regular: list[list[arb]] = []
         for pair in self._pairs:
             for box in pair.solutions(leaf):
                 if not any(all(x.overlaps(y) for x, y in zip(box, known, strict=True)) for known in regular):
                     regular.append(box)
-        return found + [_state(leaf, tau, kappa, _gamma(leaf, sigma, tau)) for sigma, tau, kappa in regular]
-
-
-def _state(leaf: TwistedLeaf, tau: arb, kappa: arb, gamma: Sequence[arb], kind: str = POINT) -> Critical:
-    beta = [x / (kappa * kappa) for x in gamma]
-    alpha = [ball(leaf.epsilon * x) / kappa - tau * y for x, y in zip(leaf.a, beta, strict=True)]
-    l = [kappa * ball(x) * y for x, y in zip(leaf.inertia, beta, strict=True)]
-    return Critical([*l, *alpha, *beta], kind)
+        return found + [state_of(leaf, tau, kappa, _gamma(leaf, sigma, tau)) for sigma, tau, kappa in regular]
 
 
 def _gamma(leaf: TwistedLeaf, sigma: arb, tau: arb) -> BallVector:
@@ -276,7 +216,7 @@ def _polynomials(leaf: TwistedLeaf, sigma: Any, tau: Any) -> _Polynomials:
 
 def _regular_pairs(leaf: TwistedLeaf) -> list[_Pair]:
     sigma, u = fmpq_mpoly_ctx.get(("sigma", "u"), Ordering.lex).gens()
-    ratio = _ratio(leaf.b, leaf.a)
+    ratio = ratio_of(leaf.b, leaf.a)
     shift = ratio if ratio is not None else fmpq(0)
     tau = u + shift
     p = _polynomials(leaf, sigma, tau)
@@ -330,151 +270,3 @@ def _stripped(f: Any, factor: Any) -> Any:
     while f and not f % factor:
         f = f // factor
     return f
-
-
-def _ratio(b: Vector, a: Vector, at: Sequence[int] = (0, 1, 2)) -> fmpq | None:
-    """The number t with b = t a on these indices, where a does not vanish; None if they are not parallel."""
-    t = dot(a, b, at) / dot(a, a, at)
-    return t if all(b[k] == t * a[k] for k in at) else None
-
-
-# The singular branches
-
-
-def _singular_with_mass(leaf: TwistedLeaf, group: tuple[int, ...]) -> list[Critical]:
-    tau = _ratio(leaf.b, leaf.a, group)
-    if tau is None:
-        return []
-    moment, rest = leaf.inertia[group[0]], [k for k in range(3) if k not in group]
-    own = dot(leaf.a, leaf.a, group)
-    gamma = {k: (leaf.b[k] - tau * leaf.a[k]) / (leaf.inertia[k] - moment) for k in rest}
-    bare = sum((leaf.a[k] * x for k, x in gamma.items()), fmpq(0))
-    slope, big = leaf.c2 + leaf.c3 * tau, leaf.c1 + 2 * leaf.c2 * tau + leaf.c3 * tau**2
-    factor = fmpq_poly([-bare / own, 0, 0, slope / (leaf.epsilon * own)])
-    length = leaf.c3 * fmpq_poly([0, 0, 0, 0, 1]) - sum((x * x for x in gamma.values()), fmpq(0)) - own * factor**2
-    rest_of_m = sum(((leaf.inertia[k] - moment) * x * x for k, x in gamma.items()), fmpq(0))
-    equation = fmpq_poly(
-        [2 * leaf.epsilon * rest_of_m, leaf.epsilon**2 * leaf.aa, 0, -big, 2 * leaf.epsilon * moment * leaf.c3]
-    )
-    found: list[Critical] = []
-    common = equation.gcd(length)
-    on_axis = [(root, None) for root in real_roots(common)]
-    free = [(root, evaluate(length, root)) for root in positive_roots_of(equation, length)] if len(group) > 1 else []
-    for kappa, square in [*on_axis, *free]:
-        if kappa.is_zero():
-            continue
-        g = evaluate(factor, kappa)
-        vector = [ball(gamma[k]) if k in gamma else g * ball(leaf.a[k]) for k in range(3)]
-        if square is None:
-            found.append(_state(leaf, ball(tau), kappa, vector))
-            continue
-        across = _across(leaf.a, group)
-        size = (square / ball(dot(across, across))).sqrt()
-        kind = BY_COUNT[len(group) - 2]
-        for sign in (1, -1) if kind == POINT else (1,):
-            moved = [x + sign * size * ball(y) for x, y in zip(vector, across, strict=True)]
-            found.append(_state(leaf, ball(tau), kappa, moved, kind))
-    return found
-
-
-def _across(a: Vector, group: tuple[int, ...]) -> list[fmpq]:
-    """A vector on these indices that is orthogonal to a there."""
-    first = next(k for k in group if a[k] != 0)
-    other = next(k for k in group if k != first)
-    return [a[other] if k == first else -a[first] if k == other else fmpq(0) for k in range(3)]
-
-
-def _singular_without_mass(leaf: TwistedLeaf, group: tuple[int, ...]) -> list[Critical]:
-    moment, rest = leaf.inertia[group[0]], [k for k in range(3) if k not in group]
-    inverse = [1 / (leaf.inertia[k] - moment) if k in rest else fmpq(0) for k in range(3)]
-
-    def product(u: Vector, v: Vector) -> fmpq:
-        return dot([x * y for x, y in zip(u, v, strict=True)], inverse)
-
-    aa, ab, bb = product(leaf.a, leaf.a), product(leaf.a, leaf.b), product(leaf.b, leaf.b)
-    kappa = fmpq_poly([0, 1])
-    cube = kappa**3
-    d, t = fmpq_poly([leaf.epsilon * aa]) + leaf.c3 * cube, fmpq_poly([leaf.epsilon * ab]) - leaf.c2 * cube
-    found: list[Critical] = []
-    if leaf.c3 * ab == -leaf.c2 * aa:
-        found += _any_slope(leaf, group, inverse, aa, bb)
-        d, t = fmpq_poly([1]), fmpq_poly([-leaf.c2 / leaf.c3])
-    quadratic = bb * d**2 - 2 * ab * t * d + aa * t**2 + moment * leaf.c3 * cube * kappa * d**2
-    casimir = leaf.c1 * d**2 + 2 * leaf.c2 * t * d + leaf.c3 * t**2
-    equation = 2 * leaf.epsilon * quadratic + leaf.epsilon**2 * leaf.aa * kappa * d**2 - casimir * cube
-    length = leaf.c3 * cube * kappa * d**2
-    for k in rest:
-        length -= inverse[k] ** 2 * (leaf.b[k] * d - leaf.a[k] * t) ** 2
-    for root in positive_roots_of(without(equation, kappa), length):
-        tau = evaluate(t, root) / evaluate(d, root)
-        found += _tilted(leaf, group, inverse, tau, root)
-    return found
-
-
-def _any_slope(leaf: TwistedLeaf, group: tuple[int, ...], inverse: Vector, aa: fmpq, bb: fmpq) -> list[Critical]:
-    r"""The solutions with D = 0 where E2 holds for every tau: $3\epsilon A_0(\tau-\tau_0)^2 + \ldots = 0$."""
-    if aa == 0:
-        return []
-    moment, centre = leaf.inertia[group[0]], -leaf.c2 / leaf.c3
-    (kappa,) = real_roots(fmpq_poly([leaf.epsilon * aa, 0, 0, leaf.c3]))
-    still = leaf.epsilon * (2 * bb + leaf.c1 * aa / leaf.c3 - 3 * aa * centre**2)
-    rest = ball(still) + kappa * ball(leaf.epsilon**2 * (leaf.aa - 2 * moment * aa))
-    square = -rest / ball(3 * leaf.epsilon * aa)
-    if not is_positive(square):
-        return []
-    found: list[Critical] = []
-    for sign in (1, -1):
-        found += _tilted(leaf, group, inverse, ball(centre) + sign * square.sqrt(), kappa, is_checked=False)
-    return found
-
-
-def _tilted(
-    leaf: TwistedLeaf, group: tuple[int, ...], inverse: Vector, tau: arb, kappa: arb, *, is_checked: bool = True
-) -> list[Critical]:
-    """The states with a free part of gamma on the group, if its length is positive."""
-    gamma = [(ball(leaf.b[k]) - tau * ball(leaf.a[k])) * ball(inverse[k]) for k in range(3)]
-    square = ball(leaf.c3) * kappa * kappa * kappa * kappa - sum((x * x for x in gamma), arb(0))
-    if not is_checked and not is_positive(square):
-        return []
-    kind = BY_COUNT[len(group) - 1]
-    return [_state(leaf, tau, kappa, vector, k) for vector, k in placed(gamma, group, square.sqrt(), kind)]
-
-
-# Without rotation, and without mass
-
-
-def _at_rest(leaf: TwistedLeaf) -> list[Critical]:
-    square = leaf.c3 / leaf.aa
-    both = (leaf.c2 - square * dot(leaf.a, leaf.b)) / leaf.aa
-    length = square * dot(leaf.b, leaf.b) + 2 * both * dot(leaf.a, leaf.b) + both**2 / square * leaf.aa
-    if length != leaf.c1:
-        return []
-    found: list[Critical] = []
-    for sign in (1, -1):
-        t = sign * ball(square).sqrt()
-        beta = [t * ball(x) for x in leaf.a]
-        alpha = [t * ball(x) + ball(both) / t * ball(y) for x, y in zip(leaf.b, leaf.a, strict=True)]
-        found.append(Critical([arb(0)] * 3 + alpha + beta, POINT))
-    return found
-
-
-def _without_mass(leaf: TwistedLeaf) -> list[Critical]:
-    slope = leaf.c2 / leaf.c3
-    momentum = leaf.determinant / (2 * leaf.epsilon * leaf.c3)
-    found: list[Critical] = []
-    for beta, kappa, kind in heavy_equilibria(leaf.inertia, leaf.b, leaf.c3, momentum):
-        l = [kappa * ball(x) * y for x, y in zip(leaf.inertia, beta, strict=True)]
-        found.append(Critical([*l, *(ball(slope) * x for x in beta), *beta], kind))
-    if leaf.determinant <= 0:
-        return found
-    is_free = is_zero(leaf.b)
-    field = [fmpq(1), fmpq(0), fmpq(0)] if is_free else leaf.b
-    first = next(k for k in range(3) if field[k] != 0)
-    across = _across(field, (first, (first + 1) % 3))
-    out = (ball(leaf.determinant / leaf.c3) / ball(dot(across, across))).sqrt()
-    length = (ball(leaf.c3) / ball(dot(field, field))).sqrt()
-    for sign in (1,) if is_free else (1, -1):
-        beta = [sign * length * ball(x) for x in field]
-        alpha = [ball(slope) * x + out * ball(y) for x, y in zip(beta, across, strict=True)]
-        found.append(Critical([arb(0)] * 3 + alpha + beta, ROTATIONS if is_free else CIRCLE))
-    return found
