@@ -138,7 +138,7 @@ def alignment(
         method: How; by default `Taylor(tol=1e-13)`.
         threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
         time_limit: Seconds that the run may take; trajectories that are not done by then have the outcome "time limit".
-        progress: Called after each of the times with the fraction that is done.
+        progress: Called a few times a second, and after each of the times, with the fraction of them that is done.
 
     Returns:
         Alignment; a trajectory that fails is an outcome in it, not an error.
@@ -163,7 +163,15 @@ def alignment(
     sali = np.full((len(states), len(wanted)), np.nan)
     log_gali = np.full((len(states), len(wanted), k - 1), np.nan)
     outcome = np.where(np.isfinite(states).all(axis=1), "finished", "not finite").astype("<U16")
-    travel = _Travel(system, method, threads, clock.monotonic() + as_time_limit(time_limit))
+    n_done = 0
+    travel = _Travel(
+        system,
+        method,
+        threads,
+        clock.monotonic() + as_time_limit(time_limit),
+        # what it raises ends the run, so it is called within a piece, too
+        None if progress is None else lambda _: progress(n_done / len(wanted)),
+    )
     before = 0.0
     for i, now in enumerate(wanted.tolist()):
         alive = np.flatnonzero(outcome == "finished")
@@ -173,17 +181,25 @@ def alignment(
         good = np.flatnonzero(outcome == "finished")
         seen = vectors[good] if units is None else _unit(vectors[good] / size[good][:, None])
         sali[good, i], log_gali[good, i] = _sali(seen), _log_gali(seen)
-        before = now
+        before, n_done = now, i + 1
         if progress is not None:
-            progress((i + 1) / len(wanted))
+            progress(n_done / len(wanted))
     return Alignment(system.name, method, seed, first, within, wanted, sali, log_gali, outcome)
 
 
 class _Travel:
     """Carries states and unit vectors from one time to another; the vectors come back with length one."""
 
-    def __init__(self, system: HasField, method: Method, threads: int | None, deadline: float) -> None:
+    def __init__(
+        self,
+        system: HasField,
+        method: Method,
+        threads: int | None,
+        deadline: float,
+        listen: Callable[[float], Any] | None,
+    ) -> None:
         self.system, self.method, self.threads, self.deadline = system, method, threads, deadline
+        self.listen = listen
 
     def __call__(
         self, states: Array, vectors: Array, start: float, end: float
@@ -197,6 +213,7 @@ class _Travel:
             threads=self.threads,
             # a run needs a positive limit; one that has passed ends all trajectories at once
             time_limit=max(self.deadline - clock.monotonic(), 1e-9),
+            progress=self.listen,
         )
         after, grown, outcome = orbit.state[:, 1].copy(), orbit.tangent[:, 1].copy(), orbit.outcome.copy()
         arrived = outcome == "finished"

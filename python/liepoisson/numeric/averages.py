@@ -96,12 +96,18 @@ def average_drift(
                 kernel="lanes",  # the same bits however the ensemble is cut
                 threads=threads,
                 time_limit=max(deadline - clock.monotonic(), 1e-9),
+                progress=_share_of(progress, n_done / len(good), len(some) / len(good)),
             )
             drift[some], outcome[some] = _change(orbit.state[:, :-1]), orbit.outcome
             n_done += len(some)
             if progress is not None:
                 progress(n_done / len(good))
     return drift, outcome
+
+
+def _share_of(progress: Callable[[float], Any] | None, before: float, share: float) -> Callable[[float], Any] | None:
+    """Progress of a part of the whole run; what it raises ends the run."""
+    return None if progress is None else lambda fraction: progress(before + share * fraction)
 
 
 @np.errstate(all="ignore")  # squares may overflow or vanish
