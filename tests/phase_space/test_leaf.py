@@ -110,6 +110,21 @@ def test_values_that_no_state_of_the_stratum_has_are_refused(top, values, messag
         lp.Leaf(top, values)
 
 
+@pytest.mark.parametrize(
+    ("c1", "c2", "c3"), [(-1.5, -2.5, 0.5), (0.57, -2.41, 0.126), (1.3, 1.2, 1e-3), (-40, 0, 1e-2)]
+)
+@pytest.mark.parametrize("epsilon", ["3/10", -2])
+def test_a_twisted_top_has_a_leaf_for_all_values_with_positive_C3(c1, c2, c3, epsilon):
+    """Along beta take l = (C1 - C2^2/C3) / (2 epsilon C3) beta and alpha = (C2/C3) beta: then |l| is large."""
+    top = lp.Top(inertia=(2, "3/2", 1), a=(0, 0, -3), b=(0, 0, 1), epsilon=epsilon)
+    leaf = lp.Leaf(top, {"C1": c1, "C2": c2, "C3": c3})
+    l, alpha, beta = leaf.state.reshape(3, 3)
+    size = c2**2 / c3 + abs(c1) + alpha @ alpha
+    assert abs(alpha @ alpha + 2 * float(top.top_parameters.epsilon) * (l @ beta) - c1) < 1e-12 * size
+    np.testing.assert_allclose([alpha @ beta, beta @ beta], [c2, c3], rtol=1e-12, atol=1e-12)
+    assert leaf.rank == 6
+
+
 def test_values_are_refused_by_search_where_no_inequality_is_known():
     """|Pf| <= |M|^2/2 on so(4)."""
     with pytest.raises(LeafError, match="no state"):

@@ -302,6 +302,15 @@ def test_heavy_top_on_the_leaf_beta_zero_of_a_twisted_one_is_that_of_the_heavy_t
     assert second.proved
 
 
+@pytest.mark.thorough
+@pytest.mark.parametrize(("b", "expected"), [((0, 0, 0), 6), ((-5, 5, 12), 4)])
+def test_collinear_fields_up_to_round_off(b, expected):
+    """C1 C3 - C2^2 is 1e-17 instead of 0, and two equilibria are almost at rest: far from each other, yet ill posed."""
+    top = lp.Top(inertia=(2.25, 0.5, 2.75), a=(-1.25, 1.25, 3), b=b, epsilon=1)
+    found = lp.equilibria(top, lp.Leaf(top, {"C1": 0.3**2 / 0.7, "C2": 0.3, "C3": 0.7}))
+    assert (found.proved, len(found), found.euler_found) == (True, expected, 2)
+
+
 def test_exceptional_leaf_with_a_state_of_rest():
     """beta = t a, alpha = t b + s a, l = 0 is an equilibrium; it exists on leaves with one more relation."""
     a, b, t, s = np.array([1.0, 2.0, 0.0]), np.array([0.5, 0.0, 1.0]), 0.5, -0.25

@@ -19,7 +19,7 @@ from liepoisson.studies.twisted_top.integration import Tracker
 from liepoisson.studies.twisted_top.measurements import PRINTED, command, measurements, reduce_run
 from liepoisson.studies.twisted_top.report import (
     _overshoot,
-    _scan_range,
+    _scan_ranges,
     moments,
     plus_minus,
     power_of_ten,
@@ -115,12 +115,29 @@ def test_the_first_page_has_the_numbers_the_figure_and_the_verdicts(study):
     assert front.count("data:image/svg+xml;base64,") == 1
     for words in ("Table 1.", "<h3>Confirmed</h3>", "<h3>Not confirmed</h3>", "<h3>What we ask</h3>"):
         assert words in front
-    ranges = _scan_range([result.results[f"twisted-{name}"] for name in ("unit-vectors", "cube", "gaussian")])
+    twisted = [result.results[f"twisted-{name}"] for name in ("unit-vectors", "cube", "gaussian")]
+    _, ranges = _scan_ranges(twisted)
     lead = " ".join(front[: front.index("<figure>")].split())
     assert f"{ranges['low']:.4f} to {ranges['high']:.4f}" in lead
     value = plus_minus(result.results["twisted-unit-vectors"].fit.estimates["lambda"])
     assert " ".join(value.split()) in lead  # split() takes no-break spaces, too
     assert "overshoots" not in lead  # the run ends with the window
+
+
+def test_the_range_of_each_ensemble_lies_within_that_of_all():
+    """The first page gives both. An ensemble with larger errors must not let in windows that the others leave out."""
+
+    def scanned(name, *fits):
+        scan = [SimpleNamespace(window=w, lambda_=v, standard_errors={"lambda": e}) for w, v, e in fits]
+        return SimpleNamespace(run=SimpleNamespace(ensemble=name), scan=scan)
+
+    exact = scanned("exact", ((5, 50), 0.2, 0.001), ((10, 50), 0.12, 0.002), ((20, 50), 0.13, 0.0045))
+    rough = scanned("rough", ((10, 50), 0.11, 0.003), ((20, 50), 0.10, 0.005), ((30, 50), 0.05, 0.007))
+    ranges, whole = _scan_ranges([exact, rough])
+    assert whole["limit"] == 0.006
+    assert (ranges["exact"]["low"], ranges["exact"]["high"]) == (0.12, 0.13)
+    assert (ranges["rough"]["low"], ranges["rough"]["high"]) == (0.10, 0.11)
+    assert (whole["low"], whole["high"]) == (0.10, 0.13)
 
 
 @pytest.mark.thorough

@@ -19,8 +19,11 @@ from typing import Any, cast
 
 from flint import acb, arb, arb_mat, ctx, fmpq, fmpq_poly, fmpz, fmpz_mat, fmpz_poly
 
-PRECISIONS = (128, 256, 512, 1024)
-"""Bits of the ball arithmetic, tried in this order."""
+PRECISIONS = (128, 256, 512, 1024, 2048)
+"""Bits of the ball arithmetic, tried in this order.
+
+The last is for leaves of collinear fields by rounded values of the Casimirs, where an equilibrium is almost at rest.
+"""
 
 _MOST_CELLS = 4000
 """Cells of one bisection; a polynomial of degree four needs a few hundred. (Midpoints and radii are exact.)"""

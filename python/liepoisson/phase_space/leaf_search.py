@@ -45,12 +45,15 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     n, size = system.bracket.dimension, max(1.0, float(np.abs(values).max(initial=0.0)) ** 0.5)
     starts = rng.standard_normal((_STARTS, n)) * np.geomspace(0.1, 10.0, _STARTS)[:, None] * size
     found, residual = solve(equations, starts)
+    known = _state_of_top(system, values, rng)
+    if not np.any(residual <= CONVERGED) and known is not None:
+        found, residual = solve(equations, known[None])
     reached = found[residual <= CONVERGED]
     asked = ", ".join(f"{name} = {value:g}" for name, value in zip(place.casimirs, values, strict=True))
     if not len(reached):
         raise LeafError(
-            f"no state of {system.name!r} has {asked}: Newton's method from {_STARTS} random states leaves a relative "
-            f"residual of {residual.min():.1e}. Values of a state: system.functions.casimirs."
+            f"no state of {system.name!r} with {asked} was found: Newton's method from {_STARTS} random states leaves "
+            f"a relative residual of {residual.min():.1e}. Values of a state: system.functions.casimirs."
         )
     for state in reached[np.argsort(np.linalg.norm(reached, axis=-1))]:
         if place_of(system, state).is_open:
@@ -59,6 +62,24 @@ def find_state(system: System, place: Place, values: Array) -> Array:
         f"{asked} are attained only where the rank of J is lower ({place_of(system, reached[0]).stratum}), and do not "
         "determine a leaf there. Give a state: leaf_of(system, x)."
     )
+
+
+def _state_of_top(system: System, values: Array, rng: np.random.Generator) -> Array | None:
+    r"""A state of a top with these values, in closed form; Newton's method fails where $|\ell|$ is large.
+
+    With $n = \beta/w$ and $\eta = C_1 - C_2^2/C_3$ the part of $\alpha$ across n has the square
+    $\eta - 2\epsilon w\,\ell\cdot n$: $\ell = 0$ for $\eta \ge 0$, else $\alpha$ is parallel to n.
+    """
+    top = system.top_parameters
+    if top is None or not top.has_bracket(system.bracket):
+        return None
+    c1, c2, c3 = (float(c) for c in values)
+    turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    n, across = turn[:, 0], turn[:, 1]
+    w = np.sqrt(c3)
+    eta = c1 - (c2 / w) ** 2
+    l = np.zeros(3) if eta >= 0 else eta / (2 * float(top.epsilon) * w) * n
+    return np.concatenate([l, c2 / w * n + np.sqrt(max(eta, 0.0)) * across, w * n])
 
 
 def representative(leaf: Leaf) -> Leaf:

@@ -74,6 +74,8 @@ def render(study: StudyResult, figures: Mapping[str, Path]) -> str:
 def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
     results = study.results
     main, ordinary = results["twisted-unit-vectors"], results["ordinary-unit-vectors"]
+    twisted = [results[f"twisted-{name}"] for name in ENSEMBLES]
+    scan_ranges, scan_range = _scan_ranges(twisted)
     claims = study.claims["claims"]
     errata = study.claims["errata"]
     counts = count_verdicts(claims, errata)
@@ -85,7 +87,7 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "ensembles": [
             (ENSEMBLE_LABELS[name], results[f"twisted-{name}"], results[f"ordinary-{name}"]) for name in ENSEMBLES
         ],
-        "scan_ranges": {name: _scan_range([results[f"twisted-{name}"]]) for name in ENSEMBLES},
+        "scan_ranges": scan_ranges,
         "readings": [
             results[name]
             for name in ("twisted-unit-vectors", "twisted-halved-unit-vectors", "twisted-cube", "twisted-halved-cube")
@@ -93,7 +95,7 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
         "labels": ENSEMBLE_LABELS,
         "printed": PRINTED,
         "difference": _difference(main.fit),
-        "scan_range": _scan_range([results[f"twisted-{name}"] for name in ENSEMBLES]),
+        "scan_range": scan_range,
         "overshoot": _overshoot(main),
         "energies": by_energy(main),
         "regular_share": _regular_share(results),
@@ -140,15 +142,21 @@ def _difference(fit: FiniteTimeFit) -> dict[str, float]:
     return {"value": difference, "in_errors": difference / fit.standard_errors["lambda"]}
 
 
-def _scan_range(results: list[RunResult]) -> dict[str, float]:
-    """Smallest and largest fitted exponent over the windows whose error is below 0.002.
+def _scan_ranges(results: list[RunResult]) -> tuple[dict[str, dict[str, float]], dict[str, float]]:
+    """Smallest and largest fitted exponent over windows, for each ensemble and for all of them.
 
-    Windows before t = 10 are left out: the law does not describe the early rise of the curve.
+    Left out are windows before t = 10, as the law does not describe the early rise of the curve, and those with a
+    standard error above 0.002, or in small studies above what some window of every ensemble has.  The limit is the same
+    for all ensembles, so that the range of one lies within the range of all.
     """
-    fits = [fit for result in results for fit in result.scan if fit.window[0] >= FIRST_WINDOW]
-    limit = max(0.002, 2 * min(fit.standard_errors["lambda"] for fit in fits))
-    values = [fit.lambda_ for fit in fits if fit.standard_errors["lambda"] <= limit]
-    return {"low": min(values), "high": max(values), "limit": limit, "first": FIRST_WINDOW}
+    scans = {r.run.ensemble: [fit for fit in r.scan if fit.window[0] >= FIRST_WINDOW] for r in results}
+    limit = max(0.002, *(2 * min(fit.standard_errors["lambda"] for fit in scan) for scan in scans.values()))
+
+    def ends(fits: list[FiniteTimeFit]) -> dict[str, float]:
+        values = [fit.lambda_ for fit in fits if fit.standard_errors["lambda"] <= limit]
+        return {"low": min(values), "high": max(values), "limit": limit, "first": FIRST_WINDOW}
+
+    return {name: ends(scan) for name, scan in scans.items()}, ends([fit for scan in scans.values() for fit in scan])
 
 
 def _overshoot(result: RunResult) -> dict[str, Any]:
