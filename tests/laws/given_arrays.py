@@ -176,6 +176,7 @@ CASES: dict[str, Case] = {
     ),
     "bounds": Case(lambda x: lp.bounds(TOP, x), {"x": STATE}),
     "chart_orbit": Case(lambda x0, t: lp.chart_orbit(chart("euler"), x0, t=t), {"x0": STATE, "t": TIMES}),
+    "time_scale": Case(lambda x0: lp.time_scale(TOP, x0), {"x0": STATES}),
     "decide": Case(lambda x0: lp.decide(TOP, x0, t_end=20), {"x0": STATES}),
     "exponents_by_energy": Case(
         lambda energies: lp.exponents_by_energy(TOP, leaf=leaf(), energies=energies, n=2, t_end=5),

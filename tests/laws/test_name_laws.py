@@ -199,7 +199,11 @@ def targets(axis, formula, tables):
     axes = Axis(axis, (0.25, 0.5)), Axis("other", (0.1, 0.2))
     starts = Starts(casimirs={"C1": f"exp(1)*{axis} + other"}, energy=f"pi*{axis}*other")
     spec = SweepSpec(
-        tables, axes, parameters={"uu": formula.format(axis), "vv": ["other", f"{axis}^2", 1]}, starts=starts
+        tables,
+        axes,
+        t_end=9.0,
+        parameters={"uu": formula.format(axis), "vv": ["other", f"{axis}^2", 1]},
+        starts=starts,
     )
     points = np.array([[0.25, 0.1], [0.5, 0.2], [0.25, 0.2]])
     found = evaluate_targets(spec, FileFamily(tables, "tables"), points)
@@ -310,7 +314,7 @@ def test_an_axis_may_not_be_a_casimir_and_a_parameter():
             "parameters": parameters,
             "hamiltonian": {"expression": f"dot(l, l) + {term}"},
         }
-        spec = SweepSpec(tables, (Axis(name, (1.0, 2.0)),))
+        spec = SweepSpec(tables, (Axis(name, (1.0, 2.0)),), t_end=9.0)
         with pytest.raises(ParameterError, match=f"axis {name}: a name must stand for one thing"):
             evaluate_targets(spec, FileFamily(tables, "tables"), np.array([[1.0], [2.0]]))
 

@@ -183,7 +183,8 @@ def test_a_structure_that_a_caller_gives_is_copied():
 def test_a_sweep_keeps_the_values_that_it_was_given():
     values, a, casimirs = np.array([0.0, 1.0]), np.array([0.1, 0.2, 0.123456789012]), {"C1": np.float64(1.0)}
     starts = lp.Starts(casimirs=casimirs)
-    spec = lp.SweepSpec(system="twisted-top", axes=(lp.Axis("epsilon", values),), parameters={"a": a}, starts=starts)
+    axes = (lp.Axis("epsilon", values),)
+    spec = lp.SweepSpec(system="twisted-top", axes=axes, t_end=9.0, parameters={"a": a}, starts=starts)
     record, digest = spec.record(), spec.fingerprint()
     values *= 2
     a *= 2

@@ -230,6 +230,7 @@ def largest_exponent(
     """
     deadline = time.monotonic() + as_time_limit(time_limit)
     _check_wanted(wanted_error, t_end)
+    x0 = as_array(x0, "x0")  # once, as several runs start from it
     scale = time_scale(system, x0, method=method, threads=threads, time_limit=time_limit)
     wanted, n_blocks, block = _as_plan(wanted_error, t_end, block, scale)
     if transient is None:

@@ -377,6 +377,7 @@ def window_grid(
     ends = [last / n for n in (10, 5, 2, 1)] if ends is None else ends
     t = _checked_time(time)
     grid = [(float(start), float(end)) for end in ends for start in starts if 2 * start <= end <= t[-1]]
+    grid = [window for window in grid if window[0] >= t[0] * (1 - _SLACK)]
     windows = tuple(window for window in grid if np.count_nonzero(_inside(window, t)) >= _MIN_TIMES)
     if not windows:
         raise ParameterError(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_time_limit, component_names, shown, trajectories
@@ -209,6 +209,7 @@ def lyapunov_spectrum(
     """
     t_end, deadline = as_duration(t_end, "t_end"), clock_now() + as_time_limit(time_limit)
     transient = as_duration(transient, "transient", zero=True)
+    x0 = as_array(x0, "x0")  # once, as several runs start from it
     scale = time_scale(system, x0, method=method, threads=threads, time_limit=time_limit)
     if interval is None:
         interval = natural_duration(INTERVAL, scale, fastest=True, otherwise=t_end / N_TIMES)
