@@ -459,3 +459,54 @@ def test_a_dataset_that_was_spoiled_is_run_or_refused_with_a_sentence(kind):
             shown = str(error)
             assert 10 < len(shown) < 1000
     assert refused > 50
+
+
+REARRANGED = {
+    "transposed": lambda dataset: dataset.transpose(),
+    "components by name": lambda dataset: dataset.sortby("component"),
+    "components backwards": lambda dataset: dataset.isel(component=slice(None, None, -1)),
+    "a part of the members": lambda dataset: dataset.isel(trajectory=slice(4, 7)),
+}
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("how", REARRANGED)
+@pytest.mark.parametrize("kind", RUNS)
+def test_a_rearranged_dataset_has_the_same_rerun(kind, how):
+    """As many members as components: a matrix that is read the wrong way round would fit."""
+    x0 = lp.sample_states(TOP, 9, seed=1)
+    run = {
+        "growth": lambda: lp.lyapunov_exponent(TOP, x0, t_end=5, first=2),
+        "orbit": lambda: lp.integrate(TOP, x0, t=[0, 1, 2], tangents=np.tile(np.eye(9), (9, 1, 1))),
+        "section": lambda: lp.section(TOP, x0, surface="l3", t_end=20),
+        "spectrum": lambda: lp.lyapunov_spectrum(TOP, x0, t_end=10, interval=1, first=2),
+    }[kind]
+    original = run().dataset
+    changed = REARRANGED[how](original)
+    again = lp.rerun(changed).dataset
+    for name in ("final_state", "initial_state", "exponent"):
+        if name in original:
+            wanted = original[name].isel(trajectory=slice(4, 7)) if "part" in how else original[name]
+            assert np.array_equal(again[name], wanted, equal_nan=True)
+    if "trajectory" in original.coords:
+        assert np.array_equal(again["trajectory"], changed["trajectory"])
+
+
+@pytest.mark.parametrize(
+    ("make", "change", "said"),
+    [
+        (growth, lambda d: d.isel(component=[0, 1]), "component"),
+        (growth, lambda d: d.isel(trajectory=[3, 5]), "one after the other"),
+        (orbit, lambda d: d.isel(time=slice(1, None)), "from 1 on"),
+    ],
+)
+def test_a_part_of_a_dataset_that_is_no_run_is_not_rerun(make, change, said):
+    with pytest.raises(DamagedFileError, match=said):
+        lp.rerun(change(make().dataset))
+
+
+def test_members_of_a_spectrum_that_do_not_follow_each_other_are_not_rerun():
+    """Frames are drawn by the numbers of the members, which the rerun would count from the first."""
+    result = lp.lyapunov_spectrum(TOP, lp.sample_states(TOP, 4, seed=1), t_end=4, interval=1)
+    with pytest.raises(DamagedFileError, match="one after the other"):
+        lp.rerun(result.dataset.isel(trajectory=[1, 3]))

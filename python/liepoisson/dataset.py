@@ -56,7 +56,13 @@ def orbit_dataset(orbit: Orbit) -> Dataset:
     }
     coordinates = {"time": ("time", orbit.time, _TIME), "component": list(orbit.components)}
     kernel = "components" if orbit.kernel == "components" else "lanes"
-    return _dataset(orbit, "orbit", {"dense": bool(orbit.series), "kernel": kernel}, variables, coordinates)
+    return _dataset(
+        orbit,
+        "orbit",
+        {"dense": bool(orbit.series), "kernel": kernel, "start": float(orbit.time[0])},
+        variables,
+        coordinates,
+    )
 
 
 def growth_dataset(growth: Growth) -> Dataset:
@@ -189,7 +195,8 @@ def _dataset(
         "run": json.dumps(run | {"time_limit": result.time_limit if math.isfinite(result.time_limit) else None}),
         "version": _core.__version__,
     }
-    for name, record in {"field": record_of(result.field), **records}.items():
+    # the names in the order of the field: a dataset can be put into another one
+    for name, record in {"field": record_of(result.field), "components": list(result.components), **records}.items():
         # json writes a float with the digits that give the same float back
         text = json.dumps(record)
         if len(text) <= _LONGEST_ATTRIBUTE:
@@ -200,7 +207,7 @@ def _dataset(
     return xr.Dataset(variables, coordinates, attributes)
 
 
-def _record(dataset: Dataset, name: str) -> dict[str, Any]:
+def _record(dataset: Dataset, name: str) -> Any:
     text = dataset.attrs[name] if name in dataset.attrs else dataset[name].to_numpy().tobytes().decode()
     return json.loads(text)
 
@@ -283,7 +290,9 @@ def rerun(
         progress: Called a few times a second with the fraction that is done.
 
     Raises:
-        DamagedFileError: The file is damaged, or lacks what the run was given.
+        DamagedFileError: The file is damaged, or lacks what the run was given.  A dataset may be transposed, have its
+            components in another order, or be a part of the trajectories; an orbit without its first time, a part of
+            the components, and of a growth or spectrum members that do not follow each other have no run.
 
     Warns:
         UserWarning: Another version of liepoisson made the file, so the bits may differ; or trajectories were ended by
@@ -356,9 +365,11 @@ def _recorded_run(dataset: Dataset) -> Recorded:
     _expect("format", attributes["format"], _FORMAT)
     _expect("kind", kind, *RUNS)
     field = field_of(_record(dataset, "field"))
-    names = tuple(map(str, dataset["component"].to_numpy()))
-    if len(names) != field.n_components:
-        raise ValueError(f"component: wanted {field.n_components} names; got {len(names)}")
+    names = tuple(map(str, _record(dataset, "components")))
+    given = list(map(str, dataset["component"].to_numpy()))
+    if len(names) != field.n_components or sorted(given) != sorted(names):
+        raise ValueError(f"component: wanted {', '.join(names):.60} ({field.n_components} names); got {len(given)}")
+    dataset = dataset.isel(component=[given.index(name) for name in names])
     limit = run["time_limit"]
     return Recorded(
         kind=kind,
@@ -370,12 +381,30 @@ def _recorded_run(dataset: Dataset) -> Recorded:
     )
 
 
+def _starts(dataset: Dataset) -> Any:
+    """The states at the first time, whatever the order of the dataset's dimensions."""
+    return dataset["initial_state"].transpose("trajectory", "component").to_numpy()
+
+
+def _first_member(dataset: Dataset) -> int:
+    """The number of the first member; what is drawn for a member follows from its number."""
+    members = dataset["trajectory"].to_numpy()
+    first = int(members[0]) if len(members) else 0
+    if not np.array_equal(members, np.arange(first, first + len(members))):
+        raise ValueError(f"trajectory: wanted members one after the other; got {shown(members.tolist())}")
+    return first
+
+
 def _recorded_orbit(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
     """The arguments of `integrate`, but for system and method."""
+    times = dataset["time"].to_numpy()
+    if float(times[0]) != run["start"]:
+        raise ValueError(f"time: wanted times from {run['start']:g} on, where the starts are; got {times[0]:g}")
+    tangents = dataset["initial_tangent"].transpose("trajectory", "vector", "component")
     return {
-        "x0": dataset["initial_state"].to_numpy(),
-        "t": dataset["time"].to_numpy(),
-        "tangents": dataset["initial_tangent"].to_numpy() if dataset.sizes["vector"] else None,
+        "x0": _starts(dataset),
+        "t": times,
+        "tangents": tangents.to_numpy() if dataset.sizes["vector"] else None,
         "dense": bool(run["dense"]),
         "kernel": run["kernel"],
     }
@@ -384,12 +413,12 @@ def _recorded_orbit(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
 def _recorded_growth(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
     """The arguments of `lyapunov_exponent`, but for system and method; `t_end` is the last of the times."""
     return {
-        "x0": dataset["initial_state"].to_numpy(),
+        "x0": _starts(dataset),
         "t_end": None,
         "times": dataset["time"].to_numpy(),
-        "tangents": dataset["initial_tangent"].to_numpy(),
+        "tangents": dataset["initial_tangent"].transpose("trajectory", "component").to_numpy(),
         "seed": run["seed"],
-        "first": run["first"],
+        "first": _first_member(dataset),
     }
 
 
@@ -398,7 +427,7 @@ def _recorded_section(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
     tape = _record(dataset, "surface")
     kept = dataset["coordinate" if "coordinate" in dataset.coords else "component"].to_numpy()
     return {
-        "x0": dataset["initial_state"].to_numpy(),
+        "x0": _starts(dataset),
         "surface": TapeFunction(tape["n_components"], tape["instructions"], tape["outputs"]),
         "keep": tuple(map(str, kept)) if len(tape["outputs"]) > 1 else None,
         "t_end": run["t_end"],
@@ -412,9 +441,10 @@ def _recorded_spectrum(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
     names = ("n_zeros", "corank", "is_regular")
     known = names[0] in dataset
     return {
-        "x0": dataset["initial_state"].to_numpy(),
+        "x0": _starts(dataset),
+        "first": _first_member(dataset),
         "structure": PoissonStructure(*(dataset[name].to_numpy() for name in names)) if known else None,
-        **{name: run[name] for name in ("t_end", "seed", "first", "interval", "transient", "n_exponents", "covariant")},
+        **{name: run[name] for name in ("t_end", "seed", "interval", "transient", "n_exponents", "covariant")},
     }
 
 

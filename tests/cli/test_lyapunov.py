@@ -161,3 +161,18 @@ def test_the_default_time_is_natural(command):
     _, out, _ = command("lyapunov", "free-rigid-body", "--n", 3)
     found = float(re.search(r"to t = ([0-9.e+]+), 1,000 natural times", out)[1])
     assert found == pytest.approx(wanted, rel=0.05)  # two digits
+
+
+def test_a_very_long_run_is_counted_in_powers_of_ten(command):
+    _, out, _ = command("lyapunov", "twisted-kovalevskaya", "--n", 2, "--t-end", 1e300, "--time-limit", 0.01)
+    assert re.search(r"1\.\d+e\+300 natural times", out.splitlines()[0])
+
+
+def test_the_unit_of_time_is_taken_of_some_of_many_starts(monkeypatch):
+    from liepoisson.cli.limits import unit_of_time
+    from liepoisson.numeric import time_scale
+
+    seen = []
+    monkeypatch.setattr(time_scale, "time_scale", lambda _, x0: seen.append(len(x0)) or np.ones(len(x0)))
+    assert unit_of_time(lp.Top.kovalevskaya(), np.ones((100_000, 9))) == 1.0
+    assert seen == [256]

@@ -285,3 +285,30 @@ def test_energies_that_are_no_numbers_are_refused(bad):
     ):
         with pytest.raises(ParameterError, match="energy"):
             call()
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("values", [(1e-8, 1e-9, 5e-9), (-1, 0, 1e-12), (1e-30, 1e-30, 1e-30), (1, 1e5, 1)])
+@pytest.mark.parametrize("top", [TWISTED, lp.Top(inertia=(2, "3/2", 1), a=(0, 0, 1), b=(0, 0, "1/2"), epsilon="1/10")])
+def test_a_leaf_of_a_top_is_found_whatever_the_size_of_its_casimirs(top, values):
+    """For beta != 0 every C1 and C2 are attained."""
+    leaf = lp.Leaf(top, dict(zip(("C1", "C2", "C3"), values, strict=True)))
+    l, alpha, beta = leaf.state.reshape(3, 3)
+    twist = float(top.top_parameters.epsilon)
+    size = np.linalg.norm
+    assert beta @ beta == pytest.approx(values[2], rel=1e-9)
+    assert abs(alpha @ beta - values[1]) < 1e-13 * size(alpha) * size(beta)
+    rest = alpha @ alpha + 2 * twist * l @ beta - values[0]
+    assert abs(rest) < 1e-13 * (alpha @ alpha + 2 * twist * size(l) * size(beta))
+
+
+def test_a_leaf_without_twist_is_found_whatever_the_size_of_its_casimirs():
+    leaf = lp.Leaf(CHARGED, {"C1": 1e12, "C2": 1e-3, "C3": 1e-12})
+    _, alpha, beta = leaf.state.reshape(3, 3)
+    assert [alpha @ alpha, beta @ beta] == pytest.approx([1e12, 1e-12], rel=1e-9)
+
+
+def test_a_sum_of_squares_has_the_value_that_was_asked_for():
+    """1e-26 beside numbers of size 1 is not 1e-300: the residual of Newton's method is relative to these."""
+    with pytest.raises(LeafError, match="C3 = 1e-300"):
+        lp.Leaf(TWISTED, {"C1": 1, "C2": 1e-300, "C3": 1e-300})

@@ -33,6 +33,7 @@ VERDICT_HELP = "Also decide which orbits are regular, chaotic or undecided, with
 T_END_HELP = "Time of each run, in units of the system's own time.  [default: 1000 natural times of the median orbit]"
 _TIME = 1000.0
 """Default time of the runs, in natural times of the median orbit."""
+_LONG = 1e12
 _QUANTILES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 
 
@@ -125,7 +126,7 @@ def summary(result: Growth | Spectrum, ensemble: str, unit: float) -> list[str]:
     method = f"{result.method}, order {result.order}, {result.field.kind} kernel"
     lines = [
         f"{result.system}: {len(outcome)} random starts ({ensemble}, seed {result.seed}) to t = {result.time[-1]:g}, "
-        f"{result.time[-1] / unit:,.0f} natural times",
+        f"{_count(result.time[-1] / unit)} natural times",
         f"{method} ({result.kernel})",
         "outcomes: " + ", ".join(f"{name} {np.sum(outcome == name)}" for name in np.unique(outcome)),
     ]
@@ -212,6 +213,11 @@ def _mean(exponents: FloatArray) -> str:
         return f"{exponents.mean():.6f} (one run: no standard error)"
     error = exponents.std(ddof=1) / math.sqrt(exponents.size)
     return f"{exponents.mean():.6f}, standard error over starts {error:.2g}"
+
+
+def _count(value: float) -> str:
+    """A number with separators, or its power of ten where it is long."""
+    return f"{value:,.0f}" if value < _LONG else f"{value:.3g}"
 
 
 def _quantile_name(q: float) -> str:

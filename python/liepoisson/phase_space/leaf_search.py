@@ -29,6 +29,9 @@ _NEWTON = 8
 _STRETCH = 3.0
 """A step of a descent is at most this many times as long as the state."""
 
+_OF_SQUARES = 1e-9
+"""Largest relative error of a Casimir that is a sum of squares."""
+
 _SECONDS = 5.0
 """Processor time for each end of the range."""
 
@@ -45,10 +48,10 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     n, size = system.bracket.dimension, max(1.0, float(np.abs(values).max(initial=0.0)) ** 0.5)
     starts = rng.standard_normal((_STARTS, n)) * np.geomspace(0.1, 10.0, _STARTS)[:, None] * size
     found, residual = solve(equations, starts)
-    known = _state_of_top(system, values, rng)
-    if not np.any(residual <= CONVERGED) and known is not None:
-        found, residual = solve(equations, known[None])
-    reached = found[residual <= CONVERGED]
+    found = found[residual <= CONVERGED]
+    reached = found[_has_squares(system, place, values, found)]
+    if not len(reached):
+        reached = _states_of_top(system, values, rng)
     asked = ", ".join(f"{name} = {value:g}" for name, value in zip(place.casimirs, values, strict=True))
     if not len(reached):
         raise LeafError(
@@ -59,27 +62,43 @@ def find_state(system: System, place: Place, values: Array) -> Array:
         if place_of(system, state).is_open:
             return state
     raise LeafError(
-        f"{asked} are attained only where the rank of J is lower ({place_of(system, reached[0]).stratum}), and do not "
-        "determine a leaf there. Give a state: leaf_of(system, x)."
+        f"{asked} are attained only where, to the accuracy of doubles, the rank of J is lower "
+        f"({place_of(system, reached[0]).stratum}), and do not determine a leaf there. Give a state: "
+        "leaf_of(system, x)."
     )
 
 
-def _state_of_top(system: System, values: Array, rng: np.random.Generator) -> Array | None:
-    r"""A state of a top with these values, in closed form; Newton's method fails where $|\ell|$ is large.
+def _has_squares(system: System, place: Place, values: Array, states: Array) -> Any:
+    """Which states have the wanted sums of squares: in these nothing cancels, so they are right to their own size."""
+    right: Any = np.ones(len(states), dtype=bool)
+    for function, value in zip(place.casimirs.values(), values, strict=True):
+        if _is_sum_of_squares(function.expression, system.variables):
+            right &= np.abs(function(states) - value) <= _OF_SQUARES * value
+    return right
 
-    With $n = \beta/w$ and $\eta = C_1 - C_2^2/C_3$ the part of $\alpha$ across n has the square
-    $\eta - 2\epsilon w\,\ell\cdot n$: $\ell = 0$ for $\eta \ge 0$, else $\alpha$ is parallel to n.
+
+@np.errstate(all="ignore")  # what overflows is no state
+def _states_of_top(system: System, values: Array, rng: np.random.Generator) -> Array:
+    r"""States of a top by the formulas of its leaves, shape (state, 9): none for other systems.
+
+    With $\beta = wn$: $\alpha_\parallel = C_2/w$, and $\ell_\parallel = (C_1 - |\alpha|^2)/(2\epsilon w)$, or for
+    $\epsilon = 0$ the length of $\alpha$ is given.  Newton's method from states of unit size does not reach values
+    that are of other orders of magnitude.
     """
     top = system.top_parameters
     if top is None or not top.has_bracket(system.bracket):
-        return None
-    c1, c2, c3 = (float(c) for c in values)
-    turn = np.linalg.qr(rng.standard_normal((3, 3)))[0]
-    n, across = turn[:, 0], turn[:, 1]
-    w = np.sqrt(c3)
-    eta = c1 - (c2 / w) ** 2
-    l = np.zeros(3) if eta >= 0 else eta / (2 * float(top.epsilon) * w) * n
-    return np.concatenate([l, c2 / w * n + np.sqrt(max(eta, 0.0)) * across, w * n])
+        return np.zeros((0, 9))
+    c1, c2, c3 = values
+    axes = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    w, epsilon = float(np.sqrt(c3)), float(top.epsilon)
+    along = c2 / w
+    size = max(float(np.sqrt(abs(c1))), abs(along)) or w
+    across = size if epsilon else float(np.sqrt(c1 - along**2))
+    l = np.full(3, size)
+    if epsilon:
+        l[0] = (c1 - along**2 - across**2) / (2 * epsilon) / w
+    state = np.concatenate([axes @ l, axes @ [along, across, 0.0], axes @ [w, 0.0, 0.0]])
+    return state[None] if np.isfinite(state).all() else np.zeros((0, 9))
 
 
 def representative(leaf: Leaf) -> Leaf:
