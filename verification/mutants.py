@@ -2,7 +2,7 @@
 
 For each folder of the package a few mutants are drawn, with a fixed seed, from those that cosmic-ray can make: another
 operator, comparison, number, truth value or exception.  Each is tried against the tests that belong to its module: the
-file that mirrors it, then the files that name it, then those of its folder.
+file that mirrors it, then the files that name it, then those of its folder and of the folder above.
 
     python -m pip install cosmic-ray
     python verification/mutants.py --per-folder 3 --seed 1
@@ -94,8 +94,11 @@ def tests_of(module: Path) -> list[list[str]]:
     first = [file for file in (mirror, flat) if file.exists()]
     every = sorted(TESTS.rglob("test_*.py"))
     naming = [file for file in every if file not in first and dotted in file.read_text(encoding="utf-8")]
-    folder = [file for file in every if file.parent == mirror.parent and file not in (*first, *naming)]
-    return [[str(file) for file in files] for files in (first, naming, folder) if files]
+    tried, around = [*first, *naming], list[list[Path]]()
+    for folder in (mirror.parent, mirror.parent.parent):
+        around.append([file for file in every if file.parent == folder and file not in tried])
+        tried += around[-1]
+    return [[str(file) for file in files] for files in (first, naming, *around) if files]
 
 
 def is_noticed(module: Path, code: str, seconds: float) -> tuple[bool, float]:

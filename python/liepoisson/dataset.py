@@ -216,7 +216,7 @@ def save(dataset: Dataset, path: str | Path) -> Path:
     """Writes a dataset to a NetCDF file with a checksum, whole or not at all.
 
     Raises:
-        OutputError: The path is none or does not end in .nc, or the file can not be written; an older file of that name
+        OutputError: The path is none or does not end in .nc, or the file cannot be written; an older file of that name
             is left as it was.
     """
     try:

@@ -58,7 +58,7 @@ class ExpressionError(ParameterError):
 
 
 class SystemFileError(LiePoissonError, ValueError):
-    """A system file that can not be read, or does not describe a system; the message names the key and the line."""
+    """A system file that cannot be read, or does not describe a system; the message names the key and the line."""
 
 
 class UnknownNameError(LiePoissonError, LookupError):

@@ -155,7 +155,7 @@ def exclusive(folder: Path) -> Generator[None]:
     The lock is advisory, the file `.lock`; it ends with the process.  Where the system has no such locks there is none.
 
     Raises:
-        OutputError: another process holds the folder, or it can not be made.
+        OutputError: another process holds the folder, or it cannot be made.
     """
     try:
         with writing(folder):
@@ -175,7 +175,7 @@ def exclusive(folder: Path) -> Generator[None]:
 
 
 def _lock(folder: Path) -> int | None:
-    """A descriptor of the locked file `.lock`; None where files can not be locked."""
+    """A descriptor of the locked file `.lock`; None where files cannot be locked."""
     try:
         import fcntl
     except ImportError:

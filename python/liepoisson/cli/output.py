@@ -39,7 +39,7 @@ def data_file(out: str | None, example: str, endings: Sequence[str] = DATA_ENDIN
 
     Raises:
         ParameterError: it names no file, or one of another kind.
-        OutputError: it is a folder, or lies in one that can not be written to.
+        OutputError: it is a folder, or lies in one that cannot be written to.
     """
     return None if out is None else _checked(out, "--out", endings, example)
 
@@ -49,7 +49,7 @@ def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:
 
     Raises:
         ParameterError: --figure names no file, or one of another kind.
-        OutputError: it is a folder, or lies in one that can not be written to.
+        OutputError: it is a folder, or lies in one that cannot be written to.
     """
     from liepoisson.plot.style import FORMATS
 
@@ -90,7 +90,7 @@ def write_table(path: Path, columns: Mapping[str, ArrayLike]) -> None:
     Numbers have 17 significant digits, which give the same doubles back.
 
     Raises:
-        OutputError: the file can not be written.
+        OutputError: the file cannot be written.
     """
     import numpy as np
 
@@ -104,7 +104,7 @@ def write_figure(figure: Figure, stem: Path) -> list[Path]:
     """Write a figure in the format that its name ends in, or in all of them.
 
     Raises:
-        OutputError: a file can not be written.
+        OutputError: a file cannot be written.
     """
     from liepoisson.plot.style import save_figure
 

@@ -95,7 +95,7 @@ def find_start(
     A given start must lie on the leaf and at the energy asked for; a guess is moved there.
 
     Raises:
-        ParameterError: options that contradict each other or can not be read.
+        ParameterError: options that contradict each other or cannot be read.
         LeafError: no real state has these Casimirs and this energy, or the given start does not.
     """
     wanted = read_leaf(system, leaf) if leaf else {}

@@ -7,7 +7,7 @@ parameters (numbers, vectors, matrices) and symbols.  The functions:
     sqrt exp log sin cos tan sinh cosh tanh asin acos atan, and the constant pi
 
 `inv` of a vector v is the inverse of diag(v), as in `dot(l, inv(I)*l)/2`.  What is not smooth is refused, and
-so is what can not be read in bounded time.  The grammar is in `liepoisson.exact.formula.grammar`; no text is ever run
+so is what cannot be read in bounded time.  The grammar is in `liepoisson.exact.formula.grammar`; no text is ever run
 as code.
 """
 

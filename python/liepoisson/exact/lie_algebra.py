@@ -56,7 +56,7 @@ class LieAlgebra:
 
     Raises:
         ShapeError: `structure_constants` is not n x n x n, or `basis_names` has another length.
-        ParameterError: a basis name can not be part of the name of a coordinate, or is given twice, or is the number
+        ParameterError: a basis name cannot be part of the name of a coordinate, or is given twice, or is the number
             of another basis element.
         BracketError: antisymmetry or the Jacobi identity fails; the message names the entry.
         ParameterError: an entry is not exact, or n is more than 1000.

@@ -102,7 +102,7 @@ class System:
         """The system that a TOML file describes (see `liepoisson.exact.system_file` for the format).
 
         Raises:
-            SystemFileError: the file can not be read, or a key in it is missing, unknown or of the wrong kind.
+            SystemFileError: the file cannot be read, or a key in it is missing, unknown or of the wrong kind.
             ExpressionError: a formula in it is not in the grammar; with the position.
         """
         from liepoisson.exact.system_file import load_system_file

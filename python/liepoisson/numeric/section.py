@@ -492,7 +492,7 @@ def _as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[
     write = getattr(system, "function_tape", None)
     if write is None:
         raise ParameterError(
-            f"surface: wanted a TapeFunction, since {shown(system)} can not read formulas; got {shown(surface)}; "
+            f"surface: wanted a TapeFunction, since {shown(system)} cannot read formulas; got {shown(surface)}; "
             "try a System, or System.function_tape"
         )
     formula = _formula(surface, "surface")

@@ -1,7 +1,7 @@
 r"""The stratum that a state lies on: which fields vanish or are parallel, and what is constant on its leaf.
 
 The conditions of `Bracket.strata` are read as numbers here.  A field counts as zero, and two as parallel, when this
-holds to 1e-14 and 1e-13 relative: states computed in doubles can not say more.
+holds to 1e-14 and 1e-13 relative: states computed in doubles cannot say more.
 """
 
 from __future__ import annotations

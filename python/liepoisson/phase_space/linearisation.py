@@ -26,7 +26,7 @@ systems of the catalog that were tried.
 """
 _ROUND_OFF = 100 * np.finfo(np.float64).eps
 _NEAR_COLLISION = 1e6
-"""Condition number of an eigenvalue from which its real part can not be told from zero."""
+"""Condition number of an eigenvalue from which its real part cannot be told from zero."""
 
 
 def leaf_tangent(poisson: Array, rank: int) -> Array:

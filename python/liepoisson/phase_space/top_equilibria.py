@@ -43,7 +43,8 @@ from liepoisson.phase_space.heavy_equilibria import (
     groups_of,
     heavy_equilibria,
 )
-from liepoisson.phase_space.twisted_equilibria import NotProvedError, TwistedEquilibria, TwistedLeaf
+from liepoisson.phase_space.twisted_equilibria import NotProvedError, TwistedEquilibria
+from liepoisson.phase_space.twisted_leaf import TwistedLeaf
 
 if TYPE_CHECKING:
     from sympy import Expr

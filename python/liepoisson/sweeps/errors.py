@@ -6,7 +6,7 @@ from liepoisson.errors import LiePoissonError
 
 
 class SweepError(LiePoissonError):
-    """A sweep that can not go on: no scheduler, or no worker that may compute its pieces."""
+    """A sweep that cannot go on: no scheduler, or no worker that may compute its pieces."""
 
 
 class WorkerVersionError(LiePoissonError):

@@ -66,7 +66,7 @@ class Executor(Protocol):
 class Threads:
     """Threads of this process, one piece on each; the core has no threads of its own then.
 
-    They do not keep the process from ending: a function of the user that runs on when a sweep is given up can not be
+    They do not keep the process from ending: a function of the user that runs on when a sweep is given up cannot be
     ended, and is not waited for.
     """
 

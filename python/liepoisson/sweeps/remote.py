@@ -24,7 +24,7 @@ def _run(payload: bytes, version: str) -> tuple[str, Any, str]:
 
         found = liepoisson.__version__
     except ImportError as error:
-        return "refused", f"liepoisson {version} is wanted; it can not be imported ({error})", address
+        return "refused", f"liepoisson {version} is wanted; it cannot be imported ({error})", address
     if found != version:
         return "refused", f"liepoisson {version} is wanted; found {found}", address
     from liepoisson.sweeps.tasks import run_piece

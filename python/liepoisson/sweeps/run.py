@@ -81,11 +81,11 @@ def sweep(
         ParameterError: the spec is not one, or names what the system does not have.
         SystemFileError: a sweep file cannot be read, or names a function and code is not allowed.
         OtherSweepError: the store holds another sweep, or numbers of another version of liepoisson.
-        OutputError: the store can not be written, or another process is using it.
-        DamagedFileError: the description of the store can not be read.
+        OutputError: the store cannot be written, or another process is using it.
+        DamagedFileError: the description of the store cannot be read.
         SweepError: no scheduler answers, it has no workers, or none of them may compute the sweep.
         KeyboardInterrupt: Ctrl-C; what is stored stays.  Orbits under way on threads end within a second; a function of
-            yours can not be ended from outside, and is left to itself.
+            yours cannot be ended from outside, and is left to itself.
     """
     spec = as_spec(spec, settings, allow_code=allow_code)
     _check_options(store, scheduler, patience, progress)

@@ -305,7 +305,7 @@ class SweepSpec:
         for key, value in (("system", self._system_record), ("quantity", _plain(self.quantity))):
             if isinstance(value, dict) and "unknown" in value:
                 raise ParameterError(
-                    f"{key}: what the function {value['function']} computes can not be recorded, as "
+                    f"{key}: what the function {value['function']} computes cannot be recorded, as "
                     f"{value['unknown']}. Name a module function, or leave out the store."
                 )
         return hashlib.sha256(json.dumps(self.record(), sort_keys=True).encode()).hexdigest()

@@ -102,8 +102,8 @@ class SweepStore:
 
     Raises:
         OtherSweepError: the folder holds another sweep, or numbers of another version or in another format.
-        OutputError: there is something else, or it can not be written.
-        DamagedFileError: its description can not be read.
+        OutputError: there is something else, or it cannot be written.
+        DamagedFileError: its description cannot be read.
     """
 
     def __init__(self, path: Path, spec: SweepSpec, *, fresh: bool = False) -> None:
@@ -160,7 +160,7 @@ class SweepStore:
         """A level with all of its pieces that are stored, whole and in their place; arrays that are not there are made.
 
         Raises:
-            DamagedFileError: its arrays are not those of the sweep, or can not be read.
+            DamagedFileError: its arrays are not those of the sweep, or cannot be read.
         """
         import zarr
 
@@ -178,7 +178,7 @@ class SweepStore:
         except OutputError:
             raise
         except Exception as error:  # which one depends on which bytes are hit
-            raise DamagedFileError(f"{folder} can not be read ({error}). Start over with fresh (--fresh).") from error
+            raise DamagedFileError(f"{folder} cannot be read ({error}). Start over with fresh (--fresh).") from error
         if not np.array_equal(stored, points):
             raise DamagedFileError(f"{folder} has other points than its spec says. Start over with fresh (--fresh).")
         level = Level.empty(points, size, n)
@@ -262,7 +262,7 @@ def read_attributes(path: Path) -> dict[str, Any]:
     """What a store says of itself.
 
     Raises:
-        DamagedFileError: it is no store of a sweep, or can not be read.
+        DamagedFileError: it is no store of a sweep, or cannot be read.
     """
     try:
         attributes = json.loads((path / "zarr.json").read_text(encoding="utf-8"))["attributes"]

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from liepoisson.sweeps.targets import Targets
 
 OUTCOMES: tuple[str, ...] = (*_core.outcomes(), "no start", "not computed", "no system", "failed")
-"""How orbits end; "no start": no state with the wanted energy and Casimirs was found; "no system": the system can not
+"""How orbits end; "no start": no state with the wanted energy and Casimirs was found; "no system": the system cannot
 be made at the point, as where a moment is not positive; "failed": its quantity raised an error."""
 NO_START, NOT_COMPUTED, NO_SYSTEM, FAILED = range(len(OUTCOMES) - 4, len(OUTCOMES))
 POINT_TRIES = 3
@@ -147,7 +147,7 @@ def _silent(_: float) -> None: ...
 
 
 class _Points:
-    """The points of a piece: what one of them can not have is said of this one, and the others are computed."""
+    """The points of a piece: what one of them cannot have is said of this one, and the others are computed."""
 
     def __init__(self, piece: Piece, listen: Listener) -> None:
         self.piece = piece

@@ -116,7 +116,7 @@ def _text_of(path: Path) -> str:
     except FileNotFoundError:
         raise SystemFileError(f"there is no file {path}. Check the path.") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
-        raise SystemFileError(f"{path} can not be read: {error}. Check the path and the permissions.") from None
+        raise SystemFileError(f"{path} cannot be read: {error}. Check the path and the permissions.") from None
     if len(content) > MAX_BYTES:
         raise SystemFileError(f"{path} must have at most {MAX_BYTES} bytes; it has more. Is it a system file?")
     try:

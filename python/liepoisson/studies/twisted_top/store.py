@@ -79,7 +79,7 @@ class RunStore:
         """(first, count) of the pieces that have no file yet; none when the whole run is there.
 
         Raises:
-            DamagedFileError: a stored file can not be read.
+            DamagedFileError: a stored file cannot be read.
             ParameterError: a stored file belongs to a study with other options.
         """
         if self.is_complete():
@@ -149,7 +149,7 @@ class RunStore:
                 raise ValueError("what it says of itself has another form than liepoisson writes")
         # A damaged archive may fail in any of these ways, depending on which bytes were hit.
         except (*_UNREADABLE, KeyError, EOFError, TypeError, zipfile.BadZipFile, NotImplementedError) as error:
-            raise _damaged(path, f"it can not be read ({error})") from error
+            raise _damaged(path, f"it cannot be read ({error})") from error
         _check_fingerprint(path, facts["fingerprint"], fingerprint(self.run))
         return arrays, facts
 
@@ -157,7 +157,7 @@ class RunStore:
         """Whether the joined data of the whole run are stored.
 
         Raises:
-            DamagedFileError: the manifest can not be read.
+            DamagedFileError: the manifest cannot be read.
             ParameterError: they belong to a study with other options.
         """
         record = self._read_manifest().get(self.run.name)
@@ -200,7 +200,7 @@ class RunStore:
         try:
             digest = _file_digest(self.data)
         except OSError as error:
-            raise _damaged(self.data, f"it can not be read ({error})") from error
+            raise _damaged(self.data, f"it cannot be read ({error})") from error
         if digest != record["sha256"]:
             raise _damaged(self.data, "its checksum does not match the one in manifest.json")
         return load(self.data), float(record["seconds"])
@@ -214,7 +214,7 @@ class RunStore:
                 raise ValueError("it has another form than liepoisson writes")
         except _UNREADABLE as error:
             # Without it no finished run is known to be sound.
-            raise _damaged(self._manifest, f"it can not be read ({error})", "every finished run is") from error
+            raise _damaged(self._manifest, f"it cannot be read ({error})", "every finished run is") from error
         return records
 
 

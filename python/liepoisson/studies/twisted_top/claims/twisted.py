@@ -129,7 +129,7 @@ def _derived_dimension(bracket: Bracket) -> int:
 
 
 def not_semidirect(context: Context) -> Verdict:
-    """The cocycle can not be removed: the fields alpha, beta do not span an abelian ideal."""
+    """The cocycle cannot be removed: the fields alpha, beta do not span an abelian ideal."""
     from sympy import Symbol
 
     evidence = Evidence()
