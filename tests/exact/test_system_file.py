@@ -289,7 +289,7 @@ def test_files_that_can_not_be_read_are_refused(tmp_path):
         load_system_file(tmp_path / "missing.toml")
     with pytest.raises(SystemFileError, match="folder"):
         load_system_file(tmp_path)
-    with pytest.raises(SystemFileError, match="can not be read"):
+    with pytest.raises(SystemFileError, match="cannot be read"):
         load_system_file(tmp_path / "a\0b")
     latin = tmp_path / "latin.toml"
     latin.write_bytes(b'name = "x"\nsource = "Poincar\xe9"\n')
