@@ -224,13 +224,20 @@ def test_control_c_while_a_class_is_made_is_one_line(monkeypatch, capsys):
     assert capsys.readouterr().err == "interrupted.\n"
 
 
-def test_errors_that_are_no_interruption_are_not_hidden(monkeypatch):
+def test_errors_that_are_no_interruption_are_not_hidden(monkeypatch, capsys):
     def application():
         raise RuntimeError("a mistake of ours") from ValueError("its cause")
 
     monkeypatch.setattr(main_module, "application", application)
-    with pytest.raises(RuntimeError, match="a mistake of ours"):
-        main_module.main()
+    for shown in (False, True):
+        if shown:
+            monkeypatch.setenv("LIEPOISSON_TRACEBACK", "1")
+        with pytest.raises(SystemExit) as stopped:
+            main_module.main()
+        assert stopped.value.code == 2
+        err = capsys.readouterr().err
+        assert "RuntimeError: a mistake of ours; this is a mistake in liepoisson" in err
+        assert ("ValueError: its cause" in err and "in application" in err) == shown
 
 
 def test_manifest_of_another_form_is_refused_with_true_advice(tmp_path):

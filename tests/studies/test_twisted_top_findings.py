@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -49,8 +50,9 @@ def test_ordinary_top_is_regular_and_the_printed_inertia_is_not(tmp_path):
 def test_members_that_fail_are_counted_and_left_out(tmp_path):
     run = one_run(SMALL, "twisted-unit-vectors")
     members = integrate(tmp_path, SMALL, run.name)
-    members.exponent[4, 50:] = np.nan
-    members.outcome[4] = "not finite"
+    exponent, outcome = members.exponent.copy(), members.outcome.copy()
+    exponent[4, 50:], outcome[4] = np.nan, "not finite"
+    members = replace(members, exponent=exponent, outcome=outcome)
     result = reduce_run(run, members)
     assert result.outcomes == {"finished": 49, "not finite": 1}
     assert result.curve.n_members == result.final_exponent.size == result.energy.size == 49

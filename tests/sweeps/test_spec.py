@@ -315,10 +315,11 @@ def test_an_epsilon_by_a_formula_is_a_scale_too():
 
 def test_a_record_has_all_that_determines_the_numbers():
     """What is added to a spec or to its starts must be recorded: the store of a sweep is read by this record."""
-    spec = SweepSpec(system="kovalevskaya", axes=(Axis("epsilon", (0.0, 1.0)),), refine=Refinement(1, 0.1))
+    refine = Refinement(1, 0.1)
+    spec = SweepSpec(system="kovalevskaya", axes=(Axis("epsilon", (0.0, 1.0)),), t_end=9.0, refine=refine)
     record = spec.record()
-    # Name and threshold change no value that is stored; where cells are halved by the threshold, `refine` has it.
-    assert {field.name for field in fields(SweepSpec)} - {"name", "threshold"} == record.keys() - {"version"}
+    # The name changes no value that is stored.
+    assert {field.name for field in fields(SweepSpec)} - {"name"} == record.keys() - {"version"}
     assert {field.name for field in fields(Starts)} == record["starts"].keys()
     assert {field.name for field in fields(Axis)} - {"label"} == record["axes"][0].keys()
     assert {field.name for field in fields(Refinement)} == record["refine"].keys() - {"by"}
