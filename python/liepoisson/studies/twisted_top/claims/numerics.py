@@ -253,7 +253,7 @@ def single_exponent(runs: Mapping[str, Any], context: Context) -> Verdict:
     differ = sigmas > SIGNIFICANT
     lines.append(
         f"{'✓' if differ else '✗'} the groups differ: χ² = {chi_squared:.1f} for {len(groups) - 1} degrees of freedom, "
-        f"{'more than ten' if sigmas > 10 else f'{sigmas:.1f}'} standard deviations ({_who(runs, name)})"
+        f"{'more than ten' if sigmas > 10 else f'about {sigmas:.0f}'} standard deviations ({_who(runs, name)})"
     )
     data = {"groups": list(groups), "chi_squared": chi_squared, "standard_deviations": sigmas}
     if not differ:
