@@ -7,7 +7,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.plot.orbits import orbit
+from liepoisson.plot.orbits import _AZIMUTH, _ELEVATION, _view, orbit
 
 TIME = np.linspace(0, 10, 201)
 
@@ -23,6 +23,26 @@ def turning():
 def run():
     names = ("l1", "l2", "l3", "beta1", "beta2", "beta3")
     return SimpleNamespace(system="turning", components=names, time=TIME, state=turning())
+
+
+def test_the_view_is_a_rotation_that_looks_from_its_azimuth_and_elevation():
+    view = _view()
+    np.testing.assert_allclose(view.T @ view, np.eye(3), atol=1e-15)
+    assert np.linalg.det(view) == pytest.approx(1)
+    eye = [np.cos(_ELEVATION) * np.cos(_AZIMUTH), np.cos(_ELEVATION) * np.sin(_AZIMUTH), np.sin(_ELEVATION)]
+    np.testing.assert_allclose(eye @ view, [0, 0, 1], atol=1e-15)
+
+
+def test_the_near_side_of_a_sphere_is_darker_and_drawn_last(run):
+    figure = orbit(run)
+    (path,) = figure.axes[3].collections
+    points = run.state[0, :, 3:] @ _view()
+    depth = (points[1:, 2] + points[:-1, 2]) / 2
+    order = np.argsort(depth, kind="stable")
+    np.testing.assert_allclose([segment[0] for segment in path.get_segments()], points[:-1, :2][order])
+    strength = path.get_colors()[:, 3]
+    assert (strength[depth[order] > 0.01] == 0.9).all()
+    assert (strength[depth[order] < -0.01] < 0.5).all()
 
 
 def test_components_paths_and_changes_are_drawn(run):

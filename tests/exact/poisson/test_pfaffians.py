@@ -31,3 +31,12 @@ def test_the_assumption_on_parameters_is_named():
     tensor = (so(3) @ leibniz(3, "epsilon")).tensor
     beta = [{(i,): tensor.field.one} for i in (6, 7, 8)]
     assert PfaffianIdeal(tensor, 6, 3).contains_powers_of(beta) == "epsilon != 0"
+
+
+def test_many_coordinates_leave_the_blocks_with_two_components_of_every_field():
+    tensor = (so(3) @ leibniz(4)).tensor  # twelve coordinates
+    largest = PfaffianIdeal(tensor, 8, 3)
+    assert not largest.is_full
+    # J of x1, x2 of four fields is an arrangement of third components: each Pfaffian is a polynomial in these alone
+    assert [{i % 3 for p in (g,) for monomial in p for i in monomial} for g in largest.generators] == [{0}, {1}, {2}]
+    assert PfaffianIdeal(tensor, 6, 3).generators == []
