@@ -82,3 +82,28 @@ def test_memory_is_the_largest_correlation():
     assert chain_sampling._memory(x, np.column_stack([y[:, :2], x[:, 2]])) == pytest.approx(1)
     assert chain_sampling._memory(x, np.column_stack([y[:, :2], np.abs(x[:, 2])])) > 0.9, "by the square"
     assert chain_sampling._memory(np.ones((5, 2)), np.ones((5, 2))) == 0, "constant coordinates say nothing"
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("size", [0.6, 1.5])
+def test_steps_of_any_size_keep_the_measure(size):
+    """On a level of the energy of a free body the measure is uniform in time: its mean of l1^2 stays what it is.
+
+    Measured: 0.7 and 0.8 standard errors; 4.1 and 16 where the length of a proposal is weighed wrongly, and 5.8 at 0.6
+    where the Newton steps of a proposal may end earlier on the way back.
+    """
+    body = lp.System(lp.so(3) @ lp.trivial(), "l1^2/2 + l2^2/4 + 2*l3^2")
+    x0 = np.array([0.9, 1.2, 0.25])
+    crossings = lp.section(body, x0, surface="l3", direction=1, n_crossings=2, t_end=100)
+    begin, end = crossings.time
+    start = lp.integrate(body, x0, t=[0, begin]).state[0, -1]
+    states = lp.integrate(body, start, t=np.linspace(0, end - begin, 4097)).state[0, :-1]  # one period
+    energy = body.functions.energy
+    equations = lp.leaf_of(body, x0).equations.with_function(energy, float(energy(x0)))
+    chain, rng = chain_sampling._Chain(equations, energy, None), np.random.default_rng(6)
+    x = np.repeat(states, 2, axis=0)
+    for _ in range(60):
+        x, _ = chain.step(rng, x, size)
+    squares = x[:, 0] ** 2
+    error = squares.std() / np.sqrt(len(squares))
+    assert abs(squares.mean() - (states[:, 0] ** 2).mean()) < DEVIATIONS * error
