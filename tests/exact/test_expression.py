@@ -179,9 +179,9 @@ def test_functions_that_are_not_smooth_are_refused_as_such(name):
     ],
 )
 def test_what_would_take_forever_is_refused_quickly(text):
-    start = time.perf_counter()
+    start = time.process_time()
     refusal(text)
-    assert time.perf_counter() - start < 5
+    assert time.process_time() - start < 5
 
 
 @pytest.mark.thorough

@@ -64,15 +64,23 @@ def test_states_below_an_energy_have_the_shares_of_the_caps():
 
 
 @pytest.mark.thorough
-def test_parts_that_no_energy_connects_are_warned_of():
-    """The two sheets of a hyperboloid; where the sheets are no matter there is no warning."""
+def test_sheets_between_which_proposals_leap_have_equal_shares():
+    """The two sheets of a hyperboloid, l3^2 - l1^2 - l2^2 = 1: no path on it connects them, Newton's method does."""
     hyperbolic = lp.System(lp.so(2, 1) @ lp.trivial(), "l1^2 + l2^2 + l3^2")
-    leaf = lp.leaf_of(hyperbolic, [0, 0, 1])  # l3^2 - l1^2 - l2^2 = 1
-    with pytest.warns(MixingWarning, match="where their chains began"):
-        leaf.sample(10, seed=1, energy=2.0)
+    x = lp.leaf_of(hyperbolic, [0, 0, 1]).sample(2048, seed=1, energy=2.0)
+    assert abs((x[:, 2] > 0).mean() - 0.5) < DEVIATIONS * 0.5 / np.sqrt(2048)
+
+
+@pytest.mark.thorough
+def test_chains_that_remember_their_starts_are_warned_of(monkeypatch):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         lp.leaf_of(BODY, [1, 0, 0]).sample(10, seed=1)
+    monkeypatch.setattr(chain_sampling, "_BURN_IN", 1)
+    monkeypatch.setattr(chain_sampling, "_MOST_BURN_INS", 1)
+    hyperbolic = lp.System(lp.so(2, 1) @ lp.trivial(), "l1^2 + l2^2 + l3^2")
+    with pytest.warns(MixingWarning, match="where their chains began"):
+        lp.leaf_of(hyperbolic, [0, 0, 1]).sample(10, seed=1, energy=2.0)
 
 
 def test_memory_is_the_largest_correlation():
