@@ -196,7 +196,7 @@ def _dataset(
         "version": _core.__version__,
     }
     # the names in the order of the field: a dataset can be put into another one
-    for name, record in {"field": record_of(result.field), "components": list(result.components), **records}.items():
+    for name, record in {"field": record_of(result.field), "component_order": list(result.components), **records}.items():
         # json writes a float with the digits that give the same float back
         text = json.dumps(record)
         if len(text) <= _LONGEST_ATTRIBUTE:
@@ -365,7 +365,7 @@ def _recorded_run(dataset: Dataset) -> Recorded:
     _expect("format", attributes["format"], _FORMAT)
     _expect("kind", kind, *RUNS)
     field = field_of(_record(dataset, "field"))
-    names = tuple(map(str, _record(dataset, "components")))
+    names = tuple(map(str, _record(dataset, "component_order")))
     given = list(map(str, dataset["component"].to_numpy()))
     if len(names) != field.n_components or sorted(given) != sorted(names):
         raise ValueError(f"component: wanted {', '.join(names):.60} ({field.n_components} names); got {len(given)}")
