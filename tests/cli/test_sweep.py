@@ -108,7 +108,9 @@ def test_an_interrupt_ends_a_long_piece(tmp_path):
     """The bound: 0.5 s until the main thread sees it, 0.1 s in the core, and the time that Python needs to end."""
     text = TWIST.replace("t_end = 200", "t_end = 1e9").replace("count = 3", "count = 2")
     (tmp_path / "twist.toml").write_text(text)
-    program = "from liepoisson.cli.main import main; main()"
+    # A shell that starts the tests in the background has Ctrl-C ignored, and its children inherit that.
+    program = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    program += "from liepoisson.cli.main import main; main()"
     command = [sys.executable, "-c", program, "sweep", "twist.toml", "--threads", "2"]
     process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
     while process.poll() is None and not (tmp_path / "twist.zarr" / "level0" / "seconds" / "zarr.json").exists():
