@@ -196,7 +196,8 @@ def _dataset(
         "version": _core.__version__,
     }
     # the names in the order of the field: a dataset can be put into another one
-    for name, record in {"field": record_of(result.field), "component_order": list(result.components), **records}.items():
+    order = list(result.components)
+    for name, record in {"field": record_of(result.field), "component_order": order, **records}.items():
         # json writes a float with the digits that give the same float back
         text = json.dumps(record)
         if len(text) <= _LONGEST_ATTRIBUTE:
