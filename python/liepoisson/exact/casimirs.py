@@ -13,7 +13,7 @@ References: Olver, Applications of Lie Groups to Differential Equations (1993), 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import count, zip_longest
 from numbers import Integral
@@ -243,11 +243,7 @@ def _exceptional_for_traces(
 
     values, undecided = special_values({field.read(strength)}, field)
     cases: list[ExceptionalCase] = []
-    for condition, substitution in values:
-        try:
-            special = bracket.substitute(substitution)
-        except ParameterError:  # a pole: there is no bracket at this value
-            continue
+    for condition, substitution, special in _brackets_at(bracket, values):
         inserted: Any = {name: to_sympy(value) for name, value in substitution.items()}
         generators = casimir_generators(special)
         jumps = _differing([generator.subs(inserted) for generator in traces.generators], generators)
@@ -332,11 +328,7 @@ def _exceptional(
     values, undecided = special_values(search.pivots, bracket.tensor.field)
     generic = _expressions(bracket, found)
     cases: list[ExceptionalCase] = []
-    for condition, substitution in values:
-        try:
-            special = bracket.substitute(substitution)
-        except ParameterError:  # a pole: there is no bracket at this value
-            continue
+    for condition, substitution, special in _brackets_at(bracket, values):
         inner = CasimirSearch(special.tensor)
         more = any(len(inner.of_degree(d)) > n for d, n in found.dimensions.items())
         here = _find(special, degree)
@@ -346,6 +338,18 @@ def _exceptional(
         if more or jumps or here.independent < found.independent or here.corank > found.corank:
             cases.append(ExceptionalCase(condition, generators, jumps))
     return tuple(cases), tuple(condition for condition, _ in values), undecided
+
+
+def _brackets_at(
+    bracket: Bracket, values: Iterable[tuple[str, Mapping[str, Exact]]]
+) -> Iterator[tuple[str, Mapping[str, Exact], Bracket]]:
+    """The bracket at each of some values of its parameters, with the condition; none where it has a pole."""
+    for condition, substitution in values:
+        try:
+            special = bracket.substitute(substitution)
+        except ParameterError:
+            continue
+        yield condition, substitution, special
 
 
 def _limit(generator: Expr, values: Mapping[str, Exact], bracket: Bracket) -> Any:

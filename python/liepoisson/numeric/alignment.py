@@ -169,7 +169,7 @@ def alignment(
         method,
         threads,
         clock.monotonic() + as_time_limit(time_limit),
-        # what it raises ends the run, so it is called within a piece, too
+        # pieces may be done again in halves: within one, the times before it are what is done
         None if progress is None else lambda _: progress(n_done / len(wanted)),
     )
     before = 0.0

@@ -26,6 +26,7 @@ from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_field, as_states
 from liepoisson.numeric.alignment import as_positive_time
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.progress import part_of
 
 _LEAST_SAMPLES, _MOST_DOUBLINGS = 4096, 4
 _PART = 0.6
@@ -96,18 +97,13 @@ def average_drift(
                 kernel="lanes",  # the same bits however the ensemble is cut
                 threads=threads,
                 time_limit=max(deadline - clock.monotonic(), 1e-9),
-                progress=_share_of(progress, n_done / len(good), len(some) / len(good)),
+                progress=part_of(progress, n_done / len(good), len(some) / len(good)),
             )
             drift[some], outcome[some] = _change(orbit.state[:, :-1]), orbit.outcome
             n_done += len(some)
             if progress is not None:
                 progress(n_done / len(good))
     return drift, outcome
-
-
-def _share_of(progress: Callable[[float], Any] | None, before: float, share: float) -> Callable[[float], Any] | None:
-    """Progress of a part of the whole run; what it raises ends the run."""
-    return None if progress is None else lambda fraction: progress(before + share * fraction)
 
 
 @np.errstate(all="ignore")  # squares may overflow or vanish

@@ -24,6 +24,7 @@ from liepoisson.numeric._checks import (
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
 from liepoisson.numeric.lyapunov import lyapunov_exponent
 from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 
 _N_TIMES = 200
@@ -150,7 +151,7 @@ def megno(
             method=method,
             threads=threads,
             time_limit=max(deadline - clock.monotonic(), 1e-9),
-            progress=_share_of(progress, start, len(chunk), len(states)),
+            progress=part_of(progress, start / max(1, len(states)), len(chunk) / max(1, len(states))),
         )
         parts.append(_indicators(fine, growth.exponent[: len(chunk)] * fine, stride))
         outcome.append(growth.outcome[: len(chunk)])
@@ -182,9 +183,3 @@ def _indicators(time: Array, log_growth: Array, stride: int) -> tuple[Array, Arr
 def _integral(step: float, values: Array) -> Array:
     """Trapezoidal rule from 0, where the integrand vanishes, to each of the equally spaced times."""
     return step * (np.cumsum(values, axis=1) - 0.5 * values)
-
-
-def _share_of(progress: Callable[[float], Any] | None, start: int, n: int, total: int) -> Callable[[float], Any] | None:
-    if progress is None:
-        return None
-    return lambda fraction: progress((start + fraction * n) / max(1, total))

@@ -29,6 +29,7 @@ from liepoisson.numeric.averages import average_drift
 from liepoisson.numeric.estimates import Estimate
 from liepoisson.numeric.megno import Megno, megno
 from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.time_scale import orbit_units
@@ -251,7 +252,7 @@ def decide(
         method=method,
         threads=threads,
         time_limit=_left(deadline),
-        progress=_part(progress, 0),
+        progress=part_of(progress, 0, 1 / 3),
     )
     # Eight pieces: a vector may grow by e^600 in each before a piece must be repeated in halves.
     angle = alignment(
@@ -264,7 +265,7 @@ def decide(
         method=method,
         threads=threads,
         time_limit=_left(deadline),
-        progress=_part(progress, 1),
+        progress=part_of(progress, 1 / 3, 1 / 3),
     )
     averages = average_drift(
         system,
@@ -274,14 +275,9 @@ def decide(
         method=method,
         threads=threads,
         time_limit=_left(deadline),
-        progress=_part(progress, 2),
+        progress=part_of(progress, 2 / 3, 1 / 3),
     )
     return _judge(growth, angle, averages, natural_time, rule)
-
-
-def _part(progress: Callable[[float], Any] | None, k: int) -> Callable[[float], Any] | None:
-    """Progress of the k-th of three parts."""
-    return None if progress is None else lambda fraction: progress((k + fraction) / 3)
 
 
 def _left(deadline: float) -> float:
