@@ -125,6 +125,42 @@ def test_other_leaves_of_the_same_top(seed):
     check(top, lp.leaf_of(top, np.random.default_rng(seed).normal(size=9) * np.repeat([3, 1, 1], 3)), 30)
 
 
+def parallel_top_on_its_exceptional_leaf(rng):
+    """b = rho a, C2 = -rho C3 and C1 C3 = C2^2: one equation of the regular branch does not contain tau there."""
+    often_equal = rng.random() < 0.3
+    inertia = rng.choice([1, 1.25, 2], 3) if often_equal else np.round(rng.uniform(0.5, 2, 3) * 8) / 8
+    a = np.round(rng.normal(size=3) * 4) / 4 * (rng.random(3) < 0.8)
+    a = a if a.any() else np.array([0, 0, 1.0])
+    rho, c3 = float(rng.integers(-4, 5)) / 2, float(rng.integers(1, 7)) / 2
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", lp.errors.InertiaWarning)
+        top = lp.Top(inertia=inertia.tolist(), a=a.tolist(), b=(rho * a).tolist(), epsilon=float(rng.choice([1, -0.5])))
+    return top, lp.Leaf(top, {"C1": rho**2 * c3, "C2": -rho * c3, "C3": c3})
+
+
+def test_leaf_on_which_one_equation_fixes_sigma_alone():
+    r"""On C = (0, 0, 1) with b = 0 the equation E1 E2^-1 does not contain tau: six equilibria, two of them at rest.
+
+    At rest beta = +-a/|a|, l = alpha = 0, H = 0; the others come in pairs x, -l, alpha, -beta of equal energy.
+    """
+    top = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.5, 0.3), epsilon=1)
+    found = check(top, lp.Leaf(top, {"C1": 0, "C2": 0, "C3": 1}), 20)
+    assert [round(e.energy, 6) for e in found] == [-1.348981, -1.348981, -1.179406, -1.179406, 0, 0]
+    assert found.euler_found == 2
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("seed", range(8))
+def test_exceptional_leaves_of_tops_with_parallel_vectors(seed):
+    check(*parallel_top_on_its_exceptional_leaf(np.random.default_rng(seed)), 30)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(100, 160))
+def test_many_exceptional_leaves(seed):
+    check(*parallel_top_on_its_exceptional_leaf(np.random.default_rng(seed)), 60)
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("seed", range(20))
 def test_signs_of_all_equilibria_sum_to_the_euler_characteristic_and_the_search_finds_no_other(seed):

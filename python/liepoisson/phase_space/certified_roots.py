@@ -65,8 +65,14 @@ def evaluate(polynomial: fmpq_poly, x: arb) -> arb:
 
 
 def real_roots(polynomial: fmpq_poly | fmpz_poly) -> list[arb]:
-    """The distinct real roots of a polynomial that is not zero, each in a ball of its own."""
+    """The distinct real roots of a polynomial, each in a ball of its own.
+
+    Raises:
+        UndecidedError: the polynomial is zero, and every number is a root.
+    """
     whole = polynomial.numer() if isinstance(polynomial, fmpq_poly) else polynomial
+    if not whole:
+        raise UndecidedError
     if whole.degree() < 1:
         return []
     # a root of several equal ones is the root of one squarefree factor, and of no other

@@ -102,7 +102,11 @@ def equilibria(
 
 
 def _by_algebra(leaf: Leaf) -> Equilibria | None:
-    """All equilibria with a proof, or None."""
+    """All equilibria with a proof, or None: also where their signs do not sum to the Euler characteristic.
+
+    The sum is independent of the proof. If it is wrong, the proof has a gap or a state was rounded to another sign, and
+    the search answers instead, with what it cannot prove in words.
+    """
     if leaf.rank == 0:
         return Equilibria(leaf, (analysis(leaf, leaf.state, {}),), True, 1, 1, 0)
     top = exact_top(leaf.system)
@@ -112,7 +116,10 @@ def _by_algebra(leaf: Leaf) -> Equilibria | None:
     units = natural_units(leaf, top, states)
     found = [_with_family(analysis(leaf, one.state, {}, units), one.kind) for one in states]
     found.sort(key=lambda e: e.energy)
-    return Equilibria(leaf, tuple(found), True, euler_characteristic_of_leaf(leaf, top), signed_sum(found), 0)
+    expected, total = euler_characteristic_of_leaf(leaf, top), signed_sum(found)
+    if expected is not None and total is not None and total != expected:
+        return None
+    return Equilibria(leaf, tuple(found), True, expected, total, 0)
 
 
 def _with_family(equilibrium: Equilibrium, kind: str) -> Equilibrium:

@@ -248,7 +248,12 @@ def _resting_pair(leaf: TwistedLeaf) -> _Pair:
 def _pieces(
     leaf: TwistedLeaf, first: Any, second: Any, *, excludes_zero: bool
 ) -> list[tuple[fmpz_poly, list[fmpq_poly]]]:
-    """The roots of the resultant, sorted by how often the first equation has the zero u = 0 that is none of ours."""
+    """The roots of the resultant, each with an equation for u that is not trivial there.
+
+    That is the first one, unless all its coefficients vanish: then it says nothing about u, and the second one does
+    (both cannot, without a common factor). Where u = 0 is excluded, the powers of u that an equation has there are
+    left out.
+    """
     sigma, u = first.context().gens()
     known = [sigma + leaf.inertia[group[0]] for group in leaf.active] + ([u] if excludes_zero else [])
     for factor in known:
@@ -258,12 +263,22 @@ def _pieces(
     roots = fmpq_poly(resultant(first, second))
     for group in leaf.active:
         roots = without(roots, fmpq_poly([leaf.inertia[group[0]], 1]))
-    powers = in_powers(first)
     pieces: list[tuple[fmpz_poly, list[fmpq_poly]]] = []
-    while excludes_zero and powers:
-        pieces.append((without(roots, powers[0]).numer(), powers))
-        roots, powers = roots.gcd(powers[0]), powers[1:]
-    return pieces or [(roots.numer(), powers)]
+    for powers in (in_powers(first), in_powers(second)):
+        trivial = fmpq_poly([0])
+        for power in powers:
+            trivial = trivial.gcd(power)
+        here, roots = without(roots, trivial), roots.gcd(trivial)
+        if not excludes_zero:
+            pieces.append((here.numer(), powers))
+            continue
+        lowest = 0
+        while here.degree() > 0:
+            pieces.append((without(here, powers[lowest]).numer(), powers[lowest:]))
+            here, lowest = here.gcd(powers[lowest]), lowest + 1
+    if roots.degree() > 0:
+        raise NotProvedError
+    return pieces
 
 
 def _stripped(f: Any, factor: Any) -> Any:
