@@ -100,7 +100,7 @@ wheel-check: wheel
 	target/wheel-check/bin/pip install --quiet --no-deps --no-index dist/*.whl
 	cd target/wheel-check && env -u PYTHONPATH PATH=/usr/bin:/bin bin/python -c "import liepoisson as lp; \
 	  top = lp.Top.twisted_kovalevskaya(); \
-	  growth = lp.lyapunov_exponent(top, lp.sample_states(top, 16, seed=1), t_end=50); \
+	  growth = lp.finite_time_exponents(top, lp.sample_states(top, 16, seed=1), t_end=50); \
 	  assert (growth.outcome == 'finished').all(); print('wheel: 16 trajectories finished')"
 	cd target/wheel-check && env PATH=/usr/bin:/bin bin/liepoisson reproduce twisted-top --members 50 --end-time 60 --out study
 	test -s target/wheel-check/study/report.html

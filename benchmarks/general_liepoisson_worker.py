@@ -29,10 +29,10 @@ def field_of(one: Problem) -> QuadraticField | TapeField:
     return quadratic_of_equations(x, rates) if one.quadratic else tape_of_equations(x, rates)
 
 
-def run(field: QuadraticField | TapeField, data: Array, t_end: float, tol: float) -> lp.Growth:
+def run(field: QuadraticField | TapeField, data: Array, t_end: float, tol: float) -> lp.results.FiniteTimeExponents:
     """State and tangent vector of every start, on one thread."""
     n = data.shape[1] // 2
-    growth = lp.lyapunov_exponent(
+    growth = lp.finite_time_exponents(
         field, data[:, :n], tangents=data[:, n:], times=[t_end], method=lp.Taylor(tol=tol), threads=1
     )
     if not (growth.outcome == "finished").all():
@@ -62,7 +62,7 @@ def scan(request: dict[str, Any]) -> dict[str, Any]:
             field,
             data[:, : one.n],
             tangents=data[:, None, one.n :],
-            t=[0.0, request["t_end"]],
+            times=[0.0, request["t_end"]],
             method=lp.Taylor(tol=tol),
             threads=1,
         )

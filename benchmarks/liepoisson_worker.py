@@ -32,17 +32,17 @@ def _method(request: dict[str, Any]) -> Any:
     return getattr(lp, arguments.pop("name"))(**arguments)
 
 
-def run_ensemble(x0: Array, t_end: float, method: Any) -> lp.Growth:
+def run_ensemble(x0: Array, t_end: float, method: Any) -> lp.results.FiniteTimeExponents:
     """The exponent of every start at one time, on one thread, as heyoka's side computes it."""
-    return lp.lyapunov_exponent(_top(), x0, times=[t_end], seed=problem.SEED, method=method, threads=1)
+    return lp.finite_time_exponents(_top(), x0, times=[t_end], seed=problem.SEED, method=method, threads=1)
 
 
-def run_single(top: lp.Top, x0: Array, t_end: float, method: Any) -> lp.Orbit:
+def run_single(top: lp.Top, x0: Array, t_end: float, method: Any) -> lp.results.Orbit:
     """One trajectory, state only."""
-    return lp.integrate(top, x0, t=[0.0, t_end], method=method, threads=1)
+    return lp.integrate(top, x0, times=[0.0, t_end], method=method, threads=1)
 
 
-def _require_finished(result: lp.Growth | lp.Orbit) -> None:
+def _require_finished(result: lp.results.FiniteTimeExponents | lp.results.Orbit) -> None:
     if not (result.outcome == "finished").all():
         raise RuntimeError(f"trajectories did not finish: {np.unique(result.outcome)}")
 
@@ -123,12 +123,12 @@ def _ends_of_ensemble(data: Array, t_end: float, method: Any) -> tuple[int, dict
     from `integrate`, which must arrive at the same states.
     """
     growth = run_ensemble(data[:, :9], t_end, method)
-    orbit = lp.integrate(_top(), data[:, :9], t=[0.0, t_end], tangents=data[:, None, 9:], method=method, threads=1)
+    orbit = lp.integrate(_top(), data[:, :9], times=[0.0, t_end], tangents=data[:, None, 9:], method=method, threads=1)
     finished = growth.outcome == "finished"
     # either call may rescale tangent vectors at other times; in single precision that can change last bits of a step
-    if not np.allclose(orbit.state[finished, -1], growth.final_state[finished], rtol=0.0, atol=1e-4):
-        raise RuntimeError(f"integrate and lyapunov_exponent arrive at different states with {method}")
-    state = np.where(finished[:, None], growth.final_state, np.nan)
+    if not np.allclose(orbit.state[finished, -1], growth.end_state[finished], rtol=0.0, atol=1e-4):
+        raise RuntimeError(f"integrate and finite_time_exponents arrive at different states with {method}")
+    state = np.where(finished[:, None], growth.end_state, np.nan)
     return growth.order, {"state": state, "tangent": orbit.tangent[:, -1, 0], "exponent": growth.exponent[:, -1]}
 
 

@@ -29,7 +29,7 @@ def spec(side: int, t_end: float):
         parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
         axes=(Axis.linear("epsilon", 0, 1, side), Axis.linear("energy", -0.5, 2, side)),
         starts=Starts(casimirs={"C1": 1, "C2": 0.2, "C3": 1}),
-        n=1,
+        n_starts=1,
         t_end=t_end,
         seed=1,
     )
@@ -75,7 +75,7 @@ def error_at_20() -> float:
     top = lp.Top.twisted_kovalevskaya()
     x0 = lp.sample_states(top, 512, seed=1)
     exact, rough = (
-        lp.integrate(top, x0, t=[0, 20], method=method).state[:, -1] for method in (lp.Taylor(), DEFAULT_METHOD)
+        lp.integrate(top, x0, times=[0, 20], method=method).state[:, -1] for method in (lp.Taylor(), DEFAULT_METHOD)
     )
     return float(np.abs(rough - exact).max())
 

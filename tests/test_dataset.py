@@ -21,11 +21,11 @@ TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.
 
 def growth(n=7):
     x0 = lp.sample_states(TOP, n, seed=1)
-    return lp.lyapunov_exponent(TOP, x0, t_end=12, seed=5, first=3, method=lp.Taylor(tol=1e-11))
+    return lp.finite_time_exponents(TOP, x0, t_end=12, seed=5, first=3, method=lp.Taylor(tol=1e-11))
 
 
 def orbit(**options):
-    return lp.integrate(TOP, lp.sample_states(TOP, 3, seed=1), t=np.linspace(1, -2, 7), **options)
+    return lp.integrate(TOP, lp.sample_states(TOP, 3, seed=1), times=np.linspace(1, -2, 7), **options)
 
 
 @pytest.mark.thorough
@@ -53,7 +53,7 @@ def test_orbits_are_labelled_and_repeat_from_the_file_alone(tmp_path, options):
 
 
 def test_a_single_orbit_repeats_with_its_own_kernel(tmp_path):
-    result = lp.integrate(TOP, lp.sample_states(TOP, 1, seed=2), t=[0, 30])
+    result = lp.integrate(TOP, lp.sample_states(TOP, 1, seed=2), times=[0, 30])
     again = lp.rerun(result.save(tmp_path / "orbit.nc"))
     assert np.array_equal(again.state, result.state)
     assert again.kernel == result.kernel
@@ -111,7 +111,7 @@ import resource, signal
 import liepoisson as lp
 from liepoisson.errors import OutputError
 top = lp.Top.kovalevskaya()
-growth = lp.lyapunov_exponent(top, lp.sample_states(top, 500, seed=1), t_end=1)
+growth = lp.finite_time_exponents(top, lp.sample_states(top, 500, seed=1), t_end=1)
 growth.dataset  # imports now, since writing byte code would meet the limit too
 import h5py, h5netcdf
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -187,14 +187,15 @@ def test_mistakes_of_the_caller_are_not_blamed_on_the_file():
 
 
 STATES = lp.sample_states(TOP, 3, seed=1)
-STRUCTURE = lp.PoissonStructure([5, 5, 5], [3, 3, 3], [True, False, True])
+STRUCTURE = lp.chaos.PoissonStructure([5, 5, 5], [3, 3, 3], [True, False, True])
 TAYLOR = lp.Taylor(tol=1e-11, order=17, max_steps=12_345)
 # How a run is watched and shared out, on which no number depends.
 NOT_RECORDED = {"threads", "progress"}
 GIVEN = {
     "orbit": {
-        "x0": STATES,
-        "t": [1.0, 0.5, -2.0],
+        "starts": STATES,
+        "times": [1.0, 0.5, -2.0],
+        "t_end": None,
         "tangents": np.tile(np.eye(9)[:2], (3, 1, 1)),
         "method": TAYLOR,
         "dense": True,
@@ -202,7 +203,7 @@ GIVEN = {
         "time_limit": 77.0,
     },
     "growth": {
-        "x0": STATES,
+        "starts": STATES,
         "t_end": None,  # which is the last of the times
         "times": [0.5, 1.5, 4.0],
         "tangents": lp.sample_states(TOP, 3, seed=2),
@@ -212,7 +213,7 @@ GIVEN = {
         "time_limit": 77.0,
     },
     "section": {
-        "x0": STATES,
+        "starts": STATES,
         "surface": "dot(l, beta)",
         "t_end": -20.0,
         "direction": -1,
@@ -222,7 +223,7 @@ GIVEN = {
         "time_limit": 77.0,
     },
     "spectrum": {
-        "x0": STATES,
+        "starts": STATES,
         "t_end": 7.3,
         "interval": 1.1,
         "transient": 2.3,
@@ -239,7 +240,7 @@ GIVEN = {
 
 def plain(value):
     """A value in which two that are the same compare as equal."""
-    if isinstance(value, lp.PoissonStructure):
+    if isinstance(value, lp.chaos.PoissonStructure):
         return {name: array.tolist() for name, array in vars(value).items()}
     return value.tolist() if isinstance(value, np.ndarray) else value
 
@@ -284,19 +285,21 @@ def test_a_record_of_a_method_has_all_its_options(name):
 def runs_of_all_kinds():
     hostile = STATES.copy()
     hostile[1, 2] = np.inf
-    charge = {"t": [0.0, 1.0, 5.0], "method": lp.Taylor(max_steps=3)}
+    charge = {"times": [0.0, 1.0, 5.0], "method": lp.Taylor(max_steps=3)}
     return {
         "orbit": orbit,
         "orbit, dense, with tangents": lambda: orbit(dense=True, tangents=np.eye(9)[:2]),
-        "orbit, components": lambda: lp.integrate(TOP, STATES[:1], t=[0, 1]),
-        "orbit, lanes": lambda: lp.integrate(TOP, STATES[:1], t=[0, 1], kernel="lanes"),
+        "orbit, components": lambda: lp.integrate(TOP, STATES[:1], times=[0, 1]),
+        "orbit, lanes": lambda: lp.integrate(TOP, STATES[:1], times=[0, 1], kernel="lanes"),
         "orbit, failed": lambda: lp.integrate(TOP, hostile, **charge),
-        "orbit, none": lambda: lp.integrate(TOP, np.empty((0, 9)), t=[0, 1]),
-        "orbit, splitting": lambda: lp.integrate(TOP, STATES, t=[0, 1], method=lp.Splitting(step=0.1, order=6)),
-        "orbit, field": lambda: lp.integrate(lp.TopField((1, 2, 3), (1, 0, 0), (0, 1, 0), 1), STATES, t=[0, 1]),
+        "orbit, none": lambda: lp.integrate(TOP, np.empty((0, 9)), times=[0, 1]),
+        "orbit, splitting": lambda: lp.integrate(TOP, STATES, times=[0, 1], method=lp.Splitting(step=0.1, order=6)),
+        "orbit, field": lambda: lp.integrate(
+            lp.fields.TopField((1, 2, 3), (1, 0, 0), (0, 1, 0), 1), STATES, times=[0, 1]
+        ),
         "growth": growth,
-        "growth, failed": lambda: lp.lyapunov_exponent(TOP, hostile, t_end=5, method=lp.Taylor(max_steps=3)),
-        "growth, none": lambda: lp.lyapunov_exponent(TOP, np.empty((0, 9)), t_end=5),
+        "growth, failed": lambda: lp.finite_time_exponents(TOP, hostile, t_end=5, method=lp.Taylor(max_steps=3)),
+        "growth, none": lambda: lp.finite_time_exponents(TOP, np.empty((0, 9)), t_end=5),
         "section": lambda: lp.section(TOP, STATES, surface="l3", t_end=10),
         "section, kept": lambda: lp.section(TOP, STATES, surface="l3", t_end=10, keep=["l1^2", "dot(l, beta)"]),
         "section, all kept": lambda: lp.section(TOP, STATES, surface="l3", t_end=10, keep=TOP.component_names),
@@ -308,7 +311,7 @@ def runs_of_all_kinds():
         "spectrum, failed": lambda: lp.lyapunov_spectrum(TOP, hostile, t_end=12, n_exponents=2),
         "spectrum, field": lambda: lp.lyapunov_spectrum(TOP.field(), STATES, t_end=12),
         "spectrum, structure": lambda: lp.lyapunov_spectrum(TOP, STATES, t_end=12, structure=STRUCTURE),
-        "chart": lambda: lp.chart_orbit(lp.EulerChart(TOP, x=STATES[0]), STATES[0], t=[0, 1, 2]),
+        "chart": lambda: lp.orbits.chart_orbit(lp.charts.EulerChart(TOP, x=STATES[0]), STATES[0], times=[0, 1, 2]),
     }
 
 
@@ -341,8 +344,8 @@ def test_the_last_time_of_a_spectrum_is_the_one_that_was_given():
 def cut_short(kind):
     states = lp.sample_states(TOP, 64, seed=1)
     run = {
-        "orbit": lambda: lp.integrate(TOP, states, t=np.linspace(0, 4000, 401), time_limit=0.02, threads=1),
-        "growth": lambda: lp.lyapunov_exponent(TOP, states, t_end=3000, time_limit=0.03, threads=1),
+        "orbit": lambda: lp.integrate(TOP, states, times=np.linspace(0, 4000, 401), time_limit=0.02, threads=1),
+        "growth": lambda: lp.finite_time_exponents(TOP, states, t_end=3000, time_limit=0.03, threads=1),
         "section": lambda: lp.section(TOP, states, surface="l3", t_end=3000, time_limit=0.05, threads=1),
         "spectrum": lambda: lp.lyapunov_spectrum(TOP, states, t_end=300, n_exponents=1, time_limit=0.03, threads=1),
     }[kind]
@@ -360,7 +363,7 @@ def test_a_rerun_says_that_a_limit_of_time_cannot_be_repeated(tmp_path, kind):
         again = lp.rerun(path)
     assert (again.outcome == "finished").all()
     assert again.time_limit == np.inf
-    np.testing.assert_array_equal(again.initial_state, result.initial_state)
+    np.testing.assert_array_equal(again.start, result.start)
     if kind == "section":
         for k in range(result.n_trajectories):
             np.testing.assert_array_equal(again.of(k)[: len(result.of(k))], result.of(k))
@@ -383,7 +386,7 @@ def test_a_rerun_takes_as_long_as_it_needs(monkeypatch):
 
 def test_starts_of_trajectories_that_were_never_begun_are_in_the_file(tmp_path):
     states = lp.sample_states(TOP, 50, seed=1)
-    result = lp.integrate(TOP, states, t=[0, 1], tangents=np.eye(9)[:1], time_limit=1e-9)
+    result = lp.integrate(TOP, states, times=[0, 1], tangents=np.eye(9)[:1], time_limit=1e-9)
     assert np.isnan(result.state).any()
     with pytest.warns(UserWarning, match="time limit"):
         again = lp.rerun(result.save(tmp_path / "run.nc"))
@@ -412,11 +415,11 @@ def test_a_structure_must_fit():
     with pytest.raises(lp.errors.ShapeError, match="structure"):
         lp.lyapunov_spectrum(TOP, STATES[:2], t_end=5, structure=STRUCTURE)
     with pytest.raises(lp.errors.ShapeError, match="one shape"):
-        lp.PoissonStructure([1, 2], [1], [True, True])
+        lp.chaos.PoissonStructure([1, 2], [1], [True, True])
     with pytest.raises(lp.errors.ShapeError, match="n_zeros"):
-        lp.PoissonStructure(5, [1], [True])
+        lp.chaos.PoissonStructure(5, [1], [True])
     with pytest.raises(ParameterError, match="is_regular"):
-        lp.PoissonStructure([5], [1], ["yes"])
+        lp.chaos.PoissonStructure([5], [1], ["yes"])
 
 
 NONSENSE = [None, "", "abc", -1, 0, float("inf"), float("nan"), [], {}, [[]], 2**70, "1", True, {"a": 1}]
@@ -476,15 +479,15 @@ def test_a_rearranged_dataset_has_the_same_rerun(kind, how):
     """As many members as components: a matrix that is read the wrong way round would fit."""
     x0 = lp.sample_states(TOP, 9, seed=1)
     run = {
-        "growth": lambda: lp.lyapunov_exponent(TOP, x0, t_end=5, first=2),
-        "orbit": lambda: lp.integrate(TOP, x0, t=[0, 1, 2], tangents=np.tile(np.eye(9), (9, 1, 1))),
+        "growth": lambda: lp.finite_time_exponents(TOP, x0, t_end=5, first=2),
+        "orbit": lambda: lp.integrate(TOP, x0, times=[0, 1, 2], tangents=np.tile(np.eye(9), (9, 1, 1))),
         "section": lambda: lp.section(TOP, x0, surface="l3", t_end=20),
         "spectrum": lambda: lp.lyapunov_spectrum(TOP, x0, t_end=10, interval=1, first=2),
     }[kind]
     original = run().dataset
     changed = REARRANGED[how](original)
     again = lp.rerun(changed).dataset
-    for name in ("final_state", "initial_state", "exponent"):
+    for name in ("end_state", "start", "exponent"):
         if name in original:
             wanted = original[name].isel(trajectory=slice(4, 7)) if "part" in how else original[name]
             assert np.array_equal(again[name], wanted, equal_nan=True)

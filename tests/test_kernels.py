@@ -12,16 +12,16 @@ PROGRAM = """
 import hashlib, numpy as np, liepoisson as lp
 top = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.3, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
 x0 = lp.sample_states(top, 37, seed=1)
-growth = lp.lyapunov_exponent(top, x0, t_end=30, threads=THREADS)
-orbit = lp.integrate(top, x0, t=[0, 5], tangents=np.eye(9)[:3], threads=THREADS)
-single = lp.integrate(top, x0[0], t=[0, 5], threads=THREADS)
-alone = lp.integrate(top, x0[0], t=[0, 5], kernel="lanes", threads=THREADS)
-assert np.array_equal(alone.state[0], lp.integrate(top, x0, t=[0, 5]).state[0])
+growth = lp.finite_time_exponents(top, x0, t_end=30, threads=THREADS)
+orbit = lp.integrate(top, x0, times=[0, 5], tangents=np.eye(9)[:3], threads=THREADS)
+single = lp.integrate(top, x0[0], times=[0, 5], threads=THREADS)
+alone = lp.integrate(top, x0[0], times=[0, 5], kernel="lanes", threads=THREADS)
+assert np.array_equal(alone.state[0], lp.integrate(top, x0, times=[0, 5]).state[0])
 results = [growth.exponent, orbit.state, orbit.tangent, single.state]
 for energy in ("l1^2/3 + l2^2/2 + l1*alpha2 + alpha3^2", "sqrt(1 + dot(l, l)) + sin(alpha1)/(3 + alpha2) + exp(l3/5)"):
     system = lp.System(lp.so(3) @ lp.semidirect(2), energy)
     start = lp.sample_states(system, 19, seed=2)
-    other = lp.integrate(system, start, t=[0, 3], tangents=np.eye(6)[:2], threads=THREADS)
+    other = lp.integrate(system, start, times=[0, 3], tangents=np.eye(6)[:2], threads=THREADS)
     assert (other.outcome == "finished").all()
     results += [other.state, other.tangent]
 print(growth.kernel, single.kernel, *(hashlib.sha256(array.tobytes()).hexdigest() for array in results))

@@ -15,8 +15,8 @@ TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.
 STATES = lp.sample_states(TOP, 3, seed=1)
 
 RUNS = {
-    "orbit": lambda: lp.integrate(TOP, STATES, t=np.linspace(1, -2, 7), tangents=np.eye(9)[:2]),
-    "growth": lambda: lp.lyapunov_exponent(TOP, STATES, t_end=3),
+    "orbit": lambda: lp.integrate(TOP, STATES, times=np.linspace(1, -2, 7), tangents=np.eye(9)[:2]),
+    "growth": lambda: lp.finite_time_exponents(TOP, STATES, t_end=3),
     "section": lambda: lp.section(TOP, STATES, surface="l3", t_end=10, keep=["l1", "l2*l3"]),
     "spectrum": lambda: lp.lyapunov_spectrum(TOP, STATES, t_end=10, transient=5, covariant=True),
 }
@@ -95,21 +95,21 @@ def test_a_file_with_a_checksum_is_plain_netcdf(path):
 
 def test_a_file_that_was_changed_on_purpose_can_be_read_and_run(path):
     with h5py.File(path, "r+") as file:
-        file["initial_state"][0, 0] = 0.5
+        file["start"][0, 0] = 0.5
     with pytest.raises(DamagedFileError, match="verify=False"):
         lp.load(path)
     with pytest.raises(DamagedFileError, match="verify=False"):
         lp.rerun(path)
-    assert lp.rerun(lp.load(path, verify=False)).initial_state[0, 0] == 0.5
+    assert lp.rerun(lp.load(path, verify=False)).start[0, 0] == 0.5
 
 
 def test_a_file_that_xarray_wrote_can_be_read_and_run(path):
     dataset = lp.load(path)
-    dataset["initial_state"][0, 0] = 0.5
+    dataset["start"][0, 0] = 0.5
     dataset.to_netcdf(path, engine="h5netcdf")
     with pytest.raises(DamagedFileError, match="verify=False"):
         lp.load(path)
-    assert lp.rerun(lp.load(path, verify=False)).initial_state[0, 0] == 0.5
+    assert lp.rerun(lp.load(path, verify=False)).start[0, 0] == 0.5
 
 
 def altered(path, change):
@@ -147,7 +147,7 @@ def external_link(file, other):
 
 
 def soft_link(file, other):
-    file["secret"] = h5py.SoftLink("/final_state")
+    file["secret"] = h5py.SoftLink("/end_state")
 
 
 def group(file, other):
@@ -159,7 +159,7 @@ def named_type(file, other):
 
 
 def references(file, other):
-    file.create_dataset("secret", (2,), dtype=h5py.ref_dtype)[0] = file["final_state"].ref
+    file.create_dataset("secret", (2,), dtype=h5py.ref_dtype)[0] = file["end_state"].ref
 
 
 def regions(file, other):
@@ -200,7 +200,7 @@ def a_huge_attribute(file, other):
 
 
 def a_reference_as_attribute(file, other):
-    file.attrs["secret"] = file["final_state"].ref
+    file.attrs["secret"] = file["end_state"].ref
 
 
 HARMFUL = [

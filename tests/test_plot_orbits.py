@@ -75,7 +75,7 @@ def test_the_near_side_of_a_sphere_is_stronger_and_drawn_last(run):
 
 def test_a_dataset_gives_the_same_figure():
     system = lp.catalog.system("kovalevskaya")
-    result = lp.integrate(system, lp.sample_states(system, 2, seed=1), t=TIME)
+    result = lp.integrate(system, lp.sample_states(system, 2, seed=1), times=TIME)
     figures = [orbit(source, trajectory=1) for source in (result, result.dataset)]
     lines = [figure.axes[0].lines[2].get_ydata() for figure in figures]
     np.testing.assert_array_equal(*lines)

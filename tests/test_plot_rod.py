@@ -20,7 +20,7 @@ X0 = [[0.9, 0.2, 0.6, 0.5, 0, 0.3, 0, 0.3, 1], [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.
 
 @pytest.fixture(scope="module")
 def rod():
-    return lp.rod(ANISOTROPIC, X0, length=8, n_points=81, attitude="beta")
+    return lp.orbits.rod(ANISOTROPIC, X0, length=8, n_points=81, attitude="beta")
 
 
 def test_tube_has_its_radius_and_its_stripe_along_the_first_director(rod):
@@ -51,7 +51,7 @@ def test_profiles_are_those_of_the_rod(rod):
     figure = draw_rod(rod, trajectory=1)
     curves = [axes.lines[0].get_data() for axes in figure.axes[1:]]
     for (s, values), wanted in zip(curves, (rod.curvature, rod.twist, rod.tension), strict=True):
-        np.testing.assert_array_equal(s, rod.s)
+        np.testing.assert_array_equal(s, rod.arclength)
         np.testing.assert_array_equal(values, wanted[1])
     titles = [axes.get_title("left") for axes in figure.axes[1:]]
     assert ["curvature" in titles[0], "twist" in titles[1], "tension" in titles[2]] == [True] * 3
@@ -83,21 +83,21 @@ def test_rod_is_drawn_with_equal_scales_a_stripe_and_its_field(rod):
 
 def test_without_field_no_arrow_and_without_profiles_one_axes():
     top = lp.Top.lagrange()
-    figure = draw_rod(lp.rod(top, [*X0[0][:6], 0, 0, 0], length=5, n_points=41), profiles=False)
+    figure = draw_rod(lp.orbits.rod(top, [*X0[0][:6], 0, 0, 0], length=5, n_points=41), profiles=False)
     assert len(figure.axes) == 1
     assert len(figure.axes[0].collections) == 1
     assert not figure.axes[0].texts
 
 
 def test_a_constant_twist_is_level():
-    figure = draw_rod(lp.rod(LAGRANGE, X0[0], length=5, n_points=41))
+    figure = draw_rod(lp.orbits.rod(LAGRANGE, X0[0], length=5, n_points=41))
     low, high = figure.axes[2].get_ylim()
     assert high - low > 0.5
 
 
 @pytest.mark.thorough
 def test_a_straight_rod_is_drawn_without_curvature():
-    figure = draw_rod(lp.rod(LAGRANGE, [0, 0, 0, 0, 0, 1, 0, 0, 1], length=5, n_points=41))
+    figure = draw_rod(lp.orbits.rod(LAGRANGE, [0, 0, 0, 0, 0, 1, 0, 0, 1], length=5, n_points=41))
     figure.draw_without_rendering()
     assert max(abs(figure.axes[1].lines[0].get_ydata())) < 1e-12
 
@@ -112,7 +112,7 @@ def test_what_can_not_be_drawn_is_refused(rod):
     start = np.array(X0)
     start[0, 0] = np.nan
     with pytest.raises(ParameterError, match="outcome"):
-        draw_rod(lp.rod(ANISOTROPIC, start, length=1), trajectory=0)
+        draw_rod(lp.orbits.rod(ANISOTROPIC, start, length=1), trajectory=0)
 
 
 @pytest.mark.thorough

@@ -17,7 +17,7 @@ def test_curves_and_points_are_those_of_the_trajectory():
     curves = [line.get_ydata() for line in left.lines if len(line.get_ydata()) == len(result.time)]
     assert np.array_equal(np.transpose(curves), result.exponent[1])
     mirrored = next(line for line in right.lines if line.get_markerfacecolor() == "none")
-    assert np.array_equal(mirrored.get_ydata(), -result.exponents[1, ::-1])
+    assert np.array_equal(mirrored.get_ydata(), -result.end_exponent[1, ::-1])
     assert left.get_xlabel() == "$t$"
     assert right.get_xlabel() == "$k$"
 

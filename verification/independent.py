@@ -77,7 +77,7 @@ def _starts(n: int, store: Store) -> Array:
     wanted = {"top": TOP, "start": START, "spacing": SPACING, "n": n, "tol": TOL}
 
     def follow() -> dict[str, Array]:
-        orbit = lp.integrate(lp.Top(**TOP), START, t=SPACING * np.arange(n + 1), method=lp.Taylor(tol=TOL))
+        orbit = lp.integrate(lp.Top(**TOP), START, times=SPACING * np.arange(n + 1), method=lp.Taylor(tol=TOL))
         return {"x0": orbit.state[0, 1:]}
 
     return store.piece("independent-starts", wanted, follow)["x0"]
@@ -98,7 +98,7 @@ def _in_pieces(name: str, n: int, store: Store, exponents: Callable[[slice], Arr
 
 
 def _ours(method: Any, x0: Array, v0: Array) -> Array:
-    growth = lp.lyapunov_exponent(lp.Top(**TOP), x0, times=WINDOW, tangents=v0, method=method)
+    growth = lp.finite_time_exponents(lp.Top(**TOP), x0, times=WINDOW, tangents=v0, method=method)
     if not (growth.outcome == "finished").all():
         raise RuntimeError(f"{method} did not finish: {set(growth.outcome.tolist())}")
     begin, end = WINDOW

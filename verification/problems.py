@@ -40,14 +40,14 @@ def first_tangents(n: int) -> Array:
 
 def integrate(
     top: lp.Top, x0: Array, times: Any, method: Any, *, tangents: Array | None = None, threads: int | None = None
-) -> lp.Orbit:
+) -> lp.results.Orbit:
     """`liepoisson.integrate` with the kernel for many trajectories, also for one."""
-    return lp.integrate(top, x0, t=times, method=method, tangents=tangents, kernel="lanes", threads=threads)
+    return lp.integrate(top, x0, times=times, method=method, tangents=tangents, kernel="lanes", threads=threads)
 
 
 def _parameters(top: lp.Top) -> tuple[Extended, Extended, Extended, np.longdouble]:
     field = top.field()
-    assert isinstance(field, lp.TopField)
+    assert isinstance(field, lp.fields.TopField)
     inertia, a, b = (np.array(u, dtype=np.longdouble) for u in (field.inertia, field.a, field.b))
     return inertia, a, b, np.longdouble(field.epsilon)
 

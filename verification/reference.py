@@ -54,7 +54,12 @@ def decimal_digits(digits: int) -> Generator[None]:
 
 
 def flow(
-    field: lp.TopField, x0: Sequence[Any], times: Sequence[float], *, digits: int = DIGITS, order: int | None = None
+    field: lp.fields.TopField,
+    x0: Sequence[Any],
+    times: Sequence[float],
+    *,
+    digits: int = DIGITS,
+    order: int | None = None,
 ) -> list[Vector]:
     """States at increasing times after 0, from the state at time 0.
 
@@ -88,7 +93,7 @@ def flow(
 class _Top:
     """The recursion for the power series of one top, in the current precision."""
 
-    def __init__(self, field: lp.TopField) -> None:
+    def __init__(self, field: lp.fields.TopField) -> None:
         self.moments = [arb(c) for c in field.inertia]
         self.a, self.b = [arb(c) for c in field.a], [arb(c) for c in field.b]
         self.epsilon = arb(field.epsilon)
@@ -187,7 +192,7 @@ def agreed_digits(first: Vector, second: Vector) -> int:
 def orbit_record(top: str, x0: Array, tangent: Array) -> dict[str, Any]:
     """One reference orbit as plain data: doubles that go in, decimal strings that come out, digits that are right."""
     field = TOPS[top].field()
-    assert isinstance(field, lp.TopField)
+    assert isinstance(field, lp.fields.TopField)
     start = [*x0.tolist(), *tangent.tolist()]
     coarse = flow(field, start, ORBIT_TIMES, digits=DIGITS)
     strict = flow(field, start, ORBIT_TIMES, digits=STRICT_DIGITS, order=STRICT_DIGITS)

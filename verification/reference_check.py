@@ -43,7 +43,7 @@ def measure(settings: Settings, store: Store) -> dict[str, Any]:
 
 def _ensemble_digits(top: str, k: int) -> int:
     field = TOPS[top].field()
-    assert isinstance(field, lp.TopField)
+    assert isinstance(field, lp.fields.TopField)
     start = [*starts(top, k + 1)[k].tolist(), *first_tangents(k + 1)[k].tolist()]
     first, second = (flow(field, start, [T_END], digits=digits)[0] for digits in (ENSEMBLE_DIGITS, DIGITS))
     return min(agreed_digits(first[part], second[part]) for part in (slice(9), slice(9, 18)))
@@ -52,7 +52,7 @@ def _ensemble_digits(top: str, k: int) -> int:
 def _free_body(t_end: float) -> tuple[Vector, Vector]:
     """The free rigid body at one time, by the reference integrator and in closed form."""
     inertia, l0 = (3.0, 2.0, 1.0), (0.5, 0.0, 1.5)
-    field = lp.TopField(inertia=inertia, a=(0.0, 0.0, 0.0), b=(0.0, 0.0, 0.0), epsilon=0.0)
+    field = lp.fields.TopField(inertia=inertia, a=(0.0, 0.0, 0.0), b=(0.0, 0.0, 0.0), epsilon=0.0)
     (value,) = flow(field, [*l0, *[0.0] * 6], [t_end], digits=50)
     return value[:3], free_rigid_body(inertia, l0, t_end, digits=60)
 

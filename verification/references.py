@@ -32,7 +32,7 @@ def _member(top: str, k: int, time: float) -> tuple[Array, Array]:
 
 def _compute(top: str, k: int, time: float) -> dict[str, Array]:
     field = TOPS[top].field()
-    assert isinstance(field, lp.TopField)
+    assert isinstance(field, lp.fields.TopField)
     start = [*starts(top, k + 1)[k].tolist(), *first_tangents(k + 1)[k].tolist()]
     high, low = as_two_doubles(flow(field, start, [time], digits=DIGITS))
     return {"high": high[0], "low": low[0]}

@@ -61,7 +61,7 @@ def measure(settings: Settings, store: Store) -> dict[str, Any]:
 def _exact(top: str, k: int) -> dict[str, Any]:
     """State and derivative of one member, sums of two doubles, and the digits to which the tangent equation agrees."""
     field = TOPS[top].field()
-    assert isinstance(field, lp.TopField)
+    assert isinstance(field, lp.fields.TopField)
     x0, v0 = starts(top, k + 1)[k].tolist(), first_tangents(k + 1)[k].tolist()
     (both,) = flow(field, [*x0, *v0], [T_END])
     with decimal_digits(DIGITS):

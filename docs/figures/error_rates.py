@@ -114,7 +114,7 @@ def other_rows(n: int) -> list[str]:
     rows = []
     for case in OTHERS:
         x0 = lp.sample_states(case.system, n, seed=STARTS)
-        long_run = LONG * lp.lyapunov_exponent(case.system, x0, times=[LONG], seed=LONG_TANGENTS).exponent[:, 0]
+        long_run = LONG * lp.finite_time_exponents(case.system, x0, times=[LONG], seed=LONG_TANGENTS).exponent[:, 0]
         chaotic, regular = long_run > CHAOTIC_ABOVE, long_run < REGULAR_BELOW
         head = f"| {case.name} | {chaotic.sum()}, {regular.sum()}, {n - chaotic.sum() - regular.sum()}"
         for t_end in TIMES:
@@ -137,7 +137,9 @@ def weak_rows(n: int) -> list[str]:
     ends = [TIMES_LONGER * t for t in WEAK_TIMES]
     for case in WEAK:
         x0 = lp.sample_states(case.system, n, seed=WEAK_STARTS)
-        growth = lp.lyapunov_exponent(case.system, x0, times=ends, seed=WEAK_LONG_TANGENTS, method=lp.Taylor(tol=1e-11))
+        growth = lp.finite_time_exponents(
+            case.system, x0, times=ends, seed=WEAK_LONG_TANGENTS, method=lp.Taylor(tol=1e-11)
+        )
         for i, t_end in enumerate(WEAK_TIMES):
             long_run = ends[i] * growth.exponent[:, i]
             verdict = decide(case.system, x0, t_end=t_end, seed=WEAK_TANGENTS).verdict

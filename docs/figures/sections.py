@@ -60,7 +60,7 @@ def twisted_lagrange():
     """
     top = lp.Top.twisted_lagrange(transverse=2, axial=1)
     start = np.array([0.4, 0.3, 0.9, 0.5, -0.2, 0.3, 0.3, 0.1, 0.8])
-    leaf, energy, surface = lp.leaf_of(top, start), 1.6, lp.good_surface(top)
+    leaf, energy, surface = lp.Leaf.through(top, start), 1.6, lp.sections.good_surface(top)
     x0 = []
     for cosine in (
         -0.95,
@@ -81,7 +81,7 @@ def twisted_lagrange():
             x0.append(section_state(leaf, surface, energy, wanted))
         except lp.errors.LeafError:  # the energy does not reach this inclination
             continue
-    chart = lp.ReducedLagrange(top, x=start)
+    chart = lp.charts.ReducedLagrange(top, x=start)
     points = lp.section(chart.system, chart.from_body(x0), surface="cos(phi)", t_end=1e5, n_crossings=4000)
     phi, theta, _, momentum = points.state.T
     side = np.sin(phi) < 0
@@ -110,7 +110,7 @@ def projections():
         x0 = lp.sample_states(top, 12, seed=4)[6]
         kept = ("l1", "dot(l, beta)")
         points = lp.section(
-            top, x0, surface=lp.good_surface(top), direction=1, t_end=1e6, n_crossings=20_000, keep=kept
+            top, x0, surface=lp.sections.good_surface(top), direction=1, t_end=1e6, n_crossings=20_000, keep=kept
         )
         draw(points, "l1", "dot(l, beta)", ylabel=r"$\ell\cdot\beta$", colour=colour, size=0.6, ax=ax)
         ax.set_title(name)

@@ -9,7 +9,7 @@ import liepoisson as lp
 N_STARTS, T_END = 100, 1e4
 
 
-def naive_errors(spectrum: lp.Spectrum, length: float = 40.0) -> np.ndarray:
+def naive_errors(spectrum: lp.results.Spectrum, length: float = 40.0) -> np.ndarray:
     """Errors of the largest exponents if pieces of about this length were independent, shape (trajectory,)."""
     sums = spectrum.exponent[:, :, 0] * spectrum.time
     step = max(1, round(length / spectrum.time[0]))

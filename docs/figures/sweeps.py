@@ -20,7 +20,7 @@ def twist():
         system="twisted-top",
         parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
         axes=(Axis.linear("epsilon", 0, 1, 21, label=r"twist $\epsilon\,|\beta|$, $|\beta| = 1$"),),
-        n=64,
+        n_starts=64,
         t_end=1000.0,
         quantity="chaotic_fraction",
         seed=1,
@@ -46,10 +46,10 @@ def direction():
     }
     parameters = {"I": [2, 2, 1], "a": [0, 0, 1], "b": ["sin(pi*angle)", 0, "cos(pi*angle)"]}
     refine = Refinement(levels=2, difference=0.2)
-    curve = sweep(**common, parameters={**parameters, "epsilon": 1}, n=64, refine=refine)
+    curve = sweep(**common, parameters={**parameters, "epsilon": 1}, n_starts=64, refine=refine)
     told("direction", curve)
     axes = (*common["axes"], Axis.linear("epsilon", 0, 1, 9, label=r"twist $\epsilon\,|\beta|$, $|\beta| = 1$"))
-    plane = sweep(**{**common, "axes": axes, "t_end": 500.0}, parameters=parameters, n=16)
+    plane = sweep(**{**common, "axes": axes, "t_end": 500.0}, parameters=parameters, n_starts=16)
     told("direction and twist", plane)
     with house_style():
         figure = new_figure(9.6, 3.9)

@@ -22,8 +22,8 @@ from liepoisson.field import Field, TapeFunction, field_of, record_of
 from liepoisson.files import write_atomically
 from liepoisson.netcdf import netcdf, read_netcdf
 from liepoisson.numeric._checks import as_time_limit, shown
+from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents, finite_time_exponents
 from liepoisson.numeric.integrate import Orbit, integrate
-from liepoisson.numeric.lyapunov import Growth, lyapunov_exponent
 from liepoisson.numeric.methods import method_of, method_record
 from liepoisson.numeric.section import Section, section
 from liepoisson.numeric.spectrum import Spectrum, lyapunov_spectrum
@@ -46,10 +46,10 @@ def orbit_dataset(orbit: Orbit) -> Dataset:
     variables: dict[str, Any] = {
         "state": (("trajectory", "time", "component"), orbit.state, {"long_name": "state", "units": "dimensionless"}),
         "tangent": (("trajectory", "time", "vector", "component"), orbit.tangent, {"long_name": "tangent vectors"}),
-        "initial_state": (("trajectory", "component"), orbit.initial_state, {"long_name": "state as it was given"}),
-        "initial_tangent": (
+        "start": (("trajectory", "component"), orbit.start, {"long_name": "state as it was given"}),
+        "start_tangent": (
             ("trajectory", "vector", "component"),
-            orbit.initial_tangent,
+            orbit.start_tangent,
             {"long_name": "tangent vectors as they were given"},
         ),
         **_ends(orbit),
@@ -65,13 +65,13 @@ def orbit_dataset(orbit: Orbit) -> Dataset:
     )
 
 
-def growth_dataset(growth: Growth) -> Dataset:
+def growth_dataset(growth: FiniteTimeExponents) -> Dataset:
     """Finite-time exponents with labelled axes."""
     exponent = {"long_name": "finite-time largest Lyapunov exponent", "units": "inverse time, dimensionless"}
     variables: dict[str, Any] = {
         "exponent": (("trajectory", "time"), growth.exponent, exponent),
-        "initial_state": (("trajectory", "component"), growth.initial_state, {"long_name": "state at time 0"}),
-        "initial_tangent": (("trajectory", "component"), growth.initial_tangent, {"long_name": "tangent at time 0"}),
+        "start": (("trajectory", "component"), growth.start, {"long_name": "state at time 0"}),
+        "start_tangent": (("trajectory", "component"), growth.start_tangent, {"long_name": "tangent at time 0"}),
         **_ends(growth),
     }
     coordinates = {
@@ -103,7 +103,7 @@ def section_dataset(section: Section) -> Dataset:
             {"long_name": "time for which the surface function could not be followed"},
         ),
         "seen_to": ("trajectory", section.seen_to, {"long_name": "time up to which it was followed without a gap"}),
-        "initial_state": (("trajectory", "component"), section.initial_state, {"long_name": "state at time 0"}),
+        "start": (("trajectory", "component"), section.start, {"long_name": "state at time 0"}),
         **_ends(section),
     }
     coordinates = {
@@ -135,7 +135,7 @@ def spectrum_dataset(spectrum: Spectrum) -> Dataset:
         ),
         "time_scale": ("trajectory", spectrum.time_scale, {"long_name": "natural unit of time of each orbit"}),
         "largest_ratio": ("trajectory", spectrum.largest_ratio, {"long_name": "of stretchings within one interval"}),
-        "initial_state": (("trajectory", "component"), spectrum.initial_state, {"long_name": "state at time 0"}),
+        "start": (("trajectory", "component"), spectrum.start, {"long_name": "state at time 0"}),
         **_ends(spectrum),
     }
     if spectrum.structure is not None:
@@ -165,17 +165,17 @@ def spectrum_dataset(spectrum: Spectrum) -> Dataset:
     return _dataset(spectrum, "spectrum", run, variables, coordinates)
 
 
-def _ends(result: Orbit | Growth | Section | Spectrum) -> dict[str, Any]:
+def _ends(result: Orbit | FiniteTimeExponents | Section | Spectrum) -> dict[str, Any]:
     return {
         "outcome": ("trajectory", result.outcome, {"long_name": "how the trajectory ended"}),
         "end_time": ("trajectory", result.end_time, {"long_name": "time reached"}),
         "n_steps": ("trajectory", result.n_steps, {"long_name": "accepted steps"}),
-        "final_state": (("trajectory", "component"), result.final_state, {"long_name": "last good state"}),
+        "end_state": (("trajectory", "component"), result.end_state, {"long_name": "last good state"}),
     }
 
 
 def _dataset(
-    result: Orbit | Growth | Section | Spectrum,
+    result: Orbit | FiniteTimeExponents | Section | Spectrum,
     kind: str,
     run: dict[str, Any],
     variables: dict[str, Any],
@@ -274,7 +274,7 @@ def rerun(
     threads: int | None = None,
     time_limit: float = math.inf,
     progress: Callable[[float], Any] | None = None,
-) -> Orbit | Growth | Section | Spectrum:
+) -> Orbit | FiniteTimeExponents | Section | Spectrum:
     """Repeats the run that made a file (or a dataset), from what it records alone.
 
     The result has the same bits as the original on any processor, with the same version of liepoisson: starts, tangent
@@ -334,7 +334,7 @@ def rerun(
     return replace(result, **named)
 
 
-RUNS = {"growth": lyapunov_exponent, "orbit": integrate, "section": section, "spectrum": lyapunov_spectrum}
+RUNS = {"growth": finite_time_exponents, "orbit": integrate, "section": section, "spectrum": lyapunov_spectrum}
 """The functions whose results can be saved and rerun, by kind."""
 
 
@@ -384,7 +384,7 @@ def _recorded_run(dataset: Dataset) -> Recorded:
 
 def _starts(dataset: Dataset) -> Any:
     """The states at the first time, whatever the order of the dataset's dimensions."""
-    return dataset["initial_state"].transpose("trajectory", "component").to_numpy()
+    return dataset["start"].transpose("trajectory", "component").to_numpy()
 
 
 def _first_member(dataset: Dataset) -> int:
@@ -401,10 +401,11 @@ def _recorded_orbit(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
     times = dataset["time"].to_numpy()
     if float(times[0]) != run["start"]:
         raise ValueError(f"time: wanted times from {run['start']:g} on, where the starts are; got {times[0]:g}")
-    tangents = dataset["initial_tangent"].transpose("trajectory", "vector", "component")
+    tangents = dataset["start_tangent"].transpose("trajectory", "vector", "component")
     return {
-        "x0": _starts(dataset),
-        "t": times,
+        "starts": _starts(dataset),
+        "times": times,
+        "t_end": None,
         "tangents": tangents.to_numpy() if dataset.sizes["vector"] else None,
         "dense": bool(run["dense"]),
         "kernel": run["kernel"],
@@ -412,12 +413,12 @@ def _recorded_orbit(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
 
 
 def _recorded_growth(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
-    """The arguments of `lyapunov_exponent`, but for system and method; `t_end` is the last of the times."""
+    """The arguments of `finite_time_exponents`, but for system and method; `t_end` is the last of the times."""
     return {
-        "x0": _starts(dataset),
+        "starts": _starts(dataset),
         "t_end": None,
         "times": dataset["time"].to_numpy(),
-        "tangents": dataset["initial_tangent"].transpose("trajectory", "component").to_numpy(),
+        "tangents": dataset["start_tangent"].transpose("trajectory", "component").to_numpy(),
         "seed": run["seed"],
         "first": _first_member(dataset),
     }
@@ -428,7 +429,7 @@ def _recorded_section(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
     tape = _record(dataset, "surface")
     kept = dataset["coordinate" if "coordinate" in dataset.coords else "component"].to_numpy()
     return {
-        "x0": _starts(dataset),
+        "starts": _starts(dataset),
         "surface": TapeFunction(tape["n_components"], tape["instructions"], tape["outputs"]),
         "keep": tuple(map(str, kept)) if len(tape["outputs"]) > 1 else None,
         "t_end": run["t_end"],
@@ -442,7 +443,7 @@ def _recorded_spectrum(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
     names = ("n_zeros", "corank", "is_regular")
     known = names[0] in dataset
     return {
-        "x0": _starts(dataset),
+        "starts": _starts(dataset),
         "first": _first_member(dataset),
         "structure": PoissonStructure(*(dataset[name].to_numpy() for name in names)) if known else None,
         **{name: run[name] for name in ("t_end", "seed", "interval", "transient", "n_exponents", "covariant")},

@@ -6,6 +6,26 @@ A message says what was wanted, what came, and what to try.  A trajectory that f
 
 from __future__ import annotations
 
+__all__ = [
+    "BracketError",
+    "ChartError",
+    "CoreError",
+    "DamagedFileError",
+    "ExpressionError",
+    "InertiaWarning",
+    "LeafError",
+    "LiePoissonError",
+    "MemoryLimitError",
+    "MixingWarning",
+    "OutputError",
+    "ParameterError",
+    "ShapeError",
+    "SurfaceWarning",
+    "SystemFileError",
+    "UnknownNameError",
+    "UnsupportedFieldError",
+]
+
 
 class LiePoissonError(Exception):
     """Base of all errors raised on purpose by liepoisson."""

@@ -223,7 +223,7 @@ def test_reference_values(name, reference):
 def test_orbits_keep_what_is_constant(name):
     here = system(name)
     start = [float(x) for x in catalog.entry(name).references[0].state]
-    orbit = lp.integrate(here, start, t=[0, 1, 2])
+    orbit = lp.integrate(here, start, times=[0, 1, 2])
     assert orbit.outcome[0] == "finished"
     functions = [here.hamiltonian, *(integral for integral, _ in all_integrals(name).values())]
     if here.bracket.dimension <= 15:  # Casimirs of larger algebras take long to find
@@ -260,8 +260,8 @@ def test_the_exponent_of_the_twisted_kovalevskaya_top_is_the_printed_one():
     reference = next(r for r in catalog.entry("twisted-kovalevskaya").references if r.quantity == "lyapunov")
     top = system("twisted-kovalevskaya")
     starts = lp.sample_states(top, 2000, seed=1, ensemble="unit-vectors")
-    growth = lp.lyapunov_exponent(top, starts, times=np.arange(5.0, 201.0, 5.0), seed=2)
-    fit = lp.finite_time_fit(growth.time, growth.exponent, window=(20.0, 200.0), n_bootstrap=50)
+    growth = lp.finite_time_exponents(top, starts, times=np.arange(5.0, 201.0, 5.0), seed=2)
+    fit = lp.fits.finite_time_fit(growth.time, growth.exponent, window=(20.0, 200.0), n_bootstrap=50)
     assert fit.estimates["lambda"].standard_error < 0.003
     assert fit.estimates["lambda"].value == pytest.approx(float(reference.value), abs=float(reference.tolerance))
 

@@ -92,7 +92,7 @@ def test_symbolic_parameters_are_kept():
 @pytest.mark.thorough
 def test_the_truncation_of_su7_is_quadratic_and_keeps_its_energy():
     fluid = catalog.zeitlin(7)
-    orbit = lp.integrate(fluid, [(-1) ** k / (k + 1) for k in range(48)], t=[0, 1])
+    orbit = lp.integrate(fluid, [(-1) ** k / (k + 1) for k in range(48)], times=[0, 1])
     weights = [float(fluid.hamiltonian.coeff(x, 2)) for x in fluid.variables]
     energy, enstrophy = orbit.state[0] ** 2 @ weights, (orbit.state[0] ** 2).sum(axis=1)
     assert isinstance(fluid.field(), QuadraticField)

@@ -23,7 +23,7 @@ variables = ["a__b", "c"]
 [hamiltonian]
 expression = "dot(a__b, a__b)/2 + c[1]"
 """
-ORBIT = ("--t", "1", "--points", "5")
+ORBIT = ("--t-end", "1", "--points", "5")
 
 
 @pytest.fixture
@@ -147,17 +147,17 @@ def test_names_that_are_too_long_are_refused(here, command):
 
 
 def test_times_and_sizes_that_nobody_can_have_are_refused(here, command):
-    code, _, err = command("lyapunov", "twisted-kovalevskaya", "--t-end", "5e-324", "--n", "2")
+    code, _, err = command("lyapunov", "twisted-kovalevskaya", "--t-end", "5e-324", "--starts", "2")
     assert code == 2
     assert "t_end: wanted a time of at least 1e-300" in err
     axis = '[[axes]]\nname = "{}"\nfrom = 0\nto = 1\ncount = {}\n'
     head = 'system = "twisted-kovalevskaya"\nt_end = 5\n'
     for n, counts, said in (
         (64, (16384, 16384), "wanted at most 16777216 points; got 16384 x 16384"),
-        (2**31, (10,), "results of at most 16 GiB; 10 points with n = 2147483648 take 180 GiB"),
+        (2**31, (10,), "results of at most 16 GiB; 10 points with n_starts = 2147483648 take 180 GiB"),
     ):
         axes = "".join(axis.format(name, count) for name, count in zip(("epsilon", "a1"), counts, strict=False))
-        (here / "big.toml").write_text(f"n = {n}\n{head}{axes}")
+        (here / "big.toml").write_text(f"n_starts = {n}\n{head}{axes}")
         code, _, err = command("sweep", "big.toml")
         assert code == 2
         assert said in err
@@ -165,7 +165,7 @@ def test_times_and_sizes_that_nobody_can_have_are_refused(here, command):
 
 def test_a_sweep_file_runs_no_code_unless_it_is_allowed(here, command):
     (here / "evil.py").write_text("open('was-here', 'w').close()\n\ndef f(system, x0, **_):\n    return 0.0\n")
-    text = 'system = "twisted-kovalevskaya"\nn = 1\nt_end = 1\nquantity = "evil:f"\n'
+    text = 'system = "twisted-kovalevskaya"\nn_starts = 1\nt_end = 1\nquantity = "evil:f"\n'
     (here / "s.toml").write_text(text + '[[axes]]\nname = "epsilon"\nvalues = [1]\n')
     sys.path.insert(0, str(here))
     try:

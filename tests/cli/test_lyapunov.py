@@ -22,11 +22,11 @@ expression = "dot(l, l)/2 + sqrt(1 + m*dot(alpha, alpha) + alpha3^2)"
 
 
 def test_mean_and_quantiles_are_those_of_the_runs(command):
-    code, out, err = command("lyapunov", "twisted-kovalevskaya", "--n", 8, "--t-end", 20, "--seed", 3)
+    code, out, err = command("lyapunov", "twisted-kovalevskaya", "--starts", 8, "--t-end", 20, "--seed", 3)
     assert (code, err) == (0, "")
     top = lp.Top.twisted_kovalevskaya()
     x0 = lp.sample_states(top, 8, seed=3)  # the same ensemble if none is named
-    last = lp.lyapunov_exponent(top, x0, t_end=20, seed=3).exponent[:, -1]
+    last = lp.finite_time_exponents(top, x0, t_end=20, seed=3).exponent[:, -1]
     mean, error = map(float, re.search(r"mean ([\d.]+), standard error over starts ([\d.]+)", out).groups())
     assert mean == pytest.approx(last.mean(), abs=1e-6)
     assert error == pytest.approx(last.std(ddof=1) / np.sqrt(8), rel=0.05)
@@ -39,7 +39,7 @@ def test_mean_and_quantiles_are_those_of_the_runs(command):
 def test_a_file_with_a_root_goes_from_text_to_an_exponent(command, tmp_path):
     path = tmp_path / "root.toml"
     path.write_text(SQRT)
-    code, out, _ = command("lyapunov", path, "--n", 2, "--t-end", 5)
+    code, out, _ = command("lyapunov", path, "--starts", 2, "--t-end", 5)
     assert code == 0
     assert "tape kernel" in out
     assert "outcomes: finished 2" in out
@@ -48,7 +48,7 @@ def test_a_file_with_a_root_goes_from_text_to_an_exponent(command, tmp_path):
 @pytest.mark.thorough
 def test_results_are_saved_on_request(command, tmp_path):
     path = tmp_path / "growth.nc"
-    code, _, _ = command("lyapunov", "lagrange", "--n", 2, "--t-end", 5, "--ensemble", "cube", "--out", path)
+    code, _, _ = command("lyapunov", "lagrange", "--starts", 2, "--t-end", 5, "--ensemble", "cube", "--out", path)
     assert code == 0
     assert lp.load(path)["exponent"].sizes == {"trajectory": 2, "time": 200}
 
@@ -56,9 +56,9 @@ def test_results_are_saved_on_request(command, tmp_path):
 @pytest.mark.thorough
 def test_a_folder_that_is_missing_is_made_and_one_in_the_place_of_the_file_refused_at_once(command, tmp_path):
     path = tmp_path / "new" / "growth.nc"
-    code, _, _ = command("lyapunov", "lagrange", "--n", 1, "--t-end", 5, "--out", path)
+    code, _, _ = command("lyapunov", "lagrange", "--starts", 1, "--t-end", 5, "--out", path)
     assert (code, path.is_file()) == (0, True)
-    code, out, err = command("lyapunov", "lagrange", "--n", 1, "--t-end", 1e12, "--out", tmp_path)
+    code, out, err = command("lyapunov", "lagrange", "--starts", 1, "--t-end", 1e12, "--out", tmp_path)
     assert (code, out) == (2, "")
     assert f"--out must be a file; {tmp_path} is a folder" in err
 
@@ -67,16 +67,16 @@ def test_failed_runs_are_counted_and_left_out():
     top = lp.Top.twisted_kovalevskaya()
     x0 = lp.sample_states(top, 3, seed=1)
     x0[1] = 1e200  # overflows at once
-    growth = lp.lyapunov_exponent(top, x0, t_end=5)
+    growth = lp.finite_time_exponents(top, x0, t_end=5)
     lines = "\n".join(summary(growth, "by hand", 1.0))
     assert "finished 2" in lines
     assert "of the 2 finished runs" in lines
-    failed = lp.lyapunov_exponent(top, np.full((2, 9), 1e200), t_end=5)
+    failed = lp.finite_time_exponents(top, np.full((2, 9), 1e200), t_end=5)
     assert "no run finished" in "\n".join(summary(failed, "by hand", 1.0))
 
 
 def test_one_run_has_no_standard_error(command):
-    _, out, _ = command("lyapunov", "lagrange", "--n", 1, "--t-end", 5)
+    _, out, _ = command("lyapunov", "lagrange", "--starts", 1, "--t-end", 5)
     assert "one run: no standard error" in out
 
 
@@ -84,7 +84,7 @@ def test_one_run_has_no_standard_error(command):
     ("arguments", "words"),
     [
         (["twisted-top"], "must have numbers for all parameters; epsilon, I[3], a[3], b[3] have none"),
-        (["lagrange", "--n", "0"], "--n must be at least 1"),
+        (["lagrange", "--starts", "0"], "--starts must be at least 1"),
         (["lagrange", "--t-end", "-5"], "positive finite time"),
         (["lagrange", "--t-end", "nan"], "positive finite time"),
         (["lagrange", "--spectrum", "--t-end", "1e12", "--time-limit", "3"], "at most 10000000 intervals"),
@@ -110,7 +110,7 @@ def test_after_ctrl_c_it_says_how_to_keep_what_is_done(command, monkeypatch, opt
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("liepoisson.numeric.lyapunov.lyapunov_exponent", interrupted)
+    monkeypatch.setattr("liepoisson.numeric.finite_time_exponents.finite_time_exponents", interrupted)
     monkeypatch.setattr("liepoisson.numeric.spectrum.lyapunov_spectrum", interrupted)
     code, _, err = command("lyapunov", "lagrange", *options)
     assert (code, "--time-limit SECONDS" in err) == (130, True)
@@ -120,7 +120,7 @@ def test_after_ctrl_c_it_says_how_to_keep_what_is_done(command, monkeypatch, opt
 def test_spectrum_prints_the_mean_of_the_runs_and_the_check(command, tmp_path):
     path = tmp_path / "spectrum.nc"
     code, out, err = command(
-        "lyapunov", "twisted-kovalevskaya", "--spectrum", "--n", 4, "--t-end", 100, "--seed", 3, "--out", path
+        "lyapunov", "twisted-kovalevskaya", "--spectrum", "--starts", 4, "--t-end", 100, "--seed", 3, "--out", path
     )
     assert (code, err) == (0, "")
     rows = np.array([line.split() for line in re.findall(r"^ +\d .*$", out, re.MULTILINE)], dtype=float)
@@ -144,7 +144,7 @@ def test_spectrum_of_runs_that_failed_has_nothing_to_tell():
 def test_verdicts_are_those_of_decide(command):
     top = lp.Top.twisted_kovalevskaya()
     verdict = lp.decide(top, lp.sample_states(top, 12, seed=3), t_end=400, seed=3)
-    options = ("--n", 12, "--t-end", 400, "--seed", 3, "--verdict")
+    options = ("--starts", 12, "--t-end", 400, "--seed", 3, "--verdict")
     code, out, err = command("lyapunov", "twisted-kovalevskaya", *options)
     assert (code, err) == (0, "")
     rows = dict(re.findall(r"^  (regular|chaotic|undecided) +(\d+) ", out, re.MULTILINE))
@@ -157,14 +157,14 @@ def test_verdicts_are_those_of_decide(command):
 def test_the_default_time_is_natural(command):
     """1,000 natural times of the median orbit, whatever the unit of time."""
     system = lp.catalog.system("free-rigid-body")
-    wanted = 1000 * float(np.median(lp.time_scale(system, lp.sample_states(system, 3, seed=0))))
-    _, out, _ = command("lyapunov", "free-rigid-body", "--n", 3)
+    wanted = 1000 * float(np.median(lp.orbits.time_scale(system, lp.sample_states(system, 3, seed=0))))
+    _, out, _ = command("lyapunov", "free-rigid-body", "--starts", 3)
     found = float(re.search(r"to t = ([0-9.e+]+), 1,000 natural times", out)[1])
     assert found == pytest.approx(wanted, rel=0.05)  # two digits
 
 
 def test_a_very_long_run_is_counted_in_powers_of_ten(command):
-    _, out, _ = command("lyapunov", "twisted-kovalevskaya", "--n", 2, "--t-end", 1e300, "--time-limit", 0.01)
+    _, out, _ = command("lyapunov", "twisted-kovalevskaya", "--starts", 2, "--t-end", 1e300, "--time-limit", 0.01)
     assert re.search(r"1\.\d+e\+300 natural times", out.splitlines()[0])
 
 

@@ -10,7 +10,7 @@ from liepoisson.cli.orbit import run_lines
 from liepoisson.cli.starts import find_start, read_state
 from liepoisson.errors import LeafError, ParameterError
 
-SHORT = ("--t", 2, "--points", 21)
+SHORT = ("--t-end", 2, "--points", 21)
 
 
 @pytest.fixture(scope="module")
@@ -25,7 +25,7 @@ def values(out, name):
 
 
 def test_what_is_printed(command):
-    code, out, err = command("orbit", "kovalevskaya", "--start", "1,0,1,0,0,1", "--t", 10, "--points", 11)
+    code, out, err = command("orbit", "kovalevskaya", "--start", "1,0,1,0,0,1", "--t-end", 10, "--points", 11)
     assert (code, err) == (0, "")
     lines = out.splitlines()
     assert lines[:6] == [
@@ -48,7 +48,7 @@ def test_default_start_is_member_0_of_the_seed(command, twisted):
     expected = lp.sample_states(twisted, 1, seed=5)[0].reshape(3, 3)
     for name, vector in zip(("l", "alpha", "beta"), expected, strict=True):
         np.testing.assert_allclose(values(out, name), vector, rtol=1e-8)
-    limit = lp.bounds(twisted, expected.ravel()).l
+    limit = lp.phase_space.bounds(twisted, expected.ravel()).l
     assert f"|l| <= {limit:.6g}" in out
 
 
@@ -146,7 +146,7 @@ def test_figures_are_written_where_it_says(command, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("start", ["1e200,0,0,0,0,1,1,1,1", "alpha=1e200,0,0"])
 def test_a_start_whose_casimirs_are_too_large_is_refused(command, start):
-    code, out, err = command("orbit", "twisted-kovalevskaya", "--start", start, "--t", 2)
+    code, out, err = command("orbit", "twisted-kovalevskaya", "--start", start, "--t-end", 2)
     assert (code, out) == (2, "")
     assert "Casimirs" in err
 
@@ -160,14 +160,14 @@ def test_a_leaf_without_values_points_to_start(command, name, leaf):
 
 
 def test_backwards_and_by_another_method(command):
-    code, out, _ = command("orbit", "lagrange", "--t", -2, "--points", 5, "--method", "gauss", "--step", 0.05)
+    code, out, _ = command("orbit", "lagrange", "--t-end", -2, "--points", 5, "--method", "gauss", "--step", 0.05)
     assert code == 0
     assert "outcome  finished at t = -2, 40 steps" in out
 
 
 def test_a_run_that_fails_tells_its_outcome():
     system = lp.catalog.system("twisted-kovalevskaya")
-    run = lp.integrate(system, np.full(9, 1e200), t=[0, 1, 2])
+    run = lp.integrate(system, np.full(9, 1e200), times=[0, 1, 2])
     text = "\n".join(run_lines(system, run))
     assert "outcome  not finite at t = 0" in text or "outcome  step too small" in text
     assert "drift    not known" in text
@@ -187,8 +187,8 @@ def test_ctrl_c_before_the_run_is_one_line(command, monkeypatch, where):
     ("arguments", "words"),
     [
         (["twisted-top"], "must have numbers for all parameters; epsilon, I[3], a[3], b[3] have none"),
-        (["kovalevskaya", "--t", "0"], "--t must be a finite time other than 0"),
-        (["kovalevskaya", "--t", "nan"], "--t must be a finite time other than 0"),
+        (["kovalevskaya", "--t-end", "0"], "--t-end must be a finite time other than 0"),
+        (["kovalevskaya", "--t-end", "nan"], "--t-end must be a finite time other than 0"),
         (["kovalevskaya", "--points", "1"], "--points must be from 2"),
         (["kovalevskaya", "--time-limit", "nan"], "--time-limit must be a positive number of seconds; got nan"),
         (["kovalevskaya", "--time-limit", "-1"], "--time-limit must be a positive number of seconds; got -1"),
@@ -219,7 +219,7 @@ def test_refusals_are_plain(command, arguments, words):
 
 def test_an_orbit_too_large_for_a_figure_is_refused_without_a_traceback(command, tmp_path):
     figure = tmp_path / "a.png"
-    code, _, err = command("orbit", "kovalevskaya", "--t", 5, "--start", "l=1e200,0,0", "--figure", figure)
+    code, _, err = command("orbit", "kovalevskaya", "--t-end", 5, "--start", "l=1e200,0,0", "--figure", figure)
     assert code == 2
     assert err.startswith("liepoisson: ")
     assert not figure.exists()

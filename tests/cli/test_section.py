@@ -82,7 +82,7 @@ def test_kept_functions_take_the_place_of_the_state(command, tmp_path):
 
 def test_a_surface_that_is_never_crossed_is_said_with_exit_code_1(command, tmp_path):
     path = tmp_path / "section.csv"
-    start = ("--start", "1,0,0,0,0,1", "--t", 20)
+    start = ("--start", "1,0,0,0,0,1", "--t-end", 20)
     code, out, err = command("section", "kovalevskaya", "--surface", "l3 - 100", *start, "--plot", "--out", path)
     assert code == 1
     assert "found    0 crossings" in out
@@ -114,7 +114,7 @@ def test_a_surface_that_does_not_exist_everywhere(command):
 @pytest.mark.thorough
 def test_what_was_not_seen_is_not_said_to_be_missing(command):
     fast = ("section", "kovalevskaya", "--surface", "sin(10^12*l1)", "--starts", 3)
-    code, out, err = command(*fast, "--t", 2)
+    code, out, err = command(*fast, "--t-end", 2)
     assert code == 1
     assert re.search(r"^missed   the function could not be followed in \S+% of the time$", out, re.MULTILINE)
     assert re.fullmatch(
@@ -193,7 +193,7 @@ def test_axes_that_fold_the_section_are_told_from_coordinates():
     # l2 are coordinates, and sin phi = alpha3 and l2 where cos phi = alpha1 keeps its sign.
     system = lp.catalog.system("kovalevskaya")
     begin = find_start(system, leaf=["C1=0.3", "C2=1"], energy=1.5)
-    states = lp.section_starts(begin.leaf, "alpha2", energy=1.5, n=200, seed=1, direction=1)
+    states = lp.sections.section_starts(begin.leaf, "alpha2", energy=1.5, n_starts=200, seed=1, direction=1)
     right = states[:, 3] > 0
     assert 20 < right.sum() < 180
     for axes, some, expected in (
@@ -229,8 +229,8 @@ def test_a_figure_that_folds_the_section_says_so(command, monkeypatch):
         (["kovalevskaya", "--energy", "1", "--energy", "2"], "--energy must be given once; it comes twice"),
         (["kovalevskaya", "--starts", "0"], "--starts must be from 1 to 100000; got 0"),
         (["kovalevskaya", "--crossings", "0"], "--crossings must be from 1 to 1000000000; got 0. Try 500."),
-        (["kovalevskaya", "--t", "nan"], "--t must be a finite time other than 0; got nan. Leave it out."),
-        (["kovalevskaya", "--t", "0"], "--t must be a finite time other than 0"),
+        (["kovalevskaya", "--t-end", "nan"], "--t-end must be a finite time other than 0; got nan. Leave it out."),
+        (["kovalevskaya", "--t-end", "0"], "--t-end must be a finite time other than 0"),
         (["kovalevskaya", "--threads", "0"], "--threads must be from 1 to 4096; got 0"),
         (["kovalevskaya", "--seed", "-1"], "--seed must be at least 0"),
         (["kovalevskaya", "--time-limit", "0"], "--time-limit must be a positive number of seconds; got 0"),

@@ -14,7 +14,7 @@ TWIST = """
 name = "twist"
 system = "twisted-top"
 quantity = "chaotic_fraction"
-n = 8
+n_starts = 8
 t_end = 200
 seed = 1
 [parameters]
@@ -58,7 +58,11 @@ def test_it_prints_the_result_and_keeps_it(run, tmp_path):
 
 
 def test_a_long_table_leaves_rows_out_before_the_last_ones(run, tmp_path):
-    long = TWIST.replace("count = 3", "count = 30").replace("t_end = 200", "t_end = 10").replace("n = 8", "n = 2")
+    long = (
+        TWIST.replace("count = 3", "count = 30")
+        .replace("t_end = 200", "t_end = 10")
+        .replace("n_starts = 8", "n_starts = 2")
+    )
     (tmp_path / "twist.toml").write_text(long.replace("I = [2, 2, 1]", 'I = [2, "2 + epsilon", 1]'))
     code, out, _ = run("twist.toml", "--threads", "1")
     assert code == 0
@@ -137,7 +141,7 @@ def test_points_without_a_system_are_told_by_the_exit_code(run, tmp_path):
 
 
 def test_a_part_that_fails_is_reported(run, tmp_path):
-    (tmp_path / "twist.toml").write_text(TWIST.replace("chaotic_fraction", "liepoisson:bounds"))
+    (tmp_path / "twist.toml").write_text(TWIST.replace("chaotic_fraction", "liepoisson.phase_space:bounds"))
     code, _, err = run("twist.toml", "--allow-code")
     assert code == 1
     assert "level 0, point 0: failed: TypeError" in err

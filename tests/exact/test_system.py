@@ -125,19 +125,19 @@ def test_a_constant_component_is_broadcast():
 
 @pytest.mark.parametrize(("shape", "hint"), [((9, 128), " Transpose it?"), ((3,), ""), ((), "")])
 def test_the_last_axis_is_the_state(shape, hint):
-    message = f"x must end in 9 components (l, alpha, beta); got shape {shape}.{hint}"
+    message = f"states must end in 9 components (l, alpha, beta); got shape {shape}.{hint}"
     for call in (typed_by_hand(VALUES).vector_field, typed_by_hand(VALUES).invariant_values):
         with pytest.raises(ShapeError) as caught:
             call(np.zeros(shape))
         assert str(caught.value) == message
 
 
-def test_describe_shows_the_equations():
-    text = typed_by_hand(VALUES).describe()
+def test_text_shows_the_equations():
+    text = str(typed_by_hand(VALUES))
     assert "I = (2, 3, 5/2), a = (1, -2, 3), b = (1/2, 0, 4), epsilon = 3/10" in text
     assert "alpha' = alpha × omega + epsilon beta × a" in text
     other = System(so(3) @ leibniz(1), lambda l: l[0] * l[1])
-    assert "l1' = l1*l3" in other.describe().replace("-", "")
+    assert "l1' = l1*l3" in str(other).replace("-", "")
 
 
 @pytest.mark.parametrize("parameters", [{"l1": 5}, {"epsilon": "beta2"}, {"m": "alpha3"}])

@@ -9,9 +9,9 @@ from liepoisson.exact.trace_values import TraceSum
 BRACKETS = {
     "twisted": lp.so(3) @ lp.leibniz(3, "1/3"),
     "su3": lp.su(3) @ lp.trivial(),
-    "sine3": lp.sine(3) @ lp.trivial(),
+    "sine3": lp.algebras.sine(3) @ lp.trivial(),
     "su3-passive": lp.su(3) @ lp.semidirect(3),
-    "gl2": lp.gl(2) @ lp.leibniz(2),
+    "gl2": lp.algebras.gl(2) @ lp.leibniz(2),
     "so22": lp.so(2, 2) @ lp.trivial(),
     "sum": (lp.su(3) + lp.sl(2)) @ lp.leibniz(2),
 }
@@ -84,7 +84,7 @@ def test_other_functions_of_traces_are_compiled():
 def test_all_traces_are_kept_along_an_orbit_of_the_fluid():
     """tr W^k, k = 2, ..., 7, in 48 variables, to round-off."""
     fluid = lp.catalog.zeitlin(7)
-    orbit = lp.integrate(fluid, np.random.default_rng(6).standard_normal(48) / 3, t=np.linspace(0, 10, 21))
+    orbit = lp.integrate(fluid, np.random.default_rng(6).standard_normal(48) / 3, times=np.linspace(0, 10, 21))
     values = fluid.invariant_values(orbit.state)
     assert list(values) == ["H", "C1", "C2", "C3", "C4", "C5", "C6"]
     for name, value in values.items():

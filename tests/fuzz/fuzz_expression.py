@@ -27,7 +27,7 @@ with atheris.instrument_imports(include=["liepoisson", "tomllib"]):
     from liepoisson.exact.expression import read_formula
     from liepoisson.exact.formula.grammar import parse
     from liepoisson.exact.formula.scope import Scope
-    from liepoisson.exact.system_file import read_system_file
+    from liepoisson.exact.system_file import parse_system_file
 
 FORBIDDEN = (
     "import",
@@ -138,7 +138,7 @@ class Target:
         self.read, self.refused, self.time_limit, self.pieces = {
             "grammar": (parse, ExpressionError, 1.0, PIECES),
             "formula": (lambda text: read_formula(text, scope), ExpressionError, 5.0, PIECES),
-            "file": (lambda text: read_system_file(text).system(), SystemFileError, 10.0, FILE_PIECES),
+            "file": (lambda text: parse_system_file(text).system(), SystemFileError, 10.0, FILE_PIECES),
         }[name]
         self.reading = False
         self.inputs = self.accepted = 0

@@ -47,7 +47,7 @@ OPTIONS = {
         "--leaf": "leaf",
         "--energy": "number",
         "--seed": "number",
-        "--t": "number",
+        "--t-end": "number",
         "--points": ["2", "3", "5", "0", "-1", "x"],
         "--method": ["taylor", "runge-kutta", "splitting", "gauss", "lagrange-map", "x"],
         "--tol": "number",
@@ -64,7 +64,7 @@ OPTIONS = {
         "--leaf": "leaf",
         "--energy": "number",
         "--seed": "number",
-        "--t": ["10", "5e-324", "-1", "nan", "0"],
+        "--t-end": ["10", "5e-324", "-1", "nan", "0"],
         "--crossings": ["3", "1", "0", "-1", "x"],
         "--starts": ["2", "0", "x"],
         "--keep": "text",
@@ -77,7 +77,7 @@ OPTIONS = {
     },
     "lyapunov": {
         "--t-end": "number",
-        "--n": ["1", "2", "0", "-1", "x"],
+        "--starts": ["1", "2", "0", "-1", "x"],
         "--seed": "number",
         "--ensemble": "text",
         "--tol": "number",
@@ -153,7 +153,7 @@ def sweep_file(source):
     """A small sweep with hostile names and labels."""
     name = mostly(source, ["epsilon", "a1", "energy", *FAMOUS], NAMES)
     lines = [f"system = {quoted(mostly(source, ['twisted-kovalevskaya'], ['twisted-top', 'system.toml', 'nosuch']))}"]
-    lines += [f"n = {mostly(source, ['1', '2'], ['2147483648', '0', '-1', quoted('x')])}"]
+    lines += [f"n_starts = {mostly(source, ['1', '2'], ['2147483648', '0', '-1', quoted('x')])}"]
     lines += [
         f"t_end = {mostly(source, ['1', '2.5', quoted('pi')], ['5e-324', '0', 'nan', quoted(source.pick(TEXTS))])}"
     ]
@@ -230,8 +230,8 @@ def command(source):
     options = OPTIONS[name]
     for option in dict.fromkeys(source.pick([*options]) for _ in range(source.whole(0, 3))):
         arguments += [option] if options[option] is None else [option, value_of(source, options[option])]
-    if name == "lyapunov" and "--n" not in arguments:
-        arguments += ["--n", "2"]
+    if name == "lyapunov" and "--starts" not in arguments:
+        arguments += ["--starts", "2"]
     if name == "section" and "--starts" not in arguments and "--start" not in arguments:
         arguments += ["--starts", "2"]
     if name == "section" and "--crossings" not in arguments:

@@ -39,17 +39,17 @@ class Case:
 
 
 @cache
-def orbit() -> lp.Orbit:
-    return lp.integrate(TOP, STATES, t=TIMES, dense=True)
+def orbit() -> lp.results.Orbit:
+    return lp.integrate(TOP, STATES, times=TIMES, dense=True)
 
 
 @cache
-def attitude() -> lp.Attitude:
-    return lp.attitude(TOP, STATES[:1], t=TIMES, dense=True)
+def attitude() -> lp.results.Attitude:
+    return lp.orbits.attitude(TOP, STATES[:1], times=TIMES, dense=True)
 
 
 @cache
-def covariant() -> lp.CovariantVectors:
+def covariant() -> lp.results.CovariantVectors:
     spectrum = lp.lyapunov_spectrum(TOP, STATES[:1], t_end=6, interval=2, transient=4, covariant=True)
     assert spectrum.covariant is not None
     return spectrum.covariant
@@ -57,16 +57,16 @@ def covariant() -> lp.CovariantVectors:
 
 @cache
 def leaf() -> lp.Leaf:
-    return lp.leaf_of(TOP, STATE)
+    return lp.Leaf.through(TOP, STATE)
 
 
 @cache
 def chart(kind: str) -> Any:
     return {
-        "euler": lambda: lp.EulerChart(TOP, x=STATE),
-        "quaternion": lambda: lp.QuaternionChart(TOP, x=STATE),
-        "reduced": lambda: lp.ReducedLagrange(LAGRANGE, x=STATE),
-        "ordinary": lambda: lp.OrdinaryLagrange(LAGRANGE, x=ORDINARY),
+        "euler": lambda: lp.charts.EulerChart(TOP, x=STATE),
+        "quaternion": lambda: lp.charts.QuaternionChart(TOP, x=STATE),
+        "reduced": lambda: lp.charts.ReducedLagrange(LAGRANGE, x=STATE),
+        "ordinary": lambda: lp.charts.OrdinaryLagrange(LAGRANGE, x=ORDINARY),
     }[kind]()
 
 
@@ -77,11 +77,11 @@ def inside(kind: str) -> Any:
 
 @cache
 def fits() -> Any:
-    return lp.finite_time_fit(LONG, CURVES, window=(5, 100)), lp.log_fit(LONG, CURVES, window=(5, 100))
+    return lp.fits.finite_time_fit(LONG, CURVES, window=(5, 100)), lp.fits.log_fit(LONG, CURVES, window=(5, 100))
 
 
 @cache
-def crossings() -> lp.Section:
+def crossings() -> lp.results.Section:
     return lp.section(TOP, STATES, surface="l3", t_end=30)
 
 
@@ -93,7 +93,11 @@ def equilibrium() -> Any:
 
 def numbers_of(kind: str, x: Any) -> Any:
     """What a chart made from a state is."""
-    made = {"euler": lp.EulerChart, "quaternion": lp.QuaternionChart, "reduced": lp.ReducedLagrange}
+    made = {
+        "euler": lp.charts.EulerChart,
+        "quaternion": lp.charts.QuaternionChart,
+        "reduced": lp.charts.ReducedLagrange,
+    }
     leaf_constants = made[kind](LAGRANGE, x=x)
     constants = leaf_constants.chart.leaf if kind == "reduced" else leaf_constants.leaf
     return [str(value) for value in (constants.v, constants.w, constants.eta)], constants
@@ -117,7 +121,7 @@ def drawn(draw: Callable[[], Any]) -> Any:
 
 
 CASES: dict[str, Case] = {
-    "Attitude.at": Case(lambda t: attitude().at(t), {"t": TIMES[1:]}),
+    "Attitude.at": Case(lambda times: attitude().at(times), {"times": TIMES[1:]}),
     "Attitude.body": Case(lambda vectors: attitude().body(vectors), {"vectors": STATE[:3]}),
     "Attitude.space": Case(lambda vectors: attitude().space(vectors), {"vectors": STATE[:3]}),
     "CanonicalSystem.vector_field": Case(
@@ -134,22 +138,30 @@ CASES: dict[str, Case] = {
         lambda coefficients: fits()[0].chi_squared(coefficients), {"coefficients": np.array([0.1, 1.0, 0.2])}
     ),
     "FiniteTimeFit.curve": Case(lambda time: fits()[0].curve(time), {"time": LONG}),
-    "LagrangeMap.integrals": Case(lambda x: lp.LagrangeMap(step=0.1).integrals(LAGRANGE, x), {"x": STATES}),
-    "Leaf.contains": Case(lambda x: leaf().contains(x), {"x": STATES}),
-    "Leaf.project": Case(lambda x: leaf().project(x), {"x": STATE[None] + 0.01}),
-    "Leaf.project_tangent": Case(lambda x, v: leaf().project_tangent(x, v), {"x": STATES, "v": EACH_TANGENT}),
-    "Leaf.residual": Case(lambda x: leaf().residual(x), {"x": STATES}),
-    "Leaf.tangent_basis": Case(lambda x: leaf().tangent_basis(x), {"x": STATES}),
-    "Leaf.tangent_projector": Case(lambda x: leaf().tangent_projector(x, energy=True), {"x": STATES}),
+    "LagrangeMap.integrals": Case(
+        lambda states: lp.methods.LagrangeMap(step=0.1).integrals(LAGRANGE, states), {"states": STATES}
+    ),
+    "Leaf.contains": Case(lambda states: leaf().contains(states), {"states": STATES}),
+    "Leaf.project": Case(lambda states: leaf().project(states), {"states": STATE[None] + 0.01}),
+    "Leaf.project_tangent": Case(
+        lambda states, vectors: leaf().project_tangent(states, vectors), {"states": STATES, "vectors": EACH_TANGENT}
+    ),
+    "Leaf.residual": Case(lambda states: leaf().residual(states), {"states": STATES}),
+    "Leaf.tangent_basis": Case(lambda states: leaf().tangent_basis(states), {"states": STATES}),
+    "Leaf.tangent_projector": Case(lambda states: leaf().tangent_projector(states, energy=True), {"states": STATES}),
     "LeafConstants.of": Case(lambda x: numbers_of("euler", x), {"x": STATE}),
     "LogFit.curve": Case(lambda time: fits()[1].curve(time), {"time": LONG}),
-    "Orbit.at": Case(lambda t: orbit().at(t), {"t": TIMES}),
-    "OrdinaryLagrange.__init__": Case(lambda x: [str(lp.OrdinaryLagrange(LAGRANGE, x=x).hamiltonian)], {"x": ORDINARY}),
+    "Orbit.at": Case(lambda times: orbit().at(times), {"times": TIMES}),
+    "OrdinaryLagrange.__init__": Case(
+        lambda x: [str(lp.charts.OrdinaryLagrange(LAGRANGE, x=x).hamiltonian)], {"x": ORDINARY}
+    ),
     "OrdinaryLagrange.from_body": Case(lambda x: chart("ordinary").from_body(x), {"x": ORDINARY[None]}),
     "OrdinaryLagrange.margins": Case(lambda x: chart("ordinary").margins(x), {"x": ORDINARY[None]}),
     "OrdinaryLagrange.to_body": Case(
         lambda z, psi: chart("ordinary").to_body(z, psi), {"z": lambda: inside("ordinary"), "psi": np.array([0.4])}
     ),
+    "PhaseFunction.gradient": Case(lambda states: TOP.functions.of("l1^2*beta2").gradient(states), {"states": STATES}),
+    "PhaseFunction.hessian": Case(lambda states: TOP.functions.of("l1^2*beta2").hessian(states), {"states": STATES}),
     "QuaternionChart.__init__": Case(lambda x: numbers_of("quaternion", x), {"x": STATE}),
     "QuaternionChart.from_body": Case(lambda x: chart("quaternion").from_body(x), {"x": STATE[None]}),
     "QuaternionChart.margins": Case(lambda x: chart("quaternion").margins(x), {"x": STATES}),
@@ -158,71 +170,86 @@ CASES: dict[str, Case] = {
     "ReducedLagrange.from_body": Case(lambda x: chart("reduced").from_body(x), {"x": STATE[None]}),
     "ReducedLagrange.margins": Case(lambda x: chart("reduced").margins(x), {"x": STATES}),
     "ReducedLagrange.ordinary": Case(
-        lambda x: [str(lp.ReducedLagrange.ordinary(LAGRANGE, x=x).hamiltonian)], {"x": ORDINARY}
+        lambda x: [str(lp.charts.ReducedLagrange.ordinary(LAGRANGE, x=x).hamiltonian)], {"x": ORDINARY}
     ),
     "ReducedLagrange.to_body": Case(
         lambda z, psi: chart("reduced").to_body(z, psi), {"z": lambda: inside("reduced"), "psi": np.array([0.4])}
     ),
-    "System.invariant_values": Case(lambda x: TOP.invariant_values(x), {"x": STATES}),
-    "System.vector_field": Case(lambda x: TOP.vector_field(x), {"x": STATES}),
-    "Top.invariant_values": Case(lambda x: TOP.invariant_values(x), {"x": STATES}),
-    "Top.vector_field": Case(lambda x: TOP.vector_field(x), {"x": STATES}),
+    "System.invariant_values": Case(lambda states: TOP.invariant_values(states), {"states": STATES}),
+    "System.vector_field": Case(lambda states: TOP.vector_field(states), {"states": STATES}),
+    "Top.invariant_values": Case(lambda states: TOP.invariant_values(states), {"states": STATES}),
+    "Top.vector_field": Case(lambda states: TOP.vector_field(states), {"states": STATES}),
     "alignment": Case(
-        lambda x0, times: lp.alignment(TOP, x0, times=times, within="leaf"), {"x0": STATES, "times": LATER}
+        lambda starts, times: lp.chaos.alignment(TOP, starts, times=times, within="leaf"),
+        {"starts": STATES, "times": LATER},
     ),
     "attitude": Case(
-        lambda x0, t, attitude: lp.attitude(TOP, x0, t=t, attitude=attitude),
-        {"x0": STATES, "t": TIMES, "attitude": QUATERNION},
+        lambda starts, times, attitude: lp.orbits.attitude(TOP, starts, times=times, attitude=attitude),
+        {"starts": STATES, "times": TIMES, "attitude": QUATERNION},
     ),
-    "bounds": Case(lambda x: lp.bounds(TOP, x), {"x": STATE}),
-    "chart_orbit": Case(lambda x0, t: lp.chart_orbit(chart("euler"), x0, t=t), {"x0": STATE, "t": TIMES}),
-    "time_scale": Case(lambda x0: lp.time_scale(TOP, x0), {"x0": STATES}),
-    "decide": Case(lambda x0: lp.decide(TOP, x0, t_end=20), {"x0": STATES}),
+    "bounds": Case(lambda state: lp.phase_space.bounds(TOP, state), {"state": STATE}),
+    "chart_orbit": Case(
+        lambda start, times: lp.orbits.chart_orbit(chart("euler"), start, times=times), {"start": STATE, "times": TIMES}
+    ),
+    "time_scale": Case(lambda starts: lp.orbits.time_scale(TOP, starts), {"starts": STATES}),
+    "decide": Case(lambda starts: lp.decide(TOP, starts, t_end=20), {"starts": STATES}),
     "exponents_by_energy": Case(
-        lambda energies: lp.exponents_by_energy(TOP, leaf=leaf(), energies=energies, n=2, t_end=5),
+        lambda energies: lp.chaos.exponents_by_energy(TOP, leaf=leaf(), energies=energies, n_starts=2, t_end=5),
         {"energies": np.array([1.5, 2.0])},
     ),
     "finite_time_fit": Case(
-        lambda time, exponent: lp.finite_time_fit(time, exponent, window=(5, 100)), {"time": LONG, "exponent": CURVES}
+        lambda time, exponent: lp.fits.finite_time_fit(time, exponent, window=(5, 100)),
+        {"time": LONG, "exponent": CURVES},
     ),
-    "first_return": Case(lambda x: lp.first_return(TOP, x, surface="l3", t_end=30), {"x": STATES}),
+    "first_return": Case(
+        lambda starts: lp.sections.first_return(TOP, starts, surface="l3", t_end=30), {"starts": STATES}
+    ),
     "fit_goodness": Case(
-        lambda time, exponent: lp.fit_goodness(time, exponent, window=(5, 100), n_degrees=3),
+        lambda time, exponent: lp.fits.fit_goodness(time, exponent, window=(5, 100), n_degrees=3),
         {"time": LONG, "exponent": CURVES},
     ),
     "frequency_drift": Case(
-        lambda x0: lp.frequency_drift(TOP, x0, observable="l1", t_window=20, n_samples=64), {"x0": STATES}
+        lambda starts: lp.chaos.frequency_drift(TOP, starts, observable="l1", t_end=40, n_samples=64),
+        {"starts": STATES},
     ),
     "integrate": Case(
-        lambda x0, t, tangents: lp.integrate(TOP, x0, t=t, tangents=tangents, dense=True),
-        {"x0": STATES, "t": TIMES, "tangents": TANGENTS},
-    ),
-    "largest_exponent": Case(lambda x0: lp.largest_exponent(TOP, x0, t_end=100, block=1, transient=5), {"x0": STATES}),
-    "leaf_of": Case(lambda x: lp.leaf_of(TOP, x), {"x": STATE}),
-    "log_fit": Case(
-        lambda time, exponent: lp.log_fit(time, exponent, window=(5, 100)), {"time": LONG, "exponent": CURVES}
+        lambda starts, times, tangents: lp.integrate(TOP, starts, times=times, tangents=tangents, dense=True),
+        {"starts": STATES, "times": TIMES, "tangents": TANGENTS},
     ),
     "lyapunov_exponent": Case(
-        lambda x0, times, tangents: lp.lyapunov_exponent(TOP, x0, times=times, tangents=tangents),
-        {"x0": STATES, "times": LATER, "tangents": EACH_TANGENT},
+        lambda starts: lp.lyapunov_exponent(TOP, starts, t_end=100, block=1, transient=5), {"starts": STATES}
     ),
-    "lyapunov_spectrum": Case(lambda x0: lp.lyapunov_spectrum(TOP, x0, t_end=10), {"x0": STATES}),
-    "mean_curve": Case(lambda time, exponent: lp.mean_curve(time, exponent), {"time": LONG, "exponent": CURVES}),
-    "megno": Case(lambda x0: lp.megno(TOP, x0, t_end=20, n_samples=64), {"x0": STATES}),
-    "relative_equilibrium": Case(
-        lambda x_guess: lp.relative_equilibrium(LAGRANGE, x_guess, along=("l3",)), {"x_guess": equilibrium()}
+    "Leaf.through": Case(lambda state: lp.Leaf.through(TOP, state), {"state": STATE}),
+    "log_fit": Case(
+        lambda time, exponent: lp.fits.log_fit(time, exponent, window=(5, 100)), {"time": LONG, "exponent": CURVES}
+    ),
+    "finite_time_exponents": Case(
+        lambda starts, times, tangents: lp.finite_time_exponents(TOP, starts, times=times, tangents=tangents),
+        {"starts": STATES, "times": LATER, "tangents": EACH_TANGENT},
+    ),
+    "lyapunov_spectrum": Case(lambda starts: lp.lyapunov_spectrum(TOP, starts, t_end=10), {"starts": STATES}),
+    "mean_curve": Case(lambda time, exponent: lp.fits.mean_curve(time, exponent), {"time": LONG, "exponent": CURVES}),
+    "megno": Case(lambda starts: lp.chaos.megno(TOP, starts, t_end=20, n_samples=64), {"starts": STATES}),
+    "equilibrium_near": Case(
+        lambda guess: lp.phase_space.equilibrium_near(LAGRANGE, guess, along=("l3",)), {"guess": equilibrium()}
     ),
     "rod": Case(
-        lambda x0, s, attitude, origin: lp.rod(LAGRANGE, x0, s=s, attitude=attitude, origin=origin),
-        {"x0": STATES, "s": TIMES, "attitude": QUATERNION, "origin": np.array([1.0, 2.0, 3.0])},
+        lambda starts, arclengths, attitude, origin: lp.orbits.rod(
+            LAGRANGE, starts, arclengths=arclengths, attitude=attitude, origin=origin
+        ),
+        {"starts": STATES, "arclengths": TIMES, "attitude": QUATERNION, "origin": np.array([1.0, 2.0, 3.0])},
     ),
-    "section": Case(lambda x0: lp.section(TOP, x0, surface="l3", t_end=20), {"x0": STATES}),
+    "section": Case(lambda starts: lp.section(TOP, starts, surface="l3", t_end=20), {"starts": STATES}),
     "section_state": Case(
-        lambda guess: lp.section_state(leaf(), "l3", float(TOP.functions.energy(STATE)) + 0.1, {}, guess=guess),
+        lambda guess: lp.sections.section_state(
+            leaf(), "l3", float(TOP.functions.energy(STATE)) + 0.1, {}, guess=guess
+        ),
         {"guess": STATE},
     ),
-    "stability": Case(lambda x: lp.stability(LAGRANGE, x, along=("l3",)), {"x": equilibrium()}),
-    "window_scan": Case(lambda time, exponent: lp.window_scan(time, exponent), {"time": LONG, "exponent": CURVES}),
+    "equilibrium": Case(
+        lambda state: lp.phase_space.equilibrium(LAGRANGE, state, along=("l3",)), {"state": equilibrium()}
+    ),
+    "window_scan": Case(lambda time, exponent: lp.fits.window_scan(time, exponent), {"time": LONG, "exponent": CURVES}),
     "plot.exponent_distribution": Case(
         lambda exponents: drawn(lambda: lp.plot.exponent_distribution(exponents)), {"exponents": CURVES[:, -1]}
     ),

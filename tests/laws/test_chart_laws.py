@@ -50,7 +50,7 @@ def defect(chart, system, values):
 )
 def test_the_euler_chart_carries_the_bracket_and_the_energy(gauge, eps, tangents, momenta, constants):
     system = top(eps)
-    chart = lp.EulerChart(system, gauge=gauge)
+    chart = lp.charts.EulerChart(system, gauge=gauge)
     values, variables = {}, chart.system.variables
     for angle, t in zip(variables, map(number, tangents), strict=False):  # t = tan(angle/2)
         values |= {sp.cos(angle): (1 - t * t) / (1 + t * t), sp.sin(angle): 2 * t / (1 + t * t)}
@@ -74,7 +74,7 @@ def test_the_euler_chart_carries_the_bracket_and_the_energy(gauge, eps, tangents
 )
 def test_the_quaternion_chart_carries_the_bracket_and_the_energy(eps, q, p, pair, constants):
     system = top(eps)
-    chart = lp.QuaternionChart(system)
+    chart = lp.charts.QuaternionChart(system)
     X, Y = pair
     point = (*q, X, *p, Y) if eps else (*q, *p)
     values = dict(zip(chart.system.variables, map(number, point), strict=True))
@@ -93,10 +93,10 @@ def random_cases(seed, n):
         inertia, a, b, x = rng.uniform(0.6, 1.4, 3), rng.normal(size=3), rng.normal(size=3), rng.normal(size=9)
         eps = (0, 1, -0.7, 0.3)[found % 4]
         system = lp.Top(inertia=inertia.tolist(), a=a.tolist(), b=b.tolist(), epsilon=eps)
-        charts = [lp.EulerChart(system, x=x, gauge=gauge) for gauge in GAUGES]
+        charts = [lp.charts.EulerChart(system, x=x, gauge=gauge) for gauge in GAUGES]
         if min(float(min(chart.margins(x).values())) for chart in charts) > 0.3:
             found += 1
-            yield system, x, [*charts, lp.QuaternionChart(system, x=x)]
+            yield system, x, [*charts, lp.charts.QuaternionChart(system, x=x)]
 
 
 @pytest.mark.thorough
@@ -105,14 +105,14 @@ def test_canonical_and_lie_poisson_orbits_agree_to_ten_digits_at_time_ten():
     t = np.linspace(0, 10, 201)
     whole = 0
     for system, x, charts in random_cases(5, 12):
-        exact = lp.integrate(system, x, t=t).state[0]
+        exact = lp.integrate(system, x, times=t).state[0]
         for chart in charts:
-            orbit = chart_orbit(chart, x, t=t)
+            orbit = chart_orbit(chart, x, times=t)
             reached = t <= orbit.end_time
             error = float(np.abs(orbit.body - exact)[reached].max())
             assert error < 1e-10, f"{chart!r}: error {error:.1e}, {x}"  # measured: 3e-12, with quaternions 2e-13
             whole += orbit.outcome == "finished"
-            if isinstance(chart, lp.QuaternionChart):
+            if isinstance(chart, lp.charts.QuaternionChart):
                 assert orbit.outcome == "finished"
             elif orbit.outcome != "finished":
                 assert orbit.left_by in chart.conditions
@@ -131,13 +131,13 @@ def test_at_time_hundred_they_agree_within_the_measured_growth_of_rounding():
     t = np.linspace(0, 100, 401)
     calm = compared = 0
     for system, x, charts in random_cases(11, 10):
-        run = lp.integrate(system, x, t=t, tangents=np.eye(9))
+        run = lp.integrate(system, x, times=t, tangents=np.eye(9))
         growth = np.linalg.norm(run.tangent[0], axis=(1, 2)).max()
         for chart in charts:
             z = chart.from_body(x)
-            canonical = lp.integrate(chart.system, z, t=t, tangents=np.eye(len(z)))
+            canonical = lp.integrate(chart.system, z, times=t, tangents=np.eye(len(z)))
             reached = np.isfinite(canonical.state[0]).all(axis=1)
-            assert canonical.outcome[0] == "finished" or isinstance(chart, lp.EulerChart)
+            assert canonical.outcome[0] == "finished" or isinstance(chart, lp.charts.EulerChart)
             largest = max(growth, np.linalg.norm(canonical.tangent[0][reached], axis=(1, 2)).max())
             bound = 100 * ROUND_OFF * largest
             if bound > CAP:

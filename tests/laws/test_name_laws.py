@@ -14,7 +14,7 @@ from liepoisson.exact.canonical.canonical_system import CanonicalSystem
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import CONSTANTS, FUNCTIONS
-from liepoisson.exact.system_file import read_system_file
+from liepoisson.exact.system_file import parse_system_file
 from liepoisson.sweeps.family import FileFamily
 from liepoisson.sweeps.spec import Axis, Starts, SweepSpec
 from liepoisson.sweeps.targets import evaluate_targets
@@ -77,7 +77,7 @@ def with_file_parameter(name):
 
 
 def file_with(name):
-    return read_system_file(
+    return parse_system_file(
         f'[bracket]\nalgebra = "so(3)"\nvariables = ["uu"]\n[parameters]\n{name} = "1/3"\n[hamiltonian]\n'
         f'expression = "dot(uu, uu)/2 + exp(1)*{name}*uu1 + pi*asin({name})*uu2^3"\n'
     )
@@ -153,11 +153,11 @@ def test_a_coordinate_may_not_be_called_like_the_constant():
 def test_a_file_names_the_line_of_a_refused_name():
     text = '[bracket]\nalgebra = "so(3)"\n[parameters]\na = 1\npi = 3\n[hamiltonian]\nexpression = "a*l1"\n'
     with pytest.raises(LiePoissonError, match=r"line 5: .parameters. pi: .*constant of formulas"):
-        read_system_file(text)
+        parse_system_file(text)
     text = '[bracket]\nstructure_constants = [[[0]]]\nbasis_names = ["i"]\nvariables = ["p"]\n[hamiltonian]\n'
     text += 'expression = "p[1]"\n'
     with pytest.raises(LiePoissonError, match=r"line 4: .bracket. variables: .*constant of formulas; got pi"):
-        read_system_file(text)
+        parse_system_file(text)
 
 
 def canonical_numbers(q, p, angle):
@@ -240,7 +240,7 @@ def top_tables(name):
 @pytest.mark.parametrize("name", ["e", "lambda", "arcsin", "_0"])
 def test_a_sweep_over_a_parameter_of_a_top_is_the_same_under_any_name(name):
     def mean(axis):
-        return lp.sweep(system=top_tables(axis), axes={axis: [0.5, 1, 2]}, n=4, t_end=20, seed=1, threads=1).mean
+        return lp.sweep(system=top_tables(axis), axes={axis: [0.5, 1, 2]}, n_starts=4, t_end=20, seed=1, threads=1).mean
 
     np.testing.assert_array_equal(mean(name), mean(HARMLESS))
 
@@ -322,7 +322,7 @@ def test_an_axis_may_not_be_a_casimir_and_a_parameter():
 @pytest.mark.thorough
 @pytest.mark.parametrize("name", ["mean", "member", "outcome", "exponent"])
 def test_the_dataset_of_a_sweep_has_room_for_axes_of_any_name(name):
-    result = lp.sweep(system=top_tables(name), axes={name: [0.5, 1]}, n=2, t_end=2, threads=1)
+    result = lp.sweep(system=top_tables(name), axes={name: [0.5, 1]}, n_starts=2, t_end=2, threads=1)
     assert result.dataset["mean"].dims == (f"axis_{name}",)
     np.testing.assert_array_equal(result.dataset[f"axis_{name}"], [0.5, 1])
 

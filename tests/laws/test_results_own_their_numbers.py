@@ -17,9 +17,15 @@ from liepoisson.errors import LiePoissonError
 CORE = ("orbits", "growth", "sections")
 
 
+def public_names():
+    for chapter in lp.__all__:
+        module = getattr(lp, chapter)
+        if inspect.ismodule(module) and module is not plot:
+            yield from ((name, getattr(module, name)) for name in module.__all__)
+
+
 def public_callables():
-    for name in lp.__all__:
-        value = getattr(lp, name)
+    for name, value in public_names():
         if inspect.isfunction(value):
             yield name, value
         if inspect.isclass(value):
@@ -131,20 +137,20 @@ def test_another_thread_may_write_while_the_core_runs():
     writer = threading.Thread(target=write)
     writer.start()
     try:
-        growth = lp.lyapunov_exponent(TOP, given, t_end=300, threads=1, progress=lambda _: runs.set())
+        growth = lp.finite_time_exponents(TOP, given, t_end=300, threads=1, progress=lambda _: runs.set())
     finally:
         done.set()
         runs.set()
         writer.join()
-    np.testing.assert_array_equal(growth.initial_state, states)
-    np.testing.assert_array_equal(growth.exponent, lp.lyapunov_exponent(TOP, states, t_end=300).exponent)
+    np.testing.assert_array_equal(growth.start, states)
+    np.testing.assert_array_equal(growth.exponent, lp.finite_time_exponents(TOP, states, t_end=300).exponent)
 
 
 def test_a_file_and_its_rerun_are_those_of_the_run(tmp_path):
     states, times = STATES.copy(), np.array([0.0, 1.0, 2.5])
     results = [
-        lp.integrate(TOP, states, t=times, tangents=states),
-        lp.lyapunov_exponent(TOP, states, times=times[1:], tangents=states),
+        lp.integrate(TOP, states, times=times, tangents=states),
+        lp.finite_time_exponents(TOP, states, times=times[1:], tangents=states),
         lp.lyapunov_spectrum(TOP, states, t_end=5),
         lp.section(TOP, states, surface="l3", t_end=10),
     ]
@@ -158,8 +164,8 @@ def test_a_file_and_its_rerun_are_those_of_the_run(tmp_path):
 @pytest.mark.parametrize("kind", ["orbit", "growth", "spectrum", "section"])
 def test_the_arrays_of_a_result_are_read_only(kind):
     result = {
-        "orbit": lambda: lp.integrate(TOP, STATES, t=[0, 1], dense=True),
-        "growth": lambda: lp.lyapunov_exponent(TOP, STATES, t_end=1),
+        "orbit": lambda: lp.integrate(TOP, STATES, times=[0, 1], dense=True),
+        "growth": lambda: lp.finite_time_exponents(TOP, STATES, t_end=1),
         "spectrum": lambda: lp.lyapunov_spectrum(TOP, STATES[:1], t_end=5, transient=5, covariant=True),
         "section": lambda: lp.section(TOP, STATES, surface="l3", t_end=2),
     }[kind]()
@@ -174,7 +180,7 @@ def test_the_arrays_of_a_result_are_read_only(kind):
 
 def test_a_structure_that_a_caller_gives_is_copied():
     n_zeros = np.array([5, 5, 5])
-    structure = lp.PoissonStructure(n_zeros, np.array([3, 3, 3]), np.array([True, True, True]))
+    structure = lp.chaos.PoissonStructure(n_zeros, np.array([3, 3, 3]), np.array([True, True, True]))
     spectrum = lp.lyapunov_spectrum(TOP, STATES, t_end=5, structure=structure)
     n_zeros[:] = 0
     assert spectrum.structure.n_zeros.tolist() == [5, 5, 5]
@@ -182,9 +188,9 @@ def test_a_structure_that_a_caller_gives_is_copied():
 
 def test_a_sweep_keeps_the_values_that_it_was_given():
     values, a, casimirs = np.array([0.0, 1.0]), np.array([0.1, 0.2, 0.123456789012]), {"C1": np.float64(1.0)}
-    starts = lp.Starts(casimirs=casimirs)
-    axes = (lp.Axis("epsilon", values),)
-    spec = lp.SweepSpec(system="twisted-top", axes=axes, t_end=9.0, parameters={"a": a}, starts=starts)
+    starts = lp.sweeps.Starts(casimirs=casimirs)
+    axes = (lp.sweeps.Axis("epsilon", values),)
+    spec = lp.sweeps.SweepSpec(system="twisted-top", axes=axes, t_end=9.0, parameters={"a": a}, starts=starts)
     record, digest = spec.record(), spec.fingerprint()
     values *= 2
     a *= 2
@@ -257,11 +263,11 @@ def test_the_layout_of_an_array_does_not_matter(name, layout):
     assert_same(snapshot(CASES[name].call(**{k: LAYOUTS[layout](v) for k, v in copies(name).items()})), wanted)
 
 
-@pytest.mark.parametrize("function", ["integrate", "lyapunov_exponent", "section", "lyapunov_spectrum", "megno"])
+@pytest.mark.parametrize("function", ["integrate", "finite_time_exponents", "section", "lyapunov_spectrum", "megno"])
 def test_rows_that_share_their_memory(function):
     """A broadcast array has one row and strides of zero."""
-    options = {"integrate": {"t": [0, 1]}, "section": {"surface": "l3", "t_end": 3}}.get(function, {"t_end": 10})
-    run = getattr(lp, function)
+    options = {"integrate": {"times": [0, 1]}, "section": {"surface": "l3", "t_end": 3}}.get(function, {"t_end": 10})
+    run = dict(public_names())[function]
     same = np.broadcast_to(STATES[0], STATES.shape)
     assert_same(snapshot(run(TOP, same, **options)), snapshot(run(TOP, np.array(same), **options)))
 

@@ -35,7 +35,7 @@ def test_indices_are_those_of_the_tangent_vectors_of_integrate():
     x0 = lp.sample_states(CHAOTIC, 4, seed=3)
     angle = alignment(CHAOTIC, x0, times=[20], n_vectors=3, seed=5)
     v0 = sample_alignment_vectors(9, 4, 3, seed=5)
-    v = lp.integrate(CHAOTIC, x0, t=[0, 20], tangents=v0, method=lp.Taylor(tol=1e-13)).tangent[:, 1]
+    v = lp.integrate(CHAOTIC, x0, times=[0, 20], tangents=v0, method=lp.Taylor(tol=1e-13)).tangent[:, 1]
     v = v / np.linalg.norm(v, axis=-1, keepdims=True)
     gram = np.sqrt(np.linalg.det(v @ np.swapaxes(v, -1, -2)))  # volume by Gram's determinant
     # rel 1e-3: Gram's determinant is the square of a volume of 1e-4 to 1e-6, so it loses up to 1e-16/1e-12
@@ -93,7 +93,7 @@ def test_vectors_start_tangent_to_leaf_and_energy_surface(within):
     vectors = _first_vectors(CHAOTIC, x0, sample_alignment_vectors(9, 8, 2, seed=1), within)
     functions = CHAOTIC.functions
     for k, x in enumerate(x0):
-        projector = lp.leaf_of(CHAOTIC, x).tangent_projector(x, energy=within == "energy")
+        projector = lp.Leaf.through(CHAOTIC, x).tangent_projector(x, energy=within == "energy")
         assert np.abs(vectors[k] @ projector - vectors[k]).max() < 1e-14
     slope = np.abs(np.einsum("mki,mi->mk", vectors, functions.energy.gradient(x0)))
     assert (slope.max() < 1e-14) == (within == "energy")

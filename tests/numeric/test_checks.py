@@ -18,7 +18,7 @@ CURVES = np.random.default_rng(0).normal(size=(4, 20))
 def exponent(x0=X0, system=TOP, **options):
     if "times" not in options:
         options.setdefault("t_end", 1)
-    return lp.lyapunov_exponent(system, x0, **options)
+    return lp.finite_time_exponents(system, x0, **options)
 
 
 # The integer of 5000 digits has no repr.
@@ -72,14 +72,14 @@ def test_a_method_is_a_method_object(bad):
     with pytest.raises(ParameterError, match="method: wanted a method object"):
         exponent(method=bad)
     with pytest.raises(ParameterError, match="method: wanted a method object"):
-        lp.integrate(TOP, X0, t=[0, 1], method=bad)
+        lp.integrate(TOP, X0, times=[0, 1], method=bad)
 
 
 @pytest.mark.parametrize("bad", [None, lp.Top, 5, "top"])
 def test_a_system_is_an_object_with_a_field(bad):
     for call in (
         lambda: exponent(system=bad),
-        lambda: lp.integrate(bad, X0, t=[0, 1]),
+        lambda: lp.integrate(bad, X0, times=[0, 1]),
         lambda: lp.sample_states(bad, 1, seed=1),
     ):
         with pytest.raises(ParameterError, match="system: wanted a system"):
@@ -100,9 +100,9 @@ def test_arrays_that_would_lose_their_meaning_are_refused(bad):
         lambda: exponent(bad),
         lambda: exponent(tangents=bad),
         lambda: exponent(times=bad),
-        lambda: lp.integrate(TOP, bad, t=[0, 1]),
-        lambda: lp.integrate(TOP, X0, t=bad),
-        lambda: lp.integrate(TOP, X0, t=[0, 1], tangents=[bad] if bad.dtype.kind != "f" else bad[np.newaxis]),
+        lambda: lp.integrate(TOP, bad, times=[0, 1]),
+        lambda: lp.integrate(TOP, X0, times=bad),
+        lambda: lp.integrate(TOP, X0, times=[0, 1], tangents=[bad] if bad.dtype.kind != "f" else bad[np.newaxis]),
         lambda: TOP.vector_field(bad),
     ):
         with pytest.raises(ParameterError, match=r"real numbers; got (a masked array|an array of)"):
@@ -111,14 +111,14 @@ def test_arrays_that_would_lose_their_meaning_are_refused(bad):
 
 def test_arrays_of_something_else_are_refused():
     for x0 in ([[10**400] * 9], ["1"] * 9, "a", object()):
-        with pytest.raises(ShapeError, match="x0: wanted an array of numbers"):
+        with pytest.raises(ShapeError, match="starts: wanted an array of numbers"):
             exponent(x0)
-        with pytest.raises(ShapeError, match="x: wanted an array of numbers"):
+        with pytest.raises(ShapeError, match="states: wanted an array of numbers"):
             TOP.vector_field(x0)
     with pytest.raises(ShapeError, match="tangents: wanted an array of numbers"):
-        lp.integrate(TOP, X0, t=[0, 1], tangents="a")
-    with pytest.raises(ShapeError, match="t: wanted an array of numbers"):
-        lp.integrate(TOP, X0, t=[0, 1], dense=True).at("a")
+        lp.integrate(TOP, X0, times=[0, 1], tangents="a")
+    with pytest.raises(ShapeError, match="times: wanted an array of numbers"):
+        lp.integrate(TOP, X0, times=[0, 1], dense=True).at("a")
 
 
 def test_there_is_one_tangent_vector_for_all_or_for_each():
@@ -129,7 +129,7 @@ def test_there_is_one_tangent_vector_for_all_or_for_each():
 @pytest.mark.parametrize("window", [3, ("1", "5"), (1, 2, 3), "ab", (5, 1), (1, float("inf"))])
 def test_a_window_is_two_numbers(window):
     with pytest.raises(ParameterError, match=r"window"):
-        lp.finite_time_fit(TIME, CURVES, window=window)
+        lp.fits.finite_time_fit(TIME, CURVES, window=window)
 
 
 @pytest.mark.parametrize(
@@ -139,13 +139,13 @@ def test_a_window_is_two_numbers(window):
 def test_resampling_is_checked(options):
     (name,) = options
     with pytest.raises(ParameterError, match=name):
-        lp.finite_time_fit(TIME, CURVES, window=(1, 20), **options)
+        lp.fits.finite_time_fit(TIME, CURVES, window=(1, 20), **options)
 
 
 def test_fits_refuse_what_is_not_a_curve():
     for call in (
-        lambda: lp.finite_time_fit("a", CURVES),
-        lambda: lp.finite_time_fit(TIME, "a", window=(1, 20)),
+        lambda: lp.fits.finite_time_fit("a", CURVES),
+        lambda: lp.fits.finite_time_fit(TIME, "a", window=(1, 20)),
         lambda: EnsembleReduction(TIME, windows=3),
     ):
         with pytest.raises(LiePoissonError, match=r"must be|wanted"):
@@ -178,18 +178,18 @@ def test_a_method_has_numbers_of_the_right_kind(name, bad):
 
 def results(x0):
     """One result of each kind that holds arrays; those of ensembles with as many members as starts."""
-    leaf, growth = lp.leaf_of(TOP, X0), lp.lyapunov_exponent(TOP, x0, times=[1, 2, 3])
+    leaf, growth = lp.Leaf.through(TOP, X0), lp.finite_time_exponents(TOP, x0, times=[1, 2, 3])
     return {
-        "Orbit": lp.integrate(TOP, x0, t=[0, 1, 2]),
-        "Growth": growth,
-        "MeanCurve": lp.MeanCurve(*[TIME] * 5, confidence=0.95, n_members=4, n_excluded=1),
+        "Orbit": lp.integrate(TOP, x0, times=[0, 1, 2]),
+        "FiniteTimeExponents": growth,
+        "MeanCurve": lp.results.MeanCurve(*[TIME] * 5, confidence=0.95, n_members=4, n_excluded=1),
         "Spectrum": lp.lyapunov_spectrum(TOP, x0, t_end=10),
-        "Megno": lp.megno(TOP, x0, t_end=2),
-        "Alignment": lp.alignment(TOP, x0, t_end=2),
-        "FrequencyDrift": lp.frequency_drift(TOP, x0, observable="l1", t_window=5, n_samples=16),
+        "Megno": lp.chaos.megno(TOP, x0, t_end=2),
+        "Alignment": lp.chaos.alignment(TOP, x0, t_end=2),
+        "FrequencyDrift": lp.chaos.frequency_drift(TOP, x0, observable="l1", t_end=10, n_samples=16),
         "Verdict": lp.decide(TOP, x0, t_end=2),
-        "FirstReturn": lp.first_return(TOP, x0, surface="l3", t_end=5),
-        "EnergyProfile": lp.exponents_by_energy(TOP, leaf=leaf, energies=[1, 2], n=2, t_end=1),
+        "FirstReturn": lp.sections.first_return(TOP, x0, surface="l3", t_end=5),
+        "EnergyProfile": lp.chaos.exponents_by_energy(TOP, leaf=leaf, energies=[1, 2], n_starts=2, t_end=1),
     }
 
 
@@ -209,12 +209,15 @@ def test_the_repr_of_a_result_is_one_short_line_with_its_system(n):
 def test_a_repr_gives_the_median_of_those_that_finished_and_counts_the_failed():
     x0 = lp.sample_states(TOP, 3, seed=1)
     x0[1] = np.nan
-    growth = lp.lyapunov_exponent(TOP, x0, t_end=5)
+    growth = lp.finite_time_exponents(TOP, x0, t_end=5)
     value = np.median(growth.exponent[[0, 2], -1])
-    assert repr(growth) == f"<Growth of {TOP.name}: 3 trajectories (1 failed), median exponent {value:.4g} at t = 5>"
-    orbit = lp.integrate(TOP, x0[0], t=np.linspace(0, 2, 5), tangents=np.eye(9)[:2])
+    assert (
+        repr(growth)
+        == f"<FiniteTimeExponents of {TOP.name}: 3 trajectories (1 failed), median exponent {value:.4g} at t = 5>"
+    )
+    orbit = lp.integrate(TOP, x0[0], times=np.linspace(0, 2, 5), tangents=np.eye(9)[:2])
     assert repr(orbit) == f"<Orbit of {TOP.name}: 1 trajectory, 5 times, t = 0 to 2, 2 tangent vectors each>"
-    nowhere = lp.first_return(TOP, x0, surface="l3 - 100", t_end=1)
+    nowhere = lp.sections.first_return(TOP, x0, surface="l3 - 100", t_end=1)
     assert repr(nowhere) == "<FirstReturn: 0 of 3 states returned, no time>"
 
 
@@ -222,9 +225,9 @@ def test_a_repr_holds_where_nothing_finished():
     x0 = lp.sample_states(TOP, 2, seed=1)
     with np.errstate(all="raise"):
         for result in (
-            lp.lyapunov_exponent(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
+            lp.finite_time_exponents(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
             lp.lyapunov_spectrum(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
-            lp.megno(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
-            lp.alignment(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
+            lp.chaos.megno(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
+            lp.chaos.alignment(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
         ):
             assert "2 trajectories (2 failed), " in repr(result) or "of 2 trajectories (2 failed)" in repr(result)

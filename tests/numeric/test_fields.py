@@ -26,11 +26,11 @@ def test_a_top_as_another_field_has_the_same_orbits_and_tangents(lowered):
     top = twisted_top()
     other = lowered(top)
     assert isinstance(other, (QuadraticField, TapeField))
-    x0 = lp.sample_states(top, n=5, seed=1)
+    x0 = lp.sample_states(top, n_starts=5, seed=1)
     tangents = np.eye(9)[:3]
     t = np.linspace(0, 10, 5)
-    first = lp.integrate(top, x0, t=t, tangents=tangents)
-    second = lp.integrate(other, x0, t=t, tangents=tangents)
+    first = lp.integrate(top, x0, times=t, tangents=tangents)
+    second = lp.integrate(other, x0, times=t, tangents=tangents)
     assert (second.outcome == "finished").all()
     # round-off grows with the tangent vectors: by their size, measured here, times 1e-14
     growth = np.abs(first.tangent).max()
@@ -41,9 +41,9 @@ def test_a_top_as_another_field_has_the_same_orbits_and_tangents(lowered):
 @pytest.mark.parametrize("lowered", [as_quadratic, as_tape])
 def test_exponents_agree_across_kinds(lowered):
     top = twisted_top()
-    x0 = lp.sample_states(top, n=16, seed=2)
-    first = lp.lyapunov_exponent(top, x0, t_end=10)
-    second = lp.lyapunov_exponent(lowered(top), x0, t_end=10)
+    x0 = lp.sample_states(top, n_starts=16, seed=2)
+    first = lp.finite_time_exponents(top, x0, t_end=10)
+    second = lp.finite_time_exponents(lowered(top), x0, t_end=10)
     np.testing.assert_allclose(second.exponent, first.exponent, atol=1e-10)
 
 
@@ -52,8 +52,8 @@ def test_a_hamiltonian_with_a_square_root_keeps_its_invariants():
         lp.so(3) @ lp.semidirect(2), "l1^2/2 + l2^2/4 + l3^2/6 + sqrt(1 + alpha1^2) + sin(alpha3)/(2 + alpha2)"
     )
     assert isinstance(system.field(), TapeField)
-    x0 = lp.sample_states(system, n=4, seed=0, ensemble="gaussian") / 2
-    orbit = lp.integrate(system, x0, t=np.linspace(0, 20, 11))
+    x0 = lp.sample_states(system, n_starts=4, seed=0, ensemble="gaussian") / 2
+    orbit = lp.integrate(system, x0, times=np.linspace(0, 20, 11))
     assert orbit.components == ("l1", "l2", "l3", "alpha1", "alpha2", "alpha3")
     for name, value in system.invariant_values(orbit.state).items():
         drift = np.abs(value - value[:, :1]).max()
@@ -65,7 +65,7 @@ def test_a_trajectory_that_leaves_the_domain_is_an_outcome():
     x = sp.Symbol("x")
     from liepoisson.exact.lowering import tape_of_equations
 
-    orbit = lp.integrate(tape_of_equations((x,), (-1 / x,)), [[1.0], [2.0]], t=[0, 0.25, 1])
+    orbit = lp.integrate(tape_of_equations((x,), (-1 / x,)), [[1.0], [2.0]], times=[0, 0.25, 1])
     assert list(orbit.outcome == "finished") == [False, True]
     assert orbit.end_time[0] == pytest.approx(0.5, abs=1e-3)
     assert orbit.state[1, :, 0] == pytest.approx(np.sqrt([4, 3.5, 2]), rel=1e-14)
@@ -76,7 +76,7 @@ def test_a_trajectory_that_leaves_the_domain_is_an_outcome():
 @pytest.mark.parametrize("energy", ["l1^2/2 + l2^2/4 + l3^2/6 + alpha3^2", "sqrt(1 + dot(l, l) + alpha1^2) + l2"])
 def test_a_saved_run_of_any_kind_can_be_repeated(energy, tmp_path):
     system = lp.System(lp.so(3) @ lp.semidirect(2), energy)
-    growth = lp.lyapunov_exponent(system, lp.sample_states(system, n=3, seed=0), t_end=5)
+    growth = lp.finite_time_exponents(system, lp.sample_states(system, n_starts=3, seed=0), t_end=5)
     again = lp.rerun(growth.save(tmp_path / "growth.nc"))
     np.testing.assert_array_equal(again.exponent, growth.exponent)
     assert again.components == growth.components
@@ -84,13 +84,13 @@ def test_a_saved_run_of_any_kind_can_be_repeated(energy, tmp_path):
 
 def test_unit_vectors_have_the_length_of_the_fields():
     system = lp.System(lp.so(4) @ lp.semidirect(2), lambda M, p: M.dot(M) / 2 + p[0])
-    states = lp.sample_states(system, n=3, seed=0).reshape(3, 2, 6)
+    states = lp.sample_states(system, n_starts=3, seed=0).reshape(3, 2, 6)
     np.testing.assert_allclose(np.linalg.norm(states, axis=-1), 1.0)
 
 
 def test_the_kernel_of_components_is_for_tops_only():
     with pytest.raises(lp.errors.ParameterError, match="kind 'quadratic'"):
-        lp.integrate(as_quadratic(twisted_top()), np.ones(9), t=[0, 1], kernel="components")
+        lp.integrate(as_quadratic(twisted_top()), np.ones(9), times=[0, 1], kernel="components")
 
 
 @pytest.mark.parametrize(
@@ -141,9 +141,9 @@ def test_entries_of_one_product_are_added_up():
 
 def test_unknown_instructions_are_refused_by_the_core():
     with pytest.raises(lp.errors.ParameterError, match="wanted linear, product"):
-        lp.integrate(TapeField(1, (("gamma", (0,), ()),), (1,)), [1.0], t=[0, 1])
+        lp.integrate(TapeField(1, (("gamma", (0,), ()),), (1,)), [1.0], times=[0, 1])
 
 
 def test_more_states_than_memory_are_refused():
     with pytest.raises(lp.errors.ParameterError, match="fits into memory"):
-        lp.sample_states(lp.Top.kovalevskaya(), n=10**13, seed=0)
+        lp.sample_states(lp.Top.kovalevskaya(), n_starts=10**13, seed=0)

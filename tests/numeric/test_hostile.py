@@ -34,7 +34,7 @@ IS_SINGLE = [getattr(method, "precision", "double") == "single" for method in ME
 IS_SPLITTING = [isinstance(method, lp.Splitting) for method in METHODS]
 
 
-def check(orbit: lp.Orbit) -> None:
+def check(orbit: lp.results.Orbit) -> None:
     """Every trajectory has an outcome that agrees with its numbers."""
     assert set(orbit.outcome) <= OUTCOMES
     finished = orbit.outcome == "finished"
@@ -45,10 +45,10 @@ def check(orbit: lp.Orbit) -> None:
     assert (np.abs(orbit.end_time[~finished]) < abs(orbit.time[-1])).all()
 
 
-def ended(system: lp.System, x0: np.ndarray, method: lp.Taylor, ends: str) -> tuple[lp.Orbit, int]:
+def ended(system: lp.System, x0: np.ndarray, method: lp.Taylor, ends: str) -> tuple[lp.results.Orbit, int]:
     """The orbits to t = 1, which end as the letter of the method says, and the position of the method."""
     which = METHODS.index(method)
-    orbit = lp.integrate(system, x0, t=[0, 0.5, 1], method=method)
+    orbit = lp.integrate(system, x0, times=[0, 0.5, 1], method=method)
     check(orbit)
     if ends[which] == "m":  # most of them; the others happen to move slowly
         assert set(orbit.outcome) <= {"max steps", "finished"}
@@ -63,7 +63,7 @@ def drift(values: dict[str, np.ndarray], before: dict[str, np.ndarray], names: l
     return max(float((np.abs(values[n] - before[n]) / np.abs(before[n]).max()).max()) for n in names)
 
 
-def check_accuracy(system: lp.Top, x0: np.ndarray, orbit: lp.Orbit, which: int) -> None:
+def check_accuracy(system: lp.Top, x0: np.ndarray, orbit: lp.results.Orbit, which: int) -> None:
     """The invariants are kept, and the states are those of SciPy's method."""
     before, after = (system.invariant_values(x) for x in (x0, orbit.state[:, -1]))
     assert drift(after, before, list(before)) < 100 * ACCURACY[which], "invariants are sums of large and small numbers"
@@ -118,7 +118,7 @@ def test_extreme_twist(method: lp.Taylor, epsilon: float, ends: str) -> None:
 def test_a_tiny_twist_is_nearly_none(method: lp.Taylor) -> None:
     tops = [lp.Top(inertia=(2, 2, 1), a=(-1, 0, 0), b=(0, 0, 0), epsilon=e) for e in (0, 1e-12)]
     x0 = lp.sample_states(TOP, 8, seed=2)
-    ends = [lp.integrate(top, x0, t=[0, 2], method=method).state[:, -1] for top in tops]
+    ends = [lp.integrate(top, x0, times=[0, 2], method=method).state[:, -1] for top in tops]
     precision = 1e-4 if getattr(method, "precision", "double") == "single" else 1e-9
     assert np.abs(ends[0] - ends[1]).max() < precision
 
@@ -142,7 +142,7 @@ def test_huge_and_tiny_states(method: lp.Taylor, scale: float, ends: str) -> Non
     if scale < 1:
         # the flow is that of the linear part: states are proportional
         unit = 1e-8 * lp.sample_states(TOP, 20, seed=1)
-        wanted = lp.integrate(TOP, unit, t=[0, 1]).state[:, -1] / 1e-8
+        wanted = lp.integrate(TOP, unit, times=[0, 1]).state[:, -1] / 1e-8
         finished = orbit.outcome == "finished"
         np.testing.assert_allclose(
             orbit.state[finished, -1] / scale, wanted[finished], atol=max(ACCURACY[which], 1e-7) * np.abs(wanted).max()
@@ -160,11 +160,11 @@ def test_huge_and_tiny_states(method: lp.Taylor, scale: float, ends: str) -> Non
 def test_bad_members_do_not_touch_their_neighbours(method: lp.Taylor) -> None:
     x0 = lp.sample_states(TOP, 40, seed=3)
     tangents = np.ones((40, 1, 9))
-    good = lp.integrate(TOP, x0, t=[0, 1, 3], tangents=tangents, method=method)
+    good = lp.integrate(TOP, x0, times=[0, 1, 3], tangents=tangents, method=method)
     bad = {2: (0, np.nan), 3: (4, np.inf), 17: (5, 1e300), 30: (8, -np.inf), 39: (1, 1e200)}
     for member, (component, value) in bad.items():
         x0[member, component] = value
-    orbit = lp.integrate(TOP, x0, t=[0, 1, 3], tangents=tangents, method=method)
+    orbit = lp.integrate(TOP, x0, times=[0, 1, 3], tangents=tangents, method=method)
     check(orbit)
     kept = [member for member in range(40) if member not in bad]
     assert (orbit.outcome[kept] == "finished").all()
@@ -176,7 +176,7 @@ def test_bad_members_do_not_touch_their_neighbours(method: lp.Taylor) -> None:
 
 @every_method
 def test_an_end_time_out_of_reach_ends_with_the_budget_of_steps(method: lp.Taylor) -> None:
-    orbit = lp.integrate(TOP, lp.sample_states(TOP, 20, seed=1), t=[0, 1, 1e9], method=method)
+    orbit = lp.integrate(TOP, lp.sample_states(TOP, 20, seed=1), times=[0, 1, 1e9], method=method)
     assert (orbit.outcome == "max steps").all()
     assert np.isfinite(orbit.state[:, 1]).all()
     check(orbit)
@@ -188,20 +188,20 @@ def test_a_limit_of_time_ends_a_run_and_keeps_what_is_done(method: lp.Taylor) ->
     patient = type(method)(**{**vars(method), "max_steps": 10**15})
     x0 = lp.sample_states(TOP, 200, seed=1)
     begin = time.perf_counter()
-    orbit = lp.integrate(TOP, x0, t=[0, 1, 1e9], method=patient, time_limit=0.4, threads=2)
+    orbit = lp.integrate(TOP, x0, times=[0, 1, 1e9], method=patient, time_limit=0.4, threads=2)
     # a worker looks at the clock every few milliseconds; the allowance is for a machine with other work
     assert time.perf_counter() - begin < 5.0
     assert (orbit.outcome == "time limit").all()
     started = ~np.isnan(orbit.end_time)
     assert 0 < started.sum() < 200
-    assert np.isfinite(orbit.final_state[started]).all()
-    assert np.isnan(orbit.final_state[~started]).all()
+    assert np.isfinite(orbit.end_state[started]).all()
+    assert np.isnan(orbit.end_state[~started]).all()
 
 
 def test_default_budgets_end_an_endless_exponent(monkeypatch: pytest.MonkeyPatch) -> None:
     """The defaults at work, with the number of steps lowered to what a test can wait for."""
     assert lp.Taylor().max_steps == 10_000_000
-    growth = lp.lyapunov_exponent(
+    growth = lp.finite_time_exponents(
         TOP, lp.sample_states(TOP, 4, seed=1), t_end=1e9, method=lp.Taylor(tol=1e-13, max_steps=5_000)
     )
     assert (growth.outcome == "max steps").all()

@@ -29,7 +29,7 @@ NAMED = {
 def test_orbit_agrees_with_an_independent_integrator(top):
     """SciPy's DOP853 at rtol 1e-13 on the symbolic field; its own error at t=10 is a few 1e-13."""
     x0 = lp.sample_states(top, 3, seed=11)
-    orbit = lp.integrate(top, x0, t=[0, 4, 10])
+    orbit = lp.integrate(top, x0, times=[0, 4, 10])
     for k in range(3):
         reference = solve_ivp(
             lambda _, x: top.vector_field(x), (0, 10), x0[k], method="DOP853", rtol=1e-13, atol=1e-13, t_eval=[4, 10]
@@ -76,27 +76,27 @@ def test_state_and_tangent_vector_agree_with_a_40_digit_reference():
     x0 = lp.sample_states(TOP, 1, seed=5)[0]
     v0 = np.arange(1.0, 10.0) / 10
     x, v = _taylor_in_40_digits(TOP, x0, v0, 3.0, 60)
-    orbit = lp.integrate(TOP, x0, t=[0, 3], tangents=[v0])
+    orbit = lp.integrate(TOP, x0, times=[0, 3], tangents=[v0])
     assert np.abs(orbit.state[0, 1] - x).max() < 5e-15 * np.abs(x).max() * 3
     assert np.abs(orbit.tangent[0, 1, 0] - v).max() < 5e-15 * np.abs(v).max() * 3
-    single = lp.integrate(TOP, x0, t=[0, 3])
+    single = lp.integrate(TOP, x0, times=[0, 3])
     assert single.kernel == "components"
     assert np.abs(single.state[0, 1] - x).max() < 5e-15 * np.abs(x).max() * 3
 
 
 def test_state_at_the_first_time_is_the_start_itself():
     x0 = lp.sample_states(TOP, 20, seed=2)
-    orbit = lp.integrate(TOP, x0, t=[3, 2, -1])
+    orbit = lp.integrate(TOP, x0, times=[3, 2, -1])
     assert np.array_equal(orbit.state[:, 0], x0)
     assert (orbit.outcome == "finished").all()
     assert np.array_equal(orbit.end_time, np.full(20, -1.0))
-    assert np.array_equal(orbit.final_state, orbit.state[:, -1])
+    assert np.array_equal(orbit.end_state, orbit.state[:, -1])
 
 
 def test_running_backwards_undoes_running_forwards():
     x0 = lp.sample_states(TOP, 50, seed=3)
-    forth = lp.integrate(TOP, x0, t=[0, 8])
-    back = lp.integrate(TOP, forth.state[:, 1], t=[8, 0])
+    forth = lp.integrate(TOP, x0, times=[0, 8])
+    back = lp.integrate(TOP, forth.state[:, 1], times=[8, 0])
     # round-off times the growth of tangent vectors over 8 time units; measured 2e-14
     assert np.abs(back.state[:, 1] - x0).max() < 1e-12
 
@@ -108,9 +108,9 @@ def test_dense_output_is_the_orbit(times):
     x0 = lp.sample_states(TOP, 2, seed=4)
     wanted = np.unique(np.round(times, 6))
     for direction in (1, -1):
-        orbit = lp.integrate(TOP, x0, t=np.array([-2.0, 7.0])[::direction], dense=True)
+        orbit = lp.integrate(TOP, x0, times=np.array([-2.0, 7.0])[::direction], dense=True)
         grid = np.unique(np.concatenate([[-2.0, 7.0], wanted]))[::direction]
-        direct = lp.integrate(TOP, x0, t=grid).state
+        direct = lp.integrate(TOP, x0, times=grid).state
         assert np.abs(orbit.at(grid) - direct).max() < 1e-14
         assert orbit.at(wanted).shape == (2, len(wanted), 9)
         assert np.array_equal(orbit.at(float(wanted[0])), orbit.at(wanted)[:, 0])
@@ -119,16 +119,16 @@ def test_dense_output_is_the_orbit(times):
 def test_dense_output_refuses_what_it_does_not_have():
     x0 = lp.sample_states(TOP, 1, seed=4)
     with pytest.raises(ParameterError, match="dense=True"):
-        lp.integrate(TOP, x0, t=[0, 1]).at(0.5)
+        lp.integrate(TOP, x0, times=[0, 1]).at(0.5)
     with pytest.raises(ParameterError, match=r"from 0\.0 to 1\.0"):
-        lp.integrate(TOP, x0, t=[0, 1], dense=True).at([0.5, 1.5])
+        lp.integrate(TOP, x0, times=[0, 1], dense=True).at([0.5, 1.5])
     with pytest.raises(ParameterError, match=r"from 0\.0 to 1\.0"):
-        lp.integrate(TOP, x0, t=[0, 1], dense=True).at(np.nan)
+        lp.integrate(TOP, x0, times=[0, 1], dense=True).at(np.nan)
 
 
 def test_casimirs_and_invariants_of_every_named_top_are_kept():
     for name, top in NAMED.items():
-        orbit = lp.integrate(top, lp.sample_states(top, 30, seed=6), t=[0, 50])
+        orbit = lp.integrate(top, lp.sample_states(top, 30, seed=6), times=[0, 50])
         start, end = top.invariant_values(orbit.state[:, 0]), top.invariant_values(orbit.state[:, 1])
         for invariant in start:
             drift = np.abs(end[invariant] - start[invariant]) / (1 + np.abs(start[invariant]))
@@ -139,7 +139,7 @@ def test_casimirs_and_invariants_of_every_named_top_are_kept():
 def test_energy_error_does_not_grow_with_a_trend():
     """Brouwer's law: after 64 times as long the RMS error of H is about 8 times as large; 3 times that is allowed."""
     top = lp.Top.twisted_kovalevskaya()
-    orbit = lp.integrate(top, lp.sample_states(top, 64, seed=8), t=[0, 20, 1280])
+    orbit = lp.integrate(top, lp.sample_states(top, 64, seed=8), times=[0, 20, 1280])
     energy = top.invariant_values(orbit.state)["H"]
     rms = np.sqrt(np.mean((energy - energy[:, :1]) ** 2, axis=0))
     assert rms[2] < 3 * 8 * rms[1]
@@ -157,34 +157,34 @@ def test_energy_error_does_not_grow_with_a_trend():
 )
 def test_wrong_shapes_are_refused(x0, message):
     with pytest.raises(ShapeError, match=message):
-        lp.integrate(TOP, x0, t=[0, 1])
+        lp.integrate(TOP, x0, times=[0, 1])
 
 
 def test_numbers_that_are_not_finite_are_refused():
     x0 = lp.sample_states(TOP, 4, seed=1)
     with pytest.raises(ParameterError, match="trajectory 0 of 4 has a NaN"):
-        lp.integrate(TOP, np.full_like(x0, np.inf), t=[0, 1])
+        lp.integrate(TOP, np.full_like(x0, np.inf), times=[0, 1])
     for times in ([0, 0], [0, 1, 0.5], [0, np.inf]):
         with pytest.raises(ParameterError, match="strictly increasing or strictly decreasing"):
-            lp.integrate(TOP, x0[:1], t=times)
+            lp.integrate(TOP, x0[:1], times=times)
     with pytest.raises(ShapeError, match="2 or more times"):
-        lp.integrate(TOP, x0[:1], t=[0])
+        lp.integrate(TOP, x0[:1], times=[0])
     with pytest.raises(ShapeError, match=r"tangents must have shape \(tangent, 9\) or \(1, tangent, 9\)"):
-        lp.integrate(TOP, x0[:1], t=[0, 1], tangents=np.zeros(9))
+        lp.integrate(TOP, x0[:1], times=[0, 1], tangents=np.zeros(9))
     with pytest.raises(ParameterError, match="threads"):
-        lp.integrate(TOP, x0[:1], t=[0, 1], threads=0)
+        lp.integrate(TOP, x0[:1], times=[0, 1], threads=0)
 
 
 def test_a_trajectory_that_fails_is_an_outcome():
     x0 = lp.sample_states(TOP, 3, seed=1)
     x0[1] *= 1e200
-    orbit = lp.integrate(TOP, x0, t=[0, 1, 2], dense=True)
+    orbit = lp.integrate(TOP, x0, times=[0, 1, 2], dense=True)
     assert list(orbit.outcome) == ["finished", "not finite", "finished"]
     assert np.isnan(orbit.state[1]).all()
-    assert np.array_equal(orbit.final_state[1], x0[1])
+    assert np.array_equal(orbit.end_state[1], x0[1])
     assert np.isnan(orbit.at([0.5])[1]).all()
     assert np.isfinite(orbit.at([0.5])[[0, 2]]).all()
-    few = lp.integrate(TOP, x0[:1], t=[0, 1, 1e6], method=lp.Taylor(max_steps=50))
+    few = lp.integrate(TOP, x0[:1], times=[0, 1, 1e6], method=lp.Taylor(max_steps=50))
     assert few.outcome[0] == "max steps"
     assert np.isfinite(few.state[0, 1]).all()
     assert np.isnan(few.state[0, 2]).all()
@@ -194,21 +194,23 @@ def test_a_trajectory_that_fails_is_an_outcome():
 def test_a_kernel_that_does_not_apply_is_refused():
     x0 = lp.sample_states(TOP, 2, seed=1)
     with pytest.raises(ParameterError, match="for 2 trajectories with 0 tangent vectors"):
-        lp.integrate(TOP, x0, t=[0, 1], kernel="components")
+        lp.integrate(TOP, x0, times=[0, 1], kernel="components")
     with pytest.raises(ParameterError, match="for 1 trajectories with 9 tangent vectors"):
-        lp.integrate(TOP, x0[0], t=[0, 1], tangents=np.eye(9), kernel="components")
+        lp.integrate(TOP, x0[0], times=[0, 1], tangents=np.eye(9), kernel="components")
     with pytest.raises(ParameterError, match="got 'fast'"):
-        lp.integrate(TOP, x0[0], t=[0, 1], kernel="fast")
+        lp.integrate(TOP, x0[0], times=[0, 1], kernel="fast")
 
 
 def test_a_zero_tangent_vector_does_not_shorten_the_steps():
     x0 = lp.sample_states(TOP, 1, seed=1)
-    steps = [lp.integrate(TOP, x0, t=[0, 50], tangents=v, kernel="lanes").n_steps[0] for v in (None, np.zeros((1, 9)))]
+    steps = [
+        lp.integrate(TOP, x0, times=[0, 50], tangents=v, kernel="lanes").n_steps[0] for v in (None, np.zeros((1, 9)))
+    ]
     assert steps[0] == steps[1]
 
 
 def test_no_trajectories_give_an_empty_orbit():
-    orbit = lp.integrate(TOP, np.empty((0, 9)), t=[0, 1])
+    orbit = lp.integrate(TOP, np.empty((0, 9)), times=[0, 1])
     assert orbit.state.shape == (0, 2, 9)
 
 
@@ -220,7 +222,7 @@ def test_ctrl_c_stops_a_long_run_soon():
     timer = threading.Timer(0.5, signal.raise_signal, [signal.SIGINT])
     timer.start()
     with pytest.raises(KeyboardInterrupt):
-        lp.integrate(TOP, x0, t=[0, 1e12])
+        lp.integrate(TOP, x0, times=[0, 1e12])
     timer.join()
     signal.signal(signal.SIGINT, before)
 
@@ -229,7 +231,7 @@ def test_ctrl_c_stops_a_long_run_soon():
 def test_progress_rises_to_at_most_one_and_its_errors_stop_the_run():
     x0 = lp.sample_states(TOP, 8, seed=1)
     seen = []
-    lp.integrate(TOP, x0, t=[0, 2e5], progress=seen.append)
+    lp.integrate(TOP, x0, times=[0, 2e5], progress=seen.append)
     assert seen == sorted(seen)
     assert all(0 <= fraction <= 1 for fraction in seen)
 
@@ -237,7 +239,7 @@ def test_progress_rises_to_at_most_one_and_its_errors_stop_the_run():
         raise RuntimeError("no")
 
     with pytest.raises(RuntimeError, match="no"):
-        lp.integrate(TOP, x0, t=[0, 1e12], progress=refuse)
+        lp.integrate(TOP, x0, times=[0, 1e12], progress=refuse)
 
 
 @pytest.mark.thorough
@@ -254,7 +256,7 @@ def test_a_close_passage_of_keplers_problem_on_the_sphere_is_right_to_round_off_
     end = [-0.19799582844958036, -0.9386258319080819, 0.03290270717047299]
     end += [0.9102871245190188, -0.27423100967470726, 0.31012046734726656]
     round_off = np.finfo(float).eps / 0.0014831515**2
-    ours = lp.integrate(system, start, t=[0, 10]).state[0, -1]
+    ours = lp.integrate(system, start, times=[0, 10]).state[0, -1]
     assert np.abs(ours - end).max() < 0.1 * round_off  # measured 1.5e-12, of 1e-10
     scipy = solve_ivp(lambda _, x: system.vector_field(x), (0, 10), start, method="DOP853", rtol=1e-13, atol=1e-13).y[
         :, -1

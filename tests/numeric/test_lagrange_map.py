@@ -56,10 +56,10 @@ def test_the_spectrum_of_the_lax_matrix_is_constant_exactly(l, alpha, beta, para
 @pytest.mark.parametrize(("epsilon", "b3"), [(0.0, 0.0), (1.0, 0.0), (-0.7, 0.4)])
 def test_integrals_are_constant_over_long_times(epsilon, b3):
     top = lp.Top(inertia=(1.5, 1.5, 0.8), a=(0, 0, 0.9), b=(0, 0, b3), epsilon=epsilon)
-    method = lp.LagrangeMap(step=0.25)
+    method = lp.methods.LagrangeMap(step=0.25)
     x0 = lp.sample_states(top, 6, seed=1)
     # times that are whole numbers of steps, or the step would be shorter than the one of the integrals
-    orbit = lp.integrate(top, x0, t=[0, 1, 100, 2500], method=method)
+    orbit = lp.integrate(top, x0, times=[0, 1, 100, 2500], method=method)
     values = method.integrals(top, orbit.state)
     # 10,000 steps of a few units of round-off each, whose sum is no random walk alone
     assert np.abs(values - values[:, :1]).max() < 1e-10
@@ -70,7 +70,7 @@ def test_integrals_are_constant_over_long_times(epsilon, b3):
 def test_it_is_a_poisson_map_of_order_two():
     top = lp.Top(inertia=(1.5, 1.5, 0.8), a=(0, 0, 0.9), b=(0, 0, 0.3), epsilon=0.7)
     x0 = lp.sample_states(top, 4, seed=2)
-    orbit = lp.integrate(top, x0, t=[0, 3], tangents=np.eye(9), method=lp.LagrangeMap(step=0.5))
+    orbit = lp.integrate(top, x0, times=[0, 3], tangents=np.eye(9), method=lp.methods.LagrangeMap(step=0.5))
 
     def hat(u):
         return np.array([[0, -u[2], u[1]], [u[2], 0, -u[0]], [-u[1], u[0], 0]])
@@ -83,9 +83,9 @@ def test_it_is_a_poisson_map_of_order_two():
         D = tangents.T
         defect = D @ poisson_tensor(start) @ D.T - poisson_tensor(end)
         assert np.abs(defect).max() < 1e-13 * np.abs(D).max() ** 2
-    exact = lp.integrate(top, x0, t=[0, 3]).state[:, -1]
+    exact = lp.integrate(top, x0, times=[0, 3]).state[:, -1]
     errors = [
-        np.abs(lp.integrate(top, x0, t=[0, 3], method=lp.LagrangeMap(step=h)).state[:, -1] - exact).max()
+        np.abs(lp.integrate(top, x0, times=[0, 3], method=lp.methods.LagrangeMap(step=h)).state[:, -1] - exact).max()
         for h in (0.05, 0.025)
     ]
     assert 3.7 < errors[0] / errors[1] < 4.3
@@ -94,8 +94,8 @@ def test_it_is_a_poisson_map_of_order_two():
 def test_other_tops_are_refused():
     for top in (lp.Top.kovalevskaya(), lp.Top(inertia=(1, 1, 2), a=(0, 0, 1), b=(1, 0, 0), epsilon=1)):
         with pytest.raises(ParameterError, match="LagrangeMap wanted a top with I1 = I2"):
-            lp.integrate(top, [0.1] * 9, t=[0, 1], method=lp.LagrangeMap(step=0.1))
+            lp.integrate(top, [0.1] * 9, times=[0, 1], method=lp.methods.LagrangeMap(step=0.1))
         with pytest.raises(ParameterError, match="wanted a top with I1 = I2"):
-            lp.LagrangeMap(step=0.1).integrals(top, [0.1] * 9)
+            lp.methods.LagrangeMap(step=0.1).integrals(top, [0.1] * 9)
     with pytest.raises(ShapeError, match="must end in 9 components"):
-        lp.LagrangeMap(step=0.1).integrals(lp.Top.twisted_lagrange(), [0.1] * 8)
+        lp.methods.LagrangeMap(step=0.1).integrals(lp.Top.twisted_lagrange(), [0.1] * 8)

@@ -89,25 +89,25 @@ def spectrum():
 
 def test_the_printed_error_of_a_spectrum_is_the_spread_over_the_starts(spectrum):
     mean, error = spectrum.mean
-    assert mean == pytest.approx(spectrum.exponents.mean(axis=0))
-    assert error == pytest.approx(spectrum.exponents.std(axis=0, ddof=1) / 3)
+    assert mean == pytest.approx(spectrum.end_exponent.mean(axis=0))
+    assert error == pytest.approx(spectrum.end_exponent.std(axis=0, ddof=1) / 3)
     assert f"± {error[0]:.2g} (over 9 starts)" in repr(spectrum)
 
 
 def test_of_one_orbit_it_is_the_error_over_its_time(spectrum):
     alone = replace(spectrum, outcome=np.array(["finished"] + ["step too small"] * 8))
     mean, error = alone.mean
-    assert np.array_equal(mean, spectrum.exponents[0])
+    assert np.array_equal(mean, spectrum.end_exponent[0])
     assert np.array_equal(error, spectrum.error[0])
     assert f"± {error[0]:.2g} (over the time of one orbit)" in repr(alone)
 
 
 def test_all_means_over_starts_have_the_same_error(spectrum):
     """A spectrum, exponents with errors and a sweep: property or not, one number."""
-    values = spectrum.exponents[:, 0]
-    estimate = lp.largest_exponent(TOP, lp.sample_states(TOP, 3, seed=1), t_end=200)
-    same = replace(estimate, value=values)
+    values = spectrum.end_exponent[:, 0]
+    estimate = lp.lyapunov_exponent(TOP, lp.sample_states(TOP, 3, seed=1), t_end=200)
+    same = replace(estimate, exponent=values)
     assert same.mean.standard_error == pytest.approx(spectrum.mean[1][0])
     assert same.mean.value == pytest.approx(spectrum.mean[0][0])
-    swept = lp.sweep(system=lp.Top.kovalevskaya, axes={"epsilon": [1.0]}, n=9, t_end=20)
+    swept = lp.sweep(system=lp.Top.kovalevskaya, axes={"epsilon": [1.0]}, n_starts=9, t_end=20)
     assert swept.standard_error[0] == pytest.approx(mean_over_starts(swept.value[0], swept.value[0])[1])

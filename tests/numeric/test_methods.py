@@ -28,7 +28,7 @@ def test_a_budget_of_no_steps_is_refused():
 
 
 def test_a_given_order_is_used():
-    assert lp.integrate(lp.Top.kovalevskaya(), [0.1] * 9, t=[0, 1], method=lp.Taylor(order=31)).order == 31
+    assert lp.integrate(lp.Top.kovalevskaya(), [0.1] * 9, times=[0, 1], method=lp.Taylor(order=31)).order == 31
 
 
 METHODS = [
@@ -52,8 +52,8 @@ def test_a_method_survives_its_record(method):
 def test_every_method_follows_the_same_orbit(method):
     top = lp.Top.twisted_kovalevskaya()
     x0 = lp.sample_states(top, 3, seed=5)
-    exact = lp.integrate(top, x0, t=[0, 0.7, 2]).state
-    orbit = lp.integrate(top, x0, t=[0, 0.7, 2], method=method, tangents=[[1.0, *[0.0] * 8]])
+    exact = lp.integrate(top, x0, times=[0, 0.7, 2]).state
+    orbit = lp.integrate(top, x0, times=[0, 0.7, 2], method=method, tangents=[[1.0, *[0.0] * 8]])
     assert (orbit.outcome == "finished").all()
     # coarse steps on purpose: this finds wrong equations and wrong times, not small errors
     assert np.abs(orbit.state - exact).max() < (2e-2 if method.name in ("splitting", "gauss") else 1e-3)
@@ -82,20 +82,20 @@ def test_methods_that_do_not_apply_say_what_does():
     manakov = lp.catalog.system("manakov-so4")
     x0 = lp.sample_states(manakov, 2, seed=1)
     with pytest.raises(ParameterError, match="which is for tops"):
-        lp.integrate(manakov, x0, t=[0, 1], method=lp.Taylor(tol=1e-8, precision="mixed"))
+        lp.integrate(manakov, x0, times=[0, 1], method=lp.Taylor(tol=1e-8, precision="mixed"))
     with pytest.raises(ParameterError, match="give the System itself"):
-        lp.integrate(manakov.field(), x0, t=[0, 1], method=lp.Splitting(step=0.1))
+        lp.integrate(manakov.field(), x0, times=[0, 1], method=lp.Splitting(step=0.1))
     with pytest.raises(ParameterError, match="wanted Splitting for a field given by its pieces"):
-        lp.integrate(manakov.pieces(), x0, t=[0, 1], method=lp.Taylor())
+        lp.integrate(manakov.pieces(), x0, times=[0, 1], method=lp.Taylor())
     with pytest.raises(ParameterError, match="wanted the Taylor method, which has power series"):
-        lp.integrate(manakov, x0, t=[0, 1], method=lp.RungeKutta(), dense=True)
+        lp.integrate(manakov, x0, times=[0, 1], method=lp.RungeKutta(), dense=True)
 
 
 def test_splitting_of_any_polynomial_hamiltonian_keeps_casimirs():
     manakov = lp.catalog.system("manakov-so4")
     x0 = lp.sample_states(manakov, 4, seed=1)
-    orbit = lp.integrate(manakov, x0, t=[0, 50], method=lp.Splitting(step=0.05, order=4))
-    exact = lp.integrate(manakov, x0, t=[0, 50])
+    orbit = lp.integrate(manakov, x0, times=[0, 50], method=lp.Splitting(step=0.05, order=4))
+    exact = lp.integrate(manakov, x0, times=[0, 50])
     assert orbit.field == manakov.pieces()
     assert np.abs(orbit.state - exact.state).max() < 1e-3
     for name, values in manakov.invariant_values(orbit.state).items():
@@ -109,7 +109,7 @@ def test_a_run_with_any_method_can_be_repeated_from_its_file(tmp_path):
     top = lp.Top.twisted_kovalevskaya()
     x0 = lp.sample_states(top, 3, seed=5)
     for k, method in enumerate(METHODS):
-        growth = lp.lyapunov_exponent(top, x0, times=[1, 2], method=method)
+        growth = lp.finite_time_exponents(top, x0, times=[1, 2], method=method)
         again = lp.rerun(growth.save(tmp_path / f"{k}.nc"))
         assert again.method == method
         assert again.exponent.tobytes() == growth.exponent.tobytes()

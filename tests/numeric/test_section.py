@@ -132,7 +132,7 @@ def test_signs_alternate_and_directions_divide_the_crossings():
 def test_backwards_the_same_crossings_come_in_the_other_direction():
     x0 = lp.sample_states(TWISTED, 1, seed=3)
     there = lp.section(TWISTED, x0, surface="l3", t_end=20)
-    end = lp.integrate(TWISTED, x0, t=[0, 20]).state[0, -1]
+    end = lp.integrate(TWISTED, x0, times=[0, 20]).state[0, -1]
     back = lp.section(TWISTED, end, surface="l3", t_end=-20)
     np.testing.assert_allclose(back.time[::-1] + 20, there.time, atol=1e-9)
     np.testing.assert_allclose(back.state[::-1], there.state, atol=1e-9)
@@ -142,7 +142,7 @@ def test_backwards_the_same_crossings_come_in_the_other_direction():
 def test_crossings_agree_with_dense_output():
     x0 = lp.sample_states(TWISTED, 2, seed=5)
     found = lp.section(TWISTED, x0, surface="dot(l, beta) - 1/10", t_end=50)
-    orbit = lp.integrate(TWISTED, x0, t=[0, 50], dense=True)
+    orbit = lp.integrate(TWISTED, x0, times=[0, 50], dense=True)
     fine = np.linspace(0, 50, 20_001)
     values = TWISTED.functions.of("dot(l, beta) - 1/10")(orbit.at(fine))
     for k in range(2):
@@ -232,7 +232,7 @@ def test_orbits_that_lie_in_the_surface_are_told():
     heavy = lp.Top.heavy(inertia=(1.5, 1.2, 0.7), a=(0.6, 0, 0.8))
     x0 = [0.3, 0.2, 0.1, 1, 0, 0, 0, 0, 0]
     with pytest.warns(lp.errors.SurfaceWarning, match="the orbit lies in the surface .* try another"):
-        found = lp.section(heavy, x0, surface=lp.good_surface(heavy), t_end=30)
+        found = lp.section(heavy, x0, surface=lp.sections.good_surface(heavy), t_end=30)
     assert found.count.sum() == 0
 
 
@@ -293,34 +293,34 @@ def test_the_return_map_steps_from_crossing_to_crossing_and_back():
     x0 = lp.sample_states(KOVALEVSKAYA, 4, seed=1)
     orbit = lp.section(KOVALEVSKAYA, x0, surface="l3", t_end=400, direction=1, n_crossings=3)
     points = orbit.state.reshape(4, 3, 6)
-    images, times, outcome = lp.first_return(KOVALEVSKAYA, points[:, :2], surface="l3", t_end=400)
+    images, times, outcome = lp.sections.first_return(KOVALEVSKAYA, points[:, :2], surface="l3", t_end=400)
     assert (outcome == "returned").all()
     assert outcome.shape == (4, 2)
     np.testing.assert_allclose(images, points[:, 1:], atol=1e-11)
     np.testing.assert_allclose(times, np.diff(orbit.time.reshape(4, 3)), atol=1e-11)
-    back = lp.first_return(KOVALEVSKAYA, images, surface="l3", t_end=-400, direction=-1)
+    back = lp.sections.first_return(KOVALEVSKAYA, images, surface="l3", t_end=-400, direction=-1)
     np.testing.assert_allclose(back.state, points[:, :2], atol=1e-11)
 
 
 def test_a_point_that_does_not_return_in_time_has_no_image():
     x0 = lp.section(KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 1, seed=1), surface="l3", t_end=100).state[0]
-    image, time, outcome = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_end=1e-3)
+    image, time, outcome = lp.sections.first_return(KOVALEVSKAYA, x0, surface="l3", t_end=1e-3)
     assert image.shape == (6,)
     assert np.isnan(image).all()
     assert np.isnan(time)
     assert str(outcome) == "no return"
     with pytest.raises(ShapeError, match="6 components"):
-        lp.first_return(KOVALEVSKAYA, np.zeros(5), surface="l3", t_end=1)
+        lp.sections.first_return(KOVALEVSKAYA, np.zeros(5), surface="l3", t_end=1)
 
 
 def test_points_that_return_late_have_no_image_beside_those_that_do():
     x0 = lp.section(
         KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 6, seed=1), surface="l3", t_end=200, n_crossings=1
     ).state
-    all_images, times, _ = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_end=400)
+    all_images, times, _ = lp.sections.first_return(KOVALEVSKAYA, x0, surface="l3", t_end=400)
     late = times > np.median(times)
     assert late[: np.flatnonzero(~late)[-1]].any(), "a missing image must come before one that is there"
-    images, _, outcome = lp.first_return(KOVALEVSKAYA, x0, surface="l3", t_end=np.median(times))
+    images, _, outcome = lp.sections.first_return(KOVALEVSKAYA, x0, surface="l3", t_end=np.median(times))
     assert np.array_equal(outcome == "no return", late)
     assert np.isnan(images[late]).all()
     assert np.array_equal(images[~late], all_images[~late])
@@ -328,8 +328,8 @@ def test_points_that_return_late_have_no_image_beside_those_that_do():
 
 def test_the_return_map_takes_the_surface_of_a_tape_and_nothing_else_of_it():
     x0 = lp.section(TWISTED, lp.sample_states(TWISTED, 2, seed=1), surface="l3", t_end=50, n_crossings=1).state
-    text = lp.first_return(TWISTED, x0, surface="l3", t_end=50)
-    tape = lp.first_return(TWISTED, x0, surface=TWISTED.function_tape("l3", "l1"), t_end=50)
+    text = lp.sections.first_return(TWISTED, x0, surface="l3", t_end=50)
+    tape = lp.sections.first_return(TWISTED, x0, surface=TWISTED.function_tape("l3", "l1"), t_end=50)
     assert np.array_equal(text.state, tape.state)
 
 
@@ -340,7 +340,9 @@ def test_states_a_little_off_the_surface_return_where_those_on_it_do(direction, 
         KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 5, seed=1), surface="l3", t_end=50, n_crossings=1
     ).state
     off = on + offset * np.eye(6)[2]
-    exact, near = (lp.first_return(KOVALEVSKAYA, x, surface="l3", t_end=100, direction=direction) for x in (on, off))
+    exact, near = (
+        lp.sections.first_return(KOVALEVSKAYA, x, surface="l3", t_end=100, direction=direction) for x in (on, off)
+    )
     assert near.time.min() > 1e-3
     np.testing.assert_allclose(near.state, exact.state, atol=1e-8)
     assert (near.outcome == "returned").all()
@@ -349,7 +351,7 @@ def test_states_a_little_off_the_surface_return_where_those_on_it_do(direction, 
 def test_a_state_a_little_off_the_surface_that_does_not_return_in_time_has_no_image():
     on = lp.section(KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 5, seed=1), surface="l3", t_end=50, n_crossings=1)
     off = on.state - 1e-11 * on.sign[:, None] * np.eye(6)[2]  # they pass the surface once more, at once
-    image, time, outcome = lp.first_return(KOVALEVSKAYA, off, surface="l3", t_end=1e-3, direction=0)
+    image, time, outcome = lp.sections.first_return(KOVALEVSKAYA, off, surface="l3", t_end=1e-3, direction=0)
     assert np.isnan(image).all()
     assert np.isnan(time).all()
     assert (outcome == "no return").all()
@@ -359,7 +361,10 @@ def test_the_return_map_says_why_an_orbit_ended():
     x = np.zeros((2, 6))
     x[0] = [1, 0, 0, 0, 0.6, 0.8]
     x[1] = np.nan
-    assert lp.first_return(KOVALEVSKAYA, x, surface="l3", t_end=100).outcome.tolist() == ["returned", "not finite"]
+    assert lp.sections.first_return(KOVALEVSKAYA, x, surface="l3", t_end=100).outcome.tolist() == [
+        "returned",
+        "not finite",
+    ]
 
 
 @pytest.mark.thorough
@@ -428,8 +433,8 @@ def test_a_limit_of_time_holds_for_every_surface(surface):
 
 
 def test_no_return_is_said_only_where_the_surface_was_followed():
-    steady = lp.first_return(FREE, free_start(), surface="l1 - 0.51", t_end=5)
+    steady = lp.sections.first_return(FREE, free_start(), surface="l1 - 0.51", t_end=5)
     assert steady.outcome == "no return"
     with pytest.warns(SurfaceWarning, match="could not be followed"):
-        fast = lp.first_return(FREE, free_start(), surface="2 + sin(10^12*l1)", t_end=5)
+        fast = lp.sections.first_return(FREE, free_start(), surface="2 + sin(10^12*l1)", t_end=5)
     assert fast.outcome == "none seen"

@@ -28,11 +28,11 @@ WORK = [
 @pytest.mark.parametrize(("method", "order", "n_steps"), WORK, ids=[str(method) for method, *_ in WORK])
 def test_steps_and_order_are_as_recorded(method: lp.Taylor, order: int, n_steps: int) -> None:
     x0 = lp.sample_states(TOP, 16, seed=4)
-    orbit = lp.integrate(TOP, x0, t=[0, 50], tangents=np.eye(9)[:1], method=method)
+    orbit = lp.integrate(TOP, x0, times=[0, 50], tangents=np.eye(9)[:1], method=method)
     assert (orbit.order, int(orbit.n_steps.sum())) == (order, n_steps)
 
 
 def test_steps_of_a_quadratic_field_are_as_recorded() -> None:
     manakov = lp.catalog.system("manakov-so4")
-    orbit = lp.integrate(manakov, lp.sample_states(manakov, 16, seed=4), t=[0, 50], method=lp.Taylor(tol=1e-13))
+    orbit = lp.integrate(manakov, lp.sample_states(manakov, 16, seed=4), times=[0, 50], method=lp.Taylor(tol=1e-13))
     assert (orbit.order, int(orbit.n_steps.sum())) == (21, 125)

@@ -47,7 +47,7 @@ def test_all_places_give_the_same_numbers(epsilon, l, alpha, beta):
     check([symbolic.invariants[name].subs(at) for name in values])
     check([top.invariant_values(x)[name] for name in values])
     check([top.functions.casimirs[name](x) for name in values])
-    check([lp.leaf_of(top, x).casimirs[name] for name in values])
+    check([lp.Leaf.through(top, x).casimirs[name] for name in values])
     check(lp.Leaf(top, values).casimirs.values())
     check(documented(epsilon, lp.Leaf(top, values).state))
     check(TopRows.of([top.field()], 1).functions(tuple(values))(x[None], np.arange(1))[0][0])
@@ -57,7 +57,7 @@ def test_all_places_give_the_same_numbers(epsilon, l, alpha, beta):
     given = [",".join(map(repr, x.tolist()))], [f"{name}={value!r}" for name, value in values.items()]
     check(find_start(top, start=given[0], leaf=given[1]).leaf.casimirs.values())
     energy = float(top.functions.energy(x))
-    by_state, by_values = lp.bounds(top, x), lp.bounds(top, casimirs=values, energy=energy)
+    by_state, by_values = lp.phase_space.bounds(top, x), lp.phase_space.bounds(top, leaf=values, energy=energy)
     for name in ("l", "alpha", "beta", "omega"):
         assert getattr(by_values, name) == pytest.approx(getattr(by_state, name), rel=1e-6)
 
@@ -76,9 +76,9 @@ def test_states_drawn_or_charted_by_values_have_them(epsilon):
     leaf = lp.Leaf(top, values)
     check(leaf.sample(20, seed=1, energy_below=2.0))
     check(leaf.project(np.arange(1.0, 10.0)))
-    euler = lp.EulerChart(top, casimirs=values)
+    euler = lp.charts.EulerChart(top, casimirs=values)
     check(euler.to_body(np.array([0.3, 0.5, 1.2, -np.sign(epsilon) * 0.5, 0.4, 0.1])))
-    constants = lp.QuaternionChart(top, casimirs=values).leaf
+    constants = lp.charts.QuaternionChart(top, casimirs=values).leaf
     np.testing.assert_allclose([float(c) for c in constants.casimirs], wanted, rtol=1e-14)
     for sampling in ("newton", "liouville"):
         starts = {**values, "energy": 2.0} | ({"sampling": "liouville"} if sampling == "liouville" else {})
@@ -87,7 +87,7 @@ def test_states_drawn_or_charted_by_values_have_them(epsilon):
             system=top_of,
             axes={"epsilon": [epsilon]},
             starts=starts,
-            n=4,
+            n_starts=4,
             t_end=1.0,
             quantity=lambda system, x0, seen=seen, **_: seen.extend(x0) or np.zeros(len(x0)),
         )
@@ -100,7 +100,7 @@ def test_states_drawn_or_charted_by_values_have_them(epsilon):
 def test_bounds_by_values_are_bounds(epsilon):
     top, values, energy = top_of(epsilon), {"C1": 1.3, "C2": 0.4, "C3": 1.44}, 2.0
     l, alpha, beta = np.moveaxis(lp.Leaf(top, values).sample(2000, seed=2, energy=energy).reshape(-1, 3, 3), 1, 0)
-    found = lp.bounds(top, casimirs=values, energy=energy)
+    found = lp.phase_space.bounds(top, leaf=values, energy=energy)
     for vectors, bound in ((l, found.l), (alpha, found.alpha), (beta, found.beta), (l / [1.5, 1.1, 0.8], found.omega)):
         assert np.linalg.norm(vectors, axis=-1).max() <= bound
 
@@ -139,6 +139,6 @@ def test_values_are_refused_for_brackets_that_only_share_the_equations():
     assert free.top_parameters is not None
     values = {"C1": 1, "C2": 1, "C3": 1}
     with pytest.raises(ParameterError, match=r"but the bracket"):
-        lp.bounds(free, casimirs=values, energy=1.0)
+        lp.phase_space.bounds(free, leaf=values, energy=1.0)
     with pytest.raises(ParameterError, match=r"but the bracket"):
-        lp.EulerChart(free, casimirs=values)
+        lp.charts.EulerChart(free, casimirs=values)

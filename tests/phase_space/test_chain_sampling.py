@@ -29,7 +29,7 @@ def test_two_closed_curves_have_their_shares_whatever_the_state_of_the_leaf(ener
     sphere = noise / np.linalg.norm(noise, axis=-1, keepdims=True)
     near = sphere[np.abs(BODY.functions.energy(sphere) - energy) < 0.005]
     expected = (near[:, 0] > 0).mean()  # 0.495 and 0.49
-    first, other = (lp.leaf_of(BODY, [l1, 0, 0]).sample(2048, seed=1, energy=energy) for l1 in (1.0, -1.0))
+    first, other = (lp.Leaf.through(BODY, [l1, 0, 0]).sample(2048, seed=1, energy=energy) for l1 in (1.0, -1.0))
     assert np.abs((first[:, 0] > 0).mean() - expected) < DEVIATIONS * standard_error(6)
     assert np.array_equal(first, other)
 
@@ -53,7 +53,7 @@ def test_mirrored_wells_of_a_top_have_equal_shares():
 def test_states_below_an_energy_have_the_shares_of_the_caps():
     """Around e3, the longest axis, and -e3: two caps of one area each, uniform in energy but for the curvature."""
     body = lp.System(lp.so(3) @ lp.trivial(), "l1^2/2 + l2^2/4 + l3^2/6")
-    x = lp.leaf_of(body, [0, 0, 1]).sample(2048, seed=3, energy_below=0.17)
+    x = lp.Leaf.through(body, [0, 0, 1]).sample(2048, seed=3, energy_below=0.17)
     assert body.functions.energy(x).max() <= 0.17
     assert abs((x[:, 2] > 0).mean() - 0.5) < DEVIATIONS * standard_error(8)
     noise = np.random.default_rng(1).standard_normal((2_000_000, 3))
@@ -67,7 +67,7 @@ def test_states_below_an_energy_have_the_shares_of_the_caps():
 def test_sheets_between_which_proposals_leap_have_equal_shares():
     """The two sheets of a hyperboloid, l3^2 - l1^2 - l2^2 = 1: no path on it connects them, Newton's method does."""
     hyperbolic = lp.System(lp.so(2, 1) @ lp.trivial(), "l1^2 + l2^2 + l3^2")
-    x = lp.leaf_of(hyperbolic, [0, 0, 1]).sample(2048, seed=1, energy=2.0)
+    x = lp.Leaf.through(hyperbolic, [0, 0, 1]).sample(2048, seed=1, energy=2.0)
     assert abs((x[:, 2] > 0).mean() - 0.5) < DEVIATIONS * 0.5 / np.sqrt(2048)
 
 
@@ -75,12 +75,12 @@ def test_sheets_between_which_proposals_leap_have_equal_shares():
 def test_chains_that_remember_their_starts_are_warned_of(monkeypatch):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        lp.leaf_of(BODY, [1, 0, 0]).sample(10, seed=1)
+        lp.Leaf.through(BODY, [1, 0, 0]).sample(10, seed=1)
     monkeypatch.setattr(chain_sampling, "_BURN_IN", 1)
     monkeypatch.setattr(chain_sampling, "_MOST_BURN_INS", 1)
     hyperbolic = lp.System(lp.so(2, 1) @ lp.trivial(), "l1^2 + l2^2 + l3^2")
     with pytest.warns(MixingWarning, match="where their chains began"):
-        lp.leaf_of(hyperbolic, [0, 0, 1]).sample(10, seed=1, energy=2.0)
+        lp.Leaf.through(hyperbolic, [0, 0, 1]).sample(10, seed=1, energy=2.0)
 
 
 def test_memory_is_the_largest_correlation():
@@ -104,10 +104,10 @@ def test_steps_of_any_size_keep_the_measure(size):
     x0 = np.array([0.9, 1.2, 0.25])
     crossings = lp.section(body, x0, surface="l3", direction=1, n_crossings=2, t_end=100)
     begin, end = crossings.time
-    start = lp.integrate(body, x0, t=[0, begin]).state[0, -1]
-    states = lp.integrate(body, start, t=np.linspace(0, end - begin, 4097)).state[0, :-1]  # one period
+    start = lp.integrate(body, x0, times=[0, begin]).state[0, -1]
+    states = lp.integrate(body, start, times=np.linspace(0, end - begin, 4097)).state[0, :-1]  # one period
     energy = body.functions.energy
-    equations = lp.leaf_of(body, x0).equations.with_function(energy, float(energy(x0)))
+    equations = lp.Leaf.through(body, x0).equations.with_function(energy, float(energy(x0)))
     chain, rng = chain_sampling._Chain(equations, energy, None), np.random.default_rng(6)
     x = np.repeat(states, 2, axis=0)
     for _ in range(60):

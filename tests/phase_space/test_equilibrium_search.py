@@ -35,7 +35,7 @@ def test_toda_lattice_has_no_equilibrium_though_its_motion_ends_at_the_edge_of_t
     """b_k = b_(k+1) and a_k = a_(k-1) = ... = 0 would be one, which is no state of the leaf a != 0."""
     system, x = toda(n)
     x[n - 1 :] += momentum / n - x[n - 1 :].mean()
-    found = lp.equilibria(system, lp.leaf_of(system, x), n_starts=60)
+    found = lp.equilibria(system, lp.Leaf.through(system, x), n_starts=60)
     assert list(found) == []
     assert not found.proved
     assert found.euler_characteristic is None
@@ -54,7 +54,7 @@ def test_one_singular_system_of_equations_does_not_end_the_search():
 def test_mirrored_circles_of_one_energy_are_two():
     """The lowest states of this leaf are two circles, x and -x on one of l and alpha."""
     system = lp.catalog.system("clebsch")
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
     found = lp.equilibria(system, leaf, n_starts=40)
     circles = [e for e in found if e.family == "circle"]
     assert len(circles) == 2
@@ -68,7 +68,7 @@ def test_relative_equilibria_are_listed_once_for_each_turn():
     """The motion along l3 carries each relative equilibrium round a circle."""
     top = lp.Top.twisted_lagrange()
     x = np.random.default_rng(5).normal(size=9)
-    found = lp.equilibria(top, lp.leaf_of(top, x), along=("l3",), values={"l3": x[2]}, n_starts=10)
+    found = lp.equilibria(top, lp.Leaf.through(top, x), along=("l3",), values={"l3": x[2]}, n_starts=10)
     assert [e.family for e in found] == ["circle"] * len(found)
     energies = [e.energy for e in found]
     assert np.diff(energies).min() > 1e-6
@@ -88,8 +88,8 @@ def quadratic(scale, unit):
 def test_units_change_nothing(scale, unit):
     x = np.array([0.3, -0.7, 0.2, 0.5, 0.9, -0.4])
     system, other = quadratic(1.0, 1.0), quadratic(scale, unit)
-    first = lp.equilibria(system, lp.leaf_of(system, x), n_starts=60)
-    second = lp.equilibria(other, lp.leaf_of(other, unit * x), n_starts=60)
+    first = lp.equilibria(system, lp.Leaf.through(system, x), n_starts=60)
+    second = lp.equilibria(other, lp.Leaf.through(other, unit * x), n_starts=60)
     assert first.euler_found == second.euler_found == 4
     assert len(first) == len(second)
     assert [e.signature for e in first] == [e.signature for e in second]
@@ -99,7 +99,7 @@ def test_units_change_nothing(scale, unit):
 @pytest.mark.thorough
 def test_while_the_check_fails_more_starts_are_taken():
     system = lp.catalog.system("manakov-so4")
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
     few = lp.equilibria(system, leaf, n_starts=3, most_starts=3)
     assert few.n_starts == 3
     assert few.euler_found != 4

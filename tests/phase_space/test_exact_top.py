@@ -72,7 +72,7 @@ def test_other_hamiltonians_are_no_tops(extension, hamiltonian):
     assert exact_top(lp.System(lp.so(3) @ extension, hamiltonian)) is None
 
 
-@pytest.mark.parametrize("algebra", [lp.so(2, 1), lp.heisenberg(1)])
+@pytest.mark.parametrize("algebra", [lp.so(2, 1), lp.algebras.heisenberg(1)])
 @pytest.mark.parametrize("n", [1, 2])
 def test_other_algebras_are_no_tops(algebra, n):
     system = lp.System(algebra @ lp.leibniz(n), lambda l, *fields: l[0] ** 2 + l[1] ** 2 / 3 + l[2] ** 2 / 5)

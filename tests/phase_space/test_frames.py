@@ -51,10 +51,10 @@ def test_half_turns_have_a_quaternion(axis):
 def test_orbit_is_that_of_the_system_alone():
     """The same field in other kernels: round-off of 10 time units, grown by the exponent of the orbits."""
     x0 = lp.sample_states(TWISTED, 4, seed=3)
-    run = lp.attitude(TWISTED, x0, t=TIMES)
+    run = lp.orbits.attitude(TWISTED, x0, times=TIMES)
     assert run.state.shape == (4, 201, 9)
     assert run.quaternion.shape == (4, 201, 4)
-    assert np.abs(run.state - lp.integrate(TWISTED, x0, t=TIMES).state).max() < 1e-12
+    assert np.abs(run.state - lp.integrate(TWISTED, x0, times=TIMES).state).max() < 1e-12
     assert np.abs(run.norm_error).max() < 1e-14
     assert set(run.outcome) == {"finished"}
     assert repr(run) == f"<Attitude of {TWISTED.name!r}: 4 trajectories, 201 times>"
@@ -62,7 +62,7 @@ def test_orbit_is_that_of_the_system_alone():
 
 def test_rotation_obeys_its_equation():
     """R' = R hat(omega), by central differences of the dense output; h^2 max|R'''| / 6 is 1e-7 for h = 1e-4."""
-    run = lp.attitude(TWISTED, lp.sample_states(TWISTED, 3, seed=3), t=[0, 10], dense=True)
+    run = lp.orbits.attitude(TWISTED, lp.sample_states(TWISTED, 3, seed=3), times=[0, 10], dense=True)
     t, h = np.linspace(0.5, 9.5, 19), 1e-4
     here = run.at(t)
     slope = (run.at(t + h).rotation - run.at(t - h).rotation) / (2 * h)
@@ -74,14 +74,14 @@ def test_rotation_obeys_its_equation():
 
 def test_free_rigid_body_keeps_its_momentum_in_space():
     top = lp.Top.free_rigid_body(inertia=(3, 2, 1))
-    run = lp.attitude(top, lp.sample_states(top, 5, seed=1), t=np.linspace(0, 50, 101))
+    run = lp.orbits.attitude(top, lp.sample_states(top, 5, seed=1), times=np.linspace(0, 50, 101))
     assert np.ptp(run.space("l"), axis=1).max() < 1e-12
 
 
 def test_ordinary_top_keeps_its_fields_in_space_and_torque_changes_the_momentum():
     """(R l)' = R (alpha x a) = g x R a with the fixed vector g = R alpha."""
     x0 = lp.sample_states(HEAVY, 3, seed=5)
-    run = lp.attitude(HEAVY, x0, t=np.linspace(0, 10, 2001))
+    run = lp.orbits.attitude(HEAVY, x0, times=np.linspace(0, 10, 2001))
     assert np.ptp(run.space("alpha"), axis=1).max() < 1e-12
     torque = np.cross(run.space("alpha"), run.space([0.3, -0.4, 1]))
     assert np.abs(derivative(run.time, run.space("l")) - torque).max() < 1e-5
@@ -89,7 +89,7 @@ def test_ordinary_top_keeps_its_fields_in_space_and_torque_changes_the_momentum(
 
 def test_twisted_top_keeps_beta_in_space_and_turns_alpha():
     """(R alpha)' = eps R (beta x a): alpha is not fixed in space, so a formula of the ordinary top would fail."""
-    run = lp.attitude(TWISTED, lp.sample_states(TWISTED, 3, seed=5), t=np.linspace(0, 10, 2001))
+    run = lp.orbits.attitude(TWISTED, lp.sample_states(TWISTED, 3, seed=5), times=np.linspace(0, 10, 2001))
     assert np.ptp(run.space("beta"), axis=1).max() < 1e-12
     assert np.ptp(run.space("alpha"), axis=1).max() > 0.1
     a, b = run.space([-1, 0.3, 0.2]), run.space([0.4, 0, -0.7])
@@ -105,7 +105,7 @@ def test_lagrange_top_has_the_euler_angles_of_the_textbook():
     """
     top = lp.Top.lagrange(transverse=1, axial="1/2", a3=1)
     x0 = np.array([0.4, 0.3, 1.5, 0.6, 0.0, 0.8, 0, 0, 0])
-    run = lp.attitude(top, x0, t=[0, 10], attitude="alpha", dense=True)
+    run = lp.orbits.attitude(top, x0, times=[0, 10], attitude="alpha", dense=True)
     l3, vertical = x0[2], x0[:3] @ x0[3:6]
 
     def rates(t, _):
@@ -128,7 +128,7 @@ def test_a_named_field_starts_upright(sign):
     x0 = lp.sample_states(TWISTED, 20, seed=2)
     x0[0, 6:] = [0, 0, 2]
     x0[1, 6:] = [1e-9, 0, -2]
-    run = lp.attitude(TWISTED, sign * x0, t=[0, 1], attitude="beta")
+    run = lp.orbits.attitude(TWISTED, sign * x0, times=[0, 1], attitude="beta")
     length = np.linalg.norm(x0[:, 6:], axis=1)[:, None]
     assert np.abs(run.space("beta")[:, 0] / length - [0, 0, 1]).max() < 1e-15
 
@@ -136,17 +136,20 @@ def test_a_named_field_starts_upright(sign):
 def test_attitudes_compose_and_runs_reverse():
     """Another attitude at the start is a rotation of space; the run back ends where it began."""
     x0, q0 = lp.sample_states(TWISTED, 3, seed=4), unit_quaternions(3, 6)
-    plain, turned = lp.attitude(TWISTED, x0, t=TIMES), lp.attitude(TWISTED, x0, t=TIMES, attitude=q0)
+    plain, turned = (
+        lp.orbits.attitude(TWISTED, x0, times=TIMES),
+        lp.orbits.attitude(TWISTED, x0, times=TIMES, attitude=q0),
+    )
     assert np.abs(rotation_matrix(q0)[:, None] @ plain.rotation - turned.rotation).max() < 1e-13
-    by_matrix = lp.attitude(TWISTED, x0, t=TIMES, attitude=rotation_matrix(q0))
+    by_matrix = lp.orbits.attitude(TWISTED, x0, times=TIMES, attitude=rotation_matrix(q0))
     assert np.abs(by_matrix.rotation - turned.rotation).max() < 1e-13
-    back = lp.attitude(TWISTED, turned.state[:, -1], t=TIMES[::-1], attitude=turned.quaternion[:, -1])
+    back = lp.orbits.attitude(TWISTED, turned.state[:, -1], times=TIMES[::-1], attitude=turned.quaternion[:, -1])
     assert np.abs(back.quaternion[:, -1] - q0).max() < 1e-11
     assert np.abs(back.state[:, -1] - x0).max() < 1e-11
 
 
 def test_body_undoes_space():
-    run = lp.attitude(TWISTED, lp.sample_states(TWISTED, 2, seed=4), t=TIMES)
+    run = lp.orbits.attitude(TWISTED, lp.sample_states(TWISTED, 2, seed=4), times=TIMES)
     assert np.abs(run.body(run.space("l")) - run.state[..., :3]).max() < 1e-14
 
 
@@ -157,7 +160,7 @@ def test_other_systems_on_so3_have_an_attitude(name):
     x0 = lp.sample_states(system, 2, seed=7)
     if name == "goryachev":
         x0[:, 5] = 1.0  # its potential has a pole at p3 = 0
-    run = lp.attitude(system, x0, t=[0, 0.3])
+    run = lp.orbits.attitude(system, x0, times=[0, 0.3])
     last = system.bracket.field_names[-1]
     fixed = run.space(last)
     assert np.abs(fixed[:, 1] - fixed[:, 0]).max() < 1e-12
@@ -165,7 +168,7 @@ def test_other_systems_on_so3_have_an_attitude(name):
 
 
 def test_a_run_is_saved_and_run_again(tmp_path):
-    run = lp.attitude(TWISTED, lp.sample_states(TWISTED, 2, seed=4), t=[0, 1])
+    run = lp.orbits.attitude(TWISTED, lp.sample_states(TWISTED, 2, seed=4), times=[0, 1])
     path = run.orbit.save(tmp_path / "attitude.nc")
     assert list(lp.load(path).component.values[-4:]) == ["q0", "q1", "q2", "q3"]
     np.testing.assert_array_equal(lp.rerun(path).state, run.orbit.state)
@@ -173,7 +176,7 @@ def test_a_run_is_saved_and_run_again(tmp_path):
 
 def test_a_system_with_a_field_called_q_keeps_its_names():
     system = lp.System((lp.so(3) @ lp.leibniz(2)).rename("l", "q"), "dot(l, l)/2 + q3")
-    run = lp.attitude(system, [1, 0, 0.2, 0.3, 0, 1], t=[0, 1])
+    run = lp.orbits.attitude(system, [1, 0, 0.2, 0.3, 0, 1], times=[0, 1])
     assert run.orbit.components[-4:] == ("q0", "frame_q1", "frame_q2", "frame_q3")
     assert np.ptp(run.space("q"), axis=1).max() < 1e-14
 
@@ -181,7 +184,7 @@ def test_a_system_with_a_field_called_q_keeps_its_names():
 def test_a_bad_start_is_an_outcome():
     x0 = lp.sample_states(TWISTED, 2, seed=4)
     x0[0, 8] = np.inf
-    run = lp.attitude(TWISTED, x0, t=[0, 1], attitude="beta")
+    run = lp.orbits.attitude(TWISTED, x0, times=[0, 1], attitude="beta")
     assert list(run.outcome) == ["not finite", "finished"]
     assert np.isnan(run.quaternion[0, 1]).all()
     assert np.isfinite(run.quaternion[1]).all()
@@ -193,7 +196,7 @@ def test_a_bad_start_is_an_outcome():
 def test_groups_without_one_rotation_are_refused(name):
     system = lp.catalog.system(name)
     with pytest.raises(ParameterError, match="no single rotation"):
-        lp.attitude(system, np.ones(len(system.component_names)), t=[0, 1])
+        lp.orbits.attitude(system, np.ones(len(system.component_names)), times=[0, 1])
 
 
 def test_complex_numbers_as_the_algebra_are_refused():
@@ -201,7 +204,7 @@ def test_complex_numbers_as_the_algebra_are_refused():
     complex_numbers = lp.Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 1): {0: -1}})
     system = lp.System(lp.so(3) @ complex_numbers, "dot(l, l)/2 + alpha3")
     with pytest.raises(ParameterError, match="no single rotation"):
-        lp.attitude(system, np.ones(6), t=[0, 1])
+        lp.orbits.attitude(system, np.ones(6), times=[0, 1])
 
 
 @pytest.mark.parametrize(
@@ -218,19 +221,19 @@ def test_complex_numbers_as_the_algebra_are_refused():
 )
 def test_what_is_no_attitude_is_refused(given, error, words):
     with pytest.raises(error, match=words):
-        lp.attitude(TWISTED, np.array([1.0, 0, 0, 1, 0, 0, 0, 0, 0]), t=[0, 1], attitude=given)
+        lp.orbits.attitude(TWISTED, np.array([1.0, 0, 0, 1, 0, 0, 0, 0, 0]), times=[0, 1], attitude=given)
 
 
 def test_other_mistakes_are_refused():
     x0 = lp.sample_states(TWISTED, 1, seed=0)
-    run = lp.attitude(TWISTED, x0, t=[0, 1])
+    run = lp.orbits.attitude(TWISTED, x0, times=[0, 1])
     with pytest.raises(ParameterError, match="System"):
-        lp.attitude(lp.TopField((1, 1, 1), (0, 0, 1), (0, 0, 0), 0.0), x0, t=[0, 1])
+        lp.orbits.attitude(lp.fields.TopField((1, 1, 1), (0, 0, 1), (0, 0, 0), 0.0), x0, times=[0, 1])
     with pytest.raises(ParameterError, match="I1"):
-        lp.attitude(lp.Top.heavy(inertia=("I1", 1, 1), a=(0, 0, 1)), x0, t=[0, 1])
+        lp.orbits.attitude(lp.Top.heavy(inertia=("I1", 1, 1), a=(0, 0, 1)), x0, times=[0, 1])
     with pytest.raises(ShapeError, match="broadcast"):
         run.space(np.ones((5, 3)))
     with pytest.raises(ParameterError, match="dense"):
         run.at([0.5])
     with pytest.raises(ParameterError, match="pieces"):
-        lp.attitude(TWISTED, x0, t=[0, 1], method=lp.Splitting(step=0.1, order=2))
+        lp.orbits.attitude(TWISTED, x0, times=[0, 1], method=lp.Splitting(step=0.1, order=2))

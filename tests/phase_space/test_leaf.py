@@ -26,7 +26,7 @@ PLACES = [
 
 @pytest.mark.parametrize(("top", "x", "stratum", "rank"), PLACES)
 def test_a_state_lies_on_the_leaf_of_its_stratum(top, x, stratum, rank):
-    leaf = lp.leaf_of(top, x)
+    leaf = lp.Leaf.through(top, x)
     assert (leaf.stratum, leaf.rank, leaf.is_regular) == (stratum, rank, rank == 6)
     assert leaf.contains(x, tol=1e-14)
     assert not leaf.contains(np.add(x, [0.01, 0, 0.02, 0.03, 0, 0.01, 0.01, 0.02, 0.05]), tol=1e-4)
@@ -35,13 +35,13 @@ def test_a_state_lies_on_the_leaf_of_its_stratum(top, x, stratum, rank):
 @pytest.mark.parametrize(("top", "x", "stratum", "rank"), PLACES)
 def test_an_orbit_stays_on_its_leaf(top, x, stratum, rank):
     """Measured 2e-15 at t = 20, at the tolerance of round-off; the bound leaves a factor of fifty."""
-    orbit = lp.integrate(top, np.array(x, dtype=float), t=[0, 5, 20])
-    assert lp.leaf_of(top, x).residual(orbit.state).max() < 1e-13
+    orbit = lp.integrate(top, np.array(x, dtype=float), times=[0, 5, 20])
+    assert lp.Leaf.through(top, x).residual(orbit.state).max() < 1e-13
 
 
 @pytest.mark.parametrize(("top", "x", "stratum", "rank"), PLACES)
 def test_projection_lands_on_the_leaf_to_round_off_and_leaves_its_states_alone(top, x, stratum, rank):
-    leaf = lp.leaf_of(top, x)
+    leaf = lp.Leaf.through(top, x)
     noise = 0.05 * np.random.default_rng(0).standard_normal((2, 10, 9))
     found = leaf.project(np.array(x) + noise)
     assert found.shape == (2, 10, 9)
@@ -52,7 +52,7 @@ def test_projection_lands_on_the_leaf_to_round_off_and_leaves_its_states_alone(t
 
 @pytest.mark.parametrize(("top", "x", "stratum", "rank"), [place for place in PLACES if place[3] > 2])
 def test_projection_meets_energy_and_surface(top, x, stratum, rank):
-    leaf, energy = lp.leaf_of(top, x), float(TWISTED.functions.energy(x))
+    leaf, energy = lp.Leaf.through(top, x), float(TWISTED.functions.energy(x))
     noise = 0.03 * np.random.default_rng(0).standard_normal((10, 9))
     for surface in ("l1 - l2/3", top.functions.of("l1 - l2/3")):
         found = leaf.project(np.array(x) + noise, energy=energy, surface=surface)
@@ -63,14 +63,14 @@ def test_projection_meets_energy_and_surface(top, x, stratum, rank):
 
 def test_projection_is_the_nearest_point_to_first_order():
     """On |l| = r the nearest point is r l / |l|."""
-    leaf = lp.leaf_of(lp.catalog.system("free-rigid-body"), [0.0, 0.6, 0.8])
+    leaf = lp.Leaf.through(lp.catalog.system("free-rigid-body"), [0.0, 0.6, 0.8])
     assert np.allclose(leaf.project([0.0, 1.2, 1.6]), [0.0, 0.6, 0.8], atol=1e-15)
 
 
 @pytest.mark.parametrize(("top", "x", "stratum", "rank"), PLACES)
 def test_the_projector_is_that_of_the_image_of_J(top, x, stratum, rank):
     """P is symmetric, P^2 = P, P J = J, P dC = 0, tr P = rank; the energy takes one dimension, where dH is not 0."""
-    leaf = lp.leaf_of(top, x)
+    leaf = lp.Leaf.through(top, x)
     x = np.array(x, dtype=float)
     P, J = leaf.tangent_projector(x), top.functions.poisson_tensor(x)
     assert np.abs(P - P.T).max() < 1e-15
@@ -89,7 +89,7 @@ def test_the_projector_is_that_of_the_image_of_J(top, x, stratum, rank):
 @given(st.integers(0, 10_000))
 def test_a_leaf_by_values_is_the_leaf_of_a_state_with_these_values(seed):
     x = lp.sample_states(TWISTED, 1, seed=seed, ensemble="gaussian")[0]
-    values = lp.leaf_of(TWISTED, x).casimirs
+    values = lp.Leaf.through(TWISTED, x).casimirs
     leaf = lp.Leaf(TWISTED, values)
     assert leaf.casimirs == values
     assert leaf.residual(x) < 1e-14
@@ -100,7 +100,7 @@ def test_a_leaf_by_values_is_the_leaf_of_a_state_with_these_values(seed):
     ("top", "values", "message"),
     [
         (TWISTED, {"C1": 1, "C2": 0, "C3": -1}, "sum of squares"),
-        (TWISTED, {"C1": 1, "C2": 0, "C3": 0}, r"leaf_of\(system, x\)"),
+        (TWISTED, {"C1": 1, "C2": 0, "C3": 0}, r"Leaf.through\(system, state\)"),
         (CHARGED, {"C1": 1, "C2": 2, "C3": 1}, "smaller than C1 C3"),
         (CHARGED, {"C1": 1, "C2": 1, "C3": 1}, "parallel vectors"),
     ],
@@ -133,7 +133,7 @@ def test_values_are_refused_by_search_where_no_inequality_is_known():
 
 def test_an_unlisted_stratum_says_so():
     """M12 = M34 alone: one of the two so(3) in so(4) vanishes, so the rank is 2, and the list knows no such set."""
-    leaf = lp.leaf_of(lp.catalog.system("manakov-so4"), [1, 0, 0, 0, 0, 1])
+    leaf = lp.Leaf.through(lp.catalog.system("manakov-so4"), [1, 0, 0, 0, 0, 1])
     assert (leaf.rank, leaf.is_regular) == (2, False)
     assert "not listed" in leaf.stratum
     assert np.trace(leaf.tangent_projector(leaf.state)) == pytest.approx(2)
@@ -148,24 +148,24 @@ def test_an_unlisted_stratum_says_so():
 @pytest.mark.thorough
 def test_the_range_of_the_energy_has_its_closed_forms():
     r"""Free body: |l|^2/(2 Imax), |l|^2/(2 Imin).  Two fields: minus the singular values of alpha a^t + beta b^t."""
-    body = lp.leaf_of(TWISTED, [1, 2, 3, 0, 0, 0, 0, 0, 0])
+    body = lp.Leaf.through(TWISTED, [1, 2, 3, 0, 0, 0, 0, 0, 0])
     assert body.energy_range() == pytest.approx((14 / 4, 14 / 2), rel=1e-12)
     x = np.array(PLACES[5][1])
     M = np.outer(x[3:6], [-1, 1 / 3, 1 / 5]) + np.outer(x[6:], [1 / 5, 1 / 2, -1 / 3])
-    low, high = lp.leaf_of(CHARGED, x).energy_range()
+    low, high = lp.Leaf.through(CHARGED, x).energy_range()
     assert low == pytest.approx(-np.linalg.svd(M, compute_uv=False).sum(), rel=1e-12)
     assert high == np.inf
 
 
 @pytest.mark.thorough
 def test_bad_requests_are_refused():
-    leaf = lp.leaf_of(TWISTED, PLACES[0][1])
+    leaf = lp.Leaf.through(TWISTED, PLACES[0][1])
     with pytest.raises(LeafError, match=r"^states on .* the energy lies between -2\.\d+ and inf; -9 was asked for"):
         leaf.project(PLACES[0][1], energy=-9)
     with pytest.raises(ShapeError, match="one state"):
-        lp.leaf_of(TWISTED, np.ones((2, 9)))
+        lp.Leaf.through(TWISTED, np.ones((2, 9)))
     with pytest.raises(ParameterError, match="finite"):
-        lp.leaf_of(TWISTED, [np.nan] * 9)
+        lp.Leaf.through(TWISTED, [np.nan] * 9)
     with pytest.raises(ParameterError, match="C1, C2, C3"):
         lp.Leaf(TWISTED, {"C1": 1})
     with pytest.raises(ParameterError, match="finite"):
@@ -177,7 +177,7 @@ def test_bad_requests_are_refused():
 )
 def test_surfaces_that_do_not_exist_at_a_guess_count_as_not_converged(surface, l1):
     """Left of l1 = 0 the value, at it the gradient does not exist; an infinite one must not make sqrt(l1) + 1 zero."""
-    leaf = lp.leaf_of(TWISTED, PLACES[0][1])
+    leaf = lp.Leaf.through(TWISTED, PLACES[0][1])
     good = np.array([0.9, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9])
     guess = np.array([l1, *good[1:]])
     with pytest.raises(LeafError, match="1 of 1 states"):
@@ -188,7 +188,7 @@ def test_surfaces_that_do_not_exist_at_a_guess_count_as_not_converged(surface, l
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, 1e200, 1e-320])
 def test_guesses_that_are_no_states_end_with_a_typed_error(bad):
-    leaf = lp.leaf_of(TWISTED, PLACES[2][1])  # beta = 0 is pinned
+    leaf = lp.Leaf.through(TWISTED, PLACES[2][1])  # beta = 0 is pinned
     guess = np.zeros(9)
     guess[0] = bad
     with pytest.raises(LeafError, match="relative residuals"):
@@ -200,13 +200,13 @@ def test_an_open_stratum_with_too_few_known_casimirs_says_so():
     """su(5) has four Casimirs, of degrees 2 to 5; the search ends at degree 3, and no matrices are known here."""
     by_hand = LieAlgebra.from_brackets(24, lp.su(5).brackets, check=False) @ lp.trivial()
     fluid = lp.System(by_hand, sum(k * x**2 for k, x in enumerate(by_hand.variables, start=1)))
-    leaf = lp.leaf_of(fluid, lp.sample_states(fluid, 1, seed=1)[0])
+    leaf = lp.Leaf.through(fluid, lp.sample_states(fluid, 1, seed=1)[0])
     assert (leaf.rank, leaf.is_regular, leaf.stratum) == (20, True, "generic")
     assert np.trace(leaf.tangent_projector(leaf.state)) == pytest.approx(20)
     assert repr(leaf).endswith(
         "(only 2 of 4 independent Casimirs known: the leaf is a smaller part of this level set)>"
     )
-    assert "    (only 2 of 4 independent Casimirs known)" in fluid.describe().splitlines()
+    assert "    (only 2 of 4 independent Casimirs known)" in str(fluid).splitlines()
     for function in (leaf.project, leaf.contains):
         with pytest.raises(LeafError, match=r"24 - 20 = 4 independent Casimirs .* 2 of them were found .*C1, C2"):
             function(leaf.state)
@@ -217,7 +217,7 @@ def test_an_open_stratum_with_too_few_known_casimirs_says_so():
 def test_a_listed_open_stratum_with_too_few_known_casimirs_says_so():
     """[e1, e3] = e1, [e2, e3] = e2/2 has the Casimir x1/x2^2, which is no polynomial: none of one is found."""
     bracket = LieAlgebra.from_brackets(3, {(0, 2): {0: 1}, (1, 2): {1: "1/2"}}) @ lp.trivial()
-    leaf = lp.leaf_of(lp.System(bracket, "dot(l, l)/2"), [1, 2, 3])
+    leaf = lp.Leaf.through(lp.System(bracket, "dot(l, l)/2"), [1, 2, 3])
     assert (leaf.rank, leaf.is_regular, leaf.casimirs) == (2, True, {})
     assert "only 0 of 1 independent Casimirs known" in repr(leaf)
     with pytest.raises(LeafError, match="3 - 2 = 1"):
@@ -229,7 +229,7 @@ def test_a_leaf_of_su5_is_the_level_set_of_four_traces():
     fluid = lp.catalog.system("zeitlin-5")
     random = np.random.default_rng(1)
     x = random.standard_normal(24)
-    leaf = lp.leaf_of(fluid, x)
+    leaf = lp.Leaf.through(fluid, x)
     assert (leaf.rank, leaf.caution, list(leaf.casimirs)) == (20, "", ["C1", "C2", "C3", "C4"])
     moved = leaf.project(x + 0.05 * random.standard_normal((4, 24)))
     assert leaf.contains(moved, tol=1e-13).all()
@@ -243,10 +243,10 @@ def test_a_leaf_of_su5_is_the_level_set_of_four_traces():
 def test_states_of_any_size_have_their_stratum():
     for top, x, stratum, rank in PLACES:
         for size in (1e-200, 1e-300, 1e100):
-            leaf = lp.leaf_of(top, np.array(x) * size)
+            leaf = lp.Leaf.through(top, np.array(x) * size)
             assert (leaf.stratum, leaf.rank) == (stratum, rank)
     with pytest.raises(ParameterError, match="Choose units"):
-        lp.leaf_of(TWISTED, np.array(PLACES[0][1]) * 1e160)
+        lp.Leaf.through(TWISTED, np.array(PLACES[0][1]) * 1e160)
 
 
 @pytest.mark.thorough
@@ -254,12 +254,12 @@ def test_an_energy_without_a_lower_bound_is_told():
     """-1/r is not bounded below at the centre; nor is a Leibniz top whose fields are not bounded on its leaf."""
     for name in ("kepler-on-the-sphere", "leibniz-lagrange-5"):
         system = lp.catalog.system(name)
-        leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+        leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
         assert leaf.energy_range() == (-np.inf, np.inf)
 
 
 def test_a_point_without_an_energy_is_refused():
-    leaf = lp.leaf_of(lp.System(lp.catalog.system("free-rigid-body").bracket, "1/l1"), [0, 0, 0])
+    leaf = lp.Leaf.through(lp.System(lp.catalog.system("free-rigid-body").bracket, "1/l1"), [0, 0, 0])
     with pytest.raises(LeafError, match="not defined"):
         leaf.energy_range()
     with pytest.raises(LeafError, match="not defined"):
@@ -268,7 +268,7 @@ def test_a_point_without_an_energy_is_refused():
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf])
 def test_tangent_vectors_that_are_not_finite_are_refused(bad):
-    leaf, x = lp.leaf_of(TWISTED, PLACES[0][1]), np.array(PLACES[0][1])
+    leaf, x = lp.Leaf.through(TWISTED, PLACES[0][1]), np.array(PLACES[0][1])
     wrong = np.where(np.arange(9) == 4, bad, x)
     for arguments in ((wrong, x), (x, wrong)):
         with pytest.raises(ParameterError, match="must be finite"):
@@ -277,7 +277,7 @@ def test_tangent_vectors_that_are_not_finite_are_refused(bad):
 
 @pytest.mark.parametrize("bad", ["a", 1j, [1, 2], np.inf])
 def test_energies_that_are_no_numbers_are_refused(bad):
-    leaf = lp.leaf_of(TWISTED, PLACES[0][1])
+    leaf = lp.Leaf.through(TWISTED, PLACES[0][1])
     for call in (
         lambda: leaf.project(leaf.state, energy=bad),
         lambda: leaf.sample(2, seed=0, energy=bad),

@@ -20,11 +20,11 @@ SIX = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, -0.9])
 FOUR = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0, 0, 0])
 TWO = np.array([1.0, 2, 3, 0, 0, 0, 0, 0, 0])
 LEAVES = {
-    "twisted": lp.leaf_of(TWISTED, SIX),
-    "two fields": lp.leaf_of(CHARGED, SIX),
-    "one direction": lp.leaf_of(TWISTED, FOUR),
-    "parallel": lp.leaf_of(CHARGED, [0.1, 0.2, 0.3, 0.2, 0.4, 0.6, 0.1, 0.2, 0.3]),
-    "sphere": lp.leaf_of(TWISTED, TWO),
+    "twisted": lp.Leaf.through(TWISTED, SIX),
+    "two fields": lp.Leaf.through(CHARGED, SIX),
+    "one direction": lp.Leaf.through(TWISTED, FOUR),
+    "parallel": lp.Leaf.through(CHARGED, [0.1, 0.2, 0.3, 0.2, 0.4, 0.6, 0.1, 0.2, 0.3]),
+    "sphere": lp.Leaf.through(TWISTED, TWO),
 }
 
 
@@ -60,7 +60,7 @@ def test_the_microcanonical_measure_is_invariant_under_the_flow(name):
     """Means and mean squares of all components before, and after t = 10, of the same 4000 orbits."""
     leaf = LEAVES[name]
     x = leaf.sample(4000, seed=2, energy=energy_above_the_least(leaf))
-    y = lp.integrate(leaf.system, x, t=[0, 10]).final_state
+    y = lp.integrate(leaf.system, x, times=[0, 10]).end_state
     assert np.abs(y - x).max() > 0.1
     assert deviations(y - x, 0).max() < 5
     assert deviations(y**2 - x**2, 0).max() < 5
@@ -133,7 +133,7 @@ def test_the_two_samplers_agree(name):
 @pytest.mark.thorough
 def test_a_markov_chain_on_a_sphere_is_uniform():
     """The free rigid body as a system of three coordinates: Archimedes again, with the wider bound for chains."""
-    leaf = lp.leaf_of(lp.catalog.system("free-rigid-body"), [1, 2, 2])
+    leaf = lp.Leaf.through(lp.catalog.system("free-rigid-body"), [1, 2, 2])
     z = leaf.sample(4000, seed=8) / 3
     assert leaf.residual(z * 3).max() < 1e-13
     for power, expected in ((1, 0), (2, 1 / 3), (4, 1 / 5)):
@@ -160,7 +160,7 @@ def test_what_can_not_be_sampled_is_refused():
     with pytest.raises(LeafError, match="volume is infinite"):
         leaf.sample(1, seed=0)
     with pytest.raises(LeafError, match="volume is infinite"):
-        lp.leaf_of(lp.catalog.system("kirchhoff"), [1, 2, 3, 1, 1, 1]).sample(1, seed=0)
+        lp.Leaf.through(lp.catalog.system("kirchhoff"), [1, 2, 3, 1, 1, 1]).sample(1, seed=0)
     with pytest.raises(LeafError, match="the energy lies between"):
         leaf.sample(1, seed=0, energy=-9)
     with pytest.raises(LeafError, match="the energy lies between"):
@@ -170,18 +170,18 @@ def test_what_can_not_be_sampled_is_refused():
     with pytest.raises(ParameterError, match="whole number"):
         leaf.sample(-1, seed=0, energy=1)
     with pytest.raises(ParameterError, match="unimodular"):
-        lp.leaf_of(lp.catalog.system("rattleback"), [1, 2, 3]).sample(1, seed=0, energy=9)
+        lp.Leaf.through(lp.catalog.system("rattleback"), [1, 2, 3]).sample(1, seed=0, energy=9)
 
 
 def test_a_point_is_its_own_sample():
-    point = lp.leaf_of(TWISTED, np.zeros(9))
+    point = lp.Leaf.through(TWISTED, np.zeros(9))
     assert np.array_equal(point.sample(3, seed=0), np.zeros((3, 9)))
     with pytest.raises(LeafError, match="point"):
         point.sample(1, seed=0, energy=1)
 
 
 def test_samples_beyond_the_memory_are_refused():
-    for leaf in (LEAVES["twisted"], lp.leaf_of(TWISTED, np.zeros(9))):
+    for leaf in (LEAVES["twisted"], lp.Leaf.through(TWISTED, np.zeros(9))):
         with pytest.raises(ParameterError, match="fits into memory"):
             leaf.sample(10**14, seed=0, energy_below=2.0)
 
@@ -190,7 +190,7 @@ def test_samples_beyond_the_memory_are_refused():
 def test_unbounded_sets_of_many_components_are_refused_soon():
     """15 components, energy unbounded below: the search for its range alone took minutes; 7 s on two slow cores."""
     system = lp.catalog.system("leibniz-lagrange-5")
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
     start = time.process_time()
     with pytest.raises(LeafError, match="not bounded"):
         leaf.sample(5, seed=1, energy=float(system.functions.energy(leaf.state)))
@@ -202,11 +202,11 @@ def test_unbounded_sets_of_many_components_are_refused_soon():
 def test_states_are_on_the_leaf_whatever_factor_the_first_casimir_has(epsilon):
     """The bracket clears it of fractions: 3 |alpha|^2 - 2 l.beta for epsilon = -1/3."""
     top = lp.Top(inertia=(2, 1.5, 1), a=(1, 0, "1/2"), b=(0, "1/3", 0), epsilon=epsilon)
-    leaf = lp.leaf_of(top, [0.3, 0.2, 0.5, 0.6, 0.1, 0.7, 0.2, 0.9, 0.4])
+    leaf = lp.Leaf.through(top, [0.3, 0.2, 0.5, 0.6, 0.1, 0.7, 0.2, 0.9, 0.4])
     energy = float(top.functions.energy(leaf.state))
     states = leaf.sample(200, seed=3, energy=energy + 0.5)
     assert np.abs(leaf.residual(states)).max() < 1e-12
-    own = lp.bounds(top, leaf.state)
-    given = lp.bounds(top, casimirs=leaf.casimirs, energy=energy)
+    own = lp.phase_space.bounds(top, leaf.state)
+    given = lp.phase_space.bounds(top, leaf=leaf.casimirs, energy=energy)
     assert given.l == pytest.approx(own.l, rel=1e-9)
     assert given.alpha == pytest.approx(own.alpha, rel=1e-9)

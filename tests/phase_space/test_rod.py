@@ -49,7 +49,7 @@ def test_equilibrium_of_any_piece(seed):
 
     Both sides are integrated to round-off, over 15 lengths of order one.
     """
-    rod = lp.rod(ANISOTROPIC, lp.sample_states(ANISOTROPIC, 3, seed=seed), length=15, n_points=31)
+    rod = lp.orbits.rod(ANISOTROPIC, lp.sample_states(ANISOTROPIC, 3, seed=seed), length=15, n_points=31)
     start = rod.centre_line[:, :1]
     residual = rod.force - rod.force[:, :1] - np.cross(rod.field, rod.centre_line - start)
     scale = np.abs(rod.force).max() + np.abs(rod.centre_line).max()
@@ -59,15 +59,15 @@ def test_equilibrium_of_any_piece(seed):
 
 def test_local_equations_hold_in_space():
     """r' = d3, d_i' = u x d_i, m' = n x d3, by splines with points 0.0025 apart; their error is below 1e-5."""
-    rod = lp.rod(ANISOTROPIC, lp.sample_states(ANISOTROPIC, 3, seed=8), length=5, n_points=2001)
+    rod = lp.orbits.rod(ANISOTROPIC, lp.sample_states(ANISOTROPIC, 3, seed=8), length=5, n_points=2001)
     d3 = rod.directors[..., 2, :]
     darboux = np.einsum("tpd,tpdi->tpi", rod.strain, rod.directors)
-    assert np.abs(along(rod.s, rod.centre_line) - d3).max() < 1e-5
-    assert np.abs(along(rod.s, rod.moment) - np.cross(rod.force, d3)).max() < 1e-5
+    assert np.abs(along(rod.arclength, rod.centre_line) - d3).max() < 1e-5
+    assert np.abs(along(rod.arclength, rod.moment) - np.cross(rod.force, d3)).max() < 1e-5
     for k in range(3):
         d = rod.directors[..., k, :]
-        assert np.abs(along(rod.s, d) - np.cross(darboux, d)).max() < 1e-5
-    assert np.abs(np.linalg.norm(np.cross(d3, along(rod.s, d3)), axis=-1) - rod.curvature).max() < 1e-5
+        assert np.abs(along(rod.arclength, d) - np.cross(darboux, d)).max() < 1e-5
+    assert np.abs(np.linalg.norm(np.cross(d3, along(rod.arclength, d3)), axis=-1) - rod.curvature).max() < 1e-5
 
 
 def test_material_law_and_energy():
@@ -75,7 +75,7 @@ def test_material_law_and_energy():
 
     So are the Casimirs, in the words of the rod: $|n|^2/2 + m\cdot IB$, $n\cdot IB$ and $|IB|$.
     """
-    rod = lp.rod(ANISOTROPIC, lp.sample_states(ANISOTROPIC, 3, seed=8), length=10)
+    rod = lp.orbits.rod(ANISOTROPIC, lp.sample_states(ANISOTROPIC, 3, seed=8), length=10)
     moment = np.einsum("tpd,d,tpdi->tpi", rod.strain, [2, 1.5, 1], rod.directors)
     assert np.abs(rod.moment - moment).max() < 1e-13
     energy = np.einsum("tpd,d,tpd->tp", rod.strain, [1, 0.75, 0.5], rod.strain) + rod.tension
@@ -87,7 +87,7 @@ def test_material_law_and_energy():
 
 
 def test_isotropic_rod_keeps_its_twist():
-    rod = lp.rod(LAGRANGE, lp.sample_states(LAGRANGE, 3, seed=1), length=20)
+    rod = lp.orbits.rod(LAGRANGE, lp.sample_states(LAGRANGE, 3, seed=1), length=20)
     assert repr(rod) == f"<Rod of {LAGRANGE.name!r}: 3 trajectories, 401 points, s = 0 to 20>"
     assert np.ptp(rod.twist, axis=1).max() < 1e-12
 
@@ -101,9 +101,9 @@ def test_planar_elastica_is_eulers():
     stiffness, thrust, k = 1.5, 2.0, 0.8
     top = lp.Top.heavy(inertia=(stiffness, 2, 1), a=(0, 0, 1))
     w = np.sqrt(thrust / stiffness)
-    rod = lp.rod(top, [2 * k * w * stiffness, 0, 0, 0, 0, -thrust, 0, 0, 0], length=12, n_points=97)
-    sn, cn, dn, am = ellipj(w * rod.s, k**2)
-    y, z = 2 * k / w * (cn - 1), 2 / w * ellipeinc(am, k**2) - rod.s
+    rod = lp.orbits.rod(top, [2 * k * w * stiffness, 0, 0, 0, 0, -thrust, 0, 0, 0], length=12, n_points=97)
+    sn, cn, dn, am = ellipj(w * rod.arclength, k**2)
+    y, z = 2 * k / w * (cn - 1), 2 / w * ellipeinc(am, k**2) - rod.arclength
     assert np.abs(rod.centre_line[0] - np.stack([0 * y, y, z], axis=-1)).max() < 1e-12
     assert np.abs(rod.strain[0, :, 0] - 2 * k * w * cn).max() < 1e-12
     assert np.abs(rod.tension[0] + thrust * (1 - 2 * k**2 * sn**2)).max() < 1e-12
@@ -133,9 +133,9 @@ def test_relative_equilibria_of_the_twisted_top_are_helices_about_the_field(kapp
     e3, beta = np.array([0, 0, 1.0]), np.array([0.7, -0.2, 0.5])
     l = 1.5 * kappa * beta - 0.8 * nu / kappa**2 * e3
     alpha = (0.4 * e3 - nu * beta) / kappa
-    rod = lp.rod(top, [*l, *alpha, *beta], length=12, n_points=121)
+    rod = lp.orbits.rod(top, [*l, *alpha, *beta], length=12, n_points=121)
     size = np.linalg.norm(beta)
-    assert np.abs(rod.centre_line[0] - helix(rod.s, beta / size, kappa * size, e3)).max() < 1e-12
+    assert np.abs(rod.centre_line[0] - helix(rod.arclength, beta / size, kappa * size, e3)).max() < 1e-12
     assert np.ptp(rod.curvature) < 1e-12
     assert np.ptp(rod.tension) < 1e-12
     assert np.abs(rod.field[0] - 0.5 * 0.8**2 * beta).max() < 1e-12
@@ -145,16 +145,16 @@ def test_steady_precession_of_the_lagrange_top_is_kirchhoffs_helix():
     r"""$l = B\kappa\alpha + (a_3/\kappa)e_3$ precesses at $\kappa|\alpha|$ about the force, the axis of the helix."""
     top = lp.Top.lagrange(transverse="3/2", axial="2/3", a3=1)
     kappa, e3, alpha = 0.9, np.array([0, 0, 1.0]), np.array([0.6, 0.3, -0.8])
-    rod = lp.rod(top, [*(1.5 * kappa * alpha + e3 / kappa), *alpha, 0, 0, 0], length=30, n_points=301)
+    rod = lp.orbits.rod(top, [*(1.5 * kappa * alpha + e3 / kappa), *alpha, 0, 0, 0], length=30, n_points=301)
     size = np.linalg.norm(alpha)
-    assert np.abs(rod.centre_line[0] - helix(rod.s, alpha / size, kappa * size, e3)).max() < 1e-12
+    assert np.abs(rod.centre_line[0] - helix(rod.arclength, alpha / size, kappa * size, e3)).max() < 1e-12
     assert np.abs(rod.field).max() == 0
 
 
 def test_intrinsic_curvature_makes_a_free_rod_a_circle():
     """H = l.l/2 + l1/R: without load and moment the curvature is 1/R, and the rod closes after 2 pi R."""
     system = lp.System(lp.so(3) @ lp.leibniz(2), "dot(l, l)/2 + l1/2 + alpha3")
-    rod = lp.rod(system, np.zeros(6), s=[0, np.pi, 4 * np.pi])
+    rod = lp.orbits.rod(system, np.zeros(6), arclengths=[0, np.pi, 4 * np.pi])
     assert np.abs(rod.curvature - 0.5).max() < 1e-15
     assert np.abs(rod.centre_line[0, 1:] - [[0, -2, 2], [0, 0, 0]]).max() < 1e-12
 
@@ -166,16 +166,16 @@ def test_charge_is_an_automorphism():
     x0 = lp.sample_states(charged, 2, seed=5)
     moved = x0.copy()
     moved[:, 3:6] += 1.5 * x0[:, 6:]
-    first, second = lp.rod(charged, x0, length=10), lp.rod(plain, moved, length=10)
+    first, second = lp.orbits.rod(charged, x0, length=10), lp.orbits.rod(plain, moved, length=10)
     for name in ("centre_line", "directors", "force", "moment", "field"):
         assert np.abs(getattr(first, name) - getattr(second, name)).max() < 1e-11, name
 
 
 def test_a_rod_can_be_continued_and_reversed():
     x0 = lp.sample_states(ANISOTROPIC, 2, seed=3)
-    there = lp.rod(ANISOTROPIC, x0, length=6, attitude="beta", origin=[1, 2, 3])
+    there = lp.orbits.rod(ANISOTROPIC, x0, length=6, attitude="beta", origin=[1, 2, 3])
     end = there.attitude
-    back = lp.rod(
+    back = lp.orbits.rod(
         ANISOTROPIC, end.state[:, -1], length=-6, attitude=end.quaternion[:, -1], origin=there.centre_line[:, -1]
     )
     assert np.abs(back.centre_line - there.centre_line[:, ::-1]).max() < 1e-11
@@ -188,7 +188,7 @@ def test_a_rod_can_be_continued_and_reversed():
 def test_a_rod_knows_its_system_and_outcome():
     x0 = lp.sample_states(ANISOTROPIC, 2, seed=3)
     x0[1, 0] = np.nan
-    rod = lp.rod(ANISOTROPIC, x0, length=1)
+    rod = lp.orbits.rod(ANISOTROPIC, x0, length=1)
     assert rod.system is ANISOTROPIC
     assert list(rod.outcome) == ["finished", "not finite"]
     assert rod.attitude.orbit.components[-3:] == ("r1", "r2", "r3")
@@ -207,23 +207,23 @@ def test_a_rod_knows_its_system_and_outcome():
 )
 def test_systems_that_are_no_rods_are_refused(system, words):
     with pytest.raises(ParameterError, match=words):
-        lp.rod(system, np.ones(len(system.component_names)), length=1)
+        lp.orbits.rod(system, np.ones(len(system.component_names)), length=1)
 
 
 @pytest.mark.parametrize(
     ("options", "error", "words"),
     [
         ({}, ParameterError, "neither"),
-        ({"length": 1, "s": [0, 1]}, ParameterError, "both"),
+        ({"length": 1, "arclengths": [0, 1]}, ParameterError, "both"),
         ({"length": 0}, ParameterError, "length"),
         ({"length": np.nan}, ParameterError, "length"),
         ({"length": "long"}, ParameterError, "length"),
         ({"length": 1, "n_points": 1}, ParameterError, "n_points"),
-        ({"s": [0, 1, 1]}, ParameterError, "strictly"),
+        ({"arclengths": [0, 1, 1]}, ParameterError, "strictly"),
         ({"length": 1, "origin": [0, 0]}, ShapeError, "origin"),
         ({"length": 1, "origin": [0, 0, np.inf]}, ParameterError, "origin"),
     ],
 )
 def test_mistakes_are_refused(options, error, words):
     with pytest.raises(error, match=words):
-        lp.rod(LAGRANGE, np.ones(9), **options)
+        lp.orbits.rod(LAGRANGE, np.ones(9), **options)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.phase_space.linearisation import LinearFlow, definite_combination
-from liepoisson.phase_space.sleeping_top import sleeping_top
+from liepoisson.phase_space.sleeping import sleeping_top
 from liepoisson.plot.equilibria import sleeping_diagram
 
 TENTHS = st.integers(-30, 30).map(lambda n: Fraction(n, 10))
@@ -142,7 +142,7 @@ def test_energy_casimir_alone_does_not_see_gyroscopic_stability():
 def test_second_variation_is_that_of_the_lagrangian_restricted_to_the_leaf():
     """Signature of Hess(H - sum lambda C) on the tangent space of the leaf, computed with the Casimirs."""
     system = lp.catalog.system("twisted-kovalevskaya")
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
     for e in lp.equilibria(system, leaf, n_starts=40):
         hessian = system.functions.energy.hessian(e.state)
         for name, casimir in system.functions.casimirs.items():
@@ -156,10 +156,10 @@ def test_second_variation_is_that_of_the_lagrangian_restricted_to_the_leaf():
 def test_symmetry_is_divided_out():
     """The tilted states of the twisted Lagrange top form circles: undecided alone, stable modulo l3."""
     top = lp.catalog.system("twisted-lagrange")
-    leaf = lp.leaf_of(top, lp.sample_states(top, 1, seed=1)[0])
+    leaf = lp.Leaf.through(top, lp.sample_states(top, 1, seed=1)[0])
     lowest = lp.equilibria(top, leaf, n_starts=40)[0]
     assert lowest.nonlinear_stability == "undecided"
-    modulo = lp.stability(top, lowest.state, along=("l3",))
+    modulo = lp.phase_space.equilibrium(top, lowest.state, along=("l3",))
     assert modulo.signature == (4, 0, 0)
     assert len(modulo.spectrum) == 4
 
@@ -167,29 +167,32 @@ def test_symmetry_is_divided_out():
 def test_a_dependent_integral_gets_no_multiplier():
     """At relative equilibria the vector fields of l3 and P are parallel: the motion is described by the first one."""
     top = lp.Top.twisted_lagrange()
-    x = lp.relative_equilibrium(top, [0.9, 0.2, 0.4, 0.7, 0.1, 1.2, 0.8, 0.3, 0.6], along=("l3",)).state
-    alone, both = lp.stability(top, x, along=("l3",)), lp.stability(top, x, along=("l3", "P"))
+    x = lp.phase_space.equilibrium_near(top, [0.9, 0.2, 0.4, 0.7, 0.1, 1.2, 0.8, 0.3, 0.6], along=("l3",)).state
+    alone, both = (
+        lp.phase_space.equilibrium(top, x, along=("l3",)),
+        lp.phase_space.equilibrium(top, x, along=("l3", "P")),
+    )
     assert both.omega == {"l3": pytest.approx(alone.omega["l3"]), "P": 0}
     np.testing.assert_allclose(both.frequencies, alone.frequencies, rtol=1e-6)
 
 
 def test_what_is_no_equilibrium_is_refused():
     top = lp.Top.lagrange()
-    with pytest.raises(ParameterError, match=r"\|x'\| = 1 there\. relative_equilibrium"):
-        lp.stability(top, [0, 0, 0, 1, 0, 0, 0, 0, 0])
+    with pytest.raises(ParameterError, match=r"\|x'\| = 1 there\. equilibrium_near"):
+        lp.phase_space.equilibrium(top, [0, 0, 0, 1, 0, 0, 0, 0, 0])
     with pytest.raises(ParameterError, match="of which 1 is not a motion"):
-        lp.stability(top, [0, 0, 0, 1, 0, 0, 0, 0, 0], along=("l3",))
+        lp.phase_space.equilibrium(top, [0, 0, 0, 1, 0, 0, 0, 0, 0], along=("l3",))
 
 
 @pytest.mark.parametrize("tol", [np.inf, np.nan, -1, "a", None])
 def test_a_tolerance_is_a_finite_number(tol):
     with pytest.raises(ParameterError, match="tol: wanted a finite number"):
-        lp.stability(lp.Top.lagrange(), [0, 0, 1, 0, 0, 1, 0, 0, 0], tol=tol)
+        lp.phase_space.equilibrium(lp.Top.lagrange(), [0, 0, 1, 0, 0, 1, 0, 0, 0], tol=tol)
 
 
 @pytest.mark.parametrize("system", [None, 3, "kovalevskaya", lp.Top])
 def test_a_system_is_wanted(system):
-    for function in (lp.stability, lp.relative_equilibrium, lp.equilibria):
+    for function in (lp.phase_space.equilibrium, lp.phase_space.equilibrium_near, lp.equilibria):
         with pytest.raises(ParameterError, match="wanted a system"):
             function(system, np.zeros(9))
 
@@ -199,22 +202,22 @@ def test_integrals_without_a_motion_of_their_own_are_refused():
     top, x = lp.Top.twisted_lagrange(), np.zeros(9)
     for name in ("C1", "C3", "dot(beta, beta)"):
         with pytest.raises(ParameterError, match="is a Casimir"):
-            lp.stability(top, x, along=(name,))
+            lp.phase_space.equilibrium(top, x, along=(name,))
     energy = "(dot(l, l) + l3^2)/2 + alpha3"
     assert lp.Top.twisted_lagrange().expression(energy) == top.hamiltonian
     for name in ("H", energy, f"-3*({energy}) + alpha1*beta1 + alpha2*beta2 + alpha3*beta3"):
         with pytest.raises(ParameterError, match="is the motion itself"):
-            lp.stability(top, x, along=(name,))
+            lp.phase_space.equilibrium(top, x, along=(name,))
 
 
 @pytest.mark.parametrize("along", [None, 3, [1], {"l3"}])
 def test_along_is_a_sequence_of_texts(along):
     with pytest.raises(ParameterError, match="along must be a sequence of integrals"):
-        lp.stability(lp.Top.twisted_lagrange(), np.zeros(9), along=along)
+        lp.phase_space.equilibrium(lp.Top.twisted_lagrange(), np.zeros(9), along=along)
 
 
 def test_an_integral_at_a_leaf_of_one_state():
-    for e in (lp.stability, lp.relative_equilibrium):
+    for e in (lp.phase_space.equilibrium, lp.phase_space.equilibrium_near):
         found = e(lp.Top.twisted_lagrange(), np.zeros(9), along=("l3",))
         assert (found.spectrum.shape, found.signature, found.nonlinear_stability) == ((0,), (0, 0, 0), "stable")
 
@@ -285,10 +288,10 @@ def test_diagrams_of_nothing_are_refused(options):
 def test_states_too_near_zero_are_refused(size):
     """The tensor J(x) is of the order of x, and its inverse of 1/x."""
     top = lp.Top.twisted_kovalevskaya()
-    for function in (lp.stability, lp.relative_equilibrium):
+    for function in (lp.phase_space.equilibrium, lp.phase_space.equilibrium_near):
         with pytest.raises(ParameterError, match=f"component of at least 1e-100.*{size:.3g}"):
             function(top, np.full(9, size))
-    assert lp.stability(top, np.zeros(9)).leaf.rank == 0
+    assert lp.phase_space.equilibrium(top, np.zeros(9)).leaf.rank == 0
 
 
 @pytest.mark.parametrize("scale", [1e-8, 1.0, 1e8])
@@ -298,13 +301,13 @@ def test_where_h_is_constant_on_the_leaf_nothing_grows_and_every_state_is_an_equ
     body = lp.System(lp.so(3) @ lp.trivial(), hamiltonian)
     rng = np.random.default_rng(0)
     for x in scale * rng.normal(size=(20, 3)):
-        e = lp.stability(body, x)
+        e = lp.phase_space.equilibrium(body, x)
         assert (e.signature, e.linear_stability, e.growth_rate) == ((0, 0, 2), "degenerate", 0.0)
 
 
 def test_a_pendulum_without_a_position_is_a_body_with_equal_moments():
     pendulum = lp.catalog.system("spherical-pendulum")
-    leaf = lp.leaf_of(pendulum, [0.4, 1.1, -0.3, 0, 0, 0])
+    leaf = lp.Leaf.through(pendulum, [0.4, 1.1, -0.3, 0, 0, 0])
     for l in np.random.default_rng(1).normal(size=(20, 3)):
         x = np.append(l * np.linalg.norm(leaf.state) / np.linalg.norm(l), [0, 0, 0])
-        assert lp.stability(pendulum, x).signature == (0, 0, 2)
+        assert lp.phase_space.equilibrium(pendulum, x).signature == (0, 0, 2)

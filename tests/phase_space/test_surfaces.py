@@ -11,7 +11,7 @@ from liepoisson.errors import LeafError, ParameterError
 from liepoisson.phase_space.surfaces import section_state
 
 TWISTED = lp.Top.twisted_kovalevskaya()
-SURFACE = lp.good_surface(TWISTED)
+SURFACE = lp.sections.good_surface(TWISTED)
 START = np.array([0.3, -0.5, 0.4, 0.6, 0.2, -0.3, 0.5, 0.1, 0.8])
 
 numbers = st.integers(-3, 3)
@@ -30,7 +30,7 @@ def derivative(top, function):
 def test_the_surface_is_minus_the_derivative_of_l_beta_and_its_own_derivative_is_as_stated(inertia, a, b, epsilon):
     top = lp.Top(inertia=inertia, a=a, b=b, epsilon=epsilon)
     l, alpha, beta = (sp.Matrix(top.variables[k : k + 3]) for k in (0, 3, 6))
-    s = top.expression(lp.good_surface(top))
+    s = top.expression(lp.sections.good_surface(top))
     assert sp.expand(derivative(top, l.dot(beta)) + s) == 0
     centre, omega = sp.Matrix(a), sp.Matrix([m / i for m, i in zip(l, inertia, strict=True)])
     stated = alpha.cross(beta).dot(omega.cross(centre)) + epsilon * centre.cross(beta).dot(centre.cross(beta))
@@ -42,7 +42,7 @@ def test_parallel_fields_cross_the_surface_in_the_direction_of_epsilon():
     for epsilon in (1, -1):
         top = lp.Top.twisted_kovalevskaya(epsilon)
         x = np.array([0.4, -0.2, 0.7, 0.4, 0.2, -0.6, 0.2, 0.1, -0.3])
-        slope = top.functions.of(lp.good_surface(top)).gradient(x) @ top.functions.rates(x)
+        slope = top.functions.of(lp.sections.good_surface(top)).gradient(x) @ top.functions.rates(x)
         assert slope == pytest.approx(epsilon * (0.1**2 + 0.3**2))
 
 
@@ -59,9 +59,9 @@ def test_orbits_come_back_to_the_surface_at_maxima_and_minima_of_l_beta_in_turn(
 
 def test_a_top_without_such_a_surface_is_refused():
     with pytest.raises(ParameterError, match="constant"):
-        lp.good_surface(lp.Top(inertia=(2, 2, 1), a=(0, 0, 0), b=(1, 0, 0), epsilon=1))
+        lp.sections.good_surface(lp.Top(inertia=(2, 2, 1), a=(0, 0, 0), b=(1, 0, 0), epsilon=1))
     with pytest.raises(ParameterError, match="time derivative of a bounded function"):
-        lp.good_surface(lp.catalog.system("manakov-so4"))
+        lp.sections.good_surface(lp.catalog.system("manakov-so4"))
 
 
 @pytest.mark.thorough
@@ -70,10 +70,10 @@ def test_a_top_without_such_a_surface_is_refused():
 )
 def test_random_starts_lie_on_leaf_energy_surface_and_section(name, surface):
     system = lp.catalog.system(name)
-    surface = surface or lp.good_surface(system)
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    surface = surface or lp.sections.good_surface(system)
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
     energy = leaf.energy_range()[0] + 1.5
-    x = lp.section_starts(leaf, surface, energy=energy, n=5, seed=3)
+    x = lp.sections.section_starts(leaf, surface, energy=energy, n_starts=5, seed=3)
     assert x.shape == (5, len(system.variables))
     assert leaf.residual(x).max() < 1e-13
     np.testing.assert_allclose(system.functions.energy(x), energy, rtol=1e-13)
@@ -82,33 +82,35 @@ def test_random_starts_lie_on_leaf_energy_surface_and_section(name, surface):
 
 @pytest.mark.thorough
 def test_starts_depend_on_the_seed_alone():
-    leaf = lp.leaf_of(TWISTED, START)
-    x, again, other = (lp.section_starts(leaf, SURFACE, energy=1.0, n=5, seed=seed) for seed in (3, 3, 4))
+    leaf = lp.Leaf.through(TWISTED, START)
+    x, again, other = (
+        lp.sections.section_starts(leaf, SURFACE, energy=1.0, n_starts=5, seed=seed) for seed in (3, 3, 4)
+    )
     assert np.array_equal(x, again)
     assert not np.allclose(x, other)
 
 
 @pytest.mark.thorough
 def test_starts_of_one_direction_return_in_that_direction():
-    leaf = lp.leaf_of(TWISTED, START)
+    leaf = lp.Leaf.through(TWISTED, START)
     slope = TWISTED.functions.of(SURFACE).gradient
     for direction in (1, -1):
-        x = lp.section_starts(leaf, SURFACE, energy=1.0, n=30, seed=3, direction=direction)
+        x = lp.sections.section_starts(leaf, SURFACE, energy=1.0, n_starts=30, seed=3, direction=direction)
         rates = np.einsum("ij,ij->i", slope(x), TWISTED.functions.rates(x))
         assert (direction * rates > 0).all()
     with pytest.raises(ParameterError, match="direction"):
-        lp.section_starts(leaf, SURFACE, energy=1.0, n=3, seed=3, direction=2)
+        lp.sections.section_starts(leaf, SURFACE, energy=1.0, n_starts=3, seed=3, direction=2)
 
 
 @pytest.mark.thorough
 def test_energies_and_surfaces_out_of_reach_are_refused():
-    leaf = lp.leaf_of(TWISTED, START)
+    leaf = lp.Leaf.through(TWISTED, START)
     with pytest.raises(LeafError, match="On this leaf the energy lies between"):
-        lp.section_starts(leaf, SURFACE, energy=leaf.energy_range()[0] - 1, n=3, seed=1)
+        lp.sections.section_starts(leaf, SURFACE, energy=leaf.energy_range()[0] - 1, n_starts=3, seed=1)
     with pytest.raises(LeafError, match="converged from 0 of 192 guesses, 0 %"):
-        lp.section_starts(leaf, "norm(beta) - 5", energy=1.0, n=3, seed=1)
+        lp.sections.section_starts(leaf, "norm(beta) - 5", energy=1.0, n_starts=3, seed=1)
     with pytest.raises(ParameterError, match="seed"):
-        lp.section_starts(leaf, SURFACE, energy=1.0, n=3, seed=-1)
+        lp.sections.section_starts(leaf, SURFACE, energy=1.0, n_starts=3, seed=-1)
 
 
 def test_starts_need_no_markov_chain(monkeypatch):
@@ -116,9 +118,9 @@ def test_starts_need_no_markov_chain(monkeypatch):
     monkeypatch.setattr("liepoisson.phase_space.leaf_sampling.sample_by_chains", None)
     for name, surface in (("kovalevskaya", "l3"), ("manakov-so4", "M12")):
         system = lp.catalog.system(name)
-        leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+        leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
         energy = float(system.functions.energy(leaf.state))
-        x = lp.section_starts(leaf, surface, energy=energy, n=24, seed=3)
+        x = lp.sections.section_starts(leaf, surface, energy=energy, n_starts=24, seed=3)
         assert leaf.residual(x).max() < 1e-13
         np.testing.assert_allclose(system.functions.energy(x), energy, rtol=1e-12)
         assert np.abs(system.functions.of(surface)(x)).max() < 1e-12
@@ -127,8 +129,8 @@ def test_starts_need_no_markov_chain(monkeypatch):
 
 @pytest.mark.thorough
 def test_a_state_of_the_section_with_given_coordinates():
-    leaf = lp.leaf_of(TWISTED, START)
-    there = lp.section_starts(leaf, SURFACE, energy=1.5, n=1, seed=1)[0]
+    leaf = lp.Leaf.through(TWISTED, START)
+    there = lp.sections.section_starts(leaf, SURFACE, energy=1.5, n_starts=1, seed=1)[0]
     wanted = {"l3": there[2], "alpha1": there[3], "beta2": there[7], "dot(l, beta)": there[:3] @ there[6:]}
     x = section_state(leaf, SURFACE, 1.5, wanted, guess=there + 0.02)
     np.testing.assert_allclose(x, there, atol=1e-9)
@@ -143,8 +145,8 @@ def test_a_state_of_the_section_with_given_coordinates():
 def test_an_energy_out_of_reach_is_told_before_the_surface_is_blamed():
     leaf = lp.Leaf(lp.catalog.system("kovalevskaya"), {"C1": 0.5, "C2": 1})
     for call in (
-        lambda: lp.section_starts(leaf, "l3", energy=-9, n=3, seed=2),
-        lambda: lp.section_starts(leaf, "l3", energy=-9, n=3, seed=2, direction=1, spread=True),
+        lambda: lp.sections.section_starts(leaf, "l3", energy=-9, n_starts=3, seed=2),
+        lambda: lp.sections.section_starts(leaf, "l3", energy=-9, n_starts=3, seed=2, direction=1, spread=True),
         lambda: section_state(leaf, "l3", -9, {"alpha1": 0.2}),
         lambda: leaf.project(leaf.state, energy=-9, surface="l3"),
         lambda: leaf.sample(3, seed=2, energy=-9),
@@ -155,7 +157,7 @@ def test_an_energy_out_of_reach_is_told_before_the_surface_is_blamed():
 
 @pytest.mark.thorough
 def test_coordinates_that_no_state_has_are_refused():
-    leaf = lp.leaf_of(TWISTED, START)
+    leaf = lp.Leaf.through(TWISTED, START)
     with pytest.raises(LeafError, match=r"beta1 = 7.*least residual reached from 65 guesses"):
         section_state(leaf, SURFACE, 1.5, {"beta1": 7})
     with pytest.raises(LeafError, match="from 1 guess "):
@@ -166,7 +168,7 @@ def test_coordinates_that_no_state_has_are_refused():
 
 def test_the_section_of_a_leaf_of_lower_rank():
     """The heavy top within the twisted one: beta = 0."""
-    leaf = lp.leaf_of(TWISTED, [0.3, -0.5, 0.4, 0.6, 0.2, -0.3, 0, 0, 0])
+    leaf = lp.Leaf.through(TWISTED, [0.3, -0.5, 0.4, 0.6, 0.2, -0.3, 0, 0, 0])
     x = section_state(leaf, "l3", 1.0, {"alpha3": 0.4})
     assert np.array_equal(x[6:], np.zeros(3))
     assert leaf.residual(x) < 1e-13
@@ -176,7 +178,7 @@ def test_the_section_of_a_leaf_of_lower_rank():
 def test_spread_starts_are_on_the_section_and_far_from_each_other():
     system = lp.catalog.system("kovalevskaya")
     leaf = lp.Leaf(system, {"C1": 0.5, "C2": 1})
-    x = lp.section_starts(leaf, "alpha2", energy=1, n=12, seed=2, direction=1, spread=True)
+    x = lp.sections.section_starts(leaf, "alpha2", energy=1, n_starts=12, seed=2, direction=1, spread=True)
     assert leaf.residual(x).max() < 1e-13
     assert np.abs(system.functions.energy(x) - 1).max() < 1e-12
     assert (system.functions.rates(x)[:, 4] > 0).all()
@@ -191,17 +193,17 @@ def test_spread_starts_are_on_the_section_and_far_from_each_other():
 def test_spread_starts_of_an_energy_out_of_reach_are_refused_with_those_in_reach():
     leaf = lp.Leaf(lp.catalog.system("kovalevskaya"), {"C1": 0.5, "C2": 1})
     with pytest.raises(LeafError, match=r"^states on .* the energy lies between -\d\.\d+ and inf; -9 was asked for"):
-        lp.section_starts(leaf, "alpha2", energy=-9, n=3, seed=2, spread=True)
+        lp.sections.section_starts(leaf, "alpha2", energy=-9, n_starts=3, seed=2, spread=True)
     with pytest.raises(ParameterError, match="direction"):
-        lp.section_starts(leaf, "alpha2", energy=1, n=3, seed=2, direction=np.ones(2))
+        lp.sections.section_starts(leaf, "alpha2", energy=1, n_starts=3, seed=2, direction=np.ones(2))
 
 
 def test_an_energy_is_wanted():
     """None would leave the energy free, and each start would have its own."""
-    leaf = lp.leaf_of(TWISTED, START)
+    leaf = lp.Leaf.through(TWISTED, START)
     for bad in (None, np.nan, "1"):
         for spread in (False, True):
             with pytest.raises(ParameterError, match="energy"):
-                lp.section_starts(leaf, SURFACE, energy=bad, n=4, seed=0, spread=spread)
+                lp.sections.section_starts(leaf, SURFACE, energy=bad, n_starts=4, seed=0, spread=spread)
         with pytest.raises(ParameterError, match="energy"):
             section_state(leaf, SURFACE, bad, {"l3": 0.2})

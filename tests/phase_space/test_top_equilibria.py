@@ -65,7 +65,7 @@ def random_leaf(rng, top):
         x[3:] = 0
     elif kind == 3:
         x[6:] = 2 * x[3:6]
-    leaf = lp.leaf_of(top, x)
+    leaf = lp.Leaf.through(top, x)
     if kind == 4 and leaf.is_regular:
         values = leaf.casimirs | {"C2": 0.0}
         return lp.Leaf(top, values)
@@ -91,7 +91,7 @@ def random_small_leaf(rng, top):
     kind = rng.integers(4)
     if kind == 1:
         x[3:] = 0
-    leaf = lp.leaf_of(top, x)
+    leaf = lp.Leaf.through(top, x)
     return lp.Leaf(top, leaf.casimirs | {"C1": 0.0}) if kind == 2 and leaf.rank == 4 else leaf
 
 
@@ -112,7 +112,7 @@ def check(top, leaf, n_starts):
 @pytest.mark.thorough
 def test_a_leaf_with_ten_equilibria_of_which_few_starts_find_some():
     top = lp.Top(**TEN)
-    leaf = lp.leaf_of(top, [-5.2, -7.4, -0.9, -5.1, 1.1, 0.6, -0.7, -10.1, -2.2])
+    leaf = lp.Leaf.through(top, [-5.2, -7.4, -0.9, -5.1, 1.1, 0.6, -0.7, -10.1, -2.2])
     found = check(top, leaf, 30)
     assert len(found) == 10
     assert "these are all" in found.completeness
@@ -122,7 +122,7 @@ def test_a_leaf_with_ten_equilibria_of_which_few_starts_find_some():
 @pytest.mark.parametrize("seed", range(4))
 def test_other_leaves_of_the_same_top(seed):
     top = lp.Top(**TEN)
-    check(top, lp.leaf_of(top, np.random.default_rng(seed).normal(size=9) * np.repeat([3, 1, 1], 3)), 30)
+    check(top, lp.Leaf.through(top, np.random.default_rng(seed).normal(size=9) * np.repeat([3, 1, 1], 3)), 30)
 
 
 def parallel_top_on_its_exceptional_leaf(rng):
@@ -209,7 +209,7 @@ def test_moments_of_any_sign_typed_by_hand(seed):
 def test_states_of_an_indefinite_top_that_turn_about_the_vertical_without_momentum_along_it():
     for extension, rest in ((lp.semidirect(2), []), (lp.leibniz(3), [0, 0, 0])):
         top = lp.System(lp.so(3) @ extension, "l1^2 + l2^2/4 - l3^2/2 + alpha1 + alpha3")
-        found = check(top, lp.leaf_of(top, [1, 0, 0, 0, 1, 0, *rest]), 60)
+        found = check(top, lp.Leaf.through(top, [1, 0, 0, 0, 1, 0, *rest]), 60)
         assert len(found) == 6
         assert found.euler_characteristic is None
         turning = [e.state for e in found if np.linalg.norm(e.state[:3]) > 0.1]
@@ -226,8 +226,8 @@ def test_heavy_tops_of_the_catalogue_on_all_leaves(name):
     system = lp.catalog.system(name)
     top = lp.Top.heavy(*(list(map(str, v)) for v in (exact_top(system).inertia, exact_top(system).a)))
     for x in ([0.4, 1.1, -0.3, 0.2, 0.9, -0.5], [0.4, 1.1, -0.3, 0, 0, 0], [-6, 3, 2, 0.25, 0.5, -1]):
-        found = check(system, lp.leaf_of(system, x), 20)
-        nine = lp.equilibria(top, lp.leaf_of(top, [*x, 0, 0, 0]))
+        found = check(system, lp.Leaf.through(system, x), 20)
+        nine = lp.equilibria(top, lp.Leaf.through(top, [*x, 0, 0, 0]))
         np.testing.assert_allclose([e.energy for e in found], [e.energy for e in nine], rtol=1e-10)
         assert [e.family for e in found] == [e.family for e in nine]
     at_rest = check(system, lp.Leaf(system, {"C1": 0, "C2": 4}), 0)
@@ -252,7 +252,7 @@ def test_precessions_of_a_lagrange_top_are_a_circle_and_upright_ones_are_points(
 def test_units_change_nothing_for_a_heavy_top(unit):
     x = np.array([0.9, -0.6, 2.5, 0.7, 0.2, -0.8])
     system = lp.catalog.system("heavy-top")
-    found, other = (lp.equilibria(system, lp.leaf_of(system, x * np.repeat([s, s**2], 3))) for s in (1.0, unit))
+    found, other = (lp.equilibria(system, lp.Leaf.through(system, x * np.repeat([s, s**2], 3))) for s in (1.0, unit))
     assert sorted(e.signature for e in found) == sorted(e.signature for e in other)
     scale = np.repeat([unit, unit**2], 3)
     np.testing.assert_allclose([e.state for e in other] / scale, [e.state for e in found], rtol=1e-12, atol=1e-13)
@@ -260,7 +260,7 @@ def test_units_change_nothing_for_a_heavy_top(unit):
 
 def test_a_heavy_top_depends_on_the_leaf_and_not_on_the_state_it_was_made_from():
     system = lp.catalog.system("heavy-top")
-    leaf = lp.leaf_of(system, [0.4, 1.1, -0.3, 0.2, 0.9, -0.5])
+    leaf = lp.Leaf.through(system, [0.4, 1.1, -0.3, 0.2, 0.9, -0.5])
     lists = [lp.equilibria(system, given) for given in (leaf, leaf.casimirs)]
     np.testing.assert_array_equal([e.state for e in lists[0]], [e.state for e in lists[1]])
 
@@ -300,7 +300,7 @@ def test_free_rigid_body_and_its_equal_moments():
     }
     for inertia, expected in kinds.items():
         top = lp.Top.free_rigid_body(inertia)
-        found = lp.equilibria(top, lp.leaf_of(top, leaf_state))
+        found = lp.equilibria(top, lp.Leaf.through(top, leaf_state))
         assert sorted(e.family for e in found) == sorted(expected)
         assert found.proved
         assert found.euler_found == 2
@@ -316,7 +316,7 @@ def test_free_rigid_body_and_its_equal_moments():
 )
 def test_charged_tops_have_four_points_two_circles_or_all_rotations(a, b, expected):
     top = lp.Top.charged_heavy((1, 2, 2.5), a, b)
-    found = lp.equilibria(top, lp.leaf_of(top, [0.1, 0.2, -0.3, 1, 0.2, 0, 0.3, 1.1, 0.4]))
+    found = lp.equilibria(top, lp.Leaf.through(top, [0.1, 0.2, -0.3, 1, 0.2, 0, 0.3, 1.1, 0.4]))
     assert [e.family for e in found] == expected
     assert found.proved
     assert (found.euler_found, found.euler_characteristic) == (0, 0)
@@ -332,7 +332,7 @@ def test_equal_singular_values_give_two_points_and_a_circle():
 def test_heavy_top_on_the_leaf_beta_zero_of_a_twisted_one_is_that_of_the_heavy_top():
     twisted, heavy = lp.Top(**TEN), lp.Top.heavy(TEN["inertia"], TEN["a"])
     x = np.array([0.4, 1.1, -0.3, 0.2, 0.9, -0.5, 0, 0, 0])
-    first, second = (lp.equilibria(top, lp.leaf_of(top, x)) for top in (twisted, heavy))
+    first, second = (lp.equilibria(top, lp.Leaf.through(top, x)) for top in (twisted, heavy))
     np.testing.assert_allclose([e.energy for e in first], [e.energy for e in second], rtol=1e-12)
     assert first.proved
     assert second.proved
@@ -352,7 +352,7 @@ def test_exceptional_leaf_with_a_state_of_rest():
     a, b, t, s = np.array([1.0, 2.0, 0.0]), np.array([0.5, 0.0, 1.0]), 0.5, -0.25
     top = lp.Top(inertia=(1, 2, 2.5), a=a.tolist(), b=b.tolist(), epsilon=1)
     x = np.concatenate([np.zeros(3), t * b + s * a, t * a])
-    found = lp.equilibria(top, lp.leaf_of(top, x))
+    found = lp.equilibria(top, lp.Leaf.through(top, x))
     assert found.proved
     assert min(np.linalg.norm(e.state - x) for e in found) < 1e-12
     assert found.euler_found == 2
@@ -375,9 +375,9 @@ def test_units_change_nothing(unit):
     x = np.array([0.9, -0.6, 0.5, 0.7, 0.2, -0.8, 0.3, 0.9, 0.4])
     top = lp.Top(**TEN)
     scale = np.repeat([unit, unit**2, unit**3], 3)
-    found = lp.equilibria(top, lp.leaf_of(top, x))
+    found = lp.equilibria(top, lp.Leaf.through(top, x))
     rescaled = lp.Top(inertia=TEN["inertia"], a=TEN["a"], b=[float(v / unit) for v in TEN["b"]], epsilon=0.5)
-    other = lp.equilibria(rescaled, lp.leaf_of(rescaled, x * scale))
+    other = lp.equilibria(rescaled, lp.Leaf.through(rescaled, x * scale))
     assert (found.proved, other.proved) == (True, True)
     assert len(found) == len(other)
     assert sorted(e.signature for e in found) == sorted(e.signature for e in other)

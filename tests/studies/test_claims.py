@@ -167,11 +167,11 @@ def test_a_bounded_orbit_of_an_integrable_top_has_a_positive_exponent():
     top = lp.Top.kovalevskaya()
     z = 2 / np.cosh(-14.0)
     x0 = [0, 0, z, z**2 / 2 - 1, z * np.tanh(14.0), 0, 0, 0, 0]
-    growth = lp.lyapunov_exponent(top, x0, times=[4.0, 10.0], tangents=[0, 0, 1.0, 0, 1.0, 0, 0, 0, 0])
+    growth = lp.finite_time_exponents(top, x0, times=[4.0, 10.0], tangents=[0, 0, 1.0, 0, 1.0, 0, 0, 0, 0])
     rate = (10 * growth.exponent[0, 1] - 4 * growth.exponent[0, 0]) / 6
     assert rate == pytest.approx(1.0, abs=1e-3)
     # The same top at random starts, none of them asymptotic to the saddle: ln t/t.
-    typical = lp.lyapunov_exponent(top, lp.sample_states(top, 20, seed=1), t_end=1000).exponent[:, -1]
+    typical = lp.finite_time_exponents(top, lp.sample_states(top, 20, seed=1), t_end=1000).exponent[:, -1]
     assert typical.max() < 0.02
 
 
@@ -181,7 +181,7 @@ def test_orbits_stay_away_from_collinear_states_on_one_leaf_and_come_near_on_ano
     t = np.linspace(0, 200, 4001)
     nearest = []
     for top, start in ((calm, [0.3, 0.2, 0.1, 1, 0, 0, 0, 1, 0]), (met, [0.3, 0.2, 0.1, 0.3, 0, 0, 0, 1, 0])):
-        x = lp.integrate(top, start, t=t).state[0]
+        x = lp.integrate(top, start, times=t).state[0]
         normal = np.cross(x[:, 3:6], x[:, 6:])
         nearest.append((normal**2).sum(axis=-1).min() / (x[:, 6:] ** 2).sum(axis=-1)[0])
     assert nearest[0] > 0.8
@@ -193,7 +193,7 @@ def test_collinear_fields_separate_and_meet():
     x0 = np.array([0, 0, 0, 0, 0, 0, 1.0, 0, 0])
     for sign in (1, -1):
         t = sign * np.array([0.0, 0.01, 0.25])
-        x = lp.integrate(top, x0, t=t).state[0]
+        x = lp.integrate(top, x0, times=t).state[0]
         distance = np.linalg.norm(np.cross(x[:, 3:6], x[:, 6:]), axis=-1)
         assert distance[0] == 0.0
         # |alpha x beta| = |t| (1 + O(t^2)): the certificate gives the square, t^2 + ...
@@ -216,7 +216,7 @@ def test_the_homoclinic_formula_is_an_orbit():
         return np.stack([zero, zero, z, x, y, zero, zero, zero, zero + B], axis=-1)
 
     t = np.linspace(-1.5, 1.5, 7)
-    x = lp.integrate(top, state(t)[0], t=t).state[0]
+    x = lp.integrate(top, state(t)[0], times=t).state[0]
     # Round-off grows along the unstable direction like exp(k |t|) = 180 over the run.
     np.testing.assert_allclose(x, state(t), rtol=0, atol=1e-12)
     np.testing.assert_allclose(state(np.array([40.0]))[0, [2, 3, 4]], [z0, d, 0], atol=1e-12)

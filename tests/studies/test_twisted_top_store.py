@@ -41,7 +41,7 @@ def test_interrupted_study_resumes_and_gives_the_same_bits(tmp_path, monkeypatch
     monkeypatch.setattr(integration, "_integrate_piece", lambda *a: (computed.append(a[1:3]), spied(*a)))
     resumed = complete(store, 1, Tracker([store], None))
     assert sorted(computed + kept) == list(store.run.pieces())
-    for array in ("exponent", "initial_state", "outcome", "n_steps"):
+    for array in ("exponent", "start", "outcome", "n_steps"):
         np.testing.assert_array_equal(getattr(resumed, array), getattr(whole, array))
 
 
@@ -51,9 +51,9 @@ def test_pieces_hold_the_members_that_one_call_gives(tmp_path, monkeypatch):
     members = integrate(tmp_path, SMALL, run.name)
     top = run.top()
     x0 = lp.sample_states(top, 50, seed=0, ensemble="gaussian")
-    growth = lp.lyapunov_exponent(top, x0, times=run.time, seed=0, method=lp.Taylor(tol=run.tolerance))
+    growth = lp.finite_time_exponents(top, x0, times=run.time, seed=0, method=lp.Taylor(tol=run.tolerance))
     np.testing.assert_array_equal(members.exponent, growth.exponent)
-    np.testing.assert_array_equal(members.initial_state, x0)
+    np.testing.assert_array_equal(members.start, x0)
 
 
 def test_finished_run_is_one_netcdf_file_that_can_be_run_again(tmp_path):

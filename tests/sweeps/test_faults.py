@@ -29,7 +29,7 @@ SPEC = {
     "system": "twisted-top",
     "parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
     "axes": (Axis.linear("epsilon", 0, 1, 12),),
-    "n": 64,
+    "n_starts": 64,
     "t_end": 16_000.0,
     "seed": 3,
     "points_per_piece": 1,

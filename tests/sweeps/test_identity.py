@@ -16,7 +16,7 @@ GIVEN = {
     "system": "twisted-top",
     "parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
     "axes": (Axis("epsilon", (0.5, 1.0)),),
-    "n": 2,
+    "n_starts": 2,
     "t_end": 5.0,
     "threads": 1,
 }

@@ -88,7 +88,7 @@ def test_functions_are_families():
         ({"parameters": {**KOVALEVSKAYA, "a": ["log(epsilon)", 0, 0]}}, "not a finite number"),
         ({"parameters": {**KOVALEVSKAYA, "a": ["cos(", 0, 0]}}, "formula"),
         ({"parameters": {**KOVALEVSKAYA, "epsilon": 1}}, "another value"),
-        ({"n": 0}, "n"),
+        ({"n_starts": 0}, "n_starts"),
         ({"t_end": -1.0}, "t_end"),
         ({"t_end": float("inf")}, "t_end"),
         ({"quantity": 3}, "quantity: wanted one of exponent"),
@@ -167,7 +167,7 @@ def test_other_refusals():
 FILE = """
 system = "twisted-top"
 quantity = "chaotic_fraction"
-n = 8
+n_starts = 8
 t_end = "100*2"
 seed = 5
 [parameters]
@@ -207,10 +207,10 @@ def test_a_file_says_the_same_as_python(tmp_path):
         axes=(Axis.linear("phi", 0, np.pi / 2, 3), Axis("epsilon", (0.0, 0.5, 1.0))),
         parameters={"I": [2, 2, "1"], "a": ["-cos(phi)", 0, 0], "b": [0, 0, 0]},
         starts=Starts(ensemble="gaussian", energy="phi", casimirs={"C1": 1}),
-        n=8,
+        n_starts=8,
         t_end=200.0,
         quantity="chaotic_fraction",
-        rule=lp.Rule(megno=(2.5, 6.0), averages=1e-3),
+        rule=lp.chaos.Rule(megno=(2.5, 6.0), averages=1e-3),
         method=lp.Splitting(step=0.1, order=6),
         seed=5,
         refine=Refinement(2, 0.25),
@@ -233,13 +233,13 @@ def test_a_file_says_the_same_as_python(tmp_path):
         ("megno = [2.5,", "megno = [7,", r"rule\.megno: wanted two increasing numbers"),
         ("seed = 5", "threshold = 0.03", "the key is unknown"),
         ('energy = "phi"', 'enrgy = "phi"', "Did you mean energy"),
-        ("n = 8", "n = 0.5", "n: wanted"),
+        ("n_starts = 8", "n_starts = 0.5", "n_starts: wanted"),
         ('to = "pi/2"', 'to = "pi/"', "formula"),
         ("values = [0, 0.5, 1]", "values = [1, 1e100, 1e400]", r"line 18: \[axes\]\[2\] values: .*fit into a double"),
         ("t_end =", "t_end = 1e309 #", "t_end: the number must fit into a double"),
         ("t_end =", "t_end = nan #", "t_end: wanted a number; got nan. Correct"),
-        ("n = 8", "n = 1e309", "n: the number must fit into a double"),
-        ("n = 8", "n = nan", "n: wanted a whole number .*; got nan;"),
+        ("n_starts = 8", "n_starts = 1e309", "n_starts: the number must fit into a double"),
+        ("n_starts = 8", "n_starts = nan", "n_starts: wanted a whole number .*; got nan;"),
         ("step = 0.1", "step = 1e309", "step: the number must fit into a double"),
         ("[parameters]", "[parameters]\nepsilon = nan", "epsilon: wanted .*; got nan;"),
         ("C1 = 1", "C1 = 1e309", "C1: wanted .*the range of a double"),
@@ -257,7 +257,7 @@ def test_the_fingerprint_tells_sweeps_apart():
     base = {"system": "twisted-top", "axes": axes, "t_end": 1000.0, "parameters": KOVALEVSKAYA}
     changes = [
         {"seed": 1},
-        {"n": 65},
+        {"n_starts": 65},
         {"t_end": 999.0},
         {"axes": (Axis("epsilon", (0.0, 2.0)),)},
         {"parameters": {**KOVALEVSKAYA, "a": [1, 0, 0]}},
@@ -265,13 +265,13 @@ def test_the_fingerprint_tells_sweeps_apart():
         {"starts": Starts(ensemble="cube")},
         {"quantity": "json:loads"},
         {"quantity": "chaotic_fraction"},
-        {"quantity": "chaotic_fraction", "rule": lp.Rule(averages=1e-3)},
+        {"quantity": "chaotic_fraction", "rule": lp.chaos.Rule(averages=1e-3)},
         {"refine": Refinement(1, 0.5)},
         {"system": lp.Top.kovalevskaya},
     ]
     prints = [SweepSpec(**{**base, **change}).fingerprint() for change in ({}, *changes)]
     assert len(set(prints)) == len(prints)
-    assert SweepSpec(**base, rule=lp.Rule(averages=1e-3), name="other").fingerprint() == prints[0]
+    assert SweepSpec(**base, rule=lp.chaos.Rule(averages=1e-3), name="other").fingerprint() == prints[0]
     json.dumps(SweepSpec(**base).record())
 
 

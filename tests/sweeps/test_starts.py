@@ -77,7 +77,7 @@ def worst_first_casimir(system, x0, **_):
 
 
 def test_casimirs_of_a_varying_bracket_are_one_function_at_all_points():
-    given = {"system": NO_TOP, "n": 2, "t_end": 1.0, "threads": 1, "quantity": worst_first_casimir}
+    given = {"system": NO_TOP, "n_starts": 2, "t_end": 1.0, "threads": 1, "quantity": worst_first_casimir}
     found = sweep(**given, parameters={"k": 1}, axes={"epsilon": [0.0, 0.25, 0.3, 0.51]}, starts={"C1": 1})
     assert found.outcomes == {"finished": 8}
     assert np.max(found.value) < 1e-11
@@ -90,7 +90,7 @@ def fourth_order(epsilon):
 @pytest.mark.thorough
 def test_points_where_casimirs_are_other_functions_have_no_starts():
     """With epsilon = 0 the bracket has six Casimirs, and C1 is |x_1|^2 instead of x_1.x_2 + epsilon x_0.x_3."""
-    given = {"system": fourth_order, "n": 2, "t_end": 1.0, "threads": 1, "starts": {"C1": 1}}
+    given = {"system": fourth_order, "n_starts": 2, "t_end": 1.0, "threads": 1, "starts": {"C1": 1}}
     given["quantity"] = lambda system, x0, **_: 0.0
     found = sweep(**given, axes={"epsilon": [-0.5, 0.0, 0.25, 0.5, 1.0]})
     assert found.outcomes == {"finished": 8, "no start": 2}
@@ -102,7 +102,7 @@ def test_points_where_casimirs_are_other_functions_have_no_starts():
 
 def test_unknown_casimirs_and_bad_pieces_are_refused_before_anything_is_made(tmp_path):
     top = {"parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}, "axes": {"epsilon": [0.0, 1.0]}}
-    given = {"system": "twisted-top", **top, "n": 2, "t_end": 1.0, "store": tmp_path / "a.zarr"}
+    given = {"system": "twisted-top", **top, "n_starts": 2, "t_end": 1.0, "store": tmp_path / "a.zarr"}
     for more, message in (
         ({"starts": {"C4": 1}}, "C1, C2, C3; got C4"),
         ({"starts": {"foo": 1}}, "got 'foo'"),
@@ -121,7 +121,7 @@ def test_unknown_casimirs_and_bad_pieces_are_refused_before_anything_is_made(tmp
 @pytest.mark.thorough
 def test_the_command_takes_pieces_and_patience(tmp_path):
     (tmp_path / "a.toml").write_text(
-        'system = "twisted-top"\nn = 1\nt_end = 1\nparameters = {I = [2, 2, 1], a = [1, 0, 0], b = [0, 0, 0]}\n'
+        'system = "twisted-top"\nn_starts = 1\nt_end = 1\nparameters = {I = [2, 2, 1], a = [1, 0, 0], b = [0, 0, 0]}\n'
         'axes = [{name = "epsilon", values = [0, 1, 2, 3]}]\n'
     )
     options = [str(tmp_path / "a.toml"), "--points-per-piece", "3", "--patience", "2"]

@@ -24,7 +24,7 @@ SPEC = {
     "system": "twisted-top",
     "parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
     "axes": (Axis.linear("epsilon", 0, 1, 12),),
-    "n": 100,
+    "n_starts": 100,
     "t_end": 20.0,
     "seed": 3,
     "points_per_piece": 2,
@@ -41,7 +41,7 @@ CHILD = """
             {then}
     sweep(
         system="twisted-top", parameters={{"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}},
-        axes=(Axis.linear("epsilon", 0, 1, 12),), n=100, t_end=20.0, seed=3, points_per_piece=2,
+        axes=(Axis.linear("epsilon", 0, 1, 12),), n_starts=100, t_end=20.0, seed=3, points_per_piece=2,
         store=sys.argv[1], threads=1, progress=progress,
     )
 """
@@ -273,7 +273,7 @@ def test_one_process_writes(tmp_path):
 
 @pytest.mark.thorough
 def test_refined_levels_are_stored(tmp_path):
-    given = {**SPEC, "n": 20, "quantity": "chaotic_fraction", "t_end": 200.0, "refine": Refinement(2, 0.2)}
+    given = {**SPEC, "n_starts": 20, "quantity": "chaotic_fraction", "t_end": 200.0, "refine": Refinement(2, 0.2)}
     path = tmp_path / "a.zarr"
     first = sweep(**given, store=path)
     assert first.level.max() > 0

@@ -14,7 +14,7 @@ from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.spec import DEFAULT_METHOD, Axis, Refinement, Starts
 
 KOVALEVSKAYA = {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}
-TWIST = {"system": "twisted-top", "parameters": KOVALEVSKAYA, "n": 5, "t_end": 30.0, "seed": 3}
+TWIST = {"system": "twisted-top", "parameters": KOVALEVSKAYA, "n_starts": 5, "t_end": 30.0, "seed": 3}
 MAP = {
     **TWIST,
     "axes": (Axis.linear("epsilon", 0, 1, 3), Axis.linear("energy", 0, 1, 4)),
@@ -25,10 +25,12 @@ MAP = {
 def test_a_point_is_what_lyapunov_exponent_says():
     result = sweep(**TWIST, axes=(Axis("epsilon", (0.0, 0.5, 1.0)),))
     top = lp.Top.kovalevskaya(epsilon="1/2")
-    growth = lp.lyapunov_exponent(top, lp.sample_states(top, 5, seed=3), times=[30.0], seed=3, method=DEFAULT_METHOD)
+    growth = lp.finite_time_exponents(
+        top, lp.sample_states(top, 5, seed=3), times=[30.0], seed=3, method=DEFAULT_METHOD
+    )
     np.testing.assert_array_equal(result.value[1], growth.exponent[:, -1])
     assert result.outcomes == {"finished": 15}
-    np.testing.assert_array_equal(sample_tangents(9, 5, seed=3), growth.initial_tangent)
+    np.testing.assert_array_equal(sample_tangents(9, 5, seed=3), growth.start_tangent)
 
 
 @pytest.mark.parametrize("how", [{"threads": 1}, {"threads": 3}, {"points_per_piece": 1}, {"points_per_piece": 5}])
@@ -37,13 +39,13 @@ def test_bits_do_not_depend_on_how(how):
 
 
 def test_members_do_not_depend_on_their_number():
-    more = sweep(**{**MAP, "n": 9})
+    more = sweep(**{**MAP, "n_starts": 9})
     np.testing.assert_array_equal(more.value[:, :5], sweep(**MAP).value)
 
 
 def test_a_general_system_is_swept():
     result = sweep(
-        system="clebsch", axes=(Axis("energy", (1.0, 2.0)),), n=3, t_end=20.0, starts=Starts(ensemble="cube")
+        system="clebsch", axes=(Axis("energy", (1.0, 2.0)),), n_starts=3, t_end=20.0, starts=Starts(ensemble="cube")
     )
     assert np.isfinite(result.value[result.outcome == "finished"]).all()
     assert "1e-09" in result.method
@@ -64,7 +66,7 @@ def energy_and_casimir(system, x0, **_):
 @pytest.mark.thorough
 def test_liouville_starts_lie_on_the_leaf():
     result = sweep(
-        **{**TWIST, "quantity": first_casimir, "t_end": 1.0, "n": 3},
+        **{**TWIST, "quantity": first_casimir, "t_end": 1.0, "n_starts": 3},
         axes=(Axis("epsilon", (0.7, 1.0)),),
         starts=Starts(casimirs={"C1": 1, "C2": 0.2, "C3": 1}, energy=0.5, sampling="liouville"),
     )
@@ -93,7 +95,7 @@ def test_orbits_that_blow_up_are_counted():
     }
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        result = sweep(system=system, axes=(Axis("k", (0.0, 4.0)),), n=20, t_end=50.0, starts=Starts("gaussian"))
+        result = sweep(system=system, axes=(Axis("k", (0.0, 4.0)),), n_starts=20, t_end=50.0, starts=Starts("gaussian"))
     bad = result.outcome[1] != "finished"
     assert bad.sum() > 0
     assert np.isnan(result.value[1][bad]).all()
@@ -103,7 +105,7 @@ def test_orbits_that_blow_up_are_counted():
 
 @pytest.mark.parametrize("points_per_piece", [1, 2, 3])
 def test_a_failing_quantity_is_told_of_its_point_and_the_rest_done(tmp_path, points_per_piece):
-    given = {**TWIST, "quantity": fails_at_one, "n": 2, "axes": (Axis("epsilon", (0.0, 1.0, 2.0)),)}
+    given = {**TWIST, "quantity": fails_at_one, "n_starts": 2, "axes": (Axis("epsilon", (0.0, 1.0, 2.0)),)}
     result = sweep(**given, points_per_piece=points_per_piece, store=tmp_path / "a.zarr")
     assert result.outcome[:, 0].tolist() == ["finished", "failed", "finished"]
     assert not result.is_complete
@@ -145,7 +147,7 @@ def fails_at_one(system, x0, **_):
 
 
 def test_the_chaotic_fraction_is_that_of_the_one_rule():
-    given = {**TWIST, "n": 40, "t_end": 300.0, "quantity": "chaotic_fraction"}
+    given = {**TWIST, "n_starts": 40, "t_end": 300.0, "quantity": "chaotic_fraction"}
     result = sweep(**given, axes=(Axis("epsilon", (0.0, 1.0)),))
     low, high = result.interval()
     assert result.statistic[0] == 0.0
@@ -161,7 +163,7 @@ def test_the_chaotic_fraction_is_that_of_the_one_rule():
 
 
 def test_a_sweep_of_exponents_has_no_verdicts():
-    result = sweep(**{**TWIST, "n": 4, "t_end": 20.0}, axes=(Axis("epsilon", (0.0, 1.0)),))
+    result = sweep(**{**TWIST, "n_starts": 4, "t_end": 20.0}, axes=(Axis("epsilon", (0.0, 1.0)),))
     with pytest.raises(ParameterError, match="take quantity="):
         _ = result.chaotic_fraction
     low, high = result.interval(0.95)
@@ -188,7 +190,7 @@ def test_refinement_finds_a_step_in_one_dimension():
     result = sweep(
         system=step_family,
         axes=(Axis.linear("x", 0, 1, 5),),
-        n=1,
+        n_starts=1,
         t_end=1.0,
         quantity=where_is_the_step,
         refine=Refinement(levels=3, difference=0.5),
@@ -238,4 +240,4 @@ def test_neither_spec_nor_arguments_is_refused():
     with pytest.raises(ParameterError, match="one of scheduler"):
         sweep(**TWIST, axes=(Axis("epsilon", (0.0, 1.0)),), threads=1, processes=1)
     with pytest.raises(ParameterError, match="got a spec and n"):
-        sweep({"system": "twisted-top"}, n=1)
+        sweep({"system": "twisted-top"}, n_starts=1)

@@ -37,7 +37,7 @@ def slope(system, x0, **_):
 
 @pytest.mark.thorough
 def test_a_curve_and_its_band():
-    result = sweep(system=top, axes={"x": [0.0, 1.0, 2.0]}, quantity=slope, n=5, t_end=1.0)
+    result = sweep(system=top, axes={"x": [0.0, 1.0, 2.0]}, quantity=slope, n_starts=5, t_end=1.0)
     ax = draw(result)
     (line,) = ax.lines
     np.testing.assert_allclose(line.get_xydata(), [[0, 0], [1, 1], [2, 2]], atol=1e-15)
@@ -49,7 +49,7 @@ def test_a_curve_and_its_band():
 
 
 def test_a_map_paints_each_point():
-    result = sweep(system=top, axes={"x": [0.0, 1.0, 2.0], "y": [0.0, 0.5]}, quantity=slope, n=3, t_end=1.0)
+    result = sweep(system=top, axes={"x": [0.0, 1.0, 2.0], "y": [0.0, 0.5]}, quantity=slope, n_starts=3, t_end=1.0)
     xs, ys, image = lattice_image(result)
     np.testing.assert_allclose(image, [[0, 0], [1, 1], [2, 2]], atol=1e-15)
     np.testing.assert_allclose(xs, [-0.5, 0.5, 1.5, 2.5])
@@ -65,7 +65,7 @@ def test_a_refined_map_has_the_right_value_at_every_point():
         system=top,
         axes={"x": grid, "y": grid},
         quantity=disc,
-        n=1,
+        n_starts=1,
         t_end=1.0,
         refine={"levels": 2, "difference": 0.5},
     )
@@ -81,7 +81,7 @@ def test_a_refined_map_has_the_right_value_at_every_point():
 
 
 def test_what_is_not_known_stays_empty():
-    result = sweep(system=top, axes={"x": [0.0, 1.0], "y": [0.0, 1.0]}, quantity=fails, n=1, t_end=1.0)
+    result = sweep(system=top, axes={"x": [0.0, 1.0], "y": [0.0, 1.0]}, quantity=fails, n_starts=1, t_end=1.0)
     assert not result.is_complete
     assert np.isnan(lattice_image(result)[2]).any()
     draw(result)

@@ -18,7 +18,7 @@ GENERAL = TOPS["general"]
 def test_free_rigid_body_follows_elliptic_functions(digits):
     """Euler's top, l = (A1 cn, A2 sn, A3 dn)(p t | m); see `reference_check.free_rigid_body`."""
     inertia, l0 = (3.0, 2.0, 1.0), (0.5, 0.0, 1.5)
-    field = lp.TopField(inertia=inertia, a=(0.0, 0.0, 0.0), b=(0.0, 0.0, 0.0), epsilon=0.0)
+    field = lp.fields.TopField(inertia=inertia, a=(0.0, 0.0, 0.0), b=(0.0, 0.0, 0.0), epsilon=0.0)
     found = reference.flow(field, [*l0, *[0.0] * 6], [5.0], digits=digits)[0][:3]
     exact = reference_check.free_rigid_body(inertia, l0, 5.0, digits=digits + 10)
     assert reference.agreed_digits(found, exact) >= digits - 1
@@ -59,7 +59,7 @@ def test_tangent_vector_is_the_derivative_of_the_flow():
 def test_a_kept_orbit_is_computed_again():
     """The last one, at its first time, with other digits than it was made with."""
     record = json.loads(reference.FILE.read_text())["orbits"][-1]
-    field = lp.TopField(**{key: tuple(record[key]) for key in ("inertia", "a", "b")}, epsilon=record["epsilon"])
+    field = lp.fields.TopField(**{key: tuple(record[key]) for key in ("inertia", "a", "b")}, epsilon=record["epsilon"])
     point = record["at"][0]
     found = reference.flow(field, record["state"] + record["tangent"], [point["t"]], digits=45)[0]
     with reference.decimal_digits(45):

@@ -71,9 +71,9 @@ def entry(name: str) -> SystemFile:
     Raises:
         UnknownNameError: there is none of this name.
     """
-    from liepoisson.exact.system_file import load_system_file
+    from liepoisson.exact.system_file import read_system_file
 
-    return load_system_file(path(name))
+    return read_system_file(path(name))
 
 
 def system(name: str) -> System:

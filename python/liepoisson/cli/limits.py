@@ -29,7 +29,7 @@ def check_limits(*, seed: int, time_limit: float, threads: int | None = None) ->
         raise ParameterError(f"--threads must be from 1 to {_MOST_THREADS}; got {threads}. Leave it out to use all.")
 
 
-def unit_of_time(system: Any, x0: NDArray[np.float64]) -> float:
+def unit_of_time(system: Any, states: NDArray[np.float64]) -> float:
     """The median natural unit of time of orbits, to two digits; 1 where none has one, as at rest in no field.
 
     Commands take their default times and steps in it, so that they suit systems that are fast or slow.  Of more than
@@ -37,4 +37,4 @@ def unit_of_time(system: Any, x0: NDArray[np.float64]) -> float:
     """
     from liepoisson.numeric.time_scale import natural_duration, time_scale
 
-    return natural_duration(1.0, time_scale(system, x0[:_STARTS]), otherwise=1.0)
+    return natural_duration(1.0, time_scale(system, states[:_STARTS]), otherwise=1.0)

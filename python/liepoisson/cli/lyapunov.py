@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
     from liepoisson.numeric.estimates import FloatArray
-    from liepoisson.numeric.lyapunov import Growth
+    from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents
     from liepoisson.numeric.methods import Method
     from liepoisson.numeric.spectrum import Spectrum
     from liepoisson.numeric.verdict import Verdict
@@ -40,7 +40,7 @@ _QUANTILES = (0.0, 0.05, 0.25, 0.5, 0.75, 0.95, 1.0)
 def lyapunov(
     system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
     *,
-    n: Annotated[int, typer.Option("--n", help="Random starts.")] = 64,
+    starts: Annotated[int, typer.Option(help="Random starts.")] = 64,
     t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
     seed: Annotated[int, typer.Option(help="Seed of starts and tangent vectors.")] = 0,
     ensemble: Annotated[
@@ -64,8 +64,8 @@ def lyapunov(
 
     Finite-time exponents: their mean with its standard error over the starts, quantiles, and how the runs ended.
     """
-    if n < 1:
-        raise ParameterError(f"--n must be at least 1; got {n}. Try 64.")
+    if starts < 1:
+        raise ParameterError(f"--starts must be at least 1; got {starts}. Try 64.")
     check_limits(seed=seed, threads=threads, time_limit=time_limit)
     data = data_file(out, "exponents.nc", endings=(".nc",))
     chosen = read_numeric_system(system, settings or ())
@@ -75,21 +75,21 @@ def lyapunov(
     named_method(method, **options)  # refused before anything is computed
     from liepoisson.numeric.sampling import sample_states
 
-    x0 = sample_states(chosen, n, seed=seed, ensemble=ensemble)
-    unit = unit_of_time(chosen, x0)
+    states = sample_states(chosen, starts, seed=seed, ensemble=ensemble)
+    unit = unit_of_time(chosen, states)
     how, t_end = named_method(method, unit=unit, **options), _TIME * unit if t_end is None else t_end
     decided = None
     try:
         with progress_bar() as bar:
-            listen = None if bar is None else (lambda done: bar("integrating", done * n * t_end, n * t_end))
+            listen = None if bar is None else (lambda done: bar("integrating", done * starts * t_end, starts * t_end))
             given: dict[str, Any] = {"seed": seed, "method": how, "threads": threads, "progress": listen}
             began = clock.monotonic()
-            result = (_spectrum if spectrum else _growth)(chosen, x0, t_end, time_limit=time_limit, **given)
+            result = (_spectrum if spectrum else _growth)(chosen, states, t_end, time_limit=time_limit, **given)
             if verdict:
                 from liepoisson.numeric.verdict import decide
 
                 left = max(time_limit - (clock.monotonic() - began), 1e-9)
-                decided = decide(chosen, x0, t_end=t_end, time_limit=left, **given)
+                decided = decide(chosen, states, t_end=t_end, time_limit=left, **given)
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
@@ -116,7 +116,7 @@ def verdict_lines(verdict: Verdict) -> list[str]:
     return lines
 
 
-def summary(result: Growth | Spectrum, ensemble: str, unit: float) -> list[str]:
+def summary(result: FiniteTimeExponents | Spectrum, ensemble: str, unit: float) -> list[str]:
     """The lines that the command prints; `unit` is the natural unit of time of the median orbit."""
     import numpy as np
 
@@ -141,7 +141,7 @@ def _spectrum_lines(spectrum: Spectrum) -> list[str]:
 
     finished = spectrum.outcome == "finished"
     mean, error = spectrum.mean
-    least, largest = spectrum.exponents[finished].min(axis=0), spectrum.exponents[finished].max(axis=0)
+    least, largest = spectrum.end_exponent[finished].min(axis=0), spectrum.end_exponent[finished].max(axis=0)
     typical = np.median(spectrum.error[finished], axis=0)
     lines = [
         f"exponents at t = {spectrum.time[-1]:g}, in inverse time, of the {finished.sum()} finished runs:",
@@ -154,7 +154,7 @@ def _spectrum_lines(spectrum: Spectrum) -> list[str]:
     return [*lines, spectrum.check()]
 
 
-def _growth_lines(growth: Growth, unit: float) -> list[str]:
+def _growth_lines(growth: FiniteTimeExponents, unit: float) -> list[str]:
     import numpy as np
 
     t_end, finished = growth.time[-1], growth.exponent[growth.outcome == "finished", -1]
@@ -174,7 +174,7 @@ def _growth_lines(growth: Growth, unit: float) -> list[str]:
 
 def _growth(
     system: System,
-    x0: FloatArray,
+    states: FloatArray,
     t_end: float,
     *,
     seed: int,
@@ -182,17 +182,17 @@ def _growth(
     threads: int | None,
     time_limit: float,
     progress: Callable[[float], object] | None,
-) -> Growth:
-    from liepoisson.numeric.lyapunov import lyapunov_exponent
+) -> FiniteTimeExponents:
+    from liepoisson.numeric.finite_time_exponents import finite_time_exponents
 
-    return lyapunov_exponent(
-        system, x0, t_end=t_end, seed=seed, method=method, threads=threads, time_limit=time_limit, progress=progress
+    return finite_time_exponents(
+        system, states, t_end=t_end, seed=seed, method=method, threads=threads, time_limit=time_limit, progress=progress
     )
 
 
 def _spectrum(
     system: System,
-    x0: FloatArray,
+    states: FloatArray,
     t_end: float,
     *,
     seed: int,
@@ -204,7 +204,7 @@ def _spectrum(
     from liepoisson.numeric.spectrum import lyapunov_spectrum
 
     return lyapunov_spectrum(
-        system, x0, t_end=t_end, seed=seed, method=method, threads=threads, time_limit=time_limit, progress=progress
+        system, states, t_end=t_end, seed=seed, method=method, threads=threads, time_limit=time_limit, progress=progress
     )
 
 

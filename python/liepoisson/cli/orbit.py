@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 _MOST_POINTS = 10_000_000
 _TIME = 100.0
 """Default time of the run, in natural times of the orbit."""
-T_HELP = "Time of the run; a negative one runs backwards.  [default: 100 natural times of the orbit]"
+T_END_HELP = "Time of the run; a negative one runs backwards.  [default: 100 natural times of the orbit]"
 _ROUND_OFF = 1e-15
 """The tolerance of power series that is the default of `integrate`: one orbit costs little."""
 
@@ -62,7 +62,7 @@ def orbit(
     leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
     energy: Annotated[float | None, typer.Option(help=ENERGY_HELP)] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
-    t: Annotated[float | None, typer.Option("--t", help=T_HELP)] = None,
+    t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
     points: Annotated[int, typer.Option(help="Times at which the state is kept, evenly spaced.")] = 2001,
     method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting, gauss or lagrange-map.")] = "taylor",
     tol: Annotated[
@@ -82,7 +82,7 @@ def orbit(
     of the Casimirs and to this energy.
     """
     chosen = read_numeric_system(system, settings or ())
-    _check_times(t, points)
+    _check_times(t_end, points)
     check_limits(seed=seed, time_limit=time_limit)
     slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
     data = data_file(out, f"{slug}-orbit.nc")
@@ -95,11 +95,11 @@ def orbit(
     named_method(method, **options)  # refused before anything is computed
     begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
     unit = unit_of_time(chosen, begin.state)
-    how, t = named_method(method, unit=unit, **options), _TIME * unit if t is None else t
-    print(f"{chosen.name}: one orbit to t = {t:g}, {points} points")
+    how, t_end = named_method(method, unit=unit, **options), _TIME * unit if t_end is None else t_end
+    print(f"{chosen.name}: one orbit to t = {t_end:g}, {points} points")
     print("\n".join(start_lines(chosen, begin)), flush=True)
     try:
-        run = _integrated(chosen, begin.state, t, points, method=how, time_limit=time_limit)
+        run = _integrated(chosen, begin.state, t_end, points, method=how, time_limit=time_limit)
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
@@ -127,12 +127,12 @@ def run_lines(system: System, run: Orbit) -> list[str]:
     return lines + ([f"  {missing}"] if (missing := shortage(system.bracket)) else [])
 
 
-def _integrated(system: System, x0: FloatArray, t: float, points: int, **options: Any) -> Orbit:
+def _integrated(system: System, start: FloatArray, t: float, points: int, **options: Any) -> Orbit:
     from liepoisson.numeric.integrate import integrate
 
     with progress_bar() as bar:
         listen = None if bar is None else (lambda done: bar("integrating", done * abs(t), abs(t)))
-        return integrate(system, x0, t=np.linspace(0.0, t, points), progress=listen, **options)
+        return integrate(system, start, times=np.linspace(0.0, t, points), progress=listen, **options)
 
 
 def _written(system: System, run: Orbit, data: Path | None, stem: Path | None) -> list[Path]:
@@ -152,6 +152,6 @@ def _written(system: System, run: Orbit, data: Path | None, stem: Path | None) -
 
 def _check_times(t: float | None, points: int) -> None:
     if t is not None and not (math.isfinite(t) and t != 0):
-        raise ParameterError(f"--t must be a finite time other than 0; got {t:g}. Leave it out.")
+        raise ParameterError(f"--t-end must be a finite time other than 0; got {t:g}. Leave it out.")
     if not 2 <= points <= _MOST_POINTS:
         raise ParameterError(f"--points must be from 2 to {_MOST_POINTS}; got {points}. Try 2001.")

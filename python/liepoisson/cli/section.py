@@ -85,9 +85,9 @@ def section(
     ] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
     crossings: Annotated[int, typer.Option(help="Of each orbit, which ends with the last one.")] = N_CROSSINGS,
-    t: Annotated[
+    t_end: Annotated[
         float | None,
-        typer.Option("--t", help="Time at which an orbit ends at the latest.  [default: 100 natural times a crossing]"),
+        typer.Option(help="Time at which an orbit ends at the latest.  [default: 100 natural times a crossing]"),
     ] = None,
     keep: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=KEEP_HELP)] = None,
     threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,
@@ -112,8 +112,8 @@ def section(
     """
     chosen = read_numeric_system(system, settings or ())
     _check_counts(starts, start, crossings)
-    if t is not None and not (math.isfinite(t) and t != 0):
-        raise ParameterError(f"--t must be a finite time other than 0; got {t:g}. Leave it out.")
+    if t_end is not None and not (math.isfinite(t_end) and t_end != 0):
+        raise ParameterError(f"--t-end must be a finite time other than 0; got {t_end:g}. Leave it out.")
     check_limits(seed=seed, threads=threads, time_limit=time_limit)
     slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
     data = data_file(out, f"{slug}-section.nc")
@@ -127,14 +127,15 @@ def section(
     check_that_it_varies(chosen, cut.function)
     print("\n".join(head_lines(chosen, begin, cut, direction, alone=bool(start))), flush=True)
     n = N_STARTS if starts is None else starts
-    x0 = begin.state[None] if start else _starts(begin, cut, n, seed, direction)
-    t_end = _TIME * crossings * unit_of_time(chosen, x0) if t is None else t
+    states = begin.state[None] if start else _starts(begin, cut, n, seed, direction)
+    if t_end is None:
+        t_end = _TIME * crossings * unit_of_time(chosen, states)
     if not start:
         print(f"starts   {n} on the leaf, the energy surface and the section, seed {seed}", flush=True)
     try:
         run = _crossings(
             chosen,
-            x0,
+            states,
             t_end=t_end,
             surface=cut.function,
             direction=direction.sign,
@@ -284,19 +285,19 @@ def _starts(begin: Start, cut: Surface, n: int, seed: int, direction: Direction)
     from liepoisson.phase_space.surfaces import section_starts
 
     return section_starts(
-        begin.leaf, cut.function, energy=begin.energy, n=n, seed=seed, direction=direction.sign, spread=True
+        begin.leaf, cut.function, energy=begin.energy, n_starts=n, seed=seed, direction=direction.sign, spread=True
     )
 
 
-def _crossings(system: System, x0: FloatArray, *, t_end: float, **options: Any) -> Section:
+def _crossings(system: System, states: FloatArray, *, t_end: float, **options: Any) -> Section:
     from liepoisson.numeric.section import section as find_crossings
 
-    total = len(x0) * abs(t_end)
+    total = len(states) * abs(t_end)
     with progress_bar() as bar, warnings.catch_warnings():
         # a line of the output says so, with the share of the time
         warnings.filterwarnings("ignore", "the surface function .* could not be followed", SurfaceWarning)
         listen = None if bar is None else (lambda done: bar("looking for crossings", done * total, total))
-        return find_crossings(system, x0, t_end=t_end, progress=listen, **options)
+        return find_crossings(system, states, t_end=t_end, progress=listen, **options)
 
 
 def _write_data(run: Section, data: Path) -> None:

@@ -147,21 +147,21 @@ def _random(system: System, wanted: dict[str, float], energy: float | None, seed
 
 
 def _start_at(system: System, x: FloatArray, origin: str) -> Start:
-    from liepoisson.phase_space.leaf import leaf_of
+    from liepoisson.phase_space.leaf import Leaf
 
-    return Start(x, leaf_of(system, x), float(system.functions.energy(x)), origin)
+    return Start(x, Leaf.through(system, x), float(system.functions.energy(x)), origin)
 
 
 def _leaf(system: System, x: FloatArray, wanted: dict[str, float]) -> Leaf:
     """The leaf of x, with other values for some Casimirs."""
-    from liepoisson.phase_space.leaf import Leaf, leaf_of
+    from liepoisson.phase_space.leaf import Leaf
 
     if not wanted:
-        return leaf_of(system, x)
+        return Leaf.through(system, x)
     try:
         return Leaf(system, {name: float(casimir(x)) for name, casimir in system.functions.casimirs.items()} | wanted)
     except LeafError as error:  # its advice is a call in Python
-        raise LeafError(str(error).replace("leaf_of(system, x)", "--start STATE, without --leaf")) from error
+        raise LeafError(str(error).replace("Leaf.through(system, state)", "--start STATE, without --leaf")) from error
 
 
 def _moved(leaf: Leaf, x: FloatArray, energy: float | None, guess: str) -> Start:
@@ -270,7 +270,7 @@ def leaf_lines(system: System, start: Start) -> list[str]:
     lines += [f"         {leaf.caution}"] if leaf.caution else []
     lines.append(f"energy   H = {start.energy:.9g}")
     if system.top_parameters is not None and np.isfinite(start.energy):
-        from liepoisson.phase_space.bounds import bounds
+        from liepoisson.phase_space.orbit_bounds import bounds
 
         try:
             limits = bounds(system, start.state)

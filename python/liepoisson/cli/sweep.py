@@ -88,7 +88,7 @@ def summary(result: Sweep) -> list[str]:
     """The lines that the command prints."""
     spec = result.spec
     lines = [
-        f"{spec.name or 'sweep'}: {len(result.points)} points, {spec.n} orbits each to t = {spec.t_end:g}, "
+        f"{spec.name or 'sweep'}: {len(result.points)} points, {spec.n_starts} orbits each to t = {spec.t_end:g}, "
         f"seed {spec.seed}",
         f"method: {result.method}",
         *(f"varied: {line}" for line in spec.formulas()),

@@ -42,10 +42,10 @@ def read_file(argument: str) -> SystemFile:
         UnknownNameError: it is neither.
         SystemFileError: the file does not describe a system.
     """
-    from liepoisson.exact.system_file import load_system_file
+    from liepoisson.exact.system_file import read_system_file
 
     if argument.endswith(".toml") or "/" in argument or "\\" in argument or Path(argument).is_file():
-        return load_system_file(argument)
+        return read_system_file(argument)
     from liepoisson.catalog import entry
 
     return entry(argument)

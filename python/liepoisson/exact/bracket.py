@@ -147,11 +147,11 @@ class Bracket:
             return S.Zero
         return expand(sum((df * v for df, v in zip(slopes, self.vector_field(g), strict=True)), S.Zero))
 
-    def vector_field(self, h: Expr) -> tuple[Expr, ...]:
+    def vector_field(self, hamiltonian: Expr) -> tuple[Expr, ...]:
         r"""The right-hand side of $\dot x = \{x, h\} = J \nabla h$, one expression per coordinate, expanded."""
         from sympy import Add, expand
 
-        dh = self._gradient(h)
+        dh = self._gradient(hamiltonian)
         sums: list[list[Expr]] = [[] for _ in range(self.dimension)]
         for (i, j), form in self._forms.items():
             if dh[j] != 0:

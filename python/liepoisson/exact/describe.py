@@ -56,6 +56,9 @@ class Report:
     topics: tuple[Topic, ...]
     failed: tuple[str, ...]
 
+    def __str__(self) -> str:
+        return self.text(UNICODE)
+
     def text(self, style: Style) -> str:
         """The report for a terminal."""
         rows = [style.words(self.name)]

@@ -43,24 +43,24 @@ class PhaseFunction:
         self._variables = system.variables
         self._fields = system.bracket.field_names
 
-    def __call__(self, x: ArrayLike) -> Array:
+    def __call__(self, states: ArrayLike) -> Array:
         """Values, shape (...), at states of shape (..., N)."""
         if self._traces is not None:
-            return self._traces.value(self._states(x))
-        return self._evaluate((self.expression,), x, ())
+            return self._traces.value(self._states(states))
+        return self._evaluate((self.expression,), states, ())
 
-    def gradient(self, x: ArrayLike) -> Array:
+    def gradient(self, states: ArrayLike) -> Array:
         r"""Gradients $\partial f/\partial x_i$, shape (..., N)."""
         if self._traces is not None:
-            return self._traces.gradient(self._states(x))
-        return self._evaluate(self._gradient, x, (len(self._variables),))
+            return self._traces.gradient(self._states(states))
+        return self._evaluate(self._gradient, states, (len(self._variables),))
 
-    def hessian(self, x: ArrayLike) -> Array:
+    def hessian(self, states: ArrayLike) -> Array:
         r"""Second derivatives $\partial^2 f/\partial x_i\partial x_j$, shape (..., N, N)."""
         if self._traces is not None:
-            return self._traces.hessian(self._states(x))
+            return self._traces.hessian(self._states(states))
         n = len(self._variables)
-        return self._evaluate(self._hessian, x, (n, n))
+        return self._evaluate(self._hessian, states, (n, n))
 
     @cached_property
     def _traces(self) -> TraceSum | None:
@@ -123,7 +123,7 @@ class PhaseFunctions:
             known = self._known[expression] = PhaseFunction(self._system, expression)
         return known
 
-    def poisson_tensor(self, x: ArrayLike) -> Array:
+    def poisson_tensor(self, states: ArrayLike) -> Array:
         r"""The Poisson tensor $J_{ij}(x) = \{x_i, x_j\}$, shape (..., N, N).
 
         Raises:
@@ -136,21 +136,21 @@ class PhaseFunctions:
                 "Give values."
             )
         n = self._system.bracket.dimension
-        states = as_phase_points(x, n, self._system.bracket.field_names)
+        states = as_phase_points(states, n, self._system.bracket.field_names)
         tensor = np.zeros((*states.shape[:-1], n, n))
         for i, j, m, c in self._system.bracket.entries():
             tensor[..., i, j] += float(cast("Any", c)) * states[..., m]
             tensor[..., j, i] -= float(cast("Any", c)) * states[..., m]
         return tensor
 
-    def rates(self, x: ArrayLike) -> Array:
+    def rates(self, states: ArrayLike) -> Array:
         r"""The vector field $J\nabla H$, shape (..., N)."""
-        return self._system.vector_field(x)
+        return self._system.vector_field(states)
 
-    def jacobian(self, x: ArrayLike) -> Array:
+    def jacobian(self, states: ArrayLike) -> Array:
         r"""Its derivative $\partial\dot x_i/\partial x_j$, shape (..., N, N)."""
         n = self._system.bracket.dimension
-        states = as_phase_points(x, n, self._system.bracket.field_names)
+        states = as_phase_points(states, n, self._system.bracket.field_names)
         return evaluated(self._system.variables, self._jacobian, states).reshape(*states.shape[:-1], n, n)
 
     @cached_property
@@ -179,14 +179,14 @@ def evaluated(variables: Sequence[Symbol], expressions: Sequence[Expr], states: 
     return np.stack(columns, axis=-1)
 
 
-def as_phase_points(x: ArrayLike, n: int, fields: Sequence[str]) -> Array:
+def as_phase_points(given: ArrayLike, n: int, fields: Sequence[str], name: str = "states") -> Array:
     """States of shape (..., n).
 
     Raises:
         ShapeError: the last axis has another length.
     """
-    states = as_array(x, "x")
+    states = as_array(given, name)
     if states.ndim == 0 or states.shape[-1] != n:
         hint = " Transpose it?" if states.ndim > 1 and states.shape[0] == n else ""
-        raise ShapeError(f"x must end in {n} components ({', '.join(fields)}); got shape {states.shape}.{hint}")
+        raise ShapeError(f"{name} must end in {n} components ({', '.join(fields)}); got shape {states.shape}.{hint}")
     return states

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -96,18 +95,6 @@ class System:
         self.source: str | None = source
         if isinstance(hamiltonian, str):
             _ = self.hamiltonian  # a text is checked at once, so that its errors come where it is written
-
-    @classmethod
-    def from_file(cls, path: str | Path) -> System:
-        """The system that a TOML file describes (see `liepoisson.exact.system_file` for the format).
-
-        Raises:
-            SystemFileError: the file cannot be read, or a key in it is missing, unknown or of the wrong kind.
-            ExpressionError: a formula in it is not in the grammar; with the position.
-        """
-        from liepoisson.exact.system_file import load_system_file
-
-        return load_system_file(path).system()
 
     @property
     def variables(self) -> tuple[Symbol, ...]:
@@ -258,35 +245,35 @@ class System:
 
         return pieces_of(self.bracket, self.hamiltonian)
 
-    def vector_field(self, x: ArrayLike) -> NDArray[np.float64]:
+    def vector_field(self, states: ArrayLike) -> NDArray[np.float64]:
         r"""The right-hand side $J \nabla H$ at many states.
 
         Args:
-            x: States, shape (..., N), dimensionless.
+            states: Shape (..., N), dimensionless.
 
         Returns:
             Time derivatives, shape (..., N).
 
         Raises:
-            ShapeError: the last axis of `x` is not N.
+            ShapeError: the last axis of `states` is not N.
             ParameterError: a parameter is symbolic.
         """
-        return np.stack(self._evaluate(list(self.equations.values()), x), axis=-1)
+        return np.stack(self._evaluate(list(self.equations.values()), states), axis=-1)
 
-    def invariant_values(self, x: ArrayLike) -> dict[str, NDArray[np.float64]]:
+    def invariant_values(self, states: ArrayLike) -> dict[str, NDArray[np.float64]]:
         """The invariants at many states.
 
         Args:
-            x: States, shape (..., N), dimensionless.
+            states: Shape (..., N), dimensionless.
 
         Returns:
             One array of shape (...) per name in `invariants`.
 
         Raises:
-            ShapeError: the last axis of `x` is not N.
+            ShapeError: the last axis of `states` is not N.
             ParameterError: a parameter is symbolic.
         """
-        return dict(zip(self.invariants, self._evaluate(list(self.invariants.values()), x), strict=True))
+        return dict(zip(self.invariants, self._evaluate(list(self.invariants.values()), states), strict=True))
 
     @cached_property
     def functions(self) -> PhaseFunctions:
@@ -363,15 +350,15 @@ class System:
 
         return tape_of_functions(self.variables, [self._function(function) for function in functions])
 
-    def describe(self) -> str:
-        """The bracket, the Hamiltonian, the equations and the invariants as text."""
-        from liepoisson.exact.describe import describe
-
-        return describe(self)
-
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: everything but what is made again when it is asked for."""
         return {name: value for name, value in self.__dict__.items() if name != "functions"}
+
+    def __str__(self) -> str:
+        """The bracket, the Hamiltonian, the equations and the invariants; `inspect` has the full report."""
+        from liepoisson.exact.describe import describe
+
+        return describe(self)
 
     def __repr__(self) -> str:
         return f"<System {self.name!r} on {self.bracket!r}>"

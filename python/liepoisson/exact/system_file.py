@@ -166,8 +166,20 @@ class SystemFile:
             raise SystemFileError(f"{self.path}: {error}") from error
 
 
-def load_system_file(path: str | Path) -> SystemFile:
-    """Read a system file.
+def read_system(path: str | Path) -> System:
+    """The system that a file describes (`liepoisson.exact.system_file` has the format).
+
+    Args:
+        path: A TOML file in UTF-8, at most 1 MB.
+
+    Raises:
+        SystemFileError: as in `read_system_file`, or a formula has no meaning; the message names the key and the line.
+    """
+    return read_system_file(path).system()
+
+
+def read_system_file(path: str | Path) -> SystemFile:
+    """What a system file says, with its references and its claims.
 
     Args:
         path: A TOML file in UTF-8, at most 1 MB.
@@ -181,11 +193,11 @@ def load_system_file(path: str | Path) -> SystemFile:
     return read_tables(read_toml(path))
 
 
-def read_system_file(text: str, path: str = "system file") -> SystemFile:
+def parse_system_file(text: str, path: str = "system file") -> SystemFile:
     """Read the text of a system file; `path` is how messages call it.
 
     Raises:
-        SystemFileError: as in `load_system_file`.
+        SystemFileError: as in `read_system_file`.
     """
     from liepoisson.exact.formula.system_file_reader import read_tables
 

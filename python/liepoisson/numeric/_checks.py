@@ -102,13 +102,13 @@ def component_names(system: Any, n: int) -> tuple[str, ...]:
     return TOP_COMPONENTS if n == len(TOP_COMPONENTS) else tuple(f"x{i + 1}" for i in range(n))
 
 
-def as_states(x0: ArrayLike, n_components: int, name: str = "x0", *, some_may_fail: bool = False) -> Array:
+def as_states(starts: ArrayLike, n_components: int, name: str = "starts", *, some_may_fail: bool = False) -> Array:
     """A copy of states as an array of shape (trajectory, component); one state may come without the first axis.
 
     Where some may fail, rows that are not finite are kept beside good ones: their trajectories end at once, with an
     outcome, and the others run.
     """
-    states = as_array(x0, name)
+    states = as_array(starts, name)
     if states.ndim not in (1, 2) or states.shape[-1] != n_components:
         hint = " Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else ""
         raise ShapeError(
@@ -124,9 +124,9 @@ def as_states(x0: ArrayLike, n_components: int, name: str = "x0", *, some_may_fa
     return states
 
 
-def as_times(t: ArrayLike, name: str, *, least: int) -> Array:
+def as_times(times: ArrayLike, name: str, *, least: int) -> Array:
     """A copy of finite, strictly monotone times, at least `least` of them."""
-    times = np.atleast_1d(as_array(t, name))
+    times = np.atleast_1d(as_array(times, name))
     if times.ndim != 1 or len(times) < least:
         raise ShapeError(f"{name} must have shape (time,) with {least} or more times; got shape {times.shape}")
     steps = np.diff(times)

@@ -25,8 +25,8 @@ from liepoisson.numeric._checks import (
     trajectories,
     typical,
 )
+from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.lyapunov import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
 
@@ -91,7 +91,7 @@ class Alignment:
 
 def alignment(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     t_end: float | None = None,
     times: ArrayLike | None = None,
@@ -121,7 +121,7 @@ def alignment(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
             beside good ones ends at once, with the outcome "not finite".
         t_end: Last time, positive; the indices are then given at 100 times spaced evenly in the logarithm, from
             `t_end`/1000 on.
@@ -154,7 +154,7 @@ def alignment(
     """
     method = as_method(method, Taylor(tol=1e-13))
     n = as_field(system).n_components
-    states, wanted = as_states(x0, n, some_may_fail=True), _as_alignment_times(t_end, times)
+    states, wanted = as_states(starts, n, some_may_fail=True), _as_alignment_times(t_end, times)
     k = as_count(n_vectors, "n_vectors", least=2, most=n)
     seed, first = as_seed(seed), as_first(first, len(states))
     drawn = sample_alignment_vectors(n, len(states), k, seed=seed, first=first)
@@ -207,7 +207,7 @@ class _Travel:
         orbit = integrate(
             self.system,
             states,
-            t=[start, end],
+            times=[start, end],
             tangents=vectors,
             method=self.method,
             threads=self.threads,

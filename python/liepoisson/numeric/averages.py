@@ -42,7 +42,7 @@ _ROUND_OFF = 1e-10
 
 def average_drift(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     t_end: float,
     natural_time: ArrayLike,
@@ -60,7 +60,7 @@ def average_drift(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless.
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         t_end: Length of the run, positive.
         natural_time: The same in natural units, shape (trajectory,): `t_end` over the `time_scale`.
         method: How; by default `Taylor(tol=1e-13)`.
@@ -76,7 +76,7 @@ def average_drift(
         ParameterError: Numbers that are not finite, or a time that is not positive.
     """
     method = as_method(method, Taylor(tol=1e-13))
-    states = as_states(x0, as_field(system).n_components, some_may_fail=True)
+    states = as_states(starts, as_field(system).n_components, some_may_fail=True)
     end, deadline = as_positive_time(t_end, "t_end"), clock.monotonic() + as_time_limit(time_limit)
     drift, outcome = np.full(len(states), np.nan), np.full(len(states), "not finite", dtype="<U16")
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
@@ -92,7 +92,7 @@ def average_drift(
             orbit = integrate(
                 system,
                 states[some],
-                t=end * np.arange(n_samples + 1) / n_samples,
+                times=end * np.arange(n_samples + 1) / n_samples,
                 method=method,
                 kernel="lanes",  # the same bits however the ensemble is cut
                 threads=threads,

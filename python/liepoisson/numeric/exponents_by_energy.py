@@ -26,7 +26,7 @@ class SampledLeaf(Protocol):
 
     @property
     def casimirs(self) -> dict[str, float]: ...  # noqa: D102
-    def sample(self, n: int, *, seed: int, energy: float | None = None) -> Array: ...  # noqa: D102
+    def sample(self, n_starts: int, *, seed: int, energy: float | None = None) -> Array: ...  # noqa: D102
 
 
 @dataclass(frozen=True)
@@ -86,7 +86,7 @@ def exponents_by_energy(
     *,
     leaf: SampledLeaf,
     energies: ArrayLike,
-    n: int,
+    n_starts: int,
     t_end: float,
     rule: Rule | None = None,
     seed: int = 0,
@@ -106,7 +106,7 @@ def exponents_by_energy(
         system: The system.
         leaf: The leaf, a `Leaf` of the system: of the same one, or of one with the same bracket and field.
         energies: Values of the Hamiltonian, shape (energy,); `leaf.energy_range()` tells which occur.
-        n: Starts at each energy, at most 10,000,000.
+        n_starts: Starts at each energy, at most 10,000,000.
         t_end: Time of the exponents, positive.
         rule: Other thresholds than those of `decide`.
         seed: Draws starts and tangent vectors.
@@ -127,7 +127,7 @@ def exponents_by_energy(
     values = np.atleast_1d(as_array(energies, "energies"))
     if values.ndim != 1 or values.size == 0:
         raise ShapeError(f"energies must have shape (energy,) with one or more energies; got shape {values.shape}.")
-    n, t_end = as_count(n, "n", least=1, most=_MOST, hint="try n=100"), as_duration(t_end, "t_end")
+    n_starts, t_end = as_count(n_starts, "n", least=1, most=_MOST, hint="try n=100"), as_duration(t_end, "t_end")
     rule, confidence = as_rule(rule), as_confidence(confidence)
     verdicts: list[Verdict] = []
     for k, energy in enumerate(values):
@@ -135,7 +135,7 @@ def exponents_by_energy(
         verdicts.append(
             decide(
                 system,
-                leaf.sample(n, seed=seed, energy=float(energy)),
+                leaf.sample(n_starts, seed=seed, energy=float(energy)),
                 t_end=t_end,
                 rule=rule,
                 seed=seed,
@@ -175,12 +175,12 @@ def exponents_by_energy(
 def _check_leaf(system: Any, leaf: Any) -> None:
     """Refuses what is no leaf, and leaves of another system: their states have other Casimirs, or another measure."""
     if not hasattr(leaf, "casimirs") or not callable(getattr(leaf, "sample", None)):
-        raise ParameterError(f"leaf: wanted a Leaf; got {shown(leaf)}; try leaf_of(system, x0)")
+        raise ParameterError(f"leaf: wanted a Leaf; got {shown(leaf)}; try Leaf.through(system, state)")
     other = getattr(leaf, "system", system)
     if other is not system and not _are_the_same(system, other):
         raise ParameterError(
             f"leaf: wanted a leaf of the system {shown(system.name)}; got one of {shown(other.name)}, with another "
-            "bracket or field; try leaf_of(system, x0)"
+            "bracket or field; try Leaf.through(system, state)"
         )
 
 

@@ -47,7 +47,7 @@ class FrequencyDrift:
     Attributes:
         system: Name of the system.
         method: How it was integrated.
-        t_window: Length T of each window.
+        window: Length T of each window, half of the run.
         frequency: Angular frequency in [0, T] and in [T, 2T], in radians per time, shape (trajectory, window); NaN
             where a trajectory failed.
         amplitude: Amplitude of the line in each window, shape (trajectory, window).
@@ -59,7 +59,7 @@ class FrequencyDrift:
 
     system: str
     method: Method
-    t_window: float
+    window: float
     frequency: Array
     amplitude: Array
     nyquist: float
@@ -72,16 +72,16 @@ class FrequencyDrift:
         return np.abs(self.frequency[:, 1] - self.frequency[:, 0])
 
     def __repr__(self) -> str:
-        value = f"{typical('drift', self.drift)} between two windows of {self.t_window:g}"
+        value = f"{typical('drift', self.drift)} between two windows of {self.window:g}"
         return f"<FrequencyDrift of {self.system}: {trajectories(self.outcome)}, {value}>"
 
 
 def frequency_drift(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     observable: Observable,
-    t_window: float,
+    t_end: float,
     n_samples: int = 2048,
     window_order: int = 1,
     method: Method | None = None,
@@ -106,12 +106,12 @@ def frequency_drift(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
             beside good ones ends at once, with the outcome "not finite".
         observable: The signal f: two names or formulas for real and imaginary part, such as ("beta1", "beta2"); one for
             a real signal; or a function of states, shape (..., component),
             with values of shape (...).  Formulas need a system with a bracket.
-        t_window: Length of each window, positive.
+        t_end: Length 2T of the run, positive: two windows of length T.
         n_samples: Samples per window, at least 16.
         window_order: Power p of the Hanning window, 1 to 8.  More suppresses neighbouring lines faster and resolves
             them worse.
@@ -134,7 +134,7 @@ def frequency_drift(
     """
     method = as_method(method, Taylor(tol=1e-13))
     n = as_field(system).n_components
-    states, window = as_states(x0, n, some_may_fail=True), as_positive_time(t_window, "t_window")
+    states, window = as_states(starts, n, some_may_fail=True), as_positive_time(t_end, "t_end") / 2
     samples = as_count(n_samples, "n_samples", least=16, most=2**24, hint="try n_samples=2048")
     at_once = min(_CHUNK, len(states))
     bound_memory((_STATE_BYTES * n + _SIGNAL_BYTES) * samples * (at_once + 1), samples, at_once)
@@ -150,7 +150,7 @@ def frequency_drift(
         orbit = integrate(
             system,
             np.concatenate([states[here], spare]),  # a chunk may have bad rows only; the good one is dropped below
-            t=times,
+            times=times,
             method=method,
             kernel="lanes",  # the same bits however the ensemble is cut
             threads=threads,
@@ -167,7 +167,7 @@ def frequency_drift(
     return FrequencyDrift(
         system=system.name,
         method=method,
-        t_window=window,
+        window=window,
         frequency=lines[0].T.copy(),
         amplitude=lines[1].T.copy(),
         nyquist=np.pi * samples / window,

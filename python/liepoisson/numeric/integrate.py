@@ -18,6 +18,7 @@ from liepoisson.numeric._checks import (
     TIME_LIMIT,
     HasField,
     as_field,
+    as_number,
     as_states,
     as_threads,
     as_time_limit,
@@ -33,6 +34,10 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 
+_N_TIMES = 1001
+"""Times of a run of which only the end is given."""
+
+
 @dataclass(frozen=True)
 class Orbit(ReadOnlyArrays):
     """Trajectories at given times.  The arrays are read-only; `.copy()` gives one that can be changed.
@@ -42,8 +47,8 @@ class Orbit(ReadOnlyArrays):
         components: Names of the components of the state.
         field: Its vector field.
         method: How it was integrated.
-        initial_state: Shape (trajectory, component).
-        initial_tangent: Shape (trajectory, tangent, component).
+        start: Shape (trajectory, component).
+        start_tangent: Shape (trajectory, tangent, component).
         time: Times, shape (time,); the first is that of the initial states.
         state: States, shape (trajectory, time, component); NaN from where a trajectory failed.
         tangent: Tangent vectors, shape (trajectory, time, tangent, component).
@@ -51,7 +56,7 @@ class Orbit(ReadOnlyArrays):
             "max steps", "no convergence", "time limit".
         end_time: Time that each trajectory reached, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
-        final_state: Last good state of each trajectory, shape (trajectory, component).
+        end_state: Last good state of each trajectory, shape (trajectory, component).
         order: Order of the method.
         kernel: The code that advanced the trajectories: the instruction set of the kernel for many ("avx512", "avx2",
             "scalar": the same bits), or "components", the kernel for one trajectory (other last bits).
@@ -64,41 +69,41 @@ class Orbit(ReadOnlyArrays):
     components: tuple[str, ...]
     field: Field
     method: Method
-    initial_state: Array
-    initial_tangent: Array
+    start: Array
+    start_tangent: Array
     time: Array
     state: Array
     tangent: Array
     outcome: NDArray[np.str_]
     end_time: Array
     n_steps: NDArray[np.int64]
-    final_state: Array
+    end_state: Array
     order: int
     kernel: str
     series: tuple[tuple[Array, Array], ...] = ()
     time_limit: float = np.inf
 
-    def at(self, t: ArrayLike) -> Array:
+    def at(self, times: ArrayLike) -> Array:
         """States at any times between the first and the last, from the power series of the steps.
 
         Args:
-            t: Times, any shape, within the run.
+            times: Times, any shape, within the run.
 
         Returns:
-            States, shape (trajectory, *shape of t, component), as accurate as the steps; NaN beyond where a trajectory
-            failed.
+            States, shape (trajectory, *shape of times, component), as accurate as the steps; NaN at times that the
+            trajectory did not reach.
 
         Raises:
             ParameterError: The run was made without `dense=True`, or a time lies outside it.
         """
         if not self.series:
             raise ParameterError(
-                "at(t): wanted a run with dense output; got one without; try integrate(..., dense=True)"
+                "at(times): wanted a run with dense output; got one without; try integrate(..., dense=True)"
             )
-        times = as_array(t, "t")
+        times = as_array(times, "times")
         low, high = min(self.time[0], self.time[-1]), max(self.time[0], self.time[-1])
         if not ((times >= low) & (times <= high)).all():
-            raise ParameterError(f"at(t): wanted times from {low} to {high}; got {times.min()} to {times.max()}")
+            raise ParameterError(f"at(times): wanted times from {low} to {high}; got {times.min()} to {times.max()}")
         values = np.stack([self._evaluate(k, times.ravel()) for k in range(len(self.series))])
         return values.reshape(len(self.series), *times.shape, self.state.shape[-1])
 
@@ -140,9 +145,10 @@ class Orbit(ReadOnlyArrays):
 
 def integrate(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
-    t: ArrayLike,
+    times: ArrayLike | None = None,
+    t_end: float | None = None,
     tangents: ArrayLike | None = None,
     method: Method | None = None,
     dense: bool = False,
@@ -155,13 +161,15 @@ def integrate(
 
     Args:
         system: What is integrated.
-        x0: States at time `t[0]`, shape (component,) or (trajectory, component), dimensionless; a row that is not
-            finite beside good ones ends at once, with the outcome "not finite".
-        t: Times at which states are wanted, strictly monotone, shape (time,); decreasing times run backwards.
-        tangents: Tangent vectors at `t[0]`, shape (tangent, component) for all trajectories or
+        starts: States at the first time, shape (component,) or (trajectory, component), dimensionless; a row that is
+            not finite beside good ones ends at once, with the outcome "not finite".
+        times: Times at which states are wanted, strictly monotone, shape (time,), the first that of the starts;
+            decreasing times run backwards.  One number T means the times 0 and T.
+        t_end: Instead, the end of a run from 0, with 1,001 evenly spaced times; negative ends run backwards.
+        tangents: Tangent vectors at the first time, shape (tangent, component) for all trajectories or
             (trajectory, tangent, component).
         method: How; by default `Taylor()`, to round-off.  Methods without power series step to every wanted time.
-        dense: Keep the power series of every step, so that `orbit.at(t)` answers for any time.
+        dense: Keep the power series of every step, so that `orbit.at(times)` answers for any time.
         kernel: "lanes" advances trajectories side by side in registers, "components" one trajectory without tangent
             vectors, with the components of its vectors side by side, which is quicker and rounds differently; only tops
             have the latter.  By default "components" for one such trajectory, else "lanes".
@@ -182,7 +190,7 @@ def integrate(
     method = as_method(method, Taylor())
     field = field_for(system, as_field(system), method)
     n = field.n_components
-    states, times = as_states(x0, n, some_may_fail=True), as_times(t, "t", least=2)
+    states, times = as_states(starts, n, some_may_fail=True), _as_orbit_times(times, t_end)
     vectors = _as_tangents(tangents, len(states), n)
     in_series = isinstance(method, Taylor)
     if dense and not in_series:
@@ -214,20 +222,35 @@ def integrate(
         components=component_names(system, n),
         field=field,
         method=method,
-        initial_state=states,
-        initial_tangent=vectors,
+        start=states,
+        start_tangent=vectors,
         time=times,
         state=raw["state"].reshape(len(states), len(times), n),
         tangent=raw["tangent"].reshape(len(states), len(times), vectors.shape[1], n),
         outcome=outcome_names(raw["outcome"]),
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
-        final_state=raw["final_state"].reshape(len(states), n),
+        end_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],
-        series=tuple((starts, c.reshape(len(starts), raw["order"] + 1, n)) for starts, c in raw["series"]),
+        series=tuple((begins, c.reshape(len(begins), raw["order"] + 1, n)) for begins, c in raw["series"]),
         time_limit=limit,
     )
+
+
+def _as_orbit_times(times: ArrayLike | None, t_end: float | None) -> Array:
+    """The wanted times: given, or evenly spaced up to the end."""
+    if times is not None and t_end is not None:
+        raise ParameterError("times: wanted times or t_end; got both; leave one out")
+    if times is None:
+        if t_end is None:
+            raise ParameterError("times: wanted times or t_end; got neither; try t_end=100")
+        end = as_number(t_end, "t_end", "a finite time")
+        if not np.isfinite(end) or end == 0.0:
+            raise ParameterError(f"t_end: wanted a finite time that is not 0; got {end:g}; try 100")
+        return np.linspace(0.0, end, _N_TIMES)
+    wanted = as_array(times, "times")
+    return as_times(np.array([0.0, float(wanted)]) if wanted.ndim == 0 else wanted, "times", least=2)
 
 
 def _as_tangents(tangents: ArrayLike | None, n_trajectories: int, n: int) -> Array:

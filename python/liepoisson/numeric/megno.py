@@ -22,7 +22,7 @@ from liepoisson.numeric._checks import (
     typical,
 )
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
-from liepoisson.numeric.lyapunov import lyapunov_exponent
+from liepoisson.numeric.finite_time_exponents import finite_time_exponents
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
@@ -71,7 +71,7 @@ class Megno:
 
 def megno(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     t_end: float,
     n_samples: int = 4096,
@@ -99,7 +99,7 @@ def megno(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
             beside good ones ends at once, with the outcome "not finite".
         t_end: Last time, positive, in units of the system's own time.
         n_samples: Samples of $\ln|v|$, at least 8, rounded up to a multiple of twice the number of times returned.
@@ -115,7 +115,7 @@ def megno(
         Megno, at 200 times (fewer if `n_samples` is below 400); a trajectory that fails is an outcome in it.
 
     Raises:
-        ShapeError: `x0` has another shape than stated.
+        ShapeError: `starts` has another shape than stated.
         ParameterError: Numbers that are not finite, a time that is not positive, a count that is none, or samples of
             more than 4 GiB for the 256 trajectories that run at once.
         KeyboardInterrupt: Ctrl-C.
@@ -125,7 +125,7 @@ def megno(
         182 (2003) 151.
     """
     method = as_method(method, Taylor(tol=1e-13))
-    states = as_states(x0, as_field(system).n_components, some_may_fail=True)
+    states = as_states(starts, as_field(system).n_components, some_may_fail=True)
     end = as_positive_time(t_end, "t_end")
     samples = as_count(n_samples, "n_samples", least=8, most=2**26, hint="try n_samples=4096")
     seed, first = as_seed(seed), as_first(first, len(states))
@@ -142,7 +142,7 @@ def megno(
     spare = states[np.isfinite(states).all(axis=1)][:1]
     for start in range(0, max(1, len(states)), _CHUNK):  # once for no states: empty arrays of the right shapes
         chunk = states[start : start + _CHUNK]
-        growth = lyapunov_exponent(
+        growth = finite_time_exponents(
             system,
             # an ensemble may have bad rows, but not only bad ones: a good one stands beside them and is dropped
             np.concatenate([chunk, spare]),

@@ -255,26 +255,28 @@ class LagrangeMap:
         """The method as the core takes it."""
         return _core.Method.lagrange_map(self.step, self.max_steps)
 
-    def integrals(self, top: Any, x: ArrayLike) -> Array:
+    def integrals(self, top: Any, states: ArrayLike) -> Array:
         r"""The integrals of the map: coefficients of $z^0, z^{-1}, \dots, z^{-6}$ in $|L(z)|^2$.
 
         Args:
             top: A top with $I_1 = I_2$, and with a and b along the third axis, $a \ne 0$.
-            x: States, shape (..., 9), dimensionless.
+            states: States, shape (..., 9), dimensionless.
 
         Returns:
             Shape (..., 7); exact for steps of exactly `step`.
 
         Raises:
             ParameterError: Another top.
-            ShapeError: The last axis of `x` is not 9.
+            ShapeError: The last axis of `states` is not 9.
         """
         field = top.field() if callable(getattr(top, "field", None)) else None
         if not isinstance(field, TopField) or not _is_lagrange(field) or field.a[2] == 0.0:
             raise ParameterError(f"integrals: {_NOT_LAGRANGE}, a not zero; got {shown(top)}")
-        states = as_array(x, "x")
+        states = as_array(states, "states")
         if states.ndim == 0 or states.shape[-1] != 9:
-            raise ShapeError(f"x must end in 9 components (l, alpha, beta); got shape {states.shape}. Transpose it?")
+            raise ShapeError(
+                f"states must end in 9 components (l, alpha, beta); got shape {states.shape}. Transpose it?"
+            )
         return _lax_coefficients(field, self.step, states)
 
     def __str__(self) -> str:

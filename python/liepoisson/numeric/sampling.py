@@ -48,7 +48,7 @@ ENSEMBLES: dict[str, _Draw] = {
 
 
 def sample_states(
-    system: HasField, n: int, *, seed: int, ensemble: str = "unit-vectors", first: int = 0
+    system: HasField, n_starts: int, *, seed: int = 0, ensemble: str = "unit-vectors", first: int = 0
 ) -> NDArray[np.float64]:
     r"""Random initial states.
 
@@ -62,24 +62,26 @@ def sample_states(
 
     Args:
         system: The system whose states are wanted; its dimension is used.
-        n: Number of states.
+        n_starts: Number of states.
         seed: Root of the random numbers (numpy's `SeedSequence`).
         ensemble: One of the names above.
         first: Number of the first member: members `first .. first + n - 1` of one infinite ensemble.
 
     Returns:
-        States, shape (trajectory, component), dimensionless.  A member is the same whatever `n` and `first`.
+        States, shape (trajectory, component), dimensionless.  A member is the same whatever `n_starts` and `first`.
 
     Raises:
         UnknownNameError: No such ensemble.
-        ParameterError: `n`, `first` or `seed` is not a whole number >= 0, or too large (`first + n` below 2**63, `seed`
-            below 2**128).
+        ParameterError: `n_starts`, `first` or `seed` is not a whole number >= 0, or too large (`first + n_starts`
+            below 2**63, `seed` below 2**128).
     """
     draw = ENSEMBLES.get(ensemble) if isinstance(ensemble, str) else None  # pyright: ignore[reportUnnecessaryIsInstance]
     if draw is None:
         raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(ensemble)}")
     components = as_field(system).n_components
-    return _draw(draw, components, n, seed, length=_vector_length(system, components), first=first, purpose=_STATES)
+    return _draw(
+        draw, components, n_starts, seed, length=_vector_length(system, components), first=first, purpose=_STATES
+    )
 
 
 def _vector_length(system: Any, n_components: int) -> int:

@@ -92,7 +92,7 @@ class Section(ReadOnlyArrays):
         direction: Which crossings were wanted: +1 where $s$ increases in the order of travel, -1 where it decreases,
             0 both.
         n_crossings: After how many a trajectory was ended, or None.
-        initial_state: Starts, shape (trajectory, component).
+        start: Starts, shape (trajectory, component).
         t_end: Time at which a trajectory ended at the latest.
         trajectory: Trajectory of each crossing, shape (crossing,).
         time: Its time, shape (crossing,).
@@ -112,7 +112,7 @@ class Section(ReadOnlyArrays):
         outcome: How each trajectory ended, shape (trajectory,); "finished" also after `n_crossings` crossings.
         end_time: Time that each trajectory reached, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
-        final_state: Last good state of each trajectory, shape (trajectory, component).
+        end_state: Last good state of each trajectory, shape (trajectory, component).
         order: Order of the method.
         kernel: The instruction set that was used; all give the same bits.
         time_limit: Seconds that the run was allowed to take.
@@ -127,7 +127,7 @@ class Section(ReadOnlyArrays):
     method: Method
     direction: int
     n_crossings: int | None
-    initial_state: Array
+    start: Array
     t_end: float
     trajectory: NDArray[np.int64]
     time: Array
@@ -144,7 +144,7 @@ class Section(ReadOnlyArrays):
     outcome: NDArray[np.str_]
     end_time: Array
     n_steps: NDArray[np.int64]
-    final_state: Array
+    end_state: Array
     order: int
     kernel: str
     time_limit: float = np.inf
@@ -212,7 +212,7 @@ def _share(part: Array, end_time: Array) -> float:
 
 def section(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     surface: Function | TapeFunction,
     t_end: float,
@@ -250,7 +250,7 @@ def section(
 
     Args:
         system: What is integrated.
-        x0: States at time 0, shape (component,) or (trajectory, component).
+        starts: States at time 0, shape (component,) or (trajectory, component).
         surface: The function $s$: a text like that of a Hamiltonian ("dot(l, beta)"), a SymPy expression in the
             variables of the system, a function of `System.functions`, or a `TapeFunction`, whose first output is $s$
             and whose further ones are kept.
@@ -270,7 +270,7 @@ def section(
     Raises:
         ExpressionError: A text is not a formula, or names what the system does not have.
         UnsupportedFieldError: The surface is not smooth.
-        ShapeError: `x0` has another shape than stated.
+        ShapeError: `starts` has another shape than stated.
         ParameterError: Another method, a direction that is none, numbers that are not finite, a surface that is no
             function or is constant along every orbit of the bracket (a number, a Casimir).
         KeyboardInterrupt: Ctrl-C.
@@ -283,7 +283,7 @@ def section(
         )
     field = field_for(system, as_field(system), method)
     n = field.n_components
-    states = as_states(x0, n, some_may_fail=True)
+    states = as_states(starts, n, some_may_fail=True)
     tape, names = _as_surface(system, surface, keep)
     if tape.n_components != n:
         raise ShapeError(f"surface: wanted a function of {n} components; got one of {tape.n_components}")
@@ -316,7 +316,7 @@ def section(
         method=method,
         direction=sense,
         n_crossings=wanted,
-        initial_state=states,
+        start=states,
         t_end=end,
         trajectory=np.repeat(members, raw["count"]),
         time=raw["time"],
@@ -333,7 +333,7 @@ def section(
         outcome=outcome_names(raw["outcome"]),
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
-        final_state=raw["final_state"].reshape(len(states), n),
+        end_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],
         time_limit=limit,
@@ -342,7 +342,7 @@ def section(
 
 def first_return(
     system: HasField,
-    x: ArrayLike,
+    starts: ArrayLike,
     *,
     surface: Function | TapeFunction,
     t_end: float,
@@ -362,7 +362,7 @@ def first_return(
 
     Args:
         system: What is integrated.
-        x: States on the surface (elsewhere it is the map of first arrival), shape (..., component).
+        starts: States on the surface (elsewhere it is the map of first arrival), shape (..., component).
         surface: The function $s$, as for `section`.
         t_end: Longest time that is waited; negative: backwards.
         direction: +1, -1 or 0, as for `section`.
@@ -377,10 +377,10 @@ def first_return(
     Raises:
         As `section`.
     """
-    states = as_array(x, "x")
+    states = as_array(starts, "x")
     n = as_field(system).n_components
     if states.ndim == 0 or states.shape[-1] != n:
-        raise ShapeError(f"x must end in {n} components; got shape {states.shape}")
+        raise ShapeError(f"starts must end in {n} components; got shape {states.shape}")
     options: dict[str, Any] = {
         "surface": _surface_alone(surface), "t_end": t_end, "direction": direction, "method": method,
         "threads": threads, "time_limit": time_limit, "progress": progress,
@@ -390,18 +390,18 @@ def first_return(
     return FirstReturn(returned.reshape(states.shape), times.reshape(shape), outcome.reshape(shape))
 
 
-def _arrivals(system: HasField, x: Array, options: dict[str, Any]) -> tuple[Array, Array, NDArray[np.str_]]:
+def _arrivals(system: HasField, starts: Array, options: dict[str, Any]) -> tuple[Array, Array, NDArray[np.str_]]:
     """State and time of the first crossing of each trajectory that is not its start, and the outcomes."""
-    found = section(system, x, n_crossings=1, **options)
-    returned, times = np.full(x.shape, np.nan), np.full(len(x), np.nan)
+    found = section(system, starts, n_crossings=1, **options)
+    returned, times = np.full(starts.shape, np.nan), np.full(len(starts), np.nan)
     returned[found.trajectory], times[found.trajectory] = found.state, found.time
     outcome = _outcome_without_crossing(found)
     outcome[found.trajectory] = "returned"
     # Within one step of a power series no orbit is periodic: a near crossing there is the start itself.
-    near = np.abs(returned - x).max(axis=1) <= _SAME_POINT * np.abs(x).max(axis=1)
+    near = np.abs(returned - starts).max(axis=1) <= _SAME_POINT * np.abs(starts).max(axis=1)
     again = np.flatnonzero(near & (found.n_steps <= 1))
     if again.size:
-        second = section(system, x[again], n_crossings=2, **options)
+        second = section(system, starts[again], n_crossings=2, **options)
         last = np.cumsum(second.count) - 1
         there = second.count == 2
         returned[again], times[again] = np.nan, np.nan

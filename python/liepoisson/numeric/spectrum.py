@@ -63,8 +63,8 @@ class Spectrum(ReadOnlyArrays):
         outcome: How each trajectory ended, shape (trajectory,).
         end_time: Time that each trajectory reached, shape (trajectory,), the transient included.
         n_steps: Accepted steps of each trajectory.
-        initial_state: Shape (trajectory, component).
-        final_state: Last good state, shape (trajectory, component).
+        start: Shape (trajectory, component).
+        end_state: Last good state, shape (trajectory, component).
         order: Order of the method.
         kernel: Instruction set used.
         covariant: The covariant Lyapunov vectors, if they were asked for.
@@ -88,15 +88,15 @@ class Spectrum(ReadOnlyArrays):
     outcome: NDArray[np.str_]
     end_time: Array
     n_steps: NDArray[np.int64]
-    initial_state: Array
-    final_state: Array
+    start: Array
+    end_state: Array
     order: int
     kernel: str
     covariant: CovariantVectors | None = None
     time_limit: float = np.inf
 
     @property
-    def exponents(self) -> Array:
+    def end_exponent(self) -> Array:
         """The exponents at the last time, shape (trajectory, k); NaN where a trajectory failed.
 
         In the order of the frame: decreasing, but for zeros and others that differ by less than their errors.
@@ -112,7 +112,7 @@ class Spectrum(ReadOnlyArrays):
         single trajectory it is the error over the time of this orbit.
         """
         finished = self.outcome == "finished"
-        return mean_over_starts(self.exponents[finished], self.error[finished])
+        return mean_over_starts(self.end_exponent[finished], self.error[finished])
 
     @property
     def residuals(self) -> SpectrumResiduals:
@@ -147,7 +147,7 @@ class Spectrum(ReadOnlyArrays):
 
 def lyapunov_spectrum(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     t_end: float,
     interval: float | None = None,
@@ -176,7 +176,7 @@ def lyapunov_spectrum(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless.
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         t_end: Averaging time, positive, in units of the system's own time.
         interval: Longest time between orthonormalisations, positive.  Within it the stretchings must not differ by more
             than some 1e8 (`Spectrum.largest_ratio`), nor exceed 1e308 ("not finite"); shorter ones cost time.  By
@@ -187,7 +187,7 @@ def lyapunov_spectrum(
         covariant: Also compute the covariant Lyapunov vectors, by Ginelli's method.  The run then goes on for another
             `transient` after `t_end`, and 24 N^2 bytes per interval and trajectory are kept.
         structure: The zeros and pairs to expect; by default from the bracket and the known integrals at the start.
-        seed: Draws the frames; the first vector is that of `lyapunov_exponent`.
+        seed: Draws the frames; the first vector is that of `finite_time_exponents`.
         first: Number of the first member, so that an ensemble can be computed in pieces.
         method: How; by default `Taylor(tol=1e-13)`.
         threads: By default all processors that the process may use.  Results do not depend on it.
@@ -199,7 +199,7 @@ def lyapunov_spectrum(
         Spectrum; a trajectory that fails is an outcome in it, not an error.
 
     Raises:
-        ShapeError: `x0` or an array of `structure` has another shape.
+        ShapeError: `starts` or an array of `structure` has another shape.
         ParameterError: Numbers out of range; more than 10,000,000 intervals; `covariant` without a transient, without
             all exponents, or with more than 4 GiB to keep.
         KeyboardInterrupt: Ctrl-C.
@@ -209,14 +209,14 @@ def lyapunov_spectrum(
     """
     t_end, deadline = as_duration(t_end, "t_end"), clock_now() + as_time_limit(time_limit)
     transient = as_duration(transient, "transient", zero=True)
-    x0 = as_array(x0, "x0")  # once, as several runs start from it
-    scale = time_scale(system, x0, method=method, threads=threads, time_limit=time_limit)
+    starts = as_array(starts, "starts")  # once, as several runs start from it
+    scale = time_scale(system, starts, method=method, threads=threads, time_limit=time_limit)
     if interval is None:
         interval = natural_duration(INTERVAL, scale, fastest=True, otherwise=t_end / N_TIMES)
     interval = as_duration(interval, "interval")
     frames = TangentFrames(
         system,
-        x0,
+        starts,
         n_vectors=n_exponents,
         seed=seed,
         first=first,
@@ -276,8 +276,8 @@ def lyapunov_spectrum(
         outcome=frames.outcome,
         end_time=frames.end_time,
         n_steps=frames.n_steps,
-        initial_state=start,
-        final_state=frames.state,
+        start=start,
+        end_state=frames.state,
         order=frames.order,
         kernel=frames.kernel,
         covariant=None if vectors is None else vectors.vectors(),

@@ -53,7 +53,7 @@ class SpectrumResiduals:
 
 def spectrum_residuals(spectrum: Spectrum) -> SpectrumResiduals:
     """The residuals; sums, pairs and zeros are NaN where not all exponents are known, or no structure."""
-    values, n = -np.sort(-spectrum.exponents, axis=1), len(spectrum.components)
+    values, n = -np.sort(-spectrum.end_exponent, axis=1), len(spectrum.components)
     threshold = zero_threshold(spectrum.time[-1], spectrum.time_scale)
     complete, structure = values.shape[1] == n, spectrum.structure
     total = values.sum(axis=1) if complete else np.full(len(values), np.nan)
@@ -101,7 +101,7 @@ def check_lines(spectrum: Spectrum) -> list[str]:
 
 def _sum_line(spectrum: Spectrum, total: Array) -> str:
     finished = spectrum.outcome == "finished"
-    states = np.concatenate([spectrum.initial_state[finished], spectrum.final_state[finished]])
+    states = np.concatenate([spectrum.start[finished], spectrum.end_state[finished]])
     if keeps_volume(spectrum.field, states, time=spectrum.interval, method=spectrum.method):
         return f"sum of all exponents: at most {_largest(total):.1e}"
     return (

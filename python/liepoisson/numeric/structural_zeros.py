@@ -122,7 +122,9 @@ def keeps_volume(field: Field, states: Array, *, time: float, method: Method) ->
     identity = np.tile(np.eye(n), (len(states), 1, 1))
     # whatever the method of the run, but a field that is given by its pieces knows no other
     how = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
-    change = (integrate(field, states, t=[0.0, step], tangents=identity, method=how).tangent[:, 1] - identity) / step
+    change = (
+        integrate(field, states, times=[0.0, step], tangents=identity, method=how).tangent[:, 1] - identity
+    ) / step
     size = np.linalg.norm(change, axis=(1, 2))
     divergence = np.abs(np.trace(change, axis1=1, axis2=2))
     return bool((divergence <= _DIVERGENCE * np.maximum(size, 1.0 / time)).all())

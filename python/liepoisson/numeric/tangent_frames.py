@@ -36,7 +36,7 @@ class TangentFrames:
         system: The system.
         x0: States at time 0, shape (component,) or (trajectory, component).
         n_vectors: Vectors of each frame.
-        seed: Draws the frames; the first vector is the one that `lyapunov_exponent` starts with.
+        seed: Draws the frames; the first vector is the one that `finite_time_exponents` starts with.
         first: Number of the first member.
         method: How; by default `Taylor(tol=1e-13)`.
         threads: By default all processors.
@@ -55,7 +55,7 @@ class TangentFrames:
     def __init__(
         self,
         system: HasField,
-        x0: ArrayLike,
+        starts: ArrayLike,
         *,
         n_vectors: int | None = None,
         seed: int = 0,
@@ -67,7 +67,7 @@ class TangentFrames:
         self.method: Method = as_method(method, Taylor(tol=1e-13))
         self.field: Field = field_for(system, as_field(system), self.method)
         n = self.field.n_components
-        self.state: Array = as_states(x0, n, some_may_fail=True)
+        self.state: Array = as_states(starts, n, some_may_fail=True)
         k = n if n_vectors is None else as_count(n_vectors, "n_exponents", least=1, most=n)
         self.seed, self.first = as_seed(seed), as_first(first, len(self.state))
         self.frame: Array = orthonormal_frames(n, k, len(self.state), seed=self.seed, first=self.first)
@@ -120,7 +120,7 @@ class TangentFrames:
         orbit = integrate(
             self._system,
             self.state[going],
-            t=[0.0, duration],
+            times=[0.0, duration],
             tangents=np.ascontiguousarray(np.swapaxes(self.frame[going], 1, 2)),
             method=self.method,
             threads=self._threads,
@@ -131,7 +131,7 @@ class TangentFrames:
         pushed = np.swapaxes(orbit.tangent[:, -1], 1, 2)
         overflown = (orbit.outcome == "finished") & ~np.isfinite(pushed).all(axis=(1, 2))
         self.outcome[going] = np.where(overflown, "not finite", orbit.outcome)
-        self.state[going] = orbit.final_state
+        self.state[going] = orbit.end_state
         self.end_time[going] += orbit.end_time
         self.n_steps[going] += orbit.n_steps
         good = self.outcome[going] == "finished"

@@ -43,7 +43,7 @@ _NO_UNIT = 1e-6
 
 def time_scale(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     method: Method | None = None,
     threads: int | None = None,
@@ -56,7 +56,7 @@ def time_scale(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless.
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         method: How; needed for a field that is given by its pieces, else power series are used.
         threads: By default all processors.  Results do not depend on it, bit for bit.
         time_limit: Seconds that it may take.
@@ -66,10 +66,10 @@ def time_scale(
         orbit is not finite, or no time was left.
 
     Raises:
-        ShapeError: `x0` has another shape than stated.
+        ShapeError: `starts` has another shape than stated.
         ParameterError: no start is finite.
     """
-    return orbit_units(system, x0, method=method, threads=threads, time_limit=time_limit).time
+    return orbit_units(system, starts, method=method, threads=threads, time_limit=time_limit).time
 
 
 class OrbitUnits(NamedTuple):
@@ -89,7 +89,7 @@ class OrbitUnits(NamedTuple):
 @np.errstate(all="ignore")  # what overflows or vanishes has no unit, which is said by NaN or infinity
 def orbit_units(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     method: Method | None = None,
     threads: int | None = None,
@@ -100,13 +100,13 @@ def orbit_units(
     Arguments and errors are those of `time_scale`.
 
     Raises:
-        ShapeError: `x0` has another shape than stated.
+        ShapeError: `starts` has another shape than stated.
         ParameterError: no start is finite.
     """
     field = as_field(system)
     # whatever the caller's method, but a field that is given by its pieces knows no other
     how = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
-    states = as_states(x0, field.n_components, some_may_fail=True)
+    states = as_states(starts, field.n_components, some_may_fail=True)
     run = _Run(system.name, field, how, threads, clock.monotonic() + as_time_limit(time_limit))
     rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
@@ -159,24 +159,24 @@ class _Run:
     def field(self) -> Field:
         return self._field
 
-    def states(self, x0: Array, t: Array) -> Array:
+    def states(self, starts: Array, times: Array) -> Array:
         """States of each member at its own times, shape (trajectory, time); NaN at times that it did not reach."""
-        every, places = np.unique(np.concatenate([[0.0], t.ravel()]), return_inverse=True)
-        state = self._integrated(x0, every, None).state
-        return state[np.arange(len(x0))[:, None], places[1:].reshape(t.shape)]
+        every, places = np.unique(np.concatenate([[0.0], times.ravel()]), return_inverse=True)
+        state = self._integrated(starts, every, None).state
+        return state[np.arange(len(starts))[:, None], places[1:].reshape(times.shape)]
 
-    def changes(self, x0: Array, h: float) -> Array:
+    def changes(self, starts: Array, h: float) -> Array:
         """M(h) - 1, shape (trajectory, component, component); NaN where a trajectory failed."""
-        n = x0.shape[1]
-        orbit = self._integrated(x0, [0.0, h], np.tile(np.eye(n), (len(x0), 1, 1)))
+        n = starts.shape[1]
+        orbit = self._integrated(starts, [0.0, h], np.tile(np.eye(n), (len(starts), 1, 1)))
         # tangents are rows; a transposed matrix has the same eigenvalues, but not the same scaled norm
         return np.swapaxes(orbit.tangent[:, 1], 1, 2) - np.eye(n)
 
-    def _integrated(self, x0: Array, t: ArrayLike, tangents: Array | None) -> Orbit:
+    def _integrated(self, starts: Array, times: ArrayLike, tangents: Array | None) -> Orbit:
         return integrate(
             self,
-            x0,
-            t=t,
+            starts,
+            times=times,
             tangents=tangents,
             method=self._method,
             kernel="lanes",  # the same bits however the ensemble is cut
@@ -192,13 +192,13 @@ def _units(size: Array) -> Array:
     return np.where(known > _NO_UNIT * largest, known, np.where(largest > 0.0, largest, 1.0))
 
 
-def _rates(run: _Run, x0: Array) -> tuple[Array, Array]:
+def _rates(run: _Run, starts: Array) -> tuple[Array, Array]:
     """Median spectral radius of Df along the first stretch of each orbit, and the sizes of its components there."""
-    at_start, rung = _derivatives(run, x0, np.full(len(x0), _LOWEST))
-    radius, coupling = _radius(at_start, np.abs(x0)), _coupling(at_start)
+    at_start, rung = _derivatives(run, starts, np.full(len(starts), _LOWEST))
+    radius, coupling = _radius(at_start, np.abs(starts)), _coupling(at_start)
     # where components act on each other in longer circles only, what is left of the coupling is round-off
     first = np.where(coupling > _NILPOTENT * radius, coupling, radius)
-    rates, sizes = first.copy(), np.abs(x0)
+    rates, sizes = first.copy(), np.abs(starts)
     moving = np.flatnonzero((first > 0.0) & np.isfinite(first))
     lengths = _STRETCH / first[moving]
     # A few members with stretches of about the same length run together, each seen at times of its own.
@@ -208,7 +208,7 @@ def _rates(run: _Run, x0: Array) -> tuple[Array, Array]:
         for start in range(0, len(alike), run.together):
             some = alike[start : start + run.together]
             members = moving[some]
-            orbit = run.states(x0[members], lengths[some, None] * np.arange(N_POINTS) / (N_POINTS - 1))
+            orbit = run.states(starts[members], lengths[some, None] * np.arange(N_POINTS) / (N_POINTS - 1))
             sizes[members] = np.sqrt((orbit**2).mean(axis=1))
             rates[members] = _median_radius(run, orbit, sizes[members], rung[members])
     return rates, sizes

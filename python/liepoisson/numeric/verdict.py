@@ -173,7 +173,7 @@ class Verdict:
 
 def decide(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     t_end: float,
     seed: int = 0,
@@ -209,7 +209,7 @@ def decide(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
             beside good ones ends at once, with the outcome "not finite".
         t_end: Time after which it is decided, in units of the system's own time; some hundred periods at least, some
             thousand if "regular" is to be said.  All orbits for which it is too short are "undecided".
@@ -225,7 +225,7 @@ def decide(
         Verdict.
 
     Raises:
-        ShapeError: `x0` has another shape than stated.
+        ShapeError: `starts` has another shape than stated.
         ParameterError: Numbers that are not finite, a time that is not positive, or a rule that is no `Rule`.
         KeyboardInterrupt: Ctrl-C.
 
@@ -235,16 +235,16 @@ def decide(
     """
     end, limit = as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
     rule, method = as_rule(rule), as_method(method, METHOD)
-    x0 = as_array(x0, "x0")  # once, as several runs start from it
+    starts = as_array(starts, "starts")  # once, as several runs start from it
     deadline = clock.monotonic() + limit
-    units = orbit_units(system, x0, method=method, threads=threads, time_limit=_left(deadline))
+    units = orbit_units(system, starts, method=method, threads=threads, time_limit=_left(deadline))
     with np.errstate(divide="ignore"):
         natural_time = end / units.time
     n_all, n = units.component.shape
     tangents = sample_tangents(n, n_all, seed=as_seed(seed), first=as_first(first, n_all))
     growth = megno(
         system,
-        x0,
+        starts,
         t_end=end,
         tangents=units.component * tangents,
         seed=seed,
@@ -257,7 +257,7 @@ def decide(
     # Eight pieces: a vector may grow by e^600 in each before a piece must be repeated in halves.
     angle = alignment(
         system,
-        x0,
+        starts,
         times=end * np.arange(1, 9) / 8,
         units=units.component,
         seed=seed,
@@ -269,7 +269,7 @@ def decide(
     )
     averages = average_drift(
         system,
-        x0,
+        starts,
         t_end=end,
         natural_time=natural_time,
         method=method,

@@ -43,7 +43,7 @@ class Chart(Protocol):
         """The canonical system."""
         ...
 
-    def from_body(self, x: ArrayLike) -> Array:
+    def from_body(self, states: ArrayLike) -> Array:
         """Canonical states from states in the body."""
         ...
 
@@ -51,7 +51,7 @@ class Chart(Protocol):
         """States in the body from canonical ones."""
         ...
 
-    def margins(self, x: ArrayLike) -> dict[str, Array]:
+    def margins(self, states: ArrayLike) -> dict[str, Array]:
         """How far states are from where the chart ends, by condition."""
         ...
 
@@ -117,7 +117,7 @@ class ChartOrbit:
             state=self.state[None],
             outcome=np.array([self.outcome]),
             end_time=np.array([self.end_time]),
-            final_state=self.end_state[None],
+            end_state=self.end_state[None],
         )
         dimensionless, margin = {"units": "dimensionless"}, np.stack(list(self.margins.values()), axis=-1)
         axes = ("trajectory", "time")
@@ -144,7 +144,7 @@ class ChartOrbit:
         return f"<ChartOrbit of {self.system!r}: {len(self.time)} times, {end}, {self.method}>"
 
 
-def chart_orbit(chart: Chart, x0: ArrayLike, *, t: ArrayLike, method: Taylor | None = None) -> ChartOrbit:
+def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Taylor | None = None) -> ChartOrbit:
     r"""The orbit of a state, integrated in the coordinates of a chart and seen in the body.
 
     A run that comes to where the chart ends is a result: all up to there is kept, and `left_by` says why.
@@ -156,21 +156,21 @@ def chart_orbit(chart: Chart, x0: ArrayLike, *, t: ArrayLike, method: Taylor | N
 
     Args:
         chart: `EulerChart`, `QuaternionChart` or a reduced Lagrange top with its cyclic angle.
-        x0: The start (l, alpha, beta), shape (9,), on the leaf of the chart.
-        t: Times, as for `integrate`.
+        start: The start (l, alpha, beta), shape (9,), on the leaf of the chart.
+        times: Times, as for `integrate`.
         method: By default `Taylor()` with at most 100,000 steps.
 
     Raises:
         ChartError: the start is not in the chart; `condition` names why.
-        ShapeError: `x0` is not one state.
+        ShapeError: `start` is not one state.
         ParameterError: as for `integrate`.
     """
-    start = as_array(x0, "x0")
+    start = as_array(start, "start")
     if start.shape != (9,):
-        raise ShapeError(f"x0 must be one state of shape (9,); got shape {start.shape}. Take one orbit at a time.")
+        raise ShapeError(f"start must be one state of shape (9,); got shape {start.shape}. Take one orbit at a time.")
     method = method or Taylor(max_steps=LONGEST)
-    run = integrate(chart.system, chart.from_body(start), t=t, method=method, dense=True)
-    outcome, end_time, end_state = str(run.outcome[0]), float(run.end_time[0]), run.final_state[0]
+    run = integrate(chart.system, chart.from_body(start), times=times, method=method, dense=True)
+    outcome, end_time, end_state = str(run.outcome[0]), float(run.end_time[0]), run.end_state[0]
     left = _leaving(chart.system, run)
     if left is not None:
         outcome, (end_time, end_state) = LEFT, left

@@ -100,19 +100,19 @@ class Attitude:
         """
         return np.einsum("...ji,...j->...i", self.rotation, self._vectors(vectors))
 
-    def at(self, t: ArrayLike) -> Attitude:
+    def at(self, times: ArrayLike) -> Attitude:
         """The same at other times within the run, from the power series of its steps.
 
         Args:
-            t: Times, shape (time,), in any order.
+            times: Times, shape (time,), in any order.
 
         Raises:
             ParameterError: the run was made without `dense=True`, or a time lies outside it.
             ShapeError: the times do not have shape (time,).
         """
-        times = as_array(t, "t")
+        times = as_array(times, "times")
         if times.ndim != 1:
-            raise ShapeError(f"t must have shape (time,); got shape {times.shape}. Give a list of times.")
+            raise ShapeError(f"times must have shape (time,); got shape {times.shape}. Give a list of times.")
         values = self.orbit.at(times)
         return replace(self, time=times, **_parts(values, self.system))
 
@@ -138,9 +138,9 @@ def extent(n: int, outcome: NDArray[np.str_]) -> str:
 
 def attitude(
     system: System,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
-    t: ArrayLike,
+    times: ArrayLike,
     attitude: str | ArrayLike | None = None,
     method: Method | None = None,
     dense: bool = False,
@@ -156,8 +156,8 @@ def attitude(
     Args:
         system: A system on so(3) (x) A, where A = R e_0 + m with the unit e_0 and an ideal m: all tops, Kirchhoff's
             equations, the Leibniz extensions of any length.
-        x0: States at time `t[0]`, shape (component,) or (trajectory, component).
-        t: Times at which states are wanted, strictly monotone, shape (time,).
+        starts: States at time `t[0]`, shape (component,) or (trajectory, component).
+        times: Times at which states are wanted, strictly monotone, shape (time,).
         attitude: Attitude at `t[0]`: a unit quaternion, shape (4,) or (trajectory, 4); a rotation matrix from body to
             space, shape (3, 3) or (trajectory, 3, 3); or the name of a field of the system, "beta", whose vector then
             points along the third axis of space.  By default the two frames coincide at `t[0]`.
@@ -177,10 +177,17 @@ def attitude(
         UnsupportedFieldError: the Hamiltonian contains a function that is not smooth.
     """
     carried = FrameSystem(system)
-    states = as_states(x0, len(system.component_names), some_may_fail=True)
+    states = as_states(starts, len(system.component_names), some_may_fail=True)
     start = np.hstack([states, initial_quaternions(system, states, attitude)])
     orbit = integrate(
-        carried, start, t=t, method=method, dense=dense, threads=threads, time_limit=time_limit, progress=progress
+        carried,
+        start,
+        times=times,
+        method=method,
+        dense=dense,
+        threads=threads,
+        time_limit=time_limit,
+        progress=progress,
     )
     return attitude_of(system, orbit)
 

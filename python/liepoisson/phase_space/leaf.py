@@ -33,7 +33,7 @@ class Leaf:
     r"""A symplectic leaf, given by the values of the Casimirs C1, C2, ... of the open stratum.
 
     A level set may consist of several leaves, such as the two sheets of a hyperboloid; they are not told apart.
-    Leaves of lower rank come from a state, see `leaf_of`.
+    Leaves of lower rank come from a state, see `Leaf.through`.
 
     Args:
         system: A system whose parameters are all numbers.
@@ -57,7 +57,22 @@ class Leaf:
         self._set(system, place, values, find_state(system, place, values))
 
     @classmethod
-    def _through(cls, system: System, x: Array) -> Leaf:
+    def through(cls, system: System, state: ArrayLike) -> Leaf:
+        """The symplectic leaf through a state.
+
+        Args:
+            system: A system whose parameters are all numbers.
+            state: One state, shape (N,).
+
+        Raises:
+            ShapeError: not one state of N components.
+            ParameterError: a component or a Casimir is not finite, or a parameter of the system has no number.
+        """
+        bracket = as_system(system).bracket
+        x = as_phase_points(state, bracket.dimension, bracket.field_names, "state")
+        if x.ndim != 1:
+            raise ShapeError(f"state must be one state, shape ({x.shape[-1]},); got shape {x.shape}. Pass one of them.")
+        x = _finite(x, "state")
         leaf = cls.__new__(cls)
         place = place_of(system, x)
         with np.errstate(over="ignore", invalid="ignore"):
@@ -65,8 +80,8 @@ class Leaf:
         if not np.isfinite(values).all():
             shown_values = dict(zip(place.casimirs, values.tolist(), strict=True))
             raise ParameterError(
-                f"the Casimirs at x must be finite doubles; got {shown_values}. Choose units in which x is smaller, or "
-                "a state where they are defined."
+                f"the Casimirs at the state must be finite doubles; got {shown_values}. Choose units in which it is "
+                "smaller, or a state where they are defined."
             )
         leaf._set(system, place, values, x)
         return leaf
@@ -126,45 +141,45 @@ class Leaf:
         mixing = mixing_of(functions, pinned, self.state, len(self.state) - self.rank if self.rank else len(pinned))
         return Equations(pinned, functions, self._values, mixing)
 
-    def residual(self, x: ArrayLike) -> Array:
+    def residual(self, states: ArrayLike) -> Array:
         r"""The largest relative violation of the equations, $|f - c| / (|c| + |x||\nabla f|)$, shape (...).
 
         A field that must vanish counts relative to the length of the whole state.  On a stratum that is not listed, and
         where not all Casimirs are known, only the known ones are compared: necessary, not sufficient.
         """
-        states = self._points(x)
+        states = self._points(states)
         if not self.place.is_known:
             functions = tuple(self.place.casimirs.values())
             return Equations(self.place.pinned, functions, self._values, np.eye(len(functions))).residual(states)
         return self.equations.residual(states)
 
-    def contains(self, x: ArrayLike, tol: float = 1e-10) -> NDArray[np.bool_]:
+    def contains(self, states: ArrayLike, tol: float = 1e-10) -> NDArray[np.bool_]:
         """Whether the states lie on the leaf to a relative tolerance, shape (...).
 
         Raises:
             LeafError: a state has the same values of the known functions, and not all equations of the leaf are known.
         """
-        close = self.residual(x) <= tol
+        close = self.residual(states) <= tol
         if not self.place.is_known and np.any(close):
             raise LeafError(_unknown(self.system, self.place))
         return close
 
     def project(
-        self, x: ArrayLike, *, energy: float | None = None, surface: str | Expr | PhaseFunction | None = None
+        self, states: ArrayLike, *, energy: float | None = None, surface: str | Expr | PhaseFunction | None = None
     ) -> Array:
         """States on the leaf near the given ones, by Newton steps of minimum norm, to round-off.
 
         Args:
-            x: States, shape (..., N).
+            states: States, shape (..., N).
             energy: The value that the Hamiltonian shall have.
             surface: A function that shall vanish: text, SymPy expression or PhaseFunction.
 
         Raises:
             LeafError: Newton's method does not converge for one of the states, so there is most likely no such state
                 nearby; the message gives the residuals, or the range of the energy if one outside was asked for.
-            ShapeError: the last axis of x is not N.
+            ShapeError: the last axis of `states` is not N.
         """
-        states = self._points(x)
+        states = self._points(states)
         equations = self.constraints(energy, surface)
         found, residual = solve(equations, states.reshape(-1, states.shape[-1]))
         if found.size and not residual.max() <= CONVERGED:
@@ -180,7 +195,7 @@ class Leaf:
             equations = equations.with_function(functions.of(surface), 0.0)
         return equations
 
-    def tangent_projector(self, x: ArrayLike, *, energy: bool = False) -> Array:
+    def tangent_projector(self, states: ArrayLike, *, energy: bool = False) -> Array:
         """Orthogonal projectors onto the tangent spaces of the leaf (of the energy surface on it), shape (..., N, N).
 
         The tangent space is the image of J, spanned by the singular vectors of its `rank` largest singular values.
@@ -189,7 +204,7 @@ class Leaf:
         Raises:
             LeafError: J has another rank at one of the states.
         """
-        states = self._points(x)
+        states = self._points(states)
         basis = self.tangent_basis(states)
         projector = basis @ np.swapaxes(basis, -1, -2)
         if not energy:
@@ -199,14 +214,14 @@ class Leaf:
         normal = np.divide(slope, length, out=np.zeros_like(slope), where=length > 0)
         return projector - normal[..., :, None] * normal[..., None, :]
 
-    def tangent_basis(self, x: ArrayLike) -> Array:
+    def tangent_basis(self, states: ArrayLike) -> Array:
         """Orthonormal bases of the tangent spaces of the leaf, as columns, shape (..., N, rank).
 
         Raises:
             LeafError: J has another rank at one of the states.
             ParameterError: a state is not finite.
         """
-        states = _finite(self._points(x), "x")
+        states = _finite(self._points(states), "states")
         vectors, sizes, _ = np.linalg.svd(self.system.functions.poisson_tensor(states))
         if self.rank and not np.all(sizes[..., self.rank - 1] > 0):
             raise LeafError(
@@ -214,15 +229,15 @@ class Leaf:
             )
         return vectors[..., : self.rank]
 
-    def project_tangent(self, x: ArrayLike, v: ArrayLike, *, energy: bool = False) -> Array:
-        """The parts of the vectors v, shape (..., N), that are tangent to the leaf (to its energy surface).
+    def project_tangent(self, states: ArrayLike, vectors: ArrayLike, *, energy: bool = False) -> Array:
+        """The parts of the vectors, shape (..., N), that are tangent to the leaf (to its energy surface).
 
         Raises:
-            LeafError: J has another rank at one of the states x.
-            ParameterError: x or v has a NaN or an infinity.
+            LeafError: J has another rank at one of the states.
+            ParameterError: `states` or `vectors` has a NaN or an infinity.
         """
-        vectors = _finite(self._points(v), "v")
-        return np.einsum("...ij,...j->...i", self.tangent_projector(x, energy=energy), vectors)
+        vectors = _finite(self._points(vectors), "vectors")
+        return np.einsum("...ij,...j->...i", self.tangent_projector(states, energy=energy), vectors)
 
     def energy_range(self) -> tuple[float, float]:
         """The lowest and the highest energy on the leaf, -inf and inf where the energy is unbounded.
@@ -242,7 +257,9 @@ class Leaf:
 
         return energy_range(self)
 
-    def sample(self, n: int, *, seed: int, energy: float | None = None, energy_below: float | None = None) -> Array:
+    def sample(
+        self, n_starts: int, *, seed: int = 0, energy: float | None = None, energy_below: float | None = None
+    ) -> Array:
         r"""Random states on the leaf with the Liouville measure, shape (n, N).
 
         Independent states for a top, unless fewer than one in 50 000 proposals would be accepted, as within about
@@ -255,7 +272,7 @@ class Leaf:
         Warns `MixingWarning` if the chains remember their starts in the largest set: their shares are then arbitrary.
 
         Args:
-            n: How many.
+            n_starts: How many.
             seed: Draws them.
             energy: Only states of this energy, with the microcanonical measure, which the flow preserves.
             energy_below: Only states of at most this energy.
@@ -266,7 +283,7 @@ class Leaf:
         """
         from liepoisson.phase_space.leaf_sampling import sample_leaf
 
-        return sample_leaf(self, n, seed=seed, energy=energy, energy_below=energy_below)
+        return sample_leaf(self, n_starts, seed=seed, energy=energy, energy_below=energy_below)
 
     def _points(self, x: ArrayLike) -> Array:
         return as_phase_points(x, self.system.bracket.dimension, self.system.bracket.field_names)
@@ -295,24 +312,6 @@ class Leaf:
         )
 
 
-def leaf_of(system: System, x: ArrayLike) -> Leaf:
-    """The symplectic leaf through a state.
-
-    Args:
-        system: A system whose parameters are all numbers.
-        x: One state, shape (N,).
-
-    Raises:
-        ShapeError: not one state of N components.
-        ParameterError: a component or a Casimir is not finite, or a parameter of the system has no number.
-    """
-    bracket = as_system(system).bracket
-    state = as_phase_points(x, bracket.dimension, bracket.field_names)
-    if state.ndim != 1:
-        raise ShapeError(f"x must be one state, shape ({state.shape[-1]},); got shape {state.shape}. Pass one of them.")
-    return Leaf._through(system, _finite(state, "x"))  # pyright: ignore[reportPrivateUsage]
-
-
 def _finite(states: Array, name: str) -> Array:
     if not np.isfinite(states).all():
         raise ParameterError(f"{name} must be finite; got {shown(states)}. Leave out what has failed.")
@@ -331,7 +330,7 @@ def _unknown(system: System, place: Place) -> str:
     return (
         f"the equations of the leaves of {system.name!r} are not known: {n} - {place.rank} = {n - place.rank} "
         f"independent Casimirs cut out those of its open stratum, and {n_found} of them were found within the limits "
-        f"of the search ({known}). Only tangent spaces are known, from a state: leaf_of(system, x)."
+        f"of the search ({known}). Only tangent spaces are known, from a state: Leaf.through(system, state)."
     )
 
 
@@ -340,7 +339,7 @@ def _values(casimirs: Mapping[str, float], place: Place) -> Array:
     if not isinstance(casimirs, Mapping) or set(casimirs) != set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(
             f"casimirs must give a value by name for each of {wanted}; got {shown(casimirs)}. Those of a state: "
-            "leaf_of(system, x).casimirs."
+            "Leaf.through(system, state).casimirs."
         )
     values = np.array([as_number(casimirs[name], name, "a finite number") for name in place.casimirs])
     if not np.isfinite(values).all():

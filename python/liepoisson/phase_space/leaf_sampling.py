@@ -34,24 +34,24 @@ _PROPOSALS = 2**14
 _TRIAL_BLOCKS = 16
 
 
-def sample_leaf(leaf: Leaf, n: int, *, seed: int, energy: float | None, energy_below: float | None) -> Array:
+def sample_leaf(leaf: Leaf, n_starts: int, *, seed: int, energy: float | None, energy_below: float | None) -> Array:
     """Random states on a leaf; see `Leaf.sample`."""
-    n, seed = as_count(n, "n"), as_seed(seed)
-    _check_memory(n, len(leaf.state))
+    n_starts, seed = as_count(n_starts, "n"), as_seed(seed)
+    _check_memory(n_starts, len(leaf.state))
     shell = _shell(energy, energy_below)
     if not leaf.rank:
         _check_point(leaf, shell)
-        return np.tile(leaf.state, (n, 1))
+        return np.tile(leaf.state, (n_starts, 1))
     _check_unimodular(leaf)
     if shell is not None:
         check_energy_in_reach(leaf, shell.energy, is_filled=shell.is_filled)
     top = _top_of(leaf)
     if top is None:
-        return sample_by_chains(leaf, n, seed, shell)
+        return sample_by_chains(leaf, n_starts, seed, shell)
     draw = top_draw(leaf, top, shell)
     if draw is None:
         raise LeafError(infinite_volume(leaf))
-    return _independent(leaf, draw, n, seed, shell)
+    return _independent(leaf, draw, n_starts, seed, shell)
 
 
 def _independent(leaf: Leaf, draw: Draw, n: int, seed: int, shell: Shell | None) -> Array:

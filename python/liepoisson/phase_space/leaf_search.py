@@ -64,7 +64,7 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     raise LeafError(
         f"{asked} are attained only where, to the accuracy of doubles, the rank of J is lower "
         f"({place_of(system, reached[0]).stratum}), and do not determine a leaf there. Give a state: "
-        "leaf_of(system, x)."
+        "Leaf.through(system, state)."
     )
 
 
@@ -126,12 +126,12 @@ def _refuse_impossible(system: System, place: Place, values: Array) -> None:
         if mixed**2 >= first * last:
             raise LeafError(
                 f"C2^2 = (alpha.beta)^2 must be smaller than C1 C3 = |alpha|^2 |beta|^2 where alpha x beta != 0; got "
-                f"{mixed**2:g} and {first * last:g}. For parallel vectors give a state: leaf_of(system, x)."
+                f"{mixed**2:g} and {first * last:g}. For parallel vectors give a state: Leaf.through(system, state)."
             )
     elif values[2] == 0:
         raise LeafError(
             "C3 = |beta|^2 must be positive where beta != 0; got 0. The leaves with beta = 0 have other Casimirs: "
-            "give a state, leaf_of(system, x)."
+            "give a state, Leaf.through(system, state)."
         )
 
 

@@ -49,7 +49,7 @@ class Rod:
 
     Attributes:
         attitude: The same runs with the directors as an attitude; `attitude.orbit` is the integrated orbit.
-        s: Arclength, shape (point,).
+        arclength: Where the points are, shape (point,).
         centre_line: The curve r(s), shape (trajectory, point, 3).
         directors: d1, d2, d3, shape (trajectory, point, director, 3); d3 is the tangent.
         strain: Curvatures u1, u2 and twist u3 in the frame of the directors, shape (trajectory, point, 3).
@@ -60,7 +60,7 @@ class Rod:
     """
 
     attitude: Attitude
-    s: Array
+    arclength: Array
     centre_line: Array
     directors: Array
     strain: Array
@@ -95,17 +95,17 @@ class Rod:
 
     def __repr__(self) -> str:
         n, points = self.centre_line.shape[:2]
-        first, last = self.s[0], self.s[-1]
+        first, last = self.arclength[0], self.arclength[-1]
         return f"<Rod of {self.system.name!r}: {extent(n, self.outcome)}, {points} points, s = {first:g} to {last:g}>"
 
 
 def rod(
     system: System,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     length: float | None = None,
     n_points: int = _POINTS,
-    s: ArrayLike | None = None,
+    arclengths: ArrayLike | None = None,
     attitude: str | ArrayLike | None = None,
     origin: ArrayLike = (0.0, 0.0, 0.0),
     method: Method | None = None,
@@ -123,11 +123,11 @@ def rod(
 
     Args:
         system: A system of this form.
-        x0: State at the beginning of each rod, shape (component,) or (trajectory, component).
+        starts: State at the beginning of each rod, shape (component,) or (trajectory, component).
         length: Length of the rod; a negative one continues it backwards.
         n_points: Points along it, equally spaced.
-        s: Arclengths in place of the two, strictly monotone, shape (point,); `x0` is the state at `s[0]`.
-        attitude: Directors at `s[0]`, as in `attitude`; "beta" puts the magnetic field upright.
+        arclengths: In place of the two, strictly monotone, shape (point,); `starts` is the state at the first.
+        attitude: Directors at the first arclength, as in `attitude`; "beta" puts the magnetic field upright.
         origin: Beginning of the centre line, shape (3,) or (trajectory, 3).
         method: How; by default `Taylor()`.
         threads: By default all processors.
@@ -138,18 +138,18 @@ def rod(
         Rod; a trajectory that fails is an outcome in it, not an error.
 
     Raises:
-        ParameterError: the system is not of this form; neither or both of `length` and `s` are given.
+        ParameterError: the system is not of this form; neither or both of `length` and `arclengths` are given.
         ShapeError: an array has another shape than stated.
     """
     carried = FrameSystem(system, centre_line=True)
     force, field = loads(system)
     n = len(system.component_names)
-    states = as_states(x0, n, some_may_fail=True)
+    states = as_states(starts, n, some_may_fail=True)
     start = np.hstack([states, initial_quaternions(system, states, attitude), _origins(origin, len(states))])
     orbit = integrate(
         carried,
         start,
-        t=_arclengths(length, n_points, s),
+        times=_arclengths(length, n_points, arclengths),
         method=method,
         threads=threads,
         time_limit=time_limit,
@@ -163,7 +163,7 @@ def rod(
     ]
     return Rod(
         attitude=frames,
-        s=orbit.time,
+        arclength=orbit.time,
         centre_line=orbit.state[..., n + 4 :],
         directors=np.swapaxes(frames.rotation, -1, -2),
         strain=frames.angular_velocity,
@@ -220,12 +220,12 @@ def _product(system: System, first: Weights, second: Weights) -> Weights:
     return tuple(simplify(value) for value in sums)
 
 
-def _arclengths(length: float | None, n_points: int, s: ArrayLike | None) -> Array:
-    if (length is None) == (s is None):
-        both = "both" if s is not None else "neither"
-        raise ParameterError(f"rod: wanted either length or s; got {both}; try length=20")
-    if s is not None:
-        return as_array(s, "s")
+def _arclengths(length: float | None, n_points: int, given: ArrayLike | None) -> Array:
+    if (length is None) == (given is None):
+        both = "both" if given is not None else "neither"
+        raise ParameterError(f"rod: wanted either length or arclengths; got {both}; try length=20")
+    if given is not None:
+        return as_array(given, "arclengths")
     end = as_number(length, "length", "a finite number other than 0")
     if not np.isfinite(end) or end == 0:
         raise ParameterError(f"length: wanted a finite number other than 0; got {end!r}; try length=20")

@@ -18,7 +18,7 @@ from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import as_number, shown
 from liepoisson.phase_space.critical_points import CANCELLED, VANISHES, HamiltonianFields, multipliers
-from liepoisson.phase_space.leaf import Leaf, leaf_of
+from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.linearisation import (
     ComplexArray,
     LinearFlow,
@@ -62,7 +62,7 @@ class Equilibrium:
         n_found: From how many starts a search came here, or to the same family; 1 if it was no search.
         family: What connected set of equilibria of its leaf it belongs to, as far as `equilibria` knows: "point" (it is
             isolated), "circle", "sphere", "all rotations" (like the group SO(3)), "family of dimension ...", or
-            "degenerate": the linear equations are, and no family was found. "point" from `stability`, which looks at
+            "degenerate": the linear equations are, and no family was found. "point" from `equilibrium`, which looks at
             one state only.
     """
 
@@ -122,7 +122,7 @@ class Equilibrium:
         )
 
 
-def stability(system: System, x: ArrayLike, *, along: Sequence[str] = (), tol: float = 1e-8) -> Equilibrium:
+def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), tol: float = 1e-8) -> Equilibrium:
     r"""Linear and energy-Casimir stability of an equilibrium, or of a relative equilibrium with respect to integrals.
 
     The linear one is the spectrum of the flow linearised on the leaf. The energy-Casimir one is the sign of the second
@@ -132,7 +132,7 @@ def stability(system: System, x: ArrayLike, *, along: Sequence[str] = (), tol: f
 
     Args:
         system: A system whose parameters are all numbers.
-        x: The state, shape (N,).
+        state: The state, shape (N,).
         along: Integrals, by their names in `system.invariants` or as formulas.
         tol: How large $|\dot x - \sum_j\Omega_j f_{K_j}|$ may be, relative to the size of the terms in it.
 
@@ -143,7 +143,7 @@ def stability(system: System, x: ArrayLike, *, along: Sequence[str] = (), tol: f
 
     References: [arnold1965]; [holm1985]; [simo1991].
     """
-    leaf = not_tiny(leaf_of(system, x), "x")
+    leaf = not_tiny(Leaf.through(system, state), "x")
     integrals = integrals_of(system, along)
     tol = as_number(tol, "tol", "a finite number >= 0")
     if not 0 <= tol < np.inf:
@@ -177,12 +177,12 @@ def _not_an_equilibrium(left: float, rate: float, integrals: Iterable[str]) -> s
     if named:
         return (
             f"x must be a relative equilibrium with respect to {named}; |x'| = {rate:.3g}, of which {left:.3g} is not "
-            "a motion of these integrals. relative_equilibrium(system, x, along=...) looks for one nearby."
+            "a motion of these integrals. equilibrium_near(system, x, along=...) looks for one nearby."
         )
     return (
-        f"x must be an equilibrium; |x'| = {rate:.3g} there. relative_equilibrium(system, x, along=()) looks for one "
-        "nearby, equilibria(system, leaf_of(system, x)) for those of its leaf; name integrals in along= for a steady "
-        "motion."
+        f"state must be an equilibrium; |x'| = {rate:.3g} there. equilibrium_near(system, x, along=()) looks for one "
+        "nearby, equilibria(system, Leaf.through(system, state)) for those of its leaf; name integrals in along= for a "
+        "steady motion."
     )
 
 

@@ -40,7 +40,7 @@ _STREAM = 0x5EC7
 """Keeps the random numbers of sections apart from others of the same seed."""
 
 
-def good_surface(top: System) -> str:
+def good_surface(system: System) -> str:
     r"""The surface $a\cdot(\alpha\times\beta) = 0$ of a top with two fields, where $\ell\cdot\beta$ is extremal.
 
     $$\frac{d}{dt}\,\ell\cdot\beta = -a\cdot(\alpha\times\beta) = -s .$$
@@ -56,7 +56,7 @@ def good_surface(top: System) -> str:
     everywhere.
 
     Args:
-        top: A top with two fields $\alpha, \beta$.
+        system: A top with two fields $\alpha, \beta$.
 
     Returns:
         The function s with numbers for a, for `section`.
@@ -67,11 +67,11 @@ def good_surface(top: System) -> str:
 
     References: [twistedtop2001], the equation for the derivative of $\ell\cdot\beta$.
     """
-    parameters = top.top_parameters
+    parameters = system.top_parameters
     if parameters is None:
         raise ParameterError(
-            f"a top with fields alpha, beta and numbers for its parameters was wanted; {top.name} is none. For another "
-            "system choose the zeros of the time derivative of a bounded function."
+            f"a top with fields alpha, beta and numbers for its parameters was wanted; {system.name} is none. For "
+            "another system choose the zeros of the time derivative of a bounded function."
         )
     if all(is_zero(value) for value in parameters.a):
         raise ParameterError(
@@ -87,7 +87,14 @@ def good_surface(top: System) -> str:
 
 
 def section_starts(
-    leaf: Leaf, surface: str | Expr, *, energy: float, n: int, seed: int, direction: int = 0, spread: bool = False
+    leaf: Leaf,
+    surface: str | Expr,
+    *,
+    energy: float,
+    n_starts: int,
+    seed: int = 0,
+    direction: int = 0,
+    spread: bool = False,
 ) -> Array:
     """Random states on a leaf, an energy surface and a surface of section.
 
@@ -101,7 +108,7 @@ def section_starts(
         leaf: The leaf.
         surface: The function that is zero on the section.
         energy: The energy.
-        n: How many states.
+        n_starts: How many states.
         seed: Draws them.
         direction: +1 or -1: only states where the orbit passes the surface in this direction; 0: all.
         spread: Whether to choose states far from each other, for a figure of the whole section: of 32 n normally
@@ -116,15 +123,15 @@ def section_starts(
             max(n, 64); the message says which share did.
         ParameterError: the energy is no finite number, the direction is none, or n or seed is no whole number.
     """
-    n, seed = as_count(n, "n"), as_count(seed, "seed")
+    n_starts, seed = as_count(n_starts, "n"), as_count(seed, "seed")
     if np.ndim(direction) or direction not in (-1, 0, 1):
         raise ParameterError(f"direction must be +1, -1 or 0; got {shown(direction)}.")
     equations = leaf.constraints(as_energy(energy), surface)
     if spread:
-        guesses = _many_guesses(leaf, n, seed)
+        guesses = _many_guesses(leaf, n_starts, seed)
         found = _crossed(leaf, surface, energy, guesses, direction)
-        if len(found) >= n:
-            return _farthest(found, n)
+        if len(found) >= n_starts:
+            return _farthest(found, n_starts)
         if not len(found):
             check_energy_in_reach(leaf, energy)
             raise LeafError(
@@ -132,7 +139,7 @@ def section_starts(
                 f"could be moved to a crossing. {_TRY}"
             )
     slope, functions = leaf.system.functions.of(surface), leaf.system.functions
-    draw, size = _guesses_for(leaf, energy), max(n, _GUESSES)
+    draw, size = _guesses_for(leaf, energy), max(n_starts, _GUESSES)
     found, converged, drawn = np.empty((0, leaf.system.bracket.dimension)), 0, 0
     for attempt in range(_ROUNDS):
         stream = np.random.SeedSequence(seed, spawn_key=(_STREAM, attempt))
@@ -143,16 +150,16 @@ def section_starts(
             rate = np.einsum("...i,...i->...", slope.gradient(states), functions.rates(states))
             states = states[direction * rate > 0]
         found = np.concatenate([found, states])
-        if len(found) >= n:
-            return found[:n]
+        if len(found) >= n_starts:
+            return found[:n_starts]
         if attempt + 1 >= _VAIN and not converged:
             break
     passing = f", {len(found)} of them where the orbit passes in direction {direction:+d}" if direction else ""
     if not converged:
         check_energy_in_reach(leaf, energy)
     raise LeafError(
-        f"{n} states with {surface} = 0 and energy {energy:.6g} were wanted on {leaf!r}; Newton's method converged "
-        f"from {converged} of {drawn} guesses, {100 * converged / drawn:.2g} %{passing}. {_TRY}"
+        f"{n_starts} states with {surface} = 0 and energy {energy:.6g} were wanted on {leaf!r}; Newton's method "
+        f"converged from {converged} of {drawn} guesses, {100 * converged / drawn:.2g} %{passing}. {_TRY}"
     )
 
 

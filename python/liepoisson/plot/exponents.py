@@ -19,7 +19,7 @@ FloatArray: TypeAlias = NDArray[np.float64]
 
 
 class GrowthLike(Protocol):
-    """What `lyapunov_exponent` returns, or the Dataset of it: `time` (time,) and `exponent` (trajectory, time)."""
+    """What `finite_time_exponents` returns, or the Dataset of it: `time` (time,) and `exponent` (trajectory, time)."""
 
     @property
     def time(self) -> Any: ...  # noqa: D102
@@ -43,7 +43,7 @@ def convergence(
     its window and dotted outside.
 
     Args:
-        growth: Result of `lyapunov_exponent`, or a `MeanCurve`.
+        growth: Result of `finite_time_exponents`, or a `MeanCurve`.
         fit: Result of `finite_time_fit` or `log_fit` for the same ensemble.
         label: Name of the ensemble in the legend.
         colour: Of the curve, by default the next of the cycle.
@@ -124,7 +124,7 @@ def exponent_distribution(
 
     Args:
         exponents: One exponent per member, shape (trajectory,), in inverse time; those not finite are left out.  Of
-            what `lyapunov_exponent` returns, the exponents at the last time.
+            what `finite_time_exponents` returns, the exponents at the last time.
         label: Name in the legend.
         colour: Of the histogram.
         bins: Number of bins, or their edges.

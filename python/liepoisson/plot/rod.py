@@ -37,7 +37,7 @@ class RodLike(Protocol):
     """What `liepoisson.rod` returns: `s` (point,), and per trajectory and point the arrays that are drawn."""
 
     @property
-    def s(self) -> Any: ...  # noqa: D102
+    def arclength(self) -> Any: ...  # noqa: D102
     @property
     def centre_line(self) -> Any: ...  # noqa: D102
     @property
@@ -194,7 +194,7 @@ def _draw_profiles(figure: Figure, grid: Any, rod: RodLike, trajectory: int) -> 
         (rod.twist, r"twist $u_3$", ANGULAR_MOMENTUM),
         (rod.tension, r"tension $\mathbf{n}\cdot\mathbf{d}_3$", CENTRE_OF_MASS),
     )
-    s = np.asarray(rod.s, dtype=np.float64)
+    s = np.asarray(rod.arclength, dtype=np.float64)
     first: Any = None
     for row, (values, title, colour) in enumerate(curves):
         ax: Any = figure.add_subplot(grid[row, 1], sharex=first)

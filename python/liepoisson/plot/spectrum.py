@@ -76,7 +76,7 @@ def _draw_running(ax: Axes, result: Spectrum, trajectory: int) -> None:
 
 
 def _draw_last(ax: Axes, result: Spectrum, trajectory: int) -> None:
-    values, errors = result.exponents[trajectory], result.error[trajectory]
+    values, errors = result.end_exponent[trajectory], result.error[trajectory]
     bound = float(zero_threshold(result.time[-1], result.time_scale[trajectory]))
     ax.axhspan(-bound, bound, color=MUTED, alpha=0.13, linewidth=0)
     numbers = np.arange(1, len(values) + 1)

@@ -262,4 +262,6 @@ class Sweep:
 
     def __repr__(self) -> str:
         axes = " x ".join(f"{axis.name} ({len(axis.values)})" for axis in self.spec.axes)
-        return f"<Sweep over {axes}: {len(self.points)} points, {self.spec.n} orbits each, t = {self.spec.t_end:g}>"
+        return (
+            f"<Sweep over {axes}: {len(self.points)} points, {self.spec.n_starts} orbits each, t = {self.spec.t_end:g}>"
+        )

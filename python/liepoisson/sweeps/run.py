@@ -242,7 +242,7 @@ class _Run:
         return self._sweep()
 
     def _level(self, number: int, places: Sequence[Place]) -> Level:
-        points, n = self.lattice.coordinates(places), self.spec.n
+        points, n = self.lattice.coordinates(places), self.spec.n_starts
         size = self.points_per_piece or piece_size(self.spec, len(points))
         level = Level.empty(points, size, n) if self.store is None else self.store.level(number, points, size, n)
         self.levels.append(level)
@@ -253,7 +253,7 @@ class _Run:
 
     def _compute(self, number: int, level: Level, missing: Sequence[int]) -> Report:
         activity = f"level {number}" if number else (self.spec.name or "sweep")
-        unit = self.spec.n * self.spec.t_end
+        unit = self.spec.n_starts * self.spec.t_end
 
         told: dict[int, str] = {}
 
@@ -285,7 +285,7 @@ class _Run:
                 targets=targets.rows(level.rows(index)),
                 n_points=len(level.points[level.rows(index)]),
                 starts=spec.starts,
-                n=spec.n,
+                n=spec.n_starts,
                 t_end=float(spec.t_end),
                 quantity=spec.quantity,
                 rule=as_rule(spec.rule),
@@ -317,7 +317,7 @@ class _Run:
 
 def piece_size(spec: SweepSpec, n_points: int) -> int:
     """Points of a piece; whole rows of the grid where they are short, as points of a row often share a system."""
-    by_time = max(1, round(PIECE_TIME / (spec.n * spec.t_end)))
+    by_time = max(1, round(PIECE_TIME / (spec.n_starts * spec.t_end)))
     size = max(1, min(by_time, math.ceil(n_points / LEAST_PIECES)))
     row = spec.shape[-1] if len(spec.shape) == 2 else 1
     return size - size % row if size > row else size

@@ -20,7 +20,7 @@ from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError
 from liepoisson.exact.names import check_name
 from liepoisson.numeric._checks import as_count, as_number, shown
-from liepoisson.numeric.lyapunov import LEAST_TIME
+from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed
 from liepoisson.numeric.verdict import Rule, as_rule
@@ -181,11 +181,11 @@ class SweepSpec:
         parameters: Values of the system's other parameters: numbers, formulas in the names of the axes, lists of them,
             such as `{"a": ["cos(phi)", "sin(phi)", 0]}`.
         starts: Where the orbits start.
-        n: Orbits at each point.
+        n_starts: Orbits at each point.
         t_end: Time of each orbit, in units of the system's own time.  It has no default, as no time suits all systems:
-            `lp.time_scale` has the natural unit of time of an orbit, of which some 1,000 are a long run.
+            `lp.orbits.time_scale` has the natural unit of time of an orbit, of which some 1,000 are a long run.
         quantity: "exponent"; "chaotic_fraction", where each orbit is judged by `lp.decide`; the dotted name
-            "package.module:function", or a function `f(system, x0, *, t_end, method, seed, threads)` that returns a
+            "package.module:function", or a function `f(system, starts, *, t_end, method, seed, threads)` that returns a
             number for each start, shape (start,).
         rule: Thresholds of the verdicts for "chaotic_fraction"; by default those of `lp.decide`.
         method: How orbits are integrated; by default `Taylor(tol=1e-9, precision="mixed")` for tops, in double
@@ -203,7 +203,7 @@ class SweepSpec:
     t_end: float
     parameters: Mapping[str, Value] = field(default_factory=dict[str, Value])
     starts: Starts = field(default_factory=Starts)
-    n: int = 64
+    n_starts: int = 64
     quantity: str | Callable[..., Any] = "exponent"
     rule: Rule | None = None
     method: Method | None = None
@@ -224,16 +224,16 @@ class SweepSpec:
             raise ParameterError(f"axes: wanted two different names; got {self.axes[0].name!r} twice.")
         if math.prod(self.shape) > _MOST_POINTS:
             raise ParameterError(f"axes: wanted at most {_MOST_POINTS} points; got {' x '.join(map(str, self.shape))}.")
-        n = as_count(self.n, "n", least=1, most=2**31, hint="try 64")
+        n = as_count(self.n_starts, "n_starts", least=1, most=2**31, hint="try 64")
         if (size := 9 * n * math.prod(self.shape)) > MOST_BYTES:
             raise ParameterError(
                 f"a sweep must have results of at most {MOST_BYTES / 2**30:g} GiB; {' x '.join(map(str, self.shape))} "
-                f"points with n = {n} take {size / 2**30:.4g} GiB. Take fewer orbits, or parts of the grid."
+                f"points with n_starts = {n} take {size / 2**30:.4g} GiB. Take fewer orbits, or parts of the grid."
             )
         as_seed(self.seed)
         if not 0 < as_number(self.t_end, "t_end", "a positive number") < math.inf:
             raise ParameterError(
-                f"t_end: wanted a positive number; got {self.t_end}; try 1_000 times what lp.time_scale gives"
+                f"t_end: wanted a positive number; got {self.t_end}; try 1_000 times what lp.orbits.time_scale gives"
             )
         if self.t_end < LEAST_TIME:
             raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {self.t_end:g}")
@@ -286,7 +286,7 @@ class SweepSpec:
             "axes": [{"name": axis.name, "values": list(axis.values)} for axis in self.axes],
             "parameters": _plain(self.parameters),
             "starts": _plain(vars(self.starts)),
-            "n": int(self.n),
+            "n_starts": int(self.n_starts),
             "t_end": float(self.t_end),
             "quantity": _plain(self.quantity),
             "rule": _plain(vars(as_rule(self.rule))) if self.is_verdict else None,

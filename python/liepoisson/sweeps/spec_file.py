@@ -48,9 +48,10 @@ from liepoisson.numeric.verdict import Rule
 from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
 
 _KEYS = (
-    "name", "system", "axes", "parameters", "starts", "n", "t_end", "quantity", "rule", "method", "seed", "refine",
+    "name", "system", "axes", "parameters", "starts", "n_starts", "t_end", "quantity", "rule", "method", "seed",
+    "refine",
 )  # fmt: skip
-_PLAIN = ("name", "n", "quantity", "seed")
+_PLAIN = ("name", "n_starts", "quantity", "seed")
 _AXIS_KEYS = ("name", "values", "from", "to", "count", "spacing", "label")
 _STARTS_KEYS = ("ensemble", "energy", "sampling")
 

@@ -17,7 +17,7 @@ from liepoisson.arrays import Array
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.field import TopField
 from liepoisson.numeric._checks import shown
-from liepoisson.numeric.lyapunov import lyapunov_exponent
+from liepoisson.numeric.finite_time_exponents import finite_time_exponents
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.sampling import sample_states, sample_tangents
 from liepoisson.numeric.verdict import METHOD as DEFAULT_OF_VERDICTS
@@ -300,7 +300,7 @@ def _exponents(
     """Exponents and outcomes of points that share a system, shape (point, member)."""
     value, outcome = np.full(found.shape, np.nan), np.full(found.shape, NO_START, np.int8)
     member = np.broadcast_to(np.arange(piece.n), found.shape)[found]
-    growth = lyapunov_exponent(
+    growth = finite_time_exponents(
         system,
         x0[found],
         times=[piece.t_end],

@@ -176,13 +176,14 @@ def _state_of(leaf: GivenLeaf, epsilon: Expr) -> Array:
     """The state of a leaf of the same bracket, in which epsilon is the only number."""
     if not hasattr(leaf, "state") or not hasattr(leaf, "system"):
         raise ParameterError(
-            f"leaf must be a Leaf; got {leaf!r:.60}. Write leaf=leaf_of(top, x), or give values with casimirs=."
+            f"leaf must be a Leaf; got {leaf!r:.60}. Write leaf=Leaf.through(top, state), or give "
+            "values with casimirs=."
         )
     of_leaf = to_sympy(top_of(leaf.system).epsilon)
     if of_leaf != epsilon:
         raise ParameterError(
             f"the leaf must be one of this top, with epsilon = {decimal(epsilon)}; it has epsilon = "
-            f"{decimal(of_leaf)}. Take leaf_of(top, x) with this top."
+            f"{decimal(of_leaf)}. Take Leaf.through(top, state) with this top."
         )
     return leaf.state
 

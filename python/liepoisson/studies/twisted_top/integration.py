@@ -16,7 +16,7 @@ from liepoisson.studies.twisted_top.store import MEMBER_ARRAYS, AnyArray, RunSto
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from liepoisson.numeric.lyapunov import Growth
+    from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents
 
 
 class Progress(Protocol):
@@ -31,7 +31,7 @@ class Members:
 
     Attributes:
         exponent: Finite-time exponents, shape (trajectory, time).
-        initial_state: Shape (trajectory, 9).
+        start: Shape (trajectory, 9).
         outcome: Shape (trajectory,).
         n_steps: Shape (trajectory,).
         seconds: Wall time of the integration.
@@ -40,7 +40,7 @@ class Members:
     """
 
     exponent: FloatArray
-    initial_state: FloatArray
+    start: FloatArray
     outcome: AnyArray
     n_steps: AnyArray
     seconds: float
@@ -82,26 +82,24 @@ def complete(store: RunStore, threads: int | None, tracker: Tracker) -> Members:
     """
     if store.is_complete():
         dataset, seconds = store.load_whole()
-        arrays = {name: dataset[name].to_numpy() for name in ("exponent", "initial_state", "outcome", "n_steps")}
+        arrays = {name: dataset[name].to_numpy() for name in ("exponent", "start", "outcome", "n_steps")}
         return Members(**arrays, seconds=seconds, order=int(dataset.attrs["order"]), kernel=dataset.attrs["kernel"])
     for first, count in store.missing_pieces():
         _integrate_piece(store, first, count, threads, tracker)
     growth, seconds = _join(store)
     store.save_whole(growth, seconds)
-    return Members(
-        growth.exponent, growth.initial_state, growth.outcome, growth.n_steps, seconds, growth.order, growth.kernel
-    )
+    return Members(growth.exponent, growth.start, growth.outcome, growth.n_steps, seconds, growth.order, growth.kernel)
 
 
 def _integrate_piece(store: RunStore, first: int, count: int, threads: int | None, tracker: Tracker) -> None:
-    from liepoisson.numeric.lyapunov import lyapunov_exponent
+    from liepoisson.numeric.finite_time_exponents import finite_time_exponents
     from liepoisson.numeric.methods import Taylor
     from liepoisson.numeric.sampling import sample_states
 
     run, top = store.run, store.run.top()
     listen = tracker.piece(run, count)
     started = time.perf_counter()
-    growth = lyapunov_exponent(
+    growth = finite_time_exponents(
         top,
         sample_states(top, count, seed=run.seed, ensemble=run.ensemble, first=first),
         times=run.time,
@@ -117,9 +115,9 @@ def _integrate_piece(store: RunStore, first: int, count: int, threads: int | Non
     listen(1.0)
 
 
-def _join(store: RunStore) -> tuple[Growth, float]:
+def _join(store: RunStore) -> tuple[FiniteTimeExponents, float]:
     """All pieces of a run as one growth of all members, and the seconds that they took."""
-    from liepoisson.numeric.lyapunov import Growth
+    from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents
     from liepoisson.numeric.methods import Taylor
 
     run, top = store.run, store.run.top()
@@ -134,7 +132,7 @@ def _join(store: RunStore) -> tuple[Growth, float]:
             kind = "<U32" if name == "outcome" else arrays[name].dtype
             whole = joined.setdefault(name, np.empty((run.members, *arrays[name].shape[1:]), dtype=kind))
             whole[first : first + count] = arrays[name]
-    growth = Growth(
+    growth = FiniteTimeExponents(
         system=top.name,
         components=top.component_names,
         field=top.field(),

@@ -121,7 +121,7 @@ def reduce_run(run: Run, members: Members) -> RunResult:
     fits, log_fits = reduction.finite_time_fits(RESAMPLING), reduction.log_fits(RESAMPLING)
     finished = np.isfinite(members.exponent[:, -1])
     names, counts = np.unique(members.outcome.astype(str), return_counts=True)
-    energy = np.asarray(run.top().invariant_values(members.initial_state[finished])["H"], dtype=np.float64)
+    energy = np.asarray(run.top().invariant_values(members.start[finished])["H"], dtype=np.float64)
     return RunResult(
         run=run,
         curve=reduction.mean_curve(confidence=RESAMPLING.confidence),

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from liepoisson import __version__
 from liepoisson.errors import DamagedFileError, ParameterError
 from liepoisson.files import remove_partials, write_atomically, write_json, writing
-from liepoisson.numeric.lyapunov import Growth
+from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents
 from liepoisson.studies.twisted_top.runs import Run, Settings, plan
 
 if TYPE_CHECKING:
@@ -44,7 +44,9 @@ _RESULTS = re.compile(r"(measurements|claims)\.json|report\.html")
 _DATA = re.compile(r"[^/]+\.nc|manifest\.json")
 # What an interrupted write leaves behind.
 _PARTIAL = re.compile(r"(\.[0-9]+-[0-9a-f]+)?\.partial")
-MEMBER_ARRAYS = tuple(field.name for field in dataclasses.fields(Growth) if field.name not in _OF_THE_WHOLE)
+MEMBER_ARRAYS = tuple(
+    field.name for field in dataclasses.fields(FiniteTimeExponents) if field.name not in _OF_THE_WHOLE
+)
 
 
 def fingerprint(run: Run) -> dict[str, object]:
@@ -107,7 +109,7 @@ class RunStore:
                 "same options to go on with it, choose another folder with --out, or discard it with --fresh."
             )
 
-    def save_piece(self, growth: Growth, seconds: float) -> None:
+    def save_piece(self, growth: FiniteTimeExponents, seconds: float) -> None:
         """Store the curves of some members.
 
         Raises:
@@ -167,7 +169,7 @@ class RunStore:
         _check_fingerprint(self.data, record["fingerprint"], wanted)
         return True
 
-    def save_whole(self, growth: Growth, seconds: float) -> None:
+    def save_whole(self, growth: FiniteTimeExponents, seconds: float) -> None:
         """Write the joined run as NetCDF, record it, and remove its pieces.
 
         Raises:

@@ -32,7 +32,7 @@ def test_free_rigid_body_has_its_six_steady_rotations():
 def test_spherical_pendulum_hangs_and_stands():
     """l.alpha = 0, |alpha| = 1: hanging with the frequency sqrt(a3/I1) twice, standing with that growth rate."""
     pendulum = lp.Top.heavy(inertia=(2, 2, 1), a=(0, 0, 3))
-    leaf = lp.leaf_of(pendulum, [1, 0, 0, 0, 0, 1, 0, 0, 0])
+    leaf = lp.Leaf.through(pendulum, [1, 0, 0, 0, 0, 1, 0, 0, 0])
     assert leaf.rank == 4
     down, up = lp.equilibria(pendulum, leaf, n_starts=60)
     np.testing.assert_allclose(down.state, [0, 0, 0, 0, 0, -1, 0, 0, 0], atol=1e-12)
@@ -46,7 +46,7 @@ def test_spherical_pendulum_hangs_and_stands():
 @pytest.mark.parametrize("name", ["kovalevskaya", "twisted-kovalevskaya", "heavy-top", "clebsch", "manakov-so4"])
 def test_what_is_found_is_an_equilibrium_on_the_leaf_with_a_hamiltonian_spectrum(name):
     system = lp.catalog.system(name)
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=3)[0])
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=3)[0])
     found = lp.equilibria(system, leaf, n_starts=60, seed=2)
     assert found
     for e in found:
@@ -71,7 +71,7 @@ def distance(first, second):
 @pytest.mark.thorough
 def test_multipliers_solve_the_lagrange_equations():
     system = lp.catalog.system("twisted-kovalevskaya")
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
     for e in lp.equilibria(system, leaf, n_starts=40):
         slope = system.functions.energy.gradient(e.state)
         for name, casimir in system.functions.casimirs.items():
@@ -83,7 +83,7 @@ def test_multipliers_solve_the_lagrange_equations():
 def test_circles_of_equilibria_are_listed_once():
     """The lowest states of this leaf are tilted; the symmetry of the top turns one into a circle of them."""
     top = lp.catalog.system("twisted-lagrange")
-    leaf = lp.leaf_of(top, lp.sample_states(top, 1, seed=1)[0])
+    leaf = lp.Leaf.through(top, lp.sample_states(top, 1, seed=1)[0])
     found = lp.equilibria(top, leaf)
     lowest, *others = found
     assert lowest.nullity == 1
@@ -105,9 +105,9 @@ def test_relative_equilibria_of_the_twisted_lagrange_top_are_those_of_the_formul
         beta = rng.normal(size=3)
         l, alpha = I1 * kappa * beta - a3 * nu / kappa**2 * e3, (epsilon * a3 * e3 - nu * beta) / kappa
         x = np.concatenate([l, alpha, beta])
-        given = lp.stability(top, x, along=("l3",))
+        given = lp.phase_space.equilibrium(top, x, along=("l3",))
         np.testing.assert_allclose(given.omega["l3"], l[2] / I3 - kappa * beta[2], rtol=1e-9)
-        reached = lp.relative_equilibrium(top, x + PERTURBATION * rng.normal(size=9), along=("l3",))
+        reached = lp.phase_space.equilibrium_near(top, x + PERTURBATION * rng.normal(size=9), along=("l3",))
         assert reached.residual < 1e-11
         assert np.linalg.norm(reached.state - x) < 30 * PERTURBATION
         # Seen from the frame that turns with it: the eigenvalues on the slice are among those of all nine variables.
@@ -126,7 +126,7 @@ def test_every_relative_equilibrium_of_a_level_set_has_the_form_of_the_formula()
     rng = np.random.default_rng(5)
     top, (I1, _, a3, epsilon) = twisted_lagrange(rng)
     x = rng.normal(size=9)
-    found = lp.equilibria(top, lp.leaf_of(top, x), along=("l3",), values={"l3": x[2]}, n_starts=80)
+    found = lp.equilibria(top, lp.Leaf.through(top, x), along=("l3",), values={"l3": x[2]}, n_starts=80)
     tilted = [e for e in found if np.linalg.norm(e.state[6:8]) > 1e-6]
     assert tilted
     for e in tilted:
@@ -142,11 +142,11 @@ def test_every_relative_equilibrium_of_a_level_set_has_the_form_of_the_formula()
 def test_stable_verdict_holds_along_orbits_and_unstable_ones_leave():
     """Stable states keep a small perturbation small for t = 100; unstable ones grow by more than 30."""
     system = lp.catalog.system("twisted-kovalevskaya")
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
     rng = np.random.default_rng(0)
     for e in lp.equilibria(system, leaf, n_starts=60):
         starts = leaf.project(e.state + 1e-6 * rng.normal(size=(4, 9)))
-        orbit = lp.integrate(system, starts, t=np.linspace(0, 100, 201))
+        orbit = lp.integrate(system, starts, times=np.linspace(0, 100, 201))
         distances = np.linalg.norm(orbit.state - e.state, axis=-1).max()
         if e.nonlinear_stability == "stable":
             assert distances < 1e-4
@@ -157,7 +157,7 @@ def test_stable_verdict_holds_along_orbits_and_unstable_ones_leave():
 @pytest.mark.thorough
 def test_same_seed_gives_the_same_list():
     system = lp.catalog.system("clebsch")
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
     first, second = (lp.equilibria(system, leaf, n_starts=20, seed=9) for _ in range(2))
     assert [(e.energy, e.n_found) for e in first] == [(e.energy, e.n_found) for e in second]
 
@@ -165,7 +165,7 @@ def test_same_seed_gives_the_same_list():
 @pytest.mark.thorough
 def test_the_list_depends_on_the_leaf_and_not_on_the_state_it_was_made_from():
     system = lp.catalog.system("twisted-kovalevskaya")
-    leaf = lp.leaf_of(system, lp.sample_states(system, 1, seed=1)[0])
+    leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])
     elsewhere = lp.Leaf(system, leaf.casimirs)
     assert np.abs(leaf.state - elsewhere.state).max() > 0.1
     lists = [lp.equilibria(system, given, n_starts=20) for given in (leaf, leaf.casimirs, elsewhere)]
@@ -176,7 +176,7 @@ def test_the_list_depends_on_the_leaf_and_not_on_the_state_it_was_made_from():
 
 
 def test_a_relative_equilibrium_without_integrals_is_an_equilibrium():
-    e = lp.relative_equilibrium(lp.Top.kovalevskaya(), [0.01, 0, 0, -1, 0, 0, 0, 0, 0.02])
+    e = lp.phase_space.equilibrium_near(lp.Top.kovalevskaya(), [0.01, 0, 0, -1, 0, 0, 0, 0, 0.02])
     assert e.omega == {}
     assert np.abs(e.system.vector_field(e.state)).max() < 1e-10
 
@@ -185,33 +185,33 @@ def test_refusals():
     top = lp.Top.twisted_lagrange()
     x = [1, 0, 0, 0, 1, 0, 0, 0, 1]
     with pytest.raises(ParameterError, match="l1 is not constant"):
-        lp.relative_equilibrium(top, x, along=("l1",))
+        lp.phase_space.equilibrium_near(top, x, along=("l1",))
     with pytest.raises(ParameterError, match="Write"):
-        lp.relative_equilibrium(top, x, along="l3")
+        lp.phase_space.equilibrium_near(top, x, along="l3")
     with pytest.raises(ParameterError, match="values must give"):
-        lp.equilibria(top, lp.leaf_of(top, x), along=("l3",))
+        lp.equilibria(top, lp.Leaf.through(top, x), along=("l3",))
     for values in (3, [1], {"l3": np.nan}, {"l3": 1, "P": 1}):
         with pytest.raises(ParameterError, match="values must give"):
-            lp.equilibria(top, lp.leaf_of(top, x), along=("l3",), values=values)
+            lp.equilibria(top, lp.Leaf.through(top, x), along=("l3",), values=values)
     with pytest.raises(ParameterError, match="a finite number"):
-        lp.equilibria(top, lp.leaf_of(top, x), along=("l3",), values={"l3": "a"})
+        lp.equilibria(top, lp.Leaf.through(top, x), along=("l3",), values={"l3": "a"})
     for leaf in (None, 3, [1, 0, 1]):
         with pytest.raises(ParameterError, match="leaf must be a Leaf"):
             lp.equilibria(top, leaf)
     with pytest.raises(ParameterError, match="n_starts"):
-        lp.equilibria(top, lp.leaf_of(top, x), n_starts=0)
+        lp.equilibria(top, lp.Leaf.through(top, x), n_starts=0)
     with pytest.raises(ParameterError, match="most_starts"):
-        lp.equilibria(top, lp.leaf_of(top, x), most_starts=0)
+        lp.equilibria(top, lp.Leaf.through(top, x), most_starts=0)
     with pytest.raises(ParameterError, match="leaf must be one of"):
-        lp.equilibria(lp.Top.kovalevskaya(), lp.leaf_of(top, x))
+        lp.equilibria(lp.Top.kovalevskaya(), lp.Leaf.through(top, x))
     with pytest.raises(LeafError):
         lp.equilibria(top, {"C1": 1, "C2": 0, "C3": -1})
     with pytest.raises(ShapeError):
-        lp.relative_equilibrium(top, [1, 2, 3])
+        lp.phase_space.equilibrium_near(top, [1, 2, 3])
 
 
 def test_origin_is_a_leaf_of_its_own():
     top = lp.Top.twisted_lagrange()
-    (only,) = lp.equilibria(top, lp.leaf_of(top, np.zeros(9)), n_starts=3)
+    (only,) = lp.equilibria(top, lp.Leaf.through(top, np.zeros(9)), n_starts=3)
     assert only.spectrum.shape == (0,)
     assert only.nonlinear_stability == "stable"

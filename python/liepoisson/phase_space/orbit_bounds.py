@@ -55,11 +55,10 @@ class Bounds:
 
 
 def bounds(
-    top: System,
-    x: ArrayLike | None = None,
+    system: System,
+    state: ArrayLike | None = None,
     *,
-    leaf: Leaf | None = None,
-    casimirs: Mapping[str, float] | None = None,
+    leaf: Leaf | Mapping[str, float] | None = None,
     energy: float | None = None,
 ) -> Bounds:
     r"""Bounds that hold along every orbit of a top with these Casimirs and this energy.
@@ -73,11 +72,11 @@ def bounds(
     $\omega\cdot I\omega \ge I_{min}|\omega|^2$.  Nothing like it holds for the energy alone, without Casimirs.
 
     Args:
-        top: A top: the equations decide, however the system was made.
-        x: One state, shape (9,), whose leaf and energy are meant; then give nothing else.
-        leaf: A leaf, also one of lower rank, which has other Casimirs than C1, C2, C3.
-        casimirs: Instead of it the values of C1, C2, C3 of the bracket of the top.
-        energy: The energy, with `leaf` or `casimirs`.
+        system: A top: the equations decide, however the system was made.
+        state: One state, shape (9,), whose leaf and energy are meant; then give nothing else.
+        leaf: A leaf, also one of lower rank, which has other Casimirs than C1, C2, C3; or the values of C1, C2, C3 of
+            the bracket of the top.
+        energy: The energy, with `leaf`.
 
     Returns:
         The bounds, rounded outward.
@@ -87,44 +86,41 @@ def bounds(
             Casimirs belong to no state.
         ParameterError: the system is not a top, the arguments do not say which leaf and energy are meant, or squares
             of the numbers are too large for doubles.
-        ShapeError: x is not one state.
+        ShapeError: `state` is not one state.
     """
-    parameters = as_system(top).top_parameters
+    parameters = as_system(system).top_parameters
     if parameters is None:
         raise ParameterError(
-            f"bounds are known for tops; {top.name!r} has other equations. Look at leaf.energy_range()."
+            f"bounds are known for tops; {system.name!r} has other equations. Look at leaf.energy_range()."
         )
     field = parameters.field()
-    if x is not None:
-        if leaf is not None or casimirs is not None or energy is not None:
-            raise ParameterError("give a state, or an energy and a leaf or casimirs; not both.")
-        return _bounds_of_state(top, x, field)
-    if energy is not None and leaf is not None and casimirs is None:
+    if state is not None:
+        if leaf is not None or energy is not None:
+            raise ParameterError("give a state, or a leaf and an energy; not both.")
+        return _bounds_of_state(system, state, field)
+    if energy is None or leaf is None:
+        raise ParameterError("which leaf and energy is meant must be said; give a state, or both leaf= and energy=.")
+    if not isinstance(leaf, Mapping):
         return _bounds(field, *_of_leaf(leaf, field), as_energy(energy))
-    if energy is not None and casimirs is not None and leaf is None:
-        if not parameters.has_bracket(top.bracket):
-            raise ParameterError(
-                f"casimirs are values of |alpha|^2 + 2 epsilon l.beta, alpha.beta and |beta|^2; {top.name!r} has the "
-                f"equations of a top, but the bracket {top.bracket}. Give leaf=, or a state x."
-            )
-        return _bounds(field, *_given(casimirs, field), as_energy(energy))
-    raise ParameterError(
-        "which leaf and energy is meant must be said; give a state x, both leaf= and energy=, or both casimirs= and "
-        "energy=."
-    )
+    if not parameters.has_bracket(system.bracket):
+        raise ParameterError(
+            "leaf: values of Casimirs are those of |alpha|^2 + 2 epsilon l.beta, alpha.beta and |beta|^2; "
+            f"{system.name!r} has the equations of a top, but the bracket {system.bracket}. Give a Leaf, or a state."
+        )
+    return _bounds(field, *_given(leaf, field), as_energy(energy))
 
 
 @np.errstate(over="ignore", invalid="ignore")
-def _bounds_of_state(top: System, x: ArrayLike, field: TopField) -> Bounds:
+def _bounds_of_state(top: System, state: ArrayLike, field: TopField) -> Bounds:
     """The bounds by C1, |beta| and the energy of a state, also where the leaf has other Casimirs."""
-    from liepoisson.phase_space.leaf import leaf_of
+    from liepoisson.phase_space.leaf import Leaf
 
-    states = as_array(x, "x")
+    states = as_array(state, "state")
     if states.size and (size := float(np.abs(states).max())) > _LARGEST and np.isfinite(states).all():
         raise ParameterError(
-            f"x must be at most {_LARGEST:g}, for its squares to be doubles; got {size:g}. Choose other units."
+            f"state must be at most {_LARGEST:g}, for its squares to be doubles; got {size:g}. Choose other units."
         )
-    leaf: Leaf = leaf_of(top, states)
+    leaf: Leaf = Leaf.through(top, states)
     l, alpha, beta = leaf.state.reshape(3, 3)
     inertia, a, b = (np.array(v) for v in (field.inertia, field.a, field.b))
     energy = float(np.sum(l**2 / inertia) / 2 + a @ alpha + b @ beta)
@@ -152,11 +148,11 @@ def _of_leaf(leaf: Leaf, field: TopField) -> tuple[float, float]:
     from liepoisson.phase_space.leaf import Leaf
 
     if not isinstance(leaf, Leaf):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"leaf: wanted a Leaf; got {shown(leaf)}; try leaf_of(top, x)")
+        raise ParameterError(f"leaf: wanted a Leaf; got {shown(leaf)}; try Leaf.through(top, state)")
     parameters = leaf.system.top_parameters
     if parameters is None or parameters.field().epsilon != field.epsilon:
         raise ParameterError(
-            f"leaf: wanted a leaf of a top with epsilon = {field.epsilon:g}; got {leaf!r}; try leaf_of(top, x)"
+            f"leaf: wanted a leaf of a top with epsilon = {field.epsilon:g}; got {leaf!r}; try Leaf.through(top, state)"
         )
     l, alpha, beta = leaf.state.reshape(3, 3)
     lost = _UNDERFLOW if any(0 < math.hypot(*v) < _TINY for v in (l, alpha, beta)) else 0.0
@@ -166,12 +162,12 @@ def _of_leaf(leaf: Leaf, field: TopField) -> tuple[float, float]:
 def _given(casimirs: Mapping[str, float], field: TopField) -> tuple[float, float]:
     if not isinstance(casimirs, Mapping) or set(casimirs) != {"C1", "C2", "C3"}:  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(
-            f'casimirs must be {{"C1": ..., "C2": ..., "C3": ...}}; got {shown(casimirs)}. For a leaf with other ones '
-            "give leaf=, or a state x."
+            f'leaf must be a Leaf or {{"C1": ..., "C2": ..., "C3": ...}}; got {shown(casimirs)}. For a leaf with other '
+            "Casimirs give Leaf.through(top, state)."
         )
     c1, c2, c3 = (as_number(casimirs[name], name, "a finite number") for name in ("C1", "C2", "C3"))
     if not np.isfinite([c1, c2, c3]).all():
-        raise ParameterError(f"casimirs must be finite; got {dict(casimirs)}.")
+        raise ParameterError(f"the values of leaf must be finite; got {dict(casimirs)}.")
     if c3 < 0:
         raise LeafError(f"C3 = |beta|^2 must be >= 0; got {c3:g}.")
     if (field.epsilon == 0 or c3 == 0) and (c1 < 0 or c2 * c2 > c1 * c3 * _OUTWARD):

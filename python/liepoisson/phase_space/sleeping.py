@@ -20,7 +20,7 @@ from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter
 from liepoisson.phase_space.linearisation import ComplexArray
-from liepoisson.phase_space.stability import Equilibrium, stability
+from liepoisson.phase_space.stability import Equilibrium, equilibrium
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -91,7 +91,7 @@ class SleepingTop:
         return float(np.abs(self.roots.imag).max()) / as_float(self.inertia[0], "I1")
 
     def analysis(self, along: Sequence[str] | None = None) -> Equilibrium:
-        """The same state by its linearisation in numbers, with the energy-Casimir test; see `stability`.
+        """The same state by its linearisation in numbers, with the energy-Casimir test; see `equilibrium`.
 
         Args:
             along: The integrals that may be added to H, all of them critical here; by default l3 and the others that
@@ -100,7 +100,7 @@ class SleepingTop:
         if along is None:
             casimirs = self.system.functions.casimirs
             along = [name for name in self.system.invariants if name != "H" and name not in casimirs]
-        return stability(self.system, self.state, along=along)
+        return equilibrium(self.system, self.state, along=along)
 
 
 def sleeping_top(system: System, *, l3: Parameter, alpha3: Parameter, beta3: Parameter = 0) -> SleepingTop:

@@ -25,7 +25,7 @@ from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
 from liepoisson.phase_space.equilibrium_search import EquilibriumSearch, is_critical
 from liepoisson.phase_space.euler_characteristic import euler_characteristic
 from liepoisson.phase_space.exact_top import exact_top
-from liepoisson.phase_space.leaf import Leaf, leaf_of
+from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
 from liepoisson.phase_space.top_equilibria import all_equilibria, euler_characteristic_of_leaf, natural_units
 
@@ -136,20 +136,20 @@ def _leaf(system: System, given: Any) -> Leaf:
         if given.system is not system:
             raise ParameterError(
                 f"leaf must be one of {shown(system)}; got one of {given.system.name!r}. Make it with "
-                "leaf_of(system, x) or Leaf(system, casimirs)."
+                "Leaf.through(system, state) or Leaf(system, casimirs)."
             )
         return given
     if not isinstance(given, Mapping):
         raise ParameterError(
             f"leaf must be a Leaf, or values of the Casimirs by name; got {shown(given)}. Write for example "
-            "leaf_of(system, x)."
+            "Leaf.through(system, state)."
         )
     return Leaf(system, cast("Mapping[str, float]", given))
 
 
-def relative_equilibrium(
+def equilibrium_near(
     system: System,
-    x_guess: ArrayLike,
+    guess: ArrayLike,
     *,
     along: Sequence[str] = (),
     values: Mapping[str, float] | None = None,
@@ -161,7 +161,7 @@ def relative_equilibrium(
 
     Args:
         system: A system whose parameters are all numbers.
-        x_guess: One state, shape (N,); its leaf is kept.
+        guess: One state, shape (N,); its leaf is kept.
         along: The integrals, by their names in `system.invariants` or as formulas; `along=("l3",)` for the steady
             precessions of a Lagrange top.
         values: Their values, by name; by default those of the guess.
@@ -170,16 +170,16 @@ def relative_equilibrium(
         ParameterError: there is none near the guess, the guess is too near zero, an integral is not constant or has no
             motion of its own, or `values` does not name them.
         LeafError: the equations of the leaf are not known.
-        ShapeError: `x_guess` is not one state.
+        ShapeError: `guess` is not one state.
     """
-    leaf = not_tiny(leaf_of(system, x_guess), "x_guess")
+    leaf = not_tiny(Leaf.through(system, guess), "guess")
     integrals = integrals_of(system, along)
     fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
     states, residual = critical_points(leaf, fields, leaf.state[None], _level(integrals, values, leaf.state))
     if not len(states) or not is_critical(fields, leaf, states, residual)[0]:
         left = f"{residual[0]:.1e}" if len(residual) else "no state of the leaf"
         raise ParameterError(
-            f"x_guess must be near a critical point of H on its leaf{_named(integrals)}; Newton's method ends with a "
+            f"guess must be near a critical point of H on its leaf{_named(integrals)}; Newton's method ends with a "
             f"relative residual of {left}. Search with equilibria(system, leaf, along=..., values=...)."
         )
     return analysis(leaf, states[0], integrals)

@@ -41,7 +41,7 @@ LEAST_TIME = 1e-300
 
 
 @dataclass(frozen=True)
-class Growth(ReadOnlyArrays):
+class FiniteTimeExponents(ReadOnlyArrays):
     """Finite-time Lyapunov exponents.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
@@ -57,9 +57,9 @@ class Growth(ReadOnlyArrays):
             "max steps", "no convergence", "time limit".
         end_time: Time that each trajectory reached, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
-        initial_state: Shape (trajectory, component).
-        initial_tangent: Shape (trajectory, component).
-        final_state: Last good state, shape (trajectory, component).
+        start: Shape (trajectory, component).
+        start_tangent: Shape (trajectory, component).
+        end_state: Last good state, shape (trajectory, component).
         order: Order of the method.
         kernel: Instruction set used.
         time_limit: Seconds that the run was allowed to take.
@@ -76,9 +76,9 @@ class Growth(ReadOnlyArrays):
     outcome: NDArray[np.str_]
     end_time: Array
     n_steps: NDArray[np.int64]
-    initial_state: Array
-    initial_tangent: Array
-    final_state: Array
+    start: Array
+    start_tangent: Array
+    end_state: Array
     order: int
     kernel: str
     time_limit: float = np.inf
@@ -98,12 +98,12 @@ class Growth(ReadOnlyArrays):
 
     def __repr__(self) -> str:
         value = typical("exponent", self.exponent[:, -1])
-        return f"<Growth of {self.system}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
+        return f"<FiniteTimeExponents of {self.system}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
 
 
-def lyapunov_exponent(
+def finite_time_exponents(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     t_end: float | None = None,
     times: ArrayLike | None = None,
@@ -114,7 +114,7 @@ def lyapunov_exponent(
     threads: int | None = None,
     time_limit: float = TIME_LIMIT,
     progress: Callable[[float], Any] | None = None,
-) -> Growth:
+) -> FiniteTimeExponents:
     r"""Largest Lyapunov exponent along each trajectory, as a function of time.
 
     $\lambda(t) = t^{-1}\ln(|v(t)|/|v(0)|)$ for one tangent vector $v$, by default drawn uniformly from the unit
@@ -126,7 +126,7 @@ def lyapunov_exponent(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
             beside good ones ends at once, with the outcome "not finite".
         t_end: Last time, positive, in units of the system's own time; the exponent is then given at 200 times
             spaced evenly in the logarithm, from `t_end`/1000 on.
@@ -143,7 +143,7 @@ def lyapunov_exponent(
         progress: Called a few times a second with the fraction that is done.
 
     Returns:
-        Growth; a trajectory that fails is an outcome in it, not an error.
+        FiniteTimeExponents; a trajectory that fails is an outcome in it, not an error.
 
     Raises:
         ShapeError: An array has another shape than stated.
@@ -157,7 +157,7 @@ def lyapunov_exponent(
     method = as_method(method, Taylor(tol=1e-13))
     field = field_for(system, as_field(system), method)
     n = field.n_components
-    states, wanted = as_states(x0, n, some_may_fail=True), _as_exponent_times(t_end, times)
+    states, wanted = as_states(starts, n, some_may_fail=True), _as_exponent_times(t_end, times)
     seed, first = as_seed(seed), as_first(first, len(states))
     if tangents is None:
         vectors = sample_tangents(n, len(states), seed=seed, first=first)
@@ -180,7 +180,7 @@ def lyapunov_exponent(
         limit,
         progress,
     )
-    return Growth(
+    return FiniteTimeExponents(
         system=system.name,
         components=component_names(system, n),
         field=field,
@@ -192,9 +192,9 @@ def lyapunov_exponent(
         outcome=outcome_names(raw["outcome"]),
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
-        initial_state=states,
-        initial_tangent=vectors,
-        final_state=raw["final_state"].reshape(len(states), n),
+        start=states,
+        start_tangent=vectors,
+        end_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],
         kernel=raw["kernel"],
         time_limit=limit,

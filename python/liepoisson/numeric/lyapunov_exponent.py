@@ -48,7 +48,7 @@ class ExponentEstimate:
         rates: Mean growth rate in each block, in inverse time, shape (trajectory, block); NaN after the end of a run.
         time: Averaging time of each trajectory, shape (trajectory,).
         time_scale: Natural unit of time T of each trajectory (`liepoisson.time_scale`), shape (trajectory,).
-        value: Mean growth rate over all blocks, shape (trajectory,); NaN for a run that failed.
+        exponent: Mean growth rate over all blocks, shape (trajectory,); NaN for a run that failed.
         error: Its standard error as an average over the time of this one orbit, from the autocorrelation of the blocks
             and from batches of them (`mean_error`), shape (trajectory,).
         is_zero: Whether the value is consistent with zero at time t, below $3\ln(t/T)/t$, as on a regular orbit.  It
@@ -58,8 +58,8 @@ class ExponentEstimate:
             combined errors, and the error is at most `wanted_error`, if one was wanted.
         wanted_error: What the runs were continued for, or None.
         outcome: How each trajectory ended, shape (trajectory,).
-        initial_state: Shape (trajectory, component).
-        final_state: Shape (trajectory, component).
+        start: Shape (trajectory, component).
+        end_state: Shape (trajectory, component).
         seed: Seed of the tangent vectors.
     """
 
@@ -69,14 +69,14 @@ class ExponentEstimate:
     rates: Array
     time: Array
     time_scale: Array
-    value: Array
+    exponent: Array
     error: Array
     is_zero: NDArray[np.bool_]
     converged: NDArray[np.bool_]
     wanted_error: float | None
     outcome: NDArray[np.str_]
-    initial_state: Array
-    final_state: Array
+    start: Array
+    end_state: Array
     seed: int
 
     def interval(self, confidence: float = 0.95) -> Array:
@@ -90,7 +90,7 @@ class ExponentEstimate:
         probability = 0.5 + Resampling(confidence=confidence).confidence / 2
         n_blocks = np.round(self.time / self.block).astype(int)
         q = np.array([student_quantile(probability, max(1, n_longest_batches(n) - 1)) for n in n_blocks.tolist()])
-        ends = np.stack([self.value - q * self.error, self.value + q * self.error], axis=1)
+        ends = np.stack([self.exponent - q * self.error, self.exponent + q * self.error], axis=1)
         return np.where(self.is_zero[:, None], np.nan, ends)
 
     @property
@@ -102,31 +102,31 @@ class ExponentEstimate:
         leaves, energies, regular and chaotic orbits; the error tells how well the mean of this mixture is known, not
         how well any orbit's exponent is.
         """
-        known = np.isfinite(self.value)
+        known = np.isfinite(self.exponent)
         if known.sum() == 1:
             (k,) = np.flatnonzero(known)
-            return Estimate(float(self.value[k]), float(self.error[k]), *map(float, self.interval()[k]))
-        return mean_interval(self.value[known])
+            return Estimate(float(self.exponent[k]), float(self.error[k]), *map(float, self.interval()[k]))
+        return mean_interval(self.exponent[known])
 
-    def finite_time(self, length: float) -> Array:
-        """Exponents over consecutive windows of a length, a whole number of blocks, shape (trajectory, window).
+    def finite_time(self, duration: float) -> Array:
+        """Exponents over consecutive windows of a duration, a whole number of blocks, shape (trajectory, window).
 
         NaN for windows that a run did not reach.  Their distribution narrows with the length; two humps mean that the
         orbit alternates between two regions, as one that sticks to an island does.
 
         Raises:
-            ParameterError: the length is shorter than a block, or longer than all runs.
+            ParameterError: the duration is shorter than a block, or longer than all runs.
         """
-        n = round(as_duration(length, "length") / self.block)
+        n = round(as_duration(duration, "duration") / self.block)
         n_windows = self.rates.shape[1] // n if n else 0
         if n_windows == 0:
             raise ParameterError(
-                f"length: wanted a time from {self.block:g} to {self.block * self.rates.shape[1]:g}; got {length:g}"
+                f"duration: wanted a time from {self.block:g} to {self.block * self.rates.shape[1]:g}; got {duration:g}"
             )
         return self.rates[:, : n * n_windows].reshape(len(self.rates), n_windows, n).mean(axis=2)
 
-    def quantiles(self, q: float | Sequence[float] | Array, *, length: float | None = None) -> Array:
-        """Quantiles of the exponents of all trajectories, or of those over windows of a length.
+    def quantiles(self, q: float | Sequence[float] | Array, *, duration: float | None = None) -> Array:
+        """Quantiles of the exponents of all trajectories, or of those over windows of a duration.
 
         Raises:
             ParameterError: a q that is not between 0 and 1, or no trajectory has a value.
@@ -137,20 +137,20 @@ class ExponentEstimate:
             wanted = np.array(np.nan)
         if not ((wanted >= 0.0) & (wanted <= 1.0)).all():
             raise ParameterError(f"q: wanted numbers from 0 to 1; got {shown(q)}; try (0.05, 0.5, 0.95)")
-        return np.quantile(self._known(length), wanted)
+        return np.quantile(self._known(duration), wanted)
 
-    def histogram(self, bins: int = 40, *, length: float | None = None) -> tuple[Array, Array]:
+    def histogram(self, bins: int = 40, *, duration: float | None = None) -> tuple[Array, Array]:
         """Probability densities (bin,) and edges (bin + 1,) of the same.
 
         Raises:
             ParameterError: `bins` is not from 1 to 1,000,000, or no trajectory has a value.
         """
         n_bins = as_count(bins, "bins", least=1, most=1_000_000, hint="try bins=40")
-        return np.histogram(self._known(length), bins=n_bins, density=True)
+        return np.histogram(self._known(duration), bins=n_bins, density=True)
 
-    def _known(self, length: float | None) -> Array:
-        """The exponents that are known, of whole runs or over windows of a length, shape (value,)."""
-        values = self.value if length is None else self.finite_time(length)
+    def _known(self, duration: float | None) -> Array:
+        """The exponents that are known, of whole runs or over windows of a duration, shape (value,)."""
+        values = self.exponent if duration is None else self.finite_time(duration)
         values = values[np.isfinite(values)]
         if not len(values):
             raise ParameterError("wanted trajectories with a value; got none; see the outcomes, and take other starts")
@@ -159,22 +159,22 @@ class ExponentEstimate:
     def __str__(self) -> str:
         lines: list[str] = []
         for k, outcome in enumerate(self.outcome):
-            if not np.isfinite(self.value[k]):
+            if not np.isfinite(self.exponent[k]):
                 lines.append(f"{outcome} at once: no value")
                 continue
             if self.is_zero[k]:
                 threshold = f"below 3 ln(t/T) / t = {zero_threshold(self.time[k], self.time_scale[k]):.1e}"
                 lines.append(f"consistent with zero at t = {self.time[k]:g}: {threshold}  ({outcome})")
                 continue
-            value = str(Estimate(self.value[k], self.error[k], *self.interval()[k]))
+            value = str(Estimate(self.exponent[k], self.error[k], *self.interval()[k]))
             state = "converged" if self.converged[k] else "not converged"
             lines.append(f"{value}  (over t = {self.time[k]:g}, {outcome}, {state})")
         return "\n".join(lines)
 
 
-def largest_exponent(
+def lyapunov_exponent(
     system: HasField,
-    x0: ArrayLike,
+    starts: ArrayLike,
     *,
     wanted_error: float | None = None,
     t_end: float | None = None,
@@ -201,7 +201,7 @@ def largest_exponent(
 
     Args:
         system: The system.
-        x0: States at time 0, shape (component,) or (trajectory, component), dimensionless.
+        starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.
         wanted_error: Error at which a run stops, in inverse time.  Without one all runs last until `t_end`.
         t_end: (Longest) averaging time, positive; by default, if an error is wanted, some 100,000 natural times of the
             median orbit.
@@ -210,7 +210,7 @@ def largest_exponent(
             `t_end`/128; give it if an ensemble that is computed in pieces is to be the same, bit for bit.
         transient: Time before averaging, in which the vector turns into its direction; by default some 100 natural
             times of the median orbit.
-        seed: Draws the tangent vectors, those of `lyapunov_exponent`.
+        seed: Draws the tangent vectors, those of `finite_time_exponents`.
         first: Number of the first member, so that an ensemble can be computed in pieces.
         method: How; by default `Taylor(tol=1e-13)`.
         threads: By default all processors that the process may use.  Results do not depend on it.
@@ -221,7 +221,7 @@ def largest_exponent(
         ExponentEstimate; a trajectory that fails is an outcome in it, with the value up to there.
 
     Raises:
-        ShapeError: `x0` has another shape.
+        ShapeError: `starts` has another shape.
         ParameterError: numbers out of range, neither `wanted_error` nor `t_end`, fewer than 64 blocks in `t_end`, or
             more than 10,000,000 in it or in `transient`.
         KeyboardInterrupt: Ctrl-C.
@@ -230,15 +230,15 @@ def largest_exponent(
     """
     deadline = time.monotonic() + as_time_limit(time_limit)
     _check_wanted(wanted_error, t_end)
-    x0 = as_array(x0, "x0")  # once, as several runs start from it
-    scale = time_scale(system, x0, method=method, threads=threads, time_limit=time_limit)
+    starts = as_array(starts, "starts")  # once, as several runs start from it
+    scale = time_scale(system, starts, method=method, threads=threads, time_limit=time_limit)
     wanted, n_blocks, block = _as_plan(wanted_error, t_end, block, scale)
     if transient is None:
         transient = natural_duration(TRANSIENT, scale, otherwise=0.0)
     transient = as_duration(transient, "transient", zero=True)
     frames = TangentFrames(
         system,
-        x0,
+        starts,
         n_vectors=1,
         seed=seed,
         first=first,
@@ -331,14 +331,14 @@ def _estimate(
         rates=done,
         time=duration,
         time_scale=scale,
-        value=value,
+        exponent=value,
         error=error,
         is_zero=is_zero,
         converged=converged,
         wanted_error=wanted,
         outcome=frames.outcome,
-        initial_state=start,
-        final_state=frames.state,
+        start=start,
+        end_state=frames.state,
         seed=frames.seed,
     )
 

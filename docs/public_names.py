@@ -1,0 +1,126 @@
+"""Makes docs/names.md: every public name by chapter, and the words of the arguments. Run it when a name is new.
+
+python docs/public_names.py
+"""
+
+from __future__ import annotations
+
+import inspect
+from collections import defaultdict
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import liepoisson as lp
+
+PAGE = Path(__file__).with_name("names.md")
+
+WORDS = {
+    "system": "what is studied: a `System`, a `Top`, anything that has a field",
+    "leaf": "a `Leaf`, or the values of the Casimirs by name",
+    "state": "one point of phase space, shape (component,)",
+    "states": "any number of them, shape (..., component)",
+    "start": "the state at the first time",
+    "starts": "one state at the first time, or many: (component,) or (trajectory, component)",
+    "guess": "a state near the one that is wanted",
+    "n_starts": "how many starts",
+    "times": "one time or many",
+    "t_end": "the last time; runs begin at 0",
+    "transient": "time before anything is measured",
+    "energy": "value of the Hamiltonian",
+    "surface": "a function that is zero on the surface of section",
+    "direction": "sign of its rate at a crossing",
+    "along": "integrals that are fixed, by name or formula",
+    "method": "how orbits are integrated",
+    "tol": "tolerance",
+    "step": "size of the steps",
+    "order": "order of the method",
+    "seed": "draws what is random; always with a default",
+    "first": "number of the first member, whose random numbers depend on it",
+    "threads": "how many; all cores by default, and the numbers do not depend on it",
+    "time_limit": "seconds that the run may take",
+    "progress": "called with the fraction that is done",
+    "tangents": "tangent vectors at the first time",
+    "path": "of a file",
+    "name": "how something is called",
+}
+"""What the words mean that several functions share."""
+
+
+def chapters() -> dict[str, ModuleType]:
+    """The chapters by name, in alphabetical order."""
+    found = {name: getattr(lp, name) for name in lp.__all__}
+    return {name: module for name, module in found.items() if isinstance(module, ModuleType)}
+
+
+def arguments(value: Any) -> list[str]:
+    """The names of the arguments of a function, or of what a class is made from."""
+    if not callable(value) or is_error(value):
+        return []
+    return [name for name in inspect.signature(value).parameters if name != "self"]
+
+
+def is_error(value: Any) -> bool:
+    """Whether it is the class of an error or a warning."""
+    return isinstance(value, type) and issubclass(value, Exception)
+
+
+def is_result(chapter: str, value: Any) -> bool:
+    """Whether a class is made by a computation and by nobody else; its attributes are in its docstring."""
+    return chapter == "results" and isinstance(value, type)
+
+
+def callables() -> dict[str, list[str]]:
+    """The arguments of every public function, class and method by its dotted name."""
+    found: dict[str, list[str]] = {}
+    for chapter, module in chapters().items():
+        for name in module.__all__:
+            value = getattr(module, name)
+            if not is_result(chapter, value):
+                found[f"{chapter}.{name}"] = arguments(value)
+            if isinstance(value, type) and not is_error(value):
+                for member, function in inspect.getmembers(value, callable):
+                    if not member.startswith("_"):
+                        found[f"{chapter}.{name}.{member}"] = arguments(function)
+    return found
+
+
+def page() -> str:
+    """The text of docs/names.md."""
+    short = [name for name in lp.__all__ if name not in chapters() and name != "__version__"]
+    lines = [
+        "# Public names",
+        "",
+        "Made by `python docs/public_names.py`. The most used names are at the top, as `lp.integrate`; each is in a",
+        "chapter, too, as `lp.orbits.integrate`, where the others are. `dir(lp)` lists names and chapters.",
+        "",
+        "At the top: " + ", ".join(f"`{name}`" for name in short) + ".",
+        "",
+    ]
+    for chapter, module in chapters().items():
+        lines += [f"## {chapter}", "", _first_sentence(module.__doc__), "", "| name | what it is |", "|---|---|"]
+        for name in module.__all__:
+            value = getattr(module, name)
+            words = [] if is_result(chapter, value) else arguments(value)
+            call = f"{name}({', '.join(words)})" if words else name
+            lines.append(f"| `{call}` | {_first_sentence(value.__doc__)} |")
+        lines.append("")
+    users: dict[str, list[str]] = defaultdict(list)
+    for dotted, words in callables().items():
+        for word in words:
+            users[word].append(dotted.split(".", 1)[1])
+    lines += ["## Words of arguments", "", "| word | meaning | arguments of |", "|---|---|---|"]
+    for word, meaning in WORDS.items():
+        shown = ", ".join(f"`{user}`" for user in users[word][:6])
+        more = f" and {len(users[word]) - 6} more" if len(users[word]) > 6 else ""
+        lines.append(f"| `{word}` | {meaning} | {shown}{more} |")
+    return "\n".join(lines) + "\n"
+
+
+def _first_sentence(text: str | None) -> str:
+    first = inspect.cleandoc(text or "").split("\n\n")[0].replace("\n", " ")
+    return first.replace("|", r"\|")
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

@@ -1,0 +1,5 @@
+"""Indicators of chaos, with errors, and the rule that decides."""
+
+from liepoisson._lazy import attach
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

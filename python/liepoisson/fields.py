@@ -1,0 +1,5 @@
+"""What a system is lowered to before it runs: plain data, without code."""
+
+from liepoisson._lazy import attach
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

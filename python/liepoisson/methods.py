@@ -1,0 +1,5 @@
+"""Methods of integration."""
+
+from liepoisson._lazy import attach
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

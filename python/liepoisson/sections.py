@@ -1,0 +1,5 @@
+"""Surfaces of section."""
+
+from liepoisson._lazy import attach
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -1,0 +1,5 @@
+"""Systems: a bracket and a Hamiltonian, made in Python or read from a file, and the report on them."""
+
+from liepoisson._lazy import attach
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)
