@@ -1,5 +1,4 @@
 //! What the tests share: random tops and states, and the vector field written out from the Poisson tensor.
-#![allow(dead_code)] // each test file is a crate of its own and uses a part
 
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble};
@@ -111,6 +110,11 @@ pub fn run<M: Method<Top>>(
     let n_tangents = if states.is_empty() { 0 } else { tangents.len() / states.len() };
     let ensemble = Ensemble { field: top, method, states, tangents, n_tangents, times };
     orbits(&ensemble, 1, simd, &Control::default(), false, |_| ()).unwrap()
+}
+
+/// Bits, so that NaN equals NaN.
+pub fn bits(values: &[f64]) -> Vec<u64> {
+    values.iter().map(|value| value.to_bits()).collect()
 }
 
 pub fn distance(u: &[f64], v: &[f64]) -> f64 {

@@ -1,8 +1,6 @@
 //! Gauss collocation: quadratic invariants to round-off, orders 2 to 8, reversibility, tangent maps, failures.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;

@@ -1,8 +1,6 @@
 //! The Taylor method: known solutions, order, reversal, tangent vectors.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use liepoisson_core::error::Error;
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{AcrossComponents, MixedTaylor, RungeKutta, Taylor};

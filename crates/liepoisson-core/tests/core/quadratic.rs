@@ -1,8 +1,6 @@
 //! A quadratic field given at run time: the field and tangent field of its tensor, with the same bits on every register.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble};
 use liepoisson_core::error::Error;

@@ -1,61 +1,12 @@
 //! The Runge-Kutta method of order 8 on tapes and quadratic fields: closed forms, the Taylor method, singularities.
 
-mod common;
-
-use common::*;
-use liepoisson_core::analysis::orbit::{Orbits, orbits};
+use crate::common::*;
+use crate::runge_kutta::{adaptive, assert_same_bits, fixed, integrate_all, single};
+use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::field::{Instruction, Quadratic, Tape};
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::{Method, RungeKutta, Single};
-
-fn adaptive(tolerance: f64) -> RungeKutta {
-    RungeKutta::new(tolerance, 1_000_000).unwrap()
-}
-
-fn fixed(step: f64) -> RungeKutta {
-    RungeKutta::fixed(step, u64::MAX).unwrap()
-}
-
-fn single(method: RungeKutta) -> Single<RungeKutta> {
-    Single::<RungeKutta>::new(method).unwrap()
-}
-
-/// Bits, so that NaN equals NaN.
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|value| value.to_bits()).collect()
-}
-
-fn integrate_all<F: liepoisson_core::field::Space, M: Method<F>>(
-    field: &F,
-    method: M,
-    states: &[f64],
-    tangents: &[f64],
-) -> Vec<Orbits> {
-    let n_tangents = tangents.len() / states.len();
-    let ensemble = Ensemble { field, method, states, tangents, n_tangents, times: &[0.0, 0.7, 3.0] };
-    let available = Simd::ALL.into_iter().filter(|simd| simd.is_available());
-    available
-        .flat_map(|simd| [1, 3].map(|threads| (simd, threads)))
-        .map(|(simd, threads)| orbits(&ensemble, threads, simd, &Control::default(), false, |_| ()).unwrap())
-        .collect()
-}
-
-/// `with_times`: also where trajectories ended. With fixed steps those that leave the finite numbers end with a batch of
-/// steps, and what a batch is depends on the neighbours.
-fn assert_same_bits(results: &[Orbits], with_times: bool) {
-    for other in &results[1..] {
-        assert_eq!(bits(&results[0].states), bits(&other.states));
-        assert_eq!(bits(&results[0].tangents), bits(&other.tangents));
-        for (a, b) in results[0].summaries.iter().zip(&other.summaries) {
-            assert_eq!(a.outcome, b.outcome);
-            if with_times || a.outcome != Outcome::NotFinite {
-                assert_eq!((a.n_steps, a.time.to_bits()), (b.n_steps, b.time.to_bits()));
-                assert_eq!(bits(&a.state), bits(&b.state));
-            }
-        }
-    }
-}
+use liepoisson_core::method::RungeKutta;
 
 /// `x' = 1 + x^2` from 0 is `tan t`: infinite at pi/2. Neighbours start at -2 and get to `tan(2 - atan 2)`.
 #[test]

@@ -1,8 +1,6 @@
 //! Tapes: every rule against closed forms, compositions against naive series, tangent vectors, failures, same bits.
 
-mod common;
-
-use common::{TWISTED_KOVALEVSKAYA, distance, run, starts, taylor};
+use crate::common::{TWISTED_KOVALEVSKAYA, distance, run, starts, taylor};
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;

@@ -1,8 +1,6 @@
 //! Splitting methods: Poisson maps that keep every Casimir, of the order that they claim, the same bits on every path.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use liepoisson_core::analysis::lyapunov::growth;
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
@@ -215,11 +213,6 @@ fn wanted_times_are_landed_on() {
         // ceil of each interval over the step: 7, 19, 1, 364, 12
         assert_eq!((summary.outcome, summary.time, summary.n_steps), (Outcome::Finished, 8.0, 403));
     }
-}
-
-/// Bits, so that NaN equals NaN.
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|value| value.to_bits()).collect()
 }
 
 /// Says where the first difference is.

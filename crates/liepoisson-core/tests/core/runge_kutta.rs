@@ -1,8 +1,6 @@
 //! The Runge-Kutta method of order 8: its order, its tolerance, single precision, failures, the same bits everywhere.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use liepoisson_core::analysis::lyapunov::growth;
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
@@ -14,21 +12,48 @@ use proptest::prelude::*;
 const GENERAL: Parameters =
     Parameters { inertia: [1.3, 0.7, 2.1], a: [0.4, -0.9, 0.3], b: [-0.2, 0.5, 0.8], epsilon: 0.7 };
 
-fn adaptive(tolerance: f64) -> RungeKutta {
+pub fn adaptive(tolerance: f64) -> RungeKutta {
     RungeKutta::new(tolerance, 1_000_000).unwrap()
 }
 
-fn fixed(step: f64) -> RungeKutta {
+pub fn fixed(step: f64) -> RungeKutta {
     RungeKutta::fixed(step, u64::MAX).unwrap()
 }
 
-fn single(method: RungeKutta) -> Single<RungeKutta> {
+pub fn single(method: RungeKutta) -> Single<RungeKutta> {
     Single::<RungeKutta>::new(method).unwrap()
 }
 
-/// Bits, so that NaN equals NaN.
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|value| value.to_bits()).collect()
+/// Orbits on every instruction set, on one thread and on three.
+pub fn integrate_all<F: liepoisson_core::field::Space, M: Method<F>>(
+    field: &F,
+    method: M,
+    states: &[f64],
+    tangents: &[f64],
+) -> Vec<Orbits> {
+    let n_tangents = tangents.len() / states.len();
+    let ensemble = Ensemble { field, method, states, tangents, n_tangents, times: &[0.0, 0.7, 3.0] };
+    let available = Simd::ALL.into_iter().filter(|simd| simd.is_available());
+    available
+        .flat_map(|simd| [1, 3].map(|threads| (simd, threads)))
+        .map(|(simd, threads)| orbits(&ensemble, threads, simd, &Control::default(), false, |_| ()).unwrap())
+        .collect()
+}
+
+/// `with_times`: also where trajectories ended. With fixed steps those that leave the finite numbers end with a batch of
+/// steps, and what a batch is depends on the neighbours.
+pub fn assert_same_bits(results: &[Orbits], with_times: bool) {
+    for other in &results[1..] {
+        assert_eq!(bits(&results[0].states), bits(&other.states));
+        assert_eq!(bits(&results[0].tangents), bits(&other.tangents));
+        for (a, b) in results[0].summaries.iter().zip(&other.summaries) {
+            assert_eq!(a.outcome, b.outcome);
+            if with_times || a.outcome != Outcome::NotFinite {
+                assert_eq!((a.n_steps, a.time.to_bits()), (b.n_steps, b.time.to_bits()));
+                assert_eq!(bits(&a.state), bits(&b.state));
+            }
+        }
+    }
 }
 
 /// Largest relative error of the states and of the tangent vectors, against the Taylor method at 1e-15.
@@ -228,37 +253,6 @@ fn growth_beyond_the_largest_number_is_followed() {
     for (single_precision, bound) in [(false, 1e-9), (true, 1e-5)] {
         for exponent in exponents(single_precision) {
             assert!((exponent - expected).abs() < bound, "{exponent} {expected} {single_precision}");
-        }
-    }
-}
-
-fn integrate_all<F: liepoisson_core::field::Space, M: Method<F>>(
-    field: &F,
-    method: M,
-    states: &[f64],
-    tangents: &[f64],
-) -> Vec<Orbits> {
-    let n_tangents = tangents.len() / states.len();
-    let ensemble = Ensemble { field, method, states, tangents, n_tangents, times: &[0.0, 0.7, 3.0] };
-    let available = Simd::ALL.into_iter().filter(|simd| simd.is_available());
-    available
-        .flat_map(|simd| [1, 3].map(|threads| (simd, threads)))
-        .map(|(simd, threads)| orbits(&ensemble, threads, simd, &Control::default(), false, |_| ()).unwrap())
-        .collect()
-}
-
-/// `with_times`: also where trajectories ended. With fixed steps those that leave the finite numbers end with a batch of
-/// steps, and what a batch is depends on the neighbours.
-fn assert_same_bits(results: &[Orbits], with_times: bool) {
-    for other in &results[1..] {
-        assert_eq!(bits(&results[0].states), bits(&other.states));
-        assert_eq!(bits(&results[0].tangents), bits(&other.tangents));
-        for (a, b) in results[0].summaries.iter().zip(&other.summaries) {
-            assert_eq!(a.outcome, b.outcome);
-            if with_times || a.outcome != Outcome::NotFinite {
-                assert_eq!((a.n_steps, a.time.to_bits()), (b.n_steps, b.time.to_bits()));
-                assert_eq!(bits(&a.state), bits(&b.state));
-            }
         }
     }
 }

@@ -1,8 +1,6 @@
 //! Ensembles: the same bits whatever the threads and lanes, one outcome per trajectory, no poisoned neighbours.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use liepoisson_core::analysis::lyapunov::growth;
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Observer, Outcome, Step, Stop, Summary};
@@ -15,11 +13,6 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-
-/// Bits, so that NaN equals NaN.
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|value| value.to_bits()).collect()
-}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]

@@ -1,8 +1,6 @@
 //! Mixed precision: the state as accurate as in double precision, exponents with the error that it states.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use liepoisson_core::analysis::lyapunov::growth;
 use liepoisson_core::analysis::orbit::{Orbits, orbits};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
@@ -13,10 +11,6 @@ use proptest::prelude::*;
 
 fn mixed(tolerance: f64) -> MixedTaylor {
     MixedTaylor(taylor(tolerance))
-}
-
-fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|value| value.to_bits()).collect()
 }
 
 fn size(values: &[f64]) -> f64 {

@@ -1,8 +1,6 @@
 //! The fused kernel of the tops is the vector field of the bracket, and keeps what the bracket and the field keep.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use liepoisson_core::error::Error;
 use liepoisson_core::field::{Field, Top};
 use liepoisson_core::lanes::Simd;

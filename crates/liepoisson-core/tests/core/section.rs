@@ -1,8 +1,6 @@
 //! Surfaces of section: crossings of known solutions, tangencies, and what does not depend on how the work is done.
 
-mod common;
-
-use common::{TWISTED_KOVALEVSKAYA, taylor};
+use crate::common::{TWISTED_KOVALEVSKAYA, taylor};
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::analysis::section::{Sections, Surface, sections};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};

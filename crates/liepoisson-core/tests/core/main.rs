@@ -1,0 +1,15 @@
+//! The tests of the core through its public face, in one program: the kernels are generic, so that each program that uses
+//! them compiles them anew.
+
+mod common;
+mod ensemble;
+mod gauss;
+mod mixed_taylor;
+mod quadratic;
+mod runge_kutta;
+mod runge_kutta_fields;
+mod section;
+mod splitting;
+mod tape;
+mod taylor;
+mod top;
