@@ -3,7 +3,7 @@
 use crate::error::Error;
 use crate::field::Space;
 use crate::lanes::Simd;
-use crate::method::{Block, Method, Stepping, Verdict};
+use crate::method::{Block, Method, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -438,7 +438,7 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         let lanes = block.n_lanes();
         let mut observer = make_observer(lanes);
         let mut seats: Vec<Seat> = (0..lanes).map(|_| Seat::empty(ensemble.n_tangents)).collect();
-        let (mut sizes, mut verdicts) = (vec![0.0; lanes], vec![Verdict::Taken; lanes]);
+        let (mut sizes, mut outcomes) = (vec![0.0; lanes], vec![StepOutcome::Taken; lanes]);
         let mut pace = Pace::new();
         self.control.look_at_clock();
         while self.fill_seats(block, &mut seats, &mut observer) {
@@ -447,10 +447,10 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
             for (lane, seat) in seats.iter_mut().enumerate() {
                 sizes[lane] = self.decide(block, lane, seat, sizes[lane], repeats, &mut observer);
             }
-            block.advance(&sizes, repeats, &mut verdicts);
+            block.advance(&sizes, repeats, &mut outcomes);
             if block.stepping() != Stepping::Series {
                 for (lane, seat) in seats.iter_mut().enumerate().filter(|(_, seat)| seat.occupied) {
-                    self.conclude(block, lane, seat, (sizes[lane], repeats), verdicts[lane], &mut observer);
+                    self.conclude(block, lane, seat, (sizes[lane], repeats), outcomes[lane], &mut observer);
                 }
             }
             self.rescale_tangents(block, &mut seats, &mut sizes);
@@ -607,28 +607,28 @@ impl<F: Space, M: Method<F>> Worker<'_, F, M> {
         size
     }
 
-    /// What follows from the verdict on a step of a method without series.
+    /// What follows from the outcome of a step of a method without series.
     fn conclude<O: Observer>(
         &self,
         block: &mut dyn Block,
         lane: usize,
         seat: &mut Seat,
         (size, repeats): (f64, u64),
-        verdict: Verdict,
+        outcome: StepOutcome,
         observer: &mut O,
     ) {
-        match verdict {
-            Verdict::Taken => {}
-            Verdict::TooLong => {
+        match outcome {
+            StepOutcome::Taken => {}
+            StepOutcome::TooLong => {
                 seat.n_refused += 1;
                 return;
             }
-            Verdict::NotFinite if repeats > 1 => {
+            StepOutcome::NotFinite if repeats > 1 => {
                 seat.careful_steps = repeats;
                 return;
             }
-            Verdict::NotFinite => return self.dismiss(block, lane, seat, Outcome::NotFinite, observer),
-            Verdict::NoConvergence => return self.dismiss(block, lane, seat, Outcome::NoConvergence, observer),
+            StepOutcome::NotFinite => return self.dismiss(block, lane, seat, Outcome::NotFinite, observer),
+            StepOutcome::NoConvergence => return self.dismiss(block, lane, seat, Outcome::NoConvergence, observer),
         }
         let target = self.ensemble.times[seat.next_sample];
         let is_last = size == seat.until(target) && repeats == 1;

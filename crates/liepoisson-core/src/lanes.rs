@@ -12,8 +12,8 @@ mod sealed {
 }
 use sealed::Sealed;
 
-/// A part of a computation that works with one type of register; see [`Lane::outline`].
-pub trait Piece {
+/// The body of a function that works with one type of register; see [`Lane::outline`].
+pub trait Body {
     /// Does it. Must be `#[inline(always)]`, like everything that it calls.
     fn run(self);
 }
@@ -85,7 +85,7 @@ impl Number for f32 {
 /// A register of `WIDTH` numbers, one per trajectory. Sealed: [`as_scalars`] relies on what its types consist of.
 ///
 /// ```compile_fail,E0277
-/// # use liepoisson_core::lanes::{Lane, Piece};
+/// # use liepoisson_core::lanes::{Lane, Body};
 /// #[derive(Clone, Copy)]
 /// struct Mine(f64);
 /// impl Lane for Mine {
@@ -99,7 +99,7 @@ impl Number for f32 {
 ///     fn mul_add(self, _: Self, _: Self) -> Self { self }
 ///     fn neg_mul_add(self, _: Self, _: Self) -> Self { self }
 ///     fn abs(self) -> Self { self }
-///     fn outline<P: Piece>(piece: P) { piece.run() }
+///     fn outline<B: Body>(body: B) { body.run() }
 ///     fn div(self, _: Self) -> Self { self }
 ///     fn sqrt(self) -> Self { self }
 /// }
@@ -125,10 +125,10 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
     /// `|self|`.
     fn abs(self) -> Self;
-    /// Runs `piece` as a function of its own, compiled for the instructions of this register.
+    /// Runs `body` as a function of its own, compiled for the instructions of this register.
     ///
     /// What a large piece of code does is compiled once for each register type, however many callers it has.
-    fn outline<P: Piece>(piece: P);
+    fn outline<B: Body>(body: B);
     /// `self / other`.
     fn div(self, other: Self) -> Self;
     /// The square root, NaN of a negative number.
@@ -339,8 +339,8 @@ macro_rules! scalar_lane {
                 $make(<$number>::sqrt(self.number()))
             }
             #[inline(always)]
-            fn outline<P: Piece>(piece: P) {
-                $outline(piece)
+            fn outline<B: Body>(body: B) {
+                $outline(body)
             }
         }
 
@@ -362,8 +362,8 @@ trait Inner {
 }
 
 #[inline(never)]
-fn outline_plain<P: Piece>(piece: P) {
-    piece.run();
+fn outline_plain<B: Body>(body: B) {
+    body.run();
 }
 
 scalar_lane!(f64, f64, |x| x, std::convert::identity, outline_plain);
@@ -428,8 +428,8 @@ impl<T: Lane> Lane for Pair<T> {
         self.map(T::sqrt)
     }
     #[inline(always)]
-    fn outline<P: Piece>(piece: P) {
-        T::outline(piece);
+    fn outline<B: Body>(body: B) {
+        T::outline(body);
     }
 }
 
@@ -449,7 +449,7 @@ impl Wide for f64 {
 
 #[cfg(target_arch = "x86_64")]
 mod x86 {
-    use super::{Inner, Lane, Number, Pair, Piece, Sealed, TwoVectors, Vectors, Wide};
+    use super::{Body, Inner, Lane, Number, Pair, Sealed, TwoVectors, Vectors, Wide};
     use std::arch::x86_64::*;
 
     /// Eight trajectories in an AVX-512 register.
@@ -585,20 +585,20 @@ mod x86 {
 
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
     #[inline(never)]
-    fn outline_avx512<P: Piece>(piece: P) {
-        piece.run();
+    fn outline_avx512<B: Body>(body: B) {
+        body.run();
     }
 
     #[target_feature(enable = "avx2,fma")]
     #[inline(never)]
-    fn outline_avx2<P: Piece>(piece: P) {
-        piece.run();
+    fn outline_avx2<B: Body>(body: B) {
+        body.run();
     }
 
     #[inline(always)]
-    fn outline_one<P: Piece>(piece: P) {
+    fn outline_one<B: Body>(body: B) {
         // SAFETY: as all blocks of this module.
-        unsafe { outline_avx2(piece) }
+        unsafe { outline_avx2(body) }
     }
 
     scalar_lane!(One<f64>, f64, |x| x.0, One, outline_one);
@@ -662,8 +662,8 @@ mod x86 {
                     Self(unsafe { $sqrt(self.0) })
                 }
                 #[inline(always)]
-                fn outline<P: Piece>(piece: P) {
-                    unsafe { $outline(piece) }
+                fn outline<B: Body>(body: B) {
+                    unsafe { $outline(body) }
                 }
             }
         };

@@ -412,11 +412,9 @@ fn sections<'py>(
     let How::Taylor(method) = method.0 else { return Err(translate(Error::MethodForField)) };
     let (n_components, instructions, outputs) = surface;
     let surface = guarded(|| {
-        let instructions = read_instructions(&instructions)?;
-        let functions = |outputs: &[usize]| Functions::new(n_components, instructions.clone(), outputs.to_vec());
-        let (first, further) = outputs.split_at(outputs.len().min(1));
-        let kept = (!further.is_empty()).then(|| functions(further)).transpose()?;
-        Ok(Surface { function: functions(first)?, kept, direction, n_crossings })
+        let functions = Functions::new(n_components, read_instructions(&instructions)?, outputs)?;
+        let (function, kept) = functions.split_first();
+        Ok(Surface { function, kept, direction, n_crossings })
     })?;
     macro_rules! run {
         ($field:expr) => {{

@@ -13,7 +13,7 @@ pub use tape::{Enclosure, Functions, Instruction, Tape};
 pub use top::Top;
 
 use crate::error::Error;
-use crate::lanes::{Lane, Piece};
+use crate::lanes::{Body, Lane};
 
 /// Most components that a field may have: far more than any system here, and few enough that lists of them fit into memory.
 pub const MOST_COMPONENTS: usize = 1 << 20;
@@ -128,7 +128,7 @@ struct Rates<'a, F, V> {
     rates: &'a mut [V],
 }
 
-impl<F: Field, V: Lane> Piece for Rates<'_, F, V> {
+impl<F: Field, V: Lane> Body for Rates<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         let Rates { field, x, n_tangents, work, rates } = self;

@@ -2,7 +2,7 @@
 
 use super::{Field, Majorant, SinglePrecision, Space, over};
 use crate::error::Error;
-use crate::lanes::{Lane, Piece};
+use crate::lanes::{Body, Lane};
 
 pub(crate) const N: usize = 9;
 /// l, alpha, beta, and the angular velocity omega as work quantity.
@@ -150,7 +150,7 @@ struct Rates<'a, V> {
     rates: &'a mut [V],
 }
 
-impl<V: Lane> Piece for Rates<'_, V> {
+impl<V: Lane> Body for Rates<'_, V> {
     #[inline(always)]
     fn run(self) {
         let Rates { top, x, rates } = self;

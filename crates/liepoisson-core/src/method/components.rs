@@ -1,10 +1,10 @@
 //! The Taylor method for one trajectory of a top alone: registers hold the components of vectors instead of trajectories.
 
 use crate::field::{Top, needs_remainder};
-use crate::lanes::{Piece, TwoVectors, Vectors, Wide};
+use crate::lanes::{Body, TwoVectors, Vectors, Wide};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::taylor::{MAX_ORDER, Terms, Trend};
-use crate::method::{Block, Method, Stepping, Taylor, Verdict};
+use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
 
 /// [`Taylor`] for one trajectory of a [`Top`] without tangent vectors.
@@ -121,8 +121,8 @@ impl<V: Wide> Block for SingleBlock<V> {
         V::outline(Expansion { block: self, longest });
     }
 
-    fn advance(&mut self, sizes: &[f64], _repeats: u64, verdicts: &mut [Verdict]) {
-        verdicts.fill(Verdict::Taken);
+    fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
+        outcomes.fill(StepOutcome::Taken);
         V::outline(Advance { block: self, step: sizes[0] });
     }
 
@@ -218,7 +218,7 @@ macro_rules! straight_line {
 /// Orders that have straight-line code.
 const STRAIGHT_ORDERS: usize = 26;
 
-impl<V: Wide> Piece for Expansion<'_, V> {
+impl<V: Wide> Body for Expansion<'_, V> {
     #[inline(always)]
     fn run(self) {
         let Expansion { block, longest } = self;
@@ -398,7 +398,7 @@ struct Advance<'b, V> {
     step: f64,
 }
 
-impl<V: Wide> Piece for Advance<'_, V> {
+impl<V: Wide> Body for Advance<'_, V> {
     #[inline(always)]
     fn run(self) {
         let (l, fields) = self.block.sum(self.step);

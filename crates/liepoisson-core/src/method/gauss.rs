@@ -7,11 +7,11 @@
 
 use crate::error::Error;
 use crate::field::Field;
-use crate::lanes::{Lane, Piece, Wide};
+use crate::lanes::{Body, Lane, Wide};
 use crate::method::gauss_legendre::{COLLOCATIONS, Collocation};
 use crate::method::taylor::sum_of_sizes;
 use crate::method::variational::{CompensatedUpdate, Sum, Update, Variational, copy_lane, in_chunks, spread};
-use crate::method::{Block, Method, Stepping, Verdict};
+use crate::method::{Block, Method, StepOutcome, Stepping};
 
 const MAX_STAGES: usize = COLLOCATIONS.len();
 
@@ -267,8 +267,8 @@ impl<F: Field, V: Wide> Block for GaussBlock<'_, F, V> {
         }
     }
 
-    fn advance(&mut self, sizes: &[f64], _repeats: u64, verdicts: &mut [Verdict]) {
-        V::outline(Advance { block: self, sizes, verdicts });
+    fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
+        V::outline(Advance { block: self, sizes, outcomes });
     }
 
     fn norms(&self, group: usize, norms: &mut [f64]) {
@@ -284,7 +284,7 @@ impl<F: Field, V: Wide> Block for GaussBlock<'_, F, V> {
 
 struct Begin<'b, 'f, F, V>(&'b mut GaussBlock<'f, F, V>);
 
-impl<F: Field, V: Lane> Piece for Begin<'_, '_, F, V> {
+impl<F: Field, V: Lane> Body for Begin<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
         self.0.begin();
@@ -295,13 +295,13 @@ impl<F: Field, V: Lane> Piece for Begin<'_, '_, F, V> {
 struct Advance<'b, 'f, F, V> {
     block: &'b mut GaussBlock<'f, F, V>,
     sizes: &'b [f64],
-    verdicts: &'b mut [Verdict],
+    outcomes: &'b mut [StepOutcome],
 }
 
-impl<F: Field, V: Lane> Piece for Advance<'_, '_, F, V> {
+impl<F: Field, V: Lane> Body for Advance<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let Advance { block, sizes, verdicts } = self;
+        let Advance { block, sizes, outcomes } = self;
         let step: V = spread(&sizes[..V::WIDTH]);
         block.start.copy_from_slice(&block.system.state);
         block.start_low.copy_from_slice(&block.low);
@@ -313,13 +313,13 @@ impl<F: Field, V: Lane> Piece for Advance<'_, '_, F, V> {
         block.update(step);
         let size = sum_of_sizes(&block.system.state);
         for lane in 0..V::WIDTH {
-            verdicts[lane] = match block.lanes[lane] {
-                _ if sizes[lane] == 0.0 => Verdict::Taken,
-                Progress::Iterates(_) | Progress::Failed => Verdict::NoConvergence,
-                _ if size.get(lane).is_finite() => Verdict::Taken,
-                _ => Verdict::NotFinite,
+            outcomes[lane] = match block.lanes[lane] {
+                _ if sizes[lane] == 0.0 => StepOutcome::Taken,
+                Progress::Iterates(_) | Progress::Failed => StepOutcome::NoConvergence,
+                _ if size.get(lane).is_finite() => StepOutcome::Taken,
+                _ => StepOutcome::NotFinite,
             };
-            if sizes[lane] == 0.0 || verdicts[lane] != Verdict::Taken {
+            if sizes[lane] == 0.0 || outcomes[lane] != StepOutcome::Taken {
                 copy_lane(&block.start, &mut block.system.state, lane);
                 copy_lane(&block.start_low, &mut block.low, lane);
             }

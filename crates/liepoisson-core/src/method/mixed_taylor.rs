@@ -2,9 +2,9 @@
 
 use crate::field::top::{GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangent};
 use crate::field::{Field, Top, over};
-use crate::lanes::{Lane, Piece, Wide};
+use crate::lanes::{Body, Lane, Wide};
 use crate::method::taylor::{Terms, Trend, shorten, shorten_by_trend, sum_of_sizes};
-use crate::method::{Block, Method, Stepping, Taylor, Verdict};
+use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
 
 /// [`Taylor`] for a [`Top`], with the high orders of the state and all of the tangent vectors in single precision.
@@ -151,8 +151,8 @@ impl<V: Wide> Block for MixedBlock<'_, V> {
         }
     }
 
-    fn advance(&mut self, sizes: &[f64], _repeats: u64, verdicts: &mut [Verdict]) {
-        verdicts.fill(Verdict::Taken);
+    fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
+        outcomes.fill(StepOutcome::Taken);
         V::outline(Advance { block: self, sizes });
         for (unit, &size) in self.units.iter_mut().zip(sizes).filter(|(_, size)| **size != 0.0) {
             *unit = power_of_two(size.abs());
@@ -267,7 +267,7 @@ impl<V: Lane> ScaledTop<'_, V> {
 /// The power series: the low orders of the state in double precision, the rest from them in single precision.
 struct Expansion<'b, 'f, V: Wide>(&'b mut MixedBlock<'f, V>);
 
-impl<V: Wide> Piece for Expansion<'_, '_, V> {
+impl<V: Wide> Body for Expansion<'_, '_, V> {
     #[inline(always)]
     fn run(self) {
         let MixedBlock { top, method, double_order, tangent_order, n_tangents, row, double, single, units, .. } =
@@ -322,7 +322,7 @@ struct Steps<'b, 'f, V: Wide> {
     sizes: &'b mut [f64],
 }
 
-impl<V: Wide> Piece for Steps<'_, '_, V> {
+impl<V: Wide> Body for Steps<'_, '_, V> {
     #[inline(always)]
     fn run(self) {
         let Steps { block, sizes } = self;
@@ -377,7 +377,7 @@ struct Evaluation<'b, 'f, V: Wide> {
     values: &'b mut [f64],
 }
 
-impl<V: Wide> Piece for Evaluation<'_, '_, V> {
+impl<V: Wide> Body for Evaluation<'_, '_, V> {
     #[inline(always)]
     fn run(self) {
         let Evaluation { block, lane, group, tau, values } = self;
@@ -403,7 +403,7 @@ struct Norms<'b, 'f, V: Wide> {
     norms: &'b mut [f64],
 }
 
-impl<V: Wide> Piece for Norms<'_, '_, V> {
+impl<V: Wide> Body for Norms<'_, '_, V> {
     #[inline(always)]
     fn run(self) {
         let (low, high) = V::widen(self.block.norm(0, self.group));
@@ -418,7 +418,7 @@ struct Advance<'b, 'f, V: Wide> {
     sizes: &'b [f64],
 }
 
-impl<V: Wide> Piece for Advance<'_, '_, V> {
+impl<V: Wide> Body for Advance<'_, '_, V> {
     #[inline(always)]
     fn run(self) {
         let Advance { block, sizes } = self;

@@ -73,7 +73,7 @@ pub enum Stepping {
 
 /// What became of a step of one trajectory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
+pub enum StepOutcome {
     /// It was taken.
     Taken,
     /// It was too long: the trajectory is where it was, and [`Block::prepare`] will propose a shorter one.
@@ -114,7 +114,7 @@ pub trait Block {
     fn prepare(&mut self, longest: &mut [f64]);
 
     /// Advances each lane by `repeats` steps of its size (zero: the lane stays), and says what became of them.
-    fn advance(&mut self, sizes: &[f64], repeats: u64, verdicts: &mut [Verdict]);
+    fn advance(&mut self, sizes: &[f64], repeats: u64, outcomes: &mut [StepOutcome]);
 
     /// One group of a lane a time `tau` after the start of the step that was prepared; methods without series know
     /// the present values only.

@@ -6,12 +6,12 @@
 
 use crate::error::Error;
 use crate::field::{Field, SinglePrecision};
-use crate::lanes::{Lane, Number, Piece, Wide};
+use crate::lanes::{Body, Lane, Number, Wide};
 use crate::method::dop853::{ERROR_OF_ORDER_3, ERROR_OF_ORDER_5, STAGES, WEIGHTS};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::taylor::sum_of_sizes;
 use crate::method::variational::{Chunk, CompensatedUpdate, Sum, Update, Variational, copy_lane, in_chunks, spread};
-use crate::method::{Block, Method, Single, Stepping, Verdict};
+use crate::method::{Block, Method, Single, StepOutcome, Stepping};
 
 const ORDER: f64 = 8.0;
 
@@ -154,19 +154,19 @@ impl Control {
     /// What became of a step whose error is `error` times the tolerance, and the next step: `factor = 0.9 error^(-1/8)`
     /// times as long, between a third of the last one and six times it; no longer than it after a refusal.
     #[inline(always)]
-    fn judge(&mut self, size: f64, error: f64, factor: f64) -> Verdict {
+    fn judge(&mut self, size: f64, error: f64, factor: f64) -> StepOutcome {
         let size = size.abs();
         if error.is_nan() || error > 1.0 {
             self.refused = true;
             self.longest = size * if error.is_finite() { factor.clamp(1.0 / 3.0, 0.9) } else { 0.1 };
-            return Verdict::TooLong;
+            return StepOutcome::TooLong;
         }
         let next = size * factor.clamp(1.0 / 3.0, if self.refused { 1.0 } else { 6.0 });
         // A step cut short to land on a wanted time says little about the longest one.
         let cut_short = size < self.longest && factor >= 1.0;
         self.longest = if cut_short { self.longest.max(next) } else { next };
         self.refused = false;
-        Verdict::Taken
+        StepOutcome::Taken
     }
 }
 
@@ -358,10 +358,10 @@ impl<F: Field, V: Lane> Block for RungeKuttaBlock<'_, F, V> {
         }
     }
 
-    fn advance(&mut self, sizes: &[f64], repeats: u64, verdicts: &mut [Verdict]) {
+    fn advance(&mut self, sizes: &[f64], repeats: u64, outcomes: &mut [StepOutcome]) {
         match self.method.steps {
-            Steps::Adaptive { .. } => V::outline(TrialStep { block: self, sizes, verdicts }),
-            Steps::Fixed { .. } => V::outline(FixedSteps { block: self, sizes, repeats, verdicts }),
+            Steps::Adaptive { .. } => V::outline(TrialStep { block: self, sizes, outcomes }),
+            Steps::Fixed { .. } => V::outline(FixedSteps { block: self, sizes, repeats, outcomes }),
         }
     }
 
@@ -383,7 +383,7 @@ impl<F: Field, V: Lane> Block for RungeKuttaBlock<'_, F, V> {
 /// The rates at the present values, and the first proposals of new trajectories.
 struct FirstRates<'b, 'f, F, V>(&'b mut RungeKuttaBlock<'f, F, V>);
 
-impl<F: Field, V: Lane> Piece for FirstRates<'_, '_, F, V> {
+impl<F: Field, V: Lane> Body for FirstRates<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
         let block = self.0;
@@ -401,14 +401,14 @@ impl<F: Field, V: Lane> Piece for FirstRates<'_, '_, F, V> {
 struct TrialStep<'b, 'f, F, V> {
     block: &'b mut RungeKuttaBlock<'f, F, V>,
     sizes: &'b [f64],
-    verdicts: &'b mut [Verdict],
+    outcomes: &'b mut [StepOutcome],
 }
 
-impl<F: Field, V: Lane> Piece for TrialStep<'_, '_, F, V> {
+impl<F: Field, V: Lane> Body for TrialStep<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let TrialStep { block, sizes, verdicts } = self;
-        let (sizes, verdicts) = (&sizes[..V::WIDTH], &mut verdicts[..V::WIDTH]);
+        let TrialStep { block, sizes, outcomes } = self;
+        let (sizes, outcomes) = (&sizes[..V::WIDTH], &mut outcomes[..V::WIDTH]);
         let step: V = spread(sizes);
         block.stages(step);
         block.remember();
@@ -417,9 +417,9 @@ impl<F: Field, V: Lane> Piece for TrialStep<'_, '_, F, V> {
         for lane in 0..V::WIDTH {
             let stays = sizes[lane] == 0.0;
             let (error, factor) = (block.errors[lane], block.factors[lane]);
-            verdicts[lane] =
-                if stays { Verdict::Taken } else { block.controls[lane].judge(sizes[lane], error, factor) };
-            if stays || verdicts[lane] == Verdict::TooLong {
+            outcomes[lane] =
+                if stays { StepOutcome::Taken } else { block.controls[lane].judge(sizes[lane], error, factor) };
+            if stays || outcomes[lane] == StepOutcome::TooLong {
                 block.restore(lane);
             }
         }
@@ -431,13 +431,13 @@ struct FixedSteps<'b, 'f, F, V> {
     block: &'b mut RungeKuttaBlock<'f, F, V>,
     sizes: &'b [f64],
     repeats: u64,
-    verdicts: &'b mut [Verdict],
+    outcomes: &'b mut [StepOutcome],
 }
 
-impl<F: Field, V: Lane> Piece for FixedSteps<'_, '_, F, V> {
+impl<F: Field, V: Lane> Body for FixedSteps<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let FixedSteps { block, sizes, repeats, verdicts } = self;
+        let FixedSteps { block, sizes, repeats, outcomes } = self;
         let (step, row): (V, usize) = (spread(&sizes[..V::WIDTH]), block.system.row());
         block.remember();
         for _ in 0..repeats {
@@ -448,7 +448,7 @@ impl<F: Field, V: Lane> Piece for FixedSteps<'_, '_, F, V> {
         let size = sum_of_sizes(&block.system.state);
         for lane in 0..V::WIDTH {
             let finite = size.get(lane).is_finite();
-            verdicts[lane] = if finite || sizes[lane] == 0.0 { Verdict::Taken } else { Verdict::NotFinite };
+            outcomes[lane] = if finite || sizes[lane] == 0.0 { StepOutcome::Taken } else { StepOutcome::NotFinite };
             if !finite || sizes[lane] == 0.0 {
                 block.restore(lane);
             }

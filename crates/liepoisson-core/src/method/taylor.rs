@@ -6,9 +6,9 @@
 
 use crate::error::Error;
 use crate::field::Field;
-use crate::lanes::{Lane, Piece, Wide, as_scalars};
+use crate::lanes::{Body, Lane, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
-use crate::method::{Block, Method, Stepping, Verdict};
+use crate::method::{Block, Method, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 
 pub(crate) const MAX_ORDER: usize = 64;
@@ -113,8 +113,8 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
         V::outline(Steps { block: self, sizes: longest });
     }
 
-    fn advance(&mut self, sizes: &[f64], _repeats: u64, verdicts: &mut [Verdict]) {
-        verdicts.fill(Verdict::Taken);
+    fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
+        outcomes.fill(StepOutcome::Taken);
         V::outline(Advance { block: self, sizes });
     }
 
@@ -179,7 +179,7 @@ pub(super) fn sum_of_sizes<V: Lane>(components: &[V]) -> V {
 /// The power series, from its first coefficients.
 struct Expansion<'b, 'f, F, V>(&'b mut TaylorBlock<'f, F, V>);
 
-impl<F: Field, V: Wide> Piece for Expansion<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Expansion<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
         let TaylorBlock { field, method, n_tangents, rows, .. } = self.0;
@@ -201,7 +201,7 @@ struct Steps<'b, 'f, F, V> {
     sizes: &'b mut [f64],
 }
 
-impl<F: Field, V: Wide> Piece for Steps<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Steps<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
         let Steps { block, sizes } = self;
@@ -267,7 +267,7 @@ struct Advance<'b, 'f, F, V> {
     sizes: &'b [f64],
 }
 
-impl<F: Field, V: Wide> Piece for Advance<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Advance<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
         let Advance { block, sizes } = self;
@@ -386,7 +386,7 @@ struct Norms<'b, 'f, F, V> {
     norms: &'b mut [f64],
 }
 
-impl<F: Field, V: Wide> Piece for Norms<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Norms<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
         self.norms.copy_from_slice(self.block.norm(0, self.group).as_scalars());
@@ -402,7 +402,7 @@ struct Evaluation<'b, 'f, F, V> {
     values: &'b mut [f64],
 }
 
-impl<F: Field, V: Wide> Piece for Evaluation<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Evaluation<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
         let Evaluation { block, lane, group, tau, values } = self;

@@ -1,7 +1,7 @@
 //! The variational system: trajectories with their tangent vectors as one state, and linear combinations of its rates.
 
 use crate::field::Field;
-use crate::lanes::{Lane, Number, Piece};
+use crate::lanes::{Body, Lane, Number};
 use crate::method::taylor::sum_of_sizes;
 
 /// Position and factor of one summand of a linear combination.
@@ -105,7 +105,7 @@ struct Rates<'a, F, V> {
     rates: &'a mut [V],
 }
 
-impl<F: Field, V: Lane> Piece for Rates<'_, F, V> {
+impl<F: Field, V: Lane> Body for Rates<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         self.field.rates(self.x, self.n_tangents, self.work, self.rates);
@@ -117,7 +117,7 @@ struct Norms<'a, V> {
     norms: &'a mut [f64],
 }
 
-impl<V: Lane> Piece for Norms<'_, V> {
+impl<V: Lane> Body for Norms<'_, V> {
     #[inline(always)]
     fn run(self) {
         for (norm, sum) in self.norms.iter_mut().zip(sum_of_sizes(self.group).as_scalars()) {
@@ -145,7 +145,7 @@ struct InChunks<'t, T, V> {
     register: std::marker::PhantomData<V>,
 }
 
-impl<T: Chunk, V: Lane> Piece for InChunks<'_, T, V> {
+impl<T: Chunk, V: Lane> Body for InChunks<'_, T, V> {
     #[inline(always)]
     fn run(self) {
         let InChunks { n, task, .. } = self;

@@ -5,7 +5,8 @@
 //! about `x_0` is then within `G(rho) = sum_{k>0} |g_k| rho^k` of `g(x_0)`, and a change of `x` by `delta` moves it by at
 //! most `G'(rho + delta) delta`. Both are infinite, or no number, unless the series converges.
 
-use super::{Functions, Instruction};
+use super::functions::Functions;
+use super::instruction::Instruction;
 
 /// What is known of a function near a place.
 #[derive(Clone, Copy, Debug, PartialEq)]

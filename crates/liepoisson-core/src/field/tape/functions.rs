@@ -1,11 +1,12 @@
 //! Functions of the state as a tape: along a solution their power series follow from that of the state.
 
+use super::drive;
+use super::frame::Frame;
 use super::graph::{Affine, Graph};
+use super::instruction::{Instruction, check};
 use super::program::Program;
-use super::rules::{self, Frame};
-use super::{Instruction, check};
 use crate::error::Error;
-use crate::lanes::{Piece, Simd, Task, Wide, as_single_registers, dispatch};
+use crate::lanes::{Body, Simd, Task, Wide, as_single_registers, dispatch};
 use std::marker::PhantomData;
 
 /// Functions on phase space, such as those that define a surface of section.
@@ -30,9 +31,23 @@ impl Functions {
         if outputs.is_empty() {
             return Err(Error::Outputs { wanted: 1, got: 0 });
         }
+        Ok(Functions::checked(n_components, instructions, outputs))
+    }
+
+    fn checked(n_components: usize, instructions: Vec<Instruction>, outputs: Vec<usize>) -> Functions {
         let graph = Graph::new(n_components, &instructions, &outputs);
         let (program, affine) = (Program::new(&graph), graph.affine_outputs());
-        Ok(Functions { n_components, instructions, outputs, program, affine })
+        Functions { n_components, instructions, outputs, program, affine }
+    }
+
+    /// The first function, and the others, if there are any: each part computes what it needs and no more.
+    pub fn split_first(self) -> (Functions, Option<Functions>) {
+        let others = (self.outputs.len() > 1)
+            .then(|| Functions::checked(self.n_components, self.instructions.clone(), self.outputs[1..].to_vec()));
+        if others.is_none() {
+            return (self, None);
+        }
+        (Functions::checked(self.n_components, self.instructions, self.outputs[..1].to_vec()), others)
     }
 
     /// Number of components of the state.
@@ -102,7 +117,7 @@ impl Task for Series<'_> {
 /// One number in a register: the trajectories of a block are looked at one by one.
 struct Expansion<'s, V>(Series<'s>, PhantomData<V>);
 
-impl<V: Wide> Piece for Expansion<'_, V> {
+impl<V: Wide> Body for Expansion<'_, V> {
     #[inline(always)]
     fn run(self) {
         let Series { functions, n_orders, state, work, to } = self.0;
@@ -113,8 +128,8 @@ impl<V: Wide> Piece for Expansion<'_, V> {
                 *register = V::splat(value);
             }
             let frame = Frame::new(program, work.len() + n_orders + 1, 1, 0, k);
-            rules::complete_order(program, &frame, row, work);
-            rules::write_functions(program, &frame, &mut to[k * functions.n_functions()..], work);
+            drive::complete_order(program, &frame, row, work);
+            drive::write_functions(program, &frame, &mut to[k * functions.n_functions()..], work);
         }
     }
 }

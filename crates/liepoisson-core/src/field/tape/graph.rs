@@ -4,7 +4,7 @@
 //! constants fold, factors leave products, and linear combinations are formed where they are used, all by themselves.
 //! A node is made once for equal operands (value numbering); nodes that no output needs are dropped at the end.
 
-use super::Instruction;
+use super::instruction::Instruction;
 use std::collections::HashMap;
 
 /// Index of a node.

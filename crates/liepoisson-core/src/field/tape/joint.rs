@@ -5,130 +5,11 @@
 //! are too rare to be worth it.
 
 use super::convolution::{self, Sums};
-use super::program::{Form, Program, Slot, Step, TangentStep};
-use super::rules::{Frame, Group, advance, advance_tangent, minus};
-use crate::lanes::{Lane, Piece};
-
-/// A form for the state and the first tangent vector, which lacks the constant.
-#[derive(Clone, Debug)]
-pub(super) struct JointForm {
-    constant: f64,
-    terms: Vec<([Slot; 2], f64)>,
-}
-
-impl JointForm {
-    pub(super) fn new(form: &Form, tangent: &Form) -> JointForm {
-        let terms = form.terms.iter().zip(&tangent.terms);
-        JointForm { constant: form.constant, terms: terms.map(|(&(a, c), &(da, _))| ([a, da], c)).collect() }
-    }
-}
-
-/// What is done for one node. Plain indices are series, except `sums` and `inverse` (single registers); `[a, da]` are
-/// numbers for the state and for the tangent vector.
-#[derive(Clone, Debug)]
-pub(super) enum Joint {
-    Component {
-        from: usize,
-        to: [Slot; 2],
-    },
-    Affine {
-        form: JointForm,
-        to: [Slot; 2],
-    },
-    Product {
-        a: [usize; 2],
-        b: [usize; 2],
-        sums: [usize; 2],
-        to: [Slot; 2],
-    },
-    Square {
-        a: [usize; 2],
-        sums: [usize; 2],
-        to: [Slot; 2],
-    },
-    Quotient {
-        a: Option<[Slot; 2]>,
-        b: [usize; 2],
-        z: [usize; 2],
-        sums: [usize; 2],
-        inverse: usize,
-    },
-    Pair {
-        hyperbolic: bool,
-        weighted: usize,
-        da: usize,
-        first: usize,
-        second: usize,
-        to: [Option<Slot>; 2],
-        sums: [usize; 2],
-    },
-    Sqrt {
-        a: [Slot; 2],
-        z: [usize; 2],
-        sums: [usize; 2],
-        inverse: usize,
-    },
-    /// The series of `j a_j`.
-    Weigh {
-        a: Slot,
-        to: usize,
-    },
-    /// A step of the state alone.
-    State(usize),
-    /// A step of the tangent vector alone.
-    Tangent(usize),
-}
-
-impl Joint {
-    /// A step of the state, which is number `index`.
-    pub(super) fn of_state(index: usize, step: &Step) -> Joint {
-        match *step {
-            Step::Weigh { a, to } => Joint::Weigh { a, to },
-            _ => Joint::State(index),
-        }
-    }
-
-    /// Both steps of a node as one, if there is a rule for that.
-    pub(super) fn of(step: &Step, tangent_steps: &[TangentStep]) -> Option<Joint> {
-        Some(match (step, tangent_steps) {
-            (&Step::Component { from, to }, &[TangentStep::Component { to: dto, .. }]) => {
-                Joint::Component { from, to: [to, dto] }
-            }
-            (Step::Affine { form, to }, [TangentStep::Affine { form: tangent, to: dto }]) => {
-                Joint::Affine { form: JointForm::new(form, tangent), to: [*to, *dto] }
-            }
-            (&Step::Product { a, b, sums, to }, &[TangentStep::Product { da, db, sums: dsums, to: dto, .. }]) => {
-                Joint::Product { a: [a, da], b: [b, db], sums: [sums, dsums], to: [to, dto] }
-            }
-            (&Step::Square { a, sums, to }, &[TangentStep::Square { da, sums: dsums, to: dto, .. }]) => {
-                Joint::Square { a: [a, da], sums: [sums, dsums], to: [to, dto] }
-            }
-            (
-                &Step::Quotient { a, b, sums, inverse, to },
-                &[TangentStep::Quotient { da, db, sums: dsums, to: dto, .. }],
-            ) => {
-                let a = a.zip(da).map(|(a, da)| [a, da]);
-                Joint::Quotient { a, b: [b, db], z: [to, dto], sums: [sums, dsums], inverse }
-            }
-            (&Step::Sqrt { a, sums, inverse, to }, &[TangentStep::Sqrt { da, sums: dsums, to: dto, .. }]) => {
-                Joint::Sqrt { a: [a, da], z: [to, dto], sums: [sums, dsums], inverse }
-            }
-            (
-                &Step::Pair { hyperbolic, weighted, first, second, sums, .. },
-                &[TangentStep::Integral { da, sums: dsums, to, w, .. }, ref rest @ ..],
-            ) => {
-                // the tangent part of the first, that of the second, or both; it reads the other one
-                let (to, dsums) = match rest {
-                    &[TangentStep::Integral { to: other, .. }] => ([Some(to), Some(other)], dsums),
-                    _ if w == second => ([Some(to), None], dsums),
-                    _ => ([None, Some(to)], dsums - 2),
-                };
-                Joint::Pair { hyperbolic, weighted, da, first, second, to, sums: [sums, dsums] }
-            }
-            _ => return None,
-        })
-    }
-}
+use super::frame::{Frame, Group};
+use super::program::Program;
+use super::rules::{advance, advance_tangent, minus};
+use super::steps::{Joint, JointForm};
+use crate::lanes::{Body, Lane};
 
 /// Which sums an order needs.
 #[derive(Clone, Copy, PartialEq)]
@@ -169,7 +50,7 @@ struct Order<'w, V, const TANGENT: bool, const PHASE: u8> {
     work: &'w mut [V],
 }
 
-impl<V: Lane, const TANGENT: bool, const PHASE: u8> Piece for Order<'_, V, TANGENT, PHASE> {
+impl<V: Lane, const TANGENT: bool, const PHASE: u8> Body for Order<'_, V, TANGENT, PHASE> {
     #[inline(always)]
     fn run(self) {
         run::<V, TANGENT, PHASE>(self.program, self.frame, self.row, self.work);

@@ -3,114 +3,17 @@
 //! Sums of products run over `j = 1..k`; the ends, which need coefficients of order `k`, are added here.
 
 use super::elementary;
+use super::frame::{Frame, Group};
 use super::graph::Function;
-use super::joint::{self, Phase};
-use super::program::{Form, Program, Slot, Step, TangentStep};
-use super::sums;
-use crate::field::over;
+use super::program::Program;
+use super::steps::{Step, TangentStep};
 use crate::lanes::Lane;
 
-/// Where things are for one order of the series.
-pub(super) struct Frame {
-    pub(super) n_orders: usize,
-    pub(super) n_tangents: usize,
-    pub(super) k: usize,
-    /// Whether the sums of this order were formed along with those of the order before.
-    is_second: bool,
-}
-
-/// Registers of one group: the state, or one tangent vector.
-#[derive(Clone, Copy)]
-pub(super) struct Group {
-    pub(super) n_orders: usize,
-    pub(super) k: usize,
-    /// Number of its first series.
-    first: usize,
-    /// Its first single register.
-    pub(super) singles: usize,
-}
-
-impl Frame {
-    /// For order `k`, given the number of registers of components and work together.
-    #[inline(always)]
-    pub(super) fn new(program: &Program, registers: usize, row: usize, n_tangents: usize, k: usize) -> Frame {
-        let singles = program.state.singles + n_tangents * program.tangent.singles;
-        let series = program.state.series + n_tangents * program.tangent.series;
-        let n_orders = (registers - singles) / (row + series);
-        // Sums are formed for two orders at once, so that the last order (n_orders - 2) is a second one: at an odd
-        // distance from it. Orders 0 and 1 have no sums, and order 2 those of one term.
-        assert!(k < n_orders, "order {k} of a series of {n_orders}");
-        let is_second = k > 2 && (n_orders - k).is_multiple_of(2);
-        Frame { n_orders, n_tangents, k, is_second }
-    }
-
-    #[inline(always)]
-    pub(super) fn state(&self, program: &Program) -> Group {
-        let singles = (program.state.series + self.n_tangents * program.tangent.series) * self.n_orders;
-        Group { n_orders: self.n_orders, k: self.k, first: 0, singles }
-    }
-
-    #[inline(always)]
-    pub(super) fn tangent(&self, program: &Program, tangent: usize) -> Group {
-        let state = self.state(program);
-        Group {
-            first: program.state.series + tangent * program.tangent.series,
-            singles: state.singles + program.state.singles + tangent * program.tangent.singles,
-            ..state
-        }
-    }
-}
-
-impl Program {
-    /// Registers for series of `n_orders` coefficients.
-    pub(super) fn registers(&self, n_tangents: usize, n_orders: usize) -> usize {
-        let of = |size: super::program::Size| size.series * n_orders + size.singles;
-        of(self.state) + n_tangents * of(self.tangent)
-    }
-}
-
 impl Group {
-    #[inline(always)]
-    pub(super) fn start(&self, series: usize) -> usize {
-        (self.first + series) * self.n_orders
-    }
-
-    #[inline(always)]
-    pub(super) fn series<'w, V>(&self, work: &'w [V], series: usize) -> &'w [V] {
-        &work[self.start(series)..][..self.n_orders]
-    }
-
-    #[inline(always)]
-    pub(super) fn at(&self, slot: Slot) -> usize {
-        if slot.is_series { self.start(slot.index) + self.k } else { self.singles + slot.index }
-    }
-
     /// A series of this group with one of another.
     #[inline(always)]
     fn factors<'w, V>(&self, work: &'w [V], l: usize, other: &Group, r: usize, frame: &Frame) -> Factors<'w, V> {
         Factors { l: self.series(work, l), r: other.series(work, r), k: frame.k, is_second: frame.is_second }
-    }
-
-    /// The sum of products formed for this order.
-    #[inline(always)]
-    fn formed<V: Lane>(&self, work: &[V], sums: usize, frame: &Frame) -> V {
-        work[self.singles + sums + usize::from(frame.is_second)]
-    }
-
-    /// The coefficient of this order of a constant.
-    #[inline(always)]
-    pub(super) fn constant(&self, constant: f64) -> f64 {
-        // A constant that is not finite, folded from instructions that fail, fails at every order.
-        if self.k == 0 || !constant.is_finite() { constant } else { 0.0 }
-    }
-
-    #[inline(always)]
-    pub(super) fn form<V: Lane>(&self, work: &[V], form: &Form) -> V {
-        let mut sum = V::splat(self.constant(form.constant));
-        for &(slot, c) in &form.terms {
-            sum = work[self.at(slot)].mul_add(V::splat(c), sum);
-        }
-        sum
     }
 }
 
@@ -159,77 +62,9 @@ impl<V: Lane> Factors<'_, V> {
     }
 }
 
-/// Completes order `k` of all series, given the components of that order (of the state, then of each tangent vector).
-#[inline(always)]
-pub(super) fn complete_order<V: Lane>(program: &Program, frame: &Frame, row: &[V], work: &mut [V]) {
-    let n = program.outputs.len();
-    let state = frame.state(program);
-    if frame.k == 0 {
-        work[state.singles..].fill(V::splat(0.0)); // the sums of order 1
-        start(program, &state, row, work);
-    } else {
-        let phase = match frame.k {
-            1 => Phase::Empty,
-            _ if frame.is_second => Phase::Second,
-            _ => Phase::Forming,
-        };
-        if phase == Phase::Forming {
-            sums::form(program, frame, work);
-        }
-        if frame.n_tangents > 0 {
-            joint::complete::<V, true>(program, frame, row, work, phase);
-        } else {
-            joint::complete::<V, false>(program, frame, row, work, phase);
-        }
-    }
-    for tangent in usize::from(frame.k > 0)..frame.n_tangents {
-        let group = frame.tangent(program, tangent);
-        for step in &program.tangent_steps {
-            advance_tangent(step, frame, &state, &group, &row[(1 + tangent) * n..], work);
-        }
-    }
-}
-
-/// The derivatives of the components: order `k + 1` of their series.
-#[inline(always)]
-pub(super) fn write_outputs<V: Lane>(program: &Program, frame: &Frame, next: &mut [V], work: &[V]) {
-    let n = program.outputs.len();
-    let order = frame.k + 1;
-    let defect = work[frame.state(program).singles + program.defect];
-    if frame.n_tangents == 0 {
-        for (i, to) in next[..n].iter_mut().enumerate() {
-            let [value, _] = joint::output::<V, false>(program, frame, work, i);
-            *to = over(value, order).add(defect);
-        }
-    } else {
-        let (values, derivatives) = next.split_at_mut(n);
-        for (i, (to, derivative_to)) in values.iter_mut().zip(derivatives.iter_mut()).enumerate() {
-            let [value, derivative] = joint::output::<V, true>(program, frame, work, i);
-            *to = over(value, order).add(defect);
-            *derivative_to = over(derivative, order);
-        }
-    }
-    for tangent in 1..frame.n_tangents {
-        let group = frame.tangent(program, tangent);
-        for (to, form) in next[(1 + tangent) * n..].iter_mut().zip(&program.tangent_outputs) {
-            *to = over(group.form(work, form), order);
-        }
-    }
-}
-
-/// The coefficients of order `k` of functions, which are the outputs of a program that is not a field.
-#[inline(always)]
-pub(super) fn write_functions<V: Lane>(program: &Program, frame: &Frame, to: &mut [f64], work: &[V]) {
-    let defect = work[frame.state(program).singles + program.defect];
-    for (i, to) in to[..program.outputs.len()].iter_mut().enumerate() {
-        let [value, _] = joint::output::<V, false>(program, frame, work, i);
-        *to = value.add(defect).get(0);
-    }
-}
-
 /// Order 0 of the state. What is not finite shows in the register of the defect.
 #[inline(always)]
-fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: &mut [V]) {
+pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: &mut [V]) {
     let (one, zero) = (V::splat(1.0), V::splat(0.0));
     let mut defect = zero;
     for step in &program.steps {

@@ -1,8 +1,9 @@
 //! Sums of products that no joint step forms: those of rare rules, and of tangent vectors after the first.
 
 use super::convolution;
-use super::program::{Kind, Program};
-use super::rules::Frame;
+use super::frame::Frame;
+use super::program::Program;
+use super::steps::Kind;
 use crate::lanes::Lane;
 
 /// Sums of products for this order and the next.

@@ -15,8 +15,8 @@ mod top;
 
 use crate::error::Error;
 use crate::field::{Space, Top};
-use crate::lanes::{Lane, Number, Piece, Wide};
-use crate::method::{Block, Method, Single, Stepping, Verdict};
+use crate::lanes::{Body, Lane, Number, Wide};
+use crate::method::{Block, Method, Single, StepOutcome, Stepping};
 use coefficients::{ORDERS, Scheme};
 use top::DiscreteLagrange;
 
@@ -221,18 +221,18 @@ impl<F: Split, V: Lane> Block for SplittingBlock<F, V> {
         longest.fill(f64::INFINITY);
     }
 
-    fn advance(&mut self, sizes: &[f64], repeats: u64, verdicts: &mut [Verdict]) {
+    fn advance(&mut self, sizes: &[f64], repeats: u64, outcomes: &mut [StepOutcome]) {
         self.before.copy_from_slice(&self.groups);
         self.field.advance(&self.scheme, &mut self.groups, sizes, repeats);
         let mut all_finite = true;
         V::outline(Finite { groups: &self.groups, answer: &mut all_finite });
-        verdicts.fill(Verdict::Taken);
+        outcomes.fill(StepOutcome::Taken);
         if all_finite {
             return;
         }
-        for (lane, verdict) in verdicts.iter_mut().enumerate() {
+        for (lane, outcome) in outcomes.iter_mut().enumerate() {
             if !self.groups.iter().all(|register| register.get(lane).is_finite()) {
-                *verdict = Verdict::NotFinite;
+                *outcome = StepOutcome::NotFinite;
                 for (register, before) in self.groups.iter_mut().zip(&self.before) {
                     register.as_scalars_mut()[lane] = before.as_scalars()[lane];
                 }
@@ -273,7 +273,7 @@ struct Finite<'b, V> {
     answer: &'b mut bool,
 }
 
-impl<V: Lane> Piece for Finite<'_, V> {
+impl<V: Lane> Body for Finite<'_, V> {
     #[inline(always)]
     fn run(self) {
         // zero times infinity is NaN
@@ -289,7 +289,7 @@ struct Norms<'b, V> {
     norms: &'b mut [f64],
 }
 
-impl<V: Lane> Piece for Norms<'_, V> {
+impl<V: Lane> Body for Norms<'_, V> {
     #[inline(always)]
     fn run(self) {
         let norms = &mut self.norms[..V::WIDTH];

@@ -4,7 +4,7 @@ use super::coefficients::Scheme;
 use super::{Split, lanes_of};
 use crate::field::Pieces;
 use crate::field::pieces::Prepared;
-use crate::lanes::{Lane, Piece};
+use crate::lanes::{Body, Lane};
 
 /// Terms of `exp(s M) x` for `|s M| <= 1`: the next is below `1/19! = 8e-18` of x, in single precision `1/12! = 2e-9`.
 const TERMS: usize = 18;
@@ -27,7 +27,7 @@ struct Steps<'s, V> {
     repeats: u64,
 }
 
-impl<V: Lane> Piece for Steps<'_, V> {
+impl<V: Lane> Body for Steps<'_, V> {
     #[inline(always)]
     fn run(self) {
         let Steps { pieces, scheme, groups, sizes, repeats } = self;

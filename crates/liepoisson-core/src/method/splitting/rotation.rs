@@ -4,7 +4,7 @@
 //! `c_n(z) = sum_k (-z)^k / (2k + n)!` at `z = |v|^2` are the functions of Stumpff: `c1 = sin|v| / |v|` and
 //! `c2 = (1 - cos|v|) / |v|^2`, smooth at `v = 0`.
 
-use crate::lanes::{Lane, Number, Piece};
+use crate::lanes::{Body, Lane, Number};
 
 /// l, alpha, beta, or a tangent vector to them.
 pub(super) type Group<V> = [V; 9];
@@ -78,7 +78,7 @@ struct LargeAngles<'c, V> {
     functions: &'c mut [V; 3],
 }
 
-impl<V: Lane> Piece for LargeAngles<'_, V> {
+impl<V: Lane> Body for LargeAngles<'_, V> {
     #[inline(always)]
     fn run(self) {
         let LargeAngles { z, functions } = self;

@@ -4,7 +4,7 @@ use super::coefficients::{Scheme, Stage};
 use super::rotation::{Group, OfCayley, OfFlow, turn_about_axis, turn_about_momentum};
 use super::{Split, lanes_of};
 use crate::field::{Space, Top};
-use crate::lanes::{Lane, Piece};
+use crate::lanes::{Body, Lane};
 
 /// The flow of the kinetic energy `l1^2/(2 I1) + l2^2/(2 I2) + l3^2/(2 I3)`, or a symmetric composition in its place.
 trait Kinetic: Copy {
@@ -155,7 +155,7 @@ struct InRegisters<'s, K, V, const N: usize> {
     kinetic: K,
 }
 
-impl<K: Kinetic, V: Lane, const N: usize> Piece for InRegisters<'_, K, V, N> {
+impl<K: Kinetic, V: Lane, const N: usize> Body for InRegisters<'_, K, V, N> {
     #[inline(always)]
     fn run(self) {
         let Run { top, scheme, groups, sizes, repeats } = self.run;
@@ -174,7 +174,7 @@ struct InMemory<'s, K, V> {
     kinetic: K,
 }
 
-impl<K: Kinetic, V: Lane> Piece for InMemory<'_, K, V> {
+impl<K: Kinetic, V: Lane> Body for InMemory<'_, K, V> {
     #[inline(always)]
     fn run(self) {
         let Run { top, scheme, groups, sizes, repeats } = self.run;
