@@ -1,7 +1,7 @@
 //! The largest Lyapunov exponent of each trajectory as a function of time.
 
-use super::{Rows, UNREACHED, filled, name_unreached};
-use crate::ensemble::{Control, Ensemble, Observer, Step, Summary};
+use super::{CALLED_ONCE, Rows, UNREACHED, filled, name_unreached};
+use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Summary, Watch};
 use crate::error::Error;
 use crate::field::Space;
 use crate::lanes::Simd;
@@ -33,11 +33,22 @@ pub fn growth<F: Space, M: Method<F>>(
     control: &Control,
     watch: impl FnOnce(&dyn Fn(Duration) -> bool),
 ) -> Result<Growth, Error> {
+    let mut watch = Some(watch);
+    growth_of(&ensemble.any(), threads, simd, control, &mut |wait| watch.take().expect(CALLED_ONCE)(wait))
+}
+
+fn growth_of(
+    ensemble: &AnyEnsemble<'_>,
+    threads: usize,
+    simd: Simd,
+    control: &Control,
+    watch: Watch<'_>,
+) -> Result<Growth, Error> {
     ensemble.check()?;
     if ensemble.n_tangents == 0 {
         return Err(Error::Length { name: "tangents", wanted: ensemble.states.len(), got: 0 });
     }
-    let (n, members, n_times) = (ensemble.field.n_components(), ensemble.n_members(), ensemble.times.len() - 1);
+    let (n, members, n_times) = (ensemble.n_components, ensemble.n_members(), ensemble.times.len() - 1);
     // Only the direction of a tangent vector counts, so one whose square would leave the range of numbers is brought
     // near length one by a power of two, exactly.
     let mut tangents = filled(ensemble.tangents.len(), 0.0)?;
@@ -67,7 +78,7 @@ pub fn growth<F: Space, M: Method<F>>(
         exponents: (0..lanes).map(|_| Default::default()).collect(),
         tangent: vec![0.0; n],
     };
-    let ensemble = Ensemble { tangents: &tangents, ..*ensemble };
+    let ensemble = ensemble.with_tangents(&tangents);
     ensemble.run(threads, simd, control, recorder, watch)?;
     let mut summaries = summaries.into_inner().expect(POISONED);
     name_unreached(&mut summaries, control);

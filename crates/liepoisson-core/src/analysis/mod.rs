@@ -8,6 +8,9 @@ use crate::ensemble::{Control, Outcome, Summary};
 use crate::error::Error;
 use std::sync::Mutex;
 
+/// Of what the calling thread does meanwhile.
+const CALLED_ONCE: &str = "a run calls it once";
+
 /// A member that no worker has started, because the run was ended before.
 const UNREACHED: Summary = Summary { outcome: Outcome::Cancelled, time: f64::NAN, n_steps: 0, state: Vec::new() };
 

@@ -1,7 +1,7 @@
 //! Orbits: states and tangent vectors at given times, and the power series of every step on request.
 
-use super::{Rows, UNREACHED, filled, name_unreached};
-use crate::ensemble::{Control, Ensemble, Observer, Step, Stop, Summary};
+use super::{CALLED_ONCE, Rows, UNREACHED, filled, name_unreached};
+use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
 use crate::field::Space;
 use crate::lanes::Simd;
@@ -44,8 +44,20 @@ pub fn orbits<F: Space, M: Method<F>>(
     dense: bool,
     watch: impl FnOnce(&dyn Fn(Duration) -> bool),
 ) -> Result<Orbits, Error> {
+    let mut watch = Some(watch);
+    orbits_of(&ensemble.any(), threads, simd, control, dense, &mut |wait| watch.take().expect(CALLED_ONCE)(wait))
+}
+
+fn orbits_of(
+    ensemble: &AnyEnsemble<'_>,
+    threads: usize,
+    simd: Simd,
+    control: &Control,
+    dense: bool,
+    watch: Watch<'_>,
+) -> Result<Orbits, Error> {
     ensemble.check()?;
-    let (n, n_times, n_tangents) = (ensemble.field.n_components(), ensemble.times.len(), ensemble.n_tangents);
+    let (n, n_times, n_tangents) = (ensemble.n_components, ensemble.times.len(), ensemble.n_tangents);
     let members = ensemble.n_members();
     let numbers = members.saturating_mul(n_times).saturating_mul(n);
     let mut states = filled(numbers, f64::NAN)?;

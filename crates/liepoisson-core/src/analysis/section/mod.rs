@@ -8,8 +8,8 @@ mod points;
 mod remainder;
 mod survey;
 
-use super::{UNREACHED, filled, name_unreached};
-use crate::ensemble::{Control, Ensemble, Observer, Step, Stop, Summary};
+use super::{CALLED_ONCE, UNREACHED, filled, name_unreached};
+use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
 use crate::field::{Enclosure, Field, Functions, Majorant};
 use crate::lanes::Simd;
@@ -105,7 +105,20 @@ pub fn sections<F: Field>(
     control: &Control,
     watch: impl FnOnce(&dyn Fn(Duration) -> bool),
 ) -> Result<Sections, Error> {
-    let (n, members) = (ensemble.field.n_components(), ensemble.n_members());
+    let mut watch = Some(watch);
+    let watch: Watch<'_> = &mut |wait| watch.take().expect(CALLED_ONCE)(wait);
+    sections_of(&ensemble.any(), surface, threads, simd, control, watch)
+}
+
+fn sections_of(
+    ensemble: &AnyEnsemble<'_>,
+    surface: &Surface,
+    threads: usize,
+    simd: Simd,
+    control: &Control,
+    watch: Watch<'_>,
+) -> Result<Sections, Error> {
+    let (n, members) = (ensemble.n_components, ensemble.n_members());
     for functions in std::iter::once(&surface.function).chain(&surface.kept) {
         if functions.n_components() != n {
             return Err(Error::Length { name: "variables of the surface", wanted: n, got: functions.n_components() });
@@ -130,7 +143,7 @@ pub fn sections<F: Field>(
         control,
         refused: &refused,
         surface,
-        majorant: ensemble.field.majorant(),
+        majorant: ensemble.majorant,
         n,
         start: ensemble.times[0],
         seats: vec![Seat::default(); lanes],

@@ -1,0 +1,132 @@
+//! The run of an ensemble, without the types of its field and its method, so that it is compiled once for all of them.
+
+use super::control::Control;
+use super::observer::Observer;
+use super::running::{CancelOnPanic, Running};
+use super::worker::Worker;
+use crate::error::Error;
+use crate::field::Majorant;
+use crate::lanes::Simd;
+use crate::method::Block;
+use std::sync::atomic::AtomicUsize;
+use std::time::Duration;
+
+/// A field with a method for it.
+pub(super) trait Integrator: Sync {
+    /// Trajectories side by side, in the registers of `simd`.
+    fn block(&self, simd: Simd, n_tangents: usize) -> Box<dyn Block + '_>;
+
+    /// Registers that such a block takes, about.
+    fn registers(&self, n_tangents: usize) -> usize;
+}
+
+/// An [`Ensemble`](super::Ensemble) of any field and any method.
+#[derive(Clone, Copy)]
+pub(crate) struct AnyEnsemble<'a> {
+    pub(super) integrator: &'a dyn Integrator,
+    /// Most steps that a trajectory may take.
+    pub(super) max_steps: u64,
+    pub(crate) majorant: Option<Majorant>,
+    pub(crate) n_components: usize,
+    pub(crate) n_tangents: usize,
+    pub(crate) states: &'a [f64],
+    pub(crate) tangents: &'a [f64],
+    pub(crate) times: &'a [f64],
+}
+
+/// What the calling thread does meanwhile; see [`Ensemble::run`](super::Ensemble::run).
+pub(crate) type Watch<'w> = &'w mut dyn FnMut(&dyn Fn(Duration) -> bool);
+
+impl<'a> AnyEnsemble<'a> {
+    /// The same with other tangent vectors, as many.
+    pub(crate) fn with_tangents(self, tangents: &'a [f64]) -> AnyEnsemble<'a> {
+        AnyEnsemble { tangents, ..self }
+    }
+
+    pub(crate) fn n_members(&self) -> usize {
+        self.states.len() / self.n_components
+    }
+
+    /// See [`Ensemble::check`](super::Ensemble::check).
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let n = self.n_components;
+        if !self.states.len().is_multiple_of(n) {
+            let wanted = n.saturating_mul(self.n_members() + 1);
+            return Err(Error::Length { name: "states", wanted, got: self.states.len() });
+        }
+        let wanted = self.states.len().saturating_mul(self.n_tangents);
+        if self.tangents.len() != wanted {
+            return Err(Error::Length { name: "tangents", wanted, got: self.tangents.len() });
+        }
+        if self.times.len() < 2 {
+            return Err(Error::Times { index: self.times.len() });
+        }
+        let direction = (self.times[1] - self.times[0]).signum();
+        for (index, pair) in self.times.windows(2).enumerate() {
+            // written so that a NaN is refused too
+            if !(pair[0].is_finite() && pair[1].is_finite() && (pair[1] - pair[0]) * direction > 0.0) {
+                return Err(Error::Times { index: index + 1 });
+            }
+        }
+        Ok(())
+    }
+
+    /// See [`Ensemble::run`](super::Ensemble::run).
+    pub(crate) fn run<O: Observer>(
+        &self,
+        threads: usize,
+        simd: Simd,
+        control: &Control,
+        observer: impl Fn(usize) -> O + Sync,
+        watch: Watch<'_>,
+    ) -> Result<(), Error> {
+        self.check()?;
+        if self.n_members() == 0 {
+            return Ok(());
+        }
+        let threads = threads.clamp(1, self.n_members());
+        self.reserve(threads, simd)?;
+        let (queue, running) = (AtomicUsize::new(0), Running::new(threads));
+        let mut panic = None;
+        let mut refused = None;
+        std::thread::scope(|scope| {
+            let mut workers = Vec::new();
+            for _ in 0..threads {
+                let (queue, observer) = (&queue, &observer);
+                let counted = running.guard();
+                let work = move || {
+                    let _counted = counted;
+                    let _cancels = CancelOnPanic(control);
+                    Worker { ensemble: self, queue, control }.work(simd, observer);
+                };
+                // fewer threads than were asked for do the same work
+                match std::thread::Builder::new().spawn_scoped(scope, work) {
+                    Ok(worker) => workers.push(worker),
+                    Err(refusal) => refused = Some(refusal),
+                }
+            }
+            if !workers.is_empty() {
+                refused = None;
+            }
+            watch(&|at_most| running.wait(at_most));
+            for worker in workers {
+                if let Err(message) = worker.join() {
+                    panic = Some(message);
+                }
+            }
+        });
+        match (panic, refused) {
+            (Some(message), _) => std::panic::resume_unwind(message),
+            (None, Some(_)) => Err(Error::Threads { wanted: threads }),
+            (None, None) => Ok(()),
+        }
+    }
+
+    /// Finds out whether there is memory for the trajectories under way: where an allocation fails, Rust ends the process.
+    fn reserve(&self, threads: usize, simd: Simd) -> Result<(), Error> {
+        let registers = self.integrator.registers(self.n_tangents);
+        let bytes = registers.saturating_mul(simd.width() * size_of::<f64>()).saturating_mul(threads);
+        let mut room = Vec::<u8>::new();
+        room.try_reserve_exact(bytes).map_err(|_| Error::Memory { bytes })
+    }
+}

@@ -1,0 +1,71 @@
+//! What an analysis is shown of the trajectories of a worker.
+
+use super::outcome::Summary;
+use crate::method::Block;
+use std::collections::TryReserveError;
+use std::ops::ControlFlow;
+
+/// Seen by an [`Observer`]: one lane during one accepted step.
+///
+/// A method with power series shows it before the lane is advanced, and knows the state at any time inside it; the
+/// others show it afterwards, and know the state at its end.
+pub struct Step<'s> {
+    pub(super) block: &'s dyn Block,
+    pub(super) lane: usize,
+    /// Time at the start of the step.
+    pub time: f64,
+    /// Length of the step, negative when running backwards; equal steps come several at once, with their whole length.
+    pub size: f64,
+    pub(super) scales: &'s [i64],
+}
+
+impl Step<'_> {
+    /// The state a time `tau` after the start of the step.
+    pub fn state(&self, tau: f64, values: &mut [f64]) {
+        self.block.evaluate(self.lane, 0, tau, values);
+    }
+
+    /// Tangent vector `k` (from 0) as `values * 2^scale`; returns `scale`.
+    pub fn tangent(&self, k: usize, tau: f64, values: &mut [f64]) -> i64 {
+        self.block.evaluate(self.lane, 1 + k, tau, values);
+        self.scales[k]
+    }
+
+    /// Appends the power series of the state about the start of the step.
+    ///
+    /// # Errors
+    /// There is no memory for it.
+    pub fn copy_series(&self, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        self.block.copy_series(self.lane, to)
+    }
+}
+
+/// Why an observer ends a trajectory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stop {
+    /// It has served its purpose, and ends with this step.
+    Served,
+    /// The run has to stop, and the step was not looked at to its end: the trajectory ends `after` its start, with the reason
+    /// that [`Control::reason_to_stop`](super::Control::reason_to_stop) gives. For steps with power series, which can be cut anywhere.
+    Interrupted {
+        /// Length of the part of the step that was looked at.
+        after: f64,
+    },
+}
+
+/// What a worker does with the trajectories that it advances; each worker has its own.
+pub trait Observer: Send {
+    /// `member` starts in `lane`.
+    fn begin(&mut self, lane: usize, member: usize);
+    /// A step was accepted. Breaks where the trajectory is to end.
+    fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
+        let _ = (lane, step);
+        ControlFlow::Continue(())
+    }
+    /// The step contains time number `index` of the ensemble, `tau` after its start.
+    fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
+        let _ = (lane, index, tau, step);
+    }
+    /// `member` has ended.
+    fn end(&mut self, lane: usize, member: usize, summary: Summary);
+}

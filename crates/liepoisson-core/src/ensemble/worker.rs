@@ -1,0 +1,314 @@
+//! The loop: seats are filled, steps are chosen, shown and taken, and trajectories end.
+
+use super::any_ensemble::AnyEnsemble;
+use super::control::{Control, ONE};
+use super::observer::{Observer, Step, Stop};
+use super::outcome::{Outcome, Summary};
+use super::pace::Pace;
+use super::seat::Seat;
+use crate::lanes::Simd;
+use crate::method::{Block, StepOutcome, Stepping};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Samples within one step between two looks at the clock.
+const SAMPLES_PER_LOOK: usize = 4096;
+
+/// Advances one block of trajectories after the other, on one thread.
+pub(super) struct Worker<'w> {
+    pub(super) ensemble: &'w AnyEnsemble<'w>,
+    pub(super) queue: &'w AtomicUsize,
+    pub(super) control: &'w Control,
+}
+
+impl Worker<'_> {
+    pub(super) fn work<O: Observer>(&self, simd: Simd, make_observer: &impl Fn(usize) -> O) {
+        let ensemble = self.ensemble;
+        let mut block = ensemble.integrator.block(simd, ensemble.n_tangents);
+        let block = block.as_mut();
+        let lanes = block.n_lanes();
+        let mut observer = make_observer(lanes);
+        let mut seats: Vec<Seat> = (0..lanes).map(|_| Seat::empty(ensemble.n_tangents)).collect();
+        let (mut sizes, mut outcomes) = (vec![0.0; lanes], vec![StepOutcome::Taken; lanes]);
+        let mut pace = Pace::new();
+        self.control.look_at_clock();
+        while self.fill_seats(block, &mut seats, &mut observer) {
+            block.prepare(&mut sizes);
+            let repeats = self.plan(block, &mut seats, pace.repeats);
+            for (lane, seat) in seats.iter_mut().enumerate() {
+                sizes[lane] = self.decide(block, lane, seat, sizes[lane], repeats, &mut observer);
+            }
+            block.advance(&sizes, repeats, &mut outcomes);
+            if block.stepping() != Stepping::Series {
+                for (lane, seat) in seats.iter_mut().enumerate().filter(|(_, seat)| seat.occupied) {
+                    self.conclude(block, lane, seat, (sizes[lane], repeats), outcomes[lane], &mut observer);
+                }
+            }
+            self.rescale_tangents(block, &mut seats, &mut sizes);
+            for (lane, seat) in seats.iter_mut().enumerate() {
+                if seat.occupied && seat.next_sample == ensemble.times.len() {
+                    self.dismiss(block, lane, seat, Outcome::Finished, &mut observer);
+                }
+            }
+            if pace.is_time(block.most_repeats()) {
+                for seat in seats.iter_mut().filter(|seat| seat.occupied) {
+                    self.report(seat, false);
+                }
+                self.control.look_at_clock();
+            }
+            if self.control.reason_to_stop().is_some() {
+                break;
+            }
+        }
+        let outcome = self.control.reason_to_stop().unwrap_or(Outcome::Cancelled);
+        for (lane, seat) in seats.iter_mut().enumerate().filter(|(_, seat)| seat.occupied) {
+            self.dismiss(block, lane, seat, outcome, &mut observer);
+        }
+    }
+
+    /// Gives every empty seat the next member in the queue; false when nobody is left.
+    fn fill_seats<O: Observer>(&self, block: &mut dyn Block, seats: &mut [Seat], observer: &mut O) -> bool {
+        let ensemble = self.ensemble;
+        let (n, n_tangents) = (ensemble.n_components, ensemble.n_tangents);
+        let mut any = false;
+        for (lane, seat) in seats.iter_mut().enumerate() {
+            let may_sit = !seat.occupied && self.control.reason_to_stop().is_none();
+            if may_sit && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
+                let member = self.queue.fetch_add(1, Ordering::Relaxed);
+                if member < ensemble.n_members() {
+                    load(block, lane, 0, &ensemble.states[member * n..][..n]);
+                    for k in 0..n_tangents {
+                        load(block, lane, 1 + k, &ensemble.tangents[(member * n_tangents + k) * n..][..n]);
+                    }
+                    seat.take(member, ensemble.times[0]);
+                    observer.begin(lane, member);
+                }
+            }
+            any |= seat.occupied;
+        }
+        any
+    }
+
+    /// Divides the time up to the next wanted one into equal steps, for a method that takes such; how many steps all
+    /// seats can take at once, and not more than `most`. A power of two, so that the product with the size is exact.
+    fn plan(&self, block: &dyn Block, seats: &mut [Seat], most: u64) -> u64 {
+        let Stepping::Fixed(longest) = block.stepping() else { return 1 };
+        let (times, max_steps) = (self.ensemble.times, self.ensemble.max_steps);
+        let mut repeats = block.most_repeats().min(most);
+        for seat in seats.iter_mut().filter(|seat| seat.occupied) {
+            if seat.steps_left == 0 {
+                let interval = seat.until(times[seat.next_sample.max(1)]);
+                // a whole number of steps up to round-off is not one step more
+                let count = (interval.abs() / longest * (1.0 - 1e-12)).ceil().max(1.0);
+                (seat.steps_left, seat.equal_step) = (count as u64, block.representable(interval / count));
+            }
+            if seat.careful_steps > 0 {
+                repeats = 1;
+            }
+            repeats = repeats.min(max_steps.saturating_sub(seat.n_steps)).min((seat.steps_left - 1).max(1));
+        }
+        1 << repeats.max(1).ilog2()
+    }
+
+    /// The step of one lane, at most `longest`: zero for an empty seat and for a trajectory that can not go on, which
+    /// leaves its seat here, before the block advances, at the last point that was good.
+    fn decide<O: Observer>(
+        &self,
+        block: &mut dyn Block,
+        lane: usize,
+        seat: &mut Seat,
+        longest: f64,
+        repeats: u64,
+        observer: &mut O,
+    ) -> f64 {
+        if !seat.occupied {
+            return 0.0;
+        }
+        let times = self.ensemble.times;
+        let end = times[times.len() - 1];
+        let (size, is_last) = match block.stepping() {
+            Stepping::Series => {
+                let remaining = seat.until(end);
+                let is_last = longest >= remaining.abs();
+                (if is_last { remaining } else { longest.copysign(remaining) }, is_last)
+            }
+            Stepping::Trial => {
+                let interval = seat.until(times[seat.next_sample.max(1)]);
+                let n_steps = if longest >= interval.abs() { 1.0 } else { 2.0 };
+                let lands = n_steps * longest >= interval.abs();
+                (if lands { interval / n_steps } else { longest.copysign(interval) }, n_steps == 1.0)
+            }
+            Stepping::Fixed(_) if seat.steps_left == 1 => (seat.until(times[seat.next_sample.max(1)]), true),
+            Stepping::Fixed(_) => (seat.equal_step, false),
+        };
+        if let Some(outcome) = self.obstacle(seat, longest, size, is_last) {
+            self.dismiss(block, lane, seat, outcome, observer);
+            return 0.0;
+        }
+        if block.stepping() == Stepping::Series {
+            return self.observe_inside(block, lane, seat, (size, is_last), observer);
+        }
+        if seat.next_sample == 0 {
+            let start = Step { block, lane, time: seat.time, size: 0.0, scales: &seat.scales };
+            observer.sample(lane, 0, 0.0, &start);
+            seat.next_sample = 1;
+        }
+        debug_assert!(repeats == 1 || !is_last);
+        size
+    }
+
+    /// Shows a step with power series to the observer, and the wanted times inside it, and moves the clock.
+    fn observe_inside<O: Observer>(
+        &self,
+        block: &mut dyn Block,
+        lane: usize,
+        seat: &mut Seat,
+        (mut size, mut is_last): (f64, bool),
+        observer: &mut O,
+    ) -> f64 {
+        let times = self.ensemble.times;
+        let step = Step { block, lane, time: seat.time, size, scales: &seat.scales };
+        let stop = observer.step(lane, &step).break_value();
+        if let Some(Stop::Interrupted { after }) = stop {
+            (size, is_last) = (after, false);
+        }
+        while seat.next_sample < times.len() {
+            let tau = seat.until(times[seat.next_sample]);
+            if !is_last && tau.abs() > size.abs() {
+                break;
+            }
+            observer.sample(lane, seat.next_sample, tau, &step);
+            seat.next_sample += 1;
+            if seat.next_sample.is_multiple_of(SAMPLES_PER_LOOK)
+                && let Some(outcome) = self.control.look_at_clock()
+            {
+                self.dismiss(block, lane, seat, outcome, observer);
+                return 0.0;
+            }
+        }
+        if is_last {
+            (seat.time, seat.time_low) = (times[times.len() - 1], 0.0);
+        } else {
+            seat.move_clock(size);
+        }
+        seat.n_steps += 1;
+        if stop == Some(Stop::Served) {
+            seat.next_sample = times.len();
+        }
+        size
+    }
+
+    /// What follows from the outcome of a step of a method without series.
+    fn conclude<O: Observer>(
+        &self,
+        block: &mut dyn Block,
+        lane: usize,
+        seat: &mut Seat,
+        (size, repeats): (f64, u64),
+        outcome: StepOutcome,
+        observer: &mut O,
+    ) {
+        match outcome {
+            StepOutcome::Taken => {}
+            StepOutcome::TooLong => {
+                seat.n_refused += 1;
+                return;
+            }
+            StepOutcome::NotFinite if repeats > 1 => {
+                seat.careful_steps = repeats;
+                return;
+            }
+            StepOutcome::NotFinite => return self.dismiss(block, lane, seat, Outcome::NotFinite, observer),
+            StepOutcome::NoConvergence => return self.dismiss(block, lane, seat, Outcome::NoConvergence, observer),
+        }
+        let target = self.ensemble.times[seat.next_sample];
+        let is_last = size == seat.until(target) && repeats == 1;
+        let whole = size * repeats as f64;
+        let step = Step { block, lane, time: seat.time, size: whole, scales: &seat.scales };
+        let served = observer.step(lane, &step) == ControlFlow::Break(Stop::Served);
+        seat.n_steps += repeats;
+        seat.careful_steps = seat.careful_steps.saturating_sub(repeats);
+        seat.steps_left = seat.steps_left.saturating_sub(repeats);
+        if is_last {
+            observer.sample(lane, seat.next_sample, whole, &step);
+            (seat.time, seat.time_low, seat.steps_left) = (target, 0.0, 0);
+            seat.next_sample += 1;
+        } else {
+            seat.move_clock(whole);
+        }
+        if served {
+            seat.next_sample = self.ensemble.times.len();
+        }
+    }
+
+    /// Why a trajectory can not take the step `size`, if so; `longest` is what the method allows.
+    fn obstacle(&self, seat: &Seat, longest: f64, size: f64, is_last: bool) -> Option<Outcome> {
+        if longest.is_nan() {
+            Some(Outcome::NotFinite)
+        } else if !is_last && seat.time + size == seat.time {
+            Some(Outcome::StepTooSmall)
+        } else if seat.n_steps + seat.n_refused >= self.ensemble.max_steps {
+            Some(Outcome::MaxSteps)
+        } else {
+            None
+        }
+    }
+
+    /// Takes powers of two out of tangent vectors that have grown or shrunk far: far from overflow, no rounding ever.
+    fn rescale_tangents(&self, block: &mut dyn Block, seats: &mut [Seat], norms: &mut [f64]) {
+        let large = libm::scalbn(1.0, block.range_exponent());
+        for tangent in 0..self.ensemble.n_tangents {
+            block.norms(1 + tangent, norms);
+            for (lane, seat) in seats.iter_mut().enumerate() {
+                let norm = norms[lane];
+                if seat.occupied && !(1.0 / large..large).contains(&norm) && norm > 0.0 && norm.is_finite() {
+                    let exponent = ((norm.to_bits() >> 52) & 0x7ff) as i64 - 1023;
+                    block.scale_tangent(lane, 1 + tangent, -exponent as i32);
+                    seat.scales[tangent] += exponent;
+                }
+            }
+        }
+    }
+
+    /// Hands the end of a trajectory to the observer and empties its seat.
+    fn dismiss<O: Observer>(
+        &self,
+        block: &mut dyn Block,
+        lane: usize,
+        seat: &mut Seat,
+        outcome: Outcome,
+        observer: &mut O,
+    ) {
+        let n = self.ensemble.n_components;
+        let mut state = vec![0.0; n];
+        block.read(lane, 0, &mut state);
+        if !matches!(outcome, Outcome::Cancelled | Outcome::TimeLimit) {
+            self.report(seat, true);
+        }
+        observer.end(lane, seat.member, Summary { outcome, time: seat.time, n_steps: seat.n_steps, state });
+        for group in 0..=self.ensemble.n_tangents {
+            block.load(lane, group, &vec![0.0; n]);
+        }
+        seat.occupied = false;
+    }
+
+    fn report(&self, seat: &mut Seat, ended: bool) {
+        let times = self.ensemble.times;
+        let fraction = (seat.time - times[0]) / (times[times.len() - 1] - times[0]);
+        let done = if ended { ONE as u64 } else { (fraction * ONE) as u64 };
+        self.control.done.fetch_add(done - seat.reported, Ordering::Relaxed);
+        seat.reported = done;
+    }
+}
+
+/// Puts values into one group of a lane; those that its numbers cannot hold, since single precision ends at 1e-38, as NaN:
+/// a state of 1e-300 would come to rest at the origin and be said to have finished there.
+fn load(block: &mut dyn Block, lane: usize, group: usize, values: &[f64]) {
+    let size = |values: &[f64]| values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
+    block.load(lane, group, values);
+    let mut held = vec![0.0; values.len()];
+    block.read(lane, group, &mut held);
+    if size(&held) < 0.5 * size(values) {
+        block.load(lane, group, &vec![f64::NAN; values.len()]);
+    }
+}
