@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from liepoisson import _core
-from liepoisson.errors import MemoryLimitError, ParameterError, ShapeError, UnsupportedFieldError
+from liepoisson.errors import MemoryLimitError, ParameterError, ShapeError, UnknownNameError, UnsupportedFieldError
 
 TOP = _core.Field.top((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1)
 OSCILLATOR = _core.Field.quadratic(2, [], [(0, 1, 1.0), (1, 0, -1.0)], [])
@@ -62,7 +62,7 @@ def test_no_argument_brings_the_core_to_a_panic(name):
         for value in HOSTILE:
             try:
                 function(*arguments[:place], value, *arguments[place + 1 :])
-            except (ParameterError, ShapeError, MemoryLimitError, UnsupportedFieldError):
+            except (ParameterError, ShapeError, MemoryLimitError, UnknownNameError, UnsupportedFieldError):
                 refused += 1
             except (TypeError, ValueError, OverflowError):
                 refused += 1  # what is no number of that kind is refused where it is read
@@ -88,6 +88,17 @@ def test_no_argument_brings_the_core_to_a_panic(name):
         (lambda: cross(direction=5), ParameterError, "direction: wanted -1, 0 or 1; got 5"),
         (lambda: cross(n_crossings=0), ParameterError, "n_crossings: wanted one or more; got 0"),
         (lambda: run(field=OSCILLATOR, method=SPLITTING), UnsupportedFieldError, "method:"),
+        (lambda: _core.Field.top((2, 0, 1), (0, 0, 0), (0, 0, 0), 1), ParameterError, "three positive finite moments"),
+        (lambda: _core.Field.top((2, 2, 1), (0, 0, 0), (0, 0, 0), np.nan), ParameterError, "epsilon: wanted a finite"),
+        (lambda: _core.Field.tape(1, [("gamma", (0,), ())], [1]), UnknownNameError, "wanted linear, product"),
+        (lambda: _core.Field.tape(1, [("sin", (), ())], [1]), ShapeError, "instruction sin: wanted 1 registers"),
+        (lambda: _core.Field.tape(1, [("sin", (1,), ())], [1]), ParameterError, "wanted registers below 1; got 1"),
+        (lambda: _core.Field.tape(1, [("power", (0,), (np.inf,))], [1]), ParameterError, "wanted finite numbers"),
+        (lambda: _core.Field.tape(2, [], [0]), ShapeError, "outputs: wanted 2"),
+        (lambda: _core.Field.tape(1, [], [1]), ParameterError, "output 0: wanted a register below 1"),
+        (lambda: _core.Method.taylor(1.0, None, False, 1), ParameterError, "tol: wanted a number"),
+        (lambda: _core.Method.splitting(3, 0.1, False, 1), ParameterError, "order: wanted 2, 4, 6 or 8; got 3"),
+        (lambda: run(method=_core.Method.lagrange_map(0.1, 9)), ParameterError, "wanted a top with I1 = I2"),
     ],
 )  # fmt: skip
 def test_refusals_say_what_was_wanted(call, error, words):
@@ -153,3 +164,32 @@ def test_what_does_not_fit_into_memory_is_refused_and_the_process_goes_on():
     assert ended.returncode == 0, ended.stderr[-2000:]
     assert [line.split(":")[0] for line in lines[:-1]] == ["refused"] * 3
     assert lines[-1] == "outcome 0"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="limits the memory of a process")
+def test_a_run_without_a_thread_says_so():
+    """The stack of a thread takes two megabytes, which there are not; the run itself takes next to nothing."""
+    script = textwrap.dedent("""
+        import resource
+        from pathlib import Path
+        import numpy as np
+        from liepoisson import _core
+        from liepoisson.errors import ThreadLimitError
+
+        top = _core.Field.top((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1)
+        taylor = _core.Method.taylor(1e-12, None, False, 1000)
+        call = lambda: _core.orbits(top, taylor, np.ones(9), np.zeros(0), 0, np.arange(2.0), 1, 9.0, False, False, None)
+        used = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
+        resource.setrlimit(resource.RLIMIT_AS, (used + (1 << 19), resource.RLIM_INFINITY))
+        try:
+            call()
+        except ThreadLimitError as refusal:
+            print("refused:", refusal)
+        resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        print("outcome", call()["outcome"][0])
+    """)
+    ended = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, timeout=120, check=False)
+    assert ended.stdout.splitlines() == [
+        "refused: threads: wanted 1; the system starts none; try fewer, or end other programs",
+        "outcome 0",
+    ], ended.stderr[-2000:]

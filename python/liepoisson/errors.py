@@ -97,6 +97,10 @@ class MemoryLimitError(LiePoissonError, MemoryError):
     """A run that does not fit into memory, with its result; the message says how much was wanted."""
 
 
+class ThreadLimitError(LiePoissonError, RuntimeError):
+    """The system starts no thread for a run; the message says how many were wanted."""
+
+
 class CoreError(LiePoissonError, RuntimeError):
     """A mistake in the compiled core, which stopped at it; the message says where."""
 

@@ -116,11 +116,7 @@ class TapeField(PlainField):
 
     def __post_init__(self) -> None:
         """Checks names, registers and numbers."""
-        n, lines = _count(self.n_components), _items(self.instructions, "instructions")
-        instructions = tuple(_instruction(line, n + m) for m, line in enumerate(lines))
-        outputs = tuple(_index(r, n + len(lines), "outputs") for r in _items(self.outputs, "outputs"))
-        object.__setattr__(self, "instructions", instructions)
-        object.__setattr__(self, "outputs", outputs)
+        _check_lines(self)
 
 
 @dataclass(frozen=True)
@@ -139,9 +135,7 @@ class TapeFunction:
 
     def __post_init__(self) -> None:
         """Checks names, registers and numbers."""
-        tape = TapeField(self.n_components, self.instructions, self.outputs)
-        object.__setattr__(self, "instructions", tape.instructions)
-        object.__setattr__(self, "outputs", tape.outputs)
+        _check_lines(self)
 
 
 @dataclass(frozen=True)
@@ -238,6 +232,15 @@ def _entries(values: Any, n: int, n_indices: int, name: str) -> tuple[Any, ...]:
         key = (indices[0], *sorted(indices[1:]))
         sums[key] = sums.get(key, 0.0) + _number(items[-1], name)
     return tuple((*key, value) for key, value in sums.items())
+
+
+def _check_lines(tape: TapeField | TapeFunction) -> None:
+    """Checks instructions and outputs and keeps them as tuples; operands of each name are checked by the core."""
+    n, lines = _count(tape.n_components), _items(tape.instructions, "instructions")
+    instructions = tuple(_instruction(line, n + m) for m, line in enumerate(lines))
+    outputs = tuple(_index(r, n + len(lines), "outputs") for r in _items(tape.outputs, "outputs"))
+    object.__setattr__(tape, "instructions", instructions)
+    object.__setattr__(tape, "outputs", outputs)
 
 
 def _instruction(line: Any, end: int) -> Instruction:

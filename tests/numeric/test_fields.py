@@ -140,7 +140,7 @@ def test_entries_of_one_product_are_added_up():
 
 
 def test_unknown_instructions_are_refused_by_the_core():
-    with pytest.raises(lp.errors.ParameterError, match="wanted linear, product"):
+    with pytest.raises(lp.errors.UnknownNameError, match="wanted linear, product"):
         lp.integrate(TapeField(1, (("gamma", (0,), ()),), (1,)), [1.0], times=[0, 1])
 
 

@@ -19,13 +19,34 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
-/// A refusal of the core as one of the errors of `liepoisson.errors`.
+/// A refusal of the core as one of the errors of `liepoisson.errors`. Every kind is named, so that a new one gets a class.
 fn translate(error: Error) -> PyErr {
     let class = match error {
         Error::Memory { .. } => "MemoryLimitError",
-        Error::Length { .. } => "ShapeError",
+        Error::Threads { .. } => "ThreadLimitError",
+        Error::Length { .. } | Error::Outputs { .. } | Error::InstructionOperands { .. } => "ShapeError",
+        Error::UnknownInstruction { .. } => "UnknownNameError",
         Error::MethodForField => "UnsupportedFieldError",
-        _ => "ParameterError",
+        Error::Inertia { .. }
+        | Error::ParameterNotFinite { .. }
+        | Error::ComponentIndex { .. }
+        | Error::Tolerance { .. }
+        | Error::SingleTolerance { .. }
+        | Error::StepSize { .. }
+        | Error::Stages { .. }
+        | Error::Order { .. }
+        | Error::SplittingOrder { .. }
+        | Error::Times { .. }
+        | Error::TangentVector { .. }
+        | Error::Components { .. }
+        | Error::Direction { .. }
+        | Error::NoCrossings
+        | Error::AcrossComponents
+        | Error::NotLagrange
+        | Error::InstructionRegister { .. }
+        | Error::InstructionNumber { .. }
+        | Error::OutputRegister { .. }
+        | Error::SimdNotAvailable { .. } => "ParameterError",
     };
     exception(class, &error.to_string())
 }

@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-_MOST_THREADS = 4096
 _STARTS = 256
 """Orbits whose median is taken: each costs about 1 ms."""
 
@@ -21,12 +20,14 @@ def check_limits(*, seed: int, time_limit: float, threads: int | None = None) ->
     Raises:
         ParameterError: one of them is out of its range.
     """
+    from liepoisson.numeric._checks import MOST_THREADS
+
     if seed < 0:
         raise ParameterError(f"--seed must be at least 0; got {seed}. Try 0.")
     if not time_limit > 0:
         raise ParameterError(f"--time-limit must be a positive number of seconds; got {time_limit:g}. Try 60.")
-    if threads is not None and not 1 <= threads <= _MOST_THREADS:
-        raise ParameterError(f"--threads must be from 1 to {_MOST_THREADS}; got {threads}. Leave it out to use all.")
+    if threads is not None and not 1 <= threads <= MOST_THREADS:
+        raise ParameterError(f"--threads must be from 1 to {MOST_THREADS}; got {threads}. Leave it out to use all.")
 
 
 def unit_of_time(system: Any, states: NDArray[np.float64]) -> float:

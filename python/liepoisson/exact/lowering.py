@@ -164,7 +164,7 @@ def tape_of_bracket(bracket: Bracket, hamiltonian: Expr) -> TapeField:
         for row, column, sign in ((i, j, value), (j, i, -value)):
             if (slope := gradient[column]) is not None:
                 sums[row].append((writer.product(m, slope), sign))
-    return writer.tape([writer.linear(terms, 0.0) for terms in sums])
+    return TapeField(*writer.parts([writer.linear(terms, 0.0) for terms in sums]))
 
 
 def quadratic_of_equations(variables: Sequence[Symbol], derivatives: Sequence[Expr]) -> QuadraticField:
@@ -195,7 +195,9 @@ def tape_of_equations(variables: Sequence[Symbol], derivatives: Sequence[Expr]) 
     private, rates = in_private_symbols(variables, derivatives)
     writer = _TapeWriter(private)
     registers = writer.write_all(rates)
-    return writer.tape([writer.linear([], 0.0) if register is None else register for register in registers])
+    return TapeField(
+        *writer.parts([writer.linear([], 0.0) if register is None else register for register in registers])
+    )
 
 
 def tape_of_functions(variables: Sequence[Symbol], functions: Sequence[Expr]) -> TapeFunction:
@@ -208,8 +210,7 @@ def tape_of_functions(variables: Sequence[Symbol], functions: Sequence[Expr]) ->
     private, expressions = in_private_symbols(variables, functions)
     writer = _TapeWriter(private)
     registers = [writer.linear([], 0.0) if r is None else r for r in writer.write_all(expressions)]
-    tape = writer.tape(registers)
-    return TapeFunction(tape.n_components, tape.instructions, tape.outputs)
+    return TapeFunction(*writer.parts(registers))
 
 
 class _TapeWriter:
@@ -220,8 +221,9 @@ class _TapeWriter:
         self._registers: dict[Expr, int] = {variable: i for i, variable in enumerate(variables)}
         self._written: dict[Instruction, int] = {}
 
-    def tape(self, outputs: Iterable[int]) -> TapeField:
-        return TapeField(self._n, tuple(self._written), tuple(outputs))
+    def parts(self, outputs: Iterable[int]) -> tuple[int, tuple[Instruction, ...], tuple[int, ...]]:
+        """What a tape is made of: number of components, instructions, outputs."""
+        return self._n, tuple(self._written), tuple(outputs)
 
     def write_all(self, expressions: Sequence[Expr]) -> list[int | None]:
         """The register of each expression, None for one that is zero; common subexpressions are found first."""

@@ -21,7 +21,8 @@ MOST = 2**63 - 1
 TIME_LIMIT = 3600.0
 """Default budget: seconds that a run may take."""
 
-_MOST_THREADS = 4096
+MOST_THREADS = 4096
+"""Far above any machine: a larger number, also of processes, is a slip of the finger."""
 
 TOP_COMPONENTS = tuple(f"{vector}{i}" for vector in ("l", "alpha", "beta") for i in (1, 2, 3))
 
@@ -142,7 +143,7 @@ def as_threads(threads: int | None) -> int:
     """Number of threads; by default the processors that this process may use."""
     if threads is None:
         return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-    return as_count(threads, "threads", least=1, most=_MOST_THREADS, hint="leave it out to use all processors")
+    return as_count(threads, "threads", least=1, most=MOST_THREADS, hint="leave it out to use all processors")
 
 
 def as_time_limit(seconds: float) -> float:

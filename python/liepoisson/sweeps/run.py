@@ -16,7 +16,7 @@ from liepoisson import __version__
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.files import exclusive
-from liepoisson.numeric._checks import as_count, as_number, shown
+from liepoisson.numeric._checks import MOST_THREADS, as_count, as_number, shown
 from liepoisson.numeric.verdict import as_rule
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
@@ -173,7 +173,7 @@ class _Where:
     def __init__(self, scheduler: str | None, processes: int | None, threads: int | None, patience: float) -> None:
         for name, value in (("processes", processes), ("threads", threads)):
             if value is not None:
-                as_count(value, name, least=1, most=4096, hint="try 2")
+                as_count(value, name, least=1, most=MOST_THREADS, hint="try 2")
         self._given = scheduler, processes, threads, patience
         self._executor: Executor | None = None
 

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
+from liepoisson.numeric._checks import MOST_THREADS
 
 if TYPE_CHECKING:
     from liepoisson.tops import Top
@@ -32,7 +33,6 @@ ENSEMBLES = ("unit-vectors", "cube", "gaussian")
 SMALLEST_END_TIME = 60.0
 # Far above any machine; a larger number is a slip of the finger, which would end in an overflow or never.
 MOST_MEMBERS = 10**8
-MOST_THREADS = 4096
 # Measured on 1024 starts of the twisted top: the exponent at t = 20 is then right to 7e-13 (median), the energy at
 # t = 200 to 5e-12.  The statistical errors are eight orders larger.
 TOLERANCE = 1e-10
