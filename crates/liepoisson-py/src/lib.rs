@@ -3,6 +3,7 @@
 //! Whatever comes in, an exception or a result goes out: arrays are copied before the interpreter is released, since other
 //! threads may write into them, and a panic becomes a `CoreError`.
 
+use liepoisson_core::analysis::frame::orthonormalise;
 use liepoisson_core::analysis::section::{self, Doubts, Surface};
 use liepoisson_core::analysis::{lyapunov, orbit};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
@@ -477,6 +478,26 @@ fn sections<'py>(
     Ok(result)
 }
 
+/// Q and R of matrices, one after the other, with a positive diagonal of R; the same bits on every processor.
+#[pyfunction]
+fn orthonormal<'py>(
+    py: Python<'py>,
+    matrices: PyReadonlyArray1<'py, f64>,
+    n_rows: usize,
+    n_columns: usize,
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+    let mut frames = copied(&matrices)?;
+    let size = n_rows * n_columns;
+    if n_columns == 0 || n_columns > n_rows || !frames.len().is_multiple_of(size) {
+        return Err(exception("ShapeError", "matrices must have at least as many rows as columns; got another shape."));
+    }
+    let mut triangles = vec![0.0; frames.len() / n_rows * n_columns];
+    for (frame, triangle) in frames.chunks_exact_mut(size).zip(triangles.chunks_exact_mut(n_columns * n_columns)) {
+        orthonormalise(frame, n_rows, n_columns, triangle);
+    }
+    Ok((frames.into_pyarray(py), triangles.into_pyarray(py)))
+}
+
 /// Name of the instruction set that the kernels use, after `LIEPOISSON_SIMD`.
 #[pyfunction]
 fn simd() -> PyResult<&'static str> {
@@ -503,6 +524,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(orbits, module)?)?;
     module.add_function(wrap_pyfunction!(growth, module)?)?;
     module.add_function(wrap_pyfunction!(sections, module)?)?;
+    module.add_function(wrap_pyfunction!(orthonormal, module)?)?;
     module.add_function(wrap_pyfunction!(simd, module)?)?;
     module.add_function(wrap_pyfunction!(available_simd, module)?)?;
     module.add_function(wrap_pyfunction!(outcomes, module)?)

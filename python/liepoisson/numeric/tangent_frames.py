@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson import _core
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.field import Field
@@ -190,10 +191,14 @@ class _Prepared:
 
 
 def positive_qr(matrices: Array) -> tuple[Array, Array]:
-    """Householder's factors Q R of matrices (..., component, vector), with a positive diagonal of R."""
-    frames, triangles = np.linalg.qr(matrices)
-    sign = np.where(np.diagonal(triangles, axis1=-2, axis2=-1) < 0, -1.0, 1.0)
-    return frames * sign[..., None, :], triangles * sign[..., :, None]
+    """Householder's factors Q R of matrices (..., component, vector), with a positive diagonal of R.
+
+    By the core: a library for linear algebra rounds differently from one processor to the next, and frames act on the
+    steps, so that whole orbits would.
+    """
+    n_rows, n_columns = matrices.shape[-2:]
+    frames, triangles = _core.orthonormal(np.ascontiguousarray(matrices).ravel(), n_rows, n_columns)
+    return frames.reshape(matrices.shape), triangles.reshape(*matrices.shape[:-2], n_columns, n_columns)
 
 
 def stretchings(triangles: Array) -> Array:

@@ -1,5 +1,6 @@
 //! What is computed along trajectories: observers of the ensemble runner, one analysis per file.
 
+pub mod frame;
 pub mod lyapunov;
 pub mod orbit;
 pub mod section;

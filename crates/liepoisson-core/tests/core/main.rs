@@ -3,6 +3,7 @@
 
 mod common;
 mod ensemble;
+mod frame;
 mod gauss;
 mod mixed_taylor;
 mod quadratic;
