@@ -14,7 +14,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Samples within one step between two looks at the clock.
 const SAMPLES_PER_LOOK: usize = 4096;
 
-/// Advances one block of trajectories after the other, on one thread.
+/// Advances one block of trajectories, on one thread. What the loop does in each turn and for every observer alike is inlined into
+/// it: as calls it was measured to take 2% more instructions where a step is short.
 pub(super) struct Worker<'w> {
     pub(super) ensemble: &'w AnyEnsemble<'w>,
     pub(super) queue: &'w AtomicUsize,
@@ -91,6 +92,7 @@ impl Worker<'_> {
 
     /// Divides the time up to the next wanted one into equal steps, for a method that takes such; how many steps all
     /// seats can take at once, and not more than `most`. A power of two, so that the product with the size is exact.
+    #[inline(always)]
     fn plan(&self, block: &dyn Block, seats: &mut [Seat], most: u64) -> u64 {
         let Stepping::Fixed(longest) = block.stepping() else { return 1 };
         let (times, max_steps) = (self.ensemble.times, self.ensemble.max_steps);
@@ -255,6 +257,7 @@ impl Worker<'_> {
     }
 
     /// Takes powers of two out of tangent vectors that have grown or shrunk far: far from overflow, no rounding ever.
+    #[inline(always)]
     fn rescale_tangents(&self, block: &mut dyn Block, seats: &mut [Seat], norms: &mut [f64]) {
         let large = libm::scalbn(1.0, block.range_exponent());
         for tangent in 0..self.ensemble.n_tangents {
