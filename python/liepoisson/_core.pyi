@@ -8,7 +8,18 @@ from numpy.typing import NDArray
 
 from liepoisson.field import Instruction, Piece, Vector3
 
-__all__ = ["Field", "Method", "__version__", "available_simd", "growth", "orbits", "outcomes", "sections", "simd"]
+__all__ = [
+    "Field",
+    "Method",
+    "__version__",
+    "available_simd",
+    "growth",
+    "orbits",
+    "orthonormal",
+    "outcomes",
+    "sections",
+    "simd",
+]
 
 __version__: str
 

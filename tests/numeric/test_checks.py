@@ -51,7 +51,7 @@ def test_seed_and_first_are_bounded():
 
 @pytest.mark.parametrize("bad", [2.0, "2", None, -1])
 def test_a_number_of_states_is_whole(bad):
-    with pytest.raises(ParameterError, match="n: wanted a whole number"):
+    with pytest.raises(ParameterError, match="n_starts: wanted a whole number"):
         lp.sample_states(TOP, bad, seed=1)
 
 

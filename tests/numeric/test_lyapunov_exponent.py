@@ -199,7 +199,7 @@ def test_quantiles_and_histograms_of_wrong_numbers_are_refused():
 @pytest.mark.thorough
 def test_leaves_of_other_systems_and_bad_numbers_are_refused():
     leaf = lp.Leaf(TOP, {"C1": 1.0, "C2": 0.2, "C3": 1.0})
-    run = {"energies": [0.0], "n": 2, "t_end": 5.0}
+    run = {"energies": [0.0], "n_starts": 2, "t_end": 5.0}
     same = exponents_by_energy(lp.Top.twisted_kovalevskaya(), leaf=leaf, **run)
     assert np.array_equal(same.exponent, exponents_by_energy(TOP, leaf=leaf, **run).exponent)
     # another bracket, another field, another number of components
@@ -209,7 +209,7 @@ def test_leaves_of_other_systems_and_bad_numbers_are_refused():
     for wrong, words in (
         ({"leaf": None}, "leaf: wanted a Leaf"),
         ({"rule": 0.02}, "rule: wanted a Rule"),
-        ({"n": 10**12}, "n: wanted a whole number from 1 to 10000000"),
+        ({"n_starts": 10**12}, "n_starts: wanted a whole number from 1 to 10000000"),
     ):
         with pytest.raises(ParameterError, match=words):
             exponents_by_energy(TOP, **({"leaf": leaf} | run | wrong))

@@ -62,5 +62,5 @@ def test_cube_and_gaussian_have_their_moments():
 def test_bad_requests_are_refused():
     with pytest.raises(UnknownNameError, match=r"wanted one of unit-vectors, cube, gaussian; got 'sphere'"):
         lp.sample_states(TOP, 1, seed=0, ensemble="sphere")
-    with pytest.raises(ParameterError, match=r"n: wanted a whole number >= 0.*got -1"):
+    with pytest.raises(ParameterError, match=r"n_starts: wanted a whole number >= 0.*got -1"):
         lp.sample_states(TOP, -1, seed=0)

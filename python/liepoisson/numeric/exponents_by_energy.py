@@ -127,7 +127,10 @@ def exponents_by_energy(
     values = np.atleast_1d(as_array(energies, "energies"))
     if values.ndim != 1 or values.size == 0:
         raise ShapeError(f"energies must have shape (energy,) with one or more energies; got shape {values.shape}.")
-    n_starts, t_end = as_count(n_starts, "n", least=1, most=_MOST, hint="try n=100"), as_duration(t_end, "t_end")
+    n_starts, t_end = (
+        as_count(n_starts, "n_starts", least=1, most=_MOST, hint="try n_starts=100"),
+        as_duration(t_end, "t_end"),
+    )
     rule, confidence = as_rule(rule), as_confidence(confidence)
     verdicts: list[Verdict] = []
     for k, energy in enumerate(values):

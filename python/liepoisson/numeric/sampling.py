@@ -137,7 +137,7 @@ def _draw(
     first: int,
     purpose: int,
 ) -> NDArray[np.float64]:
-    n = as_count(n, "n")
+    n = as_count(n, "n_starts")
     seed, first = as_seed(seed), as_first(first, n)
     try:
         result = np.empty((n, n_components))

@@ -377,7 +377,7 @@ def first_return(
     Raises:
         As `section`.
     """
-    states = as_array(starts, "x")
+    states = as_array(starts, "starts")
     n = as_field(system).n_components
     if states.ndim == 0 or states.shape[-1] != n:
         raise ShapeError(f"starts must end in {n} components; got shape {states.shape}")

@@ -36,7 +36,7 @@ _TRIAL_BLOCKS = 16
 
 def sample_leaf(leaf: Leaf, n_starts: int, *, seed: int, energy: float | None, energy_below: float | None) -> Array:
     """Random states on a leaf; see `Leaf.sample`."""
-    n_starts, seed = as_count(n_starts, "n"), as_seed(seed)
+    n_starts, seed = as_count(n_starts, "n_starts"), as_seed(seed)
     _check_memory(n_starts, len(leaf.state))
     shell = _shell(energy, energy_below)
     if not leaf.rank:

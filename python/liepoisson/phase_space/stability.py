@@ -137,13 +137,13 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
         tol: How large $|\dot x - \sum_j\Omega_j f_{K_j}|$ may be, relative to the size of the terms in it.
 
     Raises:
-        ParameterError: x is not a (relative) equilibrium or too near zero, an integral is not constant or has no
+        ParameterError: `state` is not a (relative) equilibrium or too near zero, an integral is not constant or has no
             motion of its own, or `tol` is no finite number.
-        ShapeError: x is not one state.
+        ShapeError: `state` is not one state.
 
     References: [arnold1965]; [holm1985]; [simo1991].
     """
-    leaf = not_tiny(Leaf.through(system, state), "x")
+    leaf = not_tiny(Leaf.through(system, state), "state")
     integrals = integrals_of(system, along)
     tol = as_number(tol, "tol", "a finite number >= 0")
     if not 0 <= tol < np.inf:
@@ -176,7 +176,7 @@ def _not_an_equilibrium(left: float, rate: float, integrals: Iterable[str]) -> s
     named = ", ".join(integrals)
     if named:
         return (
-            f"x must be a relative equilibrium with respect to {named}; |x'| = {rate:.3g}, of which {left:.3g} is not "
+            f"state must be a relative equilibrium with respect to {named}; |x'| = {rate:.3g}, of which {left:.3g} is not "
             "a motion of these integrals. equilibrium_near(system, x, along=...) looks for one nearby."
         )
     return (

@@ -123,7 +123,7 @@ def section_starts(
             max(n, 64); the message says which share did.
         ParameterError: the energy is no finite number, the direction is none, or n or seed is no whole number.
     """
-    n_starts, seed = as_count(n_starts, "n"), as_count(seed, "seed")
+    n_starts, seed = as_count(n_starts, "n_starts"), as_count(seed, "seed")
     if np.ndim(direction) or direction not in (-1, 0, 1):
         raise ParameterError(f"direction must be +1, -1 or 0; got {shown(direction)}.")
     equations = leaf.constraints(as_energy(energy), surface)
