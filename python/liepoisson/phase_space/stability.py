@@ -176,8 +176,8 @@ def _not_an_equilibrium(left: float, rate: float, integrals: Iterable[str]) -> s
     named = ", ".join(integrals)
     if named:
         return (
-            f"state must be a relative equilibrium with respect to {named}; |x'| = {rate:.3g}, of which {left:.3g} is not "
-            "a motion of these integrals. equilibrium_near(system, x, along=...) looks for one nearby."
+            f"state must be a relative equilibrium with respect to {named}; |x'| = {rate:.3g}, of which {left:.3g} is "
+            "not a motion of these integrals. equilibrium_near(system, x, along=...) looks for one nearby."
         )
     return (
         f"state must be an equilibrium; |x'| = {rate:.3g} there. equilibrium_near(system, x, along=()) looks for one "
