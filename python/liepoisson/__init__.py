@@ -15,12 +15,13 @@ if TYPE_CHECKING:
     from liepoisson import catalog, errors, plot
     from liepoisson.dataset import load, rerun
     from liepoisson.exact.bracket import Bracket
-    from liepoisson.exact.canonical.canonical_system import CanonicalSystem
-    from liepoisson.exact.canonical.euler_chart import EulerChart
-    from liepoisson.exact.canonical.lagrange_reduction import ReducedLagrange
-    from liepoisson.exact.canonical.leaf_constants import LeafConstants
-    from liepoisson.exact.canonical.ordinary_lagrange import OrdinaryLagrange
-    from liepoisson.exact.canonical.quaternion_chart import QuaternionChart
+    from liepoisson.exact.canonical_bracket import canonical
+    from liepoisson.exact.canonical_system import CanonicalSystem
+    from liepoisson.exact.charts.euler_chart import EulerChart
+    from liepoisson.exact.charts.lagrange_reduction import ReducedLagrange
+    from liepoisson.exact.charts.leaf_constants import LeafConstants
+    from liepoisson.exact.charts.ordinary_lagrange import OrdinaryLagrange
+    from liepoisson.exact.charts.quaternion_chart import QuaternionChart
     from liepoisson.exact.classification import Classification, classify
     from liepoisson.exact.extension import Extension
     from liepoisson.exact.extensions import crmhd, leibniz, semidirect, trivial
@@ -126,6 +127,7 @@ __all__ = [
     "alignment",
     "attitude",
     "bounds",
+    "canonical",
     "catalog",
     "chart_orbit",
     "classify",
@@ -183,14 +185,14 @@ _HOME = {
     "Axis": "sweeps.spec",
     "Bounds": "phase_space.bounds",
     "Bracket": "exact.bracket",
-    "CanonicalSystem": "exact.canonical.canonical_system",
+    "CanonicalSystem": "exact.canonical_system",
     "ChartOrbit": "phase_space.chart_orbit",
     "Classification": "exact.classification",
     "CovariantVectors": "numeric.covariant_vectors",
     "EnergyProfile": "numeric.exponents_by_energy",
     "Equilibria": "phase_space.equilibrium_list",
     "Equilibrium": "phase_space.stability",
-    "EulerChart": "exact.canonical.euler_chart",
+    "EulerChart": "exact.charts.euler_chart",
     "ExponentEstimate": "numeric.exponent_estimate",
     "Extension": "exact.extension",
     "FiniteTimeFit": "numeric.finite_time_fit",
@@ -201,18 +203,18 @@ _HOME = {
     "Growth": "numeric.lyapunov",
     "LagrangeMap": "numeric.methods",
     "Leaf": "phase_space.leaf",
-    "LeafConstants": "exact.canonical.leaf_constants",
+    "LeafConstants": "exact.charts.leaf_constants",
     "LieAlgebra": "exact.lie_algebra",
     "LogFit": "numeric.estimates",
     "MeanCurve": "numeric.estimates",
     "Megno": "numeric.megno",
     "Orbit": "numeric.integrate",
-    "OrdinaryLagrange": "exact.canonical.ordinary_lagrange",
+    "OrdinaryLagrange": "exact.charts.ordinary_lagrange",
     "PiecesField": "field",
     "PoissonStructure": "numeric.structural_zeros",
     "QuadraticField": "field",
-    "QuaternionChart": "exact.canonical.quaternion_chart",
-    "ReducedLagrange": "exact.canonical.lagrange_reduction",
+    "QuaternionChart": "exact.charts.quaternion_chart",
+    "ReducedLagrange": "exact.charts.lagrange_reduction",
     "Refinement": "sweeps.spec",
     "Rod": "phase_space.rod",
     "Rule": "numeric.verdict",
@@ -237,6 +239,7 @@ _HOME = {
     "alignment": "numeric.alignment",
     "attitude": "phase_space.frames",
     "bounds": "phase_space.bounds",
+    "canonical": "exact.canonical_bracket",
     "chart_orbit": "phase_space.chart_orbit",
     "classify": "exact.classification",
     "crmhd": "exact.extensions",

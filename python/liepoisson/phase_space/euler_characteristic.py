@@ -42,6 +42,8 @@ def euler_characteristic(leaf: Leaf) -> int | None:
     top = exact_top(system)
     if top is not None:
         return euler_characteristic_of_leaf(leaf, top)
+    if system.bracket.constant:
+        return None
     if system.bracket.extension.dimension == 1:
         return _of_orbit(system, leaf.state)
     return 2 if leaf.place.is_known and _is_euclidean(system) and _is_definite(system) else None
