@@ -51,8 +51,8 @@ def test_a_casimir_that_is_not_homogeneous():
 
 def test_constants_alone_leave_the_null_directions_as_casimirs():
     bracket = (lp.abelian(3) @ lp.trivial()).with_constant({("l1", "l2"): 1, ("l2", "l3"): 2})
-    l1, l2, l3 = bracket.variables
-    assert [sp.expand(c) for c in bracket.casimirs()] == [l1 * 2 + l3] or bracket.casimirs() == [l1 + l3 / 2]
+    l1, _, l3 = bracket.variables
+    assert bracket.casimirs() == [l1 + l3 / 2]
     assert bracket.rank_certificate().proved
     assert bracket.rank([0, 0, 0]) == 2
 
