@@ -261,7 +261,8 @@ def toda(n: int, *, closed: bool = True) -> System:
     least = 3 if closed else 2
     if isinstance(n, bool) or not isinstance(n, Integral) or not least <= int(n) <= _MOST_PARTICLES:
         raise ParameterError(
-            f"the number of particles must be an integer from {least} to {_MOST_PARTICLES}; got {n!r:.40}. Take another."
+            f"the number of particles must be an integer from {least} to {_MOST_PARTICLES}; got {n!r:.40}. Take "
+            "another."
         )
     n = int(n)
     from sympy import S, exp
