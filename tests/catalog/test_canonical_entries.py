@@ -88,7 +88,7 @@ def test_henon_heiles_has_its_four_equilibria():
 
 
 def test_small_oscillations():
-    """Squares 2 +- sqrt(2) for the double pendulum [landau1976], g/l = 1 and k = 4 for the spring, 3 for Toda's ring."""
+    """Squares 2 +- sqrt(2) for the double pendulum [landau1976], g/l = 1 and k = 4 for the spring, 3 for Toda's."""
     pendulum = lp.stability(catalog.system("double-pendulum"), [0, 0, 0, 0])
     assert pendulum.frequencies**2 == pytest.approx([2 - np.sqrt(2), 2 + np.sqrt(2)])
     assert pendulum.nonlinear_stability == "stable"

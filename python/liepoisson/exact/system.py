@@ -126,7 +126,7 @@ class System:
 
     @property
     def vector_length(self) -> int:
-        """Number of components of each field: the dimension of the Lie algebra; all of them where fields are scalars."""
+        """Number of components of each field: the dimension of the Lie algebra; all where fields are scalars."""
         return self.bracket.dimension if self.bracket.has_scalar_fields else self.bracket.algebra.dimension
 
     @cached_property
