@@ -210,3 +210,13 @@ def test_a_constant_part_makes_no_top():
     assert isinstance(system.field(), lp.QuadraticField)
     with pytest.raises(LeafError):
         lp.Leaf(system, {"C1": 0, "C2": 0, "C3": -1})
+
+
+def test_a_generator_of_a_lower_degree_is_not_found_again():
+    """One of degree one beside one of degree two, which is not homogeneous: two generators, not three."""
+    bracket = ((lp.so(3) + lp.abelian(1)) @ lp.trivial()).with_constant({("l2", "l1"): 1})
+    l1, l2, l3, l4 = bracket.variables
+    report = bracket.casimir_report(3)
+    assert report.generators == (l4, l1**2 + l2**2 + l3**2 + 2 * l3)
+    assert report.degrees == (1, 2)
+    assert report.dimensions == {1: 1, 2: 3, 3: 5}  # x, then x^2 and C, then x^3 and x C, where x = l4
