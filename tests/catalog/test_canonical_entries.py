@@ -54,6 +54,7 @@ CASES = {
 }
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", CASES)
 def test_orbits_and_tangent_vectors_are_those_of_another_integrator(name):
     rates, start, end = CASES[name]
@@ -72,6 +73,7 @@ def test_orbits_and_tangent_vectors_are_those_of_another_integrator(name):
     assert np.abs(orbit.tangent[0, -1, 0] - other[n:]).max() < 1e-9 * growth**2
 
 
+@pytest.mark.thorough
 def test_henon_heiles_has_its_four_equilibria():
     """The centre, and three saddles at the energy of escape, 1/6, in the corners of a triangle [henonheiles1964]."""
     system = catalog.system("henon-heiles")
@@ -108,6 +110,7 @@ def test_the_double_pendulum_has_four_equilibria():
         assert (here.linear_stability == "unstable") is (k > 0)
 
 
+@pytest.mark.thorough
 def test_the_exponent_of_henon_heiles_in_its_chaotic_sea():
     """At H = 1/8: what 64 orbits of DOP853 with own variational equations gave from t = 500 to 4500."""
     reference = next(r for r in catalog.entry("henon-heiles").references if r.quantity == "lyapunov")
@@ -120,6 +123,7 @@ def test_the_exponent_of_henon_heiles_in_its_chaotic_sea():
     assert abs(rate.mean() - float(reference.value)) < 3 * np.hypot(own, float(reference.tolerance))
 
 
+@pytest.mark.thorough
 def test_the_exponent_of_the_double_pendulum():
     reference = next(r for r in catalog.entry("double-pendulum").references if r.quantity == "lyapunov")
     starts = np.array([[2, 2 + 1e-6 * k, 0, 0] for k in range(64)])
@@ -129,6 +133,7 @@ def test_the_exponent_of_the_double_pendulum():
     assert abs(rate.mean() - float(reference.value)) < 3 * np.hypot(own, float(reference.tolerance))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("n", "closed"), [(3, True), (4, True), (2, False), (3, False), (4, False)])
 def test_the_integrals_of_the_toda_lattice_are_in_involution(n, closed):
     """P, H, T3, ..., Tn: n independent functions that commute, in exact arithmetic."""

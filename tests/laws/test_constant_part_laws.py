@@ -71,6 +71,7 @@ def with_polynomials(draw):
     )
 
 
+@pytest.mark.thorough
 @exactly
 @given(with_polynomials())
 def test_jacobi_leibniz_and_antisymmetry(drawn):
@@ -105,6 +106,7 @@ def test_what_is_no_cocycle_is_refused_with_the_triple(bracket, added, random):
         assert bracket.with_constant(constant).constant == wrong.constant
 
 
+@pytest.mark.thorough
 @exactly
 @given(with_cocycle(SMALL))
 def test_casimirs_commute_with_everything_and_are_as_many_as_the_corank(bracket):
@@ -115,6 +117,7 @@ def test_casimirs_commute_with_everything_and_are_as_many_as_the_corank(bracket)
     assert report.independent <= report.corank == bracket.dimension - J.rank()
 
 
+@pytest.mark.thorough
 @exactly
 @given(st.sampled_from([name for name in PROPER if name != "lines"]), st.data())
 def test_a_coboundary_is_a_translation(name, data):
@@ -136,6 +139,7 @@ def test_a_coboundary_is_a_translation(name, data):
             assert sp.expand(shifted - shifted.subs(zero) - moved.casimirs()[0]) == 0
 
 
+@pytest.mark.thorough
 @exactly
 @given(st.lists(rational, min_size=3, max_size=3).filter(any))
 def test_a_wrong_translation_is_noticed(x0):

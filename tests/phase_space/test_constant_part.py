@@ -39,6 +39,7 @@ def test_the_poisson_tensor_and_its_derivative():
     np.testing.assert_allclose(fields.derivatives(x)[..., 0], CARRIER.functions.jacobian(x), atol=1e-15)
 
 
+@pytest.mark.thorough
 def test_a_translated_top_moves_as_the_top():
     top, moved, x0 = twisted()
     start, t = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4]), np.linspace(0, 10, 5)
@@ -64,6 +65,7 @@ def test_a_tape_has_the_constant_part():
     np.testing.assert_allclose(tape.vector_field(x), wanted, atol=1e-13)
 
 
+@pytest.mark.thorough
 def test_the_equilibria_of_the_gyrostat_are_those_of_the_body_moved():
     """M + k is along omega; on a sphere the signs sum to 2, which is checked."""
     state = np.array([0.5, 1.5, -1.0])
@@ -87,6 +89,7 @@ def test_orbits_have_the_characteristic_of_those_without_a_constant_part(algebra
     assert euler_characteristic(lp.leaf_of(system, state)) == characteristic
 
 
+@pytest.mark.thorough
 def test_the_origin_of_canonical_coordinates_is_a_state_like_others():
     moved = HENON_HEILES.hamiltonian.subs({x: x - 2 for x in HENON_HEILES.variables}, simultaneous=True)
     elsewhere = lp.System(HENON_HEILES.bracket, moved)
@@ -102,6 +105,7 @@ def test_the_origin_of_canonical_coordinates_is_a_state_like_others():
         lp.stability(HENON_HEILES, [0.1, 0, 0, 0])
 
 
+@pytest.mark.thorough
 def test_relative_equilibria_of_a_rotation():
     """H = (p^2 + r^4)/2 with the angular momentum L: circles with Omega^2 = 2 r^2."""
     system = lp.System(lp.canonical(2), "dot(p, p)/2 + dot(q, q)^2/2", integrals={"L": "q1*p2 - q2*p1"})
@@ -114,6 +118,7 @@ def test_relative_equilibria_of_a_rotation():
     assert found.frequencies == pytest.approx([np.sqrt(12) * r])
 
 
+@pytest.mark.thorough
 def test_samples_have_the_liouville_measure():
     """In the well H = |z|^2/2 the fraction of H < E is (E/E0)^2, and q1^2 has the mean E0/3."""
     harmonic = lp.System(lp.canonical(2), "(dot(p, p) + dot(q, q))/2")
@@ -148,6 +153,7 @@ def test_zeros_and_pairs_of_a_spectrum():
     assert poisson_structure(toda, np.array([[0.1, 0.4, -0.2, 1, -0.5, 0.3]])).n_zeros[0] == 6
 
 
+@pytest.mark.thorough
 def test_a_file_of_results_repeats_its_system(tmp_path):
     for system, start in ((CARRIER, [0.5, 1.5, -1.0]), (HENON_HEILES, [0, -0.25, 0.42, 0.1])):
         orbit = lp.integrate(system, start, t=np.linspace(0, 5, 4))
