@@ -181,3 +181,15 @@ def test_sweeps_tell_brackets_with_different_constants_apart():
     records = [system_record(lp.System(b, "dot(l, l)/2 + l1")) for b in (one, one.with_constant({("l1", "l2"): 2}))]
     assert records[0] != records[1]
     assert "constant part of the bracket" not in system_record(BODY)
+
+
+@pytest.mark.thorough
+def test_parameters_of_canonical_files_and_of_constant_parts_are_swept():
+    of_gravity = lp.sweep(
+        system="double-pendulum", axes={"g": [0.5, 1.0]}, quantity="chaotic_fraction", n=4, t_end=50, seed=1
+    )
+    assert of_gravity.points.shape == (2, 1)
+    of_rotor = lp.sweep(system="gyrostat", axes={"k1": [0.5, 2.0]}, quantity="chaotic_fraction", n=8, t_end=100, seed=1)
+    assert of_rotor.chaotic_fraction.tolist() == [0, 0]  # integrable
+    with pytest.raises(ParameterError, match="theta1"):
+        lp.sweep(system="double-pendulum", axes={"theta1": [0.5]}, quantity="chaotic_fraction", n=4, t_end=50)

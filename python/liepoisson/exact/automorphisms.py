@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
 from math import gcd, lcm
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.linear.coefficients import Coefficients
@@ -221,7 +221,7 @@ def scalings(bracket: Bracket) -> list[Scaling]:
     products = [((mu, 1), (nu, 1), (lam, -1), w) for mu, nu, lam, w in _products(A)]
     for *signs, w in [*products, *constants]:
         row: dict[int, int] = {}
-        for k, sign in cast("list[tuple[int, int]]", signs):
+        for k, sign in signs:
             row[k] = row.get(k, 0) - sign  # the coefficient goes to s^(w_mu + w_nu - w_lam) times itself
         parameter = _single_parameter(w)
         if parameter is None and not isinstance(w, Fraction) and w.free_symbols:

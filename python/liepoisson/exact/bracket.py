@@ -586,7 +586,7 @@ def _read_pair(pair: object, names: Sequence[str]) -> tuple[int, int]:
 
 
 def _read_coordinate(given: object, names: Sequence[str]) -> int:
-    if isinstance(given, Integral) and not isinstance(given, bool) and 0 <= int(given) < len(names):
+    if not isinstance(given, bool) and isinstance(given, Integral) and 0 <= int(given) < len(names):
         return int(given)
     if str(given) in names:  # a text or a symbol
         return list(names).index(str(given))

@@ -112,12 +112,16 @@ class CanonicalSystem(System):
         n = len(self.component_names)
         return 3 if n % 3 == 0 else n
 
-    @cached_property
+    @property
     def variables(self) -> tuple[Symbol, ...]:
         """The components of the state as symbols."""
+        return (*self.bracket.variables, *self._quadrature_symbols)
+
+    @cached_property
+    def _quadrature_symbols(self) -> tuple[Symbol, ...]:
         from sympy import Symbol
 
-        return tuple(Symbol(name) for name in self.component_names)
+        return tuple(Symbol(name) for name in self._quadrature_names)
 
     @property
     def pairs(self) -> list[tuple[Symbol, Symbol]]:
