@@ -26,8 +26,8 @@ SYNONYMS = {
 }
 """What would say the same as an argument that there is."""
 
-ALGEBRAIC = {"algebras", "extensions", "catalog"}
-"""Chapters where n is a dimension, as in so(n)."""
+ALGEBRAIC = {"algebras", "brackets", "extensions", "catalog"}
+"""Chapters where n is a dimension or a number of degrees of freedom, as in so(n)."""
 
 
 @pytest.fixture(scope="module")

@@ -20,6 +20,7 @@ from liepoisson._core import __version__ as __version__
 from liepoisson.dataset import load as load
 from liepoisson.dataset import rerun as rerun
 from liepoisson.exact.bracket import Bracket as Bracket
+from liepoisson.exact.canonical_bracket import canonical as canonical
 from liepoisson.exact.describe import inspect as inspect
 from liepoisson.exact.extension import Extension as Extension
 from liepoisson.exact.extensions import leibniz as leibniz

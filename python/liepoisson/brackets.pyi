@@ -2,6 +2,7 @@
 from liepoisson.exact.automorphisms import Automorphism as Automorphism
 from liepoisson.exact.automorphisms import Derivation as Derivation
 from liepoisson.exact.bracket import Bracket as Bracket
+from liepoisson.exact.canonical_bracket import canonical as canonical
 from liepoisson.exact.casimirs import CasimirReport as CasimirReport
 from liepoisson.exact.certificates import JacobiCertificate as JacobiCertificate
 from liepoisson.exact.certificates import RankCertificate as RankCertificate

@@ -9,6 +9,7 @@ from __future__ import annotations
 __all__ = [
     "BracketError",
     "ChartError",
+    "CocycleError",
     "CoreError",
     "DamagedFileError",
     "ExpressionError",
@@ -22,6 +23,7 @@ __all__ = [
     "ShapeError",
     "SurfaceWarning",
     "SystemFileError",
+    "ThreadLimitError",
     "UnknownNameError",
     "UnsupportedFieldError",
 ]
@@ -87,6 +89,26 @@ class UnknownNameError(LiePoissonError, LookupError):
 
 class BracketError(LiePoissonError, ValueError):
     """Structure constants or an extension tensor that do not define a Lie-Poisson bracket."""
+
+
+class CocycleError(BracketError):
+    """A constant part of a bracket that is no 2-cocycle, so that the Jacobi identity fails.
+
+    Attributes:
+        triple: Names of the three coordinates at which it fails.
+        residual: The cyclic sum of {{x, y}, z} for them, as text; it should be 0.
+    """
+
+    def __init__(self, triple: tuple[str, ...], residual: str) -> None:
+        self.triple = triple
+        self.residual = residual
+        super().__init__(
+            f"the constant part must be a 2-cocycle of the Lie algebra, c([x, y], z) + cyclic = 0; for "
+            f"({', '.join(triple)}) the cyclic sum of {{{{x, y}}, z}} is {residual} instead of 0. Correct its entries."
+        )
+
+    def __reduce__(self) -> tuple[type[CocycleError], tuple[tuple[str, ...], str]]:
+        return type(self), (self.triple, self.residual)
 
 
 class UnsupportedFieldError(LiePoissonError):

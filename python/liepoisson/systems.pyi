@@ -1,4 +1,5 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.exact.canonical_system import CanonicalSystem as CanonicalSystem
 from liepoisson.exact.describe import Report as Report
 from liepoisson.exact.describe import inspect as inspect
 from liepoisson.exact.phase_functions import PhaseFunction as PhaseFunction

@@ -6,7 +6,7 @@ or a root makes them floats.
 
 from fractions import Fraction
 from itertools import combinations
-from math import isqrt, pi, sin
+from math import cos, exp, isqrt, pi, sin, sqrt
 
 F = Fraction
 
@@ -80,6 +80,46 @@ def leibniz(inertia, a):
 def gyrostat(l):
     k = [F(1, 2), F(1, 3), F(1, 4)]
     return [cross(l, over(plus(l, times(-1, k)), [1, 2, F(5, 2)]))]
+
+
+def carrier(M):
+    """The gyrostat in the momentum of the carrier: the whole momentum M + k turns with omega."""
+    k = [F(1, 2), F(1, 3), F(1, 4)]
+    return [cross(plus(M, k), over(M, [1, 2, F(5, 2)]))]
+
+
+def cubic(A, B, C):
+    """x'' = -A x - 2 x y, y'' = -B y - x^2 + C y^2."""
+
+    def equations(x, y, u, v):
+        return [u, v, [-A * x[0] - 2 * x[0] * y[0]], [-B * y[0] - x[0] ** 2 + C * y[0] ** 2]]
+
+    return equations
+
+
+def double_pendulum(a, b, p, q):
+    """Unit masses, lengths and gravity; angles a, b and their momenta p, q."""
+    a, b, p, q = (float(z[0]) for z in (a, b, p, q))
+    s, c = sin(a - b), cos(a - b)
+    D = 1 + s * s
+    first = p * q * s / D
+    second = (p * p + 2 * q * q - 2 * p * q * c) * 2 * s * c / (2 * D * D)
+    return [[(p - q * c) / D], [(2 * q - p * c) / D], [-2 * sin(a) - first + second], [-sin(b) + first - second]]
+
+
+def spring_pendulum(x, y, u, v):
+    """The spring pulls with 4 (r - 3/4) towards the origin, gravity with 1 downwards."""
+    x, y = float(x[0]), float(y[0])
+    r = sqrt(x * x + y * y)
+    pull = 4 * (r - 0.75)
+    return [u, v, [-pull * x / r], [-pull * y / r - 1]]
+
+
+def toda(q, p):
+    """Each particle is pushed by the spring behind it and pulled back by the one before it."""
+    n, q = len(q), [float(c) for c in q]
+    spring = [exp(q[k] - q[(k + 1) % n]) for k in range(n)]
+    return [p, [spring[k - 1] - spring[k] for k in range(n)]]
 
 
 def cavity(m, n):
@@ -192,10 +232,16 @@ EQUATIONS = {
     "chaplygin": quadratic((1, 1, 2), (0, 0, 0), (1, -1, 0)),
     "clebsch": quadratic(A, (0, 0, 0), PRODUCTS),
     "compressible-reduced-mhd": four_fields,
+    "double-pendulum": double_pendulum,
     "free-rigid-body": lambda l: [cross(l, over(l, (1, 2, F(5, 2))))],
     "goryachev": singular,
     "goryachev-chaplygin": heavy((4, 4, 1), (1, 0, 0)),
     "goryachev-chaplygin-gyrostat": euclidean(lambda l, _: ([l[0] / 4, l[1] / 4, l[2] - F(1, 3)], [1, 0, 0])),
+    "gyrostat": carrier,
+    "henon-heiles": cubic(1, 1, 1),
+    "henon-heiles-kaup-kupershmidt": cubic(1, 16, -16),
+    "henon-heiles-kdv": cubic(1, F(3, 2), -6),
+    "henon-heiles-sawada-kotera": cubic(1, 1, -1),
     "heavy-top": heavy((2, F(3, 2), 1), (F(3, 5), 0, F(4, 5))),
     "kepler-on-the-sphere": kepler,
     "kirchhoff": quadratic((1, 1, 2), (F(1, 3), F(1, 3), F(1, 5)), (2, 2, 3)),
@@ -220,7 +266,9 @@ EQUATIONS = {
     "so21-heavy-top": heavy((1, 1, F(1, 2)), (0, 0, 1), minkowski_cross),
     "so21-twisted-top": top((1, 1, F(1, 2)), (0, 0, 1), epsilon=1, product=minkowski_cross),
     "spherical-pendulum": euclidean(lambda l, _: (l, [0, 0, 1])),
+    "spring-pendulum": spring_pendulum,
     "steklov": quadratic(A, times(-MU, PRODUCTS), times(MU**2, along(A, SQUARES))),
+    "toda": toda,
     "twisted-kovalevskaya": top((2, 2, 1), (-1, 0, 0), epsilon=1),
     "twisted-lagrange": top((1, 1, F(1, 2)), (0, 0, 1), epsilon=1),
     "two-field-kovalevskaya": top((2, 2, 1), (-1, 0, 0), (0, -1, 0)),

@@ -197,7 +197,7 @@ def test_brackets_are_pickled_by_their_definition():
     bracket.casimir_report()
     again = pickle.loads(pickle.dumps(bracket))
     assert again.entries() == bracket.entries()
-    assert set(again.__dict__) <= {"algebra", "extension", "_terms"}
+    assert set(again.__dict__) <= {"algebra", "extension", "constant", "_name", "_terms"}
 
 
 def test_entries_do_not_import_sympy():

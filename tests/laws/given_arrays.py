@@ -124,8 +124,11 @@ CASES: dict[str, Case] = {
     "Attitude.at": Case(lambda times: attitude().at(times), {"times": TIMES[1:]}),
     "Attitude.body": Case(lambda vectors: attitude().body(vectors), {"vectors": STATE[:3]}),
     "Attitude.space": Case(lambda vectors: attitude().space(vectors), {"vectors": STATE[:3]}),
+    "CanonicalSystem.invariant_values": Case(
+        lambda x: chart("euler").system.invariant_values(x), {"x": lambda: inside("euler")}
+    ),
     "CanonicalSystem.vector_field": Case(
-        lambda z: chart("euler").system.vector_field(z), {"z": lambda: inside("euler")}
+        lambda x: chart("euler").system.vector_field(x), {"x": lambda: inside("euler")}
     ),
     "CovariantVectors.distance_from_centre": Case(
         lambda vectors: covariant().distance_from_centre(vectors, 5), {"vectors": lambda: covariant().state}

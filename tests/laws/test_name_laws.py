@@ -10,7 +10,7 @@ from hostile_names import FAMOUS, REFUSED, accepted
 import liepoisson as lp
 from liepoisson.cli.systems import with_settings
 from liepoisson.errors import LiePoissonError, ParameterError
-from liepoisson.exact.canonical.canonical_system import CanonicalSystem
+from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import CONSTANTS, FUNCTIONS
@@ -301,7 +301,7 @@ def test_systems_with_one_text_have_different_records():
 
 @pytest.mark.parametrize("name", ["phi", "p_theta", "v", "eta", "q0", "X", "c_phi"])
 def test_charts_refuse_symbols_that_are_their_own(name):
-    from liepoisson.exact.canonical.euler_chart import EulerChart
+    from liepoisson.exact.charts.euler_chart import EulerChart
 
     with pytest.raises(ParameterError, match=f"{name} would be a parameter, and a coordinate or constant of a chart"):
         EulerChart(lp.Top(inertia=(2, 2, 1), a=(-1, 0, 0), b=(0, 0, 0), epsilon=name))

@@ -73,7 +73,7 @@ def test_growing_and_shrinking_spaces_are_told_apart(spectrum):
 
 def test_vectors_of_a_saddle_are_its_eigenvectors():
     """H = (p^2 - 4 q^2)/2: exponents +-2, eigenvectors (1, 2) and (1, -2), which are not orthogonal."""
-    saddle = lp.charts.CanonicalSystem(["q"], ["p"], "(p^2 - 4*q^2)/2")
+    saddle = lp.systems.CanonicalSystem(["q"], ["p"], "(p^2 - 4*q^2)/2")
     vectors = lyapunov_spectrum(saddle, np.zeros(2), t_end=20, transient=20, interval=1, covariant=True).covariant
     expected = np.array([[1, 2], [1, -2]]) / np.sqrt(5)
     overlap = np.abs(np.einsum("tski,ki->tsk", vectors.vector, expected))

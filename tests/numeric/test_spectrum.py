@@ -28,7 +28,7 @@ class BareField:
 
 def test_a_linear_hamiltonian_flow_has_its_eigenvalues():
     """H = (p1^2 - 2 q1^2)/2 + q2 p2/3 has the eigenvalues +-sqrt 2 and +-1/3."""
-    saddle = lp.charts.CanonicalSystem(["q1", "q2"], ["p1", "p2"], "(p1^2 - 2*q1^2)/2 + q2*p2/3")
+    saddle = lp.systems.CanonicalSystem(["q1", "q2"], ["p1", "p2"], "(p1^2 - 2*q1^2)/2 + q2*p2/3")
     spectrum = lyapunov_spectrum(saddle, np.zeros(4), t_end=400, transient=100)
     expected = [np.sqrt(2), 1 / 3, -1 / 3, -np.sqrt(2)]
     # after the transient the frame is that of the invariant flag, so the rates are the eigenvalues but for rounding,

@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING
 from liepoisson.catalog.families import (
     euler_top_on,
     heavy_top_on,
+    henon_heiles,
     leibniz_top,
     manakov,
     reduced_mhd,
     su_top,
+    toda,
     twisted_top_on,
     zeitlin,
 )
@@ -30,6 +32,7 @@ __all__ = [
     "entry",
     "euler_top_on",
     "heavy_top_on",
+    "henon_heiles",
     "leibniz_top",
     "manakov",
     "names",
@@ -37,6 +40,7 @@ __all__ = [
     "reduced_mhd",
     "su_top",
     "system",
+    "toda",
     "twisted_top_on",
     "zeitlin",
 ]

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from itertools import combinations
+from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError, ShapeError
@@ -236,6 +237,104 @@ def twisted_top_on(
 
     vectors = (a,) if b is None else (a, b)
     return _top(_algebra(algebra) @ leibniz(3, epsilon), inertia, vectors, f"twisted top on {algebra}", _EXTENSIONS)
+
+
+def toda(n: int, *, closed: bool = True) -> System:
+    r"""The Toda lattice of n particles, $H = \tfrac12\sum p_k^2 + \sum e^{q_k - q_{k+1}}$, with n integrals.
+
+    They are the traces of powers of the Lax matrix L with $L_{kk} = p_k$ and $L_{k,k+1} = L_{k+1,k} =
+    e^{(q_k - q_{k+1})/2}$: $P = \operatorname{tr} L$ and $T_k = \operatorname{tr} L^k$, $k = 3, \dots, n$
+    ($\operatorname{tr} L^2 = 2H$).  They commute.
+
+    Args:
+        n: Particles, 3 to 100 on a ring, 2 to 100 on a line.  Integrals are written out up to n = 8.
+        closed: Whether the last particle is joined to the first: the lattice on a ring, else on a line.
+
+    Raises:
+        ParameterError: n is not in the range.
+
+    References: Toda (1967); [henon1974], [flaschka1974].
+    """
+    from liepoisson.exact.canonical_bracket import canonical
+    from liepoisson.exact.system import System
+
+    least = 3 if closed else 2
+    if isinstance(n, bool) or not isinstance(n, Integral) or not least <= int(n) <= _MOST_PARTICLES:
+        raise ParameterError(
+            f"the number of particles must be an integer from {least} to {_MOST_PARTICLES}; got {n!r:.40}. Take "
+            "another."
+        )
+    n = int(n)
+    from sympy import S, exp
+
+    bracket = canonical(n)
+    q, p = (list(column) for column in bracket.fields.values())
+    pairs = [(k, (k + 1) % n) for k in range(n if closed else n - 1)]
+    springs = [exp(q[i] - q[j]) for i, j in pairs]
+    energy = sum((c**2 for c in p), S.Zero) / 2 + sum(springs, S.Zero)
+    traces = _traces_of_lax_matrix(q, p, pairs) if n <= _MOST_WRITTEN else {}
+    integrals = {"P": sum(p, S.Zero)} | {f"T{k}": trace for k, trace in traces.items() if k > _QUADRATIC}
+    shape = "ring" if closed else "line"
+    return System(bracket, energy, name=f"Toda lattice of {n} on a {shape}", integrals=integrals, source=_TODA)
+
+
+_MOST_PARTICLES, _MOST_WRITTEN, _QUADRATIC = 100, 8, 2
+_TODA = (
+    "M. Toda, J. Phys. Soc. Japan 22 (1967) 431; M. Hénon, Phys. Rev. B 9 (1974) 1921; H. Flaschka, Phys. Rev. B 9 "
+    "(1974) 1924"
+)
+
+
+def _traces_of_lax_matrix(q: Sequence[Any], p: Sequence[Any], pairs: Sequence[tuple[int, int]]) -> dict[int, Any]:
+    """The traces of the powers of L, by exponent; products of springs are exponentials of differences."""
+    from sympy import Matrix, exp, zeros
+
+    n = len(q)
+    L: Any = zeros(n, n)
+    for k in range(n):
+        L[k, k] = p[k]
+    for i, j in pairs:
+        L[i, j] = L[j, i] = exp((q[i] - q[j]) / 2)
+    power: Any = Matrix(L)
+    traces: dict[int, Any] = {1: power.trace()}
+    for k in range(2, n + 1):
+        power = (power * L).expand()
+        traces[k] = power.trace().expand()
+    return traces
+
+
+def henon_heiles(A: Parameter = 1, B: Parameter = 1, C: Parameter = 1) -> System:
+    r"""Hénon and Heiles' system, $H = \tfrac12(p_x^2 + p_y^2 + Ax^2 + By^2) + x^2 y - \tfrac C3 y^3$.
+
+    It is integrable for C = -1 and A = B (Sawada-Kotera), for C = -6 (KdV), and for C = -16 and B = 16 A
+    (Kaup-Kupershmidt); the integral of these cases is then known, as K.
+
+    Args:
+        A: Square of the frequency of x.
+        B: Square of the frequency of y.
+        C: Strength of the cubic term.
+
+    Raises:
+        ParameterError: one of them is not exact.
+
+    References: Hénon and Heiles (1964); Conte, Musette and Verhoeven (2005), for the cases.
+    """
+    from liepoisson.exact.canonical_bracket import canonical
+    from liepoisson.exact.system import System
+
+    values = {"A": A, "B": B, "C": C}
+    a, b, c = _numbers(list(values.values()), 3, "A, B, C")
+    integrals: dict[str, str] = {}
+    if c == -1 and (a - b).equals(0):
+        integrals = {"K": "p_x*p_y + A*x*y + x*y^2 + x^3/3"}
+    elif c == -6:
+        integrals = {"K": "x^4 + 4*x^2*y^2 + 4*p_x*(p_y*x - p_x*y) + 4*A*x^2*y + (4*A - B)*(p_x^2 + A*x^2)"}
+    elif c == -16 and (16 * a - b).equals(0):
+        integrals = {"K": "3*p_x^4 + 6*(A + 2*y)*x^2*p_x^2 - 4*x^3*p_x*p_y - 4*x^4*(A*y + y^2) + 3*A^2*x^4 - 2*x^6/3"}
+    energy = "(p_x^2 + p_y^2 + A*x^2 + B*y^2)/2 + x^2*y - C*y^3/3"
+    source = "M. Hénon, C. Heiles, Astronomical Journal 69 (1964) 73"
+    name = f"Hénon-Heiles system, A = {a}, B = {b}, C = {c}"
+    return System(canonical(names=("x", "y")), energy, values, name=name, integrals=integrals, source=source)
 
 
 def _algebra(algebra: LieAlgebra | str) -> LieAlgebra:

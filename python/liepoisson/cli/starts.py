@@ -186,7 +186,7 @@ def read_state(system: System, words: Sequence[str], option: str) -> FloatArray:
                 f"Or give some by name: {example}."
             )
         return np.array(numbers)
-    size = system.vector_length
+    size = system.bracket.algebra.dimension
     places = {field: range(k * size, (k + 1) * size) for k, field in enumerate(fields)}
     places |= {name: range(k, k + 1) for k, name in enumerate(names)}
     x = np.full(len(names), np.nan)
@@ -252,7 +252,7 @@ def _numbers(text: str, option: str) -> list[float]:
 
 def start_lines(system: System, start: Start) -> list[str]:
     """What the commands print about a start: components, leaf, energy, and for a top bounds on its vectors."""
-    names, size = system.bracket.field_names, system.vector_length
+    names, size = system.bracket.field_names, system.bracket.algebra.dimension
     width = max(8, *map(len, names))
     lines = [f"{'start':<{width}} {start.origin}"]
     for k, name in enumerate(names):

@@ -67,8 +67,8 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
         if name in given:
             raise ParameterError(f"--set must give each parameter once; {name} comes twice. Remove one.")
         given.add(name)
-        if name not in file.scope.shapes:
-            known = ", ".join(file.scope.shapes) or "none"
+        if name not in file.scope.shapes or name in file.scope.scalars:
+            known = ", ".join(known for known in file.scope.shapes if known not in file.scope.scalars) or "none"
             raise ParameterError(f"--set must name a parameter of {file.name!r}; got {name!r}. Known: {known}.")
         wanted, got = file.scope.shapes[name], (len(value),) if isinstance(value, tuple) else ()
         if wanted != got:

@@ -1,7 +1,7 @@
 r"""Linear symmetries of brackets that act on the fields: maps, derivations and scalings of the algebra A.
 
 A linear map $x_\mu \mapsto \sum_\nu P_{\mu\nu} x_\nu$ of fields takes the bracket of g (x) A to that of g (x) A' if and
-only if (unless g is abelian)
+only if (unless g is abelian; a constant part must be taken to that of the other besides)
 
 $$\sum_{\alpha\beta} P_{\mu\alpha} P_{\nu\beta} W_\lambda{}^{\alpha\beta}
   = \sum_\kappa W'_\kappa{}^{\mu\nu} P_{\kappa\lambda} .$$
@@ -23,7 +23,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
 from liepoisson.exact.names import free_name
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, listed, read_parameter, to_sympy
+from liepoisson.exact.parameters import Exact, Parameter, is_zero, listed, read_parameter, symbols_of, to_sympy
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix
@@ -70,7 +70,24 @@ class Automorphism:
             raise ParameterError(
                 f"both brackets must have the same Lie algebra; got {source.algebra!r} and {image.algebra!r}."
             )
+        if not self._keeps_constant_parts(source, image):
+            return False
         return not source.algebra.brackets or not any(self.residuals(source.extension, image.extension).values())
+
+    def _keeps_constant_parts(self, source: Bracket, target: Bracket) -> bool:
+        """Whether the constant part of the one becomes that of the other."""
+        if not source.constant and not target.constant:
+            return True
+        from sympy import Add
+
+        P, n = [[to_sympy(value) for value in row] for row in self.matrix], source.algebra.dimension
+        sums: dict[tuple[int, int], list[Any]] = {}
+        for (a, i), (b, j), c in _constants(source):
+            for mu, nu in product(range(len(P)), repeat=2):
+                sums.setdefault((mu * n + i, nu * n + j), []).append(P[mu][a] * P[nu][b] * to_sympy(c))
+        for (mu, i), (nu, j), c in _constants(target):
+            sums.setdefault((mu * n + i, nu * n + j), []).append(-to_sympy(c))
+        return all(is_zero(Add(*terms)) for terms in sums.values())
 
     def residuals(self, source: Extension, target: Extension) -> dict[tuple[int, int, int], Expr]:
         """The difference of the two sides of the condition, by (lam, mu, nu); zero for a homomorphism."""
@@ -160,10 +177,11 @@ def derivations(bracket: Bracket) -> list[Derivation]:
     """A basis of the derivations of A, gradings with the simplest weights first (exact null space)."""
     A = bracket.extension
     n, terms = A.dimension, _products(A)
-    field = Coefficients.containing(w for *_, w in terms)
-    rows: dict[tuple[int, int, int], dict[int, Any]] = {}
+    constants = _constants(bracket)
+    field = Coefficients.containing(value for *_, value in (*terms, *constants))
+    rows: dict[tuple[object, ...], dict[int, Any]] = {}
 
-    def add(key: tuple[int, int, int], column: int, value: Any) -> None:
+    def add(key: tuple[object, ...], column: int, value: Any) -> None:
         row = rows.setdefault(key, {})
         row[column] = row[column] + value if column in row else value
 
@@ -173,6 +191,11 @@ def derivations(bracket: Bracket) -> list[Derivation]:
             add((mu, nu, k), lam * n + k, value)  # D(e_mu e_nu)
             add((k, nu, lam), k * n + mu, -value)  # D(e_k) e_nu, with e_mu a part of D(e_k)
             add((mu, k, lam), k * n + nu, -value)  # e_mu D(e_k)
+    for first, second, c in constants:
+        value = field.read(c)
+        for k in range(n):
+            add(((k, first[1]), second), k * n + first[0], value)  # c(D e_k, .)
+            add((first, (k, second[1])), k * n + second[0], value)  # c(., D e_k)
     matrix = [{c: v for c, v in row.items() if v} for row in rows.values()]
     vectors = nullspace(matrix, n * n, field).vectors
     found = [
@@ -192,11 +215,13 @@ def scalings(bracket: Bracket) -> list[Scaling]:
     """
     A = bracket.extension
     n, rationals = A.dimension, Coefficients()
-    names = sorted(A.symbols)
+    constants = [((first[0], 1), (second[0], 1), c) for first, second, c in _constants(bracket)]
+    names = sorted({name for *_, c in constants for name in symbols_of(c)} | A.symbols)
     rows: list[dict[int, Any]] = []
-    for mu, nu, lam, w in _products(A):
+    products = [((mu, 1), (nu, 1), (lam, -1), w) for mu, nu, lam, w in _products(A)]
+    for *signs, w in [*products, *constants]:
         row: dict[int, int] = {}
-        for k, sign in ((mu, 1), (nu, 1), (lam, -1)):
+        for k, sign in signs:
             row[k] = row.get(k, 0) - sign  # the coefficient goes to s^(w_mu + w_nu - w_lam) times itself
         parameter = _single_parameter(w)
         if parameter is None and not isinstance(w, Fraction) and w.free_symbols:
@@ -216,6 +241,13 @@ def _products(A: Extension) -> list[tuple[int, int, int, Exact]]:
     """All (mu, nu, lam, w) with w the nonzero coefficient of e_mu e_nu along e_lam, both orders."""
     W, n = A.tensor, range(A.dimension)
     return [(m, v, k, W[k][m][v]) for m, v, k in product(n, repeat=3) if not is_zero(W[k][m][v])]
+
+
+def _constants(bracket: Bracket) -> list[tuple[tuple[int, int], tuple[int, int], Exact]]:
+    """The constant part, both orders: (field, component), (field, component), value."""
+    n = bracket.algebra.dimension
+    terms = [(divmod(i, n), divmod(j, n), c) for (i, j), c in bracket.constant.items()]
+    return [entry for i, j, c in terms for entry in ((i, j, c), (j, i, -c))]
 
 
 def _single_parameter(w: Exact) -> str | None:

@@ -1,4 +1,7 @@
-r"""Lie-Poisson brackets of g (x) A, $\{f, g\} = -\langle x, [df, dg] \rangle$."""
+r"""Lie-Poisson brackets of g (x) A, $\{f, g\} = -\langle x, [df, dg] \rangle + c(df, dg)$.
+
+The constant part c is zero for the Lie-Poisson bracket proper; any 2-cocycle of the Lie algebra gives another one.
+"""
 
 from __future__ import annotations
 
@@ -6,13 +9,23 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import combinations, product
+from numbers import Integral
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import check_name, check_not_reserved
-from liepoisson.exact.parameters import Column, Parameter, is_zero, listed, read_parameter, symbols_of, to_sympy
+from liepoisson.exact.parameters import (
+    Column,
+    Parameter,
+    is_zero,
+    listed,
+    read_parameter,
+    substituted,
+    symbols_of,
+    to_sympy,
+)
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -37,12 +50,25 @@ class Bracket:
     Written `algebra @ extension`.  `so(3) @ leibniz(3, epsilon)` is the bracket of the twisted top,
     `so(3) @ semidirect(3)` that of the charged heavy top.
 
+    A constant part $c_{ij}$ is added to $\{x_i, x_j\}$, `(so(3) @ trivial()).with_constant({("l1", "l2"): "k"})`.  It
+    must be a 2-cocycle, $c([x, y], z) + c([y, z], x) + c([z, x], y) = 0$, which is decided exactly.  Canonical brackets
+    (`liepoisson.exact.canonical_bracket`) consist of it alone.
+
     Args:
         algebra: The Lie algebra g.
         extension: The commutative algebra A.
         field_names: One name per field, in place of those of the extension.
+        constant: The constant part by pairs of coordinates, by name or number, each pair in one order only.
+        name: How it is printed; by default by the names of g and A.
+        check: Verify that the constant part is a 2-cocycle.  Switch this off only to study what goes wrong.
+
+    Attributes:
+        algebra: The Lie algebra g.
+        extension: The commutative algebra A.
+        constant: The entries of the constant part that are not zero, by (i, j) with i < j, counted from 0.
 
     Raises:
+        CocycleError: the constant part is no 2-cocycle; the error names the three coordinates.
         BracketError: a coordinate and a parameter, or a coordinate and a field, have the same name.
         ParameterError: a name is none that a user may choose (`liepoisson.exact.names`), `algebra` is not a LieAlgebra
             or `extension` not an Extension.
@@ -51,7 +77,16 @@ class Bracket:
     References: Thiffeault and Morrison (2001), equations for the two brackets; Thiffeault and Morrison (2000).
     """
 
-    def __init__(self, algebra: LieAlgebra, extension: Extension, field_names: Sequence[str] | None = None) -> None:
+    def __init__(
+        self,
+        algebra: LieAlgebra,
+        extension: Extension,
+        field_names: Sequence[str] | None = None,
+        *,
+        constant: Mapping[tuple[str | int, str | int], Parameter] | None = None,
+        name: str | None = None,
+        check: bool = True,
+    ) -> None:
         _check_type(algebra, LieAlgebra, "algebra", "so(3)")
         _check_type(extension, Extension, "extension", "leibniz(3, epsilon)")
         self.algebra = algebra
@@ -59,8 +94,73 @@ class Bracket:
         names = self.coordinate_names
         if len(names) < self.dimension:
             raise BracketError(f"coordinates must have distinct names; got {sorted(names)}. Rename the fields.")
-        _check_field_names(self.field_names, names)
+        _check_field_names(self.field_names, names - self._scalars)
+        self.constant: dict[tuple[int, int], Exact] = read_constant(constant, self.coordinate_names_in_order)
+        self._name = name
         self.check_parameter_names(self.symbols)
+        if self.constant and check:
+            from liepoisson.exact.certificates import check_cocycle
+
+            check_cocycle(self.tensor, self.coordinate_names_in_order)
+
+    def with_constant(
+        self, constant: Mapping[tuple[str | int, str | int], Parameter], *, check: bool = True
+    ) -> Bracket:
+        r"""The bracket with this constant part in place of its own, $\{f, g\} + c(df, dg)$.
+
+        `(so(3) @ trivial()).with_constant({("l1", "l2"): "k"})` has $\{\ell_1, \ell_2\} = -\ell_3 + k$.
+
+        Args:
+            constant: $c_{ij}$, exact, by pairs of coordinates, by name or number; each pair in one order only.
+            check: Verify that it is a 2-cocycle.  Switch this off only to study what goes wrong.
+
+        Raises:
+            CocycleError: it is no 2-cocycle, so that the Jacobi identity fails; the error names the three coordinates.
+            BracketError: a coordinate is unknown, a pair is given twice or with itself, or a parameter is named like a
+                coordinate.
+            ParameterError: an entry is not exact.
+        """
+        return Bracket(self.algebra, self.extension, self.field_names, constant=constant, check=check)
+
+    def translated(self, point: Sequence[Parameter]) -> Bracket:
+        r"""The same bracket in the coordinates $y = x - x_0$: its constant part grows by $J(x_0)$, a coboundary.
+
+        Args:
+            point: $x_0$, N exact numbers or names.
+
+        Raises:
+            ShapeError: not N numbers.
+            ParameterError: a component is not exact.
+        """
+        return self.with_constant(_sums([*self.constant.items(), *self._linear_part_at(point)]))
+
+    def frozen(self, point: Sequence[Parameter]) -> Bracket:
+        r"""The constant bracket $\{x_i, x_j\} = J_{ij}(x_0)$, which is compatible with this one: frozen at $x_0$.
+
+        Args:
+            point: $x_0$, N exact numbers or names.
+
+        Raises:
+            ShapeError: not N numbers.
+            ParameterError: a component is not exact.
+
+        References: [marsden1999], section 10.1.
+        """
+        constant = _sums([*self.constant.items(), *self._linear_part_at(point)])
+        algebra = LieAlgebra.from_brackets(
+            self.algebra.dimension, {}, f"abelian({self.algebra.dimension})", self.algebra.basis_names, check=False
+        )
+        return Bracket(algebra, self.extension, constant=constant, name=f"{self!r}, frozen")
+
+    def coboundary(self) -> tuple[Exact, ...] | None:
+        r"""A point $\xi$ with $c_{ij} = \sum_m c_{ij}{}^m \xi_m$, shape (N,), or None if there is none.
+
+        The constant part is then removed by the translation $x \mapsto x + \xi$; on a semisimple algebra there always
+        is one (Whitehead's lemma).  Zero if there is no constant part.
+        """
+        from liepoisson.exact.poisson.poisson_tensor import potential_of_constant_part
+
+        return potential_of_constant_part(self.tensor)
 
     def rename(self, *field_names: str) -> Bracket:
         """The same bracket with other names for its fields: `(so(3) @ leibniz(2)).rename("m", "p")`.
@@ -70,7 +170,7 @@ class Bracket:
             BracketError: two coordinates, or a coordinate and a parameter or a field, would have the same name.
             ParameterError: a name is not an identifier.
         """
-        return Bracket(self.algebra, self.extension, field_names)
+        return Bracket(self.algebra, self.extension, field_names, constant=cast("Any", self.constant), check=False)
 
     @property
     def dimension(self) -> int:
@@ -109,7 +209,18 @@ class Bracket:
     @property
     def symbols(self) -> set[str]:
         """Names of the parameters kept symbolic."""
-        return self.algebra.symbols | self.extension.symbols
+        own = {name for value in self.constant.values() for name in symbols_of(value)}
+        return self.algebra.symbols | self.extension.symbols | own
+
+    @property
+    def has_scalar_fields(self) -> bool:
+        """Whether each field is one coordinate with its own name, as theta and p_theta of a canonical bracket."""
+        return self.algebra.basis_names == ("",)
+
+    @property
+    def _scalars(self) -> set[str]:
+        """Names of coordinates that are fields of their own."""
+        return set(self.field_names) if self.has_scalar_fields else set()
 
     @cached_property
     def variables(self) -> tuple[Symbol, ...]:
@@ -128,14 +239,15 @@ class Bracket:
         return {name: Matrix(block) for name, block in zip(self.field_names, blocks, strict=True)}
 
     def entries(self) -> tuple[tuple[int, int, int, Exact], ...]:
-        r"""The bracket as sparse data: all (i, j, m, c) with i < j, $\{x_i, x_j\} = \sum c\,x_m$ and c nonzero.
+        r"""The linear part as sparse data: all (i, j, m, c) with i < j, $\{x_i, x_j\} = \sum c\,x_m$ and c nonzero.
 
-        The coefficients are Fractions if all structure constants are; SymPy is not imported then.
+        The constant part is `constant`.  The coefficients are Fractions if all structure constants are; SymPy is not
+        imported then.
         """
         return tuple(term for term in self._terms if term[0] < term[1])
 
     def poisson_tensor(self) -> Matrix:
-        r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, linear in x, shape (N, N)."""
+        r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, of degree at most one in x, shape (N, N)."""
         return self._poisson_tensor.copy()
 
     def __call__(self, f: Expr, g: Expr) -> Expr:
@@ -148,7 +260,10 @@ class Bracket:
         return expand(sum((df * v for df, v in zip(slopes, self.vector_field(g), strict=True)), S.Zero))
 
     def vector_field(self, hamiltonian: Expr) -> tuple[Expr, ...]:
-        r"""The right-hand side of $\dot x = \{x, h\} = J \nabla h$, one expression per coordinate, expanded."""
+        r"""The right-hand side of $\dot x = \{x, h\} = J \nabla h$, one expression per coordinate, expanded.
+
+        Where J is constant, as in canonical coordinates, only polynomials are expanded.
+        """
         from sympy import Add, expand
 
         dh = self._gradient(hamiltonian)
@@ -156,7 +271,8 @@ class Bracket:
         for (i, j), form in self._forms.items():
             if dh[j] != 0:
                 sums[i].append(form * dh[j])
-        return tuple(expand(Add(*terms)) for terms in sums)
+        rates = [Add(*terms) for terms in sums]
+        return tuple(expand(rate) if self._terms or rate.is_polynomial(*self.variables) else rate for rate in rates)
 
     def jacobi_residuals(self) -> dict[tuple[Symbol, Symbol, Symbol], Expr]:
         r"""$\{\{x_i, x_j\}, x_k\}$ + cyclic for all i < j < k: zero throughout if this is a Poisson bracket.
@@ -200,7 +316,7 @@ class Bracket:
             return self.tensor.rank_at_a_point
         from liepoisson.exact.certificates import rank_at
 
-        return rank_at(self.dimension, self._terms, self._read_point(point))
+        return rank_at(self.dimension, self._all_terms, self._read_point(point))
 
     def corank(self, point: Sequence[Parameter] | None = None) -> int:
         """The number of coordinates minus the rank; arguments as for `rank`."""
@@ -282,7 +398,7 @@ class Bracket:
         return strata(self)
 
     def derivations(self) -> list[Derivation]:
-        """A basis of the derivations of A: linear symmetries of the bracket that act on the fields."""
+        """A basis of the derivations of A that keep the constant part: linear symmetries that act on the fields."""
         from liepoisson.exact.automorphisms import derivations
 
         return derivations(self)
@@ -296,26 +412,39 @@ class Bracket:
     def substitute(self, values: Mapping[str, Exact]) -> Bracket:
         """The same bracket with values for some of its symbols."""
         algebra, extension = self.algebra.substitute(values), self.extension.substitute(values)
-        unchanged = algebra is self.algebra and extension is self.extension
-        return self if unchanged else Bracket(algebra, extension)
+        if algebra is self.algebra and extension is self.extension and not self.symbols & set(values):
+            return self
+        constant: Any = {pair: substituted(value, values) for pair, value in self.constant.items()}
+        return Bracket(algebra, extension, constant=constant, name=self._name, check=False)
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: the definition; everything else is derived again when it is asked for."""
-        return {"algebra": self.algebra, "extension": self.extension}
+        definition = {"algebra": self.algebra, "extension": self.extension}
+        return {**definition, "constant": self.constant, "_name": self._name}
 
     def __repr__(self) -> str:
-        return f"{self.algebra.name} ⊗ {self.extension.name}"
+        if self._name is not None:
+            return self._name
+        return f"{self.algebra.name} ⊗ {self.extension.name}{' + constant part' if self.constant else ''}"
 
     @cached_property
     def tensor(self) -> LinearPoissonTensor:
         """The Poisson tensor as sparse exact data, for computations that do not need SymPy."""
         from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
 
-        return LinearPoissonTensor.of(self.dimension, self._terms, self.algebra.dimension)
+        return LinearPoissonTensor.of(self.dimension, self._all_terms, self.algebra.dimension)
+
+    @cached_property
+    def _all_terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
+        """The terms of J, with `CONSTANT` for m in the constant part."""
+        from liepoisson.exact.poisson.poisson_tensor import CONSTANT
+
+        constant = ((i, j, CONSTANT, c) for (i, j), c in self.constant.items())
+        return (*self._terms, *(term for i, j, m, c in constant for term in ((i, j, m, c), (j, i, m, -c))))
 
     @cached_property
     def _terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
-        """All (i, j, m, c) with J_ij = sum_m c x_m, both orders of i and j."""
+        """All (i, j, m, c) with sum_m c x_m the linear part of J_ij, both orders of i and j."""
         n, W = self.algebra.dimension, self.extension.tensor
         labels = range(self.extension.dimension)
         products = [
@@ -338,6 +467,9 @@ class Bracket:
         forms: dict[tuple[int, int], list[Expr]] = {}
         for i, j, m, c in self._terms:
             forms.setdefault((i, j), []).append(to_sympy(c) * self.variables[m])
+        for (i, j), c in self.constant.items():
+            forms.setdefault((i, j), []).append(to_sympy(c))
+            forms.setdefault((j, i), []).append(-to_sympy(c))
         return {pair: Add(*terms) for pair, terms in forms.items()}
 
     @cached_property
@@ -380,12 +512,20 @@ class Bracket:
         foreign = {s: own[str(s)] for s in expression.free_symbols if str(s) in own and s != own[str(s)]}
         return cast("Expr", expression.xreplace(foreign)) if foreign else expression
 
-    def _read_point(self, point: Sequence[Parameter]) -> list[Exact]:
+    def _linear_part_at(self, point: Sequence[Parameter]) -> list[tuple[tuple[int, int], Exact]]:
+        """The terms of J(x0) without the constant part, by (i, j) with i < j."""
+        values = self._read_components(point)
+        return [((i, j), _product(c, values[m])) for i, j, m, c in self.entries() if not is_zero(values[m])]
+
+    def _read_components(self, point: Sequence[Parameter]) -> list[Exact]:
         items = None if isinstance(point, str) else listed(point)
         if items is None or len(items) != self.dimension:
             got = f"{len(items)} numbers" if items is not None else repr(point)
             raise ShapeError(f"point must be {self.dimension} numbers, one per coordinate; got {got}.")
-        values = [read_parameter(item, f"point[{k}]") for k, item in enumerate(items)]
+        return [read_parameter(item, f"point[{k}]") for k, item in enumerate(items)]
+
+    def _read_point(self, point: Sequence[Parameter]) -> list[Exact]:
+        values = self._read_components(point)
         if free := {name for value in values for name in symbols_of(value)}:
             raise ParameterError(f"point must consist of numbers; got the symbols {sorted(free)}. Give them values.")
         return values
@@ -395,6 +535,67 @@ def _product(w: Exact, c: Exact) -> Exact:
     if isinstance(w, Fraction) and isinstance(c, Fraction):
         return w * c
     return to_sympy(w) * to_sympy(c)
+
+
+def _sums(terms: Sequence[tuple[tuple[int, int], Exact]]) -> dict[Any, Parameter]:
+    """Entries by pair, those of one pair added."""
+    sums: dict[Any, Any] = {}
+    for pair, value in terms:
+        known = sums.get(pair)
+        both_rational = known is None or (isinstance(known, Fraction) and isinstance(value, Fraction))
+        sums[pair] = value if known is None else known + value if both_rational else to_sympy(known) + to_sympy(value)
+    return sums
+
+
+def read_constant(
+    given: Mapping[tuple[str | int, str | int], Parameter] | None, names: Sequence[str]
+) -> dict[tuple[int, int], Exact]:
+    """Read a constant part: the nonzero entries by (i, j) with i < j, counted from 0.
+
+    Raises:
+        BracketError: a coordinate is unknown, or a pair is given twice or with itself.
+        ParameterError: not a mapping from pairs, or an entry is not exact.
+    """
+    entries: Any = {} if given is None else given
+    if not isinstance(entries, Mapping):
+        raise ParameterError(
+            f'constant must be a mapping from pairs of coordinates; got {entries!r:.60}. Write {{("l1", "l2"): "k"}}.'
+        )
+    found: dict[tuple[int, int], Exact] = {}
+    for pair, value in cast("Mapping[Any, Any]", entries).items():
+        i, j = _read_pair(pair, names)
+        entry = read_parameter(value, f"the constant part of {{{names[i]}, {names[j]}}}")
+        if i == j or (min(i, j), max(i, j)) in found:
+            what = "with itself" if i == j else "twice"
+            raise BracketError(
+                f"each pair of different coordinates may have one constant; got ({names[i]}, {names[j]}) {what}. "
+                "Remove one entry."
+            )
+        found[min(i, j), max(i, j)] = entry if i < j else -entry
+    return {pair: value for pair, value in sorted(found.items()) if not is_zero(value)}
+
+
+def _read_pair(pair: object, names: Sequence[str]) -> tuple[int, int]:
+    """The numbers of two coordinates."""
+    if not isinstance(pair, tuple) or len(cast("tuple[object, ...]", pair)) != 2:
+        raise ParameterError(
+            f'the constant part is given by pairs of coordinates; got {pair!r:.60}. Write {{("l1", "l2"): "k"}}.'
+        )
+    first, second = (_read_coordinate(one, names) for one in cast("tuple[object, ...]", pair))
+    return first, second
+
+
+def _read_coordinate(given: object, names: Sequence[str]) -> int:
+    if not isinstance(given, bool) and isinstance(given, Integral) and 0 <= int(given) < len(names):
+        return int(given)
+    if str(given) in names:  # a text or a symbol
+        return list(names).index(str(given))
+    from difflib import get_close_matches
+
+    near = get_close_matches(str(given), names, n=1)
+    hint = f"Did you mean {near[0]}?" if near else "Write one of these."
+    shown = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
+    raise BracketError(f"the constant part must name coordinates; got {given!r:.60}. Known are {shown}. {hint}")
 
 
 def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:

@@ -25,10 +25,13 @@ from liepoisson.exact.poisson.casimir_search import (
     MAX_WORK,
     CasimirSearch,
     Polynomial,
+    homogeneous,
     n_independent,
     products_of_degree,
+    without_constant_factors,
 )
 from liepoisson.exact.poisson.leading_monomials import leading, place
+from liepoisson.exact.poisson.poisson_tensor import CONSTANT
 from liepoisson.exact.poisson.takiff import leibniz_strength, lifted
 from liepoisson.exact.trace_casimirs import TraceCasimirs, replaces_search
 
@@ -63,7 +66,8 @@ class CasimirReport:
     Attributes:
         generators: Casimirs of each degree modulo products of those of lower degree; C1, C2, ... in this order.
         degrees: Their degrees.
-        dimensions: Number of linearly independent homogeneous Casimirs of each degree that was searched (proved).
+        dimensions: Number of linearly independent homogeneous Casimirs of each degree that was searched (proved); with
+            a constant part of the bracket, of those of at most this degree without a constant.
         independent: Number of functionally independent ones among the generators (proved).
         corank: The corank of J at one point; no more can be independent (proved).
         complete: Whether these two numbers agree: every Casimir is locally a function of the generators.
@@ -271,13 +275,25 @@ def _search(search: CasimirSearch, degree: int | None, corank: int) -> _Found:
         if not search.is_feasible(d):
             found.limits = _size_limit(d)
             if d == 2:  # large semisimple algebras have at least their Killing form, often diagonal
-                found.generators += [(d, polynomial) for polynomial in search.sums_of_squares()]
+                squares = search.sums_of_squares()
+                if not search.tensor.is_homogeneous:
+                    squares = search.new_generators(squares, _products(found, d))
+                found.generators += [(d, without_constant_factors(polynomial)) for polynomial in squares]
             break
         space = search.of_degree(d)
         found.dimensions[d] = len(space)
-        fresh = search.new_generators(space, products_of_degree(found.generators, d)) if space else []
-        found.generators += [(d, polynomial) for polynomial in fresh]
+        fresh = search.new_generators(space, _products(found, d)) if space else []
+        found.generators += [(d, without_constant_factors(polynomial)) for polynomial in fresh]
     return found
+
+
+def _products(found: _Found, degree: int) -> Iterator[Polynomial]:
+    """What the generators so far say about this degree; with a constant part, multiplied by the constant coordinate."""
+    if found.tensor.is_homogeneous:
+        return products_of_degree(found.generators, degree)
+    unit: Polynomial = {(CONSTANT,): found.tensor.field.one}
+    known = [(1, unit), *((d, homogeneous(polynomial)) for d, polynomial in found.generators)]
+    return (product for product in products_of_degree(known, degree) if any(m[-1] != CONSTANT for m in product))
 
 
 def _size_limit(degree: int) -> str:
@@ -294,7 +310,7 @@ def _lift(bracket: Bracket, pivots: set[Any] | None = None) -> _Found | None:
     from liepoisson.exact.extensions import leibniz
 
     n, strength, field = bracket.extension.dimension, leibniz_strength(bracket.extension), bracket.tensor.field
-    if n < 2 or strength is None or strength == 0 or field.is_cyclotomic:
+    if n < 2 or strength is None or strength == 0 or field.is_cyclotomic or bracket.constant:
         return None
     base = bracket.algebra @ leibniz(1)
     of_base = CasimirSearch(base.tensor, with_pivots=pivots is not None and bool(base.tensor.field.parameters))

@@ -9,10 +9,11 @@ from itertools import combinations
 from math import comb, lcm
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.errors import CocycleError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank
 from liepoisson.exact.parameters import Exact, is_zero, to_sympy
-from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
+from liepoisson.exact.poisson.poisson_tensor import CONSTANT, LinearPoissonTensor
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -112,10 +113,29 @@ def jacobi_certificate(tensor: LinearPoissonTensor, names: tuple[str, ...]) -> J
     return JacobiCertificate(True, n_triples, method)
 
 
+def check_cocycle(tensor: LinearPoissonTensor, names: tuple[str, ...]) -> None:
+    """Verify that the constant part is a 2-cocycle of the linear part, whether or not that obeys the Jacobi identity.
+
+    Raises:
+        CocycleError: it is none; the error names the first triple that fails.
+    """
+    rows, scale = _integers(tensor)
+    times = _remembered_products()
+    for triple in combinations(range(tensor.dimension), 3):
+        total = _nonzero(tensor, _cyclic_sum(rows, triple, times))
+        if CONSTANT in total:
+            value = total[CONSTANT]
+            exact = value if scale is None else Fraction(value, scale**2)
+            residual = _form(tensor, {CONSTANT: exact}, names, 2)
+            raise CocycleError(tuple(names[i] for i in triple), str(residual))
+
+
 def _cyclic_sum(rows: Any, triple: tuple[int, int, int], times: Callable[[Any, Any], Any]) -> dict[int, Any]:
     total: dict[int, Any] = {}
     for a, b, c in _FORWARD:
         for m, u in rows[triple[a]].get(triple[b], ()):
+            if m == CONSTANT:  # it commutes with everything
+                continue
             for k, v in rows[m].get(triple[c], ()):
                 product = times(u, v)
                 total[k] = total[k] + product if k in total else product
@@ -160,7 +180,9 @@ def _collect(form: tuple[tuple[int, Any], ...]) -> dict[int, Any]:
 def _form(tensor: LinearPoissonTensor, residual: dict[int, Any], names: tuple[str, ...], degree: int) -> Expr:
     from sympy import S, Symbol
 
-    terms = (tensor.field.to_sympy(c, degree) * Symbol(names[m]) for m, c in residual.items())
+    terms = (
+        tensor.field.to_sympy(c, degree) * (S.One if m == CONSTANT else Symbol(names[m])) for m, c in residual.items()
+    )
     return sum(terms, S.Zero)
 
 
@@ -169,9 +191,10 @@ def rank_at(dimension: int, terms: Sequence[tuple[int, int, int, Exact]], point:
 
     Args:
         dimension: Number of coordinates.
-        terms: All (i, j, m, c) with J_ij the sum of c x_m.
+        terms: All (i, j, m, c) with J_ij the sum of c x_m; m is `CONSTANT` for the constant part.
         point: One exact number per coordinate.
     """
+    point = [*point, Fraction(1)]
     sums: dict[tuple[int, int], list[Exact]] = {}
     for i, j, m, c in terms:
         if not is_zero(point[m]):

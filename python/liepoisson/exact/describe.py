@@ -100,10 +100,12 @@ def inspect(system: System) -> Report:
     """
     named, bracket = named_form(system), system.bracket
     notation = VectorNotation(bracket)
-    topics: list[Topic] = [
-        _unless(too_large_algebra(bracket), AlgebraFacts, lambda: AlgebraFacts(bracket)),
-        _unless(too_large_extension(bracket), ExtensionFacts, lambda: ExtensionFacts(bracket)),
-    ]
+    topics: list[Topic] = []
+    if bracket.entries() or not bracket.constant:  # else nothing of g and A is left in the bracket
+        topics += [
+            _unless(too_large_algebra(bracket), AlgebraFacts, lambda: AlgebraFacts(bracket)),
+            _unless(too_large_extension(bracket), ExtensionFacts, lambda: ExtensionFacts(bracket)),
+        ]
     bracket_topics, failures = _bracket_topics(system, notation)
     too_large = too_large_motion(bracket, system.hamiltonian)
     integrals = IntegralFacts(system, notation)

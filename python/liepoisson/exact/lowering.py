@@ -1,12 +1,13 @@
 r"""From a system to plain data for the numeric core: a top, a sparse quadratic field, or a tape.
 
-The Poisson tensor is linear, so a Hamiltonian of degree two gives a field of degree two,
+The Poisson tensor is of degree one, so a Hamiltonian of degree two gives a field of degree two,
 
-$$\dot x_i = \sum_{jm} c_{ij}^m x_m\,\partial_j H ,$$
+$$\dot x_i = \sum_{jm} c_{ij}^m x_m\,\partial_j H + \sum_j k_{ij}\,\partial_j H ,$$
 
-which is built term by term without expanding anything: 120 coordinates take a second.  Any other smooth Hamiltonian
-gives a tape, in which a subexpression that occurs twice is computed once.  A tape is written in private symbols: it
-does not depend on the names of the coordinates, which would else decide in which order a sum is taken.
+which is built term by term without expanding anything: 120 coordinates take a second.  So does one of degree three
+where J is constant, as in canonical coordinates.  Any other smooth Hamiltonian gives a tape, in which a subexpression
+that occurs twice is computed once.  A tape is written in private symbols: it does not depend on the names of the
+coordinates, which would else decide in which order a sum is taken.
 """
 
 from __future__ import annotations
@@ -46,7 +47,20 @@ def lower(bracket: Bracket, hamiltonian: Expr) -> QuadraticField | TapeField:
     energy = quadratic_polynomial(hamiltonian, bracket.variables)
     if energy is not None:
         return _quadratic_field(bracket, energy)
+    if bracket.constant and not bracket.entries():
+        rates = bracket.vector_field(hamiltonian)
+        if all(_is_of_degree_two(rate, bracket.variables) for rate in rates):
+            return quadratic_of_equations(bracket.variables, rates)
     return tape_of_bracket(bracket, hamiltonian)
+
+
+def _is_of_degree_two(expression: Any, variables: Sequence[Symbol]) -> bool:
+    """Whether it is a polynomial of degree at most two."""
+    if not expression.is_polynomial(*variables):
+        return False
+    from sympy import Poly
+
+    return expression == 0 or Poly(expression, *variables).total_degree() <= 2
 
 
 def quadratic_polynomial(expression: Expr, variables: Sequence[Symbol]) -> Polynomial | None:
@@ -132,6 +146,11 @@ def _quadratic_field(bracket: Bracket, energy: Polynomial) -> QuadraticField:
             for rest, slope in gradient.get(column, {}).items():
                 key = row, tuple(sorted((m, *rest)))
                 sums[key] = sums.get(key, Fraction(0)) + sign * slope
+    for (i, j), c in bracket.constant.items():
+        value = rational(c)
+        for row, column, sign in ((i, j, value), (j, i, -value)):
+            for rest, slope in gradient.get(column, {}).items():
+                sums[row, rest] = sums.get((row, rest), Fraction(0)) + sign * slope
     # Rounded coefficients that should cancel leave 1e-40 of their size.
     largest = max((abs(value) for value in sums.values()), default=Fraction(0))
     kept = {key: value for key, value in sums.items() if abs(value) > largest * Fraction(1, 10**30)}
@@ -164,6 +183,11 @@ def tape_of_bracket(bracket: Bracket, hamiltonian: Expr) -> TapeField:
         for row, column, sign in ((i, j, value), (j, i, -value)):
             if (slope := gradient[column]) is not None:
                 sums[row].append((writer.product(m, slope), sign))
+    for (i, j), c in bracket.constant.items():
+        value = as_float(rational(c), "an entry of the constant part")
+        for row, column, sign in ((i, j, value), (j, i, -value)):
+            if (slope := gradient[column]) is not None:
+                sums[row].append((slope, sign))
     return TapeField(*writer.parts([writer.linear(terms, 0.0) for terms in sums]))
 
 

@@ -41,7 +41,7 @@ class PhaseFunction:
             raise ParameterError(f"{system.name} must have numbers for all parameters; {names} has none. Give values.")
         self.expression: Expr = expression
         self._variables = system.variables
-        self._fields = system.bracket.field_names
+        self._fields = system.parts_of_state
 
     def __call__(self, states: ArrayLike) -> Array:
         """Values, shape (...), at states of shape (..., N)."""
@@ -124,7 +124,7 @@ class PhaseFunctions:
         return known
 
     def poisson_tensor(self, states: ArrayLike) -> Array:
-        r"""The Poisson tensor $J_{ij}(x) = \{x_i, x_j\}$, shape (..., N, N).
+        r"""The Poisson tensor $J_{ij}(x) = \{x_i, x_j\}$, shape (..., N, N); zero for what is found by quadrature.
 
         Raises:
             ParameterError: a parameter of the bracket has no number.
@@ -135,12 +135,15 @@ class PhaseFunctions:
                 f"{self._system.name} must have numbers for all parameters of its bracket; {names} has none. "
                 "Give values."
             )
-        n = self._system.bracket.dimension
-        states = as_phase_points(states, n, self._system.bracket.field_names)
+        n = len(self._system.component_names)
+        states = as_phase_points(states, n, self._system.parts_of_state)
         tensor = np.zeros((*states.shape[:-1], n, n))
         for i, j, m, c in self._system.bracket.entries():
             tensor[..., i, j] += float(cast("Any", c)) * states[..., m]
             tensor[..., j, i] -= float(cast("Any", c)) * states[..., m]
+        for (i, j), c in self._system.bracket.constant.items():
+            tensor[..., i, j] += float(cast("Any", c))
+            tensor[..., j, i] -= float(cast("Any", c))
         return tensor
 
     def rates(self, states: ArrayLike) -> Array:
@@ -149,8 +152,8 @@ class PhaseFunctions:
 
     def jacobian(self, states: ArrayLike) -> Array:
         r"""Its derivative $\partial\dot x_i/\partial x_j$, shape (..., N, N)."""
-        n = self._system.bracket.dimension
-        states = as_phase_points(states, n, self._system.bracket.field_names)
+        n = len(self._system.component_names)
+        states = as_phase_points(states, n, self._system.parts_of_state)
         return evaluated(self._system.variables, self._jacobian, states).reshape(*states.shape[:-1], n, n)
 
     @cached_property

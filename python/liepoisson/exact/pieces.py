@@ -42,8 +42,14 @@ def pieces_of(bracket: Bracket, hamiltonian: Expr) -> PiecesField:
 
     Raises:
         ParameterError: a parameter is symbolic, or a coefficient does not fit into a double.
-        UnsupportedFieldError: the Hamiltonian is not a polynomial, or needs more than 1000 pieces.
+        UnsupportedFieldError: the Hamiltonian is not a polynomial, or needs more than 1000 pieces; or the bracket has a
+            constant part, so that the flow of a piece is not linear in the state.
     """
+    if bracket.constant:
+        raise UnsupportedFieldError(
+            f"splitting: wanted a bracket that is linear in the state; got {bracket!r}, which has a constant part; use "
+            "the Taylor or a Gauss method"
+        )
     check_numeric(bracket, hamiltonian)
     powers = powers_of_forms(_polynomial(bracket, hamiltonian))
     if len(powers) > MOST_PIECES:

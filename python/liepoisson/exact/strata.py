@@ -18,6 +18,7 @@ from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.poisson.casimir_search import n_independent
 from liepoisson.exact.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
 from liepoisson.exact.poisson.pfaffians import PfaffianIdeal
+from liepoisson.exact.poisson.poisson_tensor import CONSTANT
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -64,11 +65,36 @@ def strata(bracket: Bracket) -> list[Stratum]:
     degenerate one: a field vanishes, one of several fields vanishes, two fields are parallel.  Beyond, the list follows
     the ideals spanned by basis elements, and `proved` says whether the rank was decided at every point.
 
+    With a constant part conditions on whole fields do not describe where the rank drops: one stratum is returned, and
+    it is all of phase space where that is proved.
+
     If all are proved, the list is a partition of phase space.  Otherwise it is none: there may be sets of lower rank
     that are not listed, inside of those that are not proved.
     """
+    if bracket.constant:
+        return [_with_constant_part(bracket)]
     found = _Stratification(bracket).below(tuple(range(bracket.extension.dimension)), set())
     return sorted(found, key=lambda stratum: -stratum.rank)
+
+
+def _with_constant_part(bracket: Bracket) -> Stratum:
+    """The generic stratum, "everywhere" if J is constant or 1 is a combination of its Pfaffians."""
+    tensor, casimirs = bracket.tensor, tuple(bracket.casimirs())
+    rank, n = tensor.rank_at_a_point, bracket.dimension
+    known = n - rank - bracket.n_unknown_casimirs
+    bound = min(n - known, n - n % 2)
+    text = f"rank {rank} at one point, at most {bound} by parity and independent Casimirs"
+    nowhere_less, reason = not bracket.entries(), "J is constant"
+    if not nowhere_less:
+        ideal = PfaffianIdeal(tensor, rank, bracket.algebra.dimension)
+        assumption = ideal.contains_powers_of([{(CONSTANT,): tensor.field.one}]) if ideal.generators else None
+        nowhere_less = assumption is not None
+        reason = f"1 is a combination of Pfaffians of size {rank}" + (f" ({assumption})" if assumption else "")
+    if nowhere_less:
+        return Stratum("everywhere", rank, casimirs, f"{text}; {reason}", rank == bound, known == n - rank)
+    if bracket.coboundary() is not None:
+        text += "; in the coordinates x + bracket.coboundary() the constant part vanishes: see the strata there"
+    return Stratum("generic", rank, casimirs, text, False, known == n - rank)
 
 
 class _Stratification:

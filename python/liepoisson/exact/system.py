@@ -91,7 +91,7 @@ class System:
         self._check_that_values_are_final()
         self.symbolic_bracket: Bracket = bracket
         self.bracket: Bracket = bracket.substitute(self.parameters) if self.parameters else bracket
-        self.name: str = name or "Lie-Poisson system"
+        self.name: str = name or ("Hamiltonian system" if bracket.constant else "Lie-Poisson system")
         self.source: str | None = source
         if isinstance(hamiltonian, str):
             _ = self.hamiltonian  # a text is checked at once, so that its errors come where it is written
@@ -107,9 +107,14 @@ class System:
         return self.bracket.coordinate_names_in_order
 
     @property
+    def parts_of_state(self) -> tuple[str, ...]:
+        """What the state consists of, in messages: the fields, then what is found by quadrature."""
+        return self.bracket.field_names
+
+    @property
     def vector_length(self) -> int:
-        """Number of components of each field: the dimension of the Lie algebra."""
-        return self.bracket.algebra.dimension
+        """Number of components of each field: the dimension of the Lie algebra; all where fields are scalars."""
+        return self.bracket.dimension if self.bracket.has_scalar_fields else self.bracket.algebra.dimension
 
     @cached_property
     def symbolic_hamiltonian(self) -> Expr:
@@ -368,14 +373,14 @@ class System:
         from liepoisson.exact.top_parameters import MOST_TERMS, match_top
 
         # The equations are expanded to be compared, which for a high power of a sum would take minutes.
-        if self.bracket.dimension != 9 or expanded_terms(self.hamiltonian) > MOST_TERMS:
+        if self.bracket.dimension != 9 or self.bracket.constant or expanded_terms(self.hamiltonian) > MOST_TERMS:
             return None
         return match_top(self.bracket, self.equations)
 
     def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
         from liepoisson.exact.phase_functions import as_phase_points, evaluated
 
-        states = as_phase_points(x, self.bracket.dimension, self.bracket.field_names)
+        states = as_phase_points(x, len(self.component_names), self.parts_of_state)
         free = {s for e in expressions for s in e.free_symbols} - set(self.variables)
         if free:
             names = ", ".join(sorted(map(str, free)))

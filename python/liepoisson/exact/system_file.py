@@ -5,11 +5,18 @@
     algebra   = "so(3)"                    # or structure_constants = [[[...]]], or matrices = [[[...]]]
     extension = "leibniz(3, epsilon)"      # or W = [[[...]]]; one field if left out
     variables = ["l", "alpha", "beta"]
+    constant.l1.l2 = "k"                   # a constant part, if there is one: k is added to {l1, l2}
     [parameters]                           # numbers ("1/3", 0.1 and "sqrt(2)/2" are exact), vectors, matrices
     I = [2, 2, 1]
     symbols = ["epsilon", "a[3]"]          # parameters without a value, vectors with their length
     [hamiltonian]
     expression = "dot(l, inv(I)*l)/2 + dot(a, alpha)"
+
+A canonical bracket is written instead of an algebra:
+
+    [bracket]
+    canonical = 2                          # {q_i, p_i} = 1 for q1, q2, p1, p2
+    canonical = ["theta", "phi"]           # or by names; momenta p_theta, p_phi, or momenta = ["u", "v"]
 
 and, where they are known, a source, a description, integrals and reference values:
 

@@ -79,7 +79,7 @@ class TopParameters:
         from liepoisson.exact.extensions import leibniz
         from liepoisson.exact.lie_algebras import so
 
-        if bracket.dimension not in _DIMENSIONS:
+        if bracket.dimension not in _DIMENSIONS or bracket.constant:
             return False
         wanted = so(3) @ leibniz(bracket.dimension // 3, self.epsilon)
         return set(bracket.entries()) == set(wanted.entries())

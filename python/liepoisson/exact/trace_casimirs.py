@@ -102,6 +102,8 @@ def replaces_search(bracket: Bracket) -> bool:
     It needs all monomials of the highest degree d of the closed form for g, at most 200,000 of them times coordinates.
     For Leibniz extensions the search is that for g, whose Casimirs are lifted; for others it is that for g (x) A.
     """
+    if bracket.constant:
+        return False
     parts = [defining_matrices(part) for _, part in summands(bracket.algebra)]
     degrees = [max((*part.degrees, part.pfaffian)) for part in parts if part is not None]
     if len(degrees) < len(parts):
@@ -116,9 +118,10 @@ def trace_casimirs(bracket: Bracket) -> TraceCasimirs | None:
     """Independent Casimirs in closed form, verified, whatever the size; None where none is known.
 
     None if a summand of g was not made by a constructor of `exact.lie_algebras` or is no algebra of matrices with an
-    invariant form (se(n), affine(n), Heisenberg), or if its structure constants are not those of its matrices.
+    invariant form (se(n), affine(n), Heisenberg), if its structure constants are not those of its matrices, or if the
+    bracket has a constant part.
     """
-    return _Traces.of(bracket)
+    return None if bracket.constant else _Traces.of(bracket)
 
 
 def modulo_casimirs(expression: Expr, bracket: Bracket) -> tuple[Expr, dict[Any, Expr]]:

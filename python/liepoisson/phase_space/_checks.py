@@ -25,6 +25,12 @@ def as_system(system: Any) -> System:
         raise ParameterError(
             f"system: wanted a system such as Top.kovalevskaya(); got {shown(system)}; make one, or call its class"
         )
+    if len(system.component_names) != system.bracket.dimension:
+        found = ", ".join(system.component_names[system.bracket.dimension :])
+        raise ParameterError(
+            f"system: wanted one whose state is a point of its phase space; {system.name} has {found} besides, found "
+            "by quadrature; make it without quadratures"
+        )
     in_energy = {str(symbol) for symbol in system.hamiltonian.free_symbols if symbol not in system.variables}
     if free := in_energy | system.bracket.symbols:
         names = ", ".join(sorted(free))

@@ -33,6 +33,7 @@ from liepoisson.errors import LeafError, MixingWarning
 from liepoisson.exact.phase_functions import PhaseFunction
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.phase_space.leaf_search import representative
+from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.top_sampling import Shell
 
 if TYPE_CHECKING:
@@ -275,7 +276,7 @@ def _chain_and_starts(leaf: Leaf, rng: np.random.Generator, shell: Shell | None)
     """The chain on the largest set, and states in it that depend on the leaf but not on how it was given."""
     energy, n = leaf.system.functions.energy, len(leaf.state)
     boundary = leaf.constraints(shell.energy) if shell is not None else leaf.equations
-    size = float(np.linalg.norm(leaf.state))
+    size = float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket)
     if _reaches_far(boundary, size, rng):
         raise LeafError(infinite_volume(leaf))
     chain = _Chain(leaf.equations, energy, shell)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ChartError, ShapeError
-from liepoisson.exact.canonical.canonical_system import CanonicalSystem
+from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import Method, Taylor
 
@@ -31,7 +31,7 @@ _BODY = tuple(f"{field}{k}" for field in ("l", "alpha", "beta") for k in (1, 2, 
 
 
 class Chart(Protocol):
-    """What an orbit in a chart needs of it; each of `liepoisson.exact.canonical` has it."""
+    """What an orbit in a chart needs of it; each of `liepoisson.exact.charts` has it."""
 
     @property
     def component_names(self) -> tuple[str, ...]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
+from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.linearisation import leaf_tangent
 
 if TYPE_CHECKING:
@@ -47,13 +48,24 @@ class HamiltonianFields:
         self.functions = tuple(functions)
 
     @cached_property
+    def unit(self) -> float:
+        """What is added to the lengths of states, see `liepoisson.phase_space.lengths`."""
+        return unit_length(self._system.bracket)
+
+    @cached_property
+    def _at_zero(self) -> Array:
+        """The constant part of J, shape (N, N)."""
+        return self._system.functions.poisson_tensor(np.zeros(self._system.bracket.dimension))
+
+    @cached_property
     def _constants(self) -> Array:
-        """The derivative of J, which is linear: [m, i, j] is that of J_ij along x_m."""
-        return self._system.functions.poisson_tensor(np.eye(self._system.bracket.dimension))
+        """The derivative of J, which is of degree one: [m, i, j] is that of J_ij along x_m."""
+        return self._system.functions.poisson_tensor(np.eye(self._system.bracket.dimension)) - self._at_zero
 
     def poisson(self, x: Array) -> Array:
         """Poisson tensors, shape (..., N, N)."""
-        return np.einsum("...m,mij->...ij", x, self._constants)
+        linear = np.einsum("...m,mij->...ij", x, self._constants)
+        return linear + self._at_zero if self._system.bracket.constant else linear
 
     def fields(self, x: Array) -> Array:
         """The vector fields, shape (..., N, function)."""
@@ -78,7 +90,7 @@ class HamiltonianFields:
     def scale(self, x: Array) -> Array:
         """What the size of the vector fields is compared with: the norms of `parts` times that of x."""
         size = sum(np.linalg.norm(part, axis=(-3, -2)) for part in self.parts(x))
-        return np.asarray(size * np.linalg.norm(x, axis=-1)[..., None])
+        return np.asarray(size * (np.linalg.norm(x, axis=-1) + self.unit)[..., None])
 
 
 @dataclass
@@ -103,7 +115,7 @@ class _Search:
 
     def _level_scale(self, f: PhaseFunction, value: float, x: Array) -> Array:
         """What the distance of an integral from its value is compared with."""
-        scale = abs(value) + np.linalg.norm(x, axis=1) * np.linalg.norm(f.gradient(x), axis=1)
+        scale = abs(value) + (np.linalg.norm(x, axis=1) + self.fields.unit) * np.linalg.norm(f.gradient(x), axis=1)
         return np.where(scale > 0, scale, 1.0)
 
     def newton_matrix(self, x: Array, omega: Array, basis: Array) -> Array:
@@ -122,12 +134,12 @@ class _Search:
     @property
     def size(self) -> float:
         """The length of the leaf's own state, by which lengths are judged where a state is near zero."""
-        return float(np.linalg.norm(self.leaf.state)) or 1.0
+        return float(np.linalg.norm(self.leaf.state)) + self.fields.unit or 1.0
 
     def units(self, x: Array, rank: int) -> Array:
         """Natural sizes of the unknowns, (row, rank + k): the length of the state, and |f_H|/|f_K| by their scales."""
         scale = self.fields.scale(x)
-        lengths = np.linalg.norm(x, axis=1)
+        lengths = np.linalg.norm(x, axis=1) + self.fields.unit
         lengths = np.where(lengths > 0, lengths, self.size)[:, None]
         ratios = np.where(scale[:, 1:] > 0, scale[:, :1] / np.where(scale[:, 1:] > 0, scale[:, 1:], 1.0), 1.0)
         return np.concatenate([np.repeat(lengths, rank, axis=1), np.where(ratios > 0, ratios, 1.0)], axis=1)
@@ -196,7 +208,8 @@ def _step(
     step = -_solved(normal, right)[..., 0] * units
     move = np.einsum("rij,rj->ri", basis, step[:, : basis.shape[2]])
     # A step longer than the state itself says nothing about the neighbourhood in which it was computed.
-    length, limit = np.linalg.norm(move, axis=1), 0.5 * np.linalg.norm(x, axis=1) + 1e-3 * search.size
+    own = np.linalg.norm(x, axis=1) + search.fields.unit
+    length, limit = np.linalg.norm(move, axis=1), 0.5 * own + 1e-3 * search.size
     shrink = np.minimum(1.0, limit / np.where(length > 0, length, np.inf))[:, None]
     shrink = np.where(length[:, None] > 0, shrink, 1.0)
     trial, possible = search.projected(x + shrink * move)

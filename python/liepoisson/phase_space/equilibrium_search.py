@@ -17,6 +17,7 @@ from liepoisson.arrays import Array
 from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points
 from liepoisson.phase_space.equilibrium_list import signed_sum
 from liepoisson.phase_space.leaf_search import representative
+from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.stability import Equilibrium, analysis, null_directions
 
 if TYPE_CHECKING:
@@ -82,7 +83,7 @@ class EquilibriumSearch:
     def extend(self, n_starts: int) -> None:
         """Search from this many starts more."""
         origin = self._origin.state
-        size = float(np.linalg.norm(origin)) / np.sqrt(len(origin)) or 1.0
+        size = (float(np.linalg.norm(origin)) + self._fields.unit) / np.sqrt(len(origin)) or 1.0
         starts = self._rng.standard_normal((n_starts, len(origin))) * size
         starts *= np.exp(self._rng.uniform(np.log(0.2), np.log(5.0), (n_starts, 1)))
         self.n_starts += n_starts
@@ -102,7 +103,7 @@ class EquilibriumSearch:
             self.extend(min(self.n_starts, most_starts - self.n_starts))
 
     def _add(self, state: Array) -> None:
-        size = float(np.linalg.norm(state))
+        size = float(np.linalg.norm(state)) + self._fields.unit
         for family in self._families:
             if min(np.linalg.norm(state - known) for known in family.states) <= _SAME * size:
                 family.states.append(state)
@@ -122,7 +123,7 @@ class EquilibriumSearch:
         state, n = first.state, directions.shape[1]
         if not n:
             return _Family(first, [state])
-        size = float(np.linalg.norm(state))
+        size = float(np.linalg.norm(state)) + self._fields.unit
         moved = [self._corrected(state + _STEP * size * v) for v in directions.T]
         if not all(m is not None and np.linalg.norm(m - state) > 0.3 * _STEP * size for m in moved):
             return _Family(first, [state], "degenerate")
@@ -133,13 +134,13 @@ class EquilibriumSearch:
         """Whether a path of critical points leads from the family to the goal; if not, none was found."""
         states = family.states if family.curve is None else family.curve
         distances = np.linalg.norm(np.asarray(states) - goal, axis=1)
-        if family.curve is not None and distances.min() > 2 * _STEP * float(np.linalg.norm(goal)):
+        if family.curve is not None and distances.min() > 2 * _STEP * (float(np.linalg.norm(goal)) + self._fields.unit):
             return False
         return self._walk(states[int(np.argmin(distances))], goal)
 
     def _walk(self, x: Array, goal: Array) -> bool:
         """Steps towards the goal in the null directions, each corrected by Newton's method."""
-        size, kicks = float(np.linalg.norm(goal)), 0
+        size, kicks = float(np.linalg.norm(goal)) + self._fields.unit, 0
         for _ in range(_MOST_STEPS):
             way = goal - x
             distance = float(np.linalg.norm(way))
@@ -163,7 +164,7 @@ class EquilibriumSearch:
 
     def _round(self, begin: Array) -> Array | None:
         """States all along the curve through this one, or None if it was not seen to close."""
-        size, x, before = float(np.linalg.norm(begin)), begin, np.zeros_like(begin)
+        size, x, before = float(np.linalg.norm(begin)) + self._fields.unit, begin, np.zeros_like(begin)
         curve = [begin]
         for _ in range(4 * _MOST_STEPS):
             directions = null_directions(self._leaf, self._fields, x)
@@ -197,11 +198,11 @@ def is_critical(fields: HamiltonianFields, leaf: Leaf, states: Array, residual: 
         return residual <= FOUND
     vectors, sizes, _ = np.linalg.svd(fields.poisson(states))
     own = np.linalg.svd(fields.poisson(leaf.state), compute_uv=False)
-    length = float(np.linalg.norm(leaf.state))
-    inside = sizes[:, rank - 1] * length > _EDGE * own[rank - 1] * np.linalg.norm(states, axis=1)
+    length, lengths = float(np.linalg.norm(leaf.state)) + fields.unit, np.linalg.norm(states, axis=1) + fields.unit
+    inside = sizes[:, rank - 1] * length > _EDGE * own[rank - 1] * lengths
     gradients = np.stack([f.gradient(states) for f in fields.functions], axis=-1)
     slopes = np.swapaxes(vectors[..., :rank], 1, 2) @ gradients
-    curvature = np.linalg.norm(fields.functions[0].hessian(states), axis=(1, 2)) * np.linalg.norm(states, axis=1)
+    curvature = np.linalg.norm(fields.functions[0].hessian(states), axis=(1, 2)) * lengths
     scale = curvature + np.linalg.norm(gradients[..., 0], axis=1)
     left = np.array([_unexplained(s) for s in slopes])
     return (residual <= FOUND) & inside & (left <= _CRITICAL * np.where(scale > 0, scale, 1.0))
@@ -219,5 +220,8 @@ def _may_be_one(known: Equilibrium, new: Equilibrium) -> bool:
     """Whether two critical points agree in energy, which is constant on a family, and in the signs around them."""
     if known.nullity != new.nullity or known.signature != new.signature:
         return False
-    slope = float(np.linalg.norm(new.system.functions.energy.gradient(new.state)) * np.linalg.norm(new.state))
+    energy, unit = new.system.functions.energy, unit_length(new.system.bracket)
+    slope = float(np.linalg.norm(energy.gradient(new.state)) * (np.linalg.norm(new.state) + unit))
+    if unit:  # on a leaf without Casimirs the gradient itself is zero
+        slope += float(np.linalg.norm(energy.hessian(new.state)) * (np.linalg.norm(new.state) + unit) ** 2)
     return abs(known.energy - new.energy) <= _SAME_ENERGY * slope

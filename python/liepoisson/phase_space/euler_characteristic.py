@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.arrays import Array
+from liepoisson.exact.parameters import as_float
 from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.linearisation import definite_sign
 from liepoisson.phase_space.top_equilibria import euler_characteristic_of_leaf
@@ -43,12 +44,26 @@ def euler_characteristic(leaf: Leaf) -> int | None:
     if top is not None:
         return euler_characteristic_of_leaf(leaf, top)
     if system.bracket.extension.dimension == 1:
-        return _of_orbit(system, leaf.state)
+        moved = _without_constant_part(system, leaf.state)
+        return None if moved is None else _of_orbit(system, moved)
+    if system.bracket.constant:
+        return None
     return 2 if leaf.place.is_known and _is_euclidean(system) and _is_definite(system) else None
 
 
+def _without_constant_part(system: System, x: Array) -> Array | None:
+    """The state in coordinates in which the bracket is linear; None if there are none."""
+    if not system.bracket.constant:
+        return x
+    xi = system.bracket.coboundary()
+    return None if xi is None else x + np.array([as_float(value, "xi") for value in xi])
+
+
 def _of_orbit(system: System, x: Array) -> int | None:
-    constants = system.functions.poisson_tensor(np.eye(len(x)))  # [m, i, j]: the component of [e_i, e_j] along e_m
+    tensor = system.functions.poisson_tensor
+    constants = tensor(np.eye(len(x)))  # [m, i, j]: the component of [e_i, e_j] along e_m
+    if system.bracket.constant:
+        constants = constants - tensor(np.zeros(len(x)))
     adjoint = np.transpose(constants, (1, 0, 2))  # [i]: the matrix of ad e_i
     killing = np.einsum("iab,jba->ij", adjoint, adjoint)
     if definite_sign(killing) >= 0:

@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
-from liepoisson.exact.canonical.quaternions import components, rotation, shortest_turn
+from liepoisson.exact.charts.quaternions import components, rotation, shortest_turn
 from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.system import System
 from liepoisson.field import Field
@@ -292,6 +292,12 @@ def check_rotates(system: object) -> None:
         raise ParameterError(
             "system: wanted one on so(3) (x) A, where the first basis element of A is its unit and the others span an "
             f"ideal; got {system.bracket!r}, whose group has no single rotation; write it as so(3) @ leibniz(n, ...)"
+        )
+    if system.bracket.constant:
+        raise ParameterError(
+            f"system: wanted a bracket without a constant part, whose group acts on the attitude; got "
+            f"{system.bracket!r}; if the constant part is a coboundary, write the system in the coordinates x + xi "
+            "with xi = bracket.coboundary()"
         )
     check_numeric(system.bracket, system.hamiltonian)
 

@@ -11,6 +11,7 @@ from liepoisson.arrays import Array
 from liepoisson.errors import LeafError
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.phase_space.leaf_stratum import Place, place_of
+from liepoisson.phase_space.lengths import unit_length
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -212,7 +213,7 @@ def _starts(leaf: Leaf, sign: float) -> tuple[Array, Array]:
 def _spread(leaf: Leaf, nearest: float, farthest: float, *, most_steps: int = 80) -> Array:
     """Random states on the leaf, at several distances from its own."""
     rng = np.random.default_rng(1)
-    size = float(np.linalg.norm(leaf.state))
+    size = float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket)
     noise = rng.standard_normal((_STARTS, len(leaf.state))) * np.geomspace(nearest, farthest, _STARTS)[:, None] * size
     found, residual = solve(leaf.equations, leaf.state + noise, most_steps=most_steps)
     return np.concatenate([leaf.state[None], found[residual <= CONVERGED]])
@@ -228,6 +229,7 @@ def _descend(leaf: Leaf, x: Array, before: Array, sign: float) -> tuple[Array, A
     along = np.einsum("...ji,...j->...i", vectors, sign * slope) / moduli
     step = -np.einsum("...ij,...j->...i", basis @ vectors, along)
     length, size = (np.linalg.norm(v, axis=-1, keepdims=True) for v in (step, x))
+    size = size + unit_length(leaf.system.bracket)
     step *= np.minimum(1.0, _STRETCH * size / np.maximum(length, 1e-300))
     best, reached = x.copy(), before.copy()
     left = np.arange(len(x))

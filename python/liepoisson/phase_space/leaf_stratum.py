@@ -54,10 +54,11 @@ class Place:
 def place_of(system: System, x: Array) -> Place:
     """The place of one state, shape (N,).
 
-    J is linear and the conditions are homogeneous: x and any multiple of it lie on one stratum, and the multiple by a
-    power of two that is of order one neither overflows nor underflows.
+    Without a constant part J is linear and the conditions are homogeneous: x and any multiple of it lie on one stratum,
+    and the multiple by a power of two that is of order one neither overflows nor underflows.
     """
-    x = np.ldexp(x, -int(np.frexp(np.abs(x).max(initial=0.0))[1]))
+    if not system.bracket.constant:
+        x = np.ldexp(x, -int(np.frexp(np.abs(x).max(initial=0.0))[1]))
     rank = numeric_rank(system, x)
     listed = strata_of(system.bracket)
     for k, stratum in enumerate(listed):

@@ -158,9 +158,9 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
 
 
 def not_tiny(leaf: Leaf, name: str) -> Leaf:
-    """The leaf, unless J at its state, which is linear, has no inverse in doubles."""
+    """The leaf, unless J at its state, linear without a constant part, has no inverse in doubles."""
     size = float(np.abs(leaf.state).max(initial=0.0))
-    if leaf.rank and size < _TINY:
+    if leaf.rank and size < _TINY and not leaf.system.bracket.constant:
         raise ParameterError(
             f"{name} must be zero, or have a component of at least {_TINY:g}, so that its Poisson tensor has an "
             f"inverse in doubles; the largest is {size:.3g}. Choose units in which it is larger."

@@ -20,6 +20,7 @@ from liepoisson.numeric._checks import as_count, shown
 from liepoisson.phase_space._checks import as_energy
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.leaf_search import check_energy_in_reach
+from liepoisson.phase_space.lengths import unit_length
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -199,7 +200,7 @@ def _guesses_for(leaf: Leaf, energy: float) -> Callable[[np.random.SeedSequence,
         is_cheap = False
     if is_cheap:
         return lambda stream, n: leaf.sample(n, seed=int(stream.generate_state(1, np.uint64)[0]), energy=energy)
-    size = float(np.linalg.norm(leaf.state)) / np.sqrt(len(leaf.state)) or 1.0
+    size = (float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket)) / np.sqrt(len(leaf.state)) or 1.0
     return lambda stream, n: size * np.random.default_rng(stream).standard_normal((n, len(leaf.state)))
 
 

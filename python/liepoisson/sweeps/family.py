@@ -108,7 +108,8 @@ class FileFamily(Family):
         self._tables = dict(tables)
         self._path = path
         self.name = self._file.name
-        self.shapes = self._file.scope.shapes
+        scope = self._file.scope
+        self.shapes = {name: shape for name, shape in scope.shapes.items() if name not in scope.scalars}
         self.defaults = self._file.parameters
 
     def __reduce__(self) -> tuple[Callable[..., FileFamily], tuple[bytes, str]]:

@@ -144,7 +144,11 @@ def system_record(system: Any) -> dict[str, str]:
 
     entries = [(i, j, m, srepr(to_sympy(c))) for i, j, m, c in system.bracket.entries()]
     coordinates = ", ".join(map(str, system.bracket.variables))
-    return {"bracket": repr(entries), "coordinates": coordinates, "hamiltonian": srepr(system.hamiltonian)}
+    record = {"bracket": repr(entries), "coordinates": coordinates, "hamiltonian": srepr(system.hamiltonian)}
+    if system.bracket.constant:
+        constant = [(*pair, srepr(to_sympy(c))) for pair, c in system.bracket.constant.items()]
+        record["constant part of the bracket"] = repr(constant)
+    return record
 
 
 def function_record(function: Callable[..., Any]) -> dict[str, Any]:

@@ -30,6 +30,7 @@ class Scope:
         fields: The names of the components of each field: {"l": ("1", "2", "3")} for l1, l2, l3.
         parameters: Values by name: a scalar, a vector (a sequence) or a matrix (a sequence of rows).
         symbols: Parameters without a value, as they are declared: "epsilon", "a[3]" for a vector, "A[3,3]".
+        scalars: Those of the symbols that are coordinates, each a field of one component: "theta", "p_theta".
         shapes: Shapes of the parameters and symbols, by name.
         components: Components by their short form, with their owner and their indices: l1 is ("l", (1,)).
 
@@ -40,6 +41,7 @@ class Scope:
     fields: Mapping[str, Sequence[str]] = field(default_factory=dict[str, Sequence[str]])
     parameters: Mapping[str, GivenValue] = field(default_factory=dict[str, GivenValue])
     symbols: Sequence[str] = ()
+    scalars: Sequence[str] = ()
     shapes: Mapping[str, Shape] = field(init=False, repr=False)
     components: Mapping[str, tuple[str, Shape]] = field(init=False, repr=False)
     values: Mapping[str, Value] = field(init=False, repr=False)
@@ -68,10 +70,12 @@ class Scope:
         Raises:
             ParameterError: as for a scope.
         """
-        fields = dict.fromkeys(bracket.field_names, bracket.algebra.basis_names)
-        known = cls(fields, parameters or {}, symbols)
+        scalars = bracket.field_names if bracket.has_scalar_fields else ()
+        fields = {} if scalars else dict.fromkeys(bracket.field_names, bracket.algebra.basis_names)
+        symbols = (*scalars, *symbols)
+        known = cls(fields, parameters or {}, symbols, scalars)
         missing = sorted(bracket.symbols - set(known.shapes) - set(known.components))
-        return cls(fields, parameters or {}, (*symbols, *missing)) if missing else known
+        return cls(fields, parameters or {}, (*symbols, *missing), scalars) if missing else known
 
     def owner(self, name: str) -> str | None:
         """The field, parameter or symbol to which a name belongs, itself or as a component; None if unknown."""
@@ -81,7 +85,8 @@ class Scope:
 
     def coordinates(self) -> set[str]:
         """The names of all coordinates."""
-        return {f"{name}{component}" for name, components in self.fields.items() for component in components}
+        vectors = {f"{name}{component}" for name, components in self.fields.items() for component in components}
+        return vectors | set(self.scalars)
 
     def suggestion(self, name: str) -> str:
         """The end of a message about an unknown name: the nearest known ones, and all of them."""

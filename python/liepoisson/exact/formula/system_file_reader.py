@@ -33,7 +33,18 @@ _MAX_LIST = 100_000
 _LONGEST_NAME = 200
 _KEYS: dict[str, tuple[str, ...]] = {
     "": ("name", "source", "description", "symbols", "bracket", "parameters", "hamiltonian", "integrals", "reference"),
-    "bracket": ("algebra", "structure_constants", "matrices", "basis_names", "extension", "W", "variables"),
+    "bracket": (
+        "algebra",
+        "structure_constants",
+        "matrices",
+        "basis_names",
+        "extension",
+        "W",
+        "variables",
+        "constant",
+        "canonical",
+        "momenta",
+    ),
     "hamiltonian": ("expression",),
     "integral": ("expression", "on", "source"),
     "reference": ("state", "quantity", "value", "tolerance", "source"),
@@ -94,6 +105,8 @@ class _Reader:
         self.check_keys(("bracket",), table, _KEYS["bracket"])
         declared = [*_declarations(parameters), *symbols]
         self.guarded(("parameters",), lambda: Scope(symbols=declared))
+        if "canonical" in table:
+            return self.canonical(table)
         algebra = self.algebra(table, declared)
         extension = self.extension(table, declared)
         if "variables" in table:
@@ -103,7 +116,33 @@ class _Reader:
                 raise self.toml.error(("bracket", "variables"), f"wanted one name per field; got {got}. Correct one.")
             extension = self.guarded(("bracket", "variables"), lambda: extension.rename(*names))
         named = next((key for key in ("variables", "basis_names") if key in table), None)
-        return self.guarded(("bracket", named) if named else ("bracket",), lambda: algebra @ extension)
+        found = self.guarded(("bracket", named) if named else ("bracket",), lambda: algebra @ extension)
+        return self.with_constant(found, table["constant"], declared) if "constant" in table else found
+
+    def with_constant(self, bracket: Bracket, given: object, symbols: Sequence[str]) -> Bracket:
+        """The bracket with the constant part of a table: constant.l1.l2 = "k" adds k to {l1, l2}."""
+        keys, scope = ("bracket", "constant"), Scope(symbols=symbols)
+        entries: dict[tuple[str | int, str | int], Any] = {}
+        for first, row in self.table(keys, given).items():
+            for second, value in self.table((*keys, first), row).items():
+                entries[first, second] = self.number((*keys, first, second), value, scope)
+        return self.guarded(keys, lambda: bracket.with_constant(entries))
+
+    def canonical(self, table: dict[str, Any]) -> Bracket:
+        """The canonical bracket of a number of degrees of freedom, or of coordinates by name."""
+        from liepoisson.exact.canonical_bracket import canonical
+
+        if other := next((key for key in table if key not in ("canonical", "momenta")), None):
+            message = "a canonical bracket is given by canonical and momenta alone. Remove the key."
+            raise self.toml.error(("bracket", other), message)
+        keys, given = ("bracket", "canonical"), table["canonical"]
+        if not isinstance(given, list):
+            number = self.number(keys, given)
+            size: Any = int(number) if isinstance(number, Fraction) and number.denominator == 1 else number
+            return self.guarded(keys, lambda: canonical(size))
+        names = self.texts(keys, given)
+        momenta = self.texts(("bracket", "momenta"), table["momenta"]) if "momenta" in table else None
+        return self.guarded(keys, lambda: canonical(names=names, momenta=momenta))
 
     def algebra(self, table: dict[str, Any], symbols: Sequence[str]) -> LieAlgebra:
         from liepoisson.exact.lie_algebra import LieAlgebra
@@ -192,6 +231,8 @@ class _Reader:
         fields, n = bracket.extension.field_names, bracket.algebra.dimension
         if isinstance(given, dict):
             table = cast("dict[str, object]", given)
+            if bracket.has_scalar_fields:  # theta = 1 as well as theta = [1]
+                table = {key: item if isinstance(item, list) else [item] for key, item in table.items()}
             self.check_keys(keys, table, fields)
             if missing := [name for name in fields if name not in table]:
                 raise self.toml.error(keys, f"wanted a vector for each field; {missing[0]} has none. Add it.")

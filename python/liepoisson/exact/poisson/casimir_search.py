@@ -1,8 +1,10 @@
 r"""All polynomial Casimirs of a degree, $J \nabla C = 0$, by exact linear algebra on monomials.
 
-J is linear and homogeneous, so degrees separate.  So do the characters of the bracket, that is, weights $w_i$
-(integers, or integers modulo 2 or 3) with $w_i + w_j = w_m$ whenever $x_m$ occurs in $\{x_i, x_j\}$: gradings of A,
-tori and reflections of g.  The linear system falls into blocks, one for each weight.
+Where J is homogeneous, degrees separate.  With a constant part the polynomials are made homogeneous by factors of the
+constant coordinate, $x_{-1} = 1$, which is a Casimir itself, and of which the others lose their multiples.  So do the
+characters of the bracket, that is, weights $w_i$ (integers, or integers modulo 2 or 3) with $w_i + w_j = w_m$ whenever
+$x_m$ occurs in $\{x_i, x_j\}$: gradings of A, tori and reflections of g.  The linear system falls into blocks, one for
+each weight.
 
 Its columns are in the order of `leading_monomials`, so that the reduced basis has a 1 at each leading monomial.
 """
@@ -20,12 +22,13 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import echelon_form, nullspace, nullspace_mod, rank, rank_mod
 from liepoisson.exact.poisson.leading_monomials import leading, place, size
+from liepoisson.exact.poisson.poisson_tensor import CONSTANT
 
 if TYPE_CHECKING:
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
 
 Monomial: TypeAlias = tuple[int, ...]
-"""Indices of the factors in increasing order: (0, 0, 2) is x0^2 x2."""
+"""Indices of the factors in increasing order: (0, 0, 2) is x0^2 x2, and (-1, 0) is x0 made homogeneous of degree 2."""
 
 Polynomial: TypeAlias = dict[Monomial, Any]
 """Coefficients, elements of the field, by monomial."""
@@ -51,18 +54,25 @@ class CasimirSearch:
     def is_feasible(self, degree: int) -> bool:
         """Whether the linear system of this degree is below the size limit."""
         N = self.tensor.dimension
-        return N * comb(N + degree - 1, degree) <= MAX_WORK
+        return N * comb(len(self._factors) + degree - 1, degree) <= MAX_WORK
 
     def of_degree(self, degree: int) -> list[Polynomial]:
-        """A basis of the homogeneous Casimirs of this degree: 1 at its leading monomial, where the others have 0."""
+        """A basis of the homogeneous Casimirs of this degree: 1 at its leading monomial, where the others have 0.
+
+        With a constant part those of at most this degree, made homogeneous, without constants.
+        """
         blocks: dict[tuple[int, ...], list[Monomial]] = {}
-        for monomial in combinations_with_replacement(range(self.tensor.dimension), degree):
+        for monomial in combinations_with_replacement(self._factors, degree):
+            if monomial[-1] == CONSTANT:
+                continue
             blocks.setdefault(self._weight(monomial), []).append(monomial)
         return self.sorted(polynomial for monomials in blocks.values() for polynomial in self._solve(monomials))
 
     def sums_of_squares(self) -> list[Polynomial]:
         """A basis of the quadratic Casimirs without mixed products: a small system even in many dimensions."""
-        return self.sorted(self._solve([(i, i) for i in range(self.tensor.dimension)]))
+        factors = (i for i in self._factors if i != CONSTANT)
+        linear = [] if self.tensor.is_homogeneous else [(CONSTANT, i) for i in range(self.tensor.dimension)]
+        return self.sorted(self._solve([*((i, i) for i in factors), *linear]))
 
     def sorted(self, polynomials: Iterable[Polynomial]) -> list[Polynomial]:
         """Homogeneous polynomials of one degree in the order that numbers them."""
@@ -83,7 +93,7 @@ class CasimirSearch:
     def image(self, polynomial: Polynomial) -> dict[tuple[int, Monomial], Any]:
         r"""The nonzero coefficients of $J\nabla C$, by component and monomial."""
         total: dict[tuple[int, Monomial], Any] = {}
-        for monomial, coefficient in polynomial.items():
+        for monomial, coefficient in homogeneous(polynomial).items():
             for key, value in self._image_of_monomial(monomial):
                 term = coefficient * value
                 total[key] = total[key] + term if key in total else term
@@ -126,6 +136,8 @@ class CasimirSearch:
     def _image_of_monomial(self, monomial: Monomial) -> Iterator[tuple[tuple[int, Monomial], Any]]:
         # Each occurrence of a factor is differentiated for itself, so powers need no multiplicities.
         for position, factor in enumerate(monomial):
+            if factor == CONSTANT:
+                continue
             rest = monomial[:position] + monomial[position + 1 :]
             for i, m, coefficient in self._columns[factor]:
                 yield (i, tuple(sorted((*rest, m)))), coefficient
@@ -137,19 +149,25 @@ class CasimirSearch:
             columns[j].append((i, m, coefficient))
         return columns
 
+    @cached_property
+    def _factors(self) -> range:
+        """The coordinates, and the constant one if it occurs."""
+        return range(0 if self.tensor.is_homogeneous else CONSTANT, self.tensor.dimension)
+
     def _weight(self, monomial: Monomial) -> tuple[int, ...]:
         sums = ((sum(weights[v] for v in monomial), modulus) for weights, modulus in self._characters)
         return tuple(total % modulus if modulus else total for total, modulus in sums)
 
     @cached_property
     def _characters(self) -> list[tuple[list[int], int]]:
-        """Weights of the coordinates and their modulus (0 for integers)."""
-        N = self.tensor.dimension
+        """Weights of the coordinates, that of the constant one behind them, and their modulus (0 for integers)."""
+        N = len(self._factors)
         relations: set[tuple[tuple[int, int], ...]] = set()
         for i, j, m, _ in self.tensor.terms():
             relation: dict[int, int] = {}
             for index, sign in ((i, 1), (j, 1), (m, -1)):
-                relation[index] = relation.get(index, 0) + sign
+                place_of_weight = index % N
+                relation[place_of_weight] = relation.get(place_of_weight, 0) + sign
             relations.add(tuple(sorted(relation.items())))
         rows = [dict(relation) for relation in sorted(relations)]
         characters = [(_dense(vector, N), q) for q in (2, 3) for vector in nullspace_mod(rows, N, q)]
@@ -159,6 +177,17 @@ class CasimirSearch:
             scale = lcm(*(value.denominator for value in vector.values()))
             characters.append((_dense({c: int(v * scale) for c, v in vector.items()}, N), 0))
         return characters
+
+
+def homogeneous(polynomial: Polynomial) -> Polynomial:
+    """The polynomial with factors of the constant coordinate, so that all monomials have one length."""
+    degree = max(map(len, polynomial), default=0)
+    return {(CONSTANT,) * (degree - len(m)) + m: c for m, c in polynomial.items()}
+
+
+def without_constant_factors(polynomial: Polynomial) -> Polynomial:
+    """The polynomial with 1 in place of the constant coordinate."""
+    return {tuple(i for i in m if i != CONSTANT): c for m, c in polynomial.items()}
 
 
 def products_of_degree(generators: Sequence[tuple[int, Polynomial]], degree: int) -> Iterator[Polynomial]:

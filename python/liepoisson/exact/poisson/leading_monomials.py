@@ -9,6 +9,8 @@ other coefficients are then rational functions of the structure constants.  Noth
 constant is a number or a symbol, so that inserting numbers commutes with finding the generators, except at values where
 a leading coefficient vanishes (see `liepoisson.exact.casimirs.ExceptionalCase`).
 
+Where the bracket has a constant part Casimirs are not homogeneous: a monomial of a higher degree is the larger one.
+
 In the usual bases of an extension the unit $e_0$ comes first and products come after their factors.  A cocycle then
 adds terms with early fields, such as $2\epsilon\,\ell\cdot\beta$ to $|\alpha|^2$, which are never the leading ones.
 """
@@ -21,17 +23,17 @@ from typing import TYPE_CHECKING, TypeAlias
 if TYPE_CHECKING:
     from liepoisson.exact.poisson.casimir_search import Monomial, Polynomial
 
-Key: TypeAlias = tuple[tuple[int, ...], tuple[int, ...]]
+Key: TypeAlias = tuple[int, tuple[int, ...], tuple[int, ...]]
 
 
 def size(monomial: Monomial, block: int) -> Key:
-    """What is compared: the labels of the fields of a monomial, then its coordinates, the first ones largest.
+    """What is compared: the degree, the labels of the fields, then the coordinates, the first ones largest.
 
     Args:
         monomial: Indices of coordinates in increasing order.
         block: Number of coordinates of a field.
     """
-    return tuple(i // block for i in monomial), tuple(-i for i in monomial)
+    return len(monomial), tuple(i // block for i in monomial), tuple(-i for i in monomial)
 
 
 def leading(monomials: Iterable[Monomial], block: int) -> Monomial:
@@ -44,7 +46,7 @@ def place(monomial: Monomial, block: int) -> tuple[tuple[int, ...], Monomial]:
 
     For tops $|\alpha|^2 + 2\epsilon\,\ell\cdot\beta$, $\alpha\cdot\beta$, $|\\beta|^2$.
     """
-    return size(monomial, block)[0], monomial
+    return size(monomial, block)[1], monomial
 
 
 def monic(polynomial: Polynomial, block: int) -> Polynomial:

@@ -28,6 +28,7 @@ from liepoisson.exact.report.lines import (
     record_of,
     record_of_formula,
 )
+from liepoisson.exact.report.styles import LATEX
 from liepoisson.exact.report.vector_notation import VectorNotation
 
 if TYPE_CHECKING:
@@ -183,18 +184,27 @@ class JacobiFacts(Topic):
     def __init__(self, bracket: Bracket) -> None:
         self.name = repr(bracket)
         self.coordinates = [str(variable) for variable in bracket.variables]
+        self.constant = [
+            (self.coordinates[i], self.coordinates[j], Formula(to_sympy(c))) for (i, j), c in bracket.constant.items()
+        ]
         self.certificate = bracket.jacobi_certificate()
 
     def lines(self) -> list[Line]:
         names = self.coordinates
         shown = ", ".join(names) if len(names) <= 12 else f"{', '.join(names[:6])}, ..., {names[-1]}"
-        return [(f"{self.name}, {len(names)} coordinates: {shown}",), (str(self.certificate),)]
+        lines: list[Line] = [(f"{self.name}, {len(names)} coordinates: {shown}",)]
+        if self.constant:
+            parts: list[Written] = [Equation(_Braces(u, v), c) for u, v, c in self.constant]
+            more = f", ... ({len(parts)} in all)" if len(parts) > _MOST_CONSTANTS else ""
+            lines.append(("constant part ", *joined(parts[:_MOST_CONSTANTS]), *([more] if more else [])))
+        return [*lines, (str(self.certificate),)]
 
     def record(self) -> dict[str, Any]:
         certificate = self.certificate
         return {
             "name": self.name,
             "coordinates": self.coordinates,
+            **({"constant_part": [self._record(*entry) for entry in self.constant]} if self.constant else {}),
             "jacobi": {
                 "proved": certificate.holds,
                 "method": certificate.method,
@@ -202,6 +212,14 @@ class JacobiFacts(Topic):
                 "failures": [str(failure) for failure in certificate.failures],
             },
         }
+
+    @staticmethod
+    def _record(first: str, second: str, value: Formula) -> dict[str, Any]:
+        return {"of": [first, second], "value": record_of(value)}
+
+
+_MOST_CONSTANTS = 12
+"""Entries of a constant part that are printed."""
 
 
 @final
@@ -315,6 +333,18 @@ class _Product:
     def write(self, style: Any) -> str:
         """Both basis elements."""
         return " ".join(style.component(_e(field), "e", field) for field in (self.u, self.v))
+
+
+class _Braces:
+    """The bracket of two coordinates."""
+
+    def __init__(self, u: str, v: str) -> None:
+        self.u, self.v = u, v
+
+    def write(self, style: Any) -> str:
+        """Both coordinates in braces."""
+        left, right = (r"\{", r"\}") if style is LATEX else ("{", "}")
+        return f"{left}{Name(self.u).write(style)}, {Name(self.v).write(style)}{right}"
 
 
 def _e(field: str) -> str:

@@ -100,9 +100,11 @@ class StrataFacts(Topic):
 
     def _line(self, stratum: Stratum) -> Line:
         place = stratum.condition.removesuffix("generic").removesuffix(", ")
-        if place:
+        if place == "everywhere" and self.bracket.constant:
+            line: Line = (f"dimension {stratum.rank} everywhere",)
+        elif place:
             adverb = "" if stratum.proved else "generically "
-            line: Line = (f"dimension {stratum.rank} {adverb}where ", Statement.about(place, self.bracket))
+            line = (f"dimension {stratum.rank} {adverb}where ", Statement.about(place, self.bracket))
         else:
             line = (f"dimension {stratum.rank} at generic points",)
         if stratum.casimirs and stratum.rank:

@@ -117,7 +117,8 @@ class Statement:
     @classmethod
     def about(cls, statement: str, bracket: Bracket) -> Statement:
         """A statement about the fields, coordinates and parameters of a bracket."""
-        return cls(statement, frozenset(bracket.fields), frozenset({*map(str, bracket.variables), *bracket.symbols}))
+        vectors = frozenset[str]() if bracket.has_scalar_fields else frozenset(bracket.fields)
+        return cls(statement, vectors, frozenset({*map(str, bracket.variables), *bracket.symbols}))
 
     def write(self, style: Style) -> str:
         """The same with the names and signs of one style."""

@@ -219,6 +219,8 @@ class Latex(Style):
 
     def component(self, name: str, base: str, index: str) -> str:
         stem, number = split_name(base)  # the field x0 has the components x_{0,1}, x_{0,2}, ...
+        if (number or index) in LETTERS:  # p_theta1 is the momentum of theta_1
+            return rf"{_latex_name(stem)}_{{\{number or index}{_latex_index(index) if number else ''}}}"
         return _latex_name(stem) + (
             f"_{{{latex_text(number)},{latex_text(index)}}}" if number and index else _latex_index(number or index)
         )

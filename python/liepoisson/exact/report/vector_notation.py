@@ -56,7 +56,9 @@ class VectorNotation:
         self.variables: tuple[Any, ...] = bracket.variables
         self.places = {variable: divmod(k, self.n) for k, variable in enumerate(self.variables)}
         bases = bracket.algebra.basis_names
-        self.coordinates = {str(variable): (self.field_names[f], bases[i]) for variable, (f, i) in self.places.items()}
+        self.coordinates = {
+            str(variable): (self.field_names[f], bases[i]) for variable, (f, i) in self.places.items() if bases[i]
+        }
 
     @cached_property
     def metric(self) -> tuple[int, ...] | None:

@@ -20,8 +20,8 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
 from liepoisson.errors import ChartError
-from liepoisson.exact.canonical.canonical_system import CanonicalSystem
-from liepoisson.exact.canonical.leaf_constants import (
+from liepoisson.exact.canonical_system import CanonicalSystem
+from liepoisson.exact.charts.leaf_constants import (
     FIELDS,
     ON_LEAF,
     GivenLeaf,
@@ -33,7 +33,7 @@ from liepoisson.exact.canonical.leaf_constants import (
     top_of,
     vectors,
 )
-from liepoisson.exact.canonical.quaternions import body_rotation, components, left_matrix, shortest_turn, turned
+from liepoisson.exact.charts.quaternions import body_rotation, components, left_matrix, shortest_turn, turned
 from liepoisson.exact.parameters import Column, Parameter, is_zero
 
 if TYPE_CHECKING:

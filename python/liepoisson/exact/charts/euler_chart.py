@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
-from liepoisson.exact.canonical.canonical_system import CanonicalSystem
-from liepoisson.exact.canonical.euler_angles import angular_momentum, momenta_of, rotation_rows
-from liepoisson.exact.canonical.gauge import Gauge, Given
-from liepoisson.exact.canonical.leaf_constants import (
+from liepoisson.exact.canonical_system import CanonicalSystem
+from liepoisson.exact.charts.euler_angles import angular_momentum, momenta_of, rotation_rows
+from liepoisson.exact.charts.gauge import Gauge, Given
+from liepoisson.exact.charts.leaf_constants import (
     FIELDS,
     GivenLeaf,
     LeafConstants,

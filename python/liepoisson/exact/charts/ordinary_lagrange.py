@@ -14,11 +14,11 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
 from liepoisson.errors import ChartError, ParameterError, ShapeError
-from liepoisson.exact.canonical.canonical_system import CanonicalSystem
-from liepoisson.exact.canonical.euler_angles import angular_momentum
-from liepoisson.exact.canonical.euler_chart import NEAREST
-from liepoisson.exact.canonical.lagrange_reduction import check_l3, check_lagrange, conserved_l3, cyclic_angle
-from liepoisson.exact.canonical.leaf_constants import FIELDS, chart_points, dot, refuse, top_of, vectors
+from liepoisson.exact.canonical_system import CanonicalSystem
+from liepoisson.exact.charts.euler_angles import angular_momentum
+from liepoisson.exact.charts.euler_chart import NEAREST
+from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
+from liepoisson.exact.charts.leaf_constants import FIELDS, chart_points, dot, refuse, top_of, vectors
 from liepoisson.exact.parameters import Parameter, as_float, read_parameter, to_sympy
 
 if TYPE_CHECKING:

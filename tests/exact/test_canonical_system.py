@@ -9,19 +9,19 @@ import sympy as sp
 import liepoisson as lp
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 
-PENDULUM = lp.charts.CanonicalSystem(["theta"], ["p"], "p^2/(2*m) - k*cos(theta)", parameters={"m": 2, "k": "1/3"})
+PENDULUM = lp.systems.CanonicalSystem(["theta"], ["p"], "p^2/(2*m) - k*cos(theta)", parameters={"m": 2, "k": "1/3"})
 
 
 def test_the_equations_are_those_of_hamilton():
     theta, p = PENDULUM.variables
     assert PENDULUM.equations == {theta: p / 2, p: -sp.sin(theta) / 3}
-    assert PENDULUM.bracket("theta", "p") == 1
-    assert PENDULUM.bracket("p^2", "theta*p") == -2 * p * p
+    assert PENDULUM.bracket(theta, p) == 1
+    assert PENDULUM.bracket(p**2, theta * p) == -2 * p * p
 
 
 def test_the_pendulum_at_its_separatrix():
     # theta = 4 atan(tanh(s/2)) with s = t for theta'' = -sin theta, theta(0) = 0, theta'(0) = 2
-    pendulum = lp.charts.CanonicalSystem(["theta"], ["p"], "p^2/2 - cos(theta)")
+    pendulum = lp.systems.CanonicalSystem(["theta"], ["p"], "p^2/2 - cos(theta)")
     t = np.linspace(0, 5, 21)
     orbit = lp.integrate(pendulum, [0.0, 2.0], times=t)
     assert orbit.components == ("theta", "p")
@@ -29,13 +29,13 @@ def test_the_pendulum_at_its_separatrix():
 
 
 def test_a_quadratic_hamiltonian_has_a_quadratic_field_and_any_other_a_tape():
-    oscillator = lp.charts.CanonicalSystem(["x", "y"], ["u", "v"], "(x^2 + u^2)/2 + (2*y^2 + v^2)/2")
+    oscillator = lp.systems.CanonicalSystem(["x", "y"], ["u", "v"], "(x^2 + u^2)/2 + (2*y^2 + v^2)/2")
     assert isinstance(oscillator.field(), lp.fields.QuadraticField)
     assert isinstance(PENDULUM.field(), lp.fields.TapeField)
 
 
 def test_a_quadrature_follows_the_motion_without_acting_on_it():
-    system = lp.charts.CanonicalSystem(["x"], ["p"], "(x^2 + p^2)/2", quadratures={"area": "x*x"})
+    system = lp.systems.CanonicalSystem(["x"], ["p"], "(x^2 + p^2)/2", quadratures={"area": "x*x"})
     orbit = lp.integrate(system, [1.0, 0.0, 0.0], times=[0, 2.0])
     # the integral of cos^2 t is t/2 + sin(2t)/4
     np.testing.assert_allclose(orbit.state[0, -1], [np.cos(2), -np.sin(2), 1 + np.sin(4) / 4], atol=1e-14)
@@ -79,22 +79,22 @@ def test_it_is_pickled_without_its_compiled_functions():
         ((["x 1"], ["p"], "p^2"), ParameterError, "letters, digits"),
         ((["x"], ["p"], "p^2 + abs(x)"), ExpressionError, "not smooth"),
         ((["x"], ["p"], "p^2 + y"), ExpressionError, "unknown"),
-        ((["x"], ["p"], 3), ParameterError, "a text or a SymPy expression"),
+        ((["x"], ["p"], 3), ParameterError, "must be a text such as"),
     ],
 )
 def test_wrong_input_is_refused(arguments, error, message):
     with pytest.raises(error, match=message):
-        lp.charts.CanonicalSystem(*arguments)
+        lp.systems.CanonicalSystem(*arguments)
 
 
 def test_quadratures_are_a_mapping():
     with pytest.raises(ParameterError, match="quadratures must be a mapping"):
-        lp.charts.CanonicalSystem(["x"], ["p"], "p^2", quadratures=["x"])
+        lp.systems.CanonicalSystem(["x"], ["p"], "p^2", quadratures=["x"])
 
 
 def test_a_symbol_without_a_number_is_refused_when_a_field_is_wanted():
     x, p, k = sp.symbols("x p k")
-    system = lp.charts.CanonicalSystem(["x"], ["p"], p**2 + k * sp.cos(x))
+    system = lp.systems.CanonicalSystem(["x"], ["p"], p**2 + k * sp.cos(x))
     assert system.equations[p] == k * sp.sin(x)
     with pytest.raises(ParameterError, match="k has none"):
         system.field()

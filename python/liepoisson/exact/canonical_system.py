@@ -1,0 +1,211 @@
+r"""Canonical Hamiltonian systems: coordinates, momenta and a Hamiltonian, and what is found by quadrature.
+
+$$\dot q_k = \partial H/\partial p_k, \qquad \dot p_k = -\partial H/\partial q_k .$$
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, cast
+
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.canonical_bracket import canonical
+from liepoisson.exact.formula.scope import Scope
+from liepoisson.exact.hamiltonian import GivenValue, Hamiltonian, is_expression
+from liepoisson.exact.names import check_name
+from liepoisson.exact.system import System
+from liepoisson.field import QuadraticField, TapeField
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+
+class CanonicalSystem(System):
+    r"""A system in canonical coordinates, $\dot q_k = \partial H/\partial p_k$, $\dot p_k = -\partial H/\partial q_k$.
+
+    A `System` on `canonical(names=coordinates, momenta=momenta)`, whose state $z = (q_1, \dots, q_n, p_1, \dots, p_n)$
+    may be followed by quadratures: components that follow the motion and do not act on it.  They belong to no bracket,
+    so that leaves and equilibria are those of a system without them.
+
+    Args:
+        coordinates: Names of the coordinates q.
+        momenta: Names of the momenta p, in the order of the coordinates to which they belong.
+        hamiltonian: A text in these names (see `liepoisson.exact.expression`), or a SymPy expression in symbols of
+            these names.
+        parameters: Values of other names in a text: numbers, vectors or matrices.
+        quadratures: Further components of the state by name, with their rates as functions of q and p: the cyclic
+            angle of a reduced system.
+        name: How the system is called.
+        integrals: Further known integrals by name; claims, which `inspect` proves.
+        source: Where the system is described.
+
+    Raises:
+        ShapeError: there is not one momentum for each coordinate.
+        ParameterError: a name stands for two things or is no identifier, or the Hamiltonian is of another kind.
+        BracketError: a parameter is named like a coordinate.
+        ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
+    """
+
+    def __init__(
+        self,
+        coordinates: Sequence[str],
+        momenta: Sequence[str],
+        hamiltonian: Hamiltonian,
+        *,
+        parameters: Mapping[str, GivenValue] | None = None,
+        quadratures: Mapping[str, str | Expr] | None = None,
+        name: str = "canonical system",
+        integrals: Mapping[str, str | Expr] | None = None,
+        source: str | None = None,
+    ) -> None:
+        if not all(_are_names(names) for names in (coordinates, momenta)) or len(coordinates) != len(momenta):
+            raise ShapeError(
+                f"a canonical system needs one momentum for each coordinate; got {coordinates!r:.60} "
+                f"and {momenta!r:.60}. "
+                f'Write for example CanonicalSystem(["x"], ["p"], "p^2/2 + x^2/2").'
+            )
+        if quadratures is not None and not _is_mapping(quadratures):
+            raise ParameterError(
+                f"quadratures must be a mapping from names to rates; got {quadratures!r:.60}. Write for example "
+                '{"psi": "p_psi"}.'
+            )
+        extra = dict(quadratures or {})
+        for component in (*coordinates, *momenta, *extra):
+            check_name(component, "the name of a coordinate")
+        self._scope = Scope(parameters=parameters or {}, symbols=(*coordinates, *momenta, *extra))
+        self._quadrature_names: tuple[str, ...] = tuple(extra)
+        bracket = canonical(names=coordinates, momenta=momenta)
+        super().__init__(
+            bracket, hamiltonian, parameters, name=name, symbols=tuple(extra), integrals=integrals, source=source
+        )
+        self.quadratures: dict[str, Expr] = {angle: self.expression(rate) for angle, rate in extra.items()}
+
+    @property
+    def n_degrees(self) -> int:
+        """Number of degrees of freedom: pairs of a coordinate and its momentum."""
+        return self.bracket.dimension // 2
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates."""
+        return self.bracket.coordinate_names_in_order[: self.n_degrees]
+
+    @property
+    def momenta(self) -> tuple[str, ...]:
+        """Names of the momenta."""
+        return self.bracket.coordinate_names_in_order[self.n_degrees :]
+
+    @property
+    def component_names(self) -> tuple[str, ...]:
+        """Coordinates, momenta and quadratures, in the order of the state."""
+        return (*self.bracket.coordinate_names_in_order, *self._quadrature_names)
+
+    @property
+    def parts_of_state(self) -> tuple[str, ...]:
+        """The same: each component is a scalar."""
+        return self.component_names
+
+    @property
+    def vector_length(self) -> int:
+        """Number of components that random starts give the length one together: three if they are triples, else all."""
+        n = len(self.component_names)
+        return 3 if n % 3 == 0 else n
+
+    @property
+    def variables(self) -> tuple[Symbol, ...]:
+        """The components of the state as symbols."""
+        return (*self.bracket.variables, *self._quadrature_symbols)
+
+    @cached_property
+    def _quadrature_symbols(self) -> tuple[Symbol, ...]:
+        from sympy import Symbol
+
+        return tuple(Symbol(name) for name in self._quadrature_names)
+
+    @property
+    def pairs(self) -> list[tuple[Symbol, Symbol]]:
+        """Each coordinate with its momentum."""
+        n = self.n_degrees
+        return list(zip(self.variables[:n], self.variables[n : 2 * n], strict=True))
+
+    @cached_property
+    def hamiltonian(self) -> Expr:
+        """The Hamiltonian as a SymPy expression, with the parameters inserted."""
+        given: Any = self._given_hamiltonian
+        return self._function(given if isinstance(given, str) else self.symbolic_hamiltonian)
+
+    @cached_property
+    def equations(self) -> dict[Symbol, Expr]:
+        """The right-hand sides of the equations of motion, in the order of the state; not expanded."""
+        H: Any = self.hamiltonian
+        rates = [H.diff(p) for _, p in self.pairs] + [-H.diff(q) for q, _ in self.pairs]
+        return dict(zip(self.variables, (*rates, *self.quadratures.values()), strict=True))
+
+    def derivative(self, function: str | Expr) -> Expr:
+        r"""The time derivative of a function of the state, $\{f, H\}$ and the rates of the quadratures in it."""
+        from sympy import Symbol, simplify
+
+        f: Any = self._function(function)
+        total: Any = super().derivative(f)
+        for name, rate in self.quadratures.items():
+            total += f.diff(Symbol(name)) * rate
+        return total if total.is_polynomial(*self.variables) else simplify(total)
+
+    @cached_property
+    def _general_field(self) -> QuadraticField | TapeField:
+        from liepoisson.exact.lowering import quadratic_of_equations, tape_of_equations
+
+        rates: list[Any] = list(self.equations.values())
+        self._refuse_symbols(rates)
+        if all(rate.is_polynomial(*self.variables) and self._degree(rate) <= 2 for rate in rates):
+            return quadratic_of_equations(self.variables, rates)
+        return tape_of_equations(self.variables, rates)
+
+    def _read(self, given: str | Expr) -> Expr:
+        """A function of the state with parameters as symbols; expressions are taken as they are."""
+        return super()._read(given) if isinstance(given, str) else given
+
+    def _function(self, given: str | Expr) -> Expr:
+        """A function of the state with values for the parameters.
+
+        Raises:
+            ExpressionError: the text is not in the grammar, or a name in it is not known; with the position.
+            ParameterError: neither a text nor a SymPy expression.
+        """
+        from liepoisson.exact.expression import read_expression
+
+        if isinstance(given, str):
+            return read_expression(given, self._scope, insert_values=True)
+        if not is_expression(given):
+            raise ParameterError(
+                f"a function must be a text or a SymPy expression; got {type(given).__name__}. "
+                'Write for example "p_theta^2/2".'
+            )
+        return self._with_parameters(given) if self.parameters else given
+
+    def __repr__(self) -> str:
+        return f"<CanonicalSystem {self.name!r} in {', '.join(self.component_names)}>"
+
+    def _degree(self, rate: Any) -> int:
+        from sympy import Poly
+
+        return 0 if rate == 0 else Poly(rate, *self.variables).total_degree()
+
+    def _refuse_symbols(self, expressions: Sequence[Any]) -> None:
+        free = {str(symbol) for expression in expressions for symbol in expression.free_symbols}
+        if missing := sorted(free - set(self.component_names)):
+            raise ParameterError(
+                f"every parameter must be a number for numerical work; {', '.join(missing)} has none. Give values."
+            )
+
+
+def _are_names(given: object) -> bool:
+    """Whether it is a sequence of texts, not empty."""
+    if isinstance(given, str) or not isinstance(given, Sequence) or not given:
+        return False
+    return all(isinstance(name, str) for name in cast("Sequence[object]", given))
+
+
+def _is_mapping(given: object) -> bool:
+    return isinstance(given, Mapping)

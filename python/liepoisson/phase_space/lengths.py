@@ -1,0 +1,18 @@
+"""What lengths on phase space are compared with.
+
+A Lie-Poisson bracket proper is homogeneous: x and any multiple of it look alike, so that only ratios to the length of x
+itself have a meaning, and the origin is a leaf of its own.  A constant part is a scale of J, the origin is a point like
+others, and systems are dimensionless: there 1 is a length that counts.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from liepoisson.exact.bracket import Bracket
+
+
+def unit_length(bracket: Bracket) -> float:
+    """What is added to the length of a state: 1 where the bracket has a constant part, else 0."""
+    return 1.0 if bracket.constant else 0.0
