@@ -311,7 +311,7 @@ def runs_of_all_kinds():
         "spectrum, failed": lambda: lp.lyapunov_spectrum(TOP, hostile, t_end=12, n_exponents=2),
         "spectrum, field": lambda: lp.lyapunov_spectrum(TOP.field(), STATES, t_end=12),
         "spectrum, structure": lambda: lp.lyapunov_spectrum(TOP, STATES, t_end=12, structure=STRUCTURE),
-        "chart": lambda: lp.orbits.chart_orbit(lp.charts.EulerChart(TOP, x=STATES[0]), STATES[0], times=[0, 1, 2]),
+        "chart": lambda: lp.orbits.chart_orbit(lp.charts.EulerChart(TOP, state=STATES[0]), STATES[0], times=[0, 1, 2]),
     }
 
 

@@ -81,7 +81,7 @@ def twisted_lagrange():
             x0.append(section_state(leaf, surface, energy, wanted))
         except lp.errors.LeafError:  # the energy does not reach this inclination
             continue
-    chart = lp.charts.ReducedLagrange(top, x=start)
+    chart = lp.charts.ReducedLagrange(top, state=start)
     points = lp.section(chart.system, chart.from_body(x0), surface="cos(phi)", t_end=1e5, n_crossings=4000)
     phi, theta, _, momentum = points.state.T
     side = np.sin(phi) < 0

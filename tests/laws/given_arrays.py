@@ -63,10 +63,10 @@ def leaf() -> lp.Leaf:
 @cache
 def chart(kind: str) -> Any:
     return {
-        "euler": lambda: lp.charts.EulerChart(TOP, x=STATE),
-        "quaternion": lambda: lp.charts.QuaternionChart(TOP, x=STATE),
-        "reduced": lambda: lp.charts.ReducedLagrange(LAGRANGE, x=STATE),
-        "ordinary": lambda: lp.charts.OrdinaryLagrange(LAGRANGE, x=ORDINARY),
+        "euler": lambda: lp.charts.EulerChart(TOP, state=STATE),
+        "quaternion": lambda: lp.charts.QuaternionChart(TOP, state=STATE),
+        "reduced": lambda: lp.charts.ReducedLagrange(LAGRANGE, state=STATE),
+        "ordinary": lambda: lp.charts.OrdinaryLagrange(LAGRANGE, state=ORDINARY),
     }[kind]()
 
 
@@ -98,7 +98,7 @@ def numbers_of(kind: str, x: Any) -> Any:
         "quaternion": lp.charts.QuaternionChart,
         "reduced": lp.charts.ReducedLagrange,
     }
-    leaf_constants = made[kind](LAGRANGE, x=x)
+    leaf_constants = made[kind](LAGRANGE, state=x)
     constants = leaf_constants.chart.leaf if kind == "reduced" else leaf_constants.leaf
     return [str(value) for value in (constants.v, constants.w, constants.eta)], constants
 
@@ -133,9 +133,9 @@ CASES: dict[str, Case] = {
     "CovariantVectors.distance_from_centre": Case(
         lambda vectors: covariant().distance_from_centre(vectors, 5), {"vectors": lambda: covariant().state}
     ),
-    "EulerChart.__init__": Case(lambda x: numbers_of("euler", x), {"x": STATE}),
-    "EulerChart.from_body": Case(lambda x: chart("euler").from_body(x), {"x": STATE[None]}),
-    "EulerChart.margins": Case(lambda x: chart("euler").margins(x), {"x": STATES}),
+    "EulerChart.__init__": Case(lambda state: numbers_of("euler", state), {"state": STATE}),
+    "EulerChart.from_body": Case(lambda states: chart("euler").from_body(states), {"states": STATE[None]}),
+    "EulerChart.margins": Case(lambda states: chart("euler").margins(states), {"states": STATES}),
     "EulerChart.to_body": Case(lambda z: chart("euler").to_body(z), {"z": lambda: inside("euler")}),
     "FiniteTimeFit.chi_squared": Case(
         lambda coefficients: fits()[0].chi_squared(coefficients), {"coefficients": np.array([0.1, 1.0, 0.2])}
@@ -152,29 +152,26 @@ CASES: dict[str, Case] = {
     "Leaf.residual": Case(lambda states: leaf().residual(states), {"states": STATES}),
     "Leaf.tangent_basis": Case(lambda states: leaf().tangent_basis(states), {"states": STATES}),
     "Leaf.tangent_projector": Case(lambda states: leaf().tangent_projector(states, energy=True), {"states": STATES}),
-    "LeafConstants.of": Case(lambda x: numbers_of("euler", x), {"x": STATE}),
+    "LeafConstants.of": Case(lambda state: numbers_of("euler", state), {"state": STATE}),
     "LogFit.curve": Case(lambda time: fits()[1].curve(time), {"time": LONG}),
     "Orbit.at": Case(lambda times: orbit().at(times), {"times": TIMES}),
     "OrdinaryLagrange.__init__": Case(
-        lambda x: [str(lp.charts.OrdinaryLagrange(LAGRANGE, x=x).hamiltonian)], {"x": ORDINARY}
+        lambda state: [str(lp.charts.OrdinaryLagrange(LAGRANGE, state=state).hamiltonian)], {"state": ORDINARY}
     ),
-    "OrdinaryLagrange.from_body": Case(lambda x: chart("ordinary").from_body(x), {"x": ORDINARY[None]}),
-    "OrdinaryLagrange.margins": Case(lambda x: chart("ordinary").margins(x), {"x": ORDINARY[None]}),
+    "OrdinaryLagrange.from_body": Case(lambda states: chart("ordinary").from_body(states), {"states": ORDINARY[None]}),
+    "OrdinaryLagrange.margins": Case(lambda states: chart("ordinary").margins(states), {"states": ORDINARY[None]}),
     "OrdinaryLagrange.to_body": Case(
         lambda z, psi: chart("ordinary").to_body(z, psi), {"z": lambda: inside("ordinary"), "psi": np.array([0.4])}
     ),
     "PhaseFunction.gradient": Case(lambda states: TOP.functions.of("l1^2*beta2").gradient(states), {"states": STATES}),
     "PhaseFunction.hessian": Case(lambda states: TOP.functions.of("l1^2*beta2").hessian(states), {"states": STATES}),
-    "QuaternionChart.__init__": Case(lambda x: numbers_of("quaternion", x), {"x": STATE}),
-    "QuaternionChart.from_body": Case(lambda x: chart("quaternion").from_body(x), {"x": STATE[None]}),
-    "QuaternionChart.margins": Case(lambda x: chart("quaternion").margins(x), {"x": STATES}),
+    "QuaternionChart.__init__": Case(lambda state: numbers_of("quaternion", state), {"state": STATE}),
+    "QuaternionChart.from_body": Case(lambda states: chart("quaternion").from_body(states), {"states": STATE[None]}),
+    "QuaternionChart.margins": Case(lambda states: chart("quaternion").margins(states), {"states": STATES}),
     "QuaternionChart.to_body": Case(lambda z: chart("quaternion").to_body(z), {"z": lambda: inside("quaternion")}),
-    "ReducedLagrange.__init__": Case(lambda x: numbers_of("reduced", x), {"x": STATE}),
-    "ReducedLagrange.from_body": Case(lambda x: chart("reduced").from_body(x), {"x": STATE[None]}),
-    "ReducedLagrange.margins": Case(lambda x: chart("reduced").margins(x), {"x": STATES}),
-    "ReducedLagrange.ordinary": Case(
-        lambda x: [str(lp.charts.ReducedLagrange.ordinary(LAGRANGE, x=x).hamiltonian)], {"x": ORDINARY}
-    ),
+    "ReducedLagrange.__init__": Case(lambda state: numbers_of("reduced", state), {"state": STATE}),
+    "ReducedLagrange.from_body": Case(lambda states: chart("reduced").from_body(states), {"states": STATE[None]}),
+    "ReducedLagrange.margins": Case(lambda states: chart("reduced").margins(states), {"states": STATES}),
     "ReducedLagrange.to_body": Case(
         lambda z, psi: chart("reduced").to_body(z, psi), {"z": lambda: inside("reduced"), "psi": np.array([0.4])}
     ),

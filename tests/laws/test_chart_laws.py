@@ -93,10 +93,10 @@ def random_cases(seed, n):
         inertia, a, b, x = rng.uniform(0.6, 1.4, 3), rng.normal(size=3), rng.normal(size=3), rng.normal(size=9)
         eps = (0, 1, -0.7, 0.3)[found % 4]
         system = lp.Top(inertia=inertia.tolist(), a=a.tolist(), b=b.tolist(), epsilon=eps)
-        charts = [lp.charts.EulerChart(system, x=x, gauge=gauge) for gauge in GAUGES]
+        charts = [lp.charts.EulerChart(system, state=x, gauge=gauge) for gauge in GAUGES]
         if min(float(min(chart.margins(x).values())) for chart in charts) > 0.3:
             found += 1
-            yield system, x, [*charts, lp.charts.QuaternionChart(system, x=x)]
+            yield system, x, [*charts, lp.charts.QuaternionChart(system, state=x)]
 
 
 @pytest.mark.thorough

@@ -76,9 +76,9 @@ def test_states_drawn_or_charted_by_values_have_them(epsilon):
     leaf = lp.Leaf(top, values)
     check(leaf.sample(20, seed=1, energy_below=2.0))
     check(leaf.project(np.arange(1.0, 10.0)))
-    euler = lp.charts.EulerChart(top, casimirs=values)
+    euler = lp.charts.EulerChart(top, leaf=values)
     check(euler.to_body(np.array([0.3, 0.5, 1.2, -np.sign(epsilon) * 0.5, 0.4, 0.1])))
-    constants = lp.charts.QuaternionChart(top, casimirs=values).leaf
+    constants = lp.charts.QuaternionChart(top, leaf=values).leaf
     np.testing.assert_allclose([float(c) for c in constants.casimirs], wanted, rtol=1e-14)
     for sampling in ("newton", "liouville"):
         starts = {**values, "energy": 2.0} | ({"sampling": "liouville"} if sampling == "liouville" else {})
@@ -141,4 +141,4 @@ def test_values_are_refused_for_brackets_that_only_share_the_equations():
     with pytest.raises(ParameterError, match=r"but the bracket"):
         lp.phase_space.bounds(free, leaf=values, energy=1.0)
     with pytest.raises(ParameterError, match=r"but the bracket"):
-        lp.charts.EulerChart(free, casimirs=values)
+        lp.charts.EulerChart(free, leaf=values)

@@ -19,7 +19,7 @@ def exact(x0, t):
 @pytest.mark.parametrize("gauge", GAUGES, ids=str)
 def test_the_euler_chart_refuses_a_collinear_start(gauge):
     with pytest.raises(ChartError) as caught:
-        chart_orbit(lp.charts.EulerChart(TOP, x=COLLINEAR, gauge=gauge), COLLINEAR, times=[0, 1])
+        chart_orbit(lp.charts.EulerChart(TOP, state=COLLINEAR, gauge=gauge), COLLINEAR, times=[0, 1])
     assert caught.value.condition == "alpha x beta != 0"
 
 
@@ -28,7 +28,7 @@ def test_the_quaternion_chart_follows_it_and_it_does_not_stay_collinear():
     # The paper: "If eta = 2 epsilon l.beta initially, then it remains so for all times".  It does not:
     # alpha' = epsilon beta x a = -e2 at the start, so that |alpha x beta| = t, to third order.
     t = np.array([0, 0.25, 1, 5, 10])
-    orbit = chart_orbit(lp.charts.QuaternionChart(TOP, x=COLLINEAR), COLLINEAR, times=t)
+    orbit = chart_orbit(lp.charts.QuaternionChart(TOP, state=COLLINEAR), COLLINEAR, times=t)
     assert (orbit.outcome, orbit.left_by) == ("finished", None)
     np.testing.assert_allclose(orbit.body, exact(COLLINEAR, t), rtol=0, atol=1e-10)  # measured 2e-12
     normal = np.linalg.norm(np.cross(orbit.body[1, 3:6], orbit.body[1, 6:]))
@@ -41,7 +41,7 @@ def test_the_quaternion_chart_follows_it_and_it_does_not_stay_collinear():
 def test_an_orbit_through_the_collinear_set_leaves_the_euler_chart_there(gauge, direction):
     start = exact(COLLINEAR, [0, -0.5 * direction])[-1]
     t = direction * np.linspace(0, 1, 9)
-    orbit = chart_orbit(lp.charts.EulerChart(TOP, x=start, gauge=gauge), start, times=t)
+    orbit = chart_orbit(lp.charts.EulerChart(TOP, state=start, gauge=gauge), start, times=t)
     assert orbit.outcome in ("left the chart", "not finite", "step too small", "max steps")
     assert orbit.left_by == "alpha x beta != 0"
     assert orbit.left_margin < 1e-3
@@ -49,7 +49,7 @@ def test_an_orbit_through_the_collinear_set_leaves_the_euler_chart_there(gauge, 
     np.testing.assert_allclose(orbit.body[:4], exact(start, t)[:4], rtol=0, atol=1e-12)  # kept up to there
     assert np.isnan(orbit.body[5:]).all()
     assert np.isfinite(orbit.end_state).all()
-    smooth = chart_orbit(lp.charts.QuaternionChart(TOP, x=start), start, times=t)
+    smooth = chart_orbit(lp.charts.QuaternionChart(TOP, state=start), start, times=t)
     np.testing.assert_allclose(smooth.body, exact(start, t), rtol=0, atol=1e-12)
 
 
@@ -61,7 +61,7 @@ def test_the_integrator_alone_does_not_see_the_end():
     for before in (0.3, 0.4, 0.5, 0.6):
         start = exact(COLLINEAR, [0, -before])[-1]
         for gauge in GAUGES:
-            chart = lp.charts.EulerChart(TOP, x=start, gauge=gauge)
+            chart = lp.charts.EulerChart(TOP, state=start, gauge=gauge)
             run = lp.integrate(chart.system, chart.from_body(start), times=[0, 1])
             if run.outcome[0] == "finished":
                 wrong += np.abs(chart.to_body(run.state[0, -1]) - exact(start, [0, 1])[-1]).max() > 0.01
@@ -72,7 +72,7 @@ def test_the_integrator_alone_does_not_see_the_end():
 @pytest.mark.thorough
 def test_an_orbit_inside_the_chart_finishes():
     x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])
-    for chart in (lp.charts.EulerChart(TOP, x=x), lp.charts.QuaternionChart(TOP, x=x)):
+    for chart in (lp.charts.EulerChart(TOP, state=x), lp.charts.QuaternionChart(TOP, state=x)):
         orbit = chart_orbit(chart, x, times=np.linspace(0, 10, 5))
         assert (orbit.outcome, orbit.left_by, orbit.left_margin, orbit.end_time) == ("finished", None, None, 10.0)
         np.testing.assert_allclose(orbit.body, exact(x, np.linspace(0, 10, 5)), atol=1e-10)
@@ -84,14 +84,14 @@ def test_an_orbit_inside_the_chart_finishes():
 
 def test_a_budget_of_steps_is_no_end_of_the_chart():
     x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])
-    orbit = chart_orbit(lp.charts.EulerChart(TOP, x=x), x, times=[0, 100.0], method=lp.Taylor(max_steps=20))
+    orbit = chart_orbit(lp.charts.EulerChart(TOP, state=x), x, times=[0, 100.0], method=lp.Taylor(max_steps=20))
     assert orbit.outcome == "max steps"
     assert 0 < orbit.end_time < 100
 
 
 @pytest.mark.thorough
 def test_wrong_input_is_refused():
-    chart = lp.charts.QuaternionChart(TOP, x=COLLINEAR)
+    chart = lp.charts.QuaternionChart(TOP, state=COLLINEAR)
     with pytest.raises(ShapeError, match="one state"):
         chart_orbit(chart, [COLLINEAR], times=[0, 1])
     with pytest.raises(ParameterError, match="Taylor"):
@@ -102,7 +102,7 @@ def test_wrong_input_is_refused():
 @pytest.mark.parametrize("kind", [lp.charts.EulerChart, lp.charts.QuaternionChart])
 def test_a_file_has_the_orbit_in_coordinates_and_in_the_body(kind, tmp_path):
     x = np.array([0.3, -0.4, 0.5, 0.7, 0.2, -0.3, 0.1, 0.9, 0.4])
-    chart = kind(TOP, x=x)
+    chart = kind(TOP, state=x)
     orbit = chart_orbit(chart, x, times=np.linspace(0, 3, 4))
     dataset = lp.load(orbit.save(tmp_path / "orbit.nc"))
     assert tuple(dataset["component"].to_numpy()) == chart.component_names == orbit.components
@@ -120,7 +120,7 @@ def test_a_file_has_the_orbit_in_coordinates_and_in_the_body(kind, tmp_path):
 
 def test_a_file_says_where_the_chart_ended(tmp_path):
     start = exact(COLLINEAR, [0, -0.5])[-1]
-    orbit = chart_orbit(lp.charts.EulerChart(TOP, x=start), start, times=np.linspace(0, 1, 9))
+    orbit = chart_orbit(lp.charts.EulerChart(TOP, state=start), start, times=np.linspace(0, 1, 9))
     dataset = lp.load(orbit.save(tmp_path / "orbit.nc"))
     assert str(dataset["outcome"][0].item()) == orbit.outcome != "finished"
     assert (dataset.attrs["left_by"], dataset.attrs["left_margin"]) == (orbit.left_by, orbit.left_margin)

@@ -82,7 +82,7 @@ def test_the_general_potential_is_the_papers():
 @pytest.mark.parametrize("eps", [0, 0.7, -1.5])
 def test_round_trips_and_energy(gauge, eps):
     system = top(eps)
-    chart = lp.charts.EulerChart(system, x=X, gauge=gauge)
+    chart = lp.charts.EulerChart(system, state=X, gauge=gauge)
     z = chart.from_body(X)
     np.testing.assert_allclose(chart.to_body(z), X, rtol=0, atol=1e-14)
     np.testing.assert_allclose(chart.system.functions.energy(z), system.functions.energy(X), atol=1e-14)
@@ -96,7 +96,7 @@ def test_round_trips_and_energy(gauge, eps):
 def test_casimirs_are_those_of_the_bracket(eps):
     system = top(eps)
     values = {name: float(function(X)) for name, function in system.functions.casimirs.items()}
-    by_values, by_state = lp.charts.EulerChart(system, casimirs=values), lp.charts.EulerChart(system, x=X)
+    by_values, by_state = lp.charts.EulerChart(system, leaf=values), lp.charts.EulerChart(system, state=X)
     np.testing.assert_allclose(by_values.leaf.numbers, by_state.leaf.numbers, rtol=1e-14)
     np.testing.assert_allclose(by_values.to_body(by_state.from_body(X)), X, atol=1e-14)
 
@@ -105,29 +105,26 @@ def test_casimirs_are_those_of_the_bracket(eps):
 @pytest.mark.parametrize("eps", [1, "-1/3", 0])
 def test_a_leaf_gives_the_chart_of_its_states(kind, eps):
     leaf = lp.Leaf.through(top(eps), X)
-    assert kind(top(eps), leaf=leaf).leaf == kind(top(eps), x=X).leaf
-    np.testing.assert_allclose(kind(top(eps), leaf=leaf).to_body(kind(top(eps), x=X).from_body(X)), X, atol=1e-14)
+    assert kind(top(eps), leaf=leaf).leaf == kind(top(eps), state=X).leaf
+    np.testing.assert_allclose(kind(top(eps), leaf=leaf).to_body(kind(top(eps), state=X).from_body(X)), X, atol=1e-14)
 
 
 def test_a_leaf_by_its_casimirs_gives_their_chart():
     values = {"C1": 1.0, "C2": 0.2, "C3": 1.5}
     by_leaf, by_values = (
-        lp.charts.EulerChart(top(), **given) for given in ({"leaf": lp.Leaf(top(), values)}, {"casimirs": values})
+        lp.charts.EulerChart(top(), **given) for given in ({"leaf": lp.Leaf(top(), values)}, {"leaf": values})
     )
     np.testing.assert_allclose(by_leaf.leaf.numbers, by_values.leaf.numbers, rtol=1e-13)
 
 
 def test_other_leaves_are_refused():
     leaf = lp.Leaf.through(top(), X)
-    for given in ({"x": X}, {"casimirs": leaf.casimirs}):
-        with pytest.raises(ParameterError, match="and leaf"):
-            lp.charts.EulerChart(top(), leaf=leaf, **given)
+    with pytest.raises(ParameterError, match="got both"):
+        lp.charts.EulerChart(top(), leaf=leaf, state=X)
     with pytest.raises(ParameterError, match=r"with epsilon = 0\.5; it has epsilon = 0\.7"):
         lp.charts.EulerChart(top(0.5), leaf=leaf)
-    with pytest.raises(ParameterError, match=r"leaf must be a Leaf; got \{'C1'"):
-        lp.charts.EulerChart(top(), leaf=leaf.casimirs)
-    with pytest.raises(ParameterError, match=r"C1, C2 and C3.*leaf="):
-        lp.charts.EulerChart(top(), casimirs=leaf)
+    with pytest.raises(ParameterError, match=r"leaf must be a Leaf; got 'C1'"):
+        lp.charts.EulerChart(top(), leaf="C1")
     with pytest.raises(ChartError, match="integrate the top itself") as caught:
         lp.charts.EulerChart(top(), leaf=lp.Leaf.through(top(), [*X[:6], 0, 0, 0]))
     assert caught.value.condition == "beta != 0"
@@ -136,18 +133,21 @@ def test_other_leaves_are_refused():
 def test_reprs_are_decimals_on_one_line():
     constants = "v = 0.353553, w = 1.41421, eta = 0.875"  # 1/(2 sqrt 2), sqrt 2, 1 - 1/8
     casimirs = {"C1": 1, "C2": "1/2", "C3": 2}
-    assert repr(lp.charts.EulerChart(top(1), casimirs=casimirs).leaf) == f"<LeafConstants {constants}, epsilon = 1>"
+    assert repr(lp.charts.EulerChart(top(1), leaf=casimirs).leaf) == f"<LeafConstants {constants}, epsilon = 1>"
     name = top(1).name
     assert (
-        repr(lp.charts.EulerChart(top(1), casimirs=casimirs))
+        repr(lp.charts.EulerChart(top(1), leaf=casimirs))
         == f"<EulerChart of {name!r} in the gauge e3, e1: {constants}>"
     )
-    assert repr(lp.charts.QuaternionChart(top(1), casimirs=casimirs)) == f"<QuaternionChart of {name!r}: {constants}>"
+    assert repr(lp.charts.QuaternionChart(top(1), leaf=casimirs)) == f"<QuaternionChart of {name!r}: {constants}>"
     assert repr(lp.charts.EulerChart(lagrange(), gauge=(("3/5", "4/5", 0), (0, 0, 1)))) == (
         f"<EulerChart of {name!r} in the gauge (3/5, 4/5, 0), e3: v = v, w = w, eta = eta>"
     )
     assert (
-        max(len(repr(value)) for value in (lp.charts.EulerChart(top(1), x=X), lp.charts.EulerChart(top(1), x=X).leaf))
+        max(
+            len(repr(value))
+            for value in (lp.charts.EulerChart(top(1), state=X), lp.charts.EulerChart(top(1), state=X).leaf)
+        )
         < 100
     )
 
@@ -159,12 +159,12 @@ def refusal(chart, function, states):
 
 
 def test_each_end_of_the_chart_is_named():
-    chart = lp.charts.EulerChart(top(), x=X)
+    chart = lp.charts.EulerChart(top(), state=X)
     to_body, from_body = lp.charts.EulerChart.to_body, lp.charts.EulerChart.from_body
     z = chart.from_body(X)
 
     parallel = np.array([0.1, 0.2, 0.3, 0.2, 1.8, 0.8, 0.1, 0.9, 0.4])
-    assert refusal(lp.charts.EulerChart(top(), x=parallel), from_body, parallel).condition == "alpha x beta != 0"
+    assert refusal(lp.charts.EulerChart(top(), state=parallel), from_body, parallel).condition == "alpha x beta != 0"
     hint = str(refusal(chart, from_body, parallel))
     assert "QuaternionChart" in hint
     assert "gauge" not in hint  # alpha x beta = 0 in every gauge
@@ -173,15 +173,17 @@ def test_each_end_of_the_chart_is_named():
     assert refusal(chart, from_body, no_beta).condition == "beta != 0"
     assert "QuaternionChart has the same limit" in str(refusal(chart, from_body, no_beta))
     with pytest.raises(ChartError, match=r"ReducedLagrange\.ordinary"):
-        lp.charts.EulerChart(top(), x=no_beta)
+        lp.charts.EulerChart(top(), state=no_beta)
     with pytest.raises(ChartError, match="C3 = 0"):
-        lp.charts.EulerChart(top(), casimirs={"C1": 1, "C2": 0, "C3": 0})
+        lp.charts.EulerChart(top(), leaf={"C1": 1, "C2": 0, "C3": 0})
 
     upright = np.array([0.1, 0.2, 0.3, 1.0, 0.0, 0.5, 0, 0, 2.0])
-    pole = refusal(lp.charts.EulerChart(top(), x=upright), from_body, upright)
+    pole = refusal(lp.charts.EulerChart(top(), state=upright), from_body, upright)
     assert pole.condition == "sin(theta) != 0"
     assert "another gauge" in str(pole)
-    lp.charts.EulerChart(top(), x=upright, gauge="e1, e3").from_body([upright])  # another gauge has its poles elsewhere
+    lp.charts.EulerChart(top(), state=upright, gauge="e1, e3").from_body(
+        [upright]
+    )  # another gauge has its poles elsewhere
     assert refusal(chart, to_body, z * [1, 1, 0, 1, 1, 1]).condition == "sin(theta) != 0"
 
     beyond = z + np.array([0, 0, 0, 50.0, 0, 0])
@@ -193,7 +195,7 @@ def test_each_end_of_the_chart_is_named():
 
 
 def test_margins_are_zero_where_the_chart_ends():
-    chart = lp.charts.EulerChart(top(), x=X)
+    chart = lp.charts.EulerChart(top(), state=X)
     states = np.array([X, [0, 0, 0, 0, 0, 0, 0, 0, 1], [1, 0, 0, 0, 1, 0, 0, 0, 0], [1, 0, 0, 1, 0, 0, 0, 0, 1]], float)
     margins = chart.margins(states)
     assert tuple(margins) == chart.conditions
@@ -208,9 +210,9 @@ def test_margins_are_zero_where_the_chart_ends():
 def test_margins_are_arrays_of_the_shape_of_the_states(shape):
     states = np.broadcast_to(X, shape)
     charts = (
-        lp.charts.EulerChart(top(), x=X),
-        lp.charts.QuaternionChart(top(), x=X),
-        lp.charts.ReducedLagrange.ordinary(lp.Top.lagrange()),
+        lp.charts.EulerChart(top(), state=X),
+        lp.charts.QuaternionChart(top(), state=X),
+        lp.charts.OrdinaryLagrange(lp.Top.lagrange()),
     )
     for chart in charts:
         for margin in chart.margins(states).values():
@@ -219,7 +221,7 @@ def test_margins_are_arrays_of_the_shape_of_the_states(shape):
 
 
 def test_what_failed_stays_not_a_number():
-    chart = lp.charts.EulerChart(top(), x=X)
+    chart = lp.charts.EulerChart(top(), state=X)
     states = np.array([X, np.full(9, np.nan)])
     z = chart.from_body(states)
     assert np.isnan(z[1]).all()
@@ -243,22 +245,22 @@ def test_a_gauge_is_orthonormal(gauge, message):
 
 
 def test_wrong_input_is_refused():
-    with pytest.raises(ParameterError, match="casimirs and x"):
-        lp.charts.EulerChart(top(), x=X, casimirs={"C1": 1, "C2": 0, "C3": 1})
+    with pytest.raises(ParameterError, match="got both"):
+        lp.charts.EulerChart(top(), state=X, leaf={"C1": 1, "C2": 0, "C3": 1})
     with pytest.raises(ParameterError, match="C1, C2 and C3"):
-        lp.charts.EulerChart(top(), casimirs={"C1": 1})
+        lp.charts.EulerChart(top(), leaf={"C1": 1})
     for casimirs in ([1, 2, 3], 3, "C1"):
         with pytest.raises(ParameterError, match="C1, C2 and C3"):
-            lp.charts.EulerChart(top(), casimirs=casimirs)
+            lp.charts.EulerChart(top(), leaf=casimirs)
     for factor in (1e300, np.inf):
         with pytest.raises(ParameterError, match="other units"):
-            lp.charts.EulerChart(top(), x=X).from_body(X * factor)
+            lp.charts.EulerChart(top(), state=X).from_body(X * factor)
     with pytest.raises(ShapeError, match=r"one state of shape \(9,\)"):
-        lp.charts.EulerChart(top(), x=[X, X])
+        lp.charts.EulerChart(top(), state=[X, X])
     with pytest.raises(ParameterError, match="charged and the twisted top"):
         lp.charts.EulerChart(lp.catalog.system("manakov-so4"))
     with pytest.raises(ShapeError, match="6 components"):
-        lp.charts.EulerChart(top(), x=X).to_body(X)
+        lp.charts.EulerChart(top(), state=X).to_body(X)
     with pytest.raises(ParameterError, match="v must be a number"):
         lp.charts.EulerChart(top()).from_body(X)
     with pytest.raises(ParameterError, match="eta"):

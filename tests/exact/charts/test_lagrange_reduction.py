@@ -38,7 +38,7 @@ def test_the_effective_potential_of_the_ordinary_top():
     wanted = (
         (l_n - l3 * sp.cos(theta)) ** 2 / (2 * I1 * sp.sin(theta) ** 2) + l3**2 / (2 * I3) + a3 * alpha * sp.cos(theta)
     )
-    reduced = lp.charts.ReducedLagrange.ordinary(symbolic())
+    reduced = lp.charts.OrdinaryLagrange(symbolic())
     assert sp.expand(reduced.effective_potential - wanted) == 0
     # psi' = dH/dp_psi, where p_psi = l3
     assert sp.simplify(reduced.rate_of_psi - wanted.diff(l3)) == 0
@@ -47,7 +47,7 @@ def test_the_effective_potential_of_the_ordinary_top():
 @pytest.mark.parametrize("eps", [1.0, -0.3, 0.0])
 def test_the_reduced_orbit_with_psi_is_that_of_the_top(eps):
     system = top(eps)
-    reduced = lp.charts.ReducedLagrange(system, x=X, with_cyclic_angle=True)
+    reduced = lp.charts.ReducedLagrange(system, state=X, with_cyclic_angle=True)
     z = reduced.from_body(X)
     np.testing.assert_allclose(reduced.to_body(z), X, atol=1e-15)
     np.testing.assert_allclose(reduced.system.functions.energy(z), system.functions.energy(X), atol=1e-15)
@@ -59,7 +59,7 @@ def test_the_reduced_orbit_with_psi_is_that_of_the_top(eps):
 def test_a_leaf_and_l3_give_the_reduction():
     reduced, by_state = (
         lp.charts.ReducedLagrange(top(), **given)
-        for given in ({"leaf": lp.Leaf.through(top(), X), "l3": 0.5}, {"x": X})
+        for given in ({"leaf": lp.Leaf.through(top(), X), "l3": 0.5}, {"state": X})
     )
     assert (reduced.l3, reduced.chart.leaf) == (by_state.l3, by_state.chart.leaf)
     # C1 = 0.62 - 0.26, C2 = 0.13, C3 = 0.98
@@ -71,7 +71,7 @@ def test_a_leaf_and_l3_give_the_reduction():
 
 def test_without_psi_it_is_given_beside_the_state():
     system = top()
-    reduced, full = (lp.charts.ReducedLagrange(system, x=X, with_cyclic_angle=flag) for flag in (False, True))
+    reduced, full = (lp.charts.ReducedLagrange(system, state=X, with_cyclic_angle=flag) for flag in (False, True))
     z, psi = reduced.from_body(X), full.from_body(X)[4]
     assert reduced.system.component_names == ("phi", "theta", "p_phi", "p_theta")
     np.testing.assert_allclose(reduced.to_body(z, psi=psi), X, atol=1e-15)
@@ -100,7 +100,7 @@ def test_the_integral_p_is_one_in_the_reduced_coordinates():
 
 def test_the_ordinary_top_nutates_in_its_effective_potential():
     system = top(0.6)
-    reduced = lp.charts.ReducedLagrange.ordinary(system, x=ORDINARY, with_cyclic_angle=True)
+    reduced = lp.charts.OrdinaryLagrange(system, state=ORDINARY, with_cyclic_angle=True)
     z = reduced.from_body(ORDINARY)
     np.testing.assert_allclose(reduced.to_body(z), ORDINARY, atol=1e-15)
     np.testing.assert_allclose(reduced.system.functions.energy(z), system.functions.energy(ORDINARY), atol=1e-15)
@@ -118,7 +118,7 @@ def condition(function, *arguments):
 def test_states_of_another_reduction_are_refused():
     turn, raised = np.zeros(9), np.zeros(9)
     turn[2] = raised[3] = 0.1
-    reduced, ordinary = lp.charts.ReducedLagrange(top(), x=X), lp.charts.ReducedLagrange.ordinary(top(), x=ORDINARY)
+    reduced, ordinary = lp.charts.ReducedLagrange(top(), state=X), lp.charts.OrdinaryLagrange(top(), state=ORDINARY)
     assert condition(reduced.from_body, X + turn) == "l3"
     assert condition(reduced.from_body, X * [1, 1, 1, 1, 1, 1, 1.1, 1.1, 1.1]) == "on the leaf"
     assert condition(ordinary.from_body, ORDINARY + turn) == "l3"
@@ -133,14 +133,14 @@ def test_wrong_input_is_refused():
     with pytest.raises(ParameterError, match="needs a Lagrange top"):
         lp.charts.ReducedLagrange(lp.Top.kovalevskaya())
     with pytest.raises(ParameterError, match="Leave l3 out"):
-        lp.charts.ReducedLagrange(top(), x=X, l3=1)
+        lp.charts.ReducedLagrange(top(), state=X, l3=1)
     with pytest.raises(ParameterError, match="needs l3"):
-        lp.charts.ReducedLagrange(top(), casimirs={"C1": 1, "C2": 0, "C3": 1})
+        lp.charts.ReducedLagrange(top(), leaf={"C1": 1, "C2": 0, "C3": 1})
     with pytest.raises(ParameterError, match="needs l3, l_n and alpha"):
-        lp.charts.ReducedLagrange.ordinary(top(), l3=1)
+        lp.charts.OrdinaryLagrange(top(), l3=1)
     with pytest.raises(ChartError, match="beta = 0"):
-        lp.charts.ReducedLagrange.ordinary(top(), x=X)
+        lp.charts.OrdinaryLagrange(top(), state=X)
     with pytest.raises(ChartError, match=r"ReducedLagrange\.ordinary"):
-        lp.charts.ReducedLagrange(top(), x=ORDINARY)
+        lp.charts.ReducedLagrange(top(), state=ORDINARY)
     with pytest.raises(ShapeError, match="one state"):
-        lp.charts.ReducedLagrange.ordinary(top(), x=[ORDINARY])
+        lp.charts.OrdinaryLagrange(top(), state=[ORDINARY])

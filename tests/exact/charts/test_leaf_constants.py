@@ -15,7 +15,7 @@ TOP = lp.Top.twisted_kovalevskaya()
 def test_casimirs_lead_to_the_constants_and_back(values):
     """v = C2/w, w = sqrt(C3), eta = C1 - v^2."""
     given = dict(zip(("C1", "C2", "C3"), values, strict=True))
-    leaf = LeafConstants.of(TOP, TOP.top_parameters, given, None)
+    leaf = LeafConstants.of(TOP, TOP.top_parameters, None, given)
     assert leaf.casimirs == values
     v, w, eta = symbols("v w eta")
     assert LeafConstants(1, v, w, eta).casimirs == (eta + v**2, v * w, w**2)

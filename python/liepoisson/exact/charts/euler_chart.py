@@ -65,15 +65,14 @@ class EulerChart:
 
     Args:
         system: A charged or twisted top (or a system with its equations); its parameters may be symbolic.
-        casimirs: Values of C1, C2, C3 of the bracket of the system.
-        x: Instead, a state of the leaf, shape (9,).
-        leaf: Instead, a `Leaf`.  If none of the three is given, v, w and eta stay symbols.
+        leaf: A `Leaf`, or the values of C1, C2, C3 of the bracket of the system.
+        state: Instead, a state of the leaf, shape (9,).  If neither is given, v, w and eta stay symbols.
         gauge: "e3, e1" or "e1, e3" for the paper's two choices of (parallel, perpendicular), or a pair of constant
             orthonormal vectors.
 
     Raises:
         ParameterError: the system is no such top, the gauge is not orthonormal, or the Casimirs are not exact numbers.
-        ShapeError: `x` is not one state.
+        ShapeError: `state` is not one state.
         ChartError: the leaf has beta = 0.
     """
 
@@ -84,15 +83,14 @@ class EulerChart:
         self,
         system: Any,
         *,
-        casimirs: Mapping[str, Parameter] | None = None,
-        x: ArrayLike | None = None,
-        leaf: GivenLeaf | None = None,
+        state: ArrayLike | None = None,
+        leaf: GivenLeaf | Mapping[str, Parameter] | None = None,
         gauge: Given = "e3, e1",
     ) -> None:
         self.top = top_of(system)
         self.top_name: str = system.name
         self.name: str = f"{system.name}, Euler chart"
-        self.leaf: LeafConstants = LeafConstants.of(system, self.top, casimirs, x, leaf)
+        self.leaf: LeafConstants = LeafConstants.of(system, self.top, state, leaf)
         self.gauge: Gauge = Gauge.read(gauge)
 
     @cached_property
@@ -189,7 +187,7 @@ class EulerChart:
         alpha = v * triad[..., 2] + np.sqrt(np.maximum(square, 0.0))[..., None] * triad[..., 0]
         return np.concatenate([l, alpha, beta], axis=-1)
 
-    def from_body(self, x: ArrayLike) -> Array:
+    def from_body(self, states: ArrayLike) -> Array:
         """Angles and momenta, shape (..., 6), of states of the leaf, shape (..., 9); NaN stays NaN.
 
         The angles phi and psi lie in (-pi, pi], theta in (0, pi).
@@ -197,9 +195,9 @@ class EulerChart:
         Raises:
             ChartError: a state is not on the leaf, or less than 1e-10 from where the chart ends; see `condition`.
             ParameterError: a constant of the leaf is symbolic.
-            ShapeError: the last axis of `x` is not 9.
+            ShapeError: the last axis of `states` is not 9.
         """
-        states = chart_points(x, 9, FIELDS)
+        states = chart_points(states, 9, FIELDS)
         margins = self.margins(states)
         quantities = ("|beta|", "|alpha x beta|/|beta|", "sin(theta)")
         sizes = np.linalg.norm(states, axis=-1), np.linalg.norm(states, axis=-1), np.ones(states.shape[:-1])
@@ -216,17 +214,17 @@ class EulerChart:
         momenta = momenta_of(psi_turn, theta_turn, [l[..., k] for k in range(3)])
         return np.stack([phi, psi, theta, *momenta], axis=-1)
 
-    def margins(self, x: ArrayLike) -> dict[str, Array]:
+    def margins(self, states: ArrayLike) -> dict[str, Array]:
         r"""How far states are from where the chart ends: one number for each condition, zero where it fails.
 
         Args:
-            x: States, shape (..., 9).
+            states: States, shape (..., 9).
 
         Returns:
             $|\beta|$, $|\alpha\times\beta|/|\beta| = r$ and $\sin\theta$, each of shape (...), under the names in
             `conditions`.
         """
-        states = chart_points(x, 9, FIELDS)
+        states = chart_points(states, 9, FIELDS)
         _, alpha, beta = vectors(states)
         length = np.linalg.norm(beta, axis=-1)
         perpendicular = _quotient(np.linalg.norm(np.cross(alpha, beta), axis=-1), length)

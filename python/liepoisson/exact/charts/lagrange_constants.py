@@ -32,18 +32,18 @@ def check_lagrange(top: TopParameters) -> None:
         )
 
 
-def conserved_l3(l3: Parameter | None, x: ArrayLike | None, *, symbolic: bool) -> Any:
+def conserved_l3(l3: Parameter | None, state: ArrayLike | None, *, symbolic: bool) -> Any:
     """The value of l3: as given, from the state, or a symbol.
 
     Raises:
         ParameterError: it is given twice, or missing beside a leaf.
     """
-    if x is not None and l3 is not None:
-        raise ParameterError("l3 is known from the state x; got both. Leave l3 out.")
-    if x is not None:
-        return to_sympy(read_parameter(float(as_array(x, "x")[2]), "l3"))
+    if state is not None and l3 is not None:
+        raise ParameterError("l3 is known from the state; got both. Leave l3 out.")
+    if state is not None:
+        return to_sympy(read_parameter(float(as_array(state, "state")[2]), "l3"))
     if l3 is None and not symbolic:
-        raise ParameterError("the reduction needs l3 beside the leaf; got none. Give l3=, or a state with x=.")
+        raise ParameterError("the reduction needs l3 beside the leaf; got none. Give l3=, or a state with state=.")
     return to_sympy(read_parameter("l3" if l3 is None else l3, "l3"))
 
 
@@ -76,5 +76,5 @@ def check_l3(states: Array, l3: Expr) -> None:
     """
     wanted, l = as_float(l3, "l3"), states[..., :3]
     size = 1e-8 * (np.linalg.norm(l, axis=-1) + abs(wanted) + 1e-300)
-    hint = "Reduce with x=state for that state."
+    hint = "Reduce with state=state for that state."
     refuse(np.abs(l[..., 2] - wanted) > size, l[..., 2], "l3", f"l3 = {wanted:.9g}", quantity="l3", hint=hint)

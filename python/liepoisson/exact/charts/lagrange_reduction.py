@@ -20,7 +20,6 @@ from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.euler_chart import EulerChart
 from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
 from liepoisson.exact.charts.leaf_constants import FIELDS, GivenLeaf, chart_points, decimal, top_of
-from liepoisson.exact.charts.ordinary_lagrange import OrdinaryLagrange
 from liepoisson.exact.parameters import Parameter, as_float
 
 if TYPE_CHECKING:
@@ -37,15 +36,14 @@ class ReducedLagrange:
     Args:
         system: A Lagrange top, twisted or charged.
         l3: The conserved third component of the angular momentum, if no state is given.
-        casimirs: Values of C1, C2, C3 of the bracket of the system.
-        x: Instead of both, a state, shape (9,).  If nothing is given, l3, v, w and eta stay symbols.
-        leaf: Instead of the Casimirs, a `Leaf`; l3 is not known from it.
+        leaf: A `Leaf`, or the values of C1, C2, C3 of the bracket of the system; l3 is not known from it.
+        state: Instead of both, a state, shape (9,).  If nothing is given, l3, v, w and eta stay symbols.
         with_cyclic_angle: Append psi to the state, $\dot\psi = \partial H/\partial p_\psi$, so that the state in the
             body is known.
 
     Raises:
         ParameterError: the system is no such top, or l3 is given twice or missing.
-        ShapeError: `x` is not one state.
+        ShapeError: `state` is not one state.
         ChartError: the leaf has beta = 0.
     """
 
@@ -54,30 +52,16 @@ class ReducedLagrange:
         system: Any,
         *,
         l3: Parameter | None = None,
-        casimirs: Mapping[str, Parameter] | None = None,
-        x: ArrayLike | None = None,
-        leaf: GivenLeaf | None = None,
+        state: ArrayLike | None = None,
+        leaf: GivenLeaf | Mapping[str, Parameter] | None = None,
         with_cyclic_angle: bool = False,
     ) -> None:
         check_lagrange(top_of(system))
-        x = None if x is None else as_array(x, "x")  # once, as it is read twice
-        self.chart: EulerChart = EulerChart(system, casimirs=casimirs, x=x, leaf=leaf, gauge="e3, e1")
-        self.l3: Expr = conserved_l3(l3, x, symbolic=casimirs is None and leaf is None)
+        state = None if state is None else as_array(state, "state")  # once, as it is read twice
+        self.chart: EulerChart = EulerChart(system, leaf=leaf, state=state, gauge="e3, e1")
+        self.l3: Expr = conserved_l3(l3, state, symbolic=leaf is None)
         self.with_cyclic_angle: bool = with_cyclic_angle
         self.name: str = f"{system.name}, reduced"
-
-    @staticmethod
-    def ordinary(
-        system: Any,
-        *,
-        l3: Parameter | None = None,
-        l_n: Parameter | None = None,
-        alpha: Parameter | None = None,
-        x: ArrayLike | None = None,
-        with_cyclic_angle: bool = False,
-    ) -> OrdinaryLagrange:
-        """The ordinary Lagrange top, beta = 0, with one degree of freedom (see `OrdinaryLagrange`)."""
-        return OrdinaryLagrange(system, l3=l3, l_n=l_n, alpha=alpha, x=x, with_cyclic_angle=with_cyclic_angle)
 
     @property
     def conditions(self) -> tuple[str, ...]:
@@ -126,20 +110,20 @@ class ReducedLagrange:
         l3 = np.full(points.shape[:-1], as_float(self.l3, "l3"))
         return self.chart.to_body(np.stack([phi, angle, theta, p_phi, l3, p_theta], axis=-1))
 
-    def from_body(self, x: ArrayLike) -> Array:
+    def from_body(self, states: ArrayLike) -> Array:
         """Reduced states, shape (..., 4), or (..., 5) with the cyclic angle, of states of shape (..., 9).
 
         Raises:
             ChartError: as for `EulerChart.from_body`, or l3 is not that of the reduction (condition "l3").
         """
-        states = chart_points(x, 9, FIELDS)
+        states = chart_points(states, 9, FIELDS)
         check_l3(states, self.l3)
         full = self.chart.from_body(states)
         return full[..., [0, 2, 3, 5, *((1,) if self.with_cyclic_angle else ())]]
 
-    def margins(self, x: ArrayLike) -> dict[str, Array]:
+    def margins(self, states: ArrayLike) -> dict[str, Array]:
         """How far states are from where the chart ends; as `EulerChart.margins`."""
-        return self.chart.margins(x)
+        return self.chart.margins(states)
 
     @property
     def _p_psi(self) -> Any:

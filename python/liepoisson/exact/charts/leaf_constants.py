@@ -70,33 +70,29 @@ class LeafConstants:
         cls,
         system: Any,
         top: TopParameters,
-        casimirs: Mapping[str, Parameter] | None,
-        x: ArrayLike | None,
-        leaf: GivenLeaf | None = None,
+        state: ArrayLike | None,
+        leaf: GivenLeaf | Mapping[str, Parameter] | None = None,
     ) -> LeafConstants:
-        """The constants from values of C1, C2, C3 of the bracket, from a state or a leaf, or as symbols.
+        """The constants from a leaf or values of C1, C2, C3 of the bracket, from a state, or as symbols.
 
         Raises:
-            ParameterError: more than one is given, a Casimir is missing, unknown or not exact, the leaf is none of this
+            ParameterError: both are given, a Casimir is missing, unknown or not exact, the leaf is none of this
                 bracket, or Casimirs are given for a bracket that only has the equations of the top in common.
-            ShapeError: `x` is not one state of nine components.
+            ShapeError: `state` is not one state of nine components.
             ChartError: beta = 0.
         """
         from sympy import symbols
 
         epsilon = to_sympy(top.epsilon)
-        given = [name for name, value in (("casimirs", casimirs), ("x", x), ("leaf", leaf)) if value is not None]
-        if len(given) > 1:
-            raise ParameterError(
-                f"a leaf is given by casimirs, by a state x or as leaf; got {' and '.join(given)}. Give one of them."
-            )
-        if casimirs is not None:
-            return cls(epsilon, *_from_casimirs(system, top, casimirs))
+        if state is not None and leaf is not None:
+            raise ParameterError("a chart is made with leaf= or with state=; got both. Give one of them.")
+        if isinstance(leaf, Mapping):
+            return cls(epsilon, *_from_casimirs(system, top, leaf))
         if leaf is not None:
             # not from its Casimirs: C1 - C2^2/C3 cancels for nearly parallel fields
-            x = _state_of(leaf, epsilon)
-        if x is not None:
-            return cls(epsilon, *_from_state(x, as_float(top.epsilon, "epsilon")))
+            state = _state_of(leaf, epsilon)
+        if state is not None:
+            return cls(epsilon, *_from_state(state, as_float(top.epsilon, "epsilon")))
         v, w, eta = symbols("v w eta")
         return cls(epsilon, v, w, eta)
 
@@ -126,14 +122,14 @@ class LeafConstants:
         """v, w and eta as text: numbers with six digits, symbols as they are."""
         return ", ".join(f"{name} = {decimal(getattr(self, name))}" for name in ("v", "w", "eta"))
 
-    def check_on_leaf(self, x: Array) -> None:
+    def check_on_leaf(self, states: Array) -> None:
         """Refuse states of other leaves.
 
         Raises:
             ChartError: a Casimir differs from that of the leaf; the message names it.
         """
         v, w, eta, epsilon = self.numbers
-        l, alpha, beta = vectors(x)
+        l, alpha, beta = vectors(states)
         lb, aa, bb = dot(l, beta), dot(alpha, alpha), dot(beta, beta)
         sizes = aa + 2 * abs(epsilon) * np.sqrt(dot(l, l) * bb), np.sqrt(aa * bb), bb
         values = aa + 2 * epsilon * lb, dot(alpha, beta), bb
@@ -146,7 +142,7 @@ class LeafConstants:
                 "on the leaf",
                 f"{name} = {want:.9g}, the value of its leaf",
                 quantity=name,
-                hint="Make a chart with x=state for the leaf of that state.",
+                hint="Make a chart with state=state for the leaf of that state.",
             )
 
 
@@ -156,8 +152,8 @@ def _from_casimirs(system: Any, top: TopParameters, casimirs: Mapping[str, Param
     given = to_any(casimirs)
     if not isinstance(given, Mapping) or set(given) != {"C1", "C2", "C3"}:
         raise ParameterError(
-            f"casimirs must give C1, C2 and C3; got {given!r:.60}. Write for example "
-            'casimirs={"C1": 1, "C2": 0, "C3": 1}, or give a state with x= or a Leaf with leaf=.'
+            f"leaf must be a Leaf, or give C1, C2 and C3; got {given!r:.60}. Write for example "
+            'leaf={"C1": 1, "C2": 0, "C3": 1}, or give a state with state=.'
         )
     C1, C2, C3 = (to_sympy(read_parameter(casimirs[name], name)) for name in ("C1", "C2", "C3"))
     _refuse_own_names((C1, C2, C3))
@@ -165,8 +161,8 @@ def _from_casimirs(system: Any, top: TopParameters, casimirs: Mapping[str, Param
         raise beta_is_zero(f"C3 = {decimal(C3)}")
     if not top.has_bracket(system.bracket):
         raise ParameterError(
-            f"casimirs are values of |alpha|^2 + 2 epsilon l.beta, alpha.beta and |beta|^2; the system has the "
-            f"equations of a top, but the bracket {system.bracket}. Give a state with x= or a Leaf with leaf=."
+            f"the values of leaf are those of |alpha|^2 + 2 epsilon l.beta, alpha.beta and |beta|^2; the system has "
+            f"the equations of a top, but the bracket {system.bracket}. Give a state with state=, or a Leaf."
         )
     w = sqrt(C3)
     return C2 / w, w, C1 - C2**2 / to_any(C3)
@@ -176,8 +172,8 @@ def _state_of(leaf: GivenLeaf, epsilon: Expr) -> Array:
     """The state of a leaf of the same bracket, in which epsilon is the only number."""
     if not hasattr(leaf, "state") or not hasattr(leaf, "system"):
         raise ParameterError(
-            f"leaf must be a Leaf; got {leaf!r:.60}. Write leaf=Leaf.through(top, state), or give "
-            "values with casimirs=."
+            f"leaf must be a Leaf; got {leaf!r:.60}. Write leaf=Leaf.through(top, state), or "
+            "give the values of C1, C2 and C3."
         )
     of_leaf = to_sympy(top_of(leaf.system).epsilon)
     if of_leaf != epsilon:
@@ -188,10 +184,12 @@ def _state_of(leaf: GivenLeaf, epsilon: Expr) -> Array:
     return leaf.state
 
 
-def _from_state(x: ArrayLike, epsilon: float) -> tuple[Any, Any, Any]:
-    state = chart_points(x, 9, FIELDS)
+def _from_state(given: ArrayLike, epsilon: float) -> tuple[Any, Any, Any]:
+    state = chart_points(given, 9, FIELDS, "state")
     if state.ndim != 1:
-        raise ShapeError(f"x must be one state of shape (9,); got shape {state.shape}. Every leaf needs its own chart.")
+        raise ShapeError(
+            f"state must be one state of shape (9,); got shape {state.shape}. Every leaf needs its own chart."
+        )
     l, alpha, beta = vectors(state)
     w = float(np.linalg.norm(beta))
     if not w > 0:
@@ -236,14 +234,14 @@ LARGEST = 1e75
 """Largest component of a state that a chart takes: the Casimirs are compared by products of four components."""
 
 
-def chart_points(x: ArrayLike, n: int, names: Sequence[str]) -> Array:
+def chart_points(given: ArrayLike, n: int, names: Sequence[str], name: str = "states") -> Array:
     """States of shape (..., n), each of them NaN or with products that are doubles.
 
     Raises:
         ParameterError: a component is infinite or larger than 1e75.
         ShapeError: the last axis has another length.
     """
-    states = as_phase_points(x, n, names)
+    states = as_phase_points(given, n, names, name)
     size = np.abs(states)
     if (size > LARGEST).any():
         raise ParameterError(

@@ -39,13 +39,13 @@ class OrdinaryLagrange:
         l3: The third component of the angular momentum.
         l_n: The component of the angular momentum along alpha.
         alpha: The length of alpha.
-        x: Instead of the three, a state with beta = 0, shape (9,).  If nothing is given, all stay symbols.
+        state: Instead of the three, one with beta = 0, shape (9,).  If nothing is given, all stay symbols.
         with_cyclic_angle: Append psi to the state.
 
     Raises:
         ParameterError: the system is no Lagrange top, or values are missing or given twice.
-        ShapeError: `x` is not one state.
-        ChartError: `x` has beta != 0 or alpha = 0.
+        ShapeError: `state` is not one state.
+        ChartError: `state` has beta != 0 or alpha = 0.
     """
 
     conditions = ("alpha != 0", "sin(theta) != 0")
@@ -57,7 +57,7 @@ class OrdinaryLagrange:
         l3: Parameter | None = None,
         l_n: Parameter | None = None,
         alpha: Parameter | None = None,
-        x: ArrayLike | None = None,
+        state: ArrayLike | None = None,
         with_cyclic_angle: bool = False,
     ) -> None:
         self.top = top_of(system)
@@ -66,12 +66,12 @@ class OrdinaryLagrange:
         self.with_cyclic_angle: bool = with_cyclic_angle
         values: dict[str, Any] = {"l3": l3, "l_n": l_n, "alpha": alpha}
         given = [name for name, value in values.items() if value is not None]
-        if given and (len(given) < 3 or x is not None):
+        if given and (len(given) < 3 or state is not None):
             raise ParameterError(
-                f"the reduction needs l3, l_n and alpha, or a state x; got {', '.join(given)}"
-                f"{' and x' if x is not None else ''}. Give all three, or x alone."
+                f"the reduction needs l3, l_n and alpha, or a state; got {', '.join(given)}"
+                f"{' and a state' if state is not None else ''}. Give all three, or the state alone."
             )
-        numbers = _of_state(x) if x is not None else values
+        numbers = _of_state(state) if state is not None else values
         self.l3: Expr = conserved_l3(numbers["l3"], None, symbolic=True)
         self.l_n: Expr = to_sympy(read_parameter("l_n" if numbers["l_n"] is None else numbers["l_n"], "l_n"))
         self.length: Expr = to_sympy(read_parameter("alpha" if numbers["alpha"] is None else numbers["alpha"], "alpha"))
@@ -131,13 +131,13 @@ class OrdinaryLagrange:
         alpha = [length * sp * st, length * cp * st, length * ct]
         return np.stack([*l, *alpha, *(np.zeros(shape) for _ in range(3))], axis=-1)
 
-    def from_body(self, x: ArrayLike) -> Array:
+    def from_body(self, states: ArrayLike) -> Array:
         """Reduced states, shape (..., 2), or (..., 3) with psi, of states with beta = 0, shape (..., 9).
 
         Raises:
             ChartError: beta != 0, sin(theta) = 0, or another l3, l_n or |alpha| than those of the reduction.
         """
-        states = chart_points(x, 9, FIELDS)
+        states = chart_points(states, 9, FIELDS)
         l, alpha, _ = vectors(states)
         check_beta_is_zero(states)
         margins = self.margins(states)
@@ -151,7 +151,7 @@ class OrdinaryLagrange:
         along = dot(l, alpha) / size
         for name, value, wanted in (("|alpha|", size, length), ("l.alpha/|alpha|", along, l_n)):
             far = np.abs(value - wanted) > 1e-8 * (abs(wanted) + np.linalg.norm(l, axis=-1) + size)
-            hint = "Reduce with x=state for that state."
+            hint = "Reduce with state=state for that state."
             refuse(far, value, "on the leaf", f"{name} = {wanted:.9g}", quantity=name, hint=hint)
         n1, n2, n3 = (alpha[..., k] / size for k in range(3))
         horizontal = np.hypot(n1, n2)
@@ -159,9 +159,9 @@ class OrdinaryLagrange:
         parts = [np.arctan2(horizontal, n3), p_theta, np.arctan2(n1, n2)]
         return np.stack(parts[: len(self.component_names)], axis=-1)
 
-    def margins(self, x: ArrayLike) -> dict[str, Array]:
+    def margins(self, states: ArrayLike) -> dict[str, Array]:
         r"""How far states are from where the chart ends: $|\alpha|$ and $\sin\theta$, each of shape (...)."""
-        _, alpha, _ = vectors(chart_points(x, 9, FIELDS))
+        _, alpha, _ = vectors(chart_points(states, 9, FIELDS))
         size = np.linalg.norm(alpha, axis=-1)
         sine = np.divide(np.hypot(alpha[..., 0], alpha[..., 1]), size, out=np.zeros_like(size), where=size != 0)
         return {name: np.asarray(value) for name, value in zip(self.conditions, (size, sine), strict=True)}
@@ -181,10 +181,12 @@ class OrdinaryLagrange:
         return f"<OrdinaryLagrange {self.name!r}>"
 
 
-def _of_state(x: ArrayLike) -> dict[str, float]:
-    state = chart_points(x, 9, FIELDS)
+def _of_state(given: ArrayLike) -> dict[str, float]:
+    state = chart_points(given, 9, FIELDS, "state")
     if state.ndim != 1:
-        raise ShapeError(f"x must be one state of shape (9,); got shape {state.shape}. Reduce each state by itself.")
+        raise ShapeError(
+            f"state must be one state of shape (9,); got shape {state.shape}. Reduce each state by itself."
+        )
     check_beta_is_zero(state)
     l, alpha, _ = vectors(state)
     length = float(np.linalg.norm(alpha))

@@ -63,13 +63,12 @@ class QuaternionChart:
 
     Args:
         system: A charged or twisted top (or a system with its equations).
-        casimirs: Values of C1, C2, C3 of the bracket of the system.
-        x: Instead, a state, shape (9,).
-        leaf: Instead, a `Leaf`.  If none of the three is given, v, w and eta stay symbols.
+        leaf: A `Leaf`, or the values of C1, C2, C3 of the bracket of the system.
+        state: Instead, a state, shape (9,).  If neither is given, v, w and eta stay symbols.
 
     Raises:
         ParameterError: the system is no such top, or the Casimirs are not exact numbers.
-        ShapeError: `x` is not one state.
+        ShapeError: `state` is not one state.
         ChartError: the leaf has beta = 0, or epsilon = 0 and no alpha has these Casimirs.
     """
 
@@ -79,14 +78,13 @@ class QuaternionChart:
         self,
         system: Any,
         *,
-        casimirs: Mapping[str, Parameter] | None = None,
-        x: ArrayLike | None = None,
-        leaf: GivenLeaf | None = None,
+        state: ArrayLike | None = None,
+        leaf: GivenLeaf | Mapping[str, Parameter] | None = None,
     ) -> None:
         self.top = top_of(system)
         self.top_name: str = system.name
         self.name: str = f"{system.name}, quaternion chart"
-        self.leaf: LeafConstants = LeafConstants.of(system, self.top, casimirs, x, leaf)
+        self.leaf: LeafConstants = LeafConstants.of(system, self.top, state, leaf)
         self.is_twisted: bool = not is_zero(self.leaf.epsilon)
         if not self.is_twisted and self.leaf.eta.is_negative:
             raise ChartError(
@@ -166,15 +164,15 @@ class QuaternionChart:
         alpha = X[..., None] * A[..., 0] + Y[..., None] * A[..., 1] + v * A[..., 2]
         return np.concatenate([l, alpha, w * A[..., 2]], axis=-1)
 
-    def from_body(self, x: ArrayLike) -> Array:
+    def from_body(self, states: ArrayLike) -> Array:
         """Coordinates, shape (..., 10), or (..., 8) if epsilon = 0, of states, shape (..., 9); NaN stays NaN.
 
         Raises:
             ChartError: beta = 0, or the Casimirs of a state are not those of the chart.
             ParameterError: a constant of the leaf is symbolic.
-            ShapeError: the last axis of `x` is not 9.
+            ShapeError: the last axis of `states` is not 9.
         """
-        states = chart_points(x, 9, FIELDS)
+        states = chart_points(states, 9, FIELDS)
         length = self.margins(states)["beta != 0"]
         refuse(length <= 0, length, "beta != 0", "beta != 0", quantity="|beta|", hint="Integrate the top itself.")
         self._check_casimirs(states)
@@ -191,9 +189,9 @@ class QuaternionChart:
         X, Y = horizontal[..., 0] / s, -horizontal[..., 1] * s / (epsilon * w)
         return np.concatenate([q, X[..., None], p, Y[..., None]], axis=-1)
 
-    def margins(self, x: ArrayLike) -> dict[str, Array]:
+    def margins(self, states: ArrayLike) -> dict[str, Array]:
         """How far states are from where the chart ends: the length of beta, shape (...), the only condition."""
-        return {"beta != 0": np.asarray(np.linalg.norm(vectors(chart_points(x, 9, FIELDS))[2], axis=-1))}
+        return {"beta != 0": np.asarray(np.linalg.norm(vectors(chart_points(states, 9, FIELDS))[2], axis=-1))}
 
     def _check_casimirs(self, states: Array) -> None:
         # C1 is free when epsilon != 0: any value is one of the momentum map.
@@ -214,7 +212,7 @@ class QuaternionChart:
                 "on the leaf",
                 f"{name} = {want:.9g}, a constant of the chart",
                 quantity=name,
-                hint="Make a chart with x=state for that state.",
+                hint="Make a chart with state=state for that state.",
             )
 
     def _horizontal(self, pair: Any, *, numeric: bool = False) -> tuple[Any, Any]:
