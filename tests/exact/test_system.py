@@ -8,6 +8,7 @@ from liepoisson.exact.extensions import leibniz, semidirect
 from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.system import System
 from liepoisson.field import TopField
+from liepoisson.numeric.integrate import integrate
 from liepoisson.tops import Top
 
 
@@ -314,3 +315,12 @@ def test_the_poisson_tensor_needs_numbers():
     bracket = so(3) @ leibniz(3, sp.Symbol("epsilon"))
     with pytest.raises(ParameterError, match="epsilon has none"):
         System(bracket, "dot(l, l)/2").functions.poisson_tensor(np.ones(9))
+
+
+def test_other_integrators_take_the_right_hand_side():
+    """DOP853 of SciPy at 1e-12, measured 2e-11 at t = 10."""
+    from scipy.integrate import solve_ivp
+
+    system, start = typed_by_hand(VALUES), np.linspace(-1, 1, 9)
+    theirs = solve_ivp(system.right_hand_side, (0, 10), start, method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
+    assert np.abs(theirs - integrate(system, start, times=10).end_state[0]).max() < 1e-9

@@ -127,6 +127,9 @@ CASES: dict[str, Case] = {
     "CanonicalSystem.invariant_values": Case(
         lambda x: chart("euler").system.invariant_values(x), {"x": lambda: inside("euler")}
     ),
+    "CanonicalSystem.right_hand_side": Case(
+        lambda state: chart("euler").system.right_hand_side(0.0, state), {"state": lambda: inside("euler")[0]}
+    ),
     "CanonicalSystem.vector_field": Case(
         lambda x: chart("euler").system.vector_field(x), {"x": lambda: inside("euler")}
     ),
@@ -176,8 +179,10 @@ CASES: dict[str, Case] = {
         lambda z, psi: chart("reduced").to_body(z, psi), {"z": lambda: inside("reduced"), "psi": np.array([0.4])}
     ),
     "System.invariant_values": Case(lambda states: TOP.invariant_values(states), {"states": STATES}),
+    "System.right_hand_side": Case(lambda state: TOP.right_hand_side(0.0, state), {"state": STATE}),
     "System.vector_field": Case(lambda states: TOP.vector_field(states), {"states": STATES}),
     "Top.invariant_values": Case(lambda states: TOP.invariant_values(states), {"states": STATES}),
+    "Top.right_hand_side": Case(lambda state: TOP.right_hand_side(0.0, state), {"state": STATE}),
     "Top.vector_field": Case(lambda states: TOP.vector_field(states), {"states": STATES}),
     "alignment": Case(
         lambda starts, times: lp.chaos.alignment(TOP, starts, times=times, within="leaf"),

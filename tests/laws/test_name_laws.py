@@ -163,7 +163,7 @@ def test_a_file_names_the_line_of_a_refused_name():
 def canonical_numbers(q, p, angle):
     energy = f"{p}^2/2*exp(1) + pi*{q}^4 + asin({q}/9)*{p}"
     system = CanonicalSystem([q], [p], energy, quadratures={angle: f"{p}*{q}*exp(1)"})
-    rates, jacobian = system.functions.rates(STATES), system.functions.jacobian(STATES)
+    rates, jacobian = system.vector_field(STATES), system.functions.jacobian(STATES)
     return rates.tobytes(), jacobian.tobytes(), system.functions.energy(STATES).tobytes(), system.field()
 
 

@@ -44,7 +44,7 @@ def test_exponents_from_their_growth_agree_with_those_of_the_frames(spectrum):
 def test_the_flow_lies_in_the_centre_space(spectrum):
     """J dH neither grows nor shrinks. The space is reached like exp(-gap * transient), gap about 0.02."""
     vectors = spectrum.covariant
-    distance = vectors.distance_from_centre(TOP.functions.rates(vectors.state), 5)
+    distance = vectors.distance_from_centre(TOP.vector_field(vectors.state), 5)
     assert distance[:, 20:-20].max() < 1e-5
     # a random direction is far from it: the five of nine dimensions hold sqrt(5/9) of its length
     other = np.random.default_rng(0).standard_normal(vectors.state.shape)

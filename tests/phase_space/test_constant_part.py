@@ -35,7 +35,7 @@ def test_the_poisson_tensor_and_its_derivative():
     np.testing.assert_allclose(tensor(x) - tensor(np.zeros(3)), BODY.functions.poisson_tensor(x), atol=1e-15)
     fields = HamiltonianFields(CARRIER, [CARRIER.functions.energy])
     np.testing.assert_allclose(fields.poisson(x), tensor(x), atol=1e-15)
-    np.testing.assert_allclose(fields.fields(x)[:, 0], CARRIER.functions.rates(x), atol=1e-15)
+    np.testing.assert_allclose(fields.fields(x)[:, 0], CARRIER.vector_field(x), atol=1e-15)
     np.testing.assert_allclose(fields.derivatives(x)[..., 0], CARRIER.functions.jacobian(x), atol=1e-15)
 
 
@@ -61,7 +61,7 @@ def test_a_tape_has_the_constant_part():
     step = 1e-4
     orbit = lp.integrate(tape, x, times=[0, step]).state[0, 1]
     np.testing.assert_allclose((orbit - x) / step, tape.vector_field(x), atol=1e-3)
-    wanted = 1.5 * np.sqrt(CARRIER.functions.energy(x)) * CARRIER.functions.rates(x)
+    wanted = 1.5 * np.sqrt(CARRIER.functions.energy(x)) * CARRIER.vector_field(x)
     np.testing.assert_allclose(tape.vector_field(x), wanted, atol=1e-13)
 
 

@@ -80,7 +80,7 @@ def test_the_projector_is_that_of_the_image_of_J(top, x, stratum, rank):
     for function in leaf.casimir_functions.values():
         assert np.abs(P @ function.gradient(x)).max() < 1e-14
     Q = leaf.tangent_projector(x, energy=True)
-    assert np.abs(Q @ top.functions.rates(x) - top.functions.rates(x)).max() < 1e-13
+    assert np.abs(Q @ top.vector_field(x) - top.vector_field(x)).max() < 1e-13
     assert abs(np.trace(Q) - max(rank - 1, 0)) < 1e-13
     assert abs(leaf.project_tangent(x, np.ones(9), energy=True) @ top.functions.energy.gradient(x)) < 1e-13 * (1 + rank)
 

@@ -42,7 +42,7 @@ def test_parallel_fields_cross_the_surface_in_the_direction_of_epsilon():
     for epsilon in (1, -1):
         top = lp.Top.twisted_kovalevskaya(epsilon)
         x = np.array([0.4, -0.2, 0.7, 0.4, 0.2, -0.6, 0.2, 0.1, -0.3])
-        slope = top.functions.of(lp.sections.good_surface(top)).gradient(x) @ top.functions.rates(x)
+        slope = top.functions.of(lp.sections.good_surface(top)).gradient(x) @ top.vector_field(x)
         assert slope == pytest.approx(epsilon * (0.1**2 + 0.3**2))
 
 
@@ -96,7 +96,7 @@ def test_starts_of_one_direction_return_in_that_direction():
     slope = TWISTED.functions.of(SURFACE).gradient
     for direction in (1, -1):
         x = lp.sections.section_starts(leaf, SURFACE, energy=1.0, n_starts=30, seed=3, direction=direction)
-        rates = np.einsum("ij,ij->i", slope(x), TWISTED.functions.rates(x))
+        rates = np.einsum("ij,ij->i", slope(x), TWISTED.vector_field(x))
         assert (direction * rates > 0).all()
     with pytest.raises(ParameterError, match="direction"):
         lp.sections.section_starts(leaf, SURFACE, energy=1.0, n_starts=3, seed=3, direction=2)
@@ -181,7 +181,7 @@ def test_spread_starts_are_on_the_section_and_far_from_each_other():
     x = lp.sections.section_starts(leaf, "alpha2", energy=1, n_starts=12, seed=2, direction=1, spread=True)
     assert leaf.residual(x).max() < 1e-13
     assert np.abs(system.functions.energy(x) - 1).max() < 1e-12
-    assert (system.functions.rates(x)[:, 4] > 0).all()
+    assert (system.vector_field(x)[:, 4] > 0).all()
     distances = np.linalg.norm(x[:, None] - x, axis=-1)
     nearest = [distances[k, :k].min() for k in range(1, 12)]
     # each is the farthest from those before, so that these distances can only fall

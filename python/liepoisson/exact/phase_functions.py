@@ -146,12 +146,8 @@ class PhaseFunctions:
             tensor[..., j, i] -= float(cast("Any", c))
         return tensor
 
-    def rates(self, states: ArrayLike) -> Array:
-        r"""The vector field $J\nabla H$, shape (..., N)."""
-        return self._system.vector_field(states)
-
     def jacobian(self, states: ArrayLike) -> Array:
-        r"""Its derivative $\partial\dot x_i/\partial x_j$, shape (..., N, N)."""
+        r"""The derivative of the vector field, $\partial\dot x_i/\partial x_j$, shape (..., N, N)."""
         n = len(self._system.component_names)
         states = as_phase_points(states, n, self._system.parts_of_state)
         return evaluated(self._system.variables, self._jacobian, states).reshape(*states.shape[:-1], n, n)

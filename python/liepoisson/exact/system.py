@@ -265,6 +265,15 @@ class System:
         """
         return np.stack(self._evaluate(list(self.equations.values()), states), axis=-1)
 
+    def right_hand_side(self, time: float, state: ArrayLike) -> NDArray[np.float64]:
+        """The vector field in the convention of SciPy, for `scipy.integrate.solve_ivp` and tools like it.
+
+        Args:
+            time: Not used: the system is autonomous.
+            state: One state, shape (N,).
+        """
+        return self.vector_field(state)
+
     def invariant_values(self, states: ArrayLike) -> dict[str, NDArray[np.float64]]:
         """The invariants at many states.
 

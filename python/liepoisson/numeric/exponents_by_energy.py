@@ -196,6 +196,6 @@ def _are_the_same(system: Any, other: Any) -> bool:
         return as_field(system) == as_field(other)
     states = np.random.default_rng(0).standard_normal((4, n))
     with np.errstate(all="ignore"):  # outside of the domain of a Hamiltonian both are NaN
-        pairs = [(s.functions.poisson_tensor(states), s.functions.rates(states)) for s in (system, other)]
+        pairs = [(s.functions.poisson_tensor(states), s.vector_field(states)) for s in (system, other)]
     # 1e-9: the same formulas in another order differ by round-off
     return all(np.allclose(*both, rtol=1e-9, atol=1e-9, equal_nan=True) for both in zip(*pairs, strict=True))

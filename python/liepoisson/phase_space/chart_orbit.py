@@ -215,7 +215,7 @@ def _solves(system: CanonicalSystem, series: Array, tau: Array) -> Array:
     """Whether the series of each step solves the equations at the time tau after its start, shape (step,)."""
     state, slope = _values(series, tau)
     with np.errstate(all="ignore"):  # beyond the end of a chart there are roots of negative numbers
-        rates = system.functions.rates(state)
+        rates = system.vector_field(state)
         # the slope of a series of length tau is known to some rounding errors of state/tau
         rounding = 1e-12 * np.linalg.norm(state, axis=-1) / np.maximum(np.abs(tau), 1e-300)
         return np.linalg.norm(slope - rates, axis=-1) <= DEFECT * np.linalg.norm(rates, axis=-1) + rounding

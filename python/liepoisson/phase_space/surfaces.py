@@ -148,7 +148,7 @@ def section_starts(
         states = states[residual <= CONVERGED]
         converged, drawn = converged + len(states), drawn + size
         if direction:
-            rate = np.einsum("...i,...i->...", slope.gradient(states), functions.rates(states))
+            rate = np.einsum("...i,...i->...", slope.gradient(states), leaf.system.vector_field(states))
             states = states[direction * rate > 0]
         found = np.concatenate([found, states])
         if len(found) >= n_starts:
@@ -176,7 +176,7 @@ def _many_guesses(leaf: Leaf, n: int, seed: int) -> Array:
 def _crossed(leaf: Leaf, surface: str | Expr, energy: float, guesses: Array, direction: int) -> Array:
     """The guesses that converge to states where the orbit passes the surface, in the wanted direction."""
     x, residual = solve(leaf.constraints(energy, surface), guesses)
-    slope, rates = leaf.system.functions.of(surface).gradient(x), leaf.system.functions.rates(x)
+    slope, rates = leaf.system.functions.of(surface).gradient(x), leaf.system.vector_field(x)
     rate = np.einsum("ij,ij->i", slope, rates)
     return x[(residual <= CONVERGED) & ((direction * rate > 0) if direction else (rate != 0))]
 
