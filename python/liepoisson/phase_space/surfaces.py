@@ -139,7 +139,7 @@ def section_starts(
                 f"orbits of this leaf and energy must cross {surface} = 0; none of {len(guesses)} random states "
                 f"could be moved to a crossing. {_TRY}"
             )
-    slope, functions = leaf.system.functions.of(surface), leaf.system.functions
+    slope = leaf.system.functions.of(surface)
     draw, size = _guesses_for(leaf, energy), max(n_starts, _GUESSES)
     found, converged, drawn = np.empty((0, leaf.system.bracket.dimension)), 0, 0
     for attempt in range(_ROUNDS):
