@@ -115,20 +115,40 @@ def singular_without_mass(leaf: TwistedLeaf, group: tuple[int, ...]) -> list[Cri
 
 
 def _any_slope(leaf: TwistedLeaf, group: tuple[int, ...], inverse: Vector, aa: fmpq, bb: fmpq) -> list[Critical]:
-    r"""The solutions with D = 0 where E2 holds for every tau: $3\epsilon A_0(\tau-\tau_0)^2 + \ldots = 0$."""
+    r"""The solutions with D = 0 where E2 holds for every tau: $3\epsilon A_0(\tau-\tau_0)^2 + \ldots = 0$.
+
+    Here $\kappa$ is a cube root of a rational number, and what can be zero is a polynomial in it: decided exactly. A
+    double solution $\tau = \tau_0$ adds nothing, for it solves the equation with $\tau=-c_2/c_3$ as well.
+    """
     if aa == 0:
         return []
-    moment, centre = leaf.inertia[group[0]], -leaf.c2 / leaf.c3
-    (kappa,) = real_roots(fmpq_poly([leaf.epsilon * aa, 0, 0, leaf.c3]))
+    moment, centre, kappa = leaf.inertia[group[0]], -leaf.c2 / leaf.c3, fmpq_poly([0, 1])
+    zero = fmpq_poly([leaf.epsilon * aa, 0, 0, leaf.c3])
     still = leaf.epsilon * (2 * bb + leaf.c1 * aa / leaf.c3 - 3 * aa * centre**2)
-    rest = ball(still) + kappa * ball(leaf.epsilon**2 * (leaf.aa - 2 * moment * aa))
-    square = -rest / ball(3 * leaf.epsilon * aa)
-    if not is_positive(square):
+    square = -(still + leaf.epsilon**2 * (leaf.aa - 2 * moment * aa) * kappa) / (3 * leaf.epsilon * aa)
+    (root,) = real_roots(zero)
+    if _vanishes(square, zero) or not is_positive(evaluate(square, root)):
         return []
+    # the length of the free part is even + odd * (tau - centre)
+    at_centre = [(b - centre * a) * x for a, b, x in zip(leaf.a, leaf.b, inverse, strict=True)]
+    slopes = [a * x for a, x in zip(leaf.a, inverse, strict=True)]
+    even = leaf.c3 * kappa**4 - dot(at_centre, at_centre) - dot(slopes, slopes) * square
+    odd = 2 * dot(at_centre, slopes)
+    is_zero_once = _vanishes(even**2 - odd**2 * square, zero)
     found: list[Critical] = []
     for sign in (1, -1):
-        found += _tilted(leaf, group, inverse, ball(centre) + sign * square.sqrt(), kappa, is_checked=False)
+        if is_zero_once and (odd == 0 or not is_positive(sign * ball(odd) * evaluate(even, root))):
+            continue
+        tau = ball(centre) + sign * evaluate(square, root).sqrt()
+        found += _tilted(leaf, group, inverse, tau, root, is_checked=False)
     return found
+
+
+def _vanishes(polynomial: fmpq_poly, zero: fmpq_poly) -> bool:
+    r"""Whether a polynomial vanishes at the only real root of another one, $p + q\kappa^3$."""
+    # of its factors over the rationals the one with the real root has real coefficients and no other real root
+    common = zero.gcd(polynomial)
+    return common.degree() % 2 == 1
 
 
 def _tilted(
