@@ -28,11 +28,17 @@ CANCELLED = 1e-13
 """A sum below this fraction of the sizes of its terms is round-off."""
 VANISHES = 1e-8
 """A vector field below this fraction of its scale counts as zero."""
-_MAX_STEPS = 100
+MOST_STEPS = 100
 _NEAR_ROUND_OFF = 1e-12
 """Below this relative residual, two steps in succession that do not help end the iteration."""
 _ROUND_OFF = 1e-14
-"""Relative residual at which the iteration stops; what it cannot reach by round-off is stopped by `_MAX_STEPS`."""
+"""Relative residual at which the iteration stops; what it cannot reach by round-off is stopped by `MOST_STEPS`."""
+SOFT = 1e-5
+"""A direction is soft, and may be flat at the critical point itself, if the second variation (or the linear equations)
+there is below this fraction of the largest. At the end of a search near a degenerate point it is 1e-8 to 1e-6."""
+_SINGULAR, _SETTLING = 1e-12, 3
+"""Singular values of the linear equations below this fraction of the largest are round-off; steps that settle the
+directions which are not soft."""
 
 
 class HamiltonianFields:
@@ -150,7 +156,9 @@ class _Search:
         return found, residual <= CONVERGED
 
 
-def critical_points(leaf: Leaf, fields: HamiltonianFields, starts: Array, values: Array) -> tuple[Array, Array]:
+def critical_points(
+    leaf: Leaf, fields: HamiltonianFields, starts: Array, values: Array, most_steps: int = MOST_STEPS
+) -> tuple[Array, Array]:
     r"""Critical points of H on the leaf, on the level sets $K_j = \kappa_j$, from many starts.
 
     Levenberg–Marquardt with a damping proportional to the squared residual, which converges quadratically also to
@@ -161,6 +169,7 @@ def critical_points(leaf: Leaf, fields: HamiltonianFields, starts: Array, values
         fields: Those of H and of the integrals K_j.
         starts: States near or on the leaf, shape (start, N).
         values: The values kappa_j.
+        most_steps: Where the iteration ends in any case.
 
     Returns:
         States (start, N), and the relative residuals (start,) that are left; those far from round-off did not
@@ -174,7 +183,7 @@ def critical_points(leaf: Leaf, fields: HamiltonianFields, starts: Array, values
     omega = multipliers(fields.fields(x), fields.scale(x))
     residual = search.residual(x, omega)
     damping, failed = np.ones(len(x)), np.zeros(len(x), dtype=np.int64)
-    for _ in range(_MAX_STEPS):
+    for _ in range(most_steps):
         left = np.linalg.norm(residual, axis=1)
         rows = np.flatnonzero((left > _ROUND_OFF) & (damping < 1e12) & ((left > _NEAR_ROUND_OFF) | (failed < 2)))
         if not rows.size:
@@ -188,6 +197,38 @@ def critical_points(leaf: Leaf, fields: HamiltonianFields, starts: Array, values
         damping[rows] *= np.where(better, 0.25, 4.0)
         damping = np.maximum(damping, 1e-10)
     return x, np.linalg.norm(residual, axis=1)
+
+
+def stretched_steps(leaf: Leaf, fields: HamiltonianFields, x: Array, values: Array, factors: Sequence[float]) -> Array:
+    r"""One Newton step from a state without damping, times each of the factors, shape (at most factor, N).
+
+    Near a zero where the equations have no terms below degree p in some directions, Newton's step is 1/p of the way
+    there (Euler's theorem on homogeneous functions), and p times the step leads there, to second order. This error is
+    then taken from the other directions by some steps in these alone.
+    """
+    search = _Search(leaf, fields, values)
+    step = _undamped(search, x, _SINGULAR)
+    found, possible = search.projected(x + np.array(factors)[:, None] * step)
+    found = found[possible]
+    for _ in range(_SETTLING):
+        found = search.projected(np.array([y + _undamped(search, y, SOFT) for y in found]).reshape(found.shape))[0]
+    return found
+
+
+def _undamped(search: _Search, x: Array, smallest: float) -> Array:
+    """Newton's step in the directions in which the linear equations are larger than this, relative, shape (N,)."""
+    omega = multipliers(search.fields.fields(x[None]), search.fields.scale(x[None]))
+    basis = search.tangents(x[None])
+    units = search.units(x[None], basis.shape[2])[0]
+    matrix = search.newton_matrix(x[None], omega, basis)[0] * units
+    step = np.linalg.lstsq(matrix, search.residual(x[None], omega)[0], rcond=smallest)[0] * units
+    return np.asarray(-basis[0] @ step[: basis.shape[2]])
+
+
+def residuals(leaf: Leaf, fields: HamiltonianFields, x: Array, values: Array) -> Array:
+    """How far states of the leaf are from critical points, relative, shape (row,)."""
+    omega = multipliers(fields.fields(x), fields.scale(x))
+    return np.asarray(np.linalg.norm(_Search(leaf, fields, values).residual(x, omega), axis=1))
 
 
 def _step(

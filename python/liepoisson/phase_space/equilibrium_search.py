@@ -2,6 +2,11 @@ r"""The search for critical points of H on a leaf from random starts, and the fa
 
 Two states belong to one family if a path of critical points leads from one to the other: steps in the kernel of the
 second variation (and along the flows of the integrals), each followed by Newton's method.
+
+Where the second variation is degenerate beyond the directions of a family, as where two equilibria meet, Newton's
+method converges slowly and ends too early: with $f\sim d^3$ a residual of 1e-14 is reached at the distance
+d = 1e-4 to 1e-5, and the second variation $\sim d^2$ still has a sign there, which says nothing. Such an end is moved
+on by stretched Newton steps, until the soft directions are flat to round-off.
 """
 
 from __future__ import annotations
@@ -14,18 +19,26 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
-from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points
+from liepoisson.phase_space.critical_points import (
+    MOST_STEPS,
+    SOFT,
+    HamiltonianFields,
+    critical_points,
+    residuals,
+    stretched_steps,
+)
 from liepoisson.phase_space.equilibrium_list import signed_sum
 from liepoisson.phase_space.leaf_search import representative
 from liepoisson.phase_space.lengths import unit_length
-from liepoisson.phase_space.stability import Equilibrium, analysis, null_directions
+from liepoisson.phase_space.stability import Equilibrium, analysis, curvatures, null_directions
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.phase_space.leaf import Leaf
 
-FOUND = 1e-11
-"""Relative residual up to which a state counts as a critical point that was found."""
+FOUND, _NEAR = 1e-11, 1e-8
+"""Relative residual up to which a state counts as a critical point that was found; one below the second may be on the
+slow way to a degenerate one."""
 
 _CRITICAL = 1e-8
 """The same for the slope of H along the leaf, which does not become small where J does, at the edge of a leaf."""
@@ -35,9 +48,13 @@ _EDGE = 1e-6
 of the state, is below this fraction of that at the leaf's own state. It is larger than `_CRITICAL`: a Toda lattice
 at the edge, where its leaf ends without an equilibrium, has a slope of the order of this value."""
 
-_SAME, _SAME_ENERGY = 1e-6, 1e-9
-_STEP, _MOST_STEPS, _KICKS = 0.15, 120, 4
-"""Steps along a family, relative to the length of the state; random steps where the straight way is blocked."""
+_SAME, _SAME_ENERGY, _SCATTER = 1e-6, 1e-9, 1e-2
+_STEP, _MOST_STEPS, _KICKS, _FEW_STEPS = 0.15, 120, 4, 20
+"""Steps along a family, relative to the length of the state; random steps where the straight way is blocked; steps of
+Newton's method after each."""
+
+_ORDERS, _FLATTER = (2.0, 3.0, 4.0, 5.0), 0.25
+"""Degrees of the first terms that do not vanish, which are tried, and what a step must do to the soft directions."""
 
 _STARTS_KEY = 5
 """Tells the stream of random numbers of the starts from other streams with the same seed."""
@@ -91,9 +108,7 @@ class EquilibriumSearch:
 
     def add_from(self, starts: Array) -> None:
         """Search from these states, and add what they lead to."""
-        states, residual = critical_points(self._origin, self._fields, starts, self._values)
-        good = is_critical(self._fields, self._leaf, states, residual)
-        states, residual = states[good], residual[good]
+        states, residual = self._reached(self._origin, starts)
         for state in states[np.argsort(residual, kind="stable")]:
             self._add(state)
 
@@ -102,10 +117,23 @@ class EquilibriumSearch:
         while signed_sum(self.found) not in {None, expected} and self.n_starts < most_starts:
             self.extend(min(self.n_starts, most_starts - self.n_starts))
 
+    def _reached(self, leaf: Leaf, starts: Array, most_steps: int = MOST_STEPS) -> tuple[Array, Array]:
+        """The critical points that Newton's method leads to from the starts, and their residuals."""
+        states, residual = critical_points(leaf, self._fields, starts, self._values, most_steps)
+        near = is_critical(self._fields, self._leaf, states, residual, within=_NEAR)
+        states = np.array([self._polished(x) for x in states[near]]).reshape(-1, starts.shape[1])
+        if not len(states):
+            return states, np.zeros(0)
+        residual = residuals(leaf, self._fields, states, self._values)
+        good = is_critical(self._fields, self._leaf, states, residual)
+        return states[good], residual[good]
+
     def _add(self, state: Array) -> None:
         size = float(np.linalg.norm(state)) + self._fields.unit
         for family in self._families:
-            if min(np.linalg.norm(state - known) for known in family.states) <= _SAME * size:
+            distances = np.linalg.norm(np.asarray(family.states) - state, axis=1)
+            nearest = family.states[int(np.argmin(distances))]
+            if distances.min() <= _SAME * size or self._is_scattered(family.first, nearest, state):
                 family.states.append(state)
                 return
         new = analysis(self._leaf, state, self._integrals)
@@ -118,20 +146,50 @@ class EquilibriumSearch:
                     return
         self._families.append(self._family(new, directions))
 
+    def _polished(self, state: Array) -> Array:
+        """The state, or one nearer to a degenerate equilibrium to which Newton's method was on its way."""
+        softness = self._softness(state)
+        while softness > 0:
+            trial = stretched_steps(self._leaf, self._fields, state, self._values, _ORDERS)
+            trial = trial[residuals(self._leaf, self._fields, trial, self._values) <= FOUND]
+            found = [self._softness(x) for x in trial]
+            if not found or not min(found) <= _FLATTER * softness:
+                break
+            state, softness = trial[int(np.argmin(found))], min(found)
+        return state
+
+    def _is_scattered(self, known: Equilibrium, nearest: Array, state: Array) -> bool:
+        """Whether a state is the end of a slow way to a degenerate equilibrium that is known, and no other one.
+
+        Such ends lie some thousandths off where several directions are flat, and the ways along them differ.
+        """
+        close = np.linalg.norm(state - nearest) <= _SCATTER * (np.linalg.norm(nearest) + self._fields.unit)
+        return bool(close) and known.nullity > 0 and _has_energy_of(known, state) and self._softness(state) > 0
+
+    def _softness(self, state: Array) -> float:
+        """The largest curvature among the soft directions, relative to all; 0 if there is none."""
+        values = curvatures(self._leaf, self._fields, state)
+        return float(values[values <= SOFT].max(initial=0.0))
+
     def _family(self, first: Equilibrium, directions: Array) -> _Family:
         """What the family is: a step in the kernel that stays a step is along a family."""
         state, n = first.state, directions.shape[1]
         if not n:
             return _Family(first, [state])
-        size = float(np.linalg.norm(state)) + self._fields.unit
-        moved = [self._corrected(state + _STEP * size * v) for v in directions.T]
-        if not all(m is not None and np.linalg.norm(m - state) > 0.3 * _STEP * size for m in moved):
+        step = _STEP * (float(np.linalg.norm(state)) + self._fields.unit)
+        moved = [self._corrected(state + step * v) for v in directions.T]
+        steps = np.array([(m - state if m is not None else np.zeros_like(state)) / step for m in moved])
+        _, lengths, along = np.linalg.svd(steps @ directions)
+        n_free = int((lengths > 0.3).sum())
+        if not n_free:
             return _Family(first, [state], "degenerate")
-        curve = self._round(state) if n == 1 else None
-        return _Family(first, [state], f"family of dimension {n}" if curve is None else "circle", curve)
+        curve = self._round(state, directions @ along[0]) if n_free == 1 else None
+        return _Family(first, [state], f"family of dimension {n_free}" if curve is None else "circle", curve)
 
     def _is_connected(self, family: _Family, goal: Array) -> bool:
         """Whether a path of critical points leads from the family to the goal; if not, none was found."""
+        if family.kind == "degenerate":  # none leads away from it
+            return False
         states = family.states if family.curve is None else family.curve
         distances = np.linalg.norm(np.asarray(states) - goal, axis=1)
         if family.curve is not None and distances.min() > 2 * _STEP * (float(np.linalg.norm(goal)) + self._fields.unit):
@@ -162,28 +220,33 @@ class EquilibriumSearch:
             x = moved
         return False
 
-    def _round(self, begin: Array) -> Array | None:
+    def _round(self, begin: Array, before: Array) -> Array | None:
         """States all along the curve through this one, or None if it was not seen to close."""
-        size, x, before = float(np.linalg.norm(begin)) + self._fields.unit, begin, np.zeros_like(begin)
+        size, x = float(np.linalg.norm(begin)) + self._fields.unit, begin
         curve = [begin]
         for _ in range(4 * _MOST_STEPS):
             directions = null_directions(self._leaf, self._fields, x)
-            if directions.shape[1] != 1:
+            along = directions @ (directions.T @ before)
+            length = float(np.linalg.norm(along))
+            if length < 0.3:
                 return None
-            along = directions[:, 0] * (1.0 if directions[:, 0] @ before >= 0 else -1.0)
-            moved = self._corrected(x + _STEP * size * along)
+            moved = self._corrected(x + _STEP * size * along / length)
             if moved is None:
                 return None
             curve.append(moved)
             if len(curve) > 3 and np.linalg.norm(moved - begin) < 0.7 * _STEP * size:
                 return np.array(curve)
-            x, before = moved, along
+            way = moved - x  # its part along soft directions, which lead nowhere, was undone
+            x, before = moved, way / np.linalg.norm(way)
         return None
 
     def _corrected(self, guess: Array) -> Array | None:
-        states, residual = critical_points(self._leaf, self._fields, guess[None], self._values)
-        good = is_critical(self._fields, self._leaf, states, residual)
-        return states[0] if len(states) and good[0] else None
+        """The critical point near a guess; near a degenerate one, few steps of Newton's method do, or all are slow."""
+        for most_steps in (_FEW_STEPS, MOST_STEPS):
+            states, _ = self._reached(self._leaf, guess[None], most_steps)
+            if len(states):
+                return states[0]
+        return None
 
 
 def _distance(family: _Family, state: Array) -> float:
@@ -191,11 +254,13 @@ def _distance(family: _Family, state: Array) -> float:
     return float(np.linalg.norm(np.asarray(states) - state, axis=1).min())
 
 
-def is_critical(fields: HamiltonianFields, leaf: Leaf, states: Array, residual: Array) -> NDArray[np.bool_]:
+def is_critical(
+    fields: HamiltonianFields, leaf: Leaf, states: Array, residual: Array, within: float = FOUND
+) -> NDArray[np.bool_]:
     """Which states are critical points inside the leaf, and not limits on its edge, where J is smaller."""
     rank = leaf.rank
     if not len(states) or not rank:
-        return residual <= FOUND
+        return residual <= within
     vectors, sizes, _ = np.linalg.svd(fields.poisson(states))
     own = np.linalg.svd(fields.poisson(leaf.state), compute_uv=False)
     length, lengths = float(np.linalg.norm(leaf.state)) + fields.unit, np.linalg.norm(states, axis=1) + fields.unit
@@ -205,7 +270,7 @@ def is_critical(fields: HamiltonianFields, leaf: Leaf, states: Array, residual: 
     curvature = np.linalg.norm(fields.functions[0].hessian(states), axis=(1, 2)) * lengths
     scale = curvature + np.linalg.norm(gradients[..., 0], axis=1)
     left = np.array([_unexplained(s) for s in slopes])
-    return (residual <= FOUND) & inside & (left <= _CRITICAL * np.where(scale > 0, scale, 1.0))
+    return (residual <= within) & inside & (left <= _CRITICAL * np.where(scale > 0, scale, 1.0))
 
 
 def _unexplained(slopes: Array) -> float:
@@ -220,8 +285,12 @@ def _may_be_one(known: Equilibrium, new: Equilibrium) -> bool:
     """Whether two critical points agree in energy, which is constant on a family, and in the signs around them."""
     if known.nullity != new.nullity or known.signature != new.signature:
         return False
-    energy, unit = new.system.functions.energy, unit_length(new.system.bracket)
-    slope = float(np.linalg.norm(energy.gradient(new.state)) * (np.linalg.norm(new.state) + unit))
+    return _has_energy_of(known, new.state)
+
+
+def _has_energy_of(known: Equilibrium, x: Array) -> bool:
+    energy, unit = known.system.functions.energy, unit_length(known.system.bracket)
+    slope = float(np.linalg.norm(energy.gradient(x)) * (np.linalg.norm(x) + unit))
     if unit:  # on a leaf without Casimirs the gradient itself is zero
-        slope += float(np.linalg.norm(energy.hessian(new.state)) * (np.linalg.norm(new.state) + unit) ** 2)
-    return abs(known.energy - new.energy) <= _SAME_ENERGY * slope
+        slope += float(np.linalg.norm(energy.hessian(x)) * (np.linalg.norm(x) + unit) ** 2)
+    return abs(known.energy - float(energy(x))) <= _SAME_ENERGY * slope

@@ -294,13 +294,24 @@ def null_directions(leaf: Leaf, fields: HamiltonianFields, x: Array) -> Array:
 
     The kernel of the second variation on the slice, and the motions of the integrals.
     """
+    point, flow, basis = _on_slice(leaf, fields, x)
+    found = np.concatenate([point.symmetry, basis @ flow.kernel()], axis=1)
+    return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
+
+
+def curvatures(leaf: Leaf, fields: HamiltonianFields, x: Array) -> Array:
+    """The moduli of the eigenvalues of the second variation on the slice, relative to the largest, ascending."""
+    values = np.sort(np.abs(np.linalg.eigvalsh(_on_slice(leaf, fields, x)[1].hessian)))
+    return values / values[-1] if values.any() else values
+
+
+def _on_slice(leaf: Leaf, fields: HamiltonianFields, x: Array) -> tuple[_Point, LinearFlow, Array]:
+    """The linearised flow on the symplectic slice at x, and the basis of the slice in the tangent space."""
     rates, scale = fields.fields(x), fields.scale(x)
     point = _Point(fields, leaf, x, multipliers(rates[None], scale[None])[0])
     flow = point.linear_flow(np.array([1.0, *-point.omega]))[0]
-    symmetry = point.symmetry
-    basis = flow.slice_basis(symmetry) if symmetry.size else np.eye(flow.size)
-    found = np.concatenate([symmetry, basis @ flow.restricted(basis).kernel()], axis=1)
-    return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
+    basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
+    return point, flow.restricted(basis), basis
 
 
 @dataclass(frozen=True)
