@@ -44,7 +44,7 @@ class Equilibria(Sequence["Equilibrium"]):
     def completeness(self) -> str:
         """What is proved about the list, and what is not, in one sentence."""
         if self.proved:
-            families = any(e.family != "point" for e in self.found)
+            families = any(e.family not in {"point", "degenerate"} for e in self.found)
             return f"these are all{', with the families that they form' if families else ''} (proved by algebra)"
         searched = f"found from {self.n_starts} random starts; that there are no others is not proved"
         if self.euler_characteristic is None:

@@ -27,7 +27,7 @@ from liepoisson.phase_space.euler_characteristic import euler_characteristic
 from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
-from liepoisson.phase_space.top_equilibria import all_equilibria, euler_characteristic_of_leaf, natural_units
+from liepoisson.phase_space.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -91,35 +91,43 @@ def equilibria(
     most = _MOST * n_starts if most_starts is None else as_count(most_starts, "most_starts", least=1)
     integrals = integrals_of(system, along)
     wanted = _level(integrals, values, None)
-    if not integrals and (found := _by_algebra(leaf)) is not None:
-        return found
+    seeds: Array = np.zeros((0, len(leaf.state)))
+    if not integrals:
+        found, seeds = _by_algebra(leaf)
+        if found is not None:
+            return found
     expected = None if integrals else euler_characteristic(leaf)
     search = EquilibriumSearch(leaf, integrals, wanted, seed)
+    if len(seeds):
+        search.add_from(seeds)
     search.extend(n_starts)
     if expected is not None:
         search.until_the_sum_is(expected, most)
     return Equilibria(leaf, tuple(search.found), False, expected, _sum(search.found, integrals), search.n_starts)
 
 
-def _by_algebra(leaf: Leaf) -> Equilibria | None:
+def _by_algebra(leaf: Leaf) -> tuple[Equilibria | None, Array]:
     """All equilibria with a proof, or None: also where their signs do not sum to the Euler characteristic.
 
     The sum is independent of the proof. If it is wrong, the proof has a gap or a state was rounded to another sign, and
-    the search answers instead, with what it cannot prove in words.
+    a search answers instead, with what it cannot prove in words; it may start from the states in the second place.
     """
     if leaf.rank == 0:
-        return Equilibria(leaf, (analysis(leaf, leaf.state, {}),), True, 1, 1, 0)
+        return Equilibria(leaf, (analysis(leaf, leaf.state, {}),), True, 1, 1, 0), leaf.state[None]
     top = exact_top(leaf.system)
-    states = None if top is None else all_equilibria(leaf, top)
-    if top is None or states is None:
-        return None
-    units = natural_units(leaf, top, states)
-    found = [_with_family(analysis(leaf, one.state, {}, units), one.kind) for one in states]
+    if top is None:
+        return None, np.zeros((0, len(leaf.state)))
+    by_algebra, is_all = equilibria_of_top(leaf, top)
+    states = np.array([one.state for one in by_algebra]).reshape(-1, len(leaf.state))
+    if not is_all:
+        return None, states
+    units = natural_units(leaf, top, by_algebra)
+    found = [_with_family(analysis(leaf, one.state, {}, units), one.kind) for one in by_algebra]
     found.sort(key=lambda e: e.energy)
     expected, total = euler_characteristic_of_leaf(leaf, top), signed_sum(found)
     if expected is not None and total is not None and total != expected:
-        return None
-    return Equilibria(leaf, tuple(found), True, expected, total, 0)
+        return None, states
+    return Equilibria(leaf, tuple(found), True, expected, total, 0), states
 
 
 def _with_family(equilibrium: Equilibrium, kind: str) -> Equilibrium:

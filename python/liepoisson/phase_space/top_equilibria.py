@@ -25,7 +25,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from flint import arb, fmpq
@@ -60,11 +60,11 @@ class FoundByAlgebra:
     kind: str
 
 
-def all_equilibria(leaf: Leaf, top: ExactTop) -> list[FoundByAlgebra] | None:
-    """All equilibria of the top on the leaf, or None where the algebra does not prove that they are all.
+def equilibria_of_top(leaf: Leaf, top: ExactTop) -> tuple[list[FoundByAlgebra], bool]:
+    """The equilibria of the top on the leaf, and whether the algebra proves that these are all.
 
-    That happens where one is degenerate and isolated (two are about to meet), and where the equations have a factor
-    in common that is not expected.
+    It does not where one is degenerate and isolated (two are about to meet), and where the equations have a factor in
+    common that is not expected. Then the list has what was decided, and candidates, which need not be equilibria.
 
     Args:
         leaf: A leaf of a system with the equations and the bracket of the top, of any rank above 0. N = 9, or 6 or 3
@@ -74,35 +74,53 @@ def all_equilibria(leaf: Leaf, top: ExactTop) -> list[FoundByAlgebra] | None:
     try:
         search = _search(leaf, top)
     except NotProvedError:
-        return None
+        return [], False
     n = len(leaf.state)
+
+    def at(bits: int, *, is_all: bool) -> list[FoundByAlgebra]:
+        with precision(bits):
+            return [FoundByAlgebra(one.state[:n], one.kind) for one in search(is_all)]
+
     for bits in PRECISIONS:
         try:
-            with precision(bits):
-                return [FoundByAlgebra(one.state[:n], one.kind) for one in search()]
+            return at(bits, is_all=True), True
         except UndecidedError:
             continue
-    return None
+    return [one for one in at(PRECISIONS[-1], is_all=False) if np.isfinite(one.state).all()], False
 
 
-def _search(leaf: Leaf, top: ExactTop) -> Callable[[], list[FoundByAlgebra]]:
+Search: TypeAlias = Callable[[bool], list[FoundByAlgebra]]
+"""All equilibria at the present precision; if they need not be all (False), those that are decided, and candidates."""
+
+
+def _search(leaf: Leaf, top: ExactTop) -> Search:
     """The search on this leaf, to be called at one precision after the other; its states have nine components."""
     if leaf.rank == 2:
         square = value_on(leaf, _product(leaf, 0, 0))
-        return lambda: _rounded(_sphere(top, square))
+        return lambda is_all: _decided(is_all, lambda: _sphere(top, square))
     if leaf.rank == 4 and (len(leaf.state) == 6 or top.epsilon != 0):
         size, momentum = value_on(leaf, _product(leaf, 1, 1)), value_on(leaf, _product(leaf, 0, 1))
-        return lambda: _rounded(_heavy(top, (fmpq(1), fmpq(0)), size, momentum))
+        return lambda is_all: _decided(is_all, lambda: _heavy(top, (fmpq(1), fmpq(0)), size, momentum))
     if leaf.rank == 4:
         l, alpha, beta = ([rational(x) for x in v] for v in leaf.state.reshape(3, 3).tolist())
         share = _shares(leaf.state)
         total = share[0] ** 2 + share[1] ** 2
         n = [(share[0] * x + share[1] * y) / total for x, y in zip(alpha, beta, strict=True)]
-        return lambda: _rounded(_heavy(top, share, fmpq(1), dot(l, n)))
+        return lambda is_all: _decided(is_all, lambda: _heavy(top, share, fmpq(1), dot(l, n)))
     values = casimir_values(leaf, top)
     if top.epsilon == 0:
-        return lambda: _charged(leaf, top, values)
+        return lambda _: _charged(leaf, top, values)
     return _twisted(top, values)
+
+
+def _decided(is_all: bool, found: Callable[[], list[Critical]]) -> list[FoundByAlgebra]:
+    """All of them, or none if they are not decided and need not be all."""
+    try:
+        return _rounded(found())
+    except UndecidedError:
+        if is_all:
+            raise
+        return []
 
 
 def _rounded(found: list[Critical]) -> list[FoundByAlgebra]:
@@ -187,7 +205,7 @@ def _shares(state: Array) -> tuple[fmpq, fmpq]:
     return rational(float(alpha @ n)), rational(float(beta @ n))
 
 
-def _twisted(top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> Callable[[], list[FoundByAlgebra]]:
+def _twisted(top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> Search:
     c1, c2, c3 = values
     i, big = _power_of_two(top.inertia[1]), _power_of_two(c3, root=2)
     p = _power_of_two(max((abs(x) for x in top.a), default=fmpq(0)))
@@ -205,10 +223,10 @@ def _twisted(top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> Callable[[], lis
     search = TwistedEquilibria(scaled)
     units = [i * k] * 3 + [to_alpha] * 3 + [big] * 3
 
-    def found() -> list[FoundByAlgebra]:
+    def found(is_all: bool) -> list[FoundByAlgebra]:
         return [
             FoundByAlgebra(_doubles([x * ball(unit) for x, unit in zip(c.state, units, strict=True)]), c.kind)
-            for c in search.all()
+            for c in (search.all() if is_all else search.some())
         ]
 
     return found

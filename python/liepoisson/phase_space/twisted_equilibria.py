@@ -33,8 +33,10 @@ $(\sigma,\kappa)$.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
@@ -84,21 +86,42 @@ class TwistedEquilibria:
         Raises:
             UndecidedError: it does not suffice, as for an equilibrium that is degenerate and isolated.
         """
+        found = [critical for branch in self._special() for critical in branch()]
+        return found + self._states([box for pair in self._pairs for box in pair.solutions(self._leaf)])
+
+    def some(self) -> list[Critical]:
+        """Those that are decided at the present precision, and where others may be: solutions and candidates."""
+        found: list[Critical] = []
+        for branch in self._special():
+            with suppress(UndecidedError):
+                found += branch()
+        boxes: list[list[arb]] = []
+        for pair in self._pairs:
+            with suppress(UndecidedError):
+                boxes += pair.solutions(self._leaf, with_candidates=True)
+        return found + self._states(boxes)
+
+    def _special(self) -> list[Callable[[], list[Critical]]]:
+        """The branches with formulas of their own."""
         leaf = self._leaf
         if is_zero(leaf.a):
-            return without_mass(leaf)
-        found = at_rest(leaf)
+            return [partial(without_mass, leaf)]
+        branches = [partial(at_rest, leaf)]
         for group in groups_of(leaf.inertia):
             if not is_zero(leaf.a, group):
-                found += singular_with_mass(leaf, group)
+                branches.append(partial(singular_with_mass, leaf, group))
             elif is_zero(leaf.b, group):
-                found += singular_without_mass(leaf, group)
+                branches.append(partial(singular_without_mass, leaf, group))
+        return [*branches]
+
+    def _states(self, boxes: list[list[arb]]) -> list[Critical]:
+        """The states of boxes (sigma, tau, kappa), equal ones once."""
         regular: list[list[arb]] = []
-        for pair in self._pairs:
-            for box in pair.solutions(leaf):
-                if not any(all(x.overlaps(y) for x, y in zip(box, known, strict=True)) for known in regular):
-                    regular.append(box)
-        return found + [state_of(leaf, tau, kappa, _gamma(leaf, sigma, tau)) for sigma, tau, kappa in regular]
+        for box in boxes:
+            if not any(all(x.overlaps(y) for x, y in zip(box, known, strict=True)) for known in regular):
+                regular.append(box)
+        leaf = self._leaf
+        return [state_of(leaf, tau, kappa, _gamma(leaf, sigma, tau)) for sigma, tau, kappa in regular]
 
 
 def _gamma(leaf: TwistedLeaf, sigma: arb, tau: arb) -> BallVector:
@@ -126,25 +149,35 @@ class _Pair:
     shift: fmpq
     tau: fmpq | None
 
-    def solutions(self, leaf: TwistedLeaf) -> list[list[arb]]:
-        """Boxes (sigma, tau, kappa) with exactly one solution each; equal solutions may occur twice."""
+    def solutions(self, leaf: TwistedLeaf, *, with_candidates: bool = False) -> list[list[arb]]:
+        """Boxes (sigma, tau, kappa) with exactly one solution each; equal solutions may occur twice.
+
+        With candidates, boxes too that are not known to have one.
+
+        Raises:
+            UndecidedError: there are candidates, and they are not wanted; or these cannot be enclosed.
+        """
         found: list[list[arb]] = []
         for roots, powers in self.pieces:
             for sigma in real_roots(roots):
                 for other in enclosures([evaluate(power, sigma) for power in powers]):
-                    found += self._checked(leaf, sigma, other + ball(self.shift))
+                    for box in self._candidates(leaf, sigma, other + ball(self.shift)):
+                        try:
+                            proved = unique_zero(_Equations(leaf), box)
+                        except UndecidedError:
+                            if not with_candidates:
+                                raise
+                            proved = box
+                        found += [proved] if proved is not None else []
         return found
 
-    def _checked(self, leaf: TwistedLeaf, sigma: arb, other: arb) -> list[list[arb]]:
+    def _candidates(self, leaf: TwistedLeaf, sigma: arb, other: arb) -> list[list[arb]]:
         if self.tau is not None:
-            candidates = [(ball(self.tau), other)]
-        else:
-            size = sum((x * x for x in _gamma(leaf, sigma, other)), arb(0)) / ball(leaf.c3)
-            if size.contains(0):  # the ball is too wide: gamma is not zero
-                raise UndecidedError
-            candidates = [(other, sign * size.sqrt().sqrt()) for sign in (1, -1)]
-        proved = (unique_zero(_Equations(leaf), [sigma, tau, kappa]) for tau, kappa in candidates)
-        return [box for box in proved if box is not None]
+            return [[sigma, ball(self.tau), other]]
+        size = sum((x * x for x in _gamma(leaf, sigma, other)), arb(0)) / ball(leaf.c3)
+        if size.contains(0):  # the ball is too wide: gamma is not zero
+            raise UndecidedError
+        return [[sigma, other, sign * size.sqrt().sqrt()] for sign in (1, -1)]
 
 
 class _Equations:
