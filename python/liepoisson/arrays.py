@@ -23,7 +23,7 @@ def as_array(values: ArrayLike, name: str) -> Array:
         ParameterError: Numbers that would lose their meaning as doubles (complex ones, dates, records, masked ones).
     """
     try:
-        masked = isinstance(values, np.ma.MaskedArray) or _has_masked_rows(values)
+        masked = _has_masks(values)
         given = np.asanyarray(() if masked else values)
         if given.dtype.kind in "SUT":
             raise TypeError("texts")
@@ -39,11 +39,10 @@ def as_array(values: ArrayLike, name: str) -> Array:
     raise ParameterError(f"{name}: wanted real numbers; got {kind}; convert it, or drop what is not a number")
 
 
-def _has_masked_rows(values: Any) -> bool:
-    """Whether it is a list of masked arrays or numbers: NumPy would join them and forget the masks."""
-    return isinstance(values, (list, tuple)) and any(
-        isinstance(row, np.ma.MaskedArray) for row in cast("list[Any]", values)
-    )
+def _has_masks(values: Any) -> bool:
+    """Whether an entry is masked, in an array or a list of arrays or numbers: NumPy joins rows and forgets the masks."""
+    rows = cast("list[Any]", values) if isinstance(values, (list, tuple)) else [values]
+    return any(isinstance(row, np.ma.MaskedArray) and np.ma.is_masked(row) for row in rows)
 
 
 def _refuse_other_objects(given: NDArray[Any]) -> None:

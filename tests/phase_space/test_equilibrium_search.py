@@ -125,3 +125,26 @@ def test_result_is_a_sequence_and_prints_a_sentence_and_a_table():
     assert len(lines) == 8
     assert signed_sum(found) == 2
     assert signed_sum(found[:2]) == 2
+
+
+def test_search_counts_a_degenerate_equilibrium_once_and_claims_no_growth():
+    """Newton's method ends 1e-4 to 1e-3 off the pitchfork at beta = +-e3, where signs and rates mean nothing."""
+    top = lp.Top(inertia=(2, 3, 1), a=(0, 1, 0), epsilon=1)
+    leaf = lp.Leaf(top, {"C1": 0, "C2": 0, "C3": 1})
+    kappa = -(0.5 ** (1 / 3))
+    exact = np.array([[0, 0, s * kappa, 0, 1 / kappa, 0, 0, 0, s] for s in (-1, 1)])
+    search = EquilibriumSearch(leaf, {}, np.zeros(0), 0)
+    search.add_from(np.repeat(exact, 6, axis=0) + 1e-2 * np.random.default_rng(0).standard_normal((12, 9)))
+    assert [e.family for e in search.found] == ["degenerate", "degenerate"]
+    for e in search.found:
+        assert np.linalg.norm(exact - e.state, axis=1).min() < 1e-6
+        assert (e.linear_stability, e.growth_rate, e.signature, e.n_found) == ("degenerate", 0, (4, 1, 1), 6)
+
+
+@pytest.mark.thorough
+def test_search_follows_a_circle_that_is_degenerate_across():
+    with pytest.warns(lp.errors.InertiaWarning):
+        top = lp.Top(inertia=(1, 1, 3), a=(0, 0, 1), b=(0, 0, -2), epsilon=1)
+    found = searched(top, lp.Leaf(top, {"C1": 12, "C2": 6, "C3": 3}), 20)
+    assert [e.family for e in found] == ["circle", "point", "point"]
+    assert found[0].signature == (4, 0, 2)

@@ -1,5 +1,6 @@
 """All equilibria of tops: the proof against independent algebra, the search, and the sum of the signs."""
 
+import pickle
 import warnings
 
 import numpy as np
@@ -391,3 +392,75 @@ def test_irrational_parameters_and_other_brackets_are_not_proved():
     assert exact_top(top) is None
     assert exact_top(lp.Top(**TEN)).epsilon == fmpq(1, 2)
     assert exact_top(lp.catalog.system("kirchhoff")) is None
+
+
+@pytest.mark.parametrize(
+    ("top", "values", "kinds"),
+    [
+        (((2, 3, 1), (0, 1, 0), (0, 0, 0), 1), (0, 0, 1), ["degenerate"] * 2 + ["point"] * 4),
+        (((2, 3, 1), (0, 1, 0), (0, -2, 0), 0.5), (4, 2, 1), ["degenerate"] * 2 + ["point"] * 4),
+        (((1, 1, 3), (0, 0, 1), (0, 0, -2), 1), (12, 6, 3), ["circle", "point", "point"]),
+        (((2, 1.5, 1), (1, 0, 0), (0, 0, 0), 1), (-4, 0, 1), ["degenerate"] * 2 + ["point"] * 8),
+    ],
+)
+def test_numbers_that_are_exactly_zero_do_not_prevent_the_proof(top, values, kinds):
+    """Two solutions of one branch coincide, or the free part of beta is zero, where equilibria just meet."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", lp.errors.InertiaWarning)
+        top = lp.Top(**dict(zip(("inertia", "a", "b", "epsilon"), top, strict=True)))
+    leaf = lp.Leaf(top, dict(zip(("C1", "C2", "C3"), values, strict=True)))
+    found = lp.equilibria(top, leaf)
+    assert found.proved
+    assert sorted(e.family for e in found) == kinds
+    assert max(e.residual for e in found) < 1e-12
+    assert leaf.contains([e.state for e in found], 1e-11).all()
+    assert_contains(found, searched(top, leaf, 5))
+
+
+def test_pitchfork_in_closed_form():
+    r"""On C = (0, 0, 1), I = (2, 3, 1), a = e2: beta = +-e3, l = kappa beta, alpha = a/kappa, kappa^3 = -1/2."""
+    top = lp.Top(inertia=(2, 3, 1), a=(0, 1, 0), epsilon=1)
+    found = [e for e in lp.equilibria(top, {"C1": 0, "C2": 0, "C3": 1}) if e.nullity]
+    kappa = -(0.5 ** (1 / 3))
+    for e, sign in zip(sorted(found, key=lambda e: e.state[8]), (-1, 1), strict=True):
+        np.testing.assert_allclose(e.state, [0, 0, sign * kappa, 0, 1 / kappa, 0, 0, 0, sign], atol=1e-15)
+        assert (e.linear_stability, e.growth_rate, e.signature) == ("degenerate", 0, (4, 1, 1))
+
+
+@pytest.mark.parametrize("first", [1e-16, 1e-17, 1e-30])
+def test_leaf_of_a_state_almost_at_rest(first):
+    """The Casimirs miss those of rest by a rounding: kappa is 1e-17 there, and sigma 1e52."""
+    top = lp.Top(inertia=(1, 2, 1.5), a=(0, 1, 0), epsilon=1)
+    found = check(top, lp.Leaf(top, {"C1": first, "C2": 0, "C3": 1}), 0)
+    assert len(found) == 6
+
+
+def test_leaf_through_a_state_at_rest_in_doubles():
+    top = lp.Top(inertia=(1.26, 1.19, 0.7), a=(-2.3, -0.2, -1.2), b=(-0.7, -0.5, -0.3), epsilon=1)
+    state = [0, 0, 0, -1.25, -0.46, -0.6, -1.8399999999999999, -0.16, -0.96]  # alpha = 0.8 b + 0.3 a, beta = 0.8 a
+    found = check(top, lp.Leaf.through(top, state), 0)
+    assert [e.signature for e in found] == [(6, 0, 0), (5, 1, 0), (4, 2, 0), (4, 2, 0)]
+    assert min(np.linalg.norm(e.state - state) for e in found) < 1e-14
+
+
+def test_what_the_algebra_decides_is_found_where_it_cannot_decide_all():
+    """The state at -3/2 is degenerate and isolated; one start of a search finds neither it nor the other."""
+    top = lp.Top(inertia=(3, 1, 2), a=(-1, 0, 0), b=(2, -1, 0), epsilon=1)
+    found = lp.equilibria(top, {"C1": 3, "C2": 2, "C3": 1}, n_starts=1, most_starts=1)
+    assert not found.proved
+    assert [e.family for e in found] == ["degenerate", "point"]
+    np.testing.assert_allclose([e.energy for e in found], [-1.5, 0.5], atol=1e-12)
+
+
+def test_leaf_of_an_equal_system_is_taken():
+    first, second = lp.catalog.system("manakov-so4"), lp.catalog.system("manakov-so4")
+    x = lp.sample_states(first, 1, seed=1)[0]
+    leaf = lp.Leaf.through(second, x)
+    found = lp.equilibria(first, leaf, n_starts=3, most_starts=3)
+    assert found.leaf is leaf
+    top = lp.Top.twisted_kovalevskaya()
+    leaf = pickle.loads(pickle.dumps(lp.Leaf(top, {"C1": 1, "C2": 0.2, "C3": 1})))
+    assert lp.equilibria(top, leaf).proved
+    other = lp.Top.twisted_kovalevskaya(epsilon=2)
+    with pytest.raises(lp.errors.ParameterError, match="leaf must be one of"):
+        lp.equilibria(other, leaf)

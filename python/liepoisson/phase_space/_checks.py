@@ -38,6 +38,17 @@ def as_system(system: Any) -> System:
     return system
 
 
+def are_equal(first: System, second: System) -> bool:
+    """Whether two systems have the same coordinates, bracket and Hamiltonian, whatever their names."""
+    if first is second:
+        return True
+    names = [[str(x) for x in system.variables] for system in (first, second)]
+    if names[0] != names[1] or set(first.bracket.entries()) != set(second.bracket.entries()):
+        return False
+    difference = first.hamiltonian - second.hamiltonian
+    return bool(difference == 0 or difference.expand() == 0)
+
+
 def as_energy(value: Any, name: str = "energy") -> float:
     """A finite energy as a plain float.
 

@@ -26,7 +26,8 @@ The last is for leaves of collinear fields by rounded values of the Casimirs, wh
 """
 
 _MOST_CELLS = 4000
-"""Cells of one bisection; a polynomial of degree four needs a few hundred. (Midpoints and radii are exact.)"""
+"""Cells of one bisection with up to 512 bits, more with more; a polynomial of degree four needs a few hundred with 128.
+(Midpoints and radii are exact.)"""
 
 
 class UndecidedError(Exception):
@@ -195,7 +196,7 @@ def _cells(coefficients: Sequence[arb]) -> list[arb]:
     while left:
         middle, radius = left.pop()
         visited += 1
-        if visited > _MOST_CELLS:
+        if visited > _MOST_CELLS * max(1, ctx.prec // 512):
             raise UndecidedError
         first, *others = _shifted(coefficients, middle)
         if abs(first) > sum((abs(c) * radius ** (k + 1) for k, c in enumerate(others)), arb(0)):
@@ -241,9 +242,13 @@ def unique_zero(system: System3, box: Sequence[arb]) -> list[arb] | None:
     """
     if any(not value.contains(0) for value in system(box)[0]):
         return None
-    # One relative radius for all: what is unknown in one coordinate moves the others, to second order.
-    share = max((x.rad() / (1 + abs(arb(x.mid()))) for x in box), key=float) + arb(2) ** -(3 * ctx.prec // 4)
-    wide = [arb(x.mid(), (8 * share * (1 + abs(arb(x.mid())))).upper()) for x in box]
+    # One relative radius for all: what is unknown in one coordinate moves the others, to second order. A coordinate may
+    # be 1e-18 or 1e52, and is its own measure unless it may be zero.
+    sizes = [1 + abs(arb(x.mid())) if x.contains(0) else abs(arb(x.mid())) for x in box]
+    share = max((x.rad() / size for x, size in zip(box, sizes, strict=True)), key=float) + arb(2) ** -(
+        3 * ctx.prec // 4
+    )
+    wide = [arb(x.mid(), (8 * share * size).upper()) for x, size in zip(box, sizes, strict=True)]
     inner = _krawczyk(system, wide)
     if not all(x.contains_interior(k) for x, k in zip(wide, inner, strict=True)):
         raise UndecidedError

@@ -19,7 +19,7 @@ from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.numeric.sampling import as_seed
-from liepoisson.phase_space._checks import as_system
+from liepoisson.phase_space._checks import are_equal, as_system
 from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points
 from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
 from liepoisson.phase_space.equilibrium_search import EquilibriumSearch, is_critical
@@ -53,13 +53,13 @@ def equilibria(
     computed with a proof that there are no others, isolated ones and families. `proved` is then true. Heavy tops of six
     components, on so(3) @ semidirect(2), and free rigid bodies on so(3) are tops, too, by whatever name.
 
-    **Other systems**, relative equilibria (`along`), and leaves of tops on which an isolated equilibrium is degenerate:
-    Newton's method from random starts. What is found are equilibria; that there are no others is not
-    proved. There is one check: where H is proper on the leaf, the sum of $(-1)^{\rm index}$ over nondegenerate
-    equilibria is the Euler characteristic of the leaf (a family counts with its own, a circle with 0). It is necessary
-    and not sufficient. While it fails, the number of starts is doubled, up to `most_starts`. `completeness` says which
-    of these is the case, and so does the printed result. The starts depend on the values of the Casimirs and the seed;
-    the state from which a regular leaf was made does not matter.
+    **Other systems**, relative equilibria (`along`), and leaves of tops on which the algebra does not decide whether an
+    isolated equilibrium is one or two: Newton's method from random starts, and from what the algebra found. What is
+    found are equilibria; that there are no others is not proved. There is one check: where H is proper on the leaf, the
+    sum of $(-1)^{\rm index}$ over nondegenerate equilibria is the Euler characteristic of the leaf (a family counts
+    with its own, a circle with 0). It is necessary and not sufficient. While it fails, the number of starts is doubled,
+    up to `most_starts`. `completeness` says which of these is the case, and so does the printed result. The starts
+    depend on the values of the Casimirs and the seed; the state from which a regular leaf was made does not matter.
 
     Equilibria that come in families (with the symmetry of the system, as circles) are listed once for each connected
     family, with the spectrum of one member; `family` says what it is. The search tells two families of the same
@@ -141,7 +141,7 @@ def _sum(found: Sequence[Equilibrium], integrals: Mapping[str, PhaseFunction]) -
 
 def _leaf(system: System, given: Any) -> Leaf:
     if isinstance(given, Leaf):
-        if given.system is not system:
+        if not are_equal(given.system, system):
             raise ParameterError(
                 f"leaf must be one of {shown(system)}; got one of {given.system.name!r}. Make it with "
                 "Leaf.through(system, state) or Leaf(system, casimirs)."
