@@ -141,3 +141,19 @@ def test_bad_input_is_refused():
         time_scale(TOP, np.ones(8))
     with pytest.raises(ParameterError):
         time_scale(TOP, np.full(9, np.nan))
+
+
+@pytest.mark.parametrize("unit", [1e-20, 1e12, 1e15, 1e20])
+@pytest.mark.parametrize(
+    "state",
+    [
+        [0.9, 0, 0.3, 0.6, 0, 0.8, 0, 0, 0],  # what moves from zero
+        [0, 0, 0.3, 1e-17, 0, 0.8, 0, 0, 0],  # what is round-off and stays so
+    ],
+)
+def test_components_that_vanish_have_no_unit_of_their_own(unit, state):
+    """l in units of its own is the same motion; what a component is in the first moment is no unit of it."""
+    x = np.array(state)
+    plain = time_scale(lp.Top.heavy(inertia=(2, 2, 1.2), a=(0, 0, -1)), x)
+    top = lp.Top.heavy(inertia=(2 * unit, 2 * unit, 1.2 * unit), a=(0, 0, -unit))
+    assert time_scale(top, x * np.repeat([unit, 1, 1], 3)) == pytest.approx(plain, rel=1e-5)

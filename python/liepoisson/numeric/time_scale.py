@@ -37,6 +37,8 @@ _LOWEST, _HIGHEST = 1e-60, 1e60
 # Below this part of the coupling all eigenvalues count as zero: those of a nilpotent matrix of three rows, with errors
 # of 1e-8 in its entries, are some 1e-3 of its norm.  Where neither is above round-off the matrix is triangular.
 _NILPOTENT, _ROUND_OFF = 1e-2, 1e-12
+# A change of unit that makes row and column smaller by less than a twentieth is not worth it, as in LAPACK.
+_SWEEPS, _GAIN = 100, 0.95
 _CHUNK, _TOGETHER = 256, 32
 _NO_UNIT = 1e-6
 
@@ -266,10 +268,40 @@ def _radius(matrices: Array, scale: Array) -> Array:
 
 
 def _finite_radius(matrices: Array, scale: Array) -> Array:
+    balanced, coupling = _balanced(matrices), _coupling(matrices)
+    radius = np.abs(np.linalg.eigvals(balanced)).max(axis=1)
+    rate = np.where(radius > _NILPOTENT * coupling, radius, coupling)
+    known = rate > _ROUND_OFF * np.linalg.norm(balanced, axis=(1, 2))
+    return np.where(known, rate, _norm(matrices, scale))
+
+
+def _norm(matrices: Array, scale: Array) -> Array:
+    """Euclidean norms, shape (matrix,), or those with components in units of `scale` where they are smaller."""
     largest = scale.max(axis=1, keepdims=True)
     units = np.where(scale > 0.0, scale, np.where(largest > 0.0, largest, 1.0))
     scaled = matrices * units[:, None, :] / units[:, :, None]
-    norm = np.minimum(*(np.linalg.norm(each, axis=(1, 2)) for each in (matrices, scaled)))
-    radius, coupling = np.abs(np.linalg.eigvals(scaled)).max(axis=1), _coupling(matrices)
-    rate = np.where(radius > _NILPOTENT * coupling, radius, coupling)
-    return np.where(rate > _ROUND_OFF * norm, rate, norm)
+    return np.minimum(*(np.linalg.norm(each, axis=(1, 2)) for each in (matrices, scaled)))
+
+
+def _balanced(matrices: Array) -> Array:
+    """Matrices with each component in a unit of its own, a power of two, so that row and column are about equal.
+
+    So the norm can be compared with eigenvalues whatever the units: the size of a component at one moment is no unit,
+    as it may vanish there.  The iteration is that of Osborne, as in LAPACK; a component on which nothing depends, or
+    that depends on nothing, keeps its unit.
+    """
+    result = matrices.copy()
+    for _ in range(_SWEEPS):
+        is_changed = False
+        for k in range(result.shape[1]):
+            diagonal = np.abs(result[:, k, k])
+            row, column = (np.abs(each).sum(axis=1) - diagonal for each in (result[:, k, :], result[:, :, k]))
+            unit = np.exp2(np.round(0.5 * (np.log2(row) - np.log2(column))))
+            gains = (row > 0.0) & (column > 0.0) & (row / unit + column * unit < _GAIN * (row + column))
+            unit = np.where(gains, unit, 1.0)[:, None]
+            result[:, k, :] /= unit
+            result[:, :, k] *= unit
+            is_changed |= bool(gains.any())
+        if not is_changed:
+            break
+    return result
