@@ -62,8 +62,8 @@ def read_only(array: NDArray[Any]) -> NDArray[Any]:
 class ReadOnlyArrays:
     """Base of results, dataclasses whose arrays cannot be changed: they are what the run was given and what it gave.
 
-    So a file that is written later has the numbers of the run, and the rerun of the file too.  Arrays in tuples are
-    read-only as well, and those of copies and of results that come from another process.
+    So a file that is written later has the numbers of the run, and the rerun of the file too.  Arrays in tuples and
+    dictionaries are read-only as well, and those of copies and of results that come from another process.
     """
 
     def __post_init__(self) -> None:
@@ -79,4 +79,6 @@ def _protected(value: Any) -> Any:
         return read_only(cast("NDArray[Any]", value))
     if type(value) is tuple:
         return tuple(_protected(item) for item in cast("tuple[Any, ...]", value))
+    if type(value) is dict:
+        return {key: _protected(item) for key, item in cast("dict[Any, Any]", value).items()}
     return value

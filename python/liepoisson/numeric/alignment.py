@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -46,7 +46,7 @@ _MOST_GROWTH = 600.0
 
 
 @dataclass(frozen=True)
-class Alignment:
+class Alignment(ReadOnlyArrays):
     r"""Alignment indices of unit vectors $\hat v_1, \hat v_2, \ldots$ along trajectories.
 
     Attributes:
@@ -153,22 +153,25 @@ def alignment(
         Skokos, J. Phys. A 34 (2001) 10029; Skokos, Bountis and Antonopoulos, Physica D 231 (2007) 30.
     """
     method = as_method(method, Taylor(tol=1e-13))
-    n = as_field(system).n_components
+    n, deadline = as_field(system).n_components, clock.monotonic() + as_time_limit(time_limit)
     states, wanted = as_states(starts, n, some_may_fail=True), _as_alignment_times(t_end, times)
     k = as_count(n_vectors, "n_vectors", least=2, most=n)
     seed, first = as_seed(seed), as_first(first, len(states))
-    drawn = sample_alignment_vectors(n, len(states), k, seed=seed, first=first)
     size = np.ones(states.shape) if units is None else _as_units(units, states)
-    vectors = _first_vectors(system, states, drawn * size[:, None] if within == "space" else drawn, within)
     sali = np.full((len(states), len(wanted)), np.nan)
     log_gali = np.full((len(states), len(wanted), k - 1), np.nan)
     outcome = np.where(np.isfinite(states).all(axis=1), "finished", "not finite").astype("<U16")
+    if clock.monotonic() > deadline:  # before vectors are drawn: of many members this takes seconds
+        outcome[outcome == "finished"] = "time limit"
+        return Alignment(system.name, method, seed, first, within, wanted, sali, log_gali, outcome)
+    drawn = sample_alignment_vectors(n, len(states), k, seed=seed, first=first)
+    vectors = _first_vectors(system, states, drawn * size[:, None] if within == "space" else drawn, within)
     n_done = 0
     travel = _Travel(
         system,
         method,
         threads,
-        clock.monotonic() + as_time_limit(time_limit),
+        deadline,
         # pieces may be done again in halves: within one, the times before it are what is done
         None if progress is None else lambda _: progress(n_done / len(wanted)),
     )

@@ -89,6 +89,9 @@ def average_drift(
         size = max(1, _AT_ONCE // (n_samples * states.shape[1]))
         for start in range(0, len(members), size):
             some = members[start : start + size]
+            if clock.monotonic() > deadline:
+                outcome[some] = "time limit"
+                continue
             orbit = integrate(
                 system,
                 states[some],
@@ -99,7 +102,9 @@ def average_drift(
                 time_limit=max(deadline - clock.monotonic(), 1e-9),
                 progress=part_of(progress, n_done / len(good), len(some) / len(good)),
             )
-            drift[some], outcome[some] = _change(orbit.state[:, :-1]), orbit.outcome
+            outcome[some] = orbit.outcome
+            arrived = orbit.outcome == "finished"
+            drift[some[arrived]] = _change(orbit.state[arrived, :-1])
             n_done += len(some)
             if progress is not None:
                 progress(n_done / len(good))

@@ -9,7 +9,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import as_array
+from liepoisson.arrays import ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import as_count, as_number
 
@@ -62,7 +62,7 @@ class Resampling:
 
 
 @dataclass(frozen=True)
-class FiniteTimeFit:
+class FiniteTimeFit(ReadOnlyArrays):
     r"""Fit of the ensemble mean to $\langle\lambda(t)\rangle = \lambda + c_1/\sqrt t + c_0/t$.
 
     Attributes:
@@ -133,7 +133,7 @@ class FiniteTimeFit:
 
 
 @dataclass(frozen=True)
-class LogFit:
+class LogFit(ReadOnlyArrays):
     r"""Fit of the ensemble mean to $t\,\langle\lambda(t)\rangle = A + B\ln t$, alone and with further terms.
 
     A regular system has tangent vectors that grow like a power of time, so $B$ is that power; a term $D\,t$ is a
@@ -215,7 +215,7 @@ def _zero_or_not(estimate: Estimate) -> str:
 
 
 @dataclass(frozen=True)
-class MeanCurve:
+class MeanCurve(ReadOnlyArrays):
     r"""The ensemble mean with a pointwise confidence band, $\bar\lambda(t) \pm z\,s(t)/\sqrt n$.
 
     The band is that of the normal distribution ($z = 1.96$ at 95%), good from some tens of members on.  It holds

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -9,14 +10,14 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, shown, typical
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_time_limit, shown, typical
 from liepoisson.numeric.estimates import Estimate, as_confidence
 from liepoisson.numeric.mean_error import mean_interval
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.tangent_frames import as_duration
-from liepoisson.numeric.verdict import Kind, Rule, Verdict, as_rule, decide
+from liepoisson.numeric.verdict import Kind, Rule, as_rule, decide
 
 _MOST = 10_000_000
 
@@ -30,7 +31,7 @@ class SampledLeaf(Protocol):
 
 
 @dataclass(frozen=True)
-class EnergyProfile:
+class EnergyProfile(ReadOnlyArrays):
     """Finite-time exponents at several energies of one leaf.
 
     Attributes:
@@ -113,7 +114,8 @@ def exponents_by_energy(
         confidence: Coverage of the intervals.
         method: How; by default `Taylor(tol=1e-13)`.
         threads: By default all processors.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the runs of one energy may take.
+        time_limit: Seconds that it may take.  Each energy has an equal share of what is left, so that each has some;
+            the sampling counts, too, but is not cut.  Energies that come too late have the outcome "time limit".
         progress: Called with the fraction that is done.
 
     Raises:
@@ -127,38 +129,37 @@ def exponents_by_energy(
     values = np.atleast_1d(as_array(energies, "energies"))
     if values.ndim != 1 or values.size == 0:
         raise ShapeError(f"energies must have shape (energy,) with one or more energies; got shape {values.shape}.")
-    n_starts, t_end = (
-        as_count(n_starts, "n_starts", least=1, most=_MOST, hint="try n_starts=100"),
-        as_duration(t_end, "t_end"),
-    )
+    n_starts = as_count(n_starts, "n_starts", least=1, most=_MOST, hint="try n_starts=100")
+    t_end = as_duration(t_end, "t_end")
     rule, confidence = as_rule(rule), as_confidence(confidence)
-    verdicts: list[Verdict] = []
-    for k, energy in enumerate(values):
-        listen = None if progress is None else (lambda part, k=k: progress((k + part) / len(values)))
-        verdicts.append(
-            decide(
-                system,
-                leaf.sample(n_starts, seed=seed, energy=float(energy)),
-                t_end=t_end,
-                rule=rule,
-                seed=seed,
-                method=method,
-                threads=threads,
-                time_limit=time_limit,
-                progress=listen,
-            )
-        )
-    outcome = np.stack([each.outcome for each in verdicts])
-    exponent = np.stack([np.where(each.outcome == "finished", each.exponent, np.nan) for each in verdicts])
-    finished = [row[np.isfinite(row)] for row in exponent]
+    deadline, shape = clock.monotonic() + as_time_limit(time_limit), (len(values), n_starts)
+    exponent, outcome = np.full(shape, np.nan), np.full(shape, "time limit", dtype="<U32")
+    verdict = np.full(shape, "undecided", dtype="<U16")
     nothing = Estimate(*[float("nan")] * 4)
-
-    def share(kind: Kind) -> tuple[Estimate, ...]:
-        done = ((each.outcome == "finished").any() for each in verdicts)
-        return tuple(
-            each.fraction(kind, confidence=confidence) if some else nothing
-            for each, some in zip(verdicts, done, strict=True)
+    share: dict[Kind, list[Estimate]] = {kind: [nothing] * len(values) for kind in ("chaotic", "undecided")}
+    for k, energy in enumerate(values):
+        now = clock.monotonic()
+        if now > deadline:
+            break
+        own = now + (deadline - now) / (len(values) - k)
+        starts = leaf.sample(n_starts, seed=seed, energy=float(energy))
+        decided = decide(
+            system,
+            starts,
+            t_end=t_end,
+            rule=rule,
+            seed=seed,
+            method=method,
+            threads=threads,
+            time_limit=max(own - clock.monotonic(), 1e-9),  # a run must have some
+            progress=None if progress is None else (lambda part, k=k: progress((k + part) / len(values))),
         )
+        outcome[k], verdict[k] = decided.outcome, decided.verdict
+        exponent[k] = np.where(decided.outcome == "finished", decided.exponent, np.nan)
+        if (decided.outcome == "finished").any():
+            for kind, estimates in share.items():
+                estimates[k] = decided.fraction(kind, confidence=confidence)
+    finished = [row[np.isfinite(row)] for row in exponent]
 
     return EnergyProfile(
         system=system.name,
@@ -167,11 +168,11 @@ def exponents_by_energy(
         t_end=t_end,
         exponent=exponent,
         outcome=outcome,
-        verdict=np.stack([each.verdict for each in verdicts]),
+        verdict=verdict,
         rule=rule,
         mean=tuple(mean_interval(row, confidence=confidence) if len(row) > 1 else nothing for row in finished),
-        chaotic=share("chaotic"),
-        undecided=share("undecided"),
+        chaotic=tuple(share["chaotic"]),
+        undecided=tuple(share["undecided"]),
     )
 
 

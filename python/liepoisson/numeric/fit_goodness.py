@@ -22,7 +22,7 @@ from math import exp, lgamma, log, log1p
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import as_count
 from liepoisson.numeric.estimates import Window
@@ -39,7 +39,7 @@ _SMALLEST = 1e-6
 
 
 @dataclass(frozen=True)
-class FitGoodness:
+class FitGoodness(ReadOnlyArrays):
     """Goodness of the fit of a mean finite-time exponent.
 
     Attributes:

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -41,7 +41,7 @@ _STATE_BYTES, _SIGNAL_BYTES = 32, 300
 
 
 @dataclass(frozen=True)
-class FrequencyDrift:
+class FrequencyDrift(ReadOnlyArrays):
     r"""The main frequency along trajectories, in two windows of the same length, one after the other.
 
     Attributes:

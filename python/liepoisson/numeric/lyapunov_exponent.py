@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_number, as_time_limit, shown
 from liepoisson.numeric.estimates import Estimate, Resampling
@@ -38,7 +38,7 @@ _HALVES = 3.0
 
 
 @dataclass(frozen=True)
-class ExponentEstimate:
+class ExponentEstimate(ReadOnlyArrays):
     r"""Largest Lyapunov exponents with errors.
 
     Attributes:

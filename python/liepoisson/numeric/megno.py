@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
     HasField,
@@ -36,7 +36,7 @@ _ARRAYS = 6
 
 
 @dataclass(frozen=True)
-class Megno:
+class Megno(ReadOnlyArrays):
     r"""MEGNO along trajectories.
 
     Attributes:
@@ -142,6 +142,10 @@ def megno(
     spare = states[np.isfinite(states).all(axis=1)][:1]
     for start in range(0, max(1, len(states)), _CHUNK):  # once for no states: empty arrays of the right shapes
         chunk = states[start : start + _CHUNK]
+        if parts and clock.monotonic() > deadline:  # the first one gives the shapes
+            parts.append(tuple(np.full((len(chunk), *column.shape[1:]), np.nan) for column in parts[0]))
+            outcome.append(np.where(np.isfinite(chunk).all(axis=1), "time limit", "not finite"))
+            continue
         growth = finite_time_exponents(
             system,
             # an ensemble may have bad rows, but not only bad ones: a good one stands beside them and is dropped

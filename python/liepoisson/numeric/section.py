@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array, read_only
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import Field, TapeFunction
 from liepoisson.numeric._checks import (
@@ -387,7 +387,8 @@ def first_return(
     }  # fmt: skip
     returned, times, outcome = _arrivals(system, states.reshape(-1, n), options)
     shape = states.shape[:-1]
-    return FirstReturn(returned.reshape(states.shape), times.reshape(shape), outcome.reshape(shape))
+    arrays = returned.reshape(states.shape), times.reshape(shape), outcome.reshape(shape)
+    return FirstReturn(*map(read_only, arrays))
 
 
 def _arrivals(system: HasField, starts: Array, options: dict[str, Any]) -> tuple[Array, Array, NDArray[np.str_]]:

@@ -145,6 +145,14 @@ class Spectrum(ReadOnlyArrays):
         return f"<Spectrum of {self.system}: {len(mean)} exponents of {trajectories(self.outcome)}, {largest}>"
 
 
+def _errors(rates: Array, finished: NDArray[np.bool_]) -> Array:
+    """Standard errors of the means of rates, shape (trajectory, time, k); NaN for trajectories that did not finish."""
+    error = np.full((len(rates), rates.shape[2]), np.nan)
+    if finished.any():
+        error[finished] = mean_error(rates[finished])
+    return error
+
+
 def lyapunov_spectrum(
     system: HasField,
     starts: ArrayLike,
@@ -270,7 +278,7 @@ def lyapunov_spectrum(
         time=time,
         time_scale=scale,
         exponent=np.cumsum(growth, axis=1) / time[:, None],
-        error=np.where(finished[:, None], mean_error(rates), np.nan),
+        error=_errors(rates, finished),
         structure=structure,
         largest_ratio=frames.largest_ratio,
         outcome=frames.outcome,

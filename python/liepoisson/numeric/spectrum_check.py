@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.numeric.structural_zeros import keeps_volume
 from liepoisson.numeric.time_scale import zero_threshold
 
@@ -19,7 +19,7 @@ RATIO_LIMIT = 1e8
 
 
 @dataclass(frozen=True)
-class SpectrumResiduals:
+class SpectrumResiduals(ReadOnlyArrays):
     r"""How far spectra are from the structure that the bracket prescribes.
 
     Attributes:

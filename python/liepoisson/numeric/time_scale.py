@@ -113,6 +113,8 @@ def orbit_units(
     rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
     for start in range(0, len(good), _CHUNK):
+        if run.is_late():
+            break
         chunk = good[start : start + _CHUNK]
         rate[chunk], size[chunk] = _rates(run, states[chunk])
     return OrbitUnits(1.0 / rate, _units(size))
@@ -160,6 +162,10 @@ class _Run:
 
     def field(self) -> Field:
         return self._field
+
+    def is_late(self) -> bool:
+        """Whether no time is left."""
+        return clock.monotonic() > self._deadline
 
     def states(self, starts: Array, times: Array) -> Array:
         """States of each member at its own times, shape (trajectory, time); NaN at times that it did not reach."""

@@ -14,7 +14,7 @@ from typing import Any, Literal, NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -112,7 +112,7 @@ class Rule:
 
 
 @dataclass(frozen=True)
-class Verdict:
+class Verdict(ReadOnlyArrays):
     r"""Regular, chaotic or undecided, for each trajectory.
 
     Attributes:
@@ -348,7 +348,7 @@ class Disagreement(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Agreement:
+class Agreement(ReadOnlyArrays):
     """How far the indicators of an ensemble agree.
 
     Attributes:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ChartError, ShapeError
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
@@ -57,7 +57,7 @@ class Chart(Protocol):
 
 
 @dataclass(frozen=True)
-class ChartOrbit:
+class ChartOrbit(ReadOnlyArrays):
     """One orbit, integrated in the coordinates of a chart.
 
     Attributes:

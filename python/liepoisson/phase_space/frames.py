@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array, read_only
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.exact.charts.quaternions import components, rotation, shortest_turn
 from liepoisson.exact.lie_algebras import so
@@ -37,7 +37,7 @@ _UNIT = 1e-6
 
 
 @dataclass(frozen=True)
-class Attitude:
+class Attitude(ReadOnlyArrays):
     r"""Orbits with the attitude of the body along them.
 
     Attributes:
@@ -69,12 +69,12 @@ class Attitude:
     @cached_property
     def rotation(self) -> Array:
         """Rotation matrices R from body to space, shape (trajectory, time, 3, 3); column k is the body's axis k."""
-        return rotation_matrix(self.quaternion)
+        return read_only(rotation_matrix(self.quaternion))
 
     @cached_property
     def angular_velocity(self) -> Array:
         r"""Angular velocity $\omega = \partial H/\partial\ell$ in the body frame, shape (trajectory, time, 3)."""
-        return self.system.functions.energy.gradient(self.state)[..., :3]
+        return read_only(self.system.functions.energy.gradient(self.state)[..., :3])
 
     def space(self, vectors: str | ArrayLike) -> Array:
         """Body vectors seen in the space frame, R v.

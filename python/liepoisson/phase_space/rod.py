@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import TIME_LIMIT, as_count, as_number, as_states
 from liepoisson.numeric.integrate import integrate
@@ -44,7 +44,7 @@ _POINTS = 401
 
 
 @dataclass(frozen=True)
-class Rod:
+class Rod(ReadOnlyArrays):
     """Shapes of rods; vectors are in the space frame unless they are called strain.
 
     Attributes:

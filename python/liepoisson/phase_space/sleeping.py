@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError
 from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter
 from liepoisson.phase_space.linearisation import ComplexArray
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class SleepingTop:
+class SleepingTop(ReadOnlyArrays):
     r"""A sleeping top and the polynomial Q that decides on its stability.
 
     Attributes:

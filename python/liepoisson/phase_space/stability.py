@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import as_number, shown
 from liepoisson.phase_space.critical_points import CANCELLED, VANISHES, HamiltonianFields, multipliers
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Equilibrium:
+class Equilibrium(ReadOnlyArrays):
     r"""An equilibrium of a leaf, or a relative equilibrium with respect to integrals, and its stability.
 
     Attributes:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson import __version__
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import shown
 from liepoisson.numeric.estimates import as_confidence
@@ -40,7 +40,7 @@ _MEANING = {
 
 
 @dataclass(frozen=True)
-class Sweep:
+class Sweep(ReadOnlyArrays):
     """The values of a sweep at its points.
 
     Attributes:
