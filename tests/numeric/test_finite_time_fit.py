@@ -281,3 +281,28 @@ def test_a_window_that_reaches_beyond_the_data_is_refused():
         with pytest.raises(ParameterError, match="must lie inside the sample times"):
             finite_time_fit(TIME, members, window=window)
     assert finite_time_fit(TIME, members, window=(20, end * (1 + 1e-12))).n_times > 3
+
+
+def regular_curves(rng, n, t, *, narrow):
+    """ln|u + w t|/t, which has no floor."""
+    u, g = rng.standard_normal((2, n, 9))
+    u, g = (v / np.linalg.norm(v, axis=1, keepdims=True) for v in (u, g))
+    w = g * (rng.uniform(0.5, 2, (n, 1)) if narrow else 3 * rng.lognormal(0, 1, (n, 1)) * u.sum(axis=1, keepdims=True))
+    return np.log(np.linalg.norm(u[:, None] + w[:, None] * t[:, None], axis=2)) / t
+
+
+@pytest.mark.parametrize("narrow", [False, True])
+def test_regular_curves_have_no_floor_and_others_have_theirs(narrow):
+    rng, t = np.random.default_rng(1), np.geomspace(1, 1000, 80)
+    zero, found = 0, 0
+    for _ in range(20):
+        exponent = regular_curves(rng, 300, t, narrow=narrow)
+        fit = log_fit(t, exponent, window=(50, 1000), n_bootstrap=200)
+        zero += fit.floor_is_zero
+        # a floor ten times the statistical error or the bias is seen
+        real = 10 * max(fit.floor.standard_error, fit.floor_bias)
+        with_floor = log_fit(t, exponent + real, window=(50, 1000), n_bootstrap=200)
+        assert with_floor.floor.value == pytest.approx(fit.floor.value + real, rel=1e-6)
+        found += not with_floor.floor_is_zero
+    assert zero >= 18  # without floor_bias 10 and 0
+    assert found >= 18

@@ -82,11 +82,16 @@ def _inverse(time: FloatArray) -> FloatArray:
     return 1.0 / time
 
 
+def _inverse_square(time: FloatArray) -> FloatArray:
+    return time**-2.0
+
+
 _FINITE_TIME = _Law(("lambda", "c1", "c0"), (_one, _inverse_root, _inverse))
 _LOGARITHM = _Law(("A", "B"), (_one, np.log), power=1)
 _LOGARITHM_AND_LINE = _Law(("A", "B", "D"), (_one, np.log, _same), power=1)
 _LOGARITHM_LINE_AND_NEXT = _Law(("A", "B", "D", "E"), (_one, np.log, _same, _inverse), power=1)
-_LOG_LAWS = (_LOGARITHM, _LOGARITHM_AND_LINE, _LOGARITHM_LINE_AND_NEXT)
+_LOGARITHM_LINE_AND_TWO = _Law(("A", "B", "D", "E", "F"), (_one, np.log, _same, _inverse, _inverse_square), power=1)
+_LOG_LAWS = (_LOGARITHM, _LOGARITHM_AND_LINE, _LOGARITHM_LINE_AND_NEXT, _LOGARITHM_LINE_AND_TWO)
 
 
 class EnsembleReduction:
@@ -206,9 +211,8 @@ class EnsembleReduction:
             for law in _LOG_LAWS:
                 estimates.append(dict(zip(law.names, columns[start:], strict=False)))
                 start += len(law.names)
-            plain, with_line, with_next = estimates
             facts = self._fit_facts(_LOGARITHM, window)
-            fits.append(LogFit(plain, with_line, with_next, window, *facts, resampling))
+            fits.append(LogFit(*estimates, window, *facts, resampling))
         return tuple(fits)
 
     def _estimates(self, resampling: Resampling) -> list[Estimate]:
