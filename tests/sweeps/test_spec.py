@@ -1,6 +1,7 @@
 """What a sweep is: axes, formulas, files, and what is refused."""
 
 import json
+import re
 from dataclasses import fields
 from fractions import Fraction
 
@@ -302,7 +303,10 @@ def held(axes, parameters, **starts):
 
 def test_what_varies_is_not_said_to_be_held():
     assert held(["C1"], {"epsilon": 1})[1] == "of the starts: nothing but what the axes say"
-    assert "same state" in held(["C1"], {"epsilon": "C1"})[0]  # a name in a formula
+    assert (
+        held(["C1"], {"epsilon": "C1"})[0] == "of the starts: nothing but what the axes say"
+    )  # a formula uses it, too
+    assert "same state" in held(["s"], {"epsilon": "s"})[0]
     assert held(["energy"], {"epsilon": 1}, casimirs={"C1": "energy", "C3": 1})[1] == "of the starts: C3 = 1"
     assert held(["b1"], {"a": [1, 0, 0], "b": [0, 0, 2]})[0] == "parameters: a = (1, 0, 0), b2 = 0, b3 = 2"
     assert held(["s"], {"b": ["s", 0, 3]})[0] == "parameters: b2 = 0, b3 = 3"
@@ -323,3 +327,56 @@ def test_a_record_has_all_that_determines_the_numbers():
     assert {field.name for field in fields(Starts)} == record["starts"].keys()
     assert {field.name for field in fields(Axis)} - {"label"} == record["axes"][0].keys()
     assert {field.name for field in fields(Refinement)} == record["refine"].keys() - {"by"}
+
+
+@pytest.mark.parametrize("name", ["energy", "C1", "C3"])
+def test_an_axis_of_the_starts_sets_them_though_a_formula_uses_it(name):
+    for starts in (Starts(), Starts(casimirs={"C2": f"{name}/10"}), Starts(casimirs={"C2": 0.1})):
+        spec = SweepSpec(
+            system="twisted-top",
+            axes=(Axis(name, (0.5, 1.0)),),
+            t_end=10.0,
+            parameters={**KOVALEVSKAYA, "epsilon": f"1 + {name}"},
+            starts=starts,
+        )
+        found = targets(spec)
+        values = found.energy if name == "energy" else found.casimirs[name]
+        np.testing.assert_array_equal(values, [0.5, 1.0])
+        np.testing.assert_array_equal(found.parameters["epsilon"], [1.5, 2.0])
+
+
+@pytest.mark.parametrize(
+    ("name", "starts", "message"),
+    [
+        ("C1", Starts(casimirs={"C1": "2*C1"}), "axis C1: this Casimir of the starts has another value"),
+        ("energy", Starts(energy="2*energy"), "axis energy: the energy of the starts has another value"),
+        ("H", Starts(energy="H"), "axis H: .*axis energy"),
+        ("C4", Starts(energy="C4"), "C1, C2, C3; got C4"),
+    ],
+)
+def test_an_axis_that_would_be_two_things_or_none_is_refused(name, starts, message):
+    given = {"parameters": {**KOVALEVSKAYA, "epsilon": 1}, "starts": starts, "t_end": 1.0, "n_starts": 1}
+    with pytest.raises(ParameterError, match=message):
+        lp.sweep(system="twisted-top", axes={name: [0.5, 1.0]}, **given)
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ([1j, 1.0, 2.0], "quantity: wanted real numbers; got an array of complex128"),
+        ([None, 1.0, 2.0], "quantity: wanted an array of numbers"),
+        (None, "quantity: wanted"),
+        (["1", "2", "3"], "quantity: wanted"),
+        (1.5, r"quantity: wanted a number for each of 3 starts; got shape \(\)"),
+        ([1.0, 2.0], r"quantity: wanted a number for each of 3 starts; got shape \(2,\)"),
+        ([[1.0], [2.0], [3.0]], r"got shape \(3, 1\)"),
+        (np.ma.array([1.0, 2.0, 3.0], mask=[0, 1, 0]), "quantity: wanted real numbers; got a masked array"),
+    ],
+)
+def test_a_quantity_that_gives_no_number_for_each_start_has_failed(given, message):
+    found = lp.sweep(
+        system="twisted-kovalevskaya", axes={"energy": [0.0]}, n_starts=3, t_end=1.0, quantity=lambda *_, **__: given
+    )
+    assert found.outcomes == {"failed": 3}
+    assert np.isnan(found.value).all()
+    assert re.search(message, found.failed[0])

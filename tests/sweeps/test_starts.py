@@ -91,7 +91,7 @@ def fourth_order(epsilon):
 def test_points_where_casimirs_are_other_functions_have_no_starts():
     """With epsilon = 0 the bracket has six Casimirs, and C1 is |x_1|^2 instead of x_1.x_2 + epsilon x_0.x_3."""
     given = {"system": fourth_order, "n_starts": 2, "t_end": 1.0, "threads": 1, "starts": {"C1": 1}}
-    given["quantity"] = lambda system, x0, **_: 0.0
+    given["quantity"] = lambda system, x0, **_: np.zeros(len(x0))
     found = sweep(**given, axes={"epsilon": [-0.5, 0.0, 0.25, 0.5, 1.0]})
     assert found.outcomes == {"finished": 8, "no start": 2}
     assert "1 points have no start; the first of them: no start: ParameterError: C1, C2, ..." in found.remarks[0]

@@ -50,8 +50,8 @@ class Axis:
     """A named list of values over which a sweep runs.
 
     Args:
-        name: A parameter of the system ("epsilon"), a component of one ("a1", "I3"), "energy", a Casimir ("C1"), or any
-            name that formulas of the sweep use.
+        name: A parameter of the system ("epsilon"), a component of one ("a1", "I3"), "energy" or a Casimir ("C1"),
+            which it sets; or any other name that formulas of the sweep use.
         values: Increasing or decreasing, shape (point,).
         label: How figures call it; mathematical text in dollar signs is set as such.
 
@@ -343,11 +343,8 @@ class SweepSpec:
         return [f"{name} = {item}" for name, item in items if isinstance(item, str) and _varies(item, self.axes)]
 
     def _axes_of_starts(self) -> set[str]:
-        """Axes that set the energy or a Casimir; one that a formula uses is no Casimir by itself."""
-        values = [*self.parameters.values(), *self.starts.casimirs.values(), self.starts.energy or 0]
-        free = [axis.name for axis in self.axes if not any(_varies(value, [axis]) for value in values)]
-        energy = {"energy"} & {axis.name for axis in self.axes} if self.starts.energy is None else set[str]()
-        return energy | {name for name in free if CASIMIR.fullmatch(name)}
+        """Axes that set the energy or a Casimir."""
+        return {axis.name for axis in self.axes if axis.name == "energy" or CASIMIR.fullmatch(axis.name)}
 
     def _fixed(self, name: str, value: Value) -> list[str]:
         """A parameter in words, or its components that no axis changes."""

@@ -50,7 +50,8 @@ class Targets:
 def evaluate_targets(spec: SweepSpec, family: Family, points: Array) -> Targets:
     """The prescribed values at points of shape (point, axis).
 
-    An axis that is named like a parameter, a component of one, the energy or a Casimir sets it, unless a formula does.
+    An axis that is named like a parameter, a component of one, the energy or a Casimir sets it, whether or not formulas
+    use it, too.
 
     Raises:
         ParameterError: a name that nothing uses, two values for one thing, or a value that is not finite.
@@ -70,18 +71,22 @@ def evaluate_targets(spec: SweepSpec, family: Family, points: Array) -> Targets:
                 f"{family.name}. Give the axis another name, and use it in a formula for one of them."
             )
         if name in family.shapes:
-            _refuse_twice(name, name in parameters)
+            _refuse_twice(name, name in parameters, "the parameter")
             parameters[name] = values
             used.add(name)
         elif owner is not None:
             _set_component(parameters, family, owner, name, values)
             used.add(name)
-        elif name == "energy" and energy is None:
+        elif name == "energy":
+            _refuse_twice(name, energy is not None, "the energy of the starts")
             energy = values
             used.add(name)
-        elif CASIMIR.fullmatch(name) and name not in casimirs and name not in used:
+        elif CASIMIR.fullmatch(name):
+            _refuse_twice(name, name in casimirs, "this Casimir of the starts")
             casimirs[name] = values
             used.add(name)
+        elif name == "H":
+            raise ParameterError("axis H: H is the Hamiltonian. Call the axis energy, or give it another name.")
     _refuse_unused(columns, used, family)
     family.check(parameters)
     _refuse_nonfinite({**parameters, **casimirs, **({} if energy is None else {"energy": energy})})
@@ -142,9 +147,9 @@ def _set_component(
     parameters[vector][:, index] = values
 
 
-def _refuse_twice(name: str, given: bool) -> None:
+def _refuse_twice(name: str, given: bool, what: str) -> None:
     if given:
-        raise ParameterError(f"axis {name}: the parameter has another value or formula, too. Remove one of them.")
+        raise ParameterError(f"axis {name}: {what} has another value or formula, too. Remove one of them.")
 
 
 def _refuse_unused(columns: Mapping[str, Array], used: set[str], family: Family) -> None:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 import liepoisson
 from liepoisson import _core
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.field import TopField
 from liepoisson.numeric._checks import shown
@@ -351,10 +351,10 @@ def _call(piece: Piece, system: Any, x0: Array, found: NDArray[np.bool_]) -> tup
         given = function(
             system, x0[found], t_end=piece.t_end, method=piece.method, seed=piece.seed, threads=piece.threads
         )
-        returned = np.asarray(given, np.float64)
-        if returned.shape not in ((), (int(found.sum()),)):
+        returned = as_array(given, "quantity")
+        if returned.shape != (int(found.sum()),):
             raise ParameterError(
-                f"quantity: wanted one number or one for each of {int(found.sum())} starts; got shape {returned.shape}."
+                f"quantity: wanted a number for each of {int(found.sum())} starts; got shape {returned.shape}."
             )
         values[found] = returned
         codes[found] = np.where(np.isfinite(values[found]), 0, _NOT_FINITE)
