@@ -164,7 +164,7 @@ def test_a_file_and_its_rerun_are_those_of_the_run(tmp_path):
 def results():
     """Each kind of result that has arrays, by the name of its class."""
     leaf = lp.Leaf.through(TOP, STATES[0])
-    energy, chart = float(TOP.functions.energy(STATES[0])), lp.charts.EulerChart(TOP, x=STATES[0])
+    energy, chart = float(TOP.functions.energy(STATES[0])), lp.charts.EulerChart(TOP, state=STATES[0])
     ensemble = np.geomspace(1, 100, 40), np.random.default_rng(1).lognormal(size=(60, 40))
     return {
         "Agreement": lambda: lp.chaos.agreement(lp.decide(TOP, STATES, t_end=10)),

@@ -211,8 +211,9 @@ class EnsembleReduction:
             for law in _LOG_LAWS:
                 estimates.append(dict(zip(law.names, columns[start:], strict=False)))
                 start += len(law.names)
+            plain, linear, further, both = estimates
             facts = self._fit_facts(_LOGARITHM, window)
-            fits.append(LogFit(*estimates, window, *facts, resampling))
+            fits.append(LogFit(plain, linear, further, both, window, *facts, resampling))
         return tuple(fits)
 
     def _estimates(self, resampling: Resampling) -> list[Estimate]:
