@@ -40,7 +40,7 @@ def as_array(values: ArrayLike, name: str) -> Array:
 
 
 def _has_masks(values: Any) -> bool:
-    """Whether an entry is masked, in an array or a list of arrays: NumPy joins rows and forgets the masks."""
+    """Whether an entry of an array or of a list of arrays is masked: NumPy joins rows and forgets the masks."""
     rows = cast("list[Any]", values) if isinstance(values, (list, tuple)) else [values]
     return any(isinstance(row, np.ma.MaskedArray) and np.ma.is_masked(row) for row in rows)
 

@@ -9,6 +9,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import liepoisson as lp
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.extensions import leibniz, semidirect
 from liepoisson.exact.lie_algebras import so
@@ -194,3 +195,13 @@ def test_symbols_without_value_are_named():
 def test_a_damaged_record_is_refused(broken):
     with pytest.raises((ValueError, KeyError)):
         field_of(broken)
+
+
+@pytest.mark.parametrize("energy", ["dot(l, l)^2", "sin(dot(l, l))", "sqrt(1 + dot(l, l))"])
+def test_function_of_casimirs_moves_nothing_at_all(energy):
+    """Its terms cancel; added in doubles they would leave round-off, and an orbit a time scale of 1e16."""
+    field = lp.System(lp.so(3) @ lp.trivial(), energy).field()
+    x = np.random.default_rng(0).normal(size=(5, 3)) * 1e3
+    np.testing.assert_array_equal(lp.orbits.time_scale(lp.System(lp.so(3) @ lp.trivial(), energy), x), np.inf)
+    assert len(field.instructions) == 1
+    assert len(lp.System(lp.so(3) @ lp.trivial(), f"{energy} + l1").field().instructions) > 1

@@ -171,3 +171,10 @@ def test_wrong_shapes_and_orders_are_refused():
         alignment(CHAOTIC, np.ones(8), t_end=1)
     with pytest.raises(ParameterError, match="k: wanted a whole number from 2 to 2"):
         alignment(CHAOTIC, np.ones(9), t_end=1).gali(3)
+
+
+@pytest.mark.parametrize("call", [lp.decide, lp.chaos.alignment])
+def test_one_component_has_no_two_tangent_vectors(call):
+    system = lp.System(lp.algebras.abelian(1) @ lp.trivial(), "dot(l, l)/2")
+    with pytest.raises(lp.errors.ParameterError, match="wanted one with at least 2 components"):
+        call(system, [1.0], t_end=10)

@@ -231,3 +231,9 @@ def test_a_repr_holds_where_nothing_finished():
             lp.chaos.alignment(TOP, x0, t_end=100, method=lp.Taylor(max_steps=1)),
         ):
             assert "2 trajectories (2 failed), " in repr(result) or "of 2 trajectories (2 failed)" in repr(result)
+
+
+def test_masked_arrays_without_masked_entries_are_arrays():
+    x = np.array(X0)
+    for given in (np.ma.array(x), np.ma.array(x, mask=np.zeros(9, bool)), [np.ma.array(x), np.ma.array(x)]):
+        np.testing.assert_array_equal(lp.integrate(TOP, given, times=[0, 1]).state[..., 0, :], np.asarray(given))

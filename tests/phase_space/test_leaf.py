@@ -312,3 +312,23 @@ def test_a_sum_of_squares_has_the_value_that_was_asked_for():
     """1e-26 beside numbers of size 1 is not 1e-300: the residual of Newton's method is relative to these."""
     with pytest.raises(LeafError, match="C3 = 1e-300"):
         lp.Leaf(TWISTED, {"C1": 1, "C2": 1e-300, "C3": 1e-300})
+
+
+@pytest.mark.parametrize("scale", [1, 1e-3, 1e-9])
+def test_range_of_the_energy_in_other_units(scale):
+    """H is homogeneous in l, alpha, beta and I together; it grows like |l|^2, without a bound."""
+    x = np.array([0.9, -0.6, 0.5, 0.7, 0.2, -0.8, 0.3, 0.9, 0.4])
+    inertia = [1.5 * scale, 1.1 * scale, 0.8 * scale]
+    top = lp.Top(inertia=inertia, a=(0.5, -0.2, 0.9), b=(0.3, 0.4, -0.2), epsilon=0.8)
+    lowest, highest = lp.Leaf.through(top, x * scale).energy_range()
+    assert lowest == pytest.approx(-1.9096921 * scale, rel=1e-7)
+    assert highest == np.inf
+
+
+@pytest.mark.parametrize("state", [[0.5, 0.3], [-1.0, 0.2], [1e-8, 1e-8]])
+def test_range_of_the_energy_on_a_leaf_with_an_edge(state):
+    """The half-planes b > 0 and b < 0 end where J vanishes; |l|^2/2 has no least value there, but the limit 0."""
+    system = lp.System(lp.algebras.affine(1) @ lp.trivial(), "dot(l, l)/2")
+    lowest, highest = lp.Leaf.through(system, state).energy_range()
+    assert 0 <= lowest < 1e-12
+    assert highest == np.inf

@@ -176,7 +176,11 @@ def tape_of_bracket(bracket: Bracket, hamiltonian: Expr) -> TapeField:
     """
     private, [energy] = in_private_symbols(bracket.variables, [hamiltonian])
     writer = _TapeWriter(private)
-    gradient = writer.write_all([energy.diff(variable) for variable in private])
+    slopes = [energy.diff(variable) for variable in private]
+    gradient = writer.write_all(slopes)  # refuses what has no tape
+    if _is_still(bracket, private, slopes):
+        still = _TapeWriter(private)
+        return still.tape([still.linear([], 0.0) for _ in private])
     sums: list[list[tuple[int, float]]] = [[] for _ in bracket.variables]
     for i, j, m, c in bracket.entries():
         value = as_float(rational(c), "a structure constant")
@@ -189,6 +193,33 @@ def tape_of_bracket(bracket: Bracket, hamiltonian: Expr) -> TapeField:
             if (slope := gradient[column]) is not None:
                 sums[row].append((slope, sign))
     return TapeField(*writer.parts([writer.linear(terms, 0.0) for terms in sums]))
+
+
+_CANCELLED = 1e-9
+"""A sum below this fraction of its terms may be zero, and is looked at exactly."""
+
+
+def _is_still(bracket: Bracket, variables: Sequence[Symbol], slopes: Sequence[Expr]) -> bool:
+    """Whether J times this gradient vanishes identically, as for a function of Casimirs; a tape would leave round-off.
+
+    Most fields do not vanish at one state of no special position, and no more is computed for them.
+    """
+    from sympy import Add, Rational, expand
+
+    rates: list[list[Any]] = [[] for _ in variables]
+    for i, j, m, c in bracket.entries():
+        value = Rational(rational(c))
+        rates[i].append(value * variables[m] * slopes[j])
+        rates[j].append(-value * variables[m] * slopes[i])
+    state = {x: Rational(2 * k + 3, k + 2) for k, x in enumerate(variables)}
+    try:
+        for terms in rates:
+            values = [complex(term.subs(state)) for term in terms]
+            if not abs(sum(values)) <= _CANCELLED * sum(abs(value) for value in values):
+                return False
+    except (TypeError, ValueError, OverflowError):  # it is not defined there
+        return False
+    return all(expand(Add(*terms)) == 0 for terms in rates)
 
 
 def quadratic_of_equations(variables: Sequence[Symbol], derivatives: Sequence[Expr]) -> QuadraticField:

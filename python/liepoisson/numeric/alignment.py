@@ -155,6 +155,11 @@ def alignment(
     method = as_method(method, Taylor(tol=1e-13))
     n, deadline = as_field(system).n_components, clock.monotonic() + as_time_limit(time_limit)
     states, wanted = as_states(starts, n, some_may_fail=True), _as_alignment_times(t_end, times)
+    if n < 2:
+        raise ParameterError(
+            f"system: wanted one with at least 2 components, as two tangent vectors are compared; {system.name} has "
+            f"{n}; a Lie-Poisson bracket of one component vanishes, and every orbit rests"
+        )
     k = as_count(n_vectors, "n_vectors", least=2, most=n)
     seed, first = as_seed(seed), as_first(first, len(states))
     size = np.ones(states.shape) if units is None else _as_units(units, states)

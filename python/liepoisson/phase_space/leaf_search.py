@@ -6,6 +6,7 @@ import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.errors import LeafError
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.system import System
     from liepoisson.phase_space.leaf import Leaf
 
-_STARTS, _STEPS, _HALVINGS, _FAR_STEPS = 64, 100, 30, 30
+_STARTS, _STEPS, _HALVINGS, _FAR_STEPS, _OUTWARD_STEPS = 64, 100, 30, 30, 4
 _FAR = 1e4
 """A descent that comes this many times further from the origin than the leaf's own state is taken as unbounded."""
 
@@ -174,18 +175,23 @@ def check_energy_in_reach(leaf: Leaf, energy: float, *, is_filled: bool = False)
 
 
 def _grows(leaf: Leaf, sign: float) -> bool:
-    """Whether sign * H decreases tenfold and more, below zero, between states 1e2 and 1e4 times as far as its own."""
-    lowest: list[float] = []
-    for distance in (1e2, 1e4):
-        states = _spread(leaf, distance, distance, most_steps=_FAR_STEPS)
-        lowest.append(float(np.nanmin(sign * leaf.system.functions.energy(states), initial=np.inf)))
-    return lowest[1] < 10 * lowest[0] < 0
+    """Whether sign * H decreases tenfold and more, below zero, between states 1e2 and 1e4 times as far as its own.
+
+    The farther ones come from the nearer ones in steps: few guesses so far out lead onto the leaf.
+    """
+    energy = leaf.system.functions.energy
+    states = _spread(leaf, 1e2, 1e2, most_steps=_FAR_STEPS)
+    near = float(np.nanmin(sign * energy(states), initial=np.inf))
+    for _ in range(_OUTWARD_STEPS):
+        states, residual = solve(leaf.equations, states * 1e2 ** (1 / _OUTWARD_STEPS), most_steps=_FAR_STEPS)
+        states = states[residual <= CONVERGED]
+    return float(np.nanmin(sign * energy(states), initial=np.inf)) < 10 * near < 0
 
 
 def _lowest(leaf: Leaf, sign: float) -> float:
     """The minimum of sign * H, by Newton steps in tangent coordinates with the moduli of the eigenvalues."""
     x, lowest = _starts(leaf, sign)
-    far, deep = _FAR * (1.0 + float(np.linalg.norm(leaf.state))), _DEEP * (1.0 + float(np.median(np.abs(lowest))))
+    far, deep = _FAR * float(np.linalg.norm(leaf.state)), _DEEP * (float(np.median(np.abs(lowest))) or np.inf)
     active, start = np.arange(len(x)), time.process_time()
     for _ in range(_STEPS):
         moved, reached = _descend(leaf, x[active], lowest[active], sign)
@@ -222,12 +228,13 @@ def _spread(leaf: Leaf, nearest: float, farthest: float, *, most_steps: int = 80
 def _descend(leaf: Leaf, x: Array, before: Array, sign: float) -> tuple[Array, Array]:
     """One damped Newton step of each state, projected back onto the leaf, and the energies after it."""
     energy = leaf.system.functions.energy
-    basis = leaf.tangent_basis(x)
+    basis, stays = _tangents(leaf, x)
     slope, curvature = reduced_derivatives(leaf, x, basis)
     values, vectors = np.linalg.eigh(sign * curvature)
     moduli = np.maximum(np.abs(values), 1e-8 * np.abs(values).max(axis=-1, keepdims=True) + 1e-300)
     along = np.einsum("...ji,...j->...i", vectors, sign * slope) / moduli
     step = -np.einsum("...ij,...j->...i", basis @ vectors, along)
+    step[stays] = 0.0
     length, size = (np.linalg.norm(v, axis=-1, keepdims=True) for v in (step, x))
     size = size + unit_length(leaf.system.bracket)
     step *= np.minimum(1.0, _STRETCH * size / np.maximum(length, 1e-300))
@@ -242,6 +249,12 @@ def _descend(leaf: Leaf, x: Array, before: Array, sign: float) -> tuple[Array, A
         if not left.size:
             break
     return best, reached
+
+
+def _tangents(leaf: Leaf, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Bases of the tangent spaces, and which states came to the edge of the leaf, where J has a lower rank."""
+    vectors, sizes, _ = np.linalg.svd(leaf.system.functions.poisson_tensor(x))
+    return vectors[..., : leaf.rank], ~(sizes[..., leaf.rank - 1] > 0)
 
 
 def reduced_derivatives(leaf: Leaf, x: Array, basis: Array) -> tuple[Array, Array]:
