@@ -236,4 +236,4 @@ def test_a_repr_holds_where_nothing_finished():
 def test_masked_arrays_without_masked_entries_are_arrays():
     x = np.array(X0)
     for given in (np.ma.array(x), np.ma.array(x, mask=np.zeros(9, bool)), [np.ma.array(x), np.ma.array(x)]):
-        np.testing.assert_array_equal(lp.integrate(TOP, given, times=[0, 1]).state[..., 0, :], np.asarray(given))
+        np.testing.assert_array_equal(lp.integrate(TOP, given, times=[0, 1]).state[:, 0], np.atleast_2d(given))
