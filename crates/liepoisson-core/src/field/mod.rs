@@ -80,6 +80,18 @@ pub trait Field: Space {
     /// From the complete rows `0..=k` computes the components of row `k + 1`, of the state and of every tangent vector.
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize);
 
+    /// Whether the field has branches, such as the two values of a root, that a series can pass from one to another.
+    fn has_branches(&self) -> bool {
+        false
+    }
+
+    /// Shortens steps, one for each lane, along which the solution would leave its branch, to zero where it is about to; given its
+    /// series up to `order` and the signs of the last steps, zero for a lane that has made none.
+    #[inline(always)]
+    fn keep_to_branches<V: Lane>(&self, rows: &[V], n_tangents: usize, order: usize, signs: &[f64], steps: &mut [f64]) {
+        let _ = (rows, n_tangents, order, signs, steps);
+    }
+
     /// The vector field itself: from `x`, the state and every tangent vector, their rates of change; in both the components
     /// of group after group, and nothing else.
     ///

@@ -3,6 +3,7 @@
 use crate::field::{Top, needs_remainder};
 use crate::lanes::{Body, TwoVectors, Vectors, Wide};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
+use crate::method::known_terms::{finite_order, is_in_range, longest_step};
 use crate::method::taylor::{MAX_ORDER, Terms, Trend};
 use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
@@ -166,6 +167,22 @@ impl Row {
 }
 
 impl<V: Wide> SingleBlock<V> {
+    /// Cuts the series where it is no longer finite, and shortens the step where its last terms are lost.
+    #[cold]
+    fn rely_on_known_terms(&mut self, longest: &mut f64) {
+        let order = self.method.order();
+        let finite = if longest.is_nan() { finite_order(order, |k| self.rows[k].norm()) } else { order };
+        if finite == 0 || !self.rows[0].norm().is_finite() {
+            return;
+        }
+        if finite < order {
+            *longest = f64::INFINITY;
+            self.rows[finite + 1..=order].fill(Row::default());
+        }
+        let step = longest_step(order, finite, self.method.tolerance(), |k| self.rows[k].norm());
+        *longest = longest.min(step.unwrap_or(f64::INFINITY));
+    }
+
     /// The sum of the series at `tau`; even and odd powers apart, so that two chains of operations run side by side.
     #[inline(always)]
     fn sum(&self, tau: f64) -> ([f64; 4], [f64; 8]) {
@@ -249,6 +266,9 @@ impl<V: Wide> Body for Expansion<'_, V> {
         if block.trend.suspects(longest[0], &*block.rows, 0) {
             block.trend.shorten(&mut logarithm, &*block.rows, 0);
             longest[0] = exp2_estimate(logarithm[0]);
+        }
+        if !(is_in_range(last) && is_in_range(before)) {
+            block.rely_on_known_terms(&mut longest[0]);
         }
     }
 }

@@ -28,6 +28,9 @@ const LONGEST: f64 = 8.0;
 /// Units in which a fast top's coefficients overflow are divided by this, until they do not.
 const SHORTER_UNIT: f64 = 1.0 / 256.0;
 
+/// Units shorter than this are not divided further.
+const SHORTEST_UNIT: f64 = 1e-290;
+
 /// Round-off of single precision, 2^-24.
 const ROUND_OFF: f64 = 1.0 / 16_777_216.0;
 
@@ -138,7 +141,7 @@ impl<V: Wide> Block for MixedBlock<'_, V> {
             V::outline(Steps { block: self, sizes: longest });
             let mut again = false;
             for lane in 0..longest.len() {
-                if longest[lane].is_nan() && self.is_finite(lane) && self.units[lane] > 1e-200 {
+                if longest[lane].is_nan() && self.is_finite(lane) && self.units[lane] > SHORTEST_UNIT {
                     self.units[lane] *= SHORTER_UNIT;
                     again = true;
                 } else {
@@ -180,7 +183,9 @@ impl<V: Wide> Block for MixedBlock<'_, V> {
     fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
         to.try_reserve((self.method.order() + 1) * N)?;
         for k in 0..=self.method.order() {
+            // A unit whose power leaves the range of numbers takes coefficients with it that the step counts on.
             let scale = libm::pow(self.units[lane], -(k as f64));
+            let scale = if (1e-280..1e280).contains(&scale) { scale } else { f64::NAN };
             for i in 0..N {
                 let coefficient = if k <= self.double_order {
                     self.double[lane / V::WIDTH][k * GROUP + i].get(lane % V::WIDTH)
@@ -216,22 +221,49 @@ fn first_unit(top: &Top, state: &[f64]) -> f64 {
     if time.is_finite() { power_of_two(time) } else { 1.0 }
 }
 
-/// The power of two below a positive number, between 2^-500 and 2^500.
+/// The power of two below a positive number, between 2^-1000 and 2^1000.
 fn power_of_two(x: f64) -> f64 {
-    libm::scalbn(1.0, (libm::frexp(x).1 - 1).clamp(-500, 500))
+    libm::scalbn(1.0, (libm::frexp(x).1 - 1).clamp(-1000, 1000))
 }
 
-/// The parameters of the top with time in units of each lane.
+/// The parameters of the top with time in units of each lane: products that single precision can hold where it can not hold
+/// the factors.
 struct ScaledTop<'f, V> {
     top: &'f Top,
-    unit: V,
+    inverse_inertia: [V; 3],
+    a: [V; 3],
+    b: [V; 3],
+    twist: [V; 3],
+}
+
+impl<'f, V: Wide> ScaledTop<'f, V> {
+    #[inline(always)]
+    fn new(top: &'f Top, unit: V) -> Self {
+        let scaled = |vector: [f64; 3]| vector.map(|component| unit.mul(V::splat(component)));
+        let [inverse_inertia, a, b, twist] = [top.inverse_inertia, top.a, top.b, top.twist].map(scaled);
+        ScaledTop { top, inverse_inertia, a, b, twist }
+    }
+
+    /// Of all lanes, from the two halves.
+    #[inline(always)]
+    fn narrow(halves: [&ScaledTop<'f, V>; 2]) -> ScaledTop<'f, V::Narrow> {
+        let both = |first: [V; 3], second: [V; 3]| [0, 1, 2].map(|i| V::narrow(first[i], second[i]));
+        let [first, second] = halves;
+        ScaledTop {
+            top: first.top,
+            inverse_inertia: both(first.inverse_inertia, second.inverse_inertia),
+            a: both(first.a, second.a),
+            b: both(first.b, second.b),
+            twist: both(first.twist, second.twist),
+        }
+    }
 }
 
 impl<V: Lane> ScaledTop<'_, V> {
     #[inline(always)]
     fn derive_omega(&self, group: &mut [V]) {
         for i in 0..3 {
-            group[OMEGA + i] = group[i].mul(self.unit.mul(V::splat(self.top.inverse_inertia[i])));
+            group[OMEGA + i] = group[i].mul(self.inverse_inertia[i]);
         }
     }
 
@@ -241,25 +273,24 @@ impl<V: Lane> ScaledTop<'_, V> {
         for i in 0..3 {
             sum[i] = sum[i].mul(V::splat(self.top.asymmetry[i]));
         }
-        self.add_cross(sum, 0, &last[3..6], &self.top.a);
-        self.add_cross(sum, 0, &last[6..9], &self.top.b);
-        self.add_cross(sum, 3, &last[6..9], &self.top.twist);
+        add_cross(sum, 0, &last[3..6], &self.top.a, &self.a);
+        add_cross(sum, 0, &last[6..9], &self.top.b, &self.b);
+        add_cross(sum, 3, &last[6..9], &self.top.twist, &self.twist);
         for i in 0..N {
             next[i] = over(sum[i], k + 1);
         }
         self.derive_omega(next);
     }
+}
 
-    /// `sum[at..] += unit u x c`.
-    #[inline(always)]
-    fn add_cross(&self, sum: &mut [V; N], at: usize, u: &[V], c: &[f64; 3]) {
-        for axis in 0..3 {
-            if c[axis] != 0.0 {
-                let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-                let factor = self.unit.mul(V::splat(c[axis]));
-                sum[at + next] = u[last].mul_add(factor, sum[at + next]);
-                sum[at + last] = u[next].neg_mul_add(factor, sum[at + last]);
-            }
+/// `sum[at..] += u x scaled`, where `scaled` is a multiple of `c`: components that are zero cost nothing.
+#[inline(always)]
+fn add_cross<V: Lane>(sum: &mut [V; N], at: usize, u: &[V], c: &[f64; 3], scaled: &[V; 3]) {
+    for axis in 0..3 {
+        if c[axis] != 0.0 {
+            let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
+            sum[at + next] = u[last].mul_add(scaled[axis], sum[at + next]);
+            sum[at + last] = u[next].neg_mul_add(scaled[axis], sum[at + last]);
         }
     }
 }
@@ -273,10 +304,12 @@ impl<V: Wide> Body for Expansion<'_, '_, V> {
         let MixedBlock { top, method, double_order, tangent_order, n_tangents, row, double, single, units, .. } =
             self.0;
         let (row, n_tangents) = (*row, *n_tangents);
-        let mut unit = [V::splat(0.0); 2];
-        for (half, unit) in unit.iter_mut().enumerate() {
+        let halves = [0, 1].map(|half| {
+            let mut unit = V::splat(0.0);
             unit.as_scalars_mut().copy_from_slice(&units[half * V::WIDTH..][..V::WIDTH]);
-            let top = ScaledTop { top, unit: *unit };
+            ScaledTop::new(top, unit)
+        });
+        for (half, top) in halves.iter().enumerate() {
             let rows = &mut double[half];
             top.derive_omega(&mut rows[..GROUP]);
             for k in 0..*double_order {
@@ -290,7 +323,7 @@ impl<V: Wide> Body for Expansion<'_, '_, V> {
                 single[k * row + i] = V::narrow(double[0][k * GROUP + i], double[1][k * GROUP + i]);
             }
         }
-        let top = ScaledTop { top, unit: V::narrow(unit[0], unit[1]) };
+        let top = ScaledTop::narrow(halves.each_ref());
         for tangent in 1..=n_tangents {
             top.derive_omega(&mut single[tangent * GROUP..][..GROUP]);
         }

@@ -5,6 +5,7 @@ mod dop853;
 mod estimates;
 mod gauss;
 mod gauss_legendre;
+mod known_terms;
 mod mixed_taylor;
 mod runge_kutta;
 mod splitting;

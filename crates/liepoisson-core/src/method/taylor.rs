@@ -8,6 +8,7 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::lanes::{Body, Lane, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
+use crate::method::known_terms::{finite_order, is_in_range, longest_step};
 use crate::method::{Block, Method, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 
@@ -63,7 +64,8 @@ impl<F: Field> Method<F> for Taylor {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
         let rows = vec![V::splat(0.0); field.registers(n_tangents, self.order)];
         let trend = Trend::new(self.tolerance, self.order);
-        Box::new(TaylorBlock { field, method: *self, trend, n_tangents, row: field.row(n_tangents), rows })
+        let signs = vec![0.0; if field.has_branches() { V::WIDTH } else { 0 }];
+        Box::new(TaylorBlock { field, method: *self, trend, n_tangents, row: field.row(n_tangents), rows, signs })
     }
 
     fn registers(&self, field: &F, n_tangents: usize) -> usize {
@@ -83,6 +85,8 @@ struct TaylorBlock<'f, F, V> {
     n_tangents: usize,
     row: usize,
     rows: Vec<V>,
+    /// Signs of the last steps, zero before the first, of a field with branches.
+    signs: Vec<f64>,
 }
 
 impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
@@ -99,6 +103,9 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
         for (register, &value) in self.rows[at..].iter_mut().zip(values) {
             register.set(lane, value);
         }
+        if let Some(sign) = self.signs.get_mut(lane) {
+            *sign = 0.0;
+        }
     }
 
     fn read(&self, lane: usize, group: usize, values: &mut [f64]) {
@@ -110,12 +117,24 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
 
     fn prepare(&mut self, longest: &mut [f64]) {
         V::outline(Expansion(self));
-        V::outline(Steps { block: self, sizes: longest });
+        let mut is_doubtful = false;
+        V::outline(Steps { block: self, sizes: longest, is_doubtful: &mut is_doubtful });
+        if is_doubtful {
+            for (lane, longest) in longest.iter_mut().enumerate() {
+                self.rely_on_known_terms(lane, longest);
+            }
+        }
+        if self.field.has_branches() {
+            V::outline(Branches { block: self, sizes: longest });
+        }
     }
 
     fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
         outcomes.fill(StepOutcome::Taken);
         V::outline(Advance { block: self, sizes });
+        for (sign, &size) in self.signs.iter_mut().zip(sizes).filter(|(_, size)| **size != 0.0) {
+            *sign = size.signum();
+        }
     }
 
     fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
@@ -149,6 +168,40 @@ impl<F: Field, V: Wide> TaylorBlock<'_, F, V> {
     fn norm(&self, k: usize, group: usize) -> V {
         let at = k * self.row + group * self.field.group();
         sum_of_sizes(&self.rows[at..at + self.field.n_components()])
+    }
+
+    /// The same of one lane.
+    fn norm_in(&self, lane: usize, k: usize, group: usize) -> f64 {
+        let at = k * self.row + group * self.field.group();
+        self.rows[at..at + self.field.n_components()].iter().map(|register| register.get(lane).abs()).sum()
+    }
+
+    /// Cuts the series of one lane where it is no longer finite, and shortens its step where the last terms are lost.
+    #[cold]
+    fn rely_on_known_terms(&mut self, lane: usize, longest: &mut f64) {
+        let order = self.method.order;
+        let groups = 0..=self.n_tangents;
+        if groups.clone().all(|group| self.norm_in(lane, 1, group) == 0.0) {
+            return; // an equilibrium or an empty seat: all terms vanish
+        }
+        let finite = match longest.is_nan() {
+            true => groups.clone().map(|group| finite_order(order, |k| self.norm_in(lane, k, group))).min(),
+            false => None,
+        };
+        let finite = finite.unwrap_or(order);
+        if finite == 0 || !groups.clone().all(|group| self.norm_in(lane, 0, group).is_finite()) {
+            return;
+        }
+        if finite < order {
+            *longest = f64::INFINITY;
+            for register in &mut self.rows[(finite + 1) * self.row..(order + 1) * self.row] {
+                register.set(lane, 0.0);
+            }
+        }
+        for group in groups {
+            let step = longest_step(order, finite, self.method.tolerance, |k| self.norm_in(lane, k, group));
+            *longest = longest.min(step.unwrap_or(f64::INFINITY));
+        }
     }
 
     #[inline(always)]
@@ -199,13 +252,16 @@ impl<F: Field, V: Wide> Body for Expansion<'_, '_, F, V> {
 struct Steps<'b, 'f, F, V> {
     block: &'b TaylorBlock<'f, F, V>,
     sizes: &'b mut [f64],
+    /// Whether a last term may be lost, or is beyond the range of numbers, in any lane.
+    is_doubtful: &'b mut bool,
 }
 
 impl<F: Field, V: Wide> Body for Steps<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let Steps { block, sizes } = self;
+        let Steps { block, sizes, is_doubtful } = self;
         let (sizes, order) = (&mut sizes[..V::WIDTH], block.method.order);
+        let mut are_in_range = true;
         sizes.fill(f64::INFINITY);
         for group in 0..=block.n_tangents {
             let (size, last, before) = (block.norm(0, group), block.norm(order, group), block.norm(order - 1, group));
@@ -217,8 +273,27 @@ impl<F: Field, V: Wide> Body for Steps<'_, '_, F, V> {
             }
             shorten(sizes, allowed.as_scalars(), last.as_scalars(), order);
             shorten(sizes, allowed.as_scalars(), before.as_scalars(), order - 1);
+            for (&last, &before) in last.as_scalars().iter().zip(before.as_scalars()) {
+                are_in_range &= is_in_range(last) & is_in_range(before);
+            }
         }
+        *is_doubtful = !are_in_range;
         shorten_by_trend([&block.trend; 2], block.n_tangents, sizes, block);
+    }
+}
+
+/// Shortens the steps of a field with branches so that none is left.
+struct Branches<'b, 'f, F, V> {
+    block: &'b TaylorBlock<'f, F, V>,
+    sizes: &'b mut [f64],
+}
+
+impl<F: Field, V: Wide> Body for Branches<'_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let Branches { block, sizes } = self;
+        let sizes = &mut sizes[..V::WIDTH];
+        block.field.keep_to_branches(&block.rows, block.n_tangents, block.method.order, &block.signs, sizes);
     }
 }
 

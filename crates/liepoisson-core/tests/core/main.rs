@@ -14,3 +14,4 @@ mod splitting;
 mod tape;
 mod taylor;
 mod top;
+mod units;

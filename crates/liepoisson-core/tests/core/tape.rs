@@ -506,6 +506,149 @@ fn a_failing_lane_ends_alone_at_its_last_good_point() {
     }
 }
 
+/// `H = p^2/2 + V(q)` with corners in `V`, each smooth as an analytic function: `V'` of `sqrt(q^2)`, `asin(sin q)`, `acos(cos q)`,
+/// `(q^6)^(1/6)` and `|q|^3`. The orbit ends at the first corner, forwards and backwards; up to there its energy is kept.
+#[test]
+fn a_series_does_not_continue_a_root_on_its_other_branch() {
+    type List = Vec<(&'static str, &'static [usize], &'static [f64])>;
+    use std::f64::consts::PI;
+    let kinks: [(&str, List, usize, f64, fn(f64) -> f64); 6] = [
+        ("sqrt", vec![("product", &[0, 0], &[]), ("sqrt", &[2], &[]), ("quotient", &[0, 3], &[])], 4, 0.0, f64::abs),
+        (
+            "asin",
+            vec![
+                ("sin", &[0], &[]),
+                ("cos", &[0], &[]),
+                ("product", &[2, 2], &[]),
+                ("linear", &[4], &[-1.0, 1.0]),
+                ("sqrt", &[5], &[]),
+                ("quotient", &[3, 6], &[]),
+            ],
+            7,
+            -PI / 2.0,
+            |q| q.sin().asin(),
+        ),
+        (
+            "acos",
+            vec![
+                ("sin", &[0], &[]),
+                ("cos", &[0], &[]),
+                ("product", &[3, 3], &[]),
+                ("linear", &[4], &[-1.0, 1.0]),
+                ("sqrt", &[5], &[]),
+                ("quotient", &[2, 6], &[]),
+            ],
+            7,
+            0.0,
+            |q| q.cos().acos(),
+        ),
+        (
+            "power",
+            vec![
+                ("power", &[0], &[6.0]),
+                ("power", &[2], &[1.0 / 6.0 - 1.0]),
+                ("power", &[0], &[5.0]),
+                ("product", &[3, 4], &[]),
+            ],
+            5,
+            0.0,
+            f64::abs,
+        ),
+        (
+            "cube",
+            vec![
+                ("product", &[0, 0], &[]),
+                ("power", &[2], &[1.5]),
+                ("quotient", &[3, 0], &[]),
+                ("linear", &[4], &[3.0, 0.0]),
+            ],
+            5,
+            0.0,
+            |q| q.abs().powi(3),
+        ),
+        (
+            "weak",
+            vec![
+                ("product", &[0, 0], &[]),
+                ("sqrt", &[2], &[]),
+                ("quotient", &[0, 3], &[]),
+                ("linear", &[4], &[1e-9, 0.0]),
+            ],
+            5,
+            0.0,
+            |q| 1e-9 * q.abs(),
+        ),
+    ];
+    for (name, mut list, force, corner, potential) in kinks {
+        list.push(("linear", &[0], &[0.0, 0.0]));
+        let (last, terms) = (list.len() + 1, [(force, -1.0)]);
+        let mut instructions: Vec<Instruction> = list.iter().map(|(name, r, n)| instruction(name, r, n)).collect();
+        instructions[last - 2] = Instruction::Linear { terms: terms.to_vec(), constant: 0.0 };
+        let field = Tape::new(2, instructions, vec![1, last]).unwrap();
+        for backwards in [1.0, -1.0] {
+            // towards the corner from its right
+            let states = [[corner + 1.0, -0.9 * backwards], [corner + 1.3, -1.1 * backwards]].concat();
+            let times: Vec<f64> = (0..=40).map(|i| backwards * 0.1 * f64::from(i)).collect();
+            for (order, tolerance) in [(None, 1e-15), (Some(40), 1e-12), (Some(6), 1e-6)] {
+                let method = liepoisson_core::method::Taylor::new(tolerance, order, 100_000).unwrap();
+                let ensemble =
+                    Ensemble { field: &field, method, states: &states, tangents: &[], n_tangents: 0, times: &times };
+                let found = orbits(&ensemble, 1, Simd::widest(), &Control::default(), false, |_| ()).unwrap();
+                for m in 0..2 {
+                    let summary = &found.summaries[m];
+                    let what = format!("{name}, {order:?}, {backwards}: {summary:?}");
+                    assert!([Outcome::StepTooSmall, Outcome::NotFinite].contains(&summary.outcome), "{what}");
+                    assert!((summary.state[0] - corner).abs() < 1e-6 && summary.time * backwards > 0.5, "{what}");
+                    let energy = |x: &[f64]| 0.5 * x[1] * x[1] + potential(x[0]);
+                    let start = energy(&states[2 * m..]);
+                    for x in found.states[82 * m..82 * (m + 1)].chunks_exact(2).filter(|x| x[0].is_finite()) {
+                        assert!((energy(x) - start).abs() < 1e3 * tolerance + 1e-12, "{what}: {:e}", energy(x) - start);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// `H = p^2/2 + |q|`: away from the corner, however close it starts, the orbit goes on until it comes back.
+#[test]
+fn a_root_that_has_nearly_vanished_before_the_start_is_no_obstacle() {
+    let list: [(&str, &[usize], &[f64]); 4] =
+        [("product", &[0, 0], &[]), ("sqrt", &[2], &[]), ("quotient", &[0, 3], &[]), ("linear", &[4], &[-1.0, 0.0])];
+    let field = tape(2, &list, &[1, 5]);
+    for (distance, direction) in [(1e-3, 1.0), (1e-9, 1.0), (1e-9, -1.0), (-1e-12, 1.0)] {
+        let sign = f64::signum(distance) * direction;
+        let found = orbit(&field, &[distance, 0.9 * sign], &[], &[0.0, 4.0 * direction], Simd::widest(), 1);
+        let (summary, wanted) = (&found.summaries[0], 0.9 + f64::sqrt(0.81 + 2.0 * f64::abs(distance)));
+        assert_eq!(summary.outcome, Outcome::StepTooSmall);
+        assert!((summary.time * direction - wanted).abs() < 1e-5, "{summary:?}, not {wanted}");
+    }
+}
+
+/// A root that does not vanish takes no step more than its solution allows, and a pole that cancels is passed through.
+#[test]
+fn roots_that_do_not_vanish_and_poles_that_cancel_are_no_obstacles() {
+    // q' = p, p' = -q / sqrt(1 + q^2); and q' = p, p' = -q^2 / q
+    let root: [(&str, &[usize], &[f64]); 5] = [
+        ("product", &[0, 0], &[]),
+        ("linear", &[2], &[1.0, 1.0]),
+        ("sqrt", &[3], &[]),
+        ("quotient", &[0, 4], &[]),
+        ("linear", &[5], &[-1.0, 0.0]),
+    ];
+    let pole: [(&str, &[usize], &[f64]); 3] =
+        [("product", &[0, 0], &[]), ("quotient", &[2, 0], &[]), ("linear", &[3], &[-1.0, 0.0])];
+    let (root, pole) = (tape(2, &root, &[1, 6]), tape(2, &pole, &[1, 4]));
+    let found = orbit(&root, &[2.0, 0.3], &[], &[0.0, 30.0], Simd::widest(), 1);
+    let energy = |x: &[f64]| 0.5 * x[1] * x[1] + (1.0 + x[0] * x[0]).sqrt();
+    assert_eq!(found.summaries[0].outcome, Outcome::Finished);
+    assert!((energy(&found.states[2..]) - energy(&[2.0, 0.3])).abs() < 1e-13);
+    assert!(found.summaries[0].n_steps < 80, "{}", found.summaries[0].n_steps);
+    let found = orbit(&pole, &[1.0, 0.0], &[], &[0.0, 5.0], Simd::widest(), 1);
+    assert_eq!(found.summaries[0].outcome, Outcome::Finished);
+    assert!((found.states[2] - 5.0_f64.cos()).abs() < 1e-12);
+}
+
 #[test]
 fn a_start_outside_the_domain_is_not_finite() {
     let outside: [(&str, &[f64], f64); 14] = [

@@ -16,7 +16,7 @@ use crate::lanes::Simd;
 use crate::method::Taylor;
 use points::Collected;
 pub use points::Points;
-use remainder::{Sizes, shifted};
+use remainder::{Sizes, shifted, term};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -419,8 +419,8 @@ impl Room {
         series.resize(state.len() / n, 0.0);
         function.series(state, work, series);
         let mut power = 1.0;
-        for coefficient in series.iter_mut() {
-            *coefficient *= power;
+        for (k, coefficient) in series.iter_mut().enumerate() {
+            *coefficient = term(*coefficient, length, k, power);
             power *= length;
         }
         sizes.measure(state, n, length);

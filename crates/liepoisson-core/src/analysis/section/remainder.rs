@@ -29,6 +29,16 @@ const LAST: usize = 4;
 /// The error of the state in units of its size up to which a bound is of use; it is also the one in `L`.
 const SHARP: f64 = 1e-12;
 
+/// `coefficient length^k`, given the power as it was computed: it may have left the range of numbers where the product has not.
+pub(super) fn term(coefficient: f64, length: f64, k: usize, power: f64) -> f64 {
+    if (1e-280..1e280).contains(&power.abs()) || coefficient == 0.0 && !power.is_nan() {
+        return if coefficient == 0.0 { 0.0 } else { coefficient * power };
+    }
+    let (mantissa, exponent) = libm::frexp(length);
+    let power = (0..k).fold(1.0, |power, _| power * mantissa);
+    libm::scalbn(coefficient * power, (i64::from(exponent) * k as i64).clamp(-5000, 5000) as i32)
+}
+
 /// The sizes of the terms of a series about the start of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sizes {
@@ -44,9 +54,9 @@ impl Sizes {
         self.step = step.abs();
         self.terms.clear();
         let mut power = 1.0;
-        for coefficient in state.chunks_exact(n_components) {
+        for (k, coefficient) in state.chunks_exact(n_components).enumerate() {
             let largest = coefficient.iter().fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest });
-            self.terms.push(power * largest);
+            self.terms.push(term(largest, self.step, k, power));
             power *= self.step;
         }
     }

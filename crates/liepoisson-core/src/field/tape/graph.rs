@@ -187,7 +187,17 @@ impl Graph {
         Graph::without_dead_nodes(builder.rules, outputs)
     }
 
-    /// Whether the rule of `node` has a tangent part: for a pair, if either of the two needs one.
+    /// Nodes at whose zeros a series goes over to another branch: roots, and the arguments of powers and logarithms. All are
+    /// kept as series, for the products in their rules or as divisors.
+    pub(super) fn branches(&self) -> impl Iterator<Item = Node> {
+        self.rules.iter().enumerate().filter_map(|(z, rule)| match *rule {
+            Rule::Sqrt(_) => Some(z),
+            Rule::Integral { function: Function::Power(exponent), of, .. } if exponent.fract() != 0.0 => Some(of),
+            Rule::DividedIntegral { function: Function::Log, divisor, .. } => Some(divisor),
+            _ => None,
+        })
+    }
+
     /// The outputs as linear combinations of components, if they are such.
     pub(super) fn affine_outputs(&self) -> Option<Vec<Affine>> {
         let component = |&(node, c): &(Node, f64)| match self.rules[node] {
@@ -201,6 +211,7 @@ impl Graph {
         self.outputs.iter().map(form).collect()
     }
 
+    /// Whether the rule of `node` has a tangent part: for a pair, if either of the two needs one.
     pub(super) fn has_tangent_part(&self, node: Node) -> bool {
         self.has_tangent[node] || (matches!(self.rules[node], Rule::Pair { .. }) && self.has_tangent[node + 1])
     }

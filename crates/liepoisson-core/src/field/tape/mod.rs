@@ -1,5 +1,6 @@
 //! Any smooth field: a tape of instructions, run as rules for power series.
 
+mod branch;
 mod convolution;
 mod drive;
 mod elementary;
@@ -38,8 +39,9 @@ use program::Program;
 /// whole powers turned into products.
 ///
 /// Where an instruction has no finite value (a pole, the logarithm of zero) or no series (the square root of zero), the
-/// whole series is NaN, so the trajectory ends there. The series is that of an analytic solution: between two steps a
-/// solution that passes smoothly through such a point is continued beyond it.
+/// whole series is NaN, so the trajectory ends there. A series would continue a root or a power beyond a zero, on its other
+/// branch (`sqrt(x^2)` as `x`, not `|x|`): steps end before the argument of a root, a power or a logarithm vanishes. A quotient
+/// has one branch: where its pole cancels, the solution passes through it.
 ///
 /// ```
 /// use liepoisson_core::field::{Instruction, Tape};
@@ -94,6 +96,18 @@ impl Field for Tape {
         let frame = Frame::new(&self.program, rows.len(), self.row(n_tangents), n_tangents, k);
         let (components, work) = rows.split_at_mut(frame.n_orders * self.row(n_tangents));
         drive::complete_order(&self.program, &frame, &components[k * self.row(n_tangents)..], work);
+    }
+
+    fn has_branches(&self) -> bool {
+        !self.program.branches.is_empty()
+    }
+
+    #[inline(always)]
+    fn keep_to_branches<V: Lane>(&self, rows: &[V], n_tangents: usize, order: usize, signs: &[f64], steps: &mut [f64]) {
+        let row = self.row(n_tangents);
+        // the work of the last order is not complete
+        let frame = Frame::new(&self.program, rows.len(), row, n_tangents, order - 1);
+        branch::keep(&self.program, &frame, &rows[frame.n_orders * row..], signs, steps);
     }
 
     #[inline(always)]

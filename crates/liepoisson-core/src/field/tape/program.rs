@@ -43,6 +43,8 @@ pub(super) struct Program {
     pub(super) tangent: Size,
     /// Single register that is not finite if anything at order 0 is not.
     pub(super) defect: usize,
+    /// Series that must not pass through zero.
+    pub(super) branches: Vec<usize>,
 }
 
 /// Which nodes' series the sums of products read.
@@ -121,6 +123,7 @@ impl Program {
                 state,
                 tangent,
                 defect,
+                branches: vec![],
             },
         };
         for (z, rule) in graph.rules.iter().enumerate() {
@@ -129,6 +132,7 @@ impl Program {
             layout.add(z, rule);
             layout.join(z, rule, before, convolutions);
         }
+        layout.program.branches = graph.branches().map(|node| layout.slots[node].index).collect();
         layout.program
     }
 }
