@@ -86,10 +86,17 @@ pub trait Field: Space {
     }
 
     /// Shortens steps, one for each lane, along which the solution would leave its branch, to zero where it is about to; given its
-    /// series up to `order` and the signs of the last steps, zero for a lane that has made none.
+    /// series up to `order` and the largest steps so far, with their signs, zero for a lane that has made none.
     #[inline(always)]
-    fn keep_to_branches<V: Lane>(&self, rows: &[V], n_tangents: usize, order: usize, signs: &[f64], steps: &mut [f64]) {
-        let _ = (rows, n_tangents, order, signs, steps);
+    fn keep_to_branches<V: Lane>(
+        &self,
+        rows: &[V],
+        n_tangents: usize,
+        order: usize,
+        largest: &[f64],
+        steps: &mut [f64],
+    ) {
+        let _ = (rows, n_tangents, order, largest, steps);
     }
 
     /// The vector field itself: from `x`, the state and every tangent vector, their rates of change; in both the components

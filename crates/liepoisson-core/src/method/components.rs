@@ -3,7 +3,7 @@
 use crate::field::{Top, needs_remainder};
 use crate::lanes::{Body, TwoVectors, Vectors, Wide};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
-use crate::method::known_terms::{finite_order, is_in_range, longest_step};
+use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
 use crate::method::taylor::{MAX_ORDER, Terms, Trend};
 use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
@@ -172,7 +172,7 @@ impl<V: Wide> SingleBlock<V> {
     fn rely_on_known_terms(&mut self, longest: &mut f64) {
         let order = self.method.order();
         let finite = if longest.is_nan() { finite_order(order, |k| self.rows[k].norm()) } else { order };
-        if finite == 0 || !self.rows[0].norm().is_finite() {
+        if finite < FEWEST.min(order) || !self.rows[0].norm().is_finite() {
             return;
         }
         if finite < order {

@@ -7,6 +7,9 @@
 /// Logarithm of the size from which on a coefficient has digits: some units of the smallest number.
 const LOG2_KNOWN: f64 = -1060.0;
 
+/// A series with fewer finite orders than this is of no use.
+pub(super) const FEWEST: usize = 4;
+
 /// Whether a term is neither lost nor beyond the range of numbers; a term that vanishes may be lost.
 #[inline(always)]
 pub(super) fn is_in_range(term: f64) -> bool {
@@ -54,14 +57,16 @@ mod tests {
             let term = |k: usize| (0..k).fold(1.0, |power, _| power * rate);
             for order in [2, 24, 64] {
                 let step = longest_step(order, finite_order(order, term), tolerance, term);
-                if term(order) >= 1e-300 && term(order).is_finite() {
+                if term(order) >= 1e-318 && term(order).is_finite() {
                     assert_eq!(step, None);
-                } else {
+                } else if let Some(step) = step {
                     // what is left out, with terms as they would be without underflow
-                    let ratio = step.unwrap() * rate;
+                    let ratio = step * rate;
                     let known = (1..=order).take_while(|&k| is_in_range(term(k))).count().max(1);
                     assert!(ratio.powi(known as i32 + 1) <= tolerance, "rate {rate:e}, order {order}: {ratio:e}");
                     assert!(ratio >= 0.99 * tolerance.powf(1.0 / known as f64), "{rate:e}, {order}: {ratio:e}");
+                } else {
+                    assert!(term(order) > 1e-321, "{rate:e}, {order}");
                 }
             }
         }

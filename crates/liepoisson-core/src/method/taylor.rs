@@ -8,7 +8,7 @@ use crate::error::Error;
 use crate::field::Field;
 use crate::lanes::{Body, Lane, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
-use crate::method::known_terms::{finite_order, is_in_range, longest_step};
+use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
 use crate::method::{Block, Method, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 
@@ -64,8 +64,8 @@ impl<F: Field> Method<F> for Taylor {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
         let rows = vec![V::splat(0.0); field.registers(n_tangents, self.order)];
         let trend = Trend::new(self.tolerance, self.order);
-        let signs = vec![0.0; if field.has_branches() { V::WIDTH } else { 0 }];
-        Box::new(TaylorBlock { field, method: *self, trend, n_tangents, row: field.row(n_tangents), rows, signs })
+        let largest = vec![0.0; if field.has_branches() { V::WIDTH } else { 0 }];
+        Box::new(TaylorBlock { field, method: *self, trend, n_tangents, row: field.row(n_tangents), rows, largest })
     }
 
     fn registers(&self, field: &F, n_tangents: usize) -> usize {
@@ -85,8 +85,8 @@ struct TaylorBlock<'f, F, V> {
     n_tangents: usize,
     row: usize,
     rows: Vec<V>,
-    /// Signs of the last steps, zero before the first, of a field with branches.
-    signs: Vec<f64>,
+    /// The largest steps so far, with their signs, zero before the first, of a field with branches.
+    largest: Vec<f64>,
 }
 
 impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
@@ -103,8 +103,8 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
         for (register, &value) in self.rows[at..].iter_mut().zip(values) {
             register.set(lane, value);
         }
-        if let Some(sign) = self.signs.get_mut(lane) {
-            *sign = 0.0;
+        if let Some(largest) = self.largest.get_mut(lane) {
+            *largest = 0.0;
         }
     }
 
@@ -132,8 +132,8 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
     fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
         outcomes.fill(StepOutcome::Taken);
         V::outline(Advance { block: self, sizes });
-        for (sign, &size) in self.signs.iter_mut().zip(sizes).filter(|(_, size)| **size != 0.0) {
-            *sign = size.signum();
+        for (largest, &size) in self.largest.iter_mut().zip(sizes) {
+            *largest = if size.abs() > largest.abs() { size } else { *largest };
         }
     }
 
@@ -189,7 +189,7 @@ impl<F: Field, V: Wide> TaylorBlock<'_, F, V> {
             false => None,
         };
         let finite = finite.unwrap_or(order);
-        if finite == 0 || !groups.clone().all(|group| self.norm_in(lane, 0, group).is_finite()) {
+        if finite < FEWEST.min(order) || !groups.clone().all(|group| self.norm_in(lane, 0, group).is_finite()) {
             return;
         }
         if finite < order {
@@ -293,7 +293,7 @@ impl<F: Field, V: Wide> Body for Branches<'_, '_, F, V> {
     fn run(self) {
         let Branches { block, sizes } = self;
         let sizes = &mut sizes[..V::WIDTH];
-        block.field.keep_to_branches(&block.rows, block.n_tangents, block.method.order, &block.signs, sizes);
+        block.field.keep_to_branches(&block.rows, block.n_tangents, block.method.order, &block.largest, sizes);
     }
 }
 

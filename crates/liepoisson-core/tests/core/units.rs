@@ -81,19 +81,19 @@ fn assert_right(found: &Orbits, wanted: &Orbits, bound: f64, what: &str) -> bool
     all
 }
 
-/// All kernels, in units of time from 1e-250 to 1e250 of the motion's own. With 20,000 steps the orbit is finished while five
+/// All kernels, in units of time from 1e-250 to 1e250 of the motion's own. With 10,000 steps the orbit is finished while five
 /// terms of the series are within the range of numbers, the mixed method, which scales time, finishes everywhere.
 #[test]
 fn an_orbit_that_is_said_to_be_finished_is_right_in_all_units_of_time() {
     for (order, tolerance, slowest, fastest) in
-        [(None, 1e-14, -50, 50), (Some(64), 1e-15, -50, 50), (Some(8), 1e-10, -70, 70)]
+        [(None, 1e-14, -50, 50), (Some(64), 1e-15, -50, 50), (Some(8), 1e-10, -75, 75)]
     {
-        let method = Taylor::new(tolerance, order, 20_000).unwrap();
+        let method = Taylor::new(tolerance, order, 10_000).unwrap();
         let bound = 1e3 * tolerance;
         for n_tangents in [0, 1] {
             let wanted =
-                orbits_at(&parameters_at(1.0).top(), Taylor::new(1e-15, None, 20_000).unwrap(), 1.0, n_tangents);
-            for exponent in (-250..=250).step_by(10) {
+                orbits_at(&parameters_at(1.0).top(), Taylor::new(1e-15, None, 10_000).unwrap(), 1.0, n_tangents);
+            for exponent in (-250..=250).step_by(25) {
                 let rate = 10.0_f64.powi(exponent);
                 let (top, quadratic, tape) = (parameters_at(rate).top(), quadratic(rate), tape(rate));
                 let mut runs = vec![

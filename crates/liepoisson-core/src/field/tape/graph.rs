@@ -187,13 +187,12 @@ impl Graph {
         Graph::without_dead_nodes(builder.rules, outputs)
     }
 
-    /// Nodes at whose zeros a series goes over to another branch: roots, and the arguments of powers and logarithms. All are
-    /// kept as series, for the products in their rules or as divisors.
+    /// Nodes at whose zeros a series can go over to another branch: roots, and the arguments of powers. All are kept as series,
+    /// for the products in their rules or as divisors. A logarithm is singular there, which its series tells.
     pub(super) fn branches(&self) -> impl Iterator<Item = Node> {
         self.rules.iter().enumerate().filter_map(|(z, rule)| match *rule {
             Rule::Sqrt(_) => Some(z),
-            Rule::Integral { function: Function::Power(exponent), of, .. } if exponent.fract() != 0.0 => Some(of),
-            Rule::DividedIntegral { function: Function::Log, divisor, .. } => Some(divisor),
+            Rule::Integral { function: Function::Power(exponent), of, .. } if has_branches(exponent) => Some(of),
             _ => None,
         })
     }
@@ -243,6 +242,16 @@ fn reachable(rules: &[Rule], outputs: &[Affine], operands: impl Fn(&Rule, Node) 
         }
     }
     reached
+}
+
+/// Whether the series of `|u|^m` to this power is that of an odd power of `u`, for an even `m`: beyond the zero it is the
+/// negative of the power. Otherwise it has none there, or the same.
+fn has_branches(exponent: f64) -> bool {
+    (2..=64).step_by(2).any(|m| {
+        let power = f64::from(m) * exponent;
+        let whole = libm::rint(power);
+        (power - whole).abs() <= 8.0 * f64::EPSILON * power.abs() && libm::fmod(whole, 2.0) != 0.0
+    })
 }
 
 #[derive(Default)]

@@ -40,8 +40,8 @@ use program::Program;
 ///
 /// Where an instruction has no finite value (a pole, the logarithm of zero) or no series (the square root of zero), the
 /// whole series is NaN, so the trajectory ends there. A series would continue a root or a power beyond a zero, on its other
-/// branch (`sqrt(x^2)` as `x`, not `|x|`): steps end before the argument of a root, a power or a logarithm vanishes. A quotient
-/// has one branch: where its pole cancels, the solution passes through it.
+/// branch (`sqrt(x^2)` as `x`, not `|x|`): the trajectory ends before such a zero. A quotient has one branch: where its pole
+/// cancels, the solution passes through it.
 ///
 /// ```
 /// use liepoisson_core::field::{Instruction, Tape};
@@ -103,11 +103,18 @@ impl Field for Tape {
     }
 
     #[inline(always)]
-    fn keep_to_branches<V: Lane>(&self, rows: &[V], n_tangents: usize, order: usize, signs: &[f64], steps: &mut [f64]) {
+    fn keep_to_branches<V: Lane>(
+        &self,
+        rows: &[V],
+        n_tangents: usize,
+        order: usize,
+        largest: &[f64],
+        steps: &mut [f64],
+    ) {
         let row = self.row(n_tangents);
         // the work of the last order is not complete
         let frame = Frame::new(&self.program, rows.len(), row, n_tangents, order - 1);
-        branch::keep(&self.program, &frame, &rows[frame.n_orders * row..], signs, steps);
+        branch::keep(&self.program, &frame, &rows[frame.n_orders * row..], largest, steps);
     }
 
     #[inline(always)]
