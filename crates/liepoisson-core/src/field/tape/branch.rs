@@ -14,6 +14,13 @@ const LONGEST: f64 = 1024.0;
 /// A piece of a step shorter than this part of what comes before it is not looked at: it is the next step's affair.
 const SHORTEST: f64 = 1.0 / 16.0;
 
+/// The last two terms of a series whose zeros are looked for are at most this part of the first: it has to be the function still
+/// where it vanishes. The steps of a solution that is a polynomial are not limited by its own terms.
+const ACCURATE: f64 = 1e-3;
+
+/// The part of the way to a zero that is taken: more than the error of its place is left.
+const MARGIN: f64 = 0.875;
+
 /// A step that is shortened to less than this part of the largest so far is none: the zero is here. Much closer to it a root of a difference,
 /// such as `sqrt(1 - sin^2)`, has no digits left.
 const NOTHING: f64 = 1.0 / 4_194_304.0;
@@ -58,6 +65,9 @@ fn shortened(step: f64, largest: f64, count: usize, coefficient: impl Fn(usize) 
     if unit == f64::INFINITY {
         return step;
     }
+    let accurate = |k: usize| libm::exp2(libm::log2(ACCURATE * first.abs() / coefficient(k).abs()) / k as f64);
+    let last = (count.saturating_sub(2).max(1)..count).filter(|&k| coefficient(k) != 0.0);
+    let step = last.map(accurate).fold(step, f64::min);
     let (unit, size) = (unit.floor() as i32, libm::frexp(first).1);
     let length = libm::scalbn(step, -unit).min(LONGEST);
     let mut reached = f64::INFINITY;
@@ -74,7 +84,7 @@ fn shortened(step: f64, largest: f64, count: usize, coefficient: impl Fn(usize) 
     if reached == length && length < LONGEST {
         return step;
     }
-    let longest = libm::scalbn(reached, unit);
+    let longest = libm::scalbn(if reached < length { MARGIN * reached } else { reached }, unit);
     if reached < length && longest < NOTHING * largest.abs() { 0.0 } else { longest }
 }
 
@@ -108,7 +118,7 @@ mod tests {
     use super::*;
 
     fn of(series: &[f64], step: f64) -> f64 {
-        shortened(step, 0.0, series.len(), |k| series[k])
+        shortened(step, 0.0, series.len() + 2, |k| series.get(k).copied().unwrap_or(0.0))
     }
 
     #[test]
@@ -128,12 +138,14 @@ mod tests {
             }
             for step in [2.0, 2.1, 6.0, 1e6] {
                 let shortened = of(&series, step * unit) / unit;
-                assert!((1.5..2.0).contains(&shortened), "{step}: {shortened}");
-                let ahead = super::shortened(step * unit, sign * unit, 4, |k| series[k]) / unit;
-                let behind = super::shortened(step * unit, -sign * unit, 4, |k| series[k]) / unit;
+                assert!((1.3..2.0).contains(&shortened), "{step}: {shortened}");
+                let ahead =
+                    super::shortened(step * unit, sign * unit, 6, |k| series.get(k).copied().unwrap_or(0.0)) / unit;
+                let behind =
+                    super::shortened(step * unit, -sign * unit, 6, |k| series.get(k).copied().unwrap_or(0.0)) / unit;
                 let until_next = step.min(5.0);
-                assert!((1.5..2.0).contains(&ahead), "{step}: {ahead}");
-                assert!((0.75 * until_next..=until_next).contains(&behind), "{step}: {behind}");
+                assert!((1.3..2.0).contains(&ahead), "{step}: {ahead}");
+                assert!((0.6 * until_next..=until_next).contains(&behind), "{step}: {behind}");
             }
         }
     }
@@ -157,7 +169,7 @@ mod tests {
     fn steps_accumulate_at_a_multiple_zero() {
         // (1 - t)^6 about the end of each step
         let mut distance = 1.0_f64;
-        for _ in 0..60 {
+        for _ in 0..100 {
             let mut series = [1.0, -6.0, 15.0, -20.0, 15.0, -6.0, 1.0];
             let mut power = distance.powi(6);
             for c in &mut series {
@@ -165,12 +177,12 @@ mod tests {
                 power /= distance;
             }
             let step = of(&series, 10.0);
-            assert!(step < distance && step > 0.3 * distance, "{step} of {distance}");
+            assert!(step < distance && step > 0.25 * distance, "{step} of {distance}");
             distance -= step;
         }
         assert!(distance < 1e-9);
         // a simple zero, as close as that, ends it in the direction in which it lies
-        let step = |sign| shortened(1.0, sign, 2, |k| [1e-8, -1.0][k]);
+        let step = |sign| shortened(1.0, sign, 4, |k| [1e-8, -1.0, 0.0, 0.0][k]);
         assert_eq!(step(1.0), 0.0);
         assert!(step(-1.0) > 1e-6);
         assert!(step(0.0) > 0.5e-8);
