@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 
+import psutil
 import pytest
 
 from liepoisson.cli.main import main
@@ -145,3 +146,36 @@ def test_a_part_that_fails_is_reported(run, tmp_path):
     code, _, err = run("twist.toml", "--allow-code")
     assert code == 1
     assert "level 0, point 0: failed: TypeError" in err
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGKILL"])
+def test_processes_end_with_the_command_that_started_them(tmp_path, name):
+    """They hold its output, so that whoever reads that sees its end only when they are gone."""
+    text = TWIST.replace("t_end = 200", "t_end = 1e9").replace("count = 3", "count = 2")
+    (tmp_path / "twist.toml").write_text(text)
+    program = "from liepoisson.cli.main import main; main()"
+    command = [sys.executable, "-c", program, "sweep", "twist.toml", "--processes", "2"]
+    process = subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    started = set()
+    while process.poll() is None and len(started) < 5:  # a scheduler, and a nanny with its worker for each process
+        time.sleep(0.2)
+        started = {child.pid for child in psutil.Process(process.pid).children(recursive=True)}
+    time.sleep(1.0)
+    started |= {child.pid for child in psutil.Process(process.pid).children(recursive=True)}
+    process.send_signal(getattr(signal, name))
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == {"SIGTERM": 143, "SIGKILL": -9}[name]
+    if name == "SIGTERM":
+        assert "ended; what is finished is in twist.zarr." in err
+    end = time.monotonic() + 15
+    while (alive := [pid for pid in started if is_running(pid)]) and time.monotonic() < end:
+        time.sleep(0.2)
+    assert not alive
+
+
+def is_running(pid):
+    try:
+        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False

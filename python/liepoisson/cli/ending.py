@@ -1,21 +1,26 @@
 """How the command ends, whatever happens: the one place that turns errors into a sentence and an exit code.
 
 Done: 0.  Refused or failed: 2, with one sentence on standard error and no traceback.  130: Ctrl-C.  141: who read the
-output has gone.  `LIEPOISSON_TRACEBACK=1` shows where an error comes from that is none of the expected ones.
+output has gone.  143: SIGTERM, where a command has something to close.  `LIEPOISSON_TRACEBACK=1` shows where an error
+comes from that is none of the expected ones.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+import threading
+from collections.abc import Callable, Generator
+from contextlib import contextmanager, suppress
 
 from liepoisson.errors import LiePoissonError
 
 REFUSED = 2
 INTERRUPTED = 130
 """Exit code of a command that Ctrl-C has ended."""
+TERMINATED = 143
+"""Exit code of a command that the signal SIGTERM has ended."""
 BROKEN_PIPE = 141
 """Exit code of a command whose output nobody reads any more: that of a program which the signal SIGPIPE has ended."""
 
@@ -29,6 +34,27 @@ _LONGEST = 4000
 
 class InterruptedCommandError(Exception):
     """Ctrl-C where no command says what became of its work."""
+
+
+class TerminatedError(BaseException):
+    """SIGTERM, where a command has something to close; like Ctrl-C it is no `Exception`, which some would keep."""
+
+
+@contextmanager
+def ends_on_sigterm() -> Generator[None]:
+    """Raises `TerminatedError` on SIGTERM, which otherwise ends the process at once and leaves its children alone."""
+
+    def end_here(*_: object) -> None:
+        raise TerminatedError
+
+    if threading.current_thread() is not threading.main_thread():
+        yield  # signals reach the main thread alone
+        return
+    before = signal.signal(signal.SIGTERM, end_here)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 class NobodyReadsError(Exception):

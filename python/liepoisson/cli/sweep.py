@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 import typer
 
+from liepoisson.cli.ending import TERMINATED, TerminatedError, ends_on_sigterm
 from liepoisson.cli.output import FIGURE_HELP, PLOT_HELP, figure_stem, write_figure
 from liepoisson.cli.progress import INTERRUPTED, progress_bar
 
@@ -57,7 +58,7 @@ def sweep(
     folder = Path(store) if store is not None else Path(file).with_suffix(".zarr")
     stem = figure_stem(plot, figure, Path(file).stem)
     try:
-        with progress_bar() as bar:
+        with ends_on_sigterm(), progress_bar() as bar:
             result = run(
                 spec,
                 store=folder,
@@ -69,15 +70,20 @@ def sweep(
                 fresh=fresh,
                 progress=bar,
             )
-    except KeyboardInterrupt:
-        print(f"interrupted; what is finished is in {folder}. The same command goes on with it.", file=sys.stderr)
-        raise typer.Exit(INTERRUPTED) from None
-    print("\n".join(summary(result)))
-    if stem is not None:
-        from liepoisson.plot.sweep import sweep as draw
+    except (KeyboardInterrupt, TerminatedError) as error:
+        how, code = ("interrupted", INTERRUPTED) if isinstance(error, KeyboardInterrupt) else ("ended", TERMINATED)
+        print(f"{how}; what is finished is in {folder}. The same command goes on with it.", file=sys.stderr)
+        raise typer.Exit(code) from None
+    written: list[Path] = []
+    try:  # first, as nobody may read what is printed
+        if stem is not None:
+            from liepoisson.plot.sweep import sweep as draw
 
-        for path in write_figure(draw(result).get_figure(), stem):  # pyright: ignore[reportArgumentType]
-            print(f"figure {path}", file=sys.stderr)
+            written = write_figure(draw(result).get_figure(), stem)  # pyright: ignore[reportArgumentType]
+    finally:
+        print("\n".join(summary(result)))
+    for path in written:
+        print(f"figure {path}", file=sys.stderr)
     for line in (*result.remarks, *result.failed):
         print(line, file=sys.stderr)
     if not result.is_complete or (result.outcome_code == NO_SYSTEM).all():

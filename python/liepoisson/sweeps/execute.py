@@ -278,16 +278,34 @@ class Cluster:
             self._folder.cleanup()
 
 
+_END_WITH_PARENT = """
+import os, threading, time
+
+def watch():
+    while os.getppid() == {pid}:
+        time.sleep(0.5)
+    os._exit(1)
+
+threading.Thread(target=watch, name="parent", daemon=True).start()
+"""
+"""Run by the scheduler and the nannies, whose workers end with them: a process that is killed cannot end its children,
+and they would compute on and hold its output open."""
+
+
 def _processes(count: int, folder: str) -> Any:
-    """A scheduler and workers in processes of their own, which do not run the user's script again as forks would."""
+    """A scheduler and workers in processes of their own, which do not run the user's script again as forks would.
+
+    They end when this process has ended, however it did.
+    """
     from distributed.deploy.subprocess import SubprocessCluster
 
+    watch = [_END_WITH_PARENT.format(pid=os.getpid())]
     return SubprocessCluster(
         n_workers=count,
         threads_per_worker=1,
         dashboard_address=cast("Any", None),
-        scheduler_kwargs={"scheduler_file": str(Path(folder) / "scheduler.json")},
-        worker_kwargs={"local_directory": folder, "memory_limit": 0, "dashboard": False},
+        scheduler_kwargs={"scheduler_file": str(Path(folder) / "scheduler.json"), "preload": watch},
+        worker_kwargs={"local_directory": folder, "memory_limit": 0, "dashboard": False, "preload_nanny": watch},
     )
 
 
