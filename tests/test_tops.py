@@ -221,3 +221,13 @@ def test_a_warning_about_the_inertia_points_to_the_caller():
         with pytest.warns(InertiaWarning) as caught:
             make()
         assert caught[0].filename == __file__
+
+
+def test_a_top_is_what_its_parameters_say():
+    """Runs know a top by its parameters; they would not see what a subclass changes."""
+    with pytest.raises(ParameterError, match="Top cannot have subclasses, as Doubled would be"):
+
+        class Doubled(Top):
+            @property
+            def hamiltonian(self):
+                return super().hamiltonian * 2

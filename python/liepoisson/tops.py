@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 import warnings
 from collections.abc import Sequence
+from typing import Any, final
 
 from liepoisson.errors import InertiaWarning, ParameterError
 from liepoisson.exact.extensions import leibniz
@@ -14,6 +15,7 @@ from liepoisson.exact.system import System
 from liepoisson.exact.top_parameters import ExactVector, TopParameters
 
 
+@final
 class Top(System):
     r"""The charged or twisted top.
 
@@ -43,6 +45,17 @@ class Top(System):
 
     References: Thiffeault and Morrison (2001), sections on the charged heavy top and on the twisted top.
     """
+
+    def __init_subclass__(cls, **_: Any) -> None:
+        """Refuses subclasses: runs know a top by its parameters alone, and would not see what another class changes.
+
+        Raises:
+            ParameterError: always.
+        """
+        raise ParameterError(
+            f"Top cannot have subclasses, as {cls.__name__} would be: a top is what its parameters say. Make a "
+            "System(bracket, hamiltonian), or a function that returns a Top."
+        )
 
     def __init__(
         self,
