@@ -52,6 +52,14 @@ def test_bits_do_not_depend_on_the_instruction_set_or_the_threads():
             assert hashes == expected
 
 
+def test_a_variable_that_is_set_to_nothing_counts_as_not_set():
+    program = "import liepoisson as lp; top = lp.Top.kovalevskaya()\n"
+    program += "print(lp.integrate(top, [lp.sample_states(top, 2, seed=1)[0]] * 2, times=[0, 1]).kernel)"
+    environment = {**os.environ, "LIEPOISSON_SIMD": ""}
+    done = subprocess.run([sys.executable, "-c", program], env=environment, capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == _core.available_simd()[0]
+
+
 def test_all_paths_of_this_processor_are_known():
     assert _core.available_simd()[-1] == "scalar"
 

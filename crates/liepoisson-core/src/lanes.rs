@@ -833,7 +833,7 @@ impl Simd {
         Simd::ALL.into_iter().find(|simd| simd.is_available()).unwrap_or(Simd::Scalar)
     }
 
-    /// The one named by the environment variable `LIEPOISSON_SIMD`, or else the widest.
+    /// The one named by the environment variable `LIEPOISSON_SIMD`, or else, also where that is empty, the widest.
     ///
     /// # Errors
     /// The variable names no known instruction set, or one that this processor lacks.
@@ -841,6 +841,9 @@ impl Simd {
         let Ok(wanted) = std::env::var("LIEPOISSON_SIMD") else {
             return Ok(Simd::widest());
         };
+        if wanted.is_empty() {
+            return Ok(Simd::widest());
+        }
         Simd::ALL
             .into_iter()
             .find(|simd| simd.name() == wanted && simd.is_available())
