@@ -226,3 +226,29 @@ def test_the_harness_complains_of_an_unexpected_error(tmp_path, monkeypatch):
     monkeypatch.setattr("liepoisson.catalog.names", broken)
     with pytest.raises(ComplaintError, match="an unexpected error"):
         run(["catalog"], {}, tmp_path, seconds=60)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("arguments", "files"),
+    [
+        (("orbit", "twisted-kovalevskaya", *ORBIT, "--out", "a.nc", "--figure", "a.png"), {"a.nc", "a.png"}),
+        (("section", "twisted-kovalevskaya", "--starts", "2", "--out", "a.nc", "--figure", "a.png"), {"a.nc", "a.png"}),
+        (("lyapunov", "twisted-kovalevskaya", "--starts", "2", "--t-end", "9", "--out", "a.nc"), {"a.nc"}),
+    ],
+)
+def test_files_are_written_though_nobody_reads_the_result(here, arguments, files):
+    """The reader has gone before the first line."""
+    call = [sys.executable, "-c", "from liepoisson.cli.main import main; main()", *arguments]
+    process = subprocess.Popen(call, stdout=subprocess.PIPE)
+    process.stdout.close()
+    assert process.wait(120) == ending.BROKEN_PIPE
+    assert {path.name for path in here.iterdir()} == files
+
+
+@pytest.mark.thorough
+def test_figures_do_not_need_the_backend_of_the_environment(here, monkeypatch):
+    monkeypatch.setenv("MPLBACKEND", "junk")
+    done = finished("orbit", "twisted-kovalevskaya", *ORBIT, "--figure", "a.png", stdout=subprocess.PIPE)
+    assert (done.returncode, done.stderr) == (0, b"")
+    assert (here / "a.png").exists()

@@ -223,3 +223,11 @@ def test_an_orbit_too_large_for_a_figure_is_refused_without_a_traceback(command,
     assert code == 2
     assert err.startswith("liepoisson: ")
     assert not figure.exists()
+
+
+@pytest.mark.parametrize(("step", "said"), [("1e300", True), ("0.2", True), ("0.1", False), ("0.05", False)])
+def test_the_steps_that_were_taken_are_told(command, step, said):
+    """21 points to t = 2 are 0.1 apart, and steps end there."""
+    code, out, _ = command("orbit", "kovalevskaya", *SHORT, "--method", "gauss", "--step", step)
+    line = f"step     0.1, not {float(step):g}: steps end at the times that are kept (see --points)"
+    assert (code, line in out) == (0, said)

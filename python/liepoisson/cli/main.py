@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -35,6 +36,7 @@ def main() -> None:
 
 
 def _run() -> None:
+    os.environ["MPLBACKEND"] = "agg"  # figures go into files; a backend that there is not would be an error
     from typer.main import get_command  # imports take most of the first second: Ctrl-C may come here
 
     get_command(application()).main(prog_name="liepoisson")

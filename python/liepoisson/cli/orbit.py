@@ -16,6 +16,7 @@ from liepoisson.cli.output import (
     KEEP_HINT,
     OUT_HELP,
     PLOT_HELP,
+    announce,
     data_file,
     figure_stem,
     file_stem,
@@ -52,6 +53,10 @@ _TIME = 100.0
 T_END_HELP = "Time of the run; a negative one runs backwards.  [default: 100 natural times of the orbit]"
 _ROUND_OFF = 1e-15
 """The tolerance of power series that is the default of `integrate`: one orbit costs little."""
+
+
+_STEP_ROUNDING = 1e-9
+"""A step that is longer than the time between kept points by this part of it is the same."""
 
 
 def orbit(
@@ -96,15 +101,19 @@ def orbit(
     begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
     unit = unit_of_time(chosen, begin.state)
     how, t_end = named_method(method, unit=unit, **options), _TIME * unit if t_end is None else t_end
-    print(f"{chosen.name}: one orbit to t = {t_end:g}, {points} points")
-    print("\n".join(start_lines(chosen, begin)), flush=True)
+    head = f"{chosen.name}: one orbit to t = {t_end:g}, {points} points"
+    announce("\n".join([head, *start_lines(chosen, begin)]), (data, stem))
     try:
         run = _integrated(chosen, begin.state, t_end, points, method=how, time_limit=time_limit)
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
-    print("\n".join(run_lines(chosen, run)), flush=True)
-    for path in _written(chosen, run, data, stem):
+    written: list[Path] = []
+    try:  # first, as nobody may read what is printed
+        written = _written(chosen, run, data, stem)
+    finally:
+        print("\n".join(run_lines(chosen, run)), flush=True)
+    for path in written:
         print(f"wrote    {path}")
 
 
@@ -117,6 +126,9 @@ def run_lines(system: System, run: Orbit) -> list[str]:
         f"method   {run.method}, order {run.order}, {run.field.kind} kernel ({run.kernel})",
         f"outcome  {run.outcome[0]} at t = {run.end_time[0]:g}, {run.n_steps[0]} steps",
     ]
+    longest, step = float(np.abs(np.diff(run.time)).max()), getattr(run.method, "step", None)
+    if step is not None and step > (1 + _STEP_ROUNDING) * longest:
+        lines.append(f"step     {longest:g}, not {step:g}: steps end at the times that are kept (see --points)")
     state = run.state[0][np.isfinite(run.state[0]).all(axis=1)]
     if len(state) < 2:
         return [*lines, "drift    not known: no state beyond the start was reached"]

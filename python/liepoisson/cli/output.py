@@ -100,6 +100,19 @@ def write_table(path: Path, columns: Mapping[str, ArrayLike]) -> None:
     write_atomically(path, text.getvalue().encode())
 
 
+def announce(text: str, files: Sequence[Path | None]) -> None:
+    """Print what is known before a run; where files are wanted, the run goes on though nobody reads it.
+
+    Raises:
+        BrokenPipeError: nobody reads it, and no file is wanted.
+    """
+    try:
+        print(text, flush=True)
+    except BrokenPipeError:
+        if all(path is None for path in files):
+            raise
+
+
 def write_figure(figure: Figure, stem: Path) -> list[Path]:
     """Write a figure in the format that its name ends in, or in all of them.
 

@@ -18,6 +18,7 @@ from liepoisson.cli.output import (
     KEEP_HINT,
     OUT_HELP,
     PLOT_HELP,
+    announce,
     data_file,
     figure_stem,
     file_stem,
@@ -125,13 +126,13 @@ def section(
     cut = default_surface(chosen, begin) if surface is None else Surface(surface, "as given")
     _check_formulas(chosen, (cut.function, *(keep or ())))
     check_that_it_varies(chosen, cut.function)
-    print("\n".join(head_lines(chosen, begin, cut, direction, alone=bool(start))), flush=True)
+    announce("\n".join(head_lines(chosen, begin, cut, direction, alone=bool(start))), (data, stem))
     n = N_STARTS if starts is None else starts
     states = begin.state[None] if start else _starts(begin, cut, n, seed, direction)
     if t_end is None:
         t_end = _TIME * crossings * unit_of_time(chosen, states)
     if not start:
-        print(f"starts   {n} on the leaf, the energy surface and the section, seed {seed}", flush=True)
+        announce(f"starts   {n} on the leaf, the energy surface and the section, seed {seed}", (data, stem))
     try:
         run = _crossings(
             chosen,
@@ -147,18 +148,28 @@ def section(
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
-    print("\n".join(run_lines(run, begin, full=not keep)), flush=True)
-    if data is not None:
-        _write_data(run, data)
-        print(f"wrote    {data}")
+    written: list[Path] = []
+    try:  # first, as nobody may read what is printed
+        if data is not None:
+            _write_data(run, data)
+            written.append(data)
+        if stem is not None and axes is not None and len(run.time):
+            written += write_figure(_drawn(chosen, run, begin, cut, axes), stem)
+    finally:
+        print("\n".join(run_lines(run, begin, full=not keep)), flush=True)
+    if (
+        axes is not None
+        and len(run.time)
+        and not keep
+        and begin.leaf.rank == 4
+        and is_folded(begin, cut, axes, run.state)
+    ):
+        print("figure   folds the section: different states may lie at one point")
+    for path in written:
+        print(f"wrote    {path}")
     if not len(run.time):
         print(f"liepoisson: {why_nothing(run)}", file=sys.stderr)
         raise typer.Exit(NO_CROSSING)
-    if stem is not None and axes is not None:
-        if not keep and begin.leaf.rank == 4 and is_folded(begin, cut, axes, run.state):
-            print("figure   folds the section: different states may lie at one point")
-        for path in write_figure(_drawn(chosen, run, begin, cut, axes), stem):
-            print(f"wrote    {path}")
 
 
 def head_lines(system: System, begin: Start, cut: Surface, direction: Direction, *, alone: bool) -> list[str]:
