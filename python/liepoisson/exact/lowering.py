@@ -180,7 +180,7 @@ def tape_of_bracket(bracket: Bracket, hamiltonian: Expr) -> TapeField:
     gradient = writer.write_all(slopes)  # refuses what has no tape
     if _is_still(bracket, private, slopes):
         still = _TapeWriter(private)
-        return still.tape([still.linear([], 0.0) for _ in private])
+        return TapeField(*still.parts([still.linear([], 0.0) for _ in private]))
     sums: list[list[tuple[int, float]]] = [[] for _ in bracket.variables]
     for i, j, m, c in bracket.entries():
         value = as_float(rational(c), "a structure constant")
