@@ -164,7 +164,8 @@ def test_times_and_sizes_that_nobody_can_have_are_refused(here, command):
 
 
 def test_a_sweep_file_runs_no_code_unless_it_is_allowed(here, command):
-    (here / "evil.py").write_text("open('was-here', 'w').close()\n\ndef f(system, starts, **_):\n    return 0 * starts[:, 0]\n")
+    function = "def f(system, starts, **_):\n    return 0 * starts[:, 0]\n"
+    (here / "evil.py").write_text(f"open('was-here', 'w').close()\n\n{function}")
     text = 'system = "twisted-kovalevskaya"\nn_starts = 1\nt_end = 1\nquantity = "evil:f"\n'
     (here / "s.toml").write_text(text + '[[axes]]\nname = "epsilon"\nvalues = [1]\n')
     sys.path.insert(0, str(here))

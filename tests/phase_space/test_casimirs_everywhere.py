@@ -52,8 +52,8 @@ def test_all_places_give_the_same_numbers(epsilon, l, alpha, beta):
     check(documented(epsilon, lp.Leaf(top, values).state))
     check(TopRows.of([top.field()], 1).functions(tuple(values))(x[None], np.arange(1))[0][0])
     check(system_functions(top, tuple(values))(x[None], np.arange(1))[0][0])
-    check(LeafConstants.of(top, top.top_parameters, values, None).casimirs)
-    check(LeafConstants.of(top, top.top_parameters, None, x).casimirs)
+    check(LeafConstants.of(top, top.top_parameters, None, values).casimirs)
+    check(LeafConstants.of(top, top.top_parameters, x).casimirs)
     given = [",".join(map(repr, x.tolist()))], [f"{name}={value!r}" for name, value in values.items()]
     check(find_start(top, start=given[0], leaf=given[1]).leaf.casimirs.values())
     energy = float(top.functions.energy(x))

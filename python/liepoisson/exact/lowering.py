@@ -211,6 +211,10 @@ def _is_still(bracket: Bracket, variables: Sequence[Symbol], slopes: Sequence[Ex
         value = Rational(rational(c))
         rates[i].append(value * variables[m] * slopes[j])
         rates[j].append(-value * variables[m] * slopes[i])
+    for (i, j), c in bracket.constant.items():
+        value = Rational(rational(c))
+        rates[i].append(value * slopes[j])
+        rates[j].append(-value * slopes[i])
     state = {x: Rational(2 * k + 3, k + 2) for k, x in enumerate(variables)}
     try:
         for terms in rates:
