@@ -54,19 +54,14 @@ def test_an_orbit_through_the_collinear_set_leaves_the_euler_chart_there(gauge, 
 
 
 @pytest.mark.thorough
-def test_the_integrator_alone_does_not_see_the_end():
-    # why chart_orbit puts each state back into the equations: the series goes on with the wrong sign of the root.
-    # Rounding decides whether it does or the root becomes that of a negative number, so several starts are tried.
-    wrong = 0
+def test_the_integrator_ends_where_the_root_vanishes_and_does_not_go_on_to_its_other_branch():
     for before in (0.3, 0.4, 0.5, 0.6):
         start = exact(COLLINEAR, [0, -before])[-1]
         for gauge in GAUGES:
             chart = lp.charts.EulerChart(TOP, state=start, gauge=gauge)
             run = lp.integrate(chart.system, chart.from_body(start), times=[0, 1])
-            if run.outcome[0] == "finished":
-                wrong += np.abs(chart.to_body(run.state[0, -1]) - exact(start, [0, 1])[-1]).max() > 0.01
+            assert run.outcome[0] != "finished"
             assert chart_orbit(chart, start, times=[0, 1]).outcome != "finished"
-    assert wrong > 0
 
 
 @pytest.mark.thorough
@@ -128,4 +123,4 @@ def test_a_file_says_where_the_chart_ended(tmp_path):
     np.testing.assert_array_equal(dataset["end_state"][0], orbit.end_state)
     assert np.isnan(dataset["state"][0, 5:]).all()
     again = lp.rerun(dataset)
-    np.testing.assert_array_equal(again.state[0, :5], orbit.state[:5])
+    np.testing.assert_array_equal(again.state[0, :4], orbit.state[:4])

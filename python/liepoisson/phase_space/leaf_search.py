@@ -191,7 +191,8 @@ def _grows(leaf: Leaf, sign: float) -> bool:
 def _lowest(leaf: Leaf, sign: float) -> float:
     """The minimum of sign * H, by Newton steps in tangent coordinates with the moduli of the eigenvalues."""
     x, lowest = _starts(leaf, sign)
-    far, deep = _FAR * float(np.linalg.norm(leaf.state)), _DEEP * (float(np.median(np.abs(lowest))) or np.inf)
+    far = _FAR * (float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket))
+    deep = _DEEP * (float(np.median(np.abs(lowest))) or np.inf)
     active, start = np.arange(len(x)), time.process_time()
     for _ in range(_STEPS):
         moved, reached = _descend(leaf, x[active], lowest[active], sign)
