@@ -511,8 +511,9 @@ fn a_failing_lane_ends_alone_at_its_last_good_point() {
 #[test]
 fn a_series_does_not_continue_a_root_on_its_other_branch() {
     type List = Vec<(&'static str, &'static [usize], &'static [f64])>;
+    type Kink = (&'static str, List, usize, f64, fn(f64) -> f64);
     use std::f64::consts::PI;
-    let kinks: [(&str, List, usize, f64, fn(f64) -> f64); 6] = [
+    let kinks: [Kink; 6] = [
         ("sqrt", vec![("product", &[0, 0], &[]), ("sqrt", &[2], &[]), ("quotient", &[0, 3], &[])], 4, 0.0, f64::abs),
         (
             "asin",
