@@ -478,6 +478,9 @@ fn sections<'py>(
     Ok(result)
 }
 
+/// An array of doubles that Python gets.
+type Doubles<'py> = Bound<'py, PyArray1<f64>>;
+
 /// Q and R of matrices, one after the other, with a positive diagonal of R; the same bits on every processor.
 #[pyfunction]
 fn orthonormal<'py>(
@@ -485,7 +488,7 @@ fn orthonormal<'py>(
     matrices: PyReadonlyArray1<'py, f64>,
     n_rows: usize,
     n_columns: usize,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>)> {
+) -> PyResult<(Doubles<'py>, Doubles<'py>)> {
     let mut frames = copied(&matrices)?;
     let size = n_rows * n_columns;
     if n_columns == 0 || n_columns > n_rows || !frames.len().is_multiple_of(size) {
