@@ -332,3 +332,42 @@ def test_range_of_the_energy_on_a_leaf_with_an_edge(state):
     lowest, highest = lp.Leaf.through(system, state).energy_range()
     assert 0 <= lowest < 1e-12
     assert highest == np.inf
+
+
+def planet(scale):
+    """A heavy top with moments of inertia and times in other units, and a state with l = scale, |alpha| = 1."""
+    top = lp.Top.heavy(inertia=(8 * scale, 8 * scale, 9 * scale), a=(0, 0, scale))
+    return top, np.array([2.5 * scale, 0, 5.5 * scale, 0.6, 0, 0.8, 0, 0, 0])
+
+
+@pytest.mark.parametrize("scale", [1, 1e12, 1e20, 1e33, 1e-33])
+def test_leaf_and_what_is_said_of_it_does_not_depend_on_units(scale):
+    """The fields have units of their own: that l is larger by any factor does not make alpha zero."""
+    top, x = planet(scale)
+    leaf = lp.Leaf.through(top, x)
+    assert leaf.rank == 4
+    assert leaf.stratum == "alpha x beta = 0, (alpha, beta) != 0"
+    other, y = planet(1)
+    found, expected = lp.equilibria(top, leaf), lp.equilibria(other, lp.Leaf.through(other, y))
+    assert found.proved
+    assert [(e.family, e.signature) for e in found] == [(e.family, e.signature) for e in expected]
+    upright = np.diag([scale, scale, scale, 1, 1, 1, 1, 1, 1])[[2, 5]]
+    for alpha3, signature in ((1, (2, 2, 0)), (-1, (4, 0, 0))):
+        assert lp.phase_space.equilibrium(top, upright.T @ [5.5, alpha3]).signature == signature
+    leaning = upright.T @ [5.5, 1]
+    leaning[0] = 0.1 * scale
+    with pytest.raises(ParameterError, match="must be an equilibrium"):
+        lp.phase_space.equilibrium(top, leaning)
+
+
+@pytest.mark.parametrize("factors", [(1e18, 1, 1), (1, 1, 1e-18), (1e-20, 1, 1e10)])
+def test_small_fields_are_fields(factors):
+    top = lp.Top.twisted_kovalevskaya()
+    x = np.array([0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]) * np.repeat(factors, 3)
+    assert lp.Leaf.through(top, x).rank == 6
+    charged = lp.Top.charged_heavy(inertia=(1, 2, 3), a=(1, 0, 0), b=(0, 1, 0))
+    assert lp.Leaf.through(charged, x).rank == 6
+    x[6:] = 0
+    assert lp.Leaf.through(top, x).rank == 4
+    x[6:] = x[3:6] * 1e-25
+    assert lp.Leaf.through(charged, x).rank == 4

@@ -311,3 +311,10 @@ def test_a_pendulum_without_a_position_is_a_body_with_equal_moments():
     for l in np.random.default_rng(1).normal(size=(20, 3)):
         x = np.append(l * np.linalg.norm(leaf.state) / np.linalg.norm(l), [0, 0, 0])
         assert lp.phase_space.equilibrium(pendulum, x).signature == (0, 0, 2)
+
+
+def test_sleeping_top_without_weight_and_with_equal_moments():
+    """H = l.l/4 there, so the known integral l.l has the motion itself, and is left out by default."""
+    top = lp.Top(inertia=(2, 2, 2), a=(0, 0, 0), epsilon="-3/2")
+    sleeping = lp.phase_space.sleeping_top(top, l3=3, alpha3=-2, beta3="-5/2")
+    assert sleeping.analysis().growth_rate == sleeping.growth_rate == 0

@@ -26,7 +26,7 @@ def test_fitted_exponent_of_the_twisted_top_agrees_with_the_anchors(tmp_path):
         estimate = reduce_run(run, integrate(tmp_path, settings, run.name)).fit.estimates["lambda"]
         error = np.hypot(estimate.standard_error, anchor_error)
         # Three combined standard errors: a right program fails with probability 0.3 % for a new seed.
-        assert abs(estimate.exponent - anchor) < 3 * error, f"{ensemble}: {estimate} against {anchor}"
+        assert abs(estimate.value - anchor) < 3 * error, f"{ensemble}: {estimate} against {anchor}"
         assert estimate.standard_error < 0.0025
 
 

@@ -62,7 +62,8 @@ class Leaf:
 
         Args:
             system: A system whose parameters are all numbers.
-            state: One state, shape (N,).
+            state: One state, shape (N,). A field is zero where all its components are exactly 0: fields have different
+                units, and no number is small by itself. Set to 0 what only round-off keeps from it.
 
         Raises:
             ShapeError: not one state of N components.
@@ -144,8 +145,9 @@ class Leaf:
     def residual(self, states: ArrayLike) -> Array:
         r"""The largest relative violation of the equations, $|f - c| / (|c| + |x||\nabla f|)$, shape (...).
 
-        A field that must vanish counts relative to the length of the whole state.  On a stratum that is not listed, and
-        where not all Casimirs are known, only the known ones are compared: necessary, not sufficient.
+        Lengths are those of whole states: where fields differ by many orders of magnitude, as in SI units, the
+        violation of an equation for the smaller ones is not seen, and `project` does not mend it.  On a stratum that is
+        not listed, and where not all Casimirs are known, only the known ones are compared: necessary, not sufficient.
         """
         states = self._points(states)
         if not self.place.is_known:

@@ -1,7 +1,9 @@
 r"""The stratum that a state lies on: which fields vanish or are parallel, and what is constant on its leaf.
 
-The conditions of `Bracket.strata` are read as numbers here.  A field counts as zero, and two as parallel, when this
-holds to 1e-14 and 1e-13 relative: states computed in doubles cannot say more.
+The conditions of `Bracket.strata` are read as numbers here.  Fields have units of their own, which may differ by any
+factor, so a field is zero if all its components are exactly zero; what is left of one by round-off is a field, and a
+caller who means zero writes zero.  Two fields are parallel if they are to 1e-13, each relative to its own length, and
+the rank is that of J in units in which its blocks are of order one.
 """
 
 from __future__ import annotations
@@ -22,7 +24,9 @@ if TYPE_CHECKING:
     from liepoisson.exact.strata import Stratum
     from liepoisson.exact.system import System
 
-ZERO, PARALLEL, RANK = 1e-14, 1e-13, 1e-11
+PARALLEL, RANK = 1e-13, 1e-11
+_BALANCING = 60
+"""Steps in which the blocks of J are balanced; the distance from 1 of their logarithms is halved in each."""
 MOST_COORDINATES = 16
 """Brackets beyond this size are not asked for their strata, which can take minutes; the rank of J decides."""
 
@@ -64,13 +68,13 @@ def place_of(system: System, x: Array) -> Place:
     for k, stratum in enumerate(listed):
         if (stratum.proved or stratum.rank == rank) and _holds(stratum.condition, system.bracket, x):
             place = _place(system, stratum, x, is_open=k == 0)
-            if _cuts_out(place, x):
+            if _cuts_out(place, x, system.bracket):
                 return place
             is_open = k == 0 and rank == stratum.rank and system.bracket.n_unknown_casimirs > 0
             return replace(place, is_known=False) if is_open else _unlisted(system, rank)
     if not listed and rank == system.bracket.rank():
         place = open_place(system)
-        return place if not place.is_known or _cuts_out(place, x) else _unlisted(system, rank)
+        return place if not place.is_known or _cuts_out(place, x, system.bracket) else _unlisted(system, rank)
     return _unlisted(system, rank)
 
 
@@ -83,9 +87,23 @@ def open_place(system: System) -> Place:
 
 
 def numeric_rank(system: System, x: Array) -> int:
-    """The rank of J at one state; singular values below 1e-11 of the largest count as zero."""
-    sizes = np.linalg.svd(system.functions.poisson_tensor(x), compute_uv=False)
+    """The rank of J at one state; singular values below 1e-11 of the largest count as zero, in balanced units."""
+    poisson = system.functions.poisson_tensor(x)
+    n = system.bracket.algebra.dimension
+    sizes = np.linalg.svd(_balanced(np.asarray(poisson), n), compute_uv=False)
     return int(np.sum(sizes > RANK * sizes[0])) if sizes.size and sizes[0] > 0 else 0
+
+
+def _balanced(poisson: Array, n: int) -> Array:
+    r"""$DJD$ with one number for each field in D, such that the largest entry of each row of blocks is about 1."""
+    k = len(poisson) // n
+    blocks = np.abs(poisson).reshape(k, n, k, n).max(axis=(1, 3))
+    units = np.ones(k)
+    for _ in range(_BALANCING):
+        rows = (units[:, None] * blocks * units).max(axis=1)
+        units = np.where(rows > 0, units / np.sqrt(np.where(rows > 0, rows, 1.0)), units)
+    factors = np.repeat(units, n)
+    return factors[:, None] * poisson * factors
 
 
 def gradients_of(functions: Sequence[PhaseFunction], x: Array) -> Array:
@@ -122,14 +140,18 @@ def _unlisted(system: System, rank: int) -> Place:
     return Place(words, rank, False, system.functions.casimirs, pinned, is_known=False)
 
 
-def _cuts_out(place: Place, x: Array) -> bool:
+def _cuts_out(place: Place, x: Array, bracket: Bracket) -> bool:
     """Whether gradients and rows span the normal space of the leaf, of dimension N - rank, at this state."""
     if not place.rank:
         return True
-    rows = gradients_of(list(place.casimirs.values()), x)
+    lengths = np.linalg.norm(x.reshape(-1, bracket.algebra.dimension), axis=1)
+    units = np.repeat(np.where(lengths > 0, lengths, lengths.max()), bracket.algebra.dimension)
+    rows = gradients_of(list(place.casimirs.values()), x) * units
     lengths = np.linalg.norm(rows, axis=-1, keepdims=True)
-    rows = np.concatenate([place.pinned, np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)])
-    sizes = np.linalg.svd(rows, compute_uv=False)
+    rows = np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)
+    pinned = place.pinned * units
+    pinned /= np.linalg.norm(pinned, axis=-1, keepdims=True)
+    sizes = np.linalg.svd(np.concatenate([pinned, rows]), compute_uv=False)
     return int(np.sum(sizes > RANK)) == len(x) - place.rank
 
 
@@ -152,12 +174,12 @@ def _atom_holds(atom: str, bracket: Bracket, x: Array) -> bool:
         u, v = (_field(bracket, name, x) for name in left.split(" x "))
         return _are_parallel(u, v) is right
     names = left.strip("()").split(", ")
-    size = max(float(np.abs(_field(bracket, name, x)).max()) for name in names)
-    return (size <= ZERO * float(np.abs(x).max())) is right
+    return (not any(_field(bracket, name, x).any() for name in names)) is right
 
 
 def _are_parallel(u: Array, v: Array) -> bool:
-    sizes = np.linalg.svd(np.stack([u, v]), compute_uv=False)
+    directions = [w / np.abs(w).max() if w.any() else w for w in (u, v)]
+    sizes = np.linalg.svd(np.stack(directions), compute_uv=False)
     return bool(sizes[1] <= PARALLEL * sizes[0])
 
 

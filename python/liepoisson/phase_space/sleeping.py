@@ -20,7 +20,7 @@ from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError
 from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter
 from liepoisson.phase_space.linearisation import ComplexArray
-from liepoisson.phase_space.stability import Equilibrium, equilibrium
+from liepoisson.phase_space.stability import Equilibrium, equilibrium, has_own_motion
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -95,11 +95,10 @@ class SleepingTop(ReadOnlyArrays):
 
         Args:
             along: The integrals that may be added to H, all of them critical here; by default l3 and the others that
-                are known.
+                are known and have a motion of their own.
         """
         if along is None:
-            casimirs = self.system.functions.casimirs
-            along = [name for name in self.system.invariants if name != "H" and name not in casimirs]
+            along = [name for name in self.system.invariants if has_own_motion(self.system, name)]
         return equilibrium(self.system, self.state, along=along)
 
 

@@ -45,7 +45,8 @@ class Equilibrium(ReadOnlyArrays):
             field vanishes here, or depends on those of the integrals before it, has 0.
         multipliers: The multipliers $\lambda_k$ of the Casimirs, by name; empty on singular leaves, where other
             equations than the Casimirs hold too.
-        residual: $|f_H - \sum_j\Omega_j f_{K_j}|$ relative to the derivative of $f_H$ times $|x|$.
+        residual: $|f_H - \sum_j\Omega_j f_{K_j}|$ relative to the derivative of $f_H$ times $|x|$; for a top in units
+            in which its fields are of order one.
         asymmetry: Relative antisymmetric part of the second variation as computed; round-off if the linearised flow
             is Hamiltonian, so that its eigenvalues form quadruples $\pm\sigma, \pm\bar\sigma$.
         spectrum: Eigenvalues of the linearised flow of $H - \sum_j\Omega_j K_j$ on the symplectic slice, in inverse
@@ -151,10 +152,30 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
     fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
     rates, scale = fields.fields(leaf.state), fields.scale(leaf.state)
     omega = multipliers(rates[None], scale[None])[0]
-    left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
-    if not left <= tol * float(scale[0]):
+    units = _units_of_top(leaf)
+    if not _residual(fields, leaf.state, omega, units) <= tol:
+        left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
         raise ParameterError(_not_an_equilibrium(left, float(np.linalg.norm(rates[:, 0])), integrals))
-    return analysis(leaf, leaf.state, integrals)
+    return analysis(leaf, leaf.state, integrals, units)
+
+
+def _units_of_top(leaf: Leaf) -> Array | None:
+    """Natural sizes of the components of a state of a top, whose fields have units of their own; None for others."""
+    from liepoisson.phase_space.exact_top import exact_top
+    from liepoisson.phase_space.top_equilibria import natural_units
+
+    top = exact_top(leaf.system)
+    return None if top is None or not leaf.rank else natural_units(leaf, top, [])
+
+
+def _residual(fields: HamiltonianFields, x: Array, omega: Array, units: Array | None) -> float:
+    """What the motions of the integrals leave of that of H, relative to the size of the terms in it, in the units."""
+    units = np.ones_like(x) if units is None else units
+    rates = fields.fields(x) / units[:, None]
+    parts = [part[..., 0] * (units / units[:, None]) for part in fields.parts(x)]
+    scale = sum(float(np.linalg.norm(part)) for part in parts) * float(np.linalg.norm(x / units))
+    left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
+    return left / scale if scale else left
 
 
 def not_tiny(leaf: Leaf, name: str) -> Leaf:
@@ -219,10 +240,29 @@ def _are_texts(given: Any) -> bool:
 
 
 def _refuse_idle(system: System, name: str, integral: PhaseFunction) -> None:
-    """Refuse a Casimir, and a multiple of H plus a Casimir: no relative equilibria belong to them.
+    """Refuse a Casimir, and a multiple of H plus a Casimir: no relative equilibria belong to them."""
+    ratio = _share_of_motion(system, integral)
+    if ratio is None:
+        return
+    if ratio == 0:
+        raise ParameterError(
+            f"along must name integrals with a motion of their own; {name} is a Casimir: it has the same value on the "
+            "whole leaf. Leave it out, or choose another leaf."
+        )
+    raise ParameterError(
+        f"along must name integrals with a motion of their own; that of {name} is the motion itself"
+        f"{'' if np.isclose(ratio, 1) else f', {ratio:.4g} times as fast'}: every state would be a relative "
+        "equilibrium. Leave it out."
+    )
 
-    Decided at random states: there $f_K = c f_H$ with one number c, which is 0 for a Casimir.
-    """
+
+def has_own_motion(system: System, name: str) -> bool:
+    """Whether the motion of an invariant is neither none nor a multiple of the system's own."""
+    return _share_of_motion(system, system.functions.of(system.invariants[name])) is None
+
+
+def _share_of_motion(system: System, integral: PhaseFunction) -> float | None:
+    """The number c in $f_K = c f_H$, 0 for a Casimir; None where there is none. Decided at random states."""
     x = np.random.default_rng(0).normal(size=(_TRIED, system.bracket.dimension))
     with np.errstate(all="ignore"):  # a formula may be undefined at some of them; it is not judged there
         fields = HamiltonianFields(system, [system.functions.energy, integral])
@@ -230,17 +270,9 @@ def _refuse_idle(system: System, name: str, integral: PhaseFunction) -> None:
         size = float(np.linalg.norm(fields.poisson(x)) * np.linalg.norm(integral.gradient(x)))
     energy, own = both[..., 0].ravel(), both[..., 1].ravel()
     if np.linalg.norm(own) <= VANISHES * size:
-        raise ParameterError(
-            f"along must name integrals with a motion of their own; {name} is a Casimir: it has the same value on the "
-            "whole leaf. Leave it out, or choose another leaf."
-        )
+        return 0.0
     ratio = float(energy @ own / (energy @ energy)) if energy.any() else 0.0
-    if np.linalg.norm(own - ratio * energy) <= VANISHES * size:
-        raise ParameterError(
-            f"along must name integrals with a motion of their own; that of {name} is the motion itself"
-            f"{'' if np.isclose(ratio, 1) else f', {ratio:.4g} times as fast'}: every state would be a relative "
-            "equilibrium. Leave it out."
-        )
+    return ratio if np.linalg.norm(own - ratio * energy) <= VANISHES * size else None
 
 
 _TRIED = 4
@@ -271,14 +303,13 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
     verdict = spectral_verdict(eigenvalues, bounds, n_zero)
     eigenvalues.real[np.abs(eigenvalues.real) <= bounds] = 0.0
     combination, best = _best_combination(point, flow, basis)
-    left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
     return Equilibrium(
         leaf=leaf,
         state=x,
         energy=float(system.functions.energy(x)),
         omega=dict(zip(integrals, (omega + 0.0).tolist(), strict=True)),
         multipliers=_casimir_multipliers(leaf, fields, x, omega),
-        residual=left / float(scale[0]) if scale[0] else left,
+        residual=_residual(fields, x, omega, units),
         asymmetry=asymmetry,
         spectrum=_ordered(np.append(eigenvalues, np.zeros(n_zero, dtype=np.complex128))),
         growth_rate=float(eigenvalues.real.max()) if verdict == "unstable" else 0.0,

@@ -85,8 +85,6 @@ def evaluate_targets(spec: SweepSpec, family: Family, points: Array) -> Targets:
             _refuse_twice(name, name in casimirs, "this Casimir of the starts")
             casimirs[name] = values
             used.add(name)
-        elif name == "H":
-            raise ParameterError("axis H: H is the Hamiltonian. Call the axis energy, or give it another name.")
     _refuse_unused(columns, used, family)
     family.check(parameters)
     _refuse_nonfinite({**parameters, **casimirs, **({} if energy is None else {"energy": energy})})
@@ -155,6 +153,8 @@ def _refuse_twice(name: str, given: bool, what: str) -> None:
 def _refuse_unused(columns: Mapping[str, Array], used: set[str], family: Family) -> None:
     for name in columns:
         if name not in used:
+            if name == "H":
+                raise ParameterError("axis H: nothing depends on it. Call it energy if it is the energy of the starts.")
             known = ", ".join((*family.shapes, "energy", "C1, C2, ..."))
             raise ParameterError(
                 f"axis {name}: nothing depends on it. Name it like one of {known}, or use it in a formula, such as "
