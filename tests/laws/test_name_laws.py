@@ -178,7 +178,11 @@ def test_canonical_coordinates_may_have_any_name(name):
 def test_canonical_coordinates_and_axes_may_have_any_famous_name():
     right, others = canonical_numbers("qq", "pp", "aa"), targets(HARMLESS, FORMULA, TABLES)
     assert [name for name in FAMOUS if canonical_numbers(name, "pp", "aa") != right] == []
-    assert [name for name in FAMOUS if targets(name, FORMULA, TABLES) != others] == []
+    # An axis called energy is the energy of the starts, so that no other formula may give it.
+    names = [name for name in FAMOUS if name != "energy"]
+    assert [name for name in names if targets(name, FORMULA, TABLES) != others] == []
+    with pytest.raises(LiePoissonError, match="axis energy: the energy of the starts has another"):
+        targets("energy", FORMULA, TABLES)
 
 
 def test_canonical_systems_refuse_what_is_no_name():

@@ -145,7 +145,7 @@ def _cuts_out(place: Place, x: Array, bracket: Bracket) -> bool:
     if not place.rank:
         return True
     lengths = np.linalg.norm(x.reshape(-1, bracket.algebra.dimension), axis=1)
-    units = np.repeat(np.where(lengths > 0, lengths, lengths.max()), bracket.algebra.dimension)
+    units = np.repeat(np.where(lengths > 0, lengths, lengths.max() or 1.0), bracket.algebra.dimension)
     rows = gradients_of(list(place.casimirs.values()), x) * units
     lengths = np.linalg.norm(rows, axis=-1, keepdims=True)
     rows = np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)
