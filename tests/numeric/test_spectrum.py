@@ -81,14 +81,22 @@ def test_a_generic_twisted_orbit_has_five_zeros_and_two_pairs():
 def test_spectra_of_the_twisted_kovalevskaya_top_at_full_length():
     """100 unit-vector starts to t = 1e4: zeros, pairs, and the error of the mean spectrum.
 
-    One run's error is that of its own fluctuations, 7.6e-3 in the median: exponents of single orbits are not known
+    One run's error is that of its own fluctuations, 7.9e-3 in the median: exponents of single orbits are not known
     better at this time, whatever is computed.
+
+    For pairs, t |lambda_i + lambda_(10 - i)| is the logarithm of a bounded factor, whose distribution does not change
+    with t.  For seeds 1, 2, 3 at t = 1e3, 3e3 and 1e4 its median is 2.2 to 2.6, its quantile at 0.9 is 4.3 to 5.0, and
+    the largest of 100 is 8.7 to 11.6: of an exponential tail, and so no number that a bound could be put to.
     """
     spectrum = lyapunov_spectrum(TOP, lp.sample_states(TOP, 100, seed=1), t_end=1e4)
     residuals = spectrum.residuals
     assert np.abs(residuals.zeros).max() <= 3 * np.log(1e4) / 1e4  # measured 1.5e-3
-    assert np.abs(residuals.pairing).max() <= 1e-3  # measured 9.4e-4
-    assert (np.sqrt((spectrum.error**2).sum(axis=0)) / 100).max() <= 2e-3  # over time, measured 1.2e-3
+    for t in (1e3, 1e4):
+        exponent = spectrum.exponent[:, np.argmin(np.abs(spectrum.time - t))]
+        logarithm = t * np.abs(exponent + exponent[:, ::-1])[:, :4].max(axis=1)
+        assert np.median(logarithm) <= 3
+        assert np.quantile(logarithm, 0.9) <= 6
+    assert (np.sqrt((spectrum.error**2).sum(axis=0)) / 100).max() <= 2e-3  # over time, measured 1.3e-3
 
 
 def test_the_zeros_that_are_checked_are_the_middle_ones_not_those_nearest_to_zero():

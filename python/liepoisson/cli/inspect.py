@@ -35,7 +35,7 @@ def inspect(
     """Print what can be proved about a system.
 
     Algebra, extension, Jacobi identity, Casimirs, rank, leaves, symmetries, Hamiltonian, equations of motion and known
-    integrals; every proof is computed anew.  JSON has one object per topic (see `liepoisson.exact.describe.Report`).
+    integrals; every proof is computed anew.  JSON has one object per topic (see `liepoisson.systems.Report`).
 
     The exit code is 1 where something that is claimed turns out to be false: the Jacobi identity, or an integral that
     the file gives.

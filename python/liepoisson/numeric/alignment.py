@@ -308,11 +308,11 @@ def _refuse_dependent(vectors: Array, good: NDArray[np.int64], within: Within) -
 
 def _as_alignment_times(t_end: float | None, times: ArrayLike | None) -> Array:
     if (t_end is None) == (times is None):
-        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1_000")
+        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1000")
     if times is None:
         end = as_positive_time(t_end, "t_end")
         if end < LEAST_TIME:
-            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1_000")
+            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1000")
         wanted = np.geomspace(end / 1000.0, end, N_TIMES)
         wanted[-1] = end
         return wanted
@@ -342,5 +342,5 @@ def as_positive_time(value: Any, name: str) -> float:
     """A time, positive and finite, as a plain float."""
     time = as_number(value, name, "a positive finite time")
     if not 0.0 < time < np.inf:
-        raise ParameterError(f"{name}: wanted a positive finite time; got {time}; try {name}=1_000")
+        raise ParameterError(f"{name}: wanted a positive finite time; got {time}; try {name}=1000")
     return time

@@ -203,13 +203,13 @@ def finite_time_exponents(
 
 def _as_exponent_times(t_end: float | None, times: ArrayLike | None) -> Array:
     if (t_end is None) == (times is None):
-        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1_000")
+        raise ParameterError("wanted either t_end or times; got both or neither; try t_end=1000")
     if times is None:
         end = as_number(t_end, "t_end", "a positive finite time")
         if not 0.0 < end < np.inf:
             raise ParameterError(f"t_end: wanted a positive finite time; got {end}; an exponent needs t_end > 0")
         if end < LEAST_TIME:
-            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1_000")
+            raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1000")
         wanted = np.geomspace(end / 1000.0, end, N_TIMES)
         wanted[-1] = end
         return wanted
