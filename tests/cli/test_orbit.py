@@ -144,7 +144,7 @@ def test_figures_are_written_where_it_says(command, tmp_path, monkeypatch):
     assert [path.name for path in (tmp_path / "new").iterdir()] == ["mine.svg"]
 
 
-@pytest.mark.parametrize("start", ["1e200,0,0,0,0,1,1,1,1", "alpha=1e200,0,0"])
+@pytest.mark.parametrize("start", ["1e200,0,0,0,0,1,1e200,1,1", "alpha=1e200,0,0"])
 def test_a_start_whose_casimirs_are_too_large_is_refused(command, start):
     code, out, err = command("orbit", "twisted-kovalevskaya", "--start", start, "--t-end", 2)
     assert (code, out) == (2, "")

@@ -59,10 +59,13 @@ def place_of(system: System, x: Array) -> Place:
     """The place of one state, shape (N,).
 
     Without a constant part J is linear and the conditions are homogeneous: x and any multiple of it lie on one stratum,
-    and the multiple by a power of two that is of order one neither overflows nor underflows.
+    and the multiple by a power of two neither overflows nor underflows, for which the largest and the smallest field
+    are as far above one as below it.
     """
-    if not system.bracket.constant:
-        x = np.ldexp(x, -int(np.frexp(np.abs(x).max(initial=0.0))[1]))
+    if not system.bracket.constant and x.any():
+        largest = np.abs(x.reshape(-1, system.bracket.algebra.dimension)).max(axis=1)
+        exponents = np.frexp(largest[largest > 0])[1]
+        x = np.ldexp(x, -int(exponents.max() + exponents.min()) // 2)
     rank = numeric_rank(system, x)
     listed = strata_of(system.bracket)
     for k, stratum in enumerate(listed):
@@ -147,6 +150,8 @@ def _cuts_out(place: Place, x: Array, bracket: Bracket) -> bool:
     lengths = np.linalg.norm(x.reshape(-1, bracket.algebra.dimension), axis=1)
     units = np.repeat(np.where(lengths > 0, lengths, lengths.max() or 1.0), bracket.algebra.dimension)
     rows = gradients_of(list(place.casimirs.values()), x) * units
+    largest = np.abs(rows).max(axis=-1, keepdims=True, initial=0.0)  # whose squares may overflow or underflow
+    rows = np.divide(rows, largest, out=np.zeros_like(rows), where=largest > 0)
     lengths = np.linalg.norm(rows, axis=-1, keepdims=True)
     rows = np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)
     pinned = place.pinned * units
