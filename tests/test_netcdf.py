@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson.dataset import read_dataset
 from liepoisson.errors import DamagedFileError, OutputError
 from liepoisson.netcdf import netcdf, read_netcdf
 
@@ -30,7 +31,7 @@ def path(tmp_path):
 def refused_or_the_same(path, whole, **options):
     """Whether a file is refused; one that is read must have the contents of the whole file."""
     try:
-        found = lp.load(path, **options)
+        found = read_dataset(path, **options)
     except DamagedFileError:
         return True
     assert found.identical(whole)
@@ -41,7 +42,7 @@ def refused_or_the_same(path, whole, **options):
 @pytest.mark.parametrize("kind", RUNS)
 def test_no_flipped_bit_changes_what_is_read(tmp_path, kind):
     path = RUNS[kind]().save(tmp_path / "run.nc")
-    whole, content = lp.load(path), path.read_bytes()
+    whole, content = read_dataset(path), path.read_bytes()
     random = np.random.default_rng(1)
     for bit in random.choice(8 * len(content), 300, replace=False).tolist():
         damaged = bytearray(content)
@@ -62,7 +63,7 @@ def test_a_damaged_file_that_is_read_without_its_checksum_is_refused_with_a_sent
         damaged[bit // 8] ^= 1 << bit % 8
         path.write_bytes(damaged)
         try:
-            dataset = lp.load(path, verify=False)
+            dataset = read_dataset(path, verify=False)
         except DamagedFileError:
             continue
         dataset.to_dict()
@@ -76,13 +77,13 @@ def test_a_truncated_file_is_refused(path):
         for verify in (True, False):
             if verify or length < len(content) - 84:
                 with pytest.raises(DamagedFileError):
-                    lp.load(path, verify=verify)
+                    read_dataset(path, verify=verify)
 
 
 def test_what_is_added_is_refused(path):
     path.write_bytes(path.read_bytes() + b"\n")
     with pytest.raises(DamagedFileError, match="wanted a checksum"):
-        lp.load(path)
+        read_dataset(path)
 
 
 def test_a_file_with_a_checksum_is_plain_netcdf(path):
@@ -90,26 +91,26 @@ def test_a_file_with_a_checksum_is_plain_netcdf(path):
 
     with h5py.File(path) as file, xr.open_dataset(path, engine="h5netcdf") as dataset:
         assert file["exponent"].shape == (3, 200)
-        assert dataset.load().identical(lp.load(path))
+        assert dataset.load().identical(read_dataset(path))
 
 
 def test_a_file_that_was_changed_on_purpose_can_be_read_and_run(path):
     with h5py.File(path, "r+") as file:
         file["start"][0, 0] = 0.5
     with pytest.raises(DamagedFileError, match="verify=False"):
-        lp.load(path)
+        read_dataset(path)
     with pytest.raises(DamagedFileError, match="verify=False"):
         lp.rerun(path)
-    assert lp.rerun(lp.load(path, verify=False)).start[0, 0] == 0.5
+    assert lp.rerun(read_dataset(path, verify=False)).start[0, 0] == 0.5
 
 
 def test_a_file_that_xarray_wrote_can_be_read_and_run(path):
-    dataset = lp.load(path)
+    dataset = read_dataset(path)
     dataset["start"][0, 0] = 0.5
     dataset.to_netcdf(path, engine="h5netcdf")
     with pytest.raises(DamagedFileError, match="verify=False"):
-        lp.load(path)
-    assert lp.rerun(lp.load(path, verify=False)).start[0, 0] == 0.5
+        read_dataset(path)
+    assert lp.rerun(read_dataset(path, verify=False)).start[0, 0] == 0.5
 
 
 def altered(path, change):
@@ -216,7 +217,7 @@ def test_only_what_liepoisson_writes_is_read(path, harm):
     altered(path, lambda file: harm(file, other))
     for verify in (True, False):
         with pytest.raises(DamagedFileError, match="liepoisson did not write it"):
-            lp.load(path, verify=verify)
+            read_dataset(path, verify=verify)
 
 
 def test_texts_that_claim_one_place_are_refused(path):
@@ -235,7 +236,7 @@ def test_texts_that_claim_one_place_are_refused(path):
     content[start : start + 160_000] = bytes(content[start : start + 16]) * 10_000
     path.write_bytes(content)
     with pytest.raises(DamagedFileError, match="larger than the file"):
-        lp.load(path, verify=False)
+        read_dataset(path, verify=False)
 
 
 def test_variables_that_claim_one_place_are_refused(path):
@@ -248,11 +249,11 @@ def test_variables_that_claim_one_place_are_refused(path):
 
     altered(path, named_often)
     with pytest.raises(DamagedFileError, match="larger than the file"):
-        lp.load(path)
+        read_dataset(path)
 
 
 def test_a_dataset_that_is_read_is_the_one_that_was_written(path):
-    dataset = lp.load(path)
+    dataset = read_dataset(path)
     path.write_bytes(netcdf(dataset))
     assert read_netcdf(path).identical(dataset)
     assert path.read_bytes() == netcdf(dataset)  # no times of writing: the same bytes

@@ -17,8 +17,6 @@ from liepoisson import sections as sections
 from liepoisson import sweeps as sweeps
 from liepoisson import systems as systems
 from liepoisson._core import __version__ as __version__
-from liepoisson.dataset import load as load
-from liepoisson.dataset import rerun as rerun
 from liepoisson.exact.bracket import Bracket as Bracket
 from liepoisson.exact.canonical_bracket import canonical as canonical
 from liepoisson.exact.describe import inspect as inspect
@@ -45,5 +43,7 @@ from liepoisson.numeric.spectrum import lyapunov_spectrum as lyapunov_spectrum
 from liepoisson.numeric.verdict import decide as decide
 from liepoisson.phase_space.leaf import Leaf as Leaf
 from liepoisson.phase_space.leaf_equilibria import equilibria as equilibria
+from liepoisson.repeat import load as load
+from liepoisson.repeat import rerun as rerun
 from liepoisson.sweeps.run import sweep as sweep
 from liepoisson.tops import Top as Top

@@ -1,216 +1,216 @@
-"""The one place where results become labelled datasets and files, and files become runs again.
+"""Results as labelled datasets and files, and back.
 
-A dataset carries everything that its run was given: the parameters of the field, the method with all its options, the
-starts, the seed, the limit of time, and the version of liepoisson.  `rerun` repeats a run from the file alone and gives
-the same bits.
+A dataset carries everything that its run was given: the system, exactly and as the field that was integrated, the
+method with all its options, the starts, the seed, the limit of time, and the version of liepoisson.  What is written
+where follows from the labels of the fields of the result (`liepoisson.result`).
 """
 
 from __future__ import annotations
 
 import json
-import math
-import warnings
-from dataclasses import asdict, dataclass, replace
+from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liepoisson import _core
+from liepoisson.arrays import read_only
 from liepoisson.errors import DamagedFileError, OutputError
-from liepoisson.field import Field, TapeFunction, field_of, record_of
 from liepoisson.files import write_atomically
 from liepoisson.netcdf import netcdf, read_netcdf
-from liepoisson.numeric._checks import as_time_limit, shown
-from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents, finite_time_exponents
-from liepoisson.numeric.integrate import Orbit, integrate
-from liepoisson.numeric.methods import method_of, method_record
-from liepoisson.numeric.section import Section, section
-from liepoisson.numeric.spectrum import Spectrum, lyapunov_spectrum
-from liepoisson.numeric.structural_zeros import PoissonStructure
+from liepoisson.result import KEY, ArrayLabel, NamesLabel, PartLabel, PiecesLabel, RecordLabel, Result
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from xarray import Dataset
 
-_FORMAT = "liepoisson/1"
+FORMAT = "liepoisson/2"
 
 _LONGEST_ATTRIBUTE = 32_000
 """Characters: HDF5 keeps attributes of up to 64 kB."""
-_TIME = {"long_name": "time", "units": "dimensionless"}
 
 
-def orbit_dataset(orbit: Orbit) -> Dataset:
-    """An orbit with labelled axes."""
-    variables: dict[str, Any] = {
-        "state": (("trajectory", "time", "component"), orbit.state, {"long_name": "state", "units": "dimensionless"}),
-        "tangent": (("trajectory", "time", "vector", "component"), orbit.tangent, {"long_name": "tangent vectors"}),
-        "start": (("trajectory", "component"), orbit.start, {"long_name": "state as it was given"}),
-        "start_tangent": (
-            ("trajectory", "vector", "component"),
-            orbit.start_tangent,
-            {"long_name": "tangent vectors as they were given"},
-        ),
-        **_ends(orbit),
-    }
-    coordinates = {"time": ("time", orbit.time, _TIME), "component": list(orbit.components)}
-    kernel = "components" if orbit.kernel == "components" else "lanes"
-    return _dataset(
-        orbit,
-        "orbit",
-        {"dense": bool(orbit.series), "kernel": kernel, "start": float(orbit.time[0])},
-        variables,
-        coordinates,
-    )
-
-
-def growth_dataset(growth: FiniteTimeExponents) -> Dataset:
-    """Finite-time exponents with labelled axes."""
-    exponent = {"long_name": "finite-time largest Lyapunov exponent", "units": "inverse time, dimensionless"}
-    variables: dict[str, Any] = {
-        "exponent": (("trajectory", "time"), growth.exponent, exponent),
-        "start": (("trajectory", "component"), growth.start, {"long_name": "state at time 0"}),
-        "start_tangent": (("trajectory", "component"), growth.start_tangent, {"long_name": "tangent at time 0"}),
-        **_ends(growth),
-    }
-    coordinates = {
-        "time": ("time", growth.time, _TIME),
-        "component": list(growth.components),
-        "trajectory": np.arange(growth.first, growth.first + len(growth.outcome)),
-    }
-    return _dataset(growth, "growth", {"seed": growth.seed, "first": growth.first}, variables, coordinates)
-
-
-def section_dataset(section: Section) -> Dataset:
-    """Crossings of a surface with labelled axes; the starts and ends of the trajectories beside them."""
-    kept = "component" if section.coordinates == section.components else "coordinate"
-    state = {"long_name": "what is kept of the crossing", "units": "dimensionless"}
-    variables: dict[str, Any] = {
-        "state": (("crossing", kept), section.state, state),
-        "sign": ("crossing", section.sign, {"long_name": "+1 where the surface function increases, else -1"}),
-        "touch_state": (("touch", kept), section.touch_state, {"long_name": "what is kept of a point not decided"}),
-        "unbounded_steps": (
-            "trajectory",
-            section.unbounded_steps,
-            {"long_name": "steps with an estimated error of the state"},
-        ),
-        "unseen_steps": ("trajectory", section.unseen_steps, {"long_name": "steps with a part that was not seen"}),
-        "undefined_time": ("trajectory", section.undefined_time, {"long_name": "time without a surface function"}),
-        "unresolved_time": (
-            "trajectory",
-            section.unresolved_time,
-            {"long_name": "time for which the surface function could not be followed"},
-        ),
-        "seen_to": ("trajectory", section.seen_to, {"long_name": "time up to which it was followed without a gap"}),
-        "start": (("trajectory", "component"), section.start, {"long_name": "state at time 0"}),
-        **_ends(section),
-    }
-    coordinates = {
-        "crossing_trajectory": ("crossing", section.trajectory, {"long_name": "trajectory of the crossing"}),
-        "time": ("crossing", section.time, _TIME),
-        "touch_trajectory": ("touch", section.touch_trajectory, {"long_name": "trajectory of the point"}),
-        "touch_time": ("touch", section.touch_time, _TIME),
-        "component": list(section.components),
-        kept: list(section.coordinates),
-    }
-    run = {
-        "surface": section.surface,
-        "t_end": section.t_end,
-        "direction": section.direction,
-        "n_crossings": section.n_crossings,
-    }
-    return _dataset(section, "section", run, variables, coordinates, surface=asdict(section.tape))
-
-
-def spectrum_dataset(spectrum: Spectrum) -> Dataset:
-    """Lyapunov spectra with labelled axes; covariant vectors with times of their own."""
-    exponent = {"long_name": "finite-time Lyapunov exponents", "units": "inverse time, dimensionless"}
-    variables: dict[str, Any] = {
-        "exponent": (("trajectory", "time", "k"), spectrum.exponent, exponent),
-        "error": (
-            ("trajectory", "k"),
-            spectrum.error,
-            {"long_name": "standard error at the last time, over the time of each orbit"},
-        ),
-        "time_scale": ("trajectory", spectrum.time_scale, {"long_name": "natural unit of time of each orbit"}),
-        "largest_ratio": ("trajectory", spectrum.largest_ratio, {"long_name": "of stretchings within one interval"}),
-        "start": (("trajectory", "component"), spectrum.start, {"long_name": "state at time 0"}),
-        **_ends(spectrum),
-    }
-    if spectrum.structure is not None:
-        variables |= {name: ("trajectory", value) for name, value in vars(spectrum.structure).items()}
-    coordinates = {
-        "time": ("time", spectrum.time, _TIME),
-        "component": list(spectrum.components),
-        "trajectory": np.arange(spectrum.first, spectrum.first + len(spectrum.outcome)),
-    }
-    if (vectors := spectrum.covariant) is not None:
-        moments = ("trajectory", "covariant_time")
-        variables |= {
-            "covariant_vector": ((*moments, "k", "component"), vectors.vector, {"long_name": "covariant vectors"}),
-            "covariant_state": ((*moments, "component"), vectors.state, {"long_name": "states where they are"}),
-            "covariant_growth": (("trajectory", "covariant_interval", "k"), vectors.growth, exponent),
-        }
-        coordinates["covariant_time"] = ("covariant_time", vectors.time, _TIME)
-    run = {
-        "seed": spectrum.seed,
-        "first": spectrum.first,
-        "t_end": float(spectrum.time[-1]),
-        "interval": spectrum.interval,
-        "transient": spectrum.transient,
-        "n_exponents": spectrum.exponent.shape[2],
-        "covariant": vectors is not None,
-    }
-    return _dataset(spectrum, "spectrum", run, variables, coordinates)
-
-
-def _ends(result: Orbit | FiniteTimeExponents | Section | Spectrum) -> dict[str, Any]:
-    return {
-        "outcome": ("trajectory", result.outcome, {"long_name": "how the trajectory ended"}),
-        "end_time": ("trajectory", result.end_time, {"long_name": "time reached"}),
-        "n_steps": ("trajectory", result.n_steps, {"long_name": "accepted steps"}),
-        "end_state": (("trajectory", "component"), result.end_state, {"long_name": "last good state"}),
-    }
-
-
-def _dataset(
-    result: Orbit | FiniteTimeExponents | Section | Spectrum,
-    kind: str,
-    run: dict[str, Any],
-    variables: dict[str, Any],
-    coordinates: dict[str, Any],
-    **records: dict[str, Any],
-) -> Dataset:
-    """The dataset, with all that its run was given in its attributes; a long record becomes a variable."""
+def dataset_of(result: Result) -> Dataset:
+    """The dataset of a result."""
     import xarray as xr
 
-    attributes = {
-        "format": _FORMAT,
-        "kind": kind,
-        "system": result.system,
-        "method": json.dumps(method_record(result.method)),
-        "order": result.order,
-        "kernel": result.kernel,
-        "run": json.dumps(run | {"time_limit": result.time_limit if math.isfinite(result.time_limit) else None}),
-        "version": _core.__version__,
-    }
-    # the names in the order of the field: a dataset can be put into another one
-    order = list(result.components)
-    for name, record in {"field": record_of(result.field), "component_order": order, **records}.items():
-        # json writes a float with the digits that give the same float back
-        text = json.dumps(record)
-        if len(text) <= _LONGEST_ATTRIBUTE:
-            attributes[name] = text
-        else:
-            data = np.frombuffer(text.encode(), dtype=np.uint8)
-            variables = variables | {name: (f"{name}_byte", data, {"long_name": f"the {name}, as JSON in UTF-8"})}
-    return xr.Dataset(variables, coordinates, attributes)
+    writer = _Writer()
+    values = writer.values_of(result)
+    system = result.system
+    # json writes a float with the digits that give the same float back
+    texts = {name: json.dumps(value) for name, value in {**writer.records, "run": values}.items()}
+    attributes = {"format": FORMAT, "kind": result.kind, "system": str(system.name), "version": _core.__version__}
+    attributes |= texts
+    text = getattr(system, "text", None)
+    if text is not None:
+        attributes |= {"system_file": text, "system_kind": type(system).__name__}
+    for name in (*texts, "system_file"):
+        if len(attributes.get(name, "")) > _LONGEST_ATTRIBUTE:
+            data = np.frombuffer(attributes.pop(name).encode(), dtype=np.uint8)
+            writer.variables[name] = (f"{name}_byte", data, {"long_name": f"{name}, as text in UTF-8"})
+    if hasattr(result, "first"):  # members have numbers, from which what is drawn for them follows
+        first = int(getattr(result, "first", 0))
+        writer.coordinates["trajectory"] = np.arange(first, first + len(writer.variables["outcome"][1]))
+    return xr.Dataset(writer.variables, writer.coordinates, attributes)
 
 
-def _record(dataset: Dataset, name: str) -> Any:
-    text = dataset.attrs[name] if name in dataset.attrs else dataset[name].to_numpy().tobytes().decode()
-    return json.loads(text)
+class _Writer:
+    """Collects the variables and coordinates of a dataset, and what has no label as plain data."""
+
+    def __init__(self) -> None:
+        self.variables: dict[str, Any] = {}
+        self.coordinates: dict[str, Any] = {}
+        self.records: dict[str, Any] = {}
+
+    def values_of(self, owner: Any, prefix: str = "", own_dims: tuple[str, ...] = ()) -> dict[str, Any]:
+        values: dict[str, Any] = {}
+        for item in fields(owner):
+            label, value, name = item.metadata.get(KEY), getattr(owner, item.name), prefix + item.name
+            if isinstance(label, ArrayLabel):
+                self.array(name, value, _renamed(label, prefix, own_dims))
+            elif isinstance(label, PartLabel):
+                values[item.name] = None if value is None else self.values_of(value, label.prefix, label.own_dims)
+            elif isinstance(label, PiecesLabel):
+                self.pieces(value, label)
+                values[item.name] = len(value)
+            elif isinstance(label, NamesLabel):
+                self.coordinates[label.dim] = values[item.name] = list(value)
+            elif isinstance(label, RecordLabel):
+                self.records[name] = label.write(value)
+            elif item.name != "system":
+                values[item.name] = _plain(value, name)
+        return values
+
+    def array(self, name: str, value: Any, label: ArrayLabel) -> None:
+        dims = _written_dims(label.dims, value.ndim)
+        into = self.coordinates if label.is_coordinate else self.variables
+        into[name] = (dims, value, label.attributes)
+
+    def pieces(self, value: Any, label: PiecesLabel) -> None:
+        if not value:
+            return
+        owner = np.repeat(np.arange(len(value)), [len(first) for first, _ in value])
+        first, second = label.names
+        columns = (owner, np.concatenate([one for one, _ in value]), np.concatenate([other for _, other in value]))
+        dims, names = (label.dim,), (f"{label.dim}_trajectory", first, second)
+        for name, column, own in zip(names, columns, (dims, dims, (*dims, *label.dims)), strict=True):
+            self.variables[name] = (own, read_only(column), {})
+
+
+def _renamed(label: ArrayLabel, prefix: str, own_dims: tuple[str, ...]) -> ArrayLabel:
+    """The label in a part of a result, some of whose dimensions are its own."""
+    dims = tuple(f"{prefix}{dim}" if dim in own_dims else dim for dim in label.dims)
+    return replace(label, dims=dims) if own_dims else label
+
+
+def _written_dims(dims: tuple[Any, ...], n: int) -> tuple[str, ...]:
+    """Names for all dimensions: `...` stands for none, for "trajectory", or for axis0, axis1, ..."""
+    if ... not in dims:
+        return dims
+    k, extra = dims.index(...), n - len(dims) + 1
+    inner = ("trajectory",) if extra == 1 else tuple(f"axis{i}" for i in range(extra))
+    return (*dims[:k], *inner, *dims[k + 1 :])
+
+
+def _plain(value: Any, name: str) -> Any:
+    """Numbers, texts, and lists and dictionaries of them."""
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, (list, tuple)):
+        return [_plain(item, name) for item in value]
+    if isinstance(value, dict):
+        return {str(key): _plain(item, name) for key, item in value.items()}
+    raise OutputError(f"{name}: a value of type {type(value).__name__} cannot be written to a file; save it yourself")
+
+
+def result_of(kind: type[Any], dataset: Dataset, system: Any) -> Any:
+    """The result of this class that a dataset holds.
+
+    A dataset may be transposed, have names along a dimension in another order, or be a part of the trajectories.
+
+    Raises:
+        Exception: of many kinds, if something is missing or altered.
+    """
+    values = json.loads(text_of(dataset, "run"))
+    return _read(kind, dataset, values, PartLabel(lambda: kind), system)
+
+
+def text_of(dataset: Dataset, name: str) -> str:
+    """A long text, from an attribute or from a variable of bytes."""
+    return str(dataset.attrs[name]) if name in dataset.attrs else dataset[name].to_numpy().tobytes().decode()
+
+
+def _read(kind: Any, dataset: Dataset, values: dict[str, Any], within: PartLabel, system: Any) -> Any:
+    dataset, prefix = _in_order(kind, dataset, values), within.prefix
+    found: dict[str, Any] = {}
+    for item in fields(kind):
+        if item.name == "system":
+            found["system"] = system
+            continue
+        label, name = item.metadata.get(KEY), prefix + item.name
+        if isinstance(label, ArrayLabel):
+            found[item.name] = _array(dataset, name, _renamed(label, prefix, within.own_dims))
+        elif isinstance(label, PartLabel):
+            inner = values[item.name]
+            if inner is not None:
+                inner = label.with_system(_read(label.made_by(), dataset, inner, label, system), system)
+            found[item.name] = inner
+        elif isinstance(label, PiecesLabel):
+            found[item.name] = _pieces(dataset, label, values[item.name]) if values[item.name] else ()
+        elif isinstance(label, RecordLabel):
+            found[item.name] = label.read(json.loads(text_of(dataset, name)))
+        elif item.name == "first":
+            found["first"] = _first_member(dataset)
+        elif item.name in values or (item.default is MISSING and item.default_factory is MISSING):
+            found[item.name] = _tuples(values[item.name])
+    return kind(**found)
+
+
+def _in_order(kind: Any, dataset: Dataset, values: dict[str, Any]) -> Dataset:
+    """The dataset with the names along its dimensions in the order that the result has."""
+    for item in fields(kind):
+        label = item.metadata.get(KEY)
+        if isinstance(label, NamesLabel):
+            names, given = list(map(str, values[item.name])), list(map(str, dataset[label.dim].to_numpy()))
+            if sorted(names) != sorted(given):
+                raise ValueError(f"{label.dim}: wanted {', '.join(names):.60} ({len(names)} names); got {len(given)}")
+            if names != given:
+                dataset = dataset.isel({label.dim: [given.index(name) for name in names]})
+    return dataset
+
+
+def _array(dataset: Dataset, name: str, label: ArrayLabel) -> Any:
+    variable = dataset[name]
+    array = variable.transpose(*_written_dims(label.dims, variable.ndim)).to_numpy()
+    return array.astype(np.str_) if array.dtype.kind in "OT" else np.array(array, order="C")
+
+
+def _pieces(dataset: Dataset, label: PiecesLabel, n: int) -> tuple[Any, ...]:
+    owner, (first, second) = dataset[f"{label.dim}_trajectory"].to_numpy(), label.names
+    begins = dataset[first].to_numpy()
+    rest = dataset[second].transpose(label.dim, *label.dims).to_numpy()
+    if n != max(
+        [int(owner.max(initial=-1)) + 1, *(dataset.sizes[dim] for dim in dataset.sizes if "trajectory" in dim)]
+    ):
+        raise ValueError(f"{label.dim}: wanted one for each trajectory; got {shown(n)}")
+    return tuple((begins[owner == row], rest[owner == row]) for row in range(n))
+
+
+def _first_member(dataset: Dataset) -> int:
+    """The number of the first member; what is drawn for a member follows from its number."""
+    members = dataset["trajectory"].to_numpy()
+    first = int(members[0]) if len(members) else 0
+    if not np.array_equal(members, np.arange(first, first + len(members))):
+        raise ValueError(f"trajectory: wanted members one after the other; got {shown(members.tolist())}")
+    return first
+
+
+def _tuples(value: Any) -> Any:
+    """Lists as tuples, as results have them."""
+    return tuple(map(_tuples, value)) if isinstance(value, list) else value
 
 
 def save(dataset: Dataset, path: str | Path) -> Path:
@@ -232,13 +232,12 @@ def save(dataset: Dataset, path: str | Path) -> Path:
     return path
 
 
-def load(path: str | Path, *, verify: bool = True) -> Dataset:
+def read_dataset(path: str | Path, *, verify: bool = True) -> Dataset:
     """Reads a dataset that liepoisson has written, into memory.
 
     Args:
         path: The file.
-        verify: Refuse a file whose contents do not have the checksum that liepoisson wrote.  False reads what another
-            program has changed on purpose; a bit that flipped by accident is then not found either.
+        verify: Refuse a file whose contents do not have the checksum that liepoisson wrote.
 
     Raises:
         DamagedFileError: There is no such file; it is truncated, damaged or changed; or liepoisson did not write it.
@@ -251,213 +250,19 @@ def load(path: str | Path, *, verify: bool = True) -> Dataset:
     if not found:
         raise DamagedFileError(f"{path}: wanted a file written by liepoisson; there is none of this name")
     dataset = read_netcdf(path, verify=verify)
-    if dataset.attrs.get("format") != _FORMAT:
-        raise DamagedFileError(f"{path}: wanted a file written by liepoisson (format {_FORMAT!r}); got another kind")
+    try:
+        check_format(dataset)
+    except ValueError as error:
+        raise DamagedFileError(f"{path}: {error}") from error
     return dataset
 
 
-class _Recorded:
-    """A system known by the field that a file records."""
-
-    def __init__(self, name: str, field: Field, component_names: tuple[str, ...]) -> None:
-        self.name = name
-        self.component_names = component_names
-        self._field = field
-
-    def field(self) -> Field:
-        return self._field
-
-
-def rerun(
-    source: str | Path | Dataset,
-    *,
-    threads: int | None = None,
-    time_limit: float = math.inf,
-    progress: Callable[[float], Any] | None = None,
-) -> Orbit | FiniteTimeExponents | Section | Spectrum:
-    """Repeats the run that made a file (or a dataset), from what it records alone.
-
-    The result has the same bits as the original on any processor, with the same version of liepoisson: starts, tangent
-    vectors and times come from the file, and the core computes them all with operations that IEEE 754 rounds correctly.
-
-    How far a run comes within its limit of seconds depends on the machine and cannot be repeated.  Trajectories that
-    ended with the outcome "time limit" go on to their end in the rerun, and what they had reached before has the same
-    bits.
-
-    Args:
-        source: The file, or the dataset of a result.
-        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
-        time_limit: Seconds that the rerun may take; by default as many as it needs.
-        progress: Called a few times a second with the fraction that is done.
+def check_format(dataset: Dataset) -> None:
+    """Refuses datasets of other programs and of other versions of the format.
 
     Raises:
-        DamagedFileError: The file is damaged, or lacks what the run was given.  A dataset may be transposed, have its
-            components in another order, or be a part of the trajectories; an orbit without its first time, a part of
-            the components, and of a growth or spectrum members that do not follow each other have no run.
-
-    Warns:
-        UserWarning: Another version of liepoisson made the file, so the bits may differ; or trajectories were ended by
-            the limit of time.
+        ValueError: it is one.
     """
-    import xarray as xr
-
-    dataset = source if isinstance(source, xr.Dataset) else load(source)
-    try:
-        recorded = _recorded_run(dataset)
-    except Exception as error:  # records that were altered fail in many ways, one nested too deeply in its own
-        raise DamagedFileError(
-            f"the file does not record a run that can be repeated: {error!r:.200} is missing or altered; make it again"
-        ) from error
-    version = str(dataset.attrs.get("version"))  # of a damaged file it may be anything
-    if version != _core.__version__:
-        warnings.warn(
-            f"the file was made by liepoisson {version:.60}, this is {_core.__version__}: the results may differ in "
-            "their last bits",
-            UserWarning,
-            stacklevel=2,
-        )
-    if recorded.n_cut:
-        given = "" if recorded.time_limit is None else f" of {recorded.time_limit:g} s"
-        warnings.warn(
-            f"{recorded.n_cut} trajectories of the file were ended by the time limit{given}, which depends on the "
-            "machine and cannot be repeated: they go on to their end. Up to its end_time each has the same numbers",
-            UserWarning,
-            stacklevel=2,
-        )
-    run: Any = RUNS[recorded.kind]
-    options = recorded.arguments | {"time_limit": time_limit, "threads": threads, "progress": progress}
-    result = run(recorded.system, **options)
-    named: dict[str, Any] = {} if recorded.surface is None else {"surface": recorded.surface}
-    if not recorded.n_cut and "time limit" not in result.outcome:
-        # the limit ended nothing, here as there: the result is that of the file in this, too
-        named["time_limit"] = math.inf if recorded.time_limit is None else recorded.time_limit
-    return replace(result, **named)
-
-
-RUNS = {"growth": finite_time_exponents, "orbit": integrate, "section": section, "spectrum": lyapunov_spectrum}
-"""The functions whose results can be saved and rerun, by kind."""
-
-
-@dataclass(frozen=True)
-class Recorded:
-    """What a dataset records of its run.
-
-    Attributes:
-        kind: Which of `RUNS` it was.
-        system: What was integrated.
-        arguments: All others by name, but for the limit of time, threads and progress.
-        time_limit: Seconds that the run was allowed to take, or None.
-        n_cut: Trajectories that it ended.
-        surface: How the surface of a section was written.
-    """
-
-    kind: str
-    system: _Recorded
-    arguments: dict[str, Any]
-    time_limit: float | None
-    n_cut: int
-    surface: str | None = None
-
-
-def _recorded_run(dataset: Dataset) -> Recorded:
-    """What a dataset records of its run."""
-    attributes = dataset.attrs
-    kind, run = attributes["kind"], json.loads(attributes["run"])
-    _expect("format", attributes["format"], _FORMAT)
-    _expect("kind", kind, *RUNS)
-    field = field_of(_record(dataset, "field"))
-    names = tuple(map(str, _record(dataset, "component_order")))
-    given = list(map(str, dataset["component"].to_numpy()))
-    if len(names) != field.n_components or sorted(given) != sorted(names):
-        raise ValueError(f"component: wanted {', '.join(names):.60} ({field.n_components} names); got {len(given)}")
-    dataset = dataset.isel(component=[given.index(name) for name in names])
-    limit = run["time_limit"]
-    return Recorded(
-        kind=kind,
-        system=_Recorded(attributes["system"], field, names),
-        arguments={"method": method_of(json.loads(attributes["method"])), **_ARGUMENTS[kind](dataset, run)},
-        time_limit=None if limit is None else as_time_limit(limit),
-        n_cut=int((dataset["outcome"].to_numpy() == "time limit").sum()),
-        surface=str(run["surface"]) if kind == "section" else None,
-    )
-
-
-def _starts(dataset: Dataset) -> Any:
-    """The states at the first time, whatever the order of the dataset's dimensions."""
-    return dataset["start"].transpose("trajectory", "component").to_numpy()
-
-
-def _first_member(dataset: Dataset) -> int:
-    """The number of the first member; what is drawn for a member follows from its number."""
-    members = dataset["trajectory"].to_numpy()
-    first = int(members[0]) if len(members) else 0
-    if not np.array_equal(members, np.arange(first, first + len(members))):
-        raise ValueError(f"trajectory: wanted members one after the other; got {shown(members.tolist())}")
-    return first
-
-
-def _recorded_orbit(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
-    """The arguments of `integrate`, but for system and method."""
-    times = dataset["time"].to_numpy()
-    if float(times[0]) != run["start"]:
-        raise ValueError(f"time: wanted times from {run['start']:g} on, where the starts are; got {times[0]:g}")
-    tangents = dataset["start_tangent"].transpose("trajectory", "vector", "component")
-    return {
-        "starts": _starts(dataset),
-        "times": times,
-        "t_end": None,
-        "tangents": tangents.to_numpy() if dataset.sizes["vector"] else None,
-        "dense": bool(run["dense"]),
-        "kernel": run["kernel"],
-    }
-
-
-def _recorded_growth(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
-    """The arguments of `finite_time_exponents`, but for system and method; `t_end` is the last of the times."""
-    return {
-        "starts": _starts(dataset),
-        "t_end": None,
-        "times": dataset["time"].to_numpy(),
-        "tangents": dataset["start_tangent"].transpose("trajectory", "component").to_numpy(),
-        "seed": run["seed"],
-        "first": _first_member(dataset),
-    }
-
-
-def _recorded_section(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
-    """The arguments of `section`, but for system and method."""
-    tape = _record(dataset, "surface")
-    kept = dataset["coordinate" if "coordinate" in dataset.coords else "component"].to_numpy()
-    return {
-        "starts": _starts(dataset),
-        "surface": TapeFunction(tape["n_components"], tape["instructions"], tape["outputs"]),
-        "keep": tuple(map(str, kept)) if len(tape["outputs"]) > 1 else None,
-        "t_end": run["t_end"],
-        "direction": run["direction"],
-        "n_crossings": run["n_crossings"],
-    }
-
-
-def _recorded_spectrum(dataset: Dataset, run: dict[str, Any]) -> dict[str, Any]:
-    """The arguments of `lyapunov_spectrum`, but for system and method; zeros and pairs are those that were found."""
-    names = ("n_zeros", "corank", "is_regular")
-    known = names[0] in dataset
-    return {
-        "starts": _starts(dataset),
-        "first": _first_member(dataset),
-        "structure": PoissonStructure(*(dataset[name].to_numpy() for name in names)) if known else None,
-        **{name: run[name] for name in ("t_end", "seed", "interval", "transient", "n_exponents", "covariant")},
-    }
-
-
-_ARGUMENTS = {
-    "growth": _recorded_growth,
-    "orbit": _recorded_orbit,
-    "section": _recorded_section,
-    "spectrum": _recorded_spectrum,
-}
-
-
-def _expect(name: str, got: object, *wanted: str) -> None:
-    if not isinstance(got, str) or got not in wanted:
-        raise ValueError(f"{name}: wanted {' or '.join(wanted)}; got {shown(got)}")
+    found = dataset.attrs.get("format")
+    if not isinstance(found, str) or found != FORMAT:
+        raise ValueError(f"wanted a file written by liepoisson (format {FORMAT!r}); got another kind")

@@ -1,6 +1,4 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
-from liepoisson.dataset import load as load
-from liepoisson.dataset import rerun as rerun
 from liepoisson.numeric.alignment import Alignment as Alignment
 from liepoisson.numeric.covariant_vectors import CovariantVectors as CovariantVectors
 from liepoisson.numeric.estimates import Estimate as Estimate
@@ -27,4 +25,7 @@ from liepoisson.phase_space.orbit_bounds import Bounds as Bounds
 from liepoisson.phase_space.rod import Rod as Rod
 from liepoisson.phase_space.sleeping import SleepingTop as SleepingTop
 from liepoisson.phase_space.stability import Equilibrium as Equilibrium
+from liepoisson.repeat import load as load
+from liepoisson.repeat import rerun as rerun
+from liepoisson.result import Result as Result
 from liepoisson.sweeps.result import Sweep as Sweep

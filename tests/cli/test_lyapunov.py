@@ -50,7 +50,7 @@ def test_results_are_saved_on_request(command, tmp_path):
     path = tmp_path / "growth.nc"
     code, _, _ = command("lyapunov", "lagrange", "--starts", 2, "--t-end", 5, "--ensemble", "cube", "--out", path)
     assert code == 0
-    assert lp.load(path)["exponent"].sizes == {"trajectory": 2, "time": 200}
+    assert lp.load(path).dataset["exponent"].sizes == {"trajectory": 2, "time": 200}
 
 
 @pytest.mark.thorough
@@ -124,7 +124,7 @@ def test_spectrum_prints_the_mean_of_the_runs_and_the_check(command, tmp_path):
     )
     assert (code, err) == (0, "")
     rows = np.array([line.split() for line in re.findall(r"^ +\d .*$", out, re.MULTILINE)], dtype=float)
-    saved = lp.load(path)
+    saved = lp.load(path).dataset
     last = saved["exponent"].to_numpy()[:, -1]
     assert rows[:, 1] == pytest.approx(last.mean(axis=0), abs=1e-5)
     assert rows[:, 3] == pytest.approx(last.min(axis=0), abs=1e-5)

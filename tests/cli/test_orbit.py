@@ -123,7 +123,7 @@ def test_netcdf_can_be_rerun_and_csv_has_all_digits(command, tmp_path):
     for path in (nc, csv):
         code, out, _ = command("orbit", "lagrange", *SHORT, "--out", path)
         assert (code, out.splitlines()[-1]) == (0, f"wrote    {path}")
-    saved = lp.load(nc)
+    saved = lp.load(nc).dataset
     again = lp.rerun(nc)
     np.testing.assert_array_equal(again.state, saved["state"])
     assert csv.read_text().splitlines()[0] == "t,l1,l2,l3,alpha1,alpha2,alpha3"

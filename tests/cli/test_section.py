@@ -144,7 +144,7 @@ def test_netcdf_can_be_rerun(command, tmp_path):
     path = tmp_path / "section.nc"
     code, _, _ = command("section", "twisted-kovalevskaya", *FEW, "--out", path)
     assert code == 0
-    saved, again = lp.load(path), lp.rerun(path)
+    saved, again = lp.load(path).dataset, lp.rerun(path)
     np.testing.assert_array_equal(again.state, saved["state"])
     assert len(again.time) == 15
 

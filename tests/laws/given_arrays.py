@@ -157,6 +157,7 @@ CASES: dict[str, Case] = {
     "Leaf.tangent_projector": Case(lambda states: leaf().tangent_projector(states, energy=True), {"states": STATES}),
     "LeafConstants.of": Case(lambda state: numbers_of("euler", state), {"state": STATE}),
     "LogFit.curve": Case(lambda time: fits()[1].curve(time), {"time": LONG}),
+    "Orbit.go_on": Case(lambda times: orbit().go_on(times=times), {"times": orbit().time[-1] + LATER}),
     "Orbit.at": Case(lambda times: orbit().at(times), {"times": TIMES}),
     "OrdinaryLagrange.__init__": Case(
         lambda state: [str(lp.charts.OrdinaryLagrange(LAGRANGE, state=state).hamiltonian)], {"state": ORDINARY}

@@ -158,8 +158,9 @@ def test_numbers_of_numpy_become_plain_ones_and_can_be_saved(tmp_path):
     assert [type(v) for v in (method.tol, method.order, method.max_steps)] == [float, int, int]
     growth = exponent(seed=np.int64(5), first=np.int64(3), method=method)
     assert (type(growth.seed), type(growth.first)) == (int, int)
-    attributes = lp.load(growth.save(tmp_path / "growth.nc")).attrs
-    assert json.loads(attributes["run"]) == {"seed": 5, "first": 3, "time_limit": 3600.0}
+    attributes = lp.load(growth.save(tmp_path / "growth.nc")).dataset.attrs
+    run = json.loads(attributes["run"])
+    assert [run[name] for name in ("seed", "first", "time_limit")] == [5, 3, 3600.0]
     assert json.loads(attributes["method"])["order"] == 20
     resampling = Resampling(np.int64(10), np.float32(0.5), np.int64(1))
     values = (resampling.n_bootstrap, resampling.confidence, resampling.seed)

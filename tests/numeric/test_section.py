@@ -372,7 +372,7 @@ def test_the_return_map_says_why_an_orbit_ended():
 def test_a_section_is_labelled_and_repeats_from_its_file_alone(tmp_path, options):
     found = lp.section(TWISTED, lp.sample_states(TWISTED, 3, seed=1), surface="l3 - alpha2", t_end=30, **options)
     path = found.save(tmp_path / "section.nc")
-    dataset, again = lp.load(path), lp.rerun(path, threads=1)
+    dataset, again = lp.load(path).dataset, lp.rerun(path, threads=1)
     for name in ("state", "time", "sign"):
         assert np.array_equal(dataset[name].to_numpy(), getattr(found, name))
         assert np.array_equal(getattr(again, name), getattr(found, name))
@@ -388,7 +388,7 @@ def test_a_section_is_labelled_and_repeats_from_its_file_alone(tmp_path, options
 
 def test_an_altered_surface_is_not_rerun():
     dataset = lp.section(TWISTED, lp.sample_states(TWISTED, 1, seed=1), surface="l3", t_end=3).dataset
-    dataset.attrs["surface"] = "{}"
+    dataset.attrs["tape"] = "{}"
     with pytest.raises(DamagedFileError, match="does not record a run"):
         lp.rerun(dataset)
 

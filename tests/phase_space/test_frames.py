@@ -170,7 +170,7 @@ def test_other_systems_on_so3_have_an_attitude(name):
 def test_a_run_is_saved_and_run_again(tmp_path):
     run = lp.orbits.attitude(TWISTED, lp.sample_states(TWISTED, 2, seed=4), times=[0, 1])
     path = run.orbit.save(tmp_path / "attitude.nc")
-    assert list(lp.load(path).component.values[-4:]) == ["q0", "q1", "q2", "q3"]
+    assert list(lp.load(path).components[-4:]) == ["q0", "q1", "q2", "q3"]
     np.testing.assert_array_equal(lp.rerun(path).state, run.orbit.state)
 
 

@@ -60,7 +60,7 @@ def test_finished_run_is_one_netcdf_file_that_can_be_run_again(tmp_path):
     members = integrate(tmp_path, SMALL, "twisted-cube")
     path = tmp_path / "data" / "twisted-cube.nc"
     assert not (tmp_path / "pieces").exists()
-    dataset = lp.load(path)
+    dataset = lp.load(path).dataset
     np.testing.assert_array_equal(dataset["exponent"], members.exponent)
     np.testing.assert_array_equal(lp.rerun(path).exponent, members.exponent)
 

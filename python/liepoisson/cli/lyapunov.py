@@ -125,7 +125,8 @@ def summary(result: FiniteTimeExponents | Spectrum, ensemble: str, unit: float) 
     outcome = result.outcome
     method = f"{result.method}, order {result.order}, {result.field.kind} kernel"
     lines = [
-        f"{result.system}: {len(outcome)} random starts ({ensemble}, seed {result.seed}) to t = {result.time[-1]:g}, "
+        f"{result.system.name}: {len(outcome)} random starts ({ensemble}, seed {result.seed}) to "
+        f"t = {result.time[-1]:g}, "
         f"{_count(result.time[-1] / unit)} natural times",
         f"{method} ({result.kernel})",
         "outcomes: " + ", ".join(f"{name} {np.sum(outcome == name)}" for name in np.unique(outcome)),

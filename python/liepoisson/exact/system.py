@@ -5,12 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ExpressionError, ParameterError
+from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.hamiltonian import (
     RESERVED_NAME,
@@ -38,6 +38,22 @@ if TYPE_CHECKING:
     from liepoisson.exact.top_parameters import TopParameters
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+class AsGiven(NamedTuple):
+    """How a system was given: texts where it was texts.
+
+    Attributes:
+        hamiltonian: The text of the Hamiltonian; None if it was an expression or a function.
+        symbols: Parameters that stay symbolic, as they were declared.
+        integrals: By name.
+        partial_integrals: By name, with the functions that vanish.
+    """
+
+    hamiltonian: str | None
+    symbols: tuple[str, ...]
+    integrals: dict[str, str | Expr]
+    partial_integrals: dict[str, tuple[str | Expr, str | Expr]]
 
 
 class System:
@@ -115,6 +131,27 @@ class System:
     def vector_length(self) -> int:
         """Number of components of each field: the dimension of the Lie algebra; all where fields are scalars."""
         return self.bracket.dimension if self.bracket.has_scalar_fields else self.bracket.algebra.dimension
+
+    @property
+    def as_given(self) -> AsGiven:
+        """What a file of this system has to say, in the words in which it was given."""
+        given = self._given_hamiltonian
+        return AsGiven(
+            given if isinstance(given, str) else None,
+            tuple(self._given_symbols),
+            dict(self._given_integrals),
+            dict(self._given_partial_integrals),
+        )
+
+    @cached_property
+    def text(self) -> str | None:
+        """The text of a system file from which `read_system` gives the same system; None if there is none."""
+        from liepoisson.exact.system_text import system_text
+
+        try:
+            return system_text(self)
+        except SystemFileError:
+            return None
 
     @cached_property
     def symbolic_hamiltonian(self) -> Expr:

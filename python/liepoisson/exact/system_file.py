@@ -17,6 +17,8 @@ A canonical bracket is written instead of an algebra:
     [bracket]
     canonical = 2                          # {q_i, p_i} = 1 for q1, q2, p1, p2
     canonical = ["theta", "phi"]           # or by names; momenta p_theta, p_phi, or momenta = ["u", "v"]
+    [quadratures]                          # further components of the state, if there are, with their rates
+    psi = "p_theta - cos(theta)"
 
 and, where they are known, a source, a description, integrals and reference values:
 
@@ -105,6 +107,7 @@ class SystemFile:
         symbols: Parameters without value, as declared: "epsilon", "a[3]".
         integrals: Functions that are claimed to be constant, by name.
         references: Values to compare with.
+        quadratures: Rates of components that follow the motion of a canonical system, by name.
         source: Where the system is described, or None.
         description: What it is, or None.
         path: The file, as messages call it.
@@ -118,6 +121,7 @@ class SystemFile:
     symbols: tuple[str, ...] = ()
     integrals: Mapping[str, Integral] = field(default_factory=dict[str, Integral])
     references: tuple[Reference, ...] = ()
+    quadratures: Mapping[str, str] = field(default_factory=dict[str, str])
     source: str | None = None
     description: str | None = None
     path: str = "system file"
@@ -136,6 +140,7 @@ class SystemFile:
             found["integrals", name] = integral.expression
             if integral.vanishing is not None:
                 found["integrals", name, "on"] = integral.vanishing
+        found.update({("quadratures", name): rate for name, rate in self.quadratures.items()})
         return found
 
     def error(self, keys: tuple[str, ...], message: str) -> SystemFileError:
@@ -159,6 +164,8 @@ class SystemFile:
         integrals = {name: item for name, item in self.integrals.items() if item.vanishing is None}
         partial = {k: (i.expression, i.vanishing) for k, i in self.integrals.items() if i.vanishing is not None}
         try:
+            if self.quadratures:
+                return self.canonical_system()
             return System(
                 self.bracket,
                 self.hamiltonian,
@@ -171,6 +178,23 @@ class SystemFile:
             )
         except ParameterError as error:
             raise SystemFileError(f"{self.path}: {error}") from error
+
+    def canonical_system(self) -> System:
+        """The same as a `CanonicalSystem`, with its quadratures; the bracket must be canonical."""
+        from liepoisson.exact.canonical_system import CanonicalSystem
+
+        integrals = {name: item.expression for name, item in self.integrals.items() if item.vanishing is None}
+        names, n = self.bracket.coordinate_names_in_order, self.bracket.dimension // 2
+        return CanonicalSystem(
+            names[:n],
+            names[n:],
+            self.hamiltonian,
+            parameters=cast("Any", self.parameters),
+            quadratures=self.quadratures,
+            name=self.name,
+            integrals=integrals,
+            source=self.source,
+        )
 
 
 def read_system(path: str | Path) -> System:

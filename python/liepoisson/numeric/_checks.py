@@ -14,6 +14,7 @@ from liepoisson import _core
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField, QuadraticField, TopField
+from liepoisson.wrong_values import shown
 
 MOST = 2**63 - 1
 """Largest count: what a signed integer of 64 bits holds."""
@@ -38,15 +39,6 @@ class HasField(Protocol):
     def field(self) -> Field:
         """The vector field as plain data."""
         ...
-
-
-def shown(value: object) -> str:
-    """A wrong value as a message quotes it: never long."""
-    try:
-        text = repr(value)
-    except ValueError:  # an integer of thousands of digits has no repr
-        text = "a very large number"
-    return text if len(text) <= 60 else text[:57] + "..."
 
 
 def as_count(value: Any, name: str, *, least: int = 0, most: int = MOST, hint: str = "") -> int:

@@ -10,7 +10,7 @@ from typing import Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -27,8 +27,10 @@ from liepoisson.numeric._checks import (
 )
 from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
+from liepoisson.result import labelled
 
 Within: TypeAlias = Literal["space", "leaf", "energy"]
 
@@ -45,15 +47,19 @@ MOST_BYTES = 4 * 2**30
 _MOST_GROWTH = 600.0
 
 
-@dataclass(frozen=True)
-class Alignment(ReadOnlyArrays):
+@dataclass(frozen=True, kw_only=True)
+class Alignment(Run):
     r"""Alignment indices of unit vectors $\hat v_1, \hat v_2, \ldots$ along trajectories.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
+        components: Names of the components of the state.
+        field: Its vector field.
         method: How it was integrated.
+        start: Shape (trajectory, component).
         seed: Seed of the tangent vectors.
         first: Number of the first member.
+        unit: Units of the components in which vectors are drawn and angles taken, shape (trajectory, component).
         within: Where the vectors started: "space", "leaf" or "energy".
         time: Times, shape (time,).
         sali: $\min(|\hat v_1 + \hat v_2|, |\hat v_1 - \hat v_2|)$, between 1e-16 and $\sqrt 2$, shape
@@ -62,15 +68,23 @@ class Alignment(ReadOnlyArrays):
         outcome: How each trajectory ended, shape (trajectory,).
     """
 
-    system: str
-    method: Method
+    kind = "alignment"
+
     seed: int
     first: int
     within: Within
-    time: Array
-    sali: Array
-    log_gali: Array
-    outcome: NDArray[np.str_]
+    unit: Array = labelled("trajectory", "component", long_name="unit of each component")
+    time: Array = labelled("time", long_name="time", is_coordinate=True)
+    sali: Array = labelled("trajectory", "time", long_name="smaller alignment index", units="1")
+    log_gali: Array = labelled(
+        "trajectory", "time", "order", long_name="logarithms of the alignment indices of 2, 3, ... vectors", units="1"
+    )
+
+    def arguments(self) -> dict[str, Any]:
+        """What `alignment` was called with."""
+        own = {"times": self.time, "units": None if (self.unit == 1).all() else self.unit, "within": self.within}
+        drawn = {"seed": self.seed, "first": self.first, "n_vectors": self.log_gali.shape[-1] + 1}
+        return super().arguments() | own | drawn
 
     def gali(self, k: int) -> Array:
         r"""$\mathrm{GALI}_k = |\hat v_1\wedge\cdots\wedge\hat v_k|$, shape (trajectory, time); 0 where it underflows.
@@ -84,8 +98,8 @@ class Alignment(ReadOnlyArrays):
     def __repr__(self) -> str:
         n_vectors, value = self.log_gali.shape[-1] + 1, typical("SALI", self.sali[:, -1])
         return (
-            f"<Alignment of {self.system}: {n_vectors} tangent vectors of {trajectories(self.outcome)}, {value} at "
-            f"t = {self.time[-1]:g}>"
+            f"<Alignment of {self.system.name}: {n_vectors} tangent vectors of {trajectories(self.outcome)}, {value} "
+            f"at t = {self.time[-1]:g}>"
         )
 
 
@@ -166,9 +180,13 @@ def alignment(
     sali = np.full((len(states), len(wanted)), np.nan)
     log_gali = np.full((len(states), len(wanted), k - 1), np.nan)
     outcome = np.where(np.isfinite(states).all(axis=1), "finished", "not finite").astype("<U16")
+    known: dict[str, Any] = {
+        **given(system, field_for(system, as_field(system), method), method, states.copy()),
+        "seed": seed, "first": first, "within": within, "unit": size, "time": wanted, "time_limit": float(time_limit),
+    }  # fmt: skip
     if clock.monotonic() > deadline:  # before vectors are drawn: of many members this takes seconds
         outcome[outcome == "finished"] = "time limit"
-        return Alignment(system.name, method, seed, first, within, wanted, sali, log_gali, outcome)
+        return Alignment(**known, sali=sali, log_gali=log_gali, outcome=outcome)
     drawn = sample_alignment_vectors(n, len(states), k, seed=seed, first=first)
     vectors = _first_vectors(system, states, drawn * size[:, None] if within == "space" else drawn, within)
     n_done = 0
@@ -192,7 +210,7 @@ def alignment(
         before, n_done = now, i + 1
         if progress is not None:
             progress(n_done / len(wanted))
-    return Alignment(system.name, method, seed, first, within, wanted, sali, log_gali, outcome)
+    return Alignment(**known, sali=sali, log_gali=log_gali, outcome=outcome)
 
 
 class _Travel:

@@ -22,6 +22,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import as_count
 from liepoisson.numeric.mean_error import mean_error
 from liepoisson.numeric.tangent_frames import TangentFrames
+from liepoisson.result import labelled
 
 MOST_BYTES = 4 * 2**30
 _TRIANGLES = 3  # purpose of the random numbers: the coefficients at the end
@@ -41,10 +42,16 @@ class CovariantVectors(ReadOnlyArrays):
         growth: Mean growth rate of each vector over each interval, in inverse time, shape (trajectory, time - 1, k).
     """
 
-    time: Array
-    state: Array
-    vector: Array
-    growth: Array
+    time: Array = labelled("covariant_time", long_name="time", is_coordinate=True)
+    state: Array = labelled("trajectory", "covariant_time", "component", long_name="state")
+    vector: Array = labelled("trajectory", "covariant_time", "k", "component", long_name="covariant vectors")
+    growth: Array = labelled(
+        "trajectory",
+        "covariant_interval",
+        "k",
+        long_name="mean growth rate of each vector",
+        units="inverse time, dimensionless",
+    )
 
     @property
     def exponent(self) -> Array:

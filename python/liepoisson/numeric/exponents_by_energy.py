@@ -10,14 +10,17 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_time_limit, shown, typical
 from liepoisson.numeric.estimates import Estimate, as_confidence
 from liepoisson.numeric.mean_error import mean_interval
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.methods import Method, as_method, field_for
+from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.sampling import as_seed
 from liepoisson.numeric.tangent_frames import as_duration
-from liepoisson.numeric.verdict import Kind, Rule, as_rule, decide
+from liepoisson.numeric.verdict import METHOD, Kind, Rule, as_rule, decide, rule_of, rule_record
+from liepoisson.result import labelled, recorded
 
 _MOST = 10_000_000
 
@@ -31,11 +34,34 @@ class SampledLeaf(Protocol):
 
 
 @dataclass(frozen=True)
-class EnergyProfile(ReadOnlyArrays):
+class DrawnLeaf:
+    """A leaf as a file knows it: the starts that were drawn on it, by energy."""
+
+    casimirs: dict[str, float]
+    starts: dict[float, Array]
+
+    def sample(self, n_starts: int, *, seed: int, energy: float | None = None) -> Array:
+        """The starts of the file, whatever the seed."""
+        return self.starts[float("nan") if energy is None else energy][:n_starts]
+
+
+def read_estimates(record: list[list[float]]) -> tuple[Estimate, ...]:
+    """The numbers with errors that a file has as data."""
+    return tuple(Estimate(*item) for item in record)
+
+
+@dataclass(frozen=True, kw_only=True)
+class EnergyProfile(Run):
     """Finite-time exponents at several energies of one leaf.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
+        components: Names of the components of the state.
+        field: Its vector field.
+        method: How it was integrated.
+        start: The starts, shape (energy, trajectory, component).
+        seed: Seed of the starts and of the tangent vectors.
+        confidence: That of the intervals.
         casimirs: Values of the Casimirs of the leaf.
         energy: Shape (energy,).
         t_end: Time of each exponent.
@@ -51,22 +77,35 @@ class EnergyProfile(ReadOnlyArrays):
             energy surface lies between `chaotic` and `chaotic` + `undecided`, but for the errors of both.
     """
 
-    system: str
+    kind = "energy profile"
+
+    start: Array = labelled("energy", "member", "component", long_name="state at time 0")
+    outcome: NDArray[np.str_] = labelled("energy", "member", long_name="how the run ended")
+    seed: int
+    confidence: float
     casimirs: dict[str, float]
-    energy: Array
+    energy: Array = labelled("energy", long_name="energy", is_coordinate=True)
     t_end: float
-    exponent: Array
-    outcome: NDArray[np.str_]
-    verdict: NDArray[np.str_]
-    rule: Rule
-    mean: tuple[Estimate, ...]
-    chaotic: tuple[Estimate, ...]
-    undecided: tuple[Estimate, ...]
+    exponent: Array = labelled(
+        "energy", "member", long_name="finite-time largest Lyapunov exponent", units="inverse time, dimensionless"
+    )
+    verdict: NDArray[np.str_] = labelled("energy", "member", long_name="regular, chaotic or undecided")
+    rule: Rule = recorded(rule_record, rule_of)
+    mean: tuple[Estimate, ...] = recorded(list, read_estimates)
+    chaotic: tuple[Estimate, ...] = recorded(list, read_estimates)
+    undecided: tuple[Estimate, ...] = recorded(list, read_estimates)
+
+    def arguments(self) -> dict[str, Any]:
+        """What `exponents_by_energy` was called with: the leaf as the starts that were drawn on it."""
+        names = ("t_end", "seed", "rule", "confidence", "method")
+        own = {name: getattr(self, name) for name in names}
+        leaf = DrawnLeaf(self.casimirs, dict(zip(self.energy.tolist(), self.start, strict=True)))
+        return own | {"leaf": leaf, "energies": self.energy, "n_starts": self.start.shape[1]}
 
     def __str__(self) -> str:
         leaf = ", ".join(f"{name} = {value:.4g}" for name, value in self.casimirs.items())
         lines = [
-            f"{self.system}, {leaf}; {self.exponent.shape[1]} starts per energy, t = {self.t_end:g}, "
+            f"{self.system.name}, {leaf}; {self.exponent.shape[1]} starts per energy, t = {self.t_end:g}, "
             "errors over the starts",
             "  energy  mean exponent      chaotic            undecided",
         ]
@@ -79,7 +118,7 @@ class EnergyProfile(ReadOnlyArrays):
         n_energies, n = self.exponent.shape
         energies = f"{n_energies} energies from {self.energy.min():.4g} to {self.energy.max():.4g}"
         value = typical("exponent", self.exponent.ravel())
-        return f"<EnergyProfile of {self.system}: {energies}, {n} starts each, {value} at t = {self.t_end:g}>"
+        return f"<EnergyProfile of {self.system.name}: {energies}, {n} starts each, {value} at t = {self.t_end:g}>"
 
 
 def exponents_by_energy(
@@ -126,7 +165,8 @@ def exponents_by_energy(
     References: Wilson, J. Amer. Statist. Assoc. 22 (1927) 209.
     """
     _check_leaf(system, leaf)
-    values = np.atleast_1d(as_array(energies, "energies"))
+    values, method = np.atleast_1d(as_array(energies, "energies")), as_method(method, METHOD)
+    field = field_for(system, as_field(system), method)
     if values.ndim != 1 or values.size == 0:
         raise ShapeError(f"energies must have shape (energy,) with one or more energies; got shape {values.shape}.")
     n_starts = as_count(n_starts, "n_starts", least=1, most=_MOST, hint="try n_starts=100")
@@ -134,7 +174,7 @@ def exponents_by_energy(
     rule, confidence = as_rule(rule), as_confidence(confidence)
     deadline, shape = clock.monotonic() + as_time_limit(time_limit), (len(values), n_starts)
     exponent, outcome = np.full(shape, np.nan), np.full(shape, "time limit", dtype="<U32")
-    verdict = np.full(shape, "undecided", dtype="<U16")
+    verdict, drawn = np.full(shape, "undecided", dtype="<U16"), np.full((*shape, field.n_components), np.nan)
     nothing = Estimate(*[float("nan")] * 4)
     share: dict[Kind, list[Estimate]] = {kind: [nothing] * len(values) for kind in ("chaotic", "undecided")}
     for k, energy in enumerate(values):
@@ -143,6 +183,7 @@ def exponents_by_energy(
             break
         own = now + (deadline - now) / (len(values) - k)
         starts = leaf.sample(n_starts, seed=seed, energy=float(energy))
+        drawn[k] = starts
         decided = decide(
             system,
             starts,
@@ -162,7 +203,10 @@ def exponents_by_energy(
     finished = [row[np.isfinite(row)] for row in exponent]
 
     return EnergyProfile(
-        system=system.name,
+        **given(system, field, method, drawn),
+        seed=as_seed(seed),
+        confidence=confidence,
+        time_limit=float(time_limit),
         casimirs=leaf.casimirs,
         energy=values,
         t_end=t_end,

@@ -4,16 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from liepoisson import _core
-from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import Field
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
     HasField,
@@ -23,29 +21,27 @@ from liepoisson.numeric._checks import (
     as_threads,
     as_time_limit,
     as_times,
-    component_names,
     core_field,
     outcome_names,
     trajectories,
     typical,
 )
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
-
-if TYPE_CHECKING:
-    from xarray import Dataset
+from liepoisson.result import labelled
 
 N_TIMES = 200
 LEAST_TIME = 1e-300
 """Shortest time of a run: a thousandth of it is still a normal double."""
 
 
-@dataclass(frozen=True)
-class FiniteTimeExponents(ReadOnlyArrays):
+@dataclass(frozen=True, kw_only=True)
+class FiniteTimeExponents(IntegratedRun):
     """Finite-time Lyapunov exponents.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
         components: Names of the components of the state.
         field: Its vector field.
         method: How it was integrated.
@@ -65,40 +61,27 @@ class FiniteTimeExponents(ReadOnlyArrays):
         time_limit: Seconds that the run was allowed to take.
     """
 
-    system: str
-    components: tuple[str, ...]
-    field: Field
-    method: Method
+    kind = "growth"
+
     seed: int
     first: int
-    time: Array
-    exponent: Array
-    outcome: NDArray[np.str_]
-    end_time: Array
-    n_steps: NDArray[np.int64]
-    start: Array
-    start_tangent: Array
-    end_state: Array
-    order: int
-    kernel: str
-    time_limit: float = np.inf
+    time: Array = labelled("time", long_name="time", is_coordinate=True)
+    exponent: Array = labelled(
+        "trajectory",
+        "time",
+        long_name="finite-time largest Lyapunov exponent",
+        units="inverse time, dimensionless",
+    )
+    start_tangent: Array = labelled("trajectory", "component", long_name="tangent vector at time 0")
 
-    @property
-    def dataset(self) -> Dataset:
-        """The same as a labelled xarray Dataset, whose attributes suffice to run it again."""
-        from liepoisson.dataset import growth_dataset
-
-        return growth_dataset(self)
-
-    def save(self, path: str | Path) -> Path:
-        """Writes the dataset to a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run."""
-        from liepoisson.dataset import save
-
-        return save(self.dataset, path)
+    def arguments(self) -> dict[str, Any]:
+        """What `finite_time_exponents` was called with."""
+        own = {"times": self.time, "tangents": self.start_tangent, "seed": self.seed, "first": self.first}
+        return super().arguments() | own
 
     def __repr__(self) -> str:
-        value = typical("exponent", self.exponent[:, -1])
-        return f"<FiniteTimeExponents of {self.system}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
+        value, name = typical("exponent", self.exponent[:, -1]), self.system.name
+        return f"<FiniteTimeExponents of {name}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
 
 
 def finite_time_exponents(
@@ -181,10 +164,7 @@ def finite_time_exponents(
         progress,
     )
     return FiniteTimeExponents(
-        system=system.name,
-        components=component_names(system, n),
-        field=field,
-        method=method,
+        **given(system, field, method, states),
         seed=seed,
         first=first,
         time=wanted,
@@ -192,7 +172,6 @@ def finite_time_exponents(
         outcome=outcome_names(raw["outcome"]),
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
-        start=states,
         start_tangent=vectors,
         end_state=raw["final_state"].reshape(len(states), n),
         order=raw["order"],

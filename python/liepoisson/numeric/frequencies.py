@@ -5,12 +5,12 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -27,7 +27,9 @@ from liepoisson.numeric._checks import (
 )
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.run import Run, given
+from liepoisson.result import labelled, recorded
 
 Signal: TypeAlias = NDArray[np.complex128]
 Observable: TypeAlias = str | Sequence[str] | Callable[[Array], ArrayLike]
@@ -40,13 +42,34 @@ _MOST_ORDER = 8
 _STATE_BYTES, _SIGNAL_BYTES = 32, 300
 
 
-@dataclass(frozen=True)
-class FrequencyDrift(ReadOnlyArrays):
+class _Forgotten:
+    """A function of the caller, of which a file has the name only."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+
+
+def _observable_record(given: Any) -> Any:
+    return {"function": getattr(given, "__qualname__", type(given).__name__)} if callable(given) else list(given)
+
+
+def _observable_of(record: Any) -> Any:
+    return _Forgotten(str(record["function"])) if isinstance(record, dict) else tuple(map(str, record))
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrequencyDrift(Run):
     r"""The main frequency along trajectories, in two windows of the same length, one after the other.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
+        components: Names of the components of the state.
+        field: Its vector field.
         method: How it was integrated.
+        start: Shape (trajectory, component).
+        observable: The signal, as it was given; the name of a function of the caller.
+        n_samples: Samples in each window.
+        window_order: Power of the Hanning window.
         window: Length T of each window, half of the run.
         frequency: Angular frequency in [0, T] and in [T, 2T], in radians per time, shape (trajectory, window); NaN
             where a trajectory failed.
@@ -57,14 +80,28 @@ class FrequencyDrift(ReadOnlyArrays):
         outcome: How each trajectory ended, shape (trajectory,).
     """
 
-    system: str
-    method: Method
+    kind = "frequency drift"
+
+    observable: Observable = recorded(_observable_record, _observable_of)
+    n_samples: int
+    window_order: int
     window: float
-    frequency: Array
-    amplitude: Array
+    frequency: Array = labelled(
+        "trajectory", "window", long_name="angular frequency", units="radians per time, dimensionless"
+    )
+    amplitude: Array = labelled("trajectory", "window", long_name="amplitude of the line")
     nyquist: float
-    high_power: Array
-    outcome: NDArray[np.str_]
+    high_power: Array = labelled("trajectory", long_name="share of the power at high frequencies", units="1")
+
+    def arguments(self) -> dict[str, Any]:
+        """What `frequency_drift` was called with."""
+        if isinstance(self.observable, _Forgotten):
+            raise ParameterError(
+                f"observable: it was the function {self.observable.name} of the caller, which no file keeps; call "
+                "frequency_drift again with it"
+            )
+        own = {name: getattr(self, name) for name in ("observable", "n_samples", "window_order")}
+        return super().arguments() | own | {"t_end": 2 * self.window}
 
     @property
     def drift(self) -> Array:
@@ -73,7 +110,7 @@ class FrequencyDrift(ReadOnlyArrays):
 
     def __repr__(self) -> str:
         value = f"{typical('drift', self.drift)} between two windows of {self.window:g}"
-        return f"<FrequencyDrift of {self.system}: {trajectories(self.outcome)}, {value}>"
+        return f"<FrequencyDrift of {self.system.name}: {trajectories(self.outcome)}, {value}>"
 
 
 def frequency_drift(
@@ -165,8 +202,11 @@ def frequency_drift(
         if progress is not None:
             progress(here.stop / len(states))
     return FrequencyDrift(
-        system=system.name,
-        method=method,
+        **given(system, field_for(system, as_field(system), method), method, states),
+        observable=(observable,) if isinstance(observable, str) else cast("Any", observable),
+        n_samples=samples,
+        window_order=order,
+        time_limit=float(time_limit),
         window=window,
         frequency=lines[0].T.copy(),
         amplitude=lines[1].T.copy(),

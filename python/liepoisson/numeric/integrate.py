@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from liepoisson import _core
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import Field, TopField
+from liepoisson.field import TopField
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
     HasField,
@@ -23,27 +22,24 @@ from liepoisson.numeric._checks import (
     as_threads,
     as_time_limit,
     as_times,
-    component_names,
     core_field,
     outcome_names,
     trajectories,
 )
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-
-if TYPE_CHECKING:
-    from xarray import Dataset
-
+from liepoisson.numeric.run import IntegratedRun, given
+from liepoisson.result import labelled, pieces
 
 _N_TIMES = 1001
 """Times of a run of which only the end is given."""
 
 
-@dataclass(frozen=True)
-class Orbit(ReadOnlyArrays):
+@dataclass(frozen=True, kw_only=True)
+class Orbit(IntegratedRun):
     """Trajectories at given times.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
         components: Names of the components of the state.
         field: Its vector field.
         method: How it was integrated.
@@ -65,23 +61,57 @@ class Orbit(ReadOnlyArrays):
         time_limit: Seconds that the run was allowed to take.
     """
 
-    system: str
-    components: tuple[str, ...]
-    field: Field
-    method: Method
-    start: Array
-    start_tangent: Array
-    time: Array
-    state: Array
-    tangent: Array
-    outcome: NDArray[np.str_]
-    end_time: Array
-    n_steps: NDArray[np.int64]
-    end_state: Array
-    order: int
-    kernel: str
-    series: tuple[tuple[Array, Array], ...] = ()
-    time_limit: float = np.inf
+    kind = "orbit"
+
+    start_time: float
+    start_tangent: Array = labelled("trajectory", "vector", "component", long_name="tangent vectors as they were given")
+    time: Array = labelled("time", long_name="time", is_coordinate=True)
+    state: Array = labelled("trajectory", "time", "component", long_name="state")
+    tangent: Array = labelled("trajectory", "time", "vector", "component", long_name="tangent vectors")
+    series: tuple[tuple[Array, Array], ...] = pieces("step", ("step_time", "step_series"), ("power", "component"))
+
+    def arguments(self) -> dict[str, Any]:
+        """What `integrate` was called with."""
+        if float(self.time[0]) != self.start_time:
+            raise ParameterError(
+                f"time: wanted times from {self.start_time:g} on, where the starts are; got {self.time[0]:g}"
+            )
+        return {
+            **super().arguments(),
+            "times": self.time,
+            "tangents": self.start_tangent if self.start_tangent.shape[1] else None,
+            "dense": bool(self.series),
+            "kernel": "components" if self.kernel == "components" else "lanes",
+        }
+
+    def go_on(self, *, times: ArrayLike | None = None, t_end: float | None = None, **options: Any) -> Orbit:
+        """The orbits and their tangent vectors from their last time on, as if they had not been interrupted.
+
+        Args:
+            times: Further times, strictly monotone in the direction of travel; the last time of this orbit is put
+                before them.
+            t_end: Instead, the end of the run, with as many times for each unit of time as here.
+            **options: As for `integrate`: dense, kernel, threads, time_limit, progress.
+
+        Raises:
+            ParameterError: A trajectory has ended before the last time; both or neither of `times` and `t_end`.
+        """
+        last = float(self.time[-1])
+        if not (self.outcome == "finished").all():
+            raise ParameterError(
+                f"go_on: wanted trajectories that reached t = {last:g}; got some that did not (see outcome)"
+            )
+        if (times is None) == (t_end is None):
+            raise ParameterError("go_on: wanted times or t_end; got both or neither; try t_end=200")
+        if times is None:
+            end = as_number(t_end, "t_end", "a finite time")
+            n = max(1, round((len(self.time) - 1) * abs((end - last) / (last - float(self.time[0])))))
+            onward = np.linspace(last, end, n + 1)
+        else:
+            onward = np.concatenate([[last], np.atleast_1d(as_array(times, "times"))])
+        same = {name: value for name, value in self.arguments().items() if name not in ("starts", "times", "tangents")}
+        tangents = self.tangent[:, -1] if self.tangent.shape[2] else None
+        return integrate(self.system, self.state[:, -1], times=onward, tangents=tangents, **{**same, **options})
 
     def at(self, times: ArrayLike) -> Array:
         """States at any times between the first and the last, from the power series of the steps.
@@ -123,24 +153,11 @@ class Orbit(ReadOnlyArrays):
         values[reached] = value
         return values
 
-    @property
-    def dataset(self) -> Dataset:
-        """The same as a labelled xarray Dataset, whose attributes suffice to run it again."""
-        from liepoisson.dataset import orbit_dataset
-
-        return orbit_dataset(self)
-
-    def save(self, path: str | Path) -> Path:
-        """Writes the dataset to a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run."""
-        from liepoisson.dataset import save
-
-        return save(self.dataset, path)
-
     def __repr__(self) -> str:
         span = f"t = {self.time[0]:g} to {self.time[-1]:g}"
         n_tangents = self.tangent.shape[2]
         tangents = f", {n_tangents} tangent vector{'' if n_tangents == 1 else 's'} each" if n_tangents else ""
-        return f"<Orbit of {self.system}: {trajectories(self.outcome)}, {len(self.time)} times, {span}{tangents}>"
+        return f"<Orbit of {self.system.name}: {trajectories(self.outcome)}, {len(self.time)} times, {span}{tangents}>"
 
 
 def integrate(
@@ -218,11 +235,8 @@ def integrate(
         progress,
     )
     return Orbit(
-        system=system.name,
-        components=component_names(system, n),
-        field=field,
-        method=method,
-        start=states,
+        **given(system, field, method, states),
+        start_time=float(times[0]),
         start_tangent=vectors,
         time=times,
         state=raw["state"].reshape(len(states), len(times), n),

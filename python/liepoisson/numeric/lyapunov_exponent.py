@@ -5,23 +5,36 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_number, as_time_limit, shown
+from liepoisson.numeric._checks import (
+    TIME_LIMIT,
+    HasField,
+    as_count,
+    as_number,
+    as_time_limit,
+    shown,
+    trajectories,
+    typical,
+)
 from liepoisson.numeric.estimates import Estimate, Resampling
 from liepoisson.numeric.mean_error import mean_error, mean_interval, n_longest_batches, student_quantile
 from liepoisson.numeric.methods import Method
+from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
 from liepoisson.numeric.time_scale import natural_duration, time_scale, zero_threshold
+from liepoisson.result import labelled
 
 LONGEST, BLOCK, TRANSIENT = 100_000.0, 20.0, 100.0
 """Defaults for the longest run, if an error is wanted, the blocks and the transient: in natural times."""
+
+_RATE = "inverse time, dimensionless"
 
 # Fewer blocks give no autocorrelation worth the name.
 _LEAST_BLOCKS = 64
@@ -37,12 +50,15 @@ _LONGER = 1.5
 _HALVES = 3.0
 
 
-@dataclass(frozen=True)
-class ExponentEstimate(ReadOnlyArrays):
+@dataclass(frozen=True, kw_only=True)
+class ExponentEstimate(Run):
     r"""Largest Lyapunov exponents with errors.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
+        components: Names of the components of the state.
+        field: Its vector field.
+        method: How it was integrated.
         block: Length of the blocks of time.
         transient: Time before the first block.
         rates: Mean growth rate in each block, in inverse time, shape (trajectory, block); NaN after the end of a run.
@@ -61,23 +77,31 @@ class ExponentEstimate(ReadOnlyArrays):
         start: Shape (trajectory, component).
         end_state: Shape (trajectory, component).
         seed: Seed of the tangent vectors.
+        first: Number of the first member.
+        t_end: Longest averaging time.
     """
 
-    system: str
+    kind = "exponent"
+
+    seed: int
+    first: int
+    t_end: float
     block: float
     transient: float
-    rates: Array
-    time: Array
-    time_scale: Array
-    exponent: Array
-    error: Array
-    is_zero: NDArray[np.bool_]
-    converged: NDArray[np.bool_]
+    rates: Array = labelled("trajectory", "block", long_name="growth rate in each block", units=_RATE)
+    time: Array = labelled("trajectory", long_name="averaging time")
+    time_scale: Array = labelled("trajectory", long_name="natural unit of time of each orbit")
+    exponent: Array = labelled("trajectory", long_name="mean growth rate", units=_RATE)
+    error: Array = labelled("trajectory", long_name="its standard error, over the time of each orbit", units=_RATE)
+    is_zero: NDArray[np.bool_] = labelled("trajectory", long_name="whether it is consistent with zero", units="1")
+    converged: NDArray[np.bool_] = labelled("trajectory", long_name="whether the run converged", units="1")
     wanted_error: float | None
-    outcome: NDArray[np.str_]
-    start: Array
-    end_state: Array
-    seed: int
+    end_state: Array = labelled("trajectory", "component", long_name="last good state")
+
+    def arguments(self) -> dict[str, Any]:
+        """What `lyapunov_exponent` was called with."""
+        names = ("seed", "first", "t_end", "block", "transient", "wanted_error")
+        return super().arguments() | {name: getattr(self, name) for name in names}
 
     def interval(self, confidence: float = 0.95) -> Array:
         r"""Confidence intervals, shape (trajectory, 2): value -+ q error; NaN where `is_zero`.
@@ -155,6 +179,14 @@ class ExponentEstimate(ReadOnlyArrays):
         if not len(values):
             raise ParameterError("wanted trajectories with a value; got none; see the outcomes, and take other starts")
         return values
+
+    def __repr__(self) -> str:
+        value = typical("exponent", self.exponent)
+        n_zero = f", {int(self.is_zero.sum())} consistent with zero" if self.is_zero.any() else ""
+        return (
+            f"<ExponentEstimate of {self.system.name}: {trajectories(self.outcome)}, {value}{n_zero} over t = "
+            f"{self.time.max(initial=0.0):g}>"
+        )
 
     def __str__(self) -> str:
         lines: list[str] = []
@@ -263,7 +295,8 @@ def lyapunov_exponent(
             break
         done.append(stretchings(clock.run(frames, block, only=~stopped))[:, 0] / block)
     rates = np.stack(done, axis=1) if done else np.empty((len(start), 0))
-    return _estimate(system.name, frames, rates, start, scale, block=block, transient=transient, wanted=wanted)
+    found = _estimate(system, frames, rates, start, scale, block=block, transient=transient, wanted=wanted)
+    return replace(found, t_end=block * n_blocks, time_limit=float(time_limit))
 
 
 def _check_wanted(wanted_error: float | None, t_end: float | None) -> None:
@@ -301,7 +334,7 @@ def _is_done(rates: Array, block: float, wanted: float, scale: Array) -> NDArray
 
 
 def _estimate(
-    name: str,
+    system: HasField,
     frames: TangentFrames,
     done: Array,
     start: Array,
@@ -325,7 +358,10 @@ def _estimate(
     if wanted is not None:
         converged &= error <= wanted
     return ExponentEstimate(
-        system=name,
+        **given(system, frames.field, frames.method, start),
+        seed=frames.seed,
+        first=frames.first,
+        t_end=math.inf,
         block=block,
         transient=transient,
         rates=done,
@@ -337,9 +373,7 @@ def _estimate(
         converged=converged,
         wanted_error=wanted,
         outcome=frames.outcome,
-        start=start,
         end_state=frames.state,
-        seed=frames.seed,
     )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.arrays import Array
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
     HasField,
@@ -23,9 +23,11 @@ from liepoisson.numeric._checks import (
 )
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
 from liepoisson.numeric.finite_time_exponents import finite_time_exponents
-from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.progress import part_of
+from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.result import labelled
 
 _N_TIMES = 200
 # Members whose fine samples are in memory at once: 256 x 4,096 numbers are 8 MB.
@@ -35,15 +37,20 @@ _CHUNK = 256
 _ARRAYS = 6
 
 
-@dataclass(frozen=True)
-class Megno(ReadOnlyArrays):
+@dataclass(frozen=True, kw_only=True)
+class Megno(Run):
     r"""MEGNO along trajectories.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
+        components: Names of the components of the state.
+        field: Its vector field.
         method: How it was integrated.
+        start: Shape (trajectory, component).
+        start_tangent: Shape (trajectory, component).
         seed: Seed of the tangent vectors.
         first: Number of the first member.
+        n_samples: Samples of each trajectory.
         time: Times, evenly spaced up to `t_end`, shape (time,).
         megno: $Y(t)$, shape (trajectory, time); NaN from where a trajectory failed.
         mean: $\bar Y(t) = t^{-1}\int_0^t Y\,ds$, shape (trajectory, time).
@@ -53,20 +60,26 @@ class Megno(ReadOnlyArrays):
         outcome: How each trajectory ended, shape (trajectory,).
     """
 
-    system: str
-    method: Method
+    kind = "megno"
+
     seed: int
     first: int
-    time: Array
-    megno: Array
-    mean: Array
-    log_growth: Array
-    quadrature_error: Array
-    outcome: NDArray[np.str_]
+    n_samples: int
+    start_tangent: Array = labelled("trajectory", "component", long_name="tangent vector at time 0")
+    time: Array = labelled("time", long_name="time", is_coordinate=True)
+    megno: Array = labelled("trajectory", "time", long_name="MEGNO", units="1")
+    mean: Array = labelled("trajectory", "time", long_name="mean of MEGNO over time", units="1")
+    log_growth: Array = labelled("trajectory", "time", long_name="logarithm of the growth", units="1")
+    quadrature_error: Array = labelled("trajectory", long_name="change with half as many samples", units="1")
+
+    def arguments(self) -> dict[str, Any]:
+        """What `megno` was called with."""
+        own = {name: getattr(self, name) for name in ("seed", "first", "n_samples")}
+        return super().arguments() | own | {"t_end": float(self.time[-1]), "tangents": self.start_tangent}
 
     def __repr__(self) -> str:
         value = typical("averaged MEGNO", self.mean[:, -1])
-        return f"<Megno of {self.system}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
+        return f"<Megno of {self.system.name}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
 
 
 def megno(
@@ -161,10 +174,12 @@ def megno(
         outcome.append(growth.outcome[: len(chunk)])
     values, means, logs, errors = (np.concatenate(column) for column in zip(*parts, strict=True))
     return Megno(
-        system=system.name,
-        method=method,
+        **given(system, field_for(system, as_field(system), method), method, states),
         seed=seed,
         first=first,
+        n_samples=samples,
+        start_tangent=vectors,
+        time_limit=float(time_limit),
         time=fine[stride - 1 :: stride],
         megno=values,
         mean=means,

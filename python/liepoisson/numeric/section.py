@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array, read_only
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
-from liepoisson.field import Field, TapeFunction
+from liepoisson.field import TapeFunction
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
     HasField,
@@ -31,10 +30,11 @@ from liepoisson.numeric._checks import (
     typical,
 )
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.run import IntegratedRun, Run, given
+from liepoisson.result import labelled, names_along, recorded
 
 if TYPE_CHECKING:
     from sympy import Expr
-    from xarray import Dataset
 
 
 class HasExpression(Protocol):
@@ -56,33 +56,64 @@ _GAP = 1e-3
 the step that it is in."""
 
 
-class FirstReturn(NamedTuple):
+def read_tape(record: dict[str, Any]) -> TapeFunction:
+    """The functions that a file has as data."""
+    return TapeFunction(record["n_components"], record["instructions"], record["outputs"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class FirstReturn(Run):
     """Images of the map of first return.
 
     Attributes:
+        system: The system, as it was given.
+        components: Names of its components.
+        field: Its vector field.
+        method: How it was integrated.
+        start: The states that were mapped, shape (..., component).
+        surface: The function $s$ as it was written, for labels.
+        tape: It as data.
+        direction: In which direction it was passed.
+        t_end: Longest time that was waited.
+        time_limit: Seconds that the run was allowed to take.
         state: Where each orbit returned, shape (..., component); NaN where it did not.
         time: When, shape (...).
         outcome: "returned"; "no return" until `t_end`; "none seen", where the surface function could not be followed
             all the time; or why the orbit ended before, as for `integrate`.  Shape (...).
     """
 
-    state: Array
-    time: Array
-    outcome: NDArray[np.str_]
+    kind = "first return"
+
+    start: Array = labelled(..., "component", long_name="state that was mapped")
+    outcome: NDArray[np.str_] = labelled(..., long_name="whether and why not it returned")
+    surface: str
+    tape: TapeFunction = recorded(asdict, read_tape)
+    direction: int
+    t_end: float
+    state: Array = labelled(..., "component", long_name="image")
+    time: Array = labelled(..., long_name="time of return")
+
+    def arguments(self) -> dict[str, Any]:
+        """What `first_return` was called with."""
+        return super().arguments() | {"surface": self.tape, "direction": self.direction, "t_end": self.t_end}
+
+    def __iter__(self) -> Iterator[Any]:
+        """Images, times and outcomes, for `images, times, outcomes = first_return(...)`."""
+        return iter((self.state, self.time, self.outcome))
 
     def __repr__(self) -> str:
         n = np.sum(self.outcome == "returned")
         return f"<FirstReturn: {n} of {self.outcome.size} states returned, {typical('time', self.time)}>"
 
 
-@dataclass(frozen=True)
-class Section(ReadOnlyArrays):
+@dataclass(frozen=True, kw_only=True)
+class Section(IntegratedRun):
     """Crossings of a surface $s(x) = 0$ along trajectories, ordered by trajectory, then in the order of travel.
 
     The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
         components: Names of the components of the phase space.
         coordinates: Names of what is kept of each crossing: the components, or the functions in `keep`.
         surface: The function $s$ as it was written, for labels.
@@ -94,7 +125,7 @@ class Section(ReadOnlyArrays):
         n_crossings: After how many a trajectory was ended, or None.
         start: Starts, shape (trajectory, component).
         t_end: Time at which a trajectory ended at the latest.
-        trajectory: Trajectory of each crossing, shape (crossing,).
+        crossing_trajectory: Trajectory of each crossing, shape (crossing,); `trajectory` for short.
         time: Its time, shape (crossing,).
         state: Its state, or the kept functions there, shape (crossing, coordinate).
         sign: +1 where $s$ increases in the order of travel, else -1, shape (crossing,).
@@ -118,36 +149,57 @@ class Section(ReadOnlyArrays):
         time_limit: Seconds that the run was allowed to take.
     """
 
-    system: str
-    components: tuple[str, ...]
-    coordinates: tuple[str, ...]
+    kind = "section"
+
+    coordinates: tuple[str, ...] = names_along("coordinate")
     surface: str
-    tape: TapeFunction
-    field: Field
-    method: Method
+    tape: TapeFunction = recorded(asdict, read_tape)
     direction: int
     n_crossings: int | None
-    start: Array
     t_end: float
-    trajectory: NDArray[np.int64]
-    time: Array
-    state: Array
-    sign: NDArray[np.int8]
-    touch_trajectory: NDArray[np.int64]
-    touch_time: Array
-    touch_state: Array
-    unbounded_steps: NDArray[np.int64]
-    unseen_steps: NDArray[np.int64]
-    undefined_time: Array
-    unresolved_time: Array
-    seen_to: Array
-    outcome: NDArray[np.str_]
-    end_time: Array
-    n_steps: NDArray[np.int64]
-    end_state: Array
-    order: int
-    kernel: str
-    time_limit: float = np.inf
+    crossing_trajectory: NDArray[np.int64] = labelled(
+        "crossing", long_name="trajectory of the crossing", units="1", is_coordinate=True
+    )
+    time: Array = labelled("crossing", long_name="time", is_coordinate=True)
+    state: Array = labelled("crossing", "coordinate", long_name="what is kept of the crossing")
+    sign: NDArray[np.int8] = labelled(
+        "crossing", long_name="+1 where the surface function increases, else -1", units="1"
+    )
+    touch_trajectory: NDArray[np.int64] = labelled(
+        "touch", long_name="trajectory of the point", units="1", is_coordinate=True
+    )
+    touch_time: Array = labelled("touch", long_name="time", is_coordinate=True)
+    touch_state: Array = labelled("touch", "coordinate", long_name="what is kept of a point not decided")
+    unbounded_steps: NDArray[np.int64] = labelled(
+        "trajectory", long_name="steps with an estimated error of the state", units="1"
+    )
+    unseen_steps: NDArray[np.int64] = labelled("trajectory", long_name="steps with a part that was not seen", units="1")
+    undefined_time: Array = labelled("trajectory", long_name="time without a surface function")
+    unresolved_time: Array = labelled(
+        "trajectory", long_name="time for which the surface function could not be followed"
+    )
+    seen_to: Array = labelled("trajectory", long_name="time up to which it was followed without a gap")
+
+    def arguments(self) -> dict[str, Any]:
+        """What `section` was called with."""
+        own = {name: getattr(self, name) for name in ("t_end", "direction", "n_crossings")}
+        keep = self.coordinates if len(self.tape.outputs) > 1 else None
+        return super().arguments() | own | {"surface": self.tape, "keep": keep}
+
+    @property
+    def trajectory(self) -> NDArray[np.int64]:
+        """Trajectory of each crossing, shape (crossing,)."""
+        return self.crossing_trajectory
+
+    def go_on(self, *, t_end: float, **options: Any) -> Section:
+        """Further crossings of the same orbits, from where they ended; times count from there.
+
+        Args:
+            t_end: Time at which each trajectory ends at the latest, from its end on.
+            **options: As for `section`: threads, time_limit, progress.
+        """
+        again = self.arguments() | {"starts": self.end_state, "t_end": t_end}
+        return replace(section(self.system, **again, **options), surface=self.surface)
 
     @property
     def n_trajectories(self) -> int:
@@ -179,23 +231,10 @@ class Section(ReadOnlyArrays):
         first, end = np.searchsorted(self.trajectory, (k, k + 1))
         return self.state[first:end]
 
-    @property
-    def dataset(self) -> Dataset:
-        """The same as a labelled xarray Dataset, whose attributes suffice to run it again."""
-        from liepoisson.dataset import section_dataset
-
-        return section_dataset(self)
-
-    def save(self, path: str | Path) -> Path:
-        """Writes the dataset to a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run."""
-        from liepoisson.dataset import save
-
-        return save(self.dataset, path)
-
     def __repr__(self) -> str:
         n, of = len(self.time), self.n_trajectories
         gap = f", not followed in {as_percent(self.unresolved_share)} of the time" if self.unresolved_share else ""
-        return f"<Section {self.surface} = 0 of {self.system}: {n} crossings of {of} trajectories{gap}>"
+        return f"<Section {self.surface} = 0 of {self.system.name}: {n} crossings of {of} trajectories{gap}>"
 
 
 def as_percent(share: float) -> str:
@@ -307,18 +346,14 @@ def section(
     _warn_of_orbits_in_the_surface(label, raw["in_surface"])
     _warn_of_gaps(label, _share(raw["unresolved_time"], raw["end_time"]))
     return Section(
-        system=system.name,
-        components=component_names(system, n),
+        **given(system, field, method, states),
         coordinates=coordinates,
         surface=label,
         tape=tape,
-        field=field,
-        method=method,
         direction=sense,
         n_crossings=wanted,
-        start=states,
         t_end=end,
-        trajectory=np.repeat(members, raw["count"]),
+        crossing_trajectory=np.repeat(members, raw["count"]),
         time=raw["time"],
         state=raw["state"].reshape(len(raw["time"]), width),
         sign=raw["sign"],
@@ -386,9 +421,19 @@ def first_return(
         "threads": threads, "time_limit": time_limit, "progress": progress,
     }  # fmt: skip
     returned, times, outcome = _arrivals(system, states.reshape(-1, n), options)
-    shape = states.shape[:-1]
-    arrays = returned.reshape(states.shape), times.reshape(shape), outcome.reshape(shape)
-    return FirstReturn(*map(read_only, arrays))
+    shape, method = states.shape[:-1], as_method(method, Taylor())
+    label = "s" if isinstance(surface, TapeFunction) else str(_formula(surface, "surface"))
+    return FirstReturn(
+        **given(system, field_for(system, as_field(system), method), method, states),
+        surface=label,
+        tape=_as_surface(system, options["surface"], None)[0],
+        direction=_as_direction(direction),
+        t_end=_as_end(t_end),
+        state=returned.reshape(states.shape),
+        time=times.reshape(shape),
+        outcome=outcome.reshape(shape),
+        time_limit=as_time_limit(time_limit),
+    )
 
 
 def _arrivals(system: HasField, starts: Array, options: dict[str, Any]) -> tuple[Array, Array, NDArray[np.str_]]:

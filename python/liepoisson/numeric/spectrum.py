@@ -4,28 +4,26 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from time import monotonic as clock_now
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import Field
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_time_limit, component_names, shown, trajectories
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_time_limit, shown, trajectories
 from liepoisson.numeric.covariant_vectors import CovariantRecord, CovariantVectors
 from liepoisson.numeric.mean_error import mean_error, mean_over_starts
 from liepoisson.numeric.methods import Method
+from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.spectrum_check import SpectrumResiduals, check_lines, spectrum_residuals
 from liepoisson.numeric.structural_zeros import PoissonStructure, poisson_structure
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
 from liepoisson.numeric.time_scale import natural_duration, time_scale
+from liepoisson.result import labelled, part
 
-if TYPE_CHECKING:
-    from xarray import Dataset
-
+INVERSE_TIME = "inverse time, dimensionless"
 INTERVAL = 5.0
 """Default time between orthonormalisations, in natural times of the fastest orbit."""
 
@@ -33,12 +31,12 @@ N_TIMES = 256
 """Most output times; the intervals between them are the shortest batches of the errors."""
 
 
-@dataclass(frozen=True)
-class Spectrum(ReadOnlyArrays):
+@dataclass(frozen=True, kw_only=True)
+class Spectrum(IntegratedRun):
     r"""Lyapunov spectra with their errors.  The arrays are read-only; `.copy()` gives one that can be changed.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
         components: Names of the components of the state.
         field: Its vector field.
         method: How it was integrated.
@@ -71,29 +69,41 @@ class Spectrum(ReadOnlyArrays):
         time_limit: Seconds that the run was allowed to take.
     """
 
-    system: str
-    components: tuple[str, ...]
-    field: Field
-    method: Method
+    kind = "spectrum"
+
     seed: int
     first: int
     interval: float
     transient: float
-    time: Array
-    time_scale: Array
-    exponent: Array
-    error: Array
-    structure: PoissonStructure | None
-    largest_ratio: Array
-    outcome: NDArray[np.str_]
-    end_time: Array
-    n_steps: NDArray[np.int64]
-    start: Array
-    end_state: Array
-    order: int
-    kernel: str
-    covariant: CovariantVectors | None = None
-    time_limit: float = np.inf
+    time: Array = labelled("time", long_name="time", is_coordinate=True)
+    time_scale: Array = labelled("trajectory", long_name="natural unit of time of each orbit")
+    exponent: Array = labelled(
+        "trajectory", "time", "k", long_name="finite-time Lyapunov exponents", units=INVERSE_TIME
+    )
+    error: Array = labelled(
+        "trajectory",
+        "k",
+        long_name="standard error at the last time, over the time of each orbit",
+        units=INVERSE_TIME,
+    )
+    structure: PoissonStructure | None = part(lambda: PoissonStructure)
+    largest_ratio: Array = labelled(
+        "trajectory", long_name="largest ratio of stretchings within one interval", units="1"
+    )
+    covariant: CovariantVectors | None = part(lambda: CovariantVectors, "covariant_", default=None)
+
+    def arguments(self) -> dict[str, Any]:
+        """What `lyapunov_spectrum` was called with; zeros and pairs are those that were found."""
+        own = {name: getattr(self, name) for name in ("seed", "first", "interval", "transient", "structure")}
+        return (
+            super().arguments()
+            | own
+            | {
+                "t_end": float(self.time[-1]),
+                "n_exponents": self.exponent.shape[2],
+                "covariant": self.covariant is not None,
+            }
+        )
 
     @property
     def end_exponent(self) -> Array:
@@ -123,26 +133,13 @@ class Spectrum(ReadOnlyArrays):
         """The self-check in words, a line for each property."""
         return "\n".join(check_lines(self))
 
-    @property
-    def dataset(self) -> Dataset:
-        """The same as a labelled xarray Dataset, whose attributes suffice to run it again."""
-        from liepoisson.dataset import spectrum_dataset
-
-        return spectrum_dataset(self)
-
-    def save(self, path: str | Path) -> Path:
-        """Writes the dataset to a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run."""
-        from liepoisson.dataset import save
-
-        return save(self.dataset, path)
-
     def __repr__(self) -> str:
         mean, error = self.mean
         n = int(np.sum(self.outcome == "finished"))
         over = f"over {n} starts" if n > 1 else "over the time of one orbit"
         known = f" ± {error[0]:.2g} ({over})" if np.isfinite(error[0]) else ""
         largest = f"largest {mean[0]:.4g}{known} at t = {self.time[-1]:g}"
-        return f"<Spectrum of {self.system}: {len(mean)} exponents of {trajectories(self.outcome)}, {largest}>"
+        return f"<Spectrum of {self.system.name}: {len(mean)} exponents of {trajectories(self.outcome)}, {largest}>"
 
 
 def _errors(rates: Array, finished: NDArray[np.bool_]) -> Array:
@@ -267,10 +264,7 @@ def lyapunov_spectrum(
             vectors.settle(triangles)
     rates = growth * n_times / t_end
     return Spectrum(
-        system=system.name,
-        components=component_names(system, start.shape[1]),
-        field=frames.field,
-        method=frames.method,
+        **given(system, frames.field, frames.method, start),
         seed=frames.seed,
         first=frames.first,
         interval=interval,
@@ -284,7 +278,6 @@ def lyapunov_spectrum(
         outcome=frames.outcome,
         end_time=frames.end_time,
         n_steps=frames.n_steps,
-        start=start,
         end_state=frames.state,
         order=frames.order,
         kernel=frames.kernel,

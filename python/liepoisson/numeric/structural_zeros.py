@@ -30,6 +30,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.result import labelled
 
 # Singular values below this fraction of the largest count as zero: gradients are evaluated to some 1e-15.
 _NEGLIGIBLE = 1e-9
@@ -48,9 +49,9 @@ class PoissonStructure(ReadOnlyArrays):
         is_regular: Whether J has its largest rank at the start, shape (trajectory,): then the exponents come in pairs.
     """
 
-    n_zeros: NDArray[np.int64]
-    corank: NDArray[np.int64]
-    is_regular: NDArray[np.bool_]
+    n_zeros: NDArray[np.int64] = labelled("trajectory", long_name="exponents that must vanish", units="1")
+    corank: NDArray[np.int64] = labelled("trajectory", long_name="corank of the Poisson tensor", units="1")
+    is_regular: NDArray[np.bool_] = labelled("trajectory", long_name="whether its rank is the largest", units="1")
 
     def __post_init__(self) -> None:
         """Copies the arrays, which a caller may have made, and makes them read-only."""

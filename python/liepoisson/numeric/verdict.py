@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 import time as clock
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -31,8 +31,10 @@ from liepoisson.numeric.megno import Megno, megno
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.proportions import proportion
+from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.time_scale import orbit_units
+from liepoisson.result import labelled, recorded
 
 Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]
 
@@ -111,12 +113,26 @@ class Rule:
         return np.where(chaotic, "chaotic", np.where(regular, "regular", "undecided"))
 
 
-@dataclass(frozen=True)
-class Verdict(ReadOnlyArrays):
+def rule_record(rule: Rule) -> dict[str, Any]:
+    """The rule as plain data."""
+    return asdict(rule)
+
+
+def rule_of(record: dict[str, Any]) -> Rule:
+    """The rule that a file has as data."""
+    return Rule(**{name: tuple(value) if isinstance(value, list) else value for name, value in record.items()})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verdict(Run):
     r"""Regular, chaotic or undecided, for each trajectory.
 
     Attributes:
-        system: Name of the system.
+        system: The system, as it was given.
+        components: Names of the components of the state.
+        field: Its vector field.
+        method: How it was integrated.
+        start: Shape (trajectory, component).
         t_end: Time after which it was decided.
         rule: The thresholds.
         seed: Seed of the tangent vectors.
@@ -134,20 +150,29 @@ class Verdict(ReadOnlyArrays):
         outcome: How each trajectory ended, shape (trajectory,).
     """
 
-    system: str
+    kind = "verdict"
+
     t_end: float
-    rule: Rule
+    rule: Rule = recorded(rule_record, rule_of)
     seed: int
     first: int
-    verdict: NDArray[np.str_]
-    natural_time: Array
-    growth_power: Array
-    mean_megno: Array
-    sali: Array
-    average_drift: Array
-    exponent: Array
-    votes: NDArray[np.int8]
-    outcome: NDArray[np.str_]
+    verdict: NDArray[np.str_] = labelled("trajectory", long_name="regular, chaotic or undecided")
+    natural_time: Array = labelled("trajectory", long_name="end time over the time scale of the orbit", units="1")
+    growth_power: Array = labelled("trajectory", long_name="power of time with which a vector grows", units="1")
+    mean_megno: Array = labelled("trajectory", long_name="mean of MEGNO over time", units="1")
+    sali: Array = labelled("trajectory", long_name="smaller alignment index", units="1")
+    average_drift: Array = labelled("trajectory", long_name="change of weighted averages", units="1")
+    exponent: Array = labelled(
+        "trajectory", long_name="finite-time largest Lyapunov exponent", units="inverse time, dimensionless"
+    )
+    votes: NDArray[np.int8] = labelled(
+        "trajectory", "indicator", long_name="-1 regular, +1 chaotic, 0 neither", units="1"
+    )
+
+    def arguments(self) -> dict[str, Any]:
+        """What `decide` was called with."""
+        own = {name: getattr(self, name) for name in ("t_end", "rule", "seed", "first")}
+        return super().arguments() | own
 
     def fraction(self, kind: Kind, *, confidence: float = 0.95) -> Estimate:
         """The fraction of one kind among the trajectories that finished, with Wilson's interval.
@@ -164,11 +189,11 @@ class Verdict(ReadOnlyArrays):
 
     def __str__(self) -> str:
         counts = ", ".join(f"{np.sum(self.verdict == kind)} {kind}" for kind in KINDS)
-        return f"{counts}  ({self.system}, t = {self.t_end:g})"
+        return f"{counts}  ({self.system.name}, t = {self.t_end:g})"
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{np.sum(self.verdict == kind)} {kind}" for kind in KINDS)
-        return f"<Verdict of {self.system}: {trajectories(self.outcome)}, {counts} at t = {self.t_end:g}>"
+        return f"<Verdict of {self.system.name}: {trajectories(self.outcome)}, {counts} at t = {self.t_end:g}>"
 
 
 def decide(
@@ -277,7 +302,7 @@ def decide(
         time_limit=_left(deadline),
         progress=part_of(progress, 2 / 3, 1 / 3),
     )
-    return _judge(growth, angle, averages, natural_time, rule)
+    return replace(_judge(growth, angle, averages, natural_time, rule), time_limit=float(time_limit))
 
 
 def _left(deadline: float) -> float:
@@ -307,7 +332,7 @@ def _judge(
     for other in (angle.outcome, averages[1]):
         outcome = np.where(outcome == "finished", other, outcome)
     return Verdict(
-        system=growth.system,
+        **given(growth.system, growth.field, growth.method, growth.start),
         t_end=float(growth.time[-1]),
         rule=rule,
         seed=growth.seed,

@@ -2,21 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
-from pathlib import Path
-from typing import TYPE_CHECKING, Protocol
+from dataclasses import dataclass
+from typing import Any, Protocol, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ChartError, ShapeError
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import Method, Taylor
-
-if TYPE_CHECKING:
-    from xarray import Dataset
+from liepoisson.result import Result, labelled, names_along, part
 
 LONGEST = 100_000
 """Default bound on the steps: near where a chart ends they shrink, and a run that is caught there must end."""
@@ -26,6 +23,7 @@ DEFECT = 1e-6
 
 LEFT = "left the chart"
 """The outcome of a run whose series went on beyond the end of the chart."""
+
 
 _BODY = tuple(f"{field}{k}" for field in ("l", "alpha", "beta") for k in (1, 2, 3))
 
@@ -56,19 +54,21 @@ class Chart(Protocol):
         ...
 
 
-@dataclass(frozen=True)
-class ChartOrbit(ReadOnlyArrays):
+@dataclass(frozen=True, kw_only=True)
+class ChartOrbit(Result):
     """One orbit, integrated in the coordinates of a chart.
 
     Attributes:
         chart: Which chart of which leaf, in words.
         time: The wanted times, shape (time,).
         state: Canonical states, shape (time, component); NaN from where the run ended.
+        body_components: Names of the components in the body.
         body: States (l, alpha, beta), shape (time, 9); NaN from where the run ended.
         outcome: How the run ended: "finished", "left the chart", or as in `Orbit.outcome`.
         end_time: The time up to which it is good.
         end_state: The canonical state there, shape (component,).
-        margins: How far the wanted states are from where the chart ends, shape (time,) by condition.  Coordinates lose
+        conditions: What must not happen in the chart, in words.
+        margin: How far the wanted states are from where the chart ends, shape (time, condition).  Coordinates lose
             about twice as many digits as the smallest margin on the way has zeros.
         left_by: Where the run ended early, the condition of the chart with the smallest margin there; else None.
         left_margin: That margin.
@@ -76,22 +76,35 @@ class ChartOrbit(ReadOnlyArrays):
             states also from where the chart ended, which mean nothing there.
     """
 
+    kind = "chart orbit"
+
     chart: str
-    time: Array
-    state: Array
-    body: Array
+    time: Array = labelled("time", long_name="time", is_coordinate=True)
+    state: Array = labelled("time", "component", long_name="canonical state")
+    body_components: tuple[str, ...] = names_along("body_component", default=_BODY)
+    body: Array = labelled("time", "body_component", long_name="state in the body")
     outcome: str
     end_time: float
-    end_state: Array
-    margins: dict[str, Array]
+    end_state: Array = labelled("component", long_name="last good canonical state")
+    conditions: tuple[str, ...] = names_along("condition")
+    margin: Array = labelled("time", "condition", long_name="distance from where the chart ends")
     left_by: str | None
     left_margin: float | None
-    run: Orbit
+    run: Orbit = part(lambda: Orbit, "run_", own_dims=("time", "trajectory"))
+
+    def arguments(self) -> dict[str, Any]:
+        """What `integrate` was called with; it does not know where the chart ends."""
+        return self.run.arguments()
 
     @property
-    def system(self) -> str:
-        """Name of the canonical system, that of the top and of its chart."""
-        return self.run.system
+    def margins(self) -> dict[str, Array]:
+        """The margins by condition, shape (time,) each."""
+        return dict(zip(self.conditions, self.margin.T, strict=True))
+
+    @property
+    def system(self) -> CanonicalSystem:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The canonical system, that of the top and of its chart."""
+        return cast("CanonicalSystem", self.run.system)
 
     @property
     def components(self) -> tuple[str, ...]:
@@ -103,45 +116,10 @@ class ChartOrbit(ReadOnlyArrays):
         """How it was integrated."""
         return self.run.method
 
-    @property
-    def dataset(self) -> Dataset:
-        """A labelled xarray Dataset: that of an orbit in the canonical coordinates, and `body` and `margin` beside it.
-
-        `liepoisson.rerun` repeats the run from it, as an `Orbit` in these coordinates that does not know where the
-        chart ends: up to `end_time` it has the same bits.
-        """
-        from liepoisson.dataset import orbit_dataset
-
-        kept = replace(
-            self.run,
-            state=self.state[None],
-            outcome=np.array([self.outcome]),
-            end_time=np.array([self.end_time]),
-            end_state=self.end_state[None],
-        )
-        dimensionless, margin = {"units": "dimensionless"}, np.stack(list(self.margins.values()), axis=-1)
-        axes = ("trajectory", "time")
-        attributes = {"chart": self.chart, "left_by": self.left_by, "left_margin": self.left_margin}
-        return (
-            orbit_dataset(kept)
-            .assign_coords(body_component=list(_BODY), condition=list(self.margins))
-            .assign(
-                body=((*axes, "body_component"), self.body[None], {"long_name": "state in the body", **dimensionless}),
-                margin=((*axes, "condition"), margin[None], {"long_name": "distance from where the chart ends"}),
-            )
-            .assign_attrs({name: value for name, value in attributes.items() if value is not None})
-        )
-
-    def save(self, path: str | Path) -> Path:
-        """Writes the dataset to a NetCDF file; `liepoisson.load` reads it, `liepoisson.rerun` repeats the run."""
-        from liepoisson.dataset import save
-
-        return save(self.dataset, path)
-
     def __repr__(self) -> str:
         by = f" by {self.left_by}" if self.left_by else ""
         end = f"{self.outcome}{by} at t = {self.end_time:.6g}"
-        return f"<ChartOrbit of {self.system!r}: {len(self.time)} times, {end}, {self.method}>"
+        return f"<ChartOrbit of {self.system.name!r}: {len(self.time)} times, {end}, {self.method}>"
 
 
 def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Taylor | None = None) -> ChartOrbit:
@@ -177,6 +155,7 @@ def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Tay
     direction = np.sign(run.time[-1] - run.time[0])
     state = np.where((direction * run.time <= direction * end_time)[:, None], run.state[0], np.nan)
     body = _seen(chart, state)
+    margins = chart.margins(body)
     left_by, left_margin = _reason(chart, end_state) if outcome != "finished" else (None, None)
     return ChartOrbit(
         chart=repr(chart),
@@ -186,7 +165,8 @@ def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Tay
         outcome=outcome,
         end_time=end_time,
         end_state=end_state,
-        margins=chart.margins(body),
+        conditions=tuple(margins),
+        margin=np.stack(list(margins.values()), axis=-1),
         left_by=left_by,
         left_margin=left_margin,
         run=run,

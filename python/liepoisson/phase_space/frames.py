@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array, read_only
+from liepoisson.arrays import Array, as_array, read_only
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.exact.charts.quaternions import components, rotation, shortest_turn
 from liepoisson.exact.lie_algebras import so
@@ -26,6 +26,7 @@ from liepoisson.exact.system import System
 from liepoisson.field import Field
 from liepoisson.numeric._checks import TIME_LIMIT, as_states, shown
 from liepoisson.numeric.integrate import Orbit, integrate
+from liepoisson.result import Result, labelled, part
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -36,13 +37,19 @@ _UNIT = 1e-6
 """How far from a rotation a given attitude may be: what six printed digits leave.  It is then made one exactly."""
 
 
-@dataclass(frozen=True)
-class Attitude(ReadOnlyArrays):
+def _carried(orbit: Orbit, system: System) -> Orbit:
+    """The run of a file as one of the system with its frame."""
+    centre_line = len(orbit.components) > len(system.component_names) + 4
+    return replace(orbit, system=FrameSystem(system, centre_line=centre_line))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Attitude(Result):
     r"""Orbits with the attitude of the body along them.
 
     Attributes:
         system: The system.
-        orbit: The run, with the components q0, q1, q2, q3 after those of the system; `orbit.save` keeps it.
+        orbit: The run, with the components q0, q1, q2, q3 after those of the system.
         time: Times, shape (time,).
         state: States, shape (trajectory, time, component).
         quaternion: Unit quaternions (q0, q1, q2, q3) with the scalar first, shape (trajectory, time, 4).
@@ -50,12 +57,30 @@ class Attitude(ReadOnlyArrays):
             the equations keep it at zero, so it measures the integration.
     """
 
+    kind = "attitude"
+
     system: System
-    orbit: Orbit
-    time: Array
-    state: Array
-    quaternion: Array
-    norm_error: Array
+    orbit: Orbit = part(lambda: Orbit, "run_", own_dims=("time",), with_system=_carried)
+    time: Array = labelled("time", long_name="time", is_coordinate=True)
+    state: Array = labelled("trajectory", "time", "own_component", long_name="state")
+    quaternion: Array = labelled("trajectory", "time", "quaternion", long_name="unit quaternion of the attitude")
+    norm_error: Array = labelled("trajectory", "time", long_name="norm of the quaternion before, less 1", units="1")
+
+    @property
+    def time_limit(self) -> float:
+        """Seconds that the run was allowed to take."""
+        return self.orbit.time_limit
+
+    def with_time_limit(self, time_limit: float) -> Attitude:
+        """The same as the result of a run with another limit of seconds, which ended nothing."""
+        return replace(self, orbit=self.orbit.with_time_limit(time_limit))
+
+    def arguments(self) -> dict[str, Any]:
+        """What `attitude` was called with."""
+        n, run = len(self.system.component_names), self.orbit.arguments()
+        start = run.pop("starts")
+        same = {name: run[name] for name in ("method", "times", "dense")}
+        return {**same, "starts": start[:, :n], "attitude": start[:, n : n + 4]}
 
     @property
     def outcome(self) -> NDArray[np.str_]:
@@ -335,7 +360,8 @@ def _checked_quaternions(values: Array) -> Array:
     norm = np.linalg.norm(values, axis=-1, keepdims=True)
     if not (np.abs(norm - 1.0) < _UNIT).all():
         raise ParameterError(f"attitude: wanted unit quaternions; got lengths {shown(norm.ravel())}; divide by them")
-    return values / norm
+    # one that is a unit already stays as it is, so that a run is repeated bit for bit
+    return np.where(np.abs(norm - 1.0) <= 1e-15, values, values / norm)
 
 
 def _upright(vectors: Array, name: str) -> Array:

@@ -18,17 +18,18 @@ Elasticity, second edition (2005), chapter 8, for rods.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import TIME_LIMIT, as_count, as_number, as_states
 from liepoisson.numeric.integrate import integrate
 from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
+from liepoisson.result import Result, labelled, part
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -43,8 +44,8 @@ _POINTS = 401
 """Points along a rod that is given by its length: enough for a smooth picture of some twenty turns."""
 
 
-@dataclass(frozen=True)
-class Rod(ReadOnlyArrays):
+@dataclass(frozen=True, kw_only=True)
+class Rod(Result):
     """Shapes of rods; vectors are in the space frame unless they are called strain.
 
     Attributes:
@@ -59,17 +60,35 @@ class Rod(ReadOnlyArrays):
             points.
     """
 
-    attitude: Attitude
-    arclength: Array
-    centre_line: Array
-    directors: Array
-    strain: Array
-    moment: Array
-    force: Array
-    field: Array
+    kind = "rod"
+
+    attitude: Attitude = part(lambda: Attitude)
+    arclength: Array = labelled("point", long_name="arclength", is_coordinate=True)
+    centre_line: Array = labelled("trajectory", "point", "axis", long_name="centre line in space")
+    directors: Array = labelled("trajectory", "point", "director", "axis", long_name="directors in space")
+    strain: Array = labelled("trajectory", "point", "director", long_name="curvatures and twist")
+    moment: Array = labelled("trajectory", "point", "axis", long_name="moment in space")
+    force: Array = labelled("trajectory", "point", "axis", long_name="force in space")
+    field: Array = labelled("trajectory", "point", "axis", long_name="current times magnetic field in space")
+
+    def arguments(self) -> dict[str, Any]:
+        """What `rod` was called with."""
+        run = self.attitude.arguments()
+        origin = self.attitude.orbit.start[:, -3:]
+        same = {name: run[name] for name in ("starts", "attitude", "method")}
+        return {**same, "arclengths": run["times"], "origin": origin}
+
+    def with_time_limit(self, time_limit: float) -> Rod:
+        """The same as the result of a run with another limit of seconds, which ended nothing."""
+        return replace(self, attitude=self.attitude.with_time_limit(time_limit))
 
     @property
-    def system(self) -> System:
+    def time_limit(self) -> float:
+        """Seconds that the run was allowed to take."""
+        return self.attitude.time_limit
+
+    @property
+    def system(self) -> System:  # pyright: ignore[reportIncompatibleVariableOverride]
         """The system whose orbit it is."""
         return self.attitude.system
 

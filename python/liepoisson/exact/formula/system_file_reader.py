@@ -32,7 +32,18 @@ T = TypeVar("T")
 _MAX_LIST = 100_000
 _LONGEST_NAME = 200
 _KEYS: dict[str, tuple[str, ...]] = {
-    "": ("name", "source", "description", "symbols", "bracket", "parameters", "hamiltonian", "integrals", "reference"),
+    "": (
+        "name",
+        "source",
+        "description",
+        "symbols",
+        "bracket",
+        "parameters",
+        "hamiltonian",
+        "integrals",
+        "quadratures",
+        "reference",
+    ),
     "bracket": (
         "algebra",
         "structure_constants",
@@ -85,6 +96,7 @@ class _Reader:
             symbols=symbols,
             integrals=self.integrals(self.table(("integrals",), tables.get("integrals", {}))),
             references=self.references(tables.get("reference", []), bracket),
+            quadratures=self.quadratures(tables, symbols),
             source=self.optional_text(("source",), tables),
             description=self.optional_text(("description",), tables),
             path=self.toml.path,
@@ -202,6 +214,16 @@ class _Reader:
             expression = self.text((*keys, "expression"), inner["expression"])
             found[name] = Integral(expression, on, self.optional_text((*keys, "source"), inner))
         return found
+
+    def quadratures(self, tables: dict[str, Any], symbols: tuple[str, ...]) -> dict[str, str]:
+        """Rates by the names of components that follow the motion; only beside a canonical bracket without symbols."""
+        given = self.table(("quadratures",), tables.get("quadratures", {}))
+        if given and ("canonical" not in tables["bracket"] or symbols):
+            message = "wanted a canonical bracket and values for all parameters beside them. Remove the table."
+            raise self.toml.error(("quadratures",), message)
+        for name in given:
+            self.guarded(("quadratures", name), partial(check_name, name, "the name of a component"))
+        return {name: self.text(("quadratures", name), rate) for name, rate in given.items()}
 
     def references(self, given: object, bracket: Bracket) -> tuple[Reference, ...]:
         if not isinstance(given, list):

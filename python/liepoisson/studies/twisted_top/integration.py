@@ -81,13 +81,12 @@ def complete(store: RunStore, threads: int | None, tracker: Tracker) -> Members:
         KeyboardInterrupt: Ctrl-C; finished pieces stay.
     """
     if store.is_complete():
-        dataset, seconds = store.load_whole()
-        arrays = {name: dataset[name].to_numpy() for name in ("exponent", "start", "outcome", "n_steps")}
-        return Members(**arrays, seconds=seconds, order=int(dataset.attrs["order"]), kernel=dataset.attrs["kernel"])
-    for first, count in store.missing_pieces():
-        _integrate_piece(store, first, count, threads, tracker)
-    growth, seconds = _join(store)
-    store.save_whole(growth, seconds)
+        growth, seconds = store.load_whole()
+    else:
+        for first, count in store.missing_pieces():
+            _integrate_piece(store, first, count, threads, tracker)
+        growth, seconds = _join(store)
+        store.save_whole(growth, seconds)
     return Members(growth.exponent, growth.start, growth.outcome, growth.n_steps, seconds, growth.order, growth.kernel)
 
 
@@ -133,7 +132,7 @@ def _join(store: RunStore) -> tuple[FiniteTimeExponents, float]:
             whole = joined.setdefault(name, np.empty((run.members, *arrays[name].shape[1:]), dtype=kind))
             whole[first : first + count] = arrays[name]
     growth = FiniteTimeExponents(
-        system=top.name,
+        system=top,
         components=top.component_names,
         field=top.field(),
         method=Taylor(tol=run.tolerance),

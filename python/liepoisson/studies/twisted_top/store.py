@@ -190,13 +190,13 @@ class RunStore:
             # Gone with the last run; pieces of other runs keep it.
             self.folder.parent.rmdir()
 
-    def load_whole(self) -> tuple[Dataset, float]:
+    def load_whole(self) -> tuple[FiniteTimeExponents, float]:
         """The joined run and the seconds that its integration took, checked.
 
         Raises:
             DamagedFileError: the file was altered.
         """
-        from liepoisson.dataset import load
+        from liepoisson.repeat import load
 
         record = self._read_manifest()[self.run.name]
         try:

@@ -1,0 +1,49 @@
+"""What a run was given and how it ended: the part that all numeric results share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.field import Field, field_of, record_of
+from liepoisson.numeric._checks import HasField, component_names
+from liepoisson.numeric.methods import Method, method_of, method_record
+from liepoisson.result import Result, labelled, names_along, recorded
+
+
+@dataclass(frozen=True, kw_only=True)
+class Run(Result):
+    """Trajectories of one system: what they were given and how they ended."""
+
+    system: HasField
+    components: tuple[str, ...] = names_along("component")
+    field: Field = recorded(record_of, field_of)
+    method: Method = recorded(method_record, method_of)
+    start: Array = labelled("trajectory", "component", long_name="state as it was given")
+    outcome: NDArray[np.str_] = labelled("trajectory", long_name="how the trajectory ended")
+    time_limit: float = np.inf
+
+    def arguments(self) -> dict[str, Any]:
+        """The starts and the method."""
+        return {"starts": self.start, "method": self.method}
+
+
+@dataclass(frozen=True, kw_only=True)
+class IntegratedRun(Run):
+    """Trajectories that were integrated by one call of the core."""
+
+    end_time: Array = labelled("trajectory", long_name="time reached")
+    n_steps: NDArray[np.int64] = labelled("trajectory", long_name="accepted steps", units="1")
+    end_state: Array = labelled("trajectory", "component", long_name="last good state")
+    order: int
+    kernel: str
+
+
+def given(system: Any, field: Field, method: Method, start: Array) -> dict[str, Any]:
+    """The first fields of a `Run`."""
+    names = component_names(system, field.n_components)
+    return {"system": system, "components": names, "field": field, "method": method, "start": start}

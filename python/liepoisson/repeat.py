@@ -1,0 +1,212 @@
+"""Files become results again, and results runs: the one table of what can be loaded and repeated."""
+
+from __future__ import annotations
+
+import json
+import math
+import warnings
+from collections.abc import Callable
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from liepoisson import _core
+from liepoisson.dataset import check_format, read_dataset, result_of, text_of
+from liepoisson.errors import DamagedFileError
+from liepoisson.field import Field, field_of
+from liepoisson.numeric._checks import as_time_limit
+from liepoisson.numeric.run import Run
+from liepoisson.result import Result
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from xarray import Dataset
+
+RUNS = {
+    "orbit": ("liepoisson.numeric.integrate", "Orbit", "integrate"),
+    "growth": ("liepoisson.numeric.finite_time_exponents", "FiniteTimeExponents", "finite_time_exponents"),
+    "section": ("liepoisson.numeric.section", "Section", "section"),
+    "first return": ("liepoisson.numeric.section", "FirstReturn", "first_return"),
+    "spectrum": ("liepoisson.numeric.spectrum", "Spectrum", "lyapunov_spectrum"),
+    "exponent": ("liepoisson.numeric.lyapunov_exponent", "ExponentEstimate", "lyapunov_exponent"),
+    "megno": ("liepoisson.numeric.megno", "Megno", "megno"),
+    "alignment": ("liepoisson.numeric.alignment", "Alignment", "alignment"),
+    "frequency drift": ("liepoisson.numeric.frequencies", "FrequencyDrift", "frequency_drift"),
+    "verdict": ("liepoisson.numeric.verdict", "Verdict", "decide"),
+    "energy profile": ("liepoisson.numeric.exponents_by_energy", "EnergyProfile", "exponents_by_energy"),
+    "attitude": ("liepoisson.phase_space.frames", "Attitude", "attitude"),
+    "chart orbit": ("liepoisson.phase_space.chart_orbit", "ChartOrbit", "chart_orbit"),
+    "rod": ("liepoisson.phase_space.rod", "Rod", "rod"),
+}
+"""By kind: the module, the class of the result, and the function that makes it."""
+
+
+def load(path: str | Path, *, verify: bool = True) -> Any:
+    """Reads a file that a result has written: the result as it was, with its system.
+
+    Args:
+        path: The file, or the folder of a sweep.
+        verify: Refuse a file whose contents do not have the checksum that liepoisson wrote.  False reads what another
+            program has changed on purpose; a bit that flipped by accident is then not found either.
+
+    Returns:
+        An object of the class that was saved; its `dataset` is the labelled dataset of the file.
+
+    Raises:
+        DamagedFileError: There is no such file; it is truncated, damaged or changed; or liepoisson did not write it.
+    """
+    dataset = read_dataset(path, verify=verify)
+    try:
+        return _result(dataset)
+    except Exception as error:  # records that were altered fail in many ways, one nested too deeply in its own
+        raise DamagedFileError(f"{path}: {error!r:.200} is missing or altered; make it again") from error
+
+
+def rerun(
+    source: str | Path | Dataset | Result,
+    *,
+    threads: int | None = None,
+    time_limit: float = math.inf,
+    progress: Callable[[float], Any] | None = None,
+) -> Any:
+    """Repeats the run that made a result, a file or a dataset, from what it records alone.
+
+    The result has the same bits as the original on any processor, with the same version of liepoisson: starts, tangent
+    vectors and times come from the file, and the core computes them all with operations that IEEE 754 rounds correctly.
+
+    How far a run comes within its limit of seconds depends on the machine and cannot be repeated.  Trajectories that
+    ended with the outcome "time limit" go on to their end in the rerun, and what they had reached before has the same
+    bits.
+
+    Args:
+        source: The file, the dataset of a result, or the result.
+        threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
+        time_limit: Seconds that the rerun may take; by default as many as it needs.
+        progress: Called a few times a second with the fraction that is done.
+
+    Raises:
+        DamagedFileError: The file is damaged, or lacks what the run was given.  A dataset may be transposed, have its
+            components in another order, or be a part of the trajectories; an orbit without its first time, a part of
+            the components, and of a growth or spectrum members that do not follow each other have no run.
+
+    Warns:
+        UserWarning: Another version of liepoisson made the file, so the bits may differ; or trajectories were ended by
+            the limit of time.
+    """
+    given = source if isinstance(source, Result) else _recorded(source)
+    given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
+    module, _, function = RUNS[given.kind]
+    try:
+        arguments, n_cut = given.arguments(), int((given.outcome == "time limit").sum())
+        limit = as_time_limit(given.time_limit)
+    except Exception as error:  # as above
+        raise DamagedFileError(f"the file does not record a run that can be repeated: {error!s:.200}") from error
+    if n_cut:
+        words = f" of {limit:g} s" if math.isfinite(limit) else ""
+        warnings.warn(
+            f"{n_cut} trajectories of the file were ended by the time limit{words}, which depends on the "
+            "machine and cannot be repeated: they go on to their end. Up to its end_time each has the same numbers",
+            UserWarning,
+            stacklevel=2,
+        )
+    options = arguments | {"time_limit": time_limit, "threads": threads, "progress": progress}
+    system = _Repeated(given) if isinstance(given, Run) else given.system
+    found = getattr(import_module(module), function)(system, **options)
+    if isinstance(found, Run):
+        found = replace(found, system=given.system, **{n: getattr(given, n) for n in ("surface",) if hasattr(given, n)})
+    # where the limit ended nothing, here as there, the result is that of the file in this, too
+    return found.with_time_limit(limit) if not n_cut and "time limit" not in found.outcome else found
+
+
+def _recorded(source: str | Path | Dataset) -> Any:
+    """The result that a file or a dataset holds."""
+    import xarray as xr
+
+    dataset = source if isinstance(source, xr.Dataset) else read_dataset(source)
+    try:
+        check_format(dataset)
+        found = _result(dataset)
+    except Exception as error:  # records that were altered fail in many ways, one nested too deeply in its own
+        raise DamagedFileError(
+            f"the file does not record a run that can be repeated: {error!r:.200} is missing or altered; make it again"
+        ) from error
+    version = str(dataset.attrs.get("version"))  # of a damaged file it may be anything
+    if version != _core.__version__:
+        warnings.warn(
+            f"the file was made by liepoisson {version:.60}, this is {_core.__version__}: the results may differ in "
+            "their last bits",
+            UserWarning,
+            stacklevel=3,
+        )
+    return found
+
+
+def _result(dataset: Dataset) -> Any:
+    """The result that a dataset holds; errors are of many kinds."""
+    kind = dataset.attrs["kind"]
+    if not isinstance(kind, str) or kind not in RUNS:
+        raise ValueError(f"kind: wanted {' or '.join(RUNS)}; got {shown(kind)}")
+    module, name, _ = RUNS[kind]
+    system = _system(dataset)
+    found = result_of(getattr(import_module(module), name), dataset, system)
+    if isinstance(found, Run) and len(found.components) != found.field.n_components:
+        raise ValueError(f"component: wanted {found.field.n_components} names; got {len(found.components)}")
+    return found
+
+
+def _system(dataset: Dataset) -> Any:
+    """The system of a file, exactly; one that was known by its field alone, or that cannot be written, by its field."""
+    try:
+        text = text_of(dataset, "system_file")
+    except KeyError:
+        prefix = "" if "field" in dataset.attrs or "field" in dataset else "run_"
+        field = field_of(json.loads(text_of(dataset, f"{prefix}field")))
+        return FieldSystem(str(dataset.attrs["system"]), tuple(map(str, dataset["component"].to_numpy())), field)
+    from liepoisson.exact.system_text import read_system_text
+
+    kind = str(dataset.attrs.get("system_kind"))
+    system = read_system_text(text, kind)
+    if kind != "Top" or system.top_parameters is None:
+        return system
+    from liepoisson.tops import Top
+
+    top = system.top_parameters
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of moments that no body has, the first run has warned
+        return Top(inertia=top.inertia, a=top.a, b=top.b, epsilon=top.epsilon, name=system.name)
+
+
+class FieldSystem:
+    """A system of which a file knows the field alone."""
+
+    def __init__(self, name: str, component_names: tuple[str, ...], field: Field) -> None:
+        self.name = name
+        self.component_names = component_names
+        self._field = field
+
+    def field(self) -> Field:
+        """The vector field."""
+        return self._field
+
+    def __repr__(self) -> str:
+        return f"<system {self.name!r} with {self._field.n_components} components, known by its field>"
+
+
+class _Repeated:
+    """The system of a result with the field that was integrated then: another version may write another one."""
+
+    def __init__(self, run: Run) -> None:
+        self._run = run
+
+    @property
+    def component_names(self) -> tuple[str, ...]:
+        return self._run.components
+
+    def field(self) -> Any:
+        return self._run.field
+
+    def __getattr__(self, name: str) -> Any:
+        if name == "_run":  # while it is copied
+            raise AttributeError(name)
+        return getattr(self._run.system, name)
