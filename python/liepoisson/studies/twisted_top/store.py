@@ -29,7 +29,7 @@ from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents
 from liepoisson.studies.twisted_top.runs import Run, Settings, plan
 
 if TYPE_CHECKING:
-    from xarray import Dataset
+    pass
 
 AnyArray: TypeAlias = NDArray[Any]
 
