@@ -75,7 +75,7 @@ _SETTINGS: dict[str, Any] = {
 def house_style() -> Generator[None]:
     """Matplotlib in the house style inside a `with` block; settings outside stay as they were."""
     import matplotlib as mpl
-    from cycler import cycler
+    from matplotlib.rcsetup import cycler
 
     settings: dict[Any, Any] = {**_SETTINGS, "axes.prop_cycle": cycler(color=SEQUENCE)}
     with mpl.rc_context(settings):
