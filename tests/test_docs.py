@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson import _core
 from liepoisson.numeric.sampling import sample_tangents
 
 ROOT = Path(__file__).parent.parent
@@ -270,6 +271,11 @@ def row_of_catalog(name: str) -> str:
         short_source(" ".join((entry.source or "").split())),
     )
     return "| " + " | ".join(" ".join(str(cell).split()).replace("|", r"\|") for cell in cells) + " |"
+
+
+def test_getting_started_names_every_outcome():
+    text = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
+    assert [outcome for outcome in _core.outcomes() if f"| `{outcome}` |" not in text] == []
 
 
 def test_versions_agree():

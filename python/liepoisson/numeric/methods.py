@@ -373,7 +373,7 @@ def method_of(record: Mapping[str, Any]) -> Method:
     """The method that `method_record` has written.
 
     Raises:
-        KeyError, TypeError, ValueError: the record is not one of ours.
+        KeyError, TypeError, ValueError: `method_record` did not write it.
     """
     values = dict(record)
     return METHODS[values.pop("name")](**values)

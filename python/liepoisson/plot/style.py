@@ -92,7 +92,7 @@ def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> 
 
 
 def as_colours(colour: Any) -> tuple[Any, ...]:
-    """One colour or a sequence of them, as Matplotlib reads them; without any, those of the house.
+    """One colour or a sequence of them, as Matplotlib reads them; without any, those of `house_style`.
 
     Raises:
         ParameterError: it is no colour, or a sequence without any.
