@@ -18,6 +18,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson import _core
+from liepoisson.numeric.methods import METHODS
 from liepoisson.numeric.sampling import sample_tangents
 
 ROOT = Path(__file__).parent.parent
@@ -271,6 +272,11 @@ def row_of_catalog(name: str) -> str:
         short_source(" ".join((entry.source or "").split())),
     )
     return "| " + " | ".join(" ".join(str(cell).split()).replace("|", r"\|") for cell in cells) + " |"
+
+
+def test_the_page_of_methods_names_every_method():
+    text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    assert [kind.__name__ for kind in METHODS.values() if not re.search(rf"\.{kind.__name__}\b", text)] == []
 
 
 def test_getting_started_names_every_outcome():
