@@ -51,17 +51,18 @@ bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (
 	$(BIN)/python benchmarks/general.py
 
 # As the editable install builds it, so that what is compiled serves both.
-wheel: | $(VENV)/.run ## build the wheel into dist/
+wheel: | $(VENV)/.build ## build the wheel into dist/
 	rm -rf dist
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/pip wheel --quiet --disable-pip-version-check --no-deps --no-build-isolation \
 	  --wheel-dir dist .
 
+LOCK := --universal --python-version 3.11 --generate-hashes --no-header --quiet
 lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 	$(BIN)/pip install --quiet uv
-	$(BIN)/uv pip compile pyproject.toml --group build --universal --python-version 3.11 --generate-hashes \
-	  --no-header --upgrade --quiet --output-file requirements/run.txt
-	$(BIN)/uv pip compile pyproject.toml --group build --group test --group lint --universal --python-version 3.11 \
-	  --constraint requirements/run.txt --generate-hashes --no-header --quiet --output-file requirements/dev.txt
+	$(BIN)/uv pip compile pyproject.toml $(LOCK) --upgrade --output-file requirements/run.txt
+	$(BIN)/uv pip compile --group build $(LOCK) --upgrade --output-file requirements/build.txt
+	$(BIN)/uv pip compile pyproject.toml --group test --group lint $(LOCK) --constraint requirements/run.txt \
+	  --output-file requirements/dev.txt
 	cargo update
 
 clean: ## remove everything that the recipes make, results excepted
@@ -140,6 +141,10 @@ $(VENV)/.dev: requirements/dev.txt | $(VENV)/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
 	touch $@
 
-$(VENV)/.built: $(VENV)/.run $(RUST_SOURCES) pyproject.toml
+$(VENV)/.build: requirements/build.txt | $(VENV)/.run
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
+	touch $@
+
+$(VENV)/.built: $(VENV)/.run $(VENV)/.build $(RUST_SOURCES) pyproject.toml
 	PATH="$(CURDIR)/$(BIN):$$PATH" $(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation --editable .
 	touch $@

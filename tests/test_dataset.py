@@ -1,6 +1,5 @@
 """Files: labelled, complete, repeatable bit for bit; damaged ones and full disks are refused by name."""
 
-import dataclasses
 import importlib
 import inspect
 import json
@@ -14,7 +13,6 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, OutputError, ParameterError
 from liepoisson.numeric._checks import TOP_COMPONENTS
-from liepoisson.numeric.methods import METHODS, method_of, method_record
 from liepoisson.repeat import RUNS
 
 TOP = lp.Top(inertia=(2, 1.5, 1), a=(-1, 0.1, 0.2), b=(0.4, 0, -0.7), epsilon=0.8)
@@ -368,28 +366,6 @@ def test_a_file_records_every_argument_of_its_run(tmp_path, kind):
     assert {name for name in given if name not in found} <= {name for name, value in given.items() if value is None}
     found |= {name: None for name in given if name not in found}
     assert {name: plain(value) for name, value in found.items()} == {name: plain(v) for name, v in given.items()}
-
-
-METHOD_OPTIONS = {
-    "taylor": [{"tol": 3e-9, "order": 19, "precision": "mixed", "max_steps": 7}],
-    "runge-kutta": [
-        {"tol": 3e-9, "step": None, "precision": "double", "compensated": True, "max_steps": 7},
-        {"tol": None, "step": 0.3, "precision": "single", "compensated": False, "max_steps": 7},
-    ],
-    "splitting": [{"step": 0.3, "order": 6, "precision": "single", "max_steps": 7}],
-    "gauss": [{"step": 0.3, "order": 6, "max_steps": 7}],
-    "lagrange-map": [{"step": 0.3, "max_steps": 7}],
-}
-
-
-@pytest.mark.parametrize("name", METHODS)
-def test_a_record_of_a_method_has_all_its_options(name):
-    for options in METHOD_OPTIONS[name]:
-        assert {field.name for field in dataclasses.fields(METHODS[name])} == options.keys()
-        method = METHODS[name](**options)
-        record = json.loads(json.dumps(method_record(method)))
-        assert record == {"name": name, **options}
-        assert method_of(record) == method
 
 
 def runs_of_all_kinds():

@@ -17,11 +17,13 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
+from liepoisson import _core
+from liepoisson.numeric.methods import METHODS
 from liepoisson.numeric.sampling import sample_tangents
 
 ROOT = Path(__file__).parent.parent
 GUIDE = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
-DOCUMENTS = [*GUIDE, *(ROOT / name for name in ("ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md"))]
+DOCUMENTS = [*GUIDE, *(ROOT / name for name in ("ARCHITECTURE.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md"))]
 
 FENCE = re.compile(r"^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\w.])")
@@ -270,6 +272,16 @@ def row_of_catalog(name: str) -> str:
         short_source(" ".join((entry.source or "").split())),
     )
     return "| " + " | ".join(" ".join(str(cell).split()).replace("|", r"\|") for cell in cells) + " |"
+
+
+def test_the_page_of_methods_names_every_method():
+    text = (ROOT / "docs" / "methods.md").read_text(encoding="utf-8")
+    assert [kind.__name__ for kind in METHODS.values() if not re.search(rf"\.{kind.__name__}\b", text)] == []
+
+
+def test_getting_started_names_every_outcome():
+    text = (ROOT / "docs" / "getting-started.md").read_text(encoding="utf-8")
+    assert [outcome for outcome in _core.outcomes() if f"| `{outcome}` |" not in text] == []
 
 
 def test_versions_agree():

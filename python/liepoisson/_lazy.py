@@ -42,7 +42,7 @@ def attach(module: str, file: str) -> tuple[Callable[[str], object], Callable[[]
 
 
 def _unknown(module: str, name: str, names: list[str]) -> str:
-    """What is said of a name that there is not; names of another chapter are pointed to."""
+    """The message for an unknown name, with the chapter that has it, if one does."""
     message = f"module {module!r} has no attribute {name!r}"
     if name.startswith("_"):
         return message

@@ -174,7 +174,7 @@ def field_of(record: Mapping[str, Any]) -> Field:
     """The field that `record_of` has written.
 
     Raises:
-        KeyError, TypeError, ValueError: the record is not one of ours.
+        KeyError, TypeError, ValueError: `record_of` did not write it.
     """
     kind = record["kind"]
     if kind == "top":

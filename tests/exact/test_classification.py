@@ -49,13 +49,13 @@ def test_named_extensions_have_their_normal_form(extension, name):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("form", FORMS, ids=repr)
-@settings(lean, max_examples=3)
+@settings(lean, max_examples=5)
 @given(data=st.data())
 def test_a_rational_basis_change_is_recognised(form, data):
     check_basis_change(form, data)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("form", FORMS, ids=repr)
 @settings(lean, max_examples=20)
 @given(data=st.data())

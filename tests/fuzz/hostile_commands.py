@@ -16,6 +16,7 @@ from hostile_names import FAMOUS, REFUSED
 
 from liepoisson.cli.ending import UNEXPECTED
 from liepoisson.cli.main import main
+from liepoisson.numeric.methods import METHODS
 
 NAMES = [*FAMOUS, *(name for name in REFUSED if len(name) < 1000), "l", "alpha", "I", "a", "epsilon", "K", "p_psi"]
 TEXTS = [
@@ -49,7 +50,7 @@ OPTIONS = {
         "--seed": "number",
         "--t-end": "number",
         "--points": ["2", "3", "5", "0", "-1", "x"],
-        "--method": ["taylor", "runge-kutta", "splitting", "gauss", "lagrange-map", "x"],
+        "--method": [*METHODS, "x"],
         "--tol": "number",
         "--step": ["0.1", "1", "0", "nan", "x"],
         "--order": "number",

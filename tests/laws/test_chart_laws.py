@@ -104,7 +104,7 @@ def test_canonical_and_lie_poisson_orbits_agree_to_ten_digits_at_time_ten():
     """In all charts, also where margins on the way fall to 0.016; what an early end cuts off is counted."""
     t = np.linspace(0, 10, 201)
     whole = 0
-    for system, x, charts in random_cases(5, 12):
+    for system, x, charts in random_cases(5, 8):
         exact = lp.integrate(system, x, times=t).state[0]
         for chart in charts:
             orbit = chart_orbit(chart, x, times=t)
@@ -117,7 +117,7 @@ def test_canonical_and_lie_poisson_orbits_agree_to_ten_digits_at_time_ten():
             elif orbit.outcome != "finished":
                 assert orbit.left_by in chart.conditions
                 assert orbit.left_margin < 1e-3
-    assert whole >= 57, f"{whole} of 60 orbits ran to t = 10"  # measured: all 60
+    assert whole >= 38, f"{whole} of 40 orbits ran to t = 10"  # measured: all 40
 
 
 CALM, CAP = 1e6, 1e-3
@@ -133,6 +133,8 @@ def test_at_time_hundred_they_agree_within_the_measured_growth_of_rounding():
     for system, x, charts in random_cases(11, 10):
         run = lp.integrate(system, x, times=t, tangents=np.eye(9))
         growth = np.linalg.norm(run.tangent[0], axis=(1, 2)).max()
+        if 100 * ROUND_OFF * growth > CAP:  # too chaotic in every chart
+            continue
         for chart in charts:
             z = chart.from_body(x)
             canonical = lp.integrate(chart.system, z, times=t, tangents=np.eye(len(z)))

@@ -3,8 +3,9 @@
 import re
 
 import pytest
+from evaluated_claims import exact_results
 
-from liepoisson.studies.twisted_top.claims import CLAIMS, evaluate_claims
+from liepoisson.studies.twisted_top.claims import CLAIMS
 from liepoisson.studies.twisted_top.mathematics import mathematics
 from liepoisson.studies.twisted_top.symbols import SYMBOLS
 
@@ -39,7 +40,7 @@ def test_statements_use_symbols_that_are_listed(claim):
 
 @pytest.mark.thorough
 def test_corrections_use_symbols_that_are_listed_or_explained():
-    for result in evaluate_claims():
+    for result in exact_results():
         text = result.verdict.correct_statement
         assert unexplained(text) == set(), f"{result.claim.id}: {text}"
 

@@ -3,84 +3,26 @@
 //! Whatever comes in, an exception or a result goes out: arrays are copied before the interpreter is released, since other
 //! threads may write into them, and a panic becomes a `CoreError`.
 
+mod errors;
+mod fields;
+mod methods;
+
+use crate::errors::{broken, exception, guarded, translate};
+use crate::fields::{Field, InstructionParts, Kind, read_instructions};
+use crate::methods::{How, Method, with_field_and_method};
 use liepoisson_core::analysis::frame::orthonormalise;
 use liepoisson_core::analysis::section::{self, Doubts, Surface};
 use liepoisson_core::analysis::{lyapunov, orbit};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Functions, Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
+use liepoisson_core::field::Functions;
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::{
-    AcrossComponents, Gauss, LagrangeMap, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
-};
+use liepoisson_core::method::AcrossComponents;
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
-
-/// A refusal of the core as one of the errors of `liepoisson.errors`. Every kind is named, so that a new one gets a class.
-fn translate(error: Error) -> PyErr {
-    let class = match error {
-        Error::Memory { .. } => "MemoryLimitError",
-        Error::Threads { .. } => "ThreadLimitError",
-        Error::Length { .. } | Error::Outputs { .. } | Error::InstructionOperands { .. } => "ShapeError",
-        Error::UnknownInstruction { .. } => "UnknownNameError",
-        Error::MethodForField => "UnsupportedFieldError",
-        Error::Inertia { .. }
-        | Error::ParameterNotFinite { .. }
-        | Error::ComponentIndex { .. }
-        | Error::Tolerance { .. }
-        | Error::SingleTolerance { .. }
-        | Error::StepSize { .. }
-        | Error::Stages { .. }
-        | Error::Order { .. }
-        | Error::SplittingOrder { .. }
-        | Error::Times { .. }
-        | Error::TangentVector { .. }
-        | Error::Components { .. }
-        | Error::Direction { .. }
-        | Error::NoCrossings
-        | Error::AcrossComponents
-        | Error::NotLagrange
-        | Error::InstructionRegister { .. }
-        | Error::InstructionNumber { .. }
-        | Error::OutputRegister { .. }
-        | Error::SimdNotAvailable { .. } => "ParameterError",
-    };
-    exception(class, &error.to_string())
-}
-
-fn exception(class: &str, message: &str) -> PyErr {
-    Python::attach(|py| {
-        let class = py.import("liepoisson.errors").and_then(|errors| errors.getattr(class));
-        match class.and_then(|class| class.call1((message,))) {
-            Ok(refusal) => PyErr::from_value(refusal),
-            Err(failure) => failure,
-        }
-    })
-}
-
-/// A panic of the core, which is a mistake in it, as `liepoisson.errors.CoreError`.
-fn broken(panic: &(dyn Any + Send)) -> PyErr {
-    let message = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
-    let message = message.unwrap_or("without a message");
-    exception(
-        "CoreError",
-        &format!(
-            "the compiled core stopped: {message}; this is a mistake in liepoisson, please report how it came about"
-        ),
-    )
-}
-
-/// Runs `work`; a panic becomes an exception.
-fn guarded<R>(work: impl FnOnce() -> Result<R, Error>) -> PyResult<R> {
-    match catch_unwind(AssertUnwindSafe(work)) {
-        Ok(result) => result.map_err(translate),
-        Err(panic) => Err(broken(&*panic)),
-    }
-}
 
 /// An array of the caller as numbers of our own.
 fn copied(array: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
@@ -88,182 +30,6 @@ fn copied(array: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
     numbers.try_reserve_exact(array.len()).map_err(|_| translate(Error::Memory { bytes: 8 * array.len() }))?;
     numbers.extend(array.iter().copied());
     Ok(numbers)
-}
-
-/// A vector field that the core integrates.
-#[pyclass(frozen, module = "liepoisson._core")]
-struct Field(Kind);
-
-enum Kind {
-    Top(Top),
-    Quadratic(Quadratic),
-    Tape(Tape),
-    Pieces(Pieces),
-}
-
-/// A linear form, the coefficients of a polynomial, a sparse matrix.
-type PieceParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
-
-/// Name, registers, numbers.
-type InstructionParts = (String, Vec<usize>, Vec<f64>);
-
-fn read_instructions(instructions: &[InstructionParts]) -> Result<Vec<Instruction>, Error> {
-    let read = |(name, registers, numbers): &InstructionParts| Instruction::from_parts(name, registers, numbers);
-    instructions.iter().map(read).collect()
-}
-
-#[pymethods]
-impl Field {
-    /// Dimension of the state.
-    #[getter]
-    fn n_components(&self) -> usize {
-        match &self.0 {
-            Kind::Top(top) => top.n_components(),
-            Kind::Quadratic(quadratic) => quadratic.n_components(),
-            Kind::Tape(tape) => tape.n_components(),
-            Kind::Pieces(pieces) => pieces.n_components(),
-        }
-    }
-
-    /// The charged or twisted top.
-    #[staticmethod]
-    fn top(inertia: [f64; 3], a: [f64; 3], b: [f64; 3], epsilon: f64) -> PyResult<Field> {
-        guarded(|| Top::new(inertia, a, b, epsilon)).map(|top| Field(Kind::Top(top)))
-    }
-
-    /// Any field of degree at most two, by its nonzero entries.
-    #[staticmethod]
-    fn quadratic(
-        n_components: usize,
-        constant: Vec<(usize, f64)>,
-        linear: Vec<(usize, usize, f64)>,
-        quadratic: Vec<(usize, usize, usize, f64)>,
-    ) -> PyResult<Field> {
-        let field = guarded(|| Quadratic::new(n_components, &constant, &linear, &quadratic))?;
-        Ok(Field(Kind::Quadratic(field)))
-    }
-
-    /// Any smooth field, by the instructions that compute it.
-    #[staticmethod]
-    fn tape(n_components: usize, instructions: Vec<InstructionParts>, outputs: Vec<usize>) -> PyResult<Field> {
-        let tape = guarded(|| Tape::new(n_components, read_instructions(&instructions)?, outputs))?;
-        Ok(Field(Kind::Tape(tape)))
-    }
-
-    /// A Lie-Poisson system by pieces of its Hamiltonian, each with a known flow: form, derivative, matrix.
-    #[staticmethod]
-    fn pieces(n_components: usize, pieces: Vec<PieceParts>) -> PyResult<Field> {
-        let ridges =
-            pieces.into_iter().map(|(form, derivative, generator)| Ridge { form, generator, derivative }).collect();
-        guarded(|| Pieces::new(n_components, ridges)).map(|pieces| Field(Kind::Pieces(pieces)))
-    }
-}
-
-/// A method of integration.
-#[pyclass(frozen, module = "liepoisson._core")]
-struct Method(How);
-
-#[derive(Clone, Copy)]
-enum How {
-    Taylor(Taylor),
-    MixedTaylor(MixedTaylor),
-    RungeKutta(RungeKutta),
-    SingleRungeKutta(Single<RungeKutta>),
-    Splitting(Splitting),
-    SingleSplitting(Single<Splitting>),
-    Gauss(Gauss),
-    LagrangeMap(LagrangeMap),
-}
-
-#[pymethods]
-impl Method {
-    /// Power series with adaptive steps.
-    #[staticmethod]
-    fn taylor(tol: f64, order: Option<usize>, mixed: bool, max_steps: u64) -> PyResult<Method> {
-        let taylor = Taylor::new(tol, order, max_steps).map_err(translate)?;
-        Ok(Method(if mixed { How::MixedTaylor(MixedTaylor(taylor)) } else { How::Taylor(taylor) }))
-    }
-
-    /// The explicit method of order 8, by tolerance or with equal steps.
-    #[staticmethod]
-    fn runge_kutta(
-        tol: Option<f64>,
-        step: Option<f64>,
-        single: bool,
-        compensated: bool,
-        max_steps: u64,
-    ) -> PyResult<Method> {
-        let method = match step {
-            Some(step) => RungeKutta::fixed(step, max_steps),
-            None => RungeKutta::new(tol.unwrap_or(1e-8), max_steps),
-        };
-        let method = method.map_err(translate)?;
-        if single {
-            return Single::<RungeKutta>::new(method)
-                .map(|single| Method(How::SingleRungeKutta(single)))
-                .map_err(translate);
-        }
-        Ok(Method(How::RungeKutta(if compensated { method.compensated() } else { method })))
-    }
-
-    /// Compositions of exact flows.
-    #[staticmethod]
-    fn splitting(order: usize, step: f64, single: bool, max_steps: u64) -> PyResult<Method> {
-        let method = Splitting::new(order, step, max_steps).map_err(translate)?;
-        Ok(Method(if single { How::SingleSplitting(Single(method)) } else { How::Splitting(method) }))
-    }
-
-    /// The Lagrange top in discrete time.
-    #[staticmethod]
-    fn lagrange_map(step: f64, max_steps: u64) -> PyResult<Method> {
-        LagrangeMap::new(step, max_steps).map(|map| Method(How::LagrangeMap(map))).map_err(translate)
-    }
-
-    /// Gauss collocation.
-    #[staticmethod]
-    fn gauss(n_stages: usize, step: f64, max_steps: u64) -> PyResult<Method> {
-        Gauss::new(n_stages, step, max_steps).map(|gauss| Method(How::Gauss(gauss))).map_err(translate)
-    }
-}
-
-impl How {
-    fn order(self) -> usize {
-        match self {
-            How::Taylor(method) | How::MixedTaylor(MixedTaylor(method)) => method.order(),
-            How::RungeKutta(_) | How::SingleRungeKutta(_) => 8,
-            How::Splitting(method) | How::SingleSplitting(Single(method)) => method.order(),
-            How::Gauss(method) => method.order(),
-            How::LagrangeMap(_) => 2,
-        }
-    }
-}
-
-/// Runs a macro with the field and the method of a call, as types of their own.
-macro_rules! with_field_and_method {
-    ($field:expr, $method:expr, $run:ident) => {
-        match (&$field.0, $method.0) {
-            (Kind::Top(field), How::Taylor(method)) => $run!(field, method),
-            (Kind::Top(field), How::MixedTaylor(method)) => $run!(field, method),
-            (Kind::Top(field), How::RungeKutta(method)) => $run!(field, method),
-            (Kind::Top(field), How::SingleRungeKutta(method)) => $run!(field, method),
-            (Kind::Top(field), How::Splitting(method)) => $run!(field, method),
-            (Kind::Top(field), How::SingleSplitting(method)) => $run!(field, method),
-            (Kind::Top(field), How::Gauss(method)) => $run!(field, method),
-            (Kind::Top(field), How::LagrangeMap(_)) if !LagrangeMap::applies_to(field) => {
-                return Err(translate(Error::NotLagrange));
-            }
-            (Kind::Top(field), How::LagrangeMap(method)) => $run!(field, method),
-            (Kind::Quadratic(field), How::Taylor(method)) => $run!(field, method),
-            (Kind::Quadratic(field), How::RungeKutta(method)) => $run!(field, method),
-            (Kind::Quadratic(field), How::SingleRungeKutta(method)) => $run!(field, method),
-            (Kind::Quadratic(field), How::Gauss(method)) => $run!(field, method),
-            (Kind::Tape(field), How::Taylor(method)) => $run!(field, method),
-            (Kind::Tape(field), How::RungeKutta(method)) => $run!(field, method),
-            (Kind::Tape(field), How::Gauss(method)) => $run!(field, method),
-            (Kind::Pieces(field), How::Splitting(method)) => $run!(field, method),
-            _ => return Err(translate(Error::MethodForField)),
-        }
-    };
 }
 
 /// How often the calling thread looks for Ctrl-C and reports progress.

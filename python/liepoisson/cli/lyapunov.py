@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from liepoisson.cli.limits import check_limits, unit_of_time
-from liepoisson.cli.methods import STEP_HELP, named_method
+from liepoisson.cli.methods import METHOD_HELP, PRECISION_HELP, STEP_HELP, TOL_HELP, named_method
 from liepoisson.cli.output import KEEP_HINT, data_file
 from liepoisson.cli.progress import INTERRUPTED, progress_bar
 from liepoisson.cli.starts import read_numeric_system
@@ -46,13 +46,11 @@ def lyapunov(
     ensemble: Annotated[
         str, typer.Option(help="How starts are drawn: unit-vectors, cube or gaussian.")
     ] = "unit-vectors",
-    method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting, gauss or lagrange-map.")] = "taylor",
-    tol: Annotated[
-        float | None, typer.Option(help="Tolerance of taylor and runge-kutta.  [default: 1e-13, 1e-8]")
-    ] = None,
+    method: Annotated[str, typer.Option(help=METHOD_HELP)] = "taylor",
+    tol: Annotated[float | None, typer.Option(help=f"{TOL_HELP}  [default: 1e-13, 1e-8]")] = None,
     step: Annotated[float | None, typer.Option(help=STEP_HELP)] = None,
     order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
-    precision: Annotated[str, typer.Option(help="double; mixed (taylor); single (runge-kutta, splitting).")] = "double",
+    precision: Annotated[str, typer.Option(help=PRECISION_HELP)] = "double",
     time_limit: Annotated[float, typer.Option(help="Seconds that the runs may take, all together.")] = 3600.0,
     spectrum: Annotated[bool, typer.Option("--spectrum", help=SPECTRUM_HELP)] = False,
     verdict: Annotated[bool, typer.Option("--verdict", help=VERDICT_HELP)] = False,

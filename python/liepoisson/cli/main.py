@@ -36,7 +36,7 @@ def main() -> None:
 
 
 def _run() -> None:
-    os.environ["MPLBACKEND"] = "agg"  # figures go into files; a backend that there is not would be an error
+    os.environ["MPLBACKEND"] = "agg"  # figures go into files; an unknown backend would be an error
     from typer.main import get_command  # imports take most of the first second: Ctrl-C may come here
 
     get_command(application()).main(prog_name="liepoisson")

@@ -10,7 +10,7 @@ import numpy as np
 import typer
 
 from liepoisson.cli.limits import check_limits, unit_of_time
-from liepoisson.cli.methods import STEP_HELP, named_method
+from liepoisson.cli.methods import METHOD_HELP, STEP_HELP, TOL_HELP, named_method
 from liepoisson.cli.output import (
     FIGURE_HELP,
     KEEP_HINT,
@@ -69,10 +69,8 @@ def orbit(
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
     t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
     points: Annotated[int, typer.Option(help="Times at which the state is kept, evenly spaced.")] = 2001,
-    method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting, gauss or lagrange-map.")] = "taylor",
-    tol: Annotated[
-        float | None, typer.Option(help="Tolerance of taylor and runge-kutta.  [default: 1e-15, 1e-8]")
-    ] = None,
+    method: Annotated[str, typer.Option(help=METHOD_HELP)] = "taylor",
+    tol: Annotated[float | None, typer.Option(help=f"{TOL_HELP}  [default: 1e-15, 1e-8]")] = None,
     step: Annotated[float | None, typer.Option(help=STEP_HELP)] = None,
     order: Annotated[int | None, typer.Option(help="Order of the method, where it has several.")] = None,
     time_limit: Annotated[float, typer.Option(help="Seconds that the run may take.")] = 3600.0,

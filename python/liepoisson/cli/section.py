@@ -192,7 +192,7 @@ def _farthest(run: Section) -> float:
 
 
 def why_nothing(run: Section) -> str:
-    """What is said of a run without crossings: that there are none only where all was seen to the end."""
+    """Why a run has no crossings: only one that was seen whole to its end has none for certain."""
     from liepoisson.numeric.section import as_percent
 
     finished = bool((run.outcome == "finished").all())

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Any, ClassVar, Literal, TypeAlias
+from functools import cache
+from typing import Any, ClassVar, Literal, TypeAlias, get_args, get_type_hints
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -61,7 +62,7 @@ class Taylor:
         _keep(self, tol=_as_tolerance(self.tol, ROUND_OFF, "1.1e-16", "try 1e-15"))
         if self.order is not None:
             _keep(self, order=as_count(self.order, "order", least=2, most=MAX_ORDER, hint="leave it out to be chosen"))
-        _check_choice(self.precision, "precision", "double", "mixed")
+        _check_precision(self)
         _keep(self, max_steps=_as_budget(self.max_steps))
 
     def core(self) -> _core.Method:
@@ -104,7 +105,7 @@ class RungeKutta:
 
     def __post_init__(self) -> None:
         """Checks the ranges and keeps plain numbers, which can be written to a file."""
-        _check_choice(self.precision, "precision", "double", "single")
+        _check_precision(self)
         if self.tol is not None and self.step is not None:
             raise ParameterError(
                 "RungeKutta: wanted tol for adaptive steps or step for equal ones; got both; leave out one"
@@ -166,7 +167,7 @@ class Splitting:
     def __post_init__(self) -> None:
         """Checks the ranges and keeps plain numbers, which can be written to a file."""
         _keep(self, step=_as_step(self.step), order=_as_even_order(self.order), max_steps=_as_budget(self.max_steps))
-        _check_choice(self.precision, "precision", "double", "single")
+        _check_precision(self)
 
     def core(self) -> _core.Method:
         """The method as the core takes it."""
@@ -310,7 +311,13 @@ Method: TypeAlias = Taylor | RungeKutta | Splitting | Gauss | LagrangeMap
 METHODS: Mapping[str, type[Method]] = {
     method.name: method for method in (Taylor, RungeKutta, Splitting, Gauss, LagrangeMap)
 }
-"""All methods by name."""
+"""All methods by name: the commands, sweep files and messages have their names and options from here."""
+
+
+@cache
+def precisions(kind: type[Method]) -> tuple[str, ...]:
+    """The precisions that a method has, the default one first."""
+    return get_args(get_type_hints(kind).get("precision")) or ("double",)
 
 
 def as_method(method: Any, default: Method) -> Method:
@@ -373,7 +380,7 @@ def method_of(record: Mapping[str, Any]) -> Method:
     """The method that `method_record` has written.
 
     Raises:
-        KeyError, TypeError, ValueError: the record is not one of ours.
+        KeyError, TypeError, ValueError: `method_record` did not write it.
     """
     values = dict(record)
     return METHODS[values.pop("name")](**values)
@@ -408,10 +415,13 @@ def _as_budget(value: Any) -> int:
     return as_count(value, "max_steps", least=1, hint="try 1_000_000")
 
 
-def _check_choice(value: object, name: str, *choices: str) -> None:
-    if value not in choices:
+def _check_precision(method: Taylor | RungeKutta | Splitting) -> None:
+    choices = precisions(type(method))
+    if method.precision not in choices:
         wanted = " or ".join(f'"{choice}"' for choice in choices)
-        raise ParameterError(f"{name}: wanted {wanted}; got {shown(value)}; leave it out for {choices[0]} precision")
+        raise ParameterError(
+            f"precision: wanted {wanted}; got {shown(method.precision)}; leave it out for {choices[0]} precision"
+        )
 
 
 def _in_precision(precision: str) -> str:

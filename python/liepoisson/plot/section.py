@@ -64,7 +64,7 @@ def section(
         title: Above the axes.  By default system and surface in a new figure; given axes keep the title they have.
         sign: Only crossings with this sign of the change of the surface function; 0: all.
         trajectories: Only these.
-        colour: Of all points, or of the trajectories in turn; by default the six colours of the house, so that the
+        colour: Of all points, or of the trajectories in turn; by default the six colours of the style, so that the
             seventh trajectory has that of the first.
         size: Diameter of a point in printer's points; by default it follows from their number.
         ax: Axes to draw into, by default those of a new figure.

@@ -75,7 +75,7 @@ _SETTINGS: dict[str, Any] = {
 def house_style() -> Generator[None]:
     """Matplotlib in the house style inside a `with` block; settings outside stay as they were."""
     import matplotlib as mpl
-    from cycler import cycler
+    from matplotlib.rcsetup import cycler
 
     settings: dict[Any, Any] = {**_SETTINGS, "axes.prop_cycle": cycler(color=SEQUENCE)}
     with mpl.rc_context(settings):
@@ -92,7 +92,7 @@ def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> 
 
 
 def as_colours(colour: Any) -> tuple[Any, ...]:
-    """One colour or a sequence of them, as Matplotlib reads them; without any, those of the house.
+    """One colour or a sequence of them, as Matplotlib reads them; without any, those of `house_style`.
 
     Raises:
         ParameterError: it is no colour, or a sequence without any.

@@ -84,8 +84,8 @@ def sweep(
         OutputError: the store cannot be written, or another process is using it.
         DamagedFileError: the description of the store cannot be read.
         SweepError: no scheduler answers, it has no workers, or none of them may compute the sweep.
-        KeyboardInterrupt: Ctrl-C; what is stored stays.  Orbits under way on threads end within a second; a function of
-            yours cannot be ended from outside, and is left to itself.
+        KeyboardInterrupt: Ctrl-C; what is stored stays.  Orbits under way on threads end within a second; a user
+            function cannot be interrupted and keeps running.
     """
     spec = as_spec(spec, settings, allow_code=allow_code)
     _check_options(store, scheduler, patience, progress)

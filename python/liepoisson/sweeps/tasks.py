@@ -147,7 +147,7 @@ def _silent(_: float) -> None: ...
 
 
 class _Points:
-    """The points of a piece: what one of them cannot have is said of this one, and the others are computed."""
+    """The points of a piece: if one has no system or no start it is marked; the others are still computed."""
 
     def __init__(self, piece: Piece, listen: Listener) -> None:
         self.piece = piece

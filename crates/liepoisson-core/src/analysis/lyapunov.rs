@@ -11,7 +11,8 @@ use std::time::Duration;
 
 /// Growth of one tangent vector per trajectory.
 pub struct Growth {
-    /// Finite-time exponents `(member, time)` at the times after the first; NaN where a trajectory did not get.
+    /// Finite-time exponents `(member, time)` at the times after the first; NaN at times that a trajectory did not
+    /// reach.
     pub exponents: Vec<f64>,
     /// The end of each member.
     pub summaries: Vec<Summary>,

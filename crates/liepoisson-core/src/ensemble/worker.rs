@@ -112,7 +112,7 @@ impl Worker<'_> {
         1 << repeats.max(1).ilog2()
     }
 
-    /// The step of one lane, at most `longest`: zero for an empty seat and for a trajectory that can not go on, which
+    /// The step of one lane, at most `longest`: zero for an empty seat and for a trajectory that cannot go on, which
     /// leaves its seat here, before the block advances, at the last point that was good.
     fn decide<O: Observer>(
         &self,
@@ -243,7 +243,7 @@ impl Worker<'_> {
         }
     }
 
-    /// Why a trajectory can not take the step `size`, if so; `longest` is what the method allows.
+    /// Why a trajectory cannot take the step `size`, if so; `longest` is what the method allows.
     fn obstacle(&self, seat: &Seat, longest: f64, size: f64, is_last: bool) -> Option<Outcome> {
         if longest.is_nan() {
             Some(Outcome::NotFinite)

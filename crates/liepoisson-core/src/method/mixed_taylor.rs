@@ -226,7 +226,7 @@ fn power_of_two(x: f64) -> f64 {
     libm::scalbn(1.0, (libm::frexp(x).1 - 1).clamp(-1000, 1000))
 }
 
-/// The parameters of the top with time in units of each lane: products that single precision can hold where it can not hold
+/// The parameters of the top with time in units of each lane: products that single precision can hold where it cannot hold
 /// the factors.
 struct ScaledTop<'f, V> {
     top: &'f Top,

@@ -365,7 +365,7 @@ impl<F: Field, V: Wide> Body for Advance<'_, '_, F, V> {
 
 /// The sizes of the terms of a series.
 ///
-/// A trait, since what is compiled for wide registers has to be inlined, and a closure can not be told to be.
+/// A trait, since what is compiled for wide registers has to be inlined, and a closure cannot be told to be.
 pub(super) trait Terms<V> {
     /// Sum of the absolute values of the components of order `k` of a group.
     fn size(&self, k: usize, group: usize) -> V;

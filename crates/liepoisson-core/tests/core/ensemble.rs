@@ -33,16 +33,11 @@ proptest! {
             field: &top, method: Taylor::new(1e-12, None, 2_000).unwrap(), states: &states, tangents: &tangents,
             n_tangents: 2, times: &[0.0, 0.7, 4.0],
         };
-        let results: Vec<_> = Simd::ALL
-            .into_iter()
-            .filter(|simd| simd.is_available())
-            .flat_map(|simd| [1, 3].map(|threads| (simd, threads)))
-            .map(|(simd, threads)| {
-                let orbits = orbits(&ensemble, threads, simd, &Control::default(), true, |_| ()).unwrap();
-                let growth = growth(&ensemble, threads, simd, &Control::default(), |_| ()).unwrap();
-                (orbits, growth)
-            })
-            .collect();
+        let results = everywhere(|simd, threads| {
+            let orbits = orbits(&ensemble, threads, simd, &Control::default(), true, |_| ()).unwrap();
+            let growth = growth(&ensemble, threads, simd, &Control::default(), |_| ()).unwrap();
+            (orbits, growth)
+        });
         let (first, first_growth) = &results[0];
         for (other, other_growth) in &results[1..] {
             prop_assert_eq!(bits(&first.states), bits(&other.states));

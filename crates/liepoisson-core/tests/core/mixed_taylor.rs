@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use liepoisson_core::analysis::lyapunov::growth;
-use liepoisson_core::analysis::orbit::{Orbits, orbits};
+use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::field::Top;
 use liepoisson_core::lanes::Simd;
@@ -50,11 +50,8 @@ proptest! {
         let ensemble = Ensemble {
             field: &top, method, states: &states, tangents: &tangents, n_tangents: 2, times: &[0.0, 0.7 / scale, 2.0 / scale],
         };
-        let results: Vec<Orbits> = Simd::ALL
-            .into_iter()
-            .filter(|simd| simd.is_available())
-            .flat_map(|simd| [1, 3].map(|threads| orbits(&ensemble, threads, simd, &Control::default(), true, |_| ()).unwrap()))
-            .collect();
+        let results =
+            everywhere(|simd, threads| orbits(&ensemble, threads, simd, &Control::default(), true, |_| ()).unwrap());
         for other in &results[1..] {
             prop_assert_eq!(bits(&results[0].states), bits(&other.states));
             prop_assert_eq!(bits(&results[0].tangents), bits(&other.tangents));

@@ -33,11 +33,7 @@ pub fn integrate_all<F: liepoisson_core::field::Space, M: Method<F>>(
 ) -> Vec<Orbits> {
     let n_tangents = tangents.len() / states.len();
     let ensemble = Ensemble { field, method, states, tangents, n_tangents, times: &[0.0, 0.7, 3.0] };
-    let available = Simd::ALL.into_iter().filter(|simd| simd.is_available());
-    available
-        .flat_map(|simd| [1, 3].map(|threads| (simd, threads)))
-        .map(|(simd, threads)| orbits(&ensemble, threads, simd, &Control::default(), false, |_| ()).unwrap())
-        .collect()
+    everywhere(|simd, threads| orbits(&ensemble, threads, simd, &Control::default(), false, |_| ()).unwrap())
 }
 
 /// `with_times`: also where trajectories ended. With fixed steps those that leave the finite numbers end with a batch of

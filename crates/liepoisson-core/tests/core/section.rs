@@ -314,8 +314,8 @@ fn a_step_of_long_work_ends_with_the_limit_of_time() {
     }
 }
 
-#[test]
-fn directions_and_numbers_of_crossings_that_are_none_are_refused() {
+/// What a section of an orbit of the oscillator is refused for.
+fn refused(surface: Surface) -> Option<Error> {
     let (field, start) = (oscillator(), [1.0, 0.0]);
     let ensemble = Ensemble {
         field: &field,
@@ -325,7 +325,11 @@ fn directions_and_numbers_of_crossings_that_are_none_are_refused() {
         n_tangents: 0,
         times: &[0.0, 1.0],
     };
-    let refused = |surface| sections(&ensemble, &surface, 1, Simd::Scalar, &Control::default(), |_| ()).err();
+    sections(&ensemble, &surface, 1, Simd::Scalar, &Control::default(), |_| ()).err()
+}
+
+#[test]
+fn directions_and_numbers_of_crossings_that_are_none_are_refused() {
     let plane = plane(&[1.0, 0.0], 0.0);
     assert_eq!(refused(Surface { direction: 5, ..plane.clone() }), Some(Error::Direction { got: 5 }));
     assert_eq!(refused(Surface { n_crossings: Some(0), ..plane }), Some(Error::NoCrossings));
@@ -333,17 +337,10 @@ fn directions_and_numbers_of_crossings_that_are_none_are_refused() {
 
 #[test]
 fn a_surface_of_another_dimension_is_refused() {
-    let (field, start) = (oscillator(), [1.0, 0.0]);
-    let ensemble = Ensemble {
-        field: &field,
-        method: taylor(TOLERANCE),
-        states: &start,
-        tangents: &[],
-        n_tangents: 0,
-        times: &[0.0, 1.0],
-    };
-    let refusal = sections(&ensemble, &plane(&[1.0; 3], 0.0), 1, Simd::Scalar, &Control::default(), |_| ()).err();
-    assert_eq!(refusal, Some(Error::Length { name: "variables of the surface", wanted: 2, got: 3 }));
+    assert_eq!(
+        refused(plane(&[1.0; 3], 0.0)),
+        Some(Error::Length { name: "variables of the surface", wanted: 2, got: 3 })
+    );
 }
 
 #[test]

@@ -6,22 +6,26 @@
 
 mod points;
 mod remainder;
+mod room;
+mod seat;
 mod survey;
 
 use super::{CALLED_ONCE, UNREACHED, filled, name_unreached};
 use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
-use crate::field::{Enclosure, Field, Functions, Majorant};
+use crate::field::{Field, Functions, Majorant};
 use crate::lanes::Simd;
 use crate::method::Taylor;
 use points::Collected;
 pub use points::Points;
-use remainder::{Sizes, shifted, term};
+use remainder::shifted;
+use room::Room;
+use seat::Seat;
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use survey::{Mark, survey};
+use survey::survey;
 
 /// A surface of section.
 #[derive(Clone, Debug)]
@@ -186,53 +190,6 @@ struct Recorder<'s> {
     room: Room,
 }
 
-/// Memory that steps share.
-#[derive(Default)]
-struct Room {
-    state: Vec<f64>,
-    series: Vec<f64>,
-    work: Vec<f64>,
-    enclosures: Vec<Enclosure>,
-    sizes: Sizes,
-    /// How far the series of the state is from the state on the step.
-    error_of_state: f64,
-    /// Parts of the step that were given up although the function exists.
-    n_lost: usize,
-    /// Whether there is a part of the step of which nothing is known.
-    is_blind: bool,
-}
-
-/// One trajectory under way.
-#[derive(Clone)]
-struct Seat {
-    crossings: Points,
-    touches: Points,
-    doubts: Doubts,
-    /// The last sign of the function that is known, 0 if none is.
-    side: i8,
-    /// Whether one ever was.
-    had_side: bool,
-    /// The point nearest to the surface since then, where the sign is not known.
-    nearest: Option<Nearest>,
-    /// Bytes for its points that could not be had.
-    refused: usize,
-}
-
-impl Default for Seat {
-    fn default() -> Seat {
-        let (crossings, touches) = (Points::default(), Points::default());
-        Seat { crossings, touches, doubts: Doubts::NONE, side: 0, had_side: false, nearest: None, refused: 0 }
-    }
-}
-
-#[derive(Clone)]
-struct Nearest {
-    time: f64,
-    /// The size of the function.
-    size: f64,
-    kept: Vec<f64>,
-}
-
 impl Observer for Recorder<'_> {
     fn begin(&mut self, lane: usize, _member: usize) {
         self.seats[lane] = Seat::default();
@@ -310,12 +267,6 @@ const MOST_HALVINGS: u32 = 14;
 /// Parts of one step that are given up before the rest of it is not halved any more. A singularity costs a few; a function
 /// that varies faster than its error allows costs all parts there are, 16384 in every step, and nothing is found on them.
 const MOST_LOST: usize = 256;
-
-/// The error, in units of the round-off of the sum of the terms, that is small enough not to ask for shorter parts.
-const SHARP: f64 = 16.0;
-
-/// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
-const BLUNT: f64 = 8.0;
 
 /// Distances, in units of the state, at which it is tried whether the function can be told from zero at all.
 const BESIDE: [f64; 4] = [-0.3, -0.01, 0.01, 0.3];
@@ -410,108 +361,4 @@ impl Recorder<'_> {
             found
         })
     }
-}
-
-impl Room {
-    /// Expands the function along a part of a step, in units of that part.
-    fn expand(&mut self, state: &[f64], length: f64, function: &Functions, n: usize) {
-        let Room { series, work, sizes, .. } = self;
-        series.resize(state.len() / n, 0.0);
-        function.series(state, work, series);
-        let mut power = 1.0;
-        for (k, coefficient) in series.iter_mut().enumerate() {
-            *coefficient = term(*coefficient, length, k, power);
-            power *= length;
-        }
-        sizes.measure(state, n, length);
-    }
-
-    /// How far the series is from the function, at most; none where it does not exist, where shorter parts are better, or,
-    /// on the last part, where it is of no use.
-    ///
-    /// Each coefficient of the state and each operation is right to a few units in the last place of a sum of products, and
-    /// so is every shift of the survey.
-    fn error(&mut self, start: &[f64], function: &Functions, halvings: u32, is_last: bool) -> Option<f64> {
-        let Room { series, enclosures, sizes, error_of_state, .. } = self;
-        let unit = 2.0 * series.len() as f64 * f64::EPSILON;
-        let total: f64 = series.iter().map(|c| c.abs()).sum();
-        let [here, along] =
-            [0.0, sizes.rest(1.0)].map(|rest| function.enclosure(start, rest, *error_of_state, unit, enclosures).error);
-        let left_out = sizes.left_out(start, function, halvings, along, enclosures);
-        let error = along + left_out + unit * total;
-        let is_sharp = error <= SHARP * unit * total || left_out <= along && along <= BLUNT * here;
-        // a bound beyond the function itself tells nothing
-        let is_of_use = is_sharp || is_last && error < total;
-        (error.is_finite() && total.is_finite() && is_of_use).then_some(error)
-    }
-
-    /// What is kept of the point at a fraction `at` of the step.
-    fn keep(&mut self, step: &Step<'_>, surface: &Surface, n: usize, at: f64) -> (f64, Vec<f64>) {
-        let tau = at * step.size;
-        let mut state = vec![0.0; n];
-        step.state(tau, &mut state);
-        let kept = match &surface.kept {
-            None => state,
-            Some(kept) => {
-                let mut values = vec![0.0; kept.n_functions()];
-                kept.series(&state, &mut self.work, &mut values);
-                values
-            }
-        };
-        (step.time + tau, kept)
-    }
-}
-
-impl Seat {
-    /// Ends the stay near the surface without a decision: a touch, if it came from a side.
-    fn leave_the_nearest(&mut self) {
-        if let Some(Nearest { time, kept, .. }) = self.nearest.take()
-            && self.side != 0
-        {
-            self.touch((time, kept), self.side);
-        }
-    }
-
-    /// Draws the conclusion from what is known of the sign at a place of the step.
-    fn note(&mut self, mark: Mark, direction: i8, keep: &mut impl FnMut(f64) -> (f64, Vec<f64>)) {
-        match mark {
-            Mark::Near { at, size } => {
-                if self.side != 0 && self.nearest.as_ref().is_none_or(|nearest| size < nearest.size) {
-                    let (time, kept) = keep(at);
-                    self.nearest = Some(Nearest { time, size, kept });
-                }
-            }
-            Mark::Zero { at, positive } => self.cross(sign(positive), direction, keep(at)),
-            Mark::Sign { at, positive } => self.note_sign(sign(positive), direction, || keep(at)),
-        }
-    }
-
-    /// The function has this sign from a place on that `keep` knows.
-    fn note_sign(&mut self, side: i8, direction: i8, keep: impl FnOnce() -> (f64, Vec<f64>)) {
-        self.had_side = true;
-        match self.nearest.take() {
-            Some(Nearest { time, kept, .. }) if self.side != side => self.cross(side, direction, (time, kept)),
-            Some(Nearest { time, kept, .. }) => self.touch((time, kept), side),
-            // between two steps, whose ends differ in round-off
-            None if self.side == -side => self.cross(side, direction, keep()),
-            None => self.side = side,
-        }
-    }
-
-    fn cross(&mut self, side: i8, direction: i8, (time, kept): (f64, Vec<f64>)) {
-        if direction == 0 || direction == side {
-            let pushed = self.crossings.push(time, &kept, side);
-            self.refused = self.refused.max(pushed.err().unwrap_or(0));
-        }
-        (self.side, self.had_side, self.nearest) = (side, true, None);
-    }
-
-    fn touch(&mut self, (time, kept): (f64, Vec<f64>), side: i8) {
-        let pushed = self.touches.push(time, &kept, side);
-        self.refused = self.refused.max(pushed.err().unwrap_or(0));
-    }
-}
-
-fn sign(positive: bool) -> i8 {
-    if positive { 1 } else { -1 }
 }

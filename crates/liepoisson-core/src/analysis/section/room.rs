@@ -1,0 +1,79 @@
+//! What a worker keeps for the steps of all its trajectories: the series of the surface function on a part of a step, and how
+//! far it is from the function.
+
+use super::Surface;
+use super::remainder::{Sizes, term};
+use crate::ensemble::Step;
+use crate::field::{Enclosure, Functions};
+
+/// Memory that steps share.
+#[derive(Default)]
+pub(super) struct Room {
+    pub(super) state: Vec<f64>,
+    pub(super) series: Vec<f64>,
+    pub(super) work: Vec<f64>,
+    pub(super) enclosures: Vec<Enclosure>,
+    pub(super) sizes: Sizes,
+    /// How far the series of the state is from the state on the step.
+    pub(super) error_of_state: f64,
+    /// Parts of the step that were given up although the function exists.
+    pub(super) n_lost: usize,
+    /// Whether there is a part of the step of which nothing is known.
+    pub(super) is_blind: bool,
+}
+
+/// The error, in units of the round-off of the sum of the terms, that is small enough not to ask for shorter parts.
+const SHARP: f64 = 16.0;
+
+/// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
+const BLUNT: f64 = 8.0;
+
+impl Room {
+    /// Expands the function along a part of a step, in units of that part.
+    pub(super) fn expand(&mut self, state: &[f64], length: f64, function: &Functions, n: usize) {
+        let Room { series, work, sizes, .. } = self;
+        series.resize(state.len() / n, 0.0);
+        function.series(state, work, series);
+        let mut power = 1.0;
+        for (k, coefficient) in series.iter_mut().enumerate() {
+            *coefficient = term(*coefficient, length, k, power);
+            power *= length;
+        }
+        sizes.measure(state, n, length);
+    }
+
+    /// How far the series is from the function, at most; none where it does not exist, where shorter parts are better, or,
+    /// on the last part, where it is of no use.
+    ///
+    /// Each coefficient of the state and each operation is right to a few units in the last place of a sum of products, and
+    /// so is every shift of the survey.
+    pub(super) fn error(&mut self, start: &[f64], function: &Functions, halvings: u32, is_last: bool) -> Option<f64> {
+        let Room { series, enclosures, sizes, error_of_state, .. } = self;
+        let unit = 2.0 * series.len() as f64 * f64::EPSILON;
+        let total: f64 = series.iter().map(|c| c.abs()).sum();
+        let [here, along] =
+            [0.0, sizes.rest(1.0)].map(|rest| function.enclosure(start, rest, *error_of_state, unit, enclosures).error);
+        let left_out = sizes.left_out(start, function, halvings, along, enclosures);
+        let error = along + left_out + unit * total;
+        let is_sharp = error <= SHARP * unit * total || left_out <= along && along <= BLUNT * here;
+        // a bound beyond the function itself tells nothing
+        let is_of_use = is_sharp || is_last && error < total;
+        (error.is_finite() && total.is_finite() && is_of_use).then_some(error)
+    }
+
+    /// What is kept of the point at a fraction `at` of the step.
+    pub(super) fn keep(&mut self, step: &Step<'_>, surface: &Surface, n: usize, at: f64) -> (f64, Vec<f64>) {
+        let tau = at * step.size;
+        let mut state = vec![0.0; n];
+        step.state(tau, &mut state);
+        let kept = match &surface.kept {
+            None => state,
+            Some(kept) => {
+                let mut values = vec![0.0; kept.n_functions()];
+                kept.series(&state, &mut self.work, &mut values);
+                values
+            }
+        };
+        (step.time + tau, kept)
+    }
+}

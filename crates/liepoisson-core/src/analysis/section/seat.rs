@@ -1,0 +1,89 @@
+//! One trajectory under way: its crossings, and on which side of the surface it is.
+
+use super::survey::Mark;
+use super::{Doubts, Points};
+
+/// One trajectory under way.
+#[derive(Clone)]
+pub(super) struct Seat {
+    pub(super) crossings: Points,
+    pub(super) touches: Points,
+    pub(super) doubts: Doubts,
+    /// The last sign of the function that is known, 0 if none is.
+    pub(super) side: i8,
+    /// Whether one ever was.
+    pub(super) had_side: bool,
+    /// The point nearest to the surface since then, where the sign is not known.
+    nearest: Option<Nearest>,
+    /// Bytes for its points that could not be had.
+    pub(super) refused: usize,
+}
+
+impl Default for Seat {
+    fn default() -> Seat {
+        let (crossings, touches) = (Points::default(), Points::default());
+        Seat { crossings, touches, doubts: Doubts::NONE, side: 0, had_side: false, nearest: None, refused: 0 }
+    }
+}
+
+#[derive(Clone)]
+struct Nearest {
+    time: f64,
+    /// The size of the function.
+    size: f64,
+    kept: Vec<f64>,
+}
+
+impl Seat {
+    /// Ends the stay near the surface without a decision: a touch, if it came from a side.
+    pub(super) fn leave_the_nearest(&mut self) {
+        if let Some(Nearest { time, kept, .. }) = self.nearest.take()
+            && self.side != 0
+        {
+            self.touch((time, kept), self.side);
+        }
+    }
+
+    /// Draws the conclusion from what is known of the sign at a place of the step.
+    pub(super) fn note(&mut self, mark: Mark, direction: i8, keep: &mut impl FnMut(f64) -> (f64, Vec<f64>)) {
+        match mark {
+            Mark::Near { at, size } => {
+                if self.side != 0 && self.nearest.as_ref().is_none_or(|nearest| size < nearest.size) {
+                    let (time, kept) = keep(at);
+                    self.nearest = Some(Nearest { time, size, kept });
+                }
+            }
+            Mark::Zero { at, positive } => self.cross(sign(positive), direction, keep(at)),
+            Mark::Sign { at, positive } => self.note_sign(sign(positive), direction, || keep(at)),
+        }
+    }
+
+    /// The function has this sign from a place on that `keep` knows.
+    fn note_sign(&mut self, side: i8, direction: i8, keep: impl FnOnce() -> (f64, Vec<f64>)) {
+        self.had_side = true;
+        match self.nearest.take() {
+            Some(Nearest { time, kept, .. }) if self.side != side => self.cross(side, direction, (time, kept)),
+            Some(Nearest { time, kept, .. }) => self.touch((time, kept), side),
+            // between two steps, whose ends differ in round-off
+            None if self.side == -side => self.cross(side, direction, keep()),
+            None => self.side = side,
+        }
+    }
+
+    fn cross(&mut self, side: i8, direction: i8, (time, kept): (f64, Vec<f64>)) {
+        if direction == 0 || direction == side {
+            let pushed = self.crossings.push(time, &kept, side);
+            self.refused = self.refused.max(pushed.err().unwrap_or(0));
+        }
+        (self.side, self.had_side, self.nearest) = (side, true, None);
+    }
+
+    fn touch(&mut self, (time, kept): (f64, Vec<f64>), side: i8) {
+        let pushed = self.touches.push(time, &kept, side);
+        self.refused = self.refused.max(pushed.err().unwrap_or(0));
+    }
+}
+
+fn sign(positive: bool) -> i8 {
+    if positive { 1 } else { -1 }
+}

@@ -1,0 +1,274 @@
+//! Lanes: one source for AVX-512, AVX2 and scalar arithmetic. The one folder that knows SIMD.
+//!
+//! A [`Lane`] is a register that holds the same quantity of several trajectories. Only operations that IEEE 754
+//! rounds correctly are offered (`+ - * /`, square root, fused multiply-add), so a trajectory has the same bits in a
+//! register of any width. Code generic over `V: Lane` reaches the instructions of a processor through [`dispatch`].
+
+#[macro_use]
+mod scalar;
+mod pair;
+mod simd;
+mod vectors;
+#[cfg(target_arch = "x86_64")]
+mod x86;
+
+pub use pair::Pair;
+pub use simd::{Simd, Task, dispatch};
+
+/// What unsafe code relies on is implemented in this folder alone.
+mod sealed {
+    pub trait Sealed {}
+}
+use sealed::Sealed;
+
+/// The body of a function that works with one type of register; see [`Lane::outline`].
+pub trait Body {
+    /// Does it. Must be `#[inline(always)]`, like everything that it calls.
+    fn run(self);
+}
+
+/// A few numbers of one trajectory in one register: its components, instead of trajectories, fill the register.
+///
+/// The numbers come in vectors of space, each with a fourth number beside its three components.
+pub trait Vectors: Sealed + Copy + 'static {
+    /// The first numbers of `numbers`, as many as there are.
+    fn load(numbers: &[f64]) -> Self;
+    /// Writes all numbers to the front of `numbers`.
+    fn store(self, numbers: &mut [f64]);
+    /// The same number in all places.
+    fn splat(x: f64) -> Self;
+    /// `self + other`.
+    fn add(self, other: Self) -> Self;
+    /// `self * other`, component by component.
+    fn mul(self, other: Self) -> Self;
+    /// `self * factor + addend`, component by component, rounded once.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `addend - self * factor`, component by component, rounded once.
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `(2, 3, 1)` of each vector `(1, 2, 3)`; the fourth number stays.
+    fn rotate(self) -> Self;
+}
+
+/// Two vectors of space in one register.
+pub trait TwoVectors<One: Vectors>: Vectors {
+    /// One vector twice.
+    fn both(vector: One) -> Self;
+    /// The first vector.
+    fn first(self) -> One;
+    /// The second vector.
+    fn second(self) -> One;
+    /// The second vector, then the first.
+    fn swap(self) -> Self;
+}
+
+/// What a lane holds: `f64` or `f32`.
+pub trait Number: Sealed + Copy + Send + Sync {
+    /// The nearest such number.
+    fn of(x: f64) -> Self;
+    /// The same number in double precision.
+    fn to_f64(self) -> f64;
+}
+
+impl Number for f64 {
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        self
+    }
+}
+
+impl Number for f32 {
+    #[inline(always)]
+    fn of(x: f64) -> Self {
+        x as f32
+    }
+    #[inline(always)]
+    fn to_f64(self) -> f64 {
+        f64::from(self)
+    }
+}
+
+/// A register of `WIDTH` numbers, one per trajectory. Sealed: [`as_scalars`] relies on what its types consist of.
+///
+/// ```compile_fail,E0277
+/// # use liepoisson_core::lanes::{Lane, Body};
+/// #[derive(Clone, Copy)]
+/// struct Mine(f64);
+/// impl Lane for Mine {
+///     type Number = f64;
+///     const WIDTH: usize = 1_000_000; // a lie that reading would follow
+///     const REGISTERS: usize = 16;
+///     fn splat(x: f64) -> Self { Mine(x) }
+///     fn add(self, _: Self) -> Self { self }
+///     fn sub(self, _: Self) -> Self { self }
+///     fn mul(self, _: Self) -> Self { self }
+///     fn mul_add(self, _: Self, _: Self) -> Self { self }
+///     fn neg_mul_add(self, _: Self, _: Self) -> Self { self }
+///     fn abs(self) -> Self { self }
+///     fn outline<B: Body>(body: B) { body.run() }
+///     fn div(self, _: Self) -> Self { self }
+///     fn sqrt(self) -> Self { self }
+/// }
+/// ```
+pub trait Lane: Sealed + Copy + Send + Sync + 'static {
+    /// What the register holds.
+    type Number: Number;
+    /// Number of trajectories that the register holds.
+    const WIDTH: usize;
+    /// Number of such registers that the processor has: what a kernel may keep at hand.
+    const REGISTERS: usize;
+    /// The same number in every lane, rounded to what a lane holds.
+    fn splat(x: f64) -> Self;
+    /// `self + other`.
+    fn add(self, other: Self) -> Self;
+    /// `self - other`.
+    fn sub(self, other: Self) -> Self;
+    /// `self * other`.
+    fn mul(self, other: Self) -> Self;
+    /// `self * factor + addend`, rounded once.
+    fn mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `addend - self * factor`, rounded once.
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
+    /// `|self|`.
+    fn abs(self) -> Self;
+    /// Runs `body` as a function of its own, compiled for the instructions of this register.
+    ///
+    /// What a large piece of code does is compiled once for each register type, however many callers it has.
+    fn outline<B: Body>(body: B);
+    /// `self / other`.
+    fn div(self, other: Self) -> Self;
+    /// The square root, NaN of a negative number.
+    fn sqrt(self) -> Self;
+
+    /// The lanes as numbers.
+    #[inline(always)]
+    fn as_scalars(&self) -> &[Self::Number] {
+        as_scalars(std::slice::from_ref(self))
+    }
+
+    /// The lanes as numbers that can be changed.
+    #[inline(always)]
+    fn as_scalars_mut(&mut self) -> &mut [Self::Number] {
+        as_scalars_mut(std::slice::from_mut(self))
+    }
+
+    /// One lane in double precision.
+    #[inline(always)]
+    fn get(&self, lane: usize) -> f64 {
+        self.as_scalars()[lane].to_f64()
+    }
+
+    /// Sets one lane, rounded to what it holds.
+    #[inline(always)]
+    fn set(&mut self, lane: usize, value: f64) {
+        self.as_scalars_mut()[lane] = Self::Number::of(value);
+    }
+}
+
+/// A register of double-precision numbers, and the registers of the same size that go with it.
+pub trait Wide: Lane<Number = f64> {
+    /// A vector of space in a register.
+    type Vector: Vectors;
+    /// Two of them.
+    type TwoVectors: TwoVectors<Self::Vector>;
+    /// Single precision: twice as many lanes.
+    type Narrow: Lane<Number = f32>;
+    /// Rounds two registers into one: the lanes of `low`, then those of `high`.
+    fn narrow(low: Self, high: Self) -> Self::Narrow;
+    /// The inverse of `narrow`, which rounds nothing.
+    fn widen(narrow: Self::Narrow) -> (Self, Self);
+}
+
+/// The numbers in a slice of registers, to be changed.
+#[inline(always)]
+pub fn as_scalars_mut<V: Lane>(registers: &mut [V]) -> &mut [V::Number] {
+    // SAFETY: as for `as_scalars`.
+    unsafe { std::slice::from_raw_parts_mut(registers.as_mut_ptr().cast(), registers.len() * V::WIDTH) }
+}
+
+/// The numbers in a slice of registers: register by register, lane by lane.
+#[inline(always)]
+pub fn as_scalars<V: Lane>(registers: &[V]) -> &[V::Number] {
+    // SAFETY: every implementor of Lane (all of them in this folder) consists of exactly WIDTH numbers, without padding.
+    unsafe { std::slice::from_raw_parts(registers.as_ptr().cast(), registers.len() * V::WIDTH) }
+}
+
+/// Numbers as registers that hold one each.
+///
+/// # Panics
+/// A register holds more than one.
+#[inline(always)]
+pub fn as_single_registers<V: Lane>(numbers: &mut [V::Number]) -> &mut [V] {
+    assert!(V::WIDTH == 1 && align_of::<V>() == align_of::<V::Number>(), "registers of one number");
+    // SAFETY: every implementor of Lane consists of exactly WIDTH numbers, without padding, and any bits are valid in
+    // them; the alignment has just been compared.
+    unsafe { std::slice::from_raw_parts_mut(numbers.as_mut_ptr().cast(), numbers.len()) }
+}
+
+impl Sealed for f64 {}
+impl Sealed for f32 {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Numbers through registers and back.
+    struct ThereAndBack;
+
+    impl Task for ThereAndBack {
+        type Output = ();
+
+        fn run<V: Wide>(self) {
+            let mut registers = vec![V::splat(0.0); 3];
+            let numbers: Vec<f64> = (0..3 * V::WIDTH).map(|i| 0.5 + i as f64).collect();
+            as_scalars_mut(&mut registers).copy_from_slice(&numbers);
+            assert_eq!(as_scalars(&registers), numbers);
+            for (i, &number) in numbers.iter().enumerate() {
+                assert_eq!(registers[i / V::WIDTH].get(i % V::WIDTH), number);
+            }
+            registers[1].set(V::WIDTH - 1, -7.0);
+            assert_eq!(as_scalars(&registers)[2 * V::WIDTH - 1], -7.0);
+            let narrow = V::narrow(registers[0], registers[2]);
+            assert_eq!(<V::Narrow as Lane>::WIDTH, 2 * V::WIDTH);
+            assert_eq!(narrow.get(V::WIDTH), f64::from(numbers[2 * V::WIDTH] as f32));
+            let (low, high) = V::widen(narrow);
+            assert_eq!((low.as_scalars(), high.as_scalars()), (&numbers[..V::WIDTH], &numbers[2 * V::WIDTH..]));
+        }
+    }
+
+    #[test]
+    fn the_numbers_of_registers_are_those_of_the_slice() {
+        for simd in Simd::ALL {
+            dispatch(simd, ThereAndBack);
+        }
+    }
+
+    #[test]
+    fn numbers_are_registers_of_one() {
+        let mut numbers = [1.0, 2.0, 3.0];
+        as_single_registers::<f64>(&mut numbers)[1] = 5.0;
+        assert_eq!(numbers, [1.0, 5.0, 3.0]);
+        assert!(std::panic::catch_unwind(|| as_single_registers::<Pair<f64>>(&mut [1.0, 2.0]).len()).is_err());
+    }
+
+    #[test]
+    fn vectors_of_space_turn() {
+        struct Turn;
+        impl Task for Turn {
+            type Output = ();
+            fn run<V: Wide>(self) {
+                let numbers: Vec<f64> = (1..=8).map(f64::from).collect();
+                let mut turned = vec![0.0; 8];
+                V::TwoVectors::load(&numbers).rotate().store(&mut turned);
+                assert_eq!(turned, [2.0, 3.0, 1.0, 4.0, 6.0, 7.0, 5.0, 8.0]);
+                let mut second = vec![0.0; 4];
+                V::TwoVectors::load(&numbers).swap().first().store(&mut second);
+                assert_eq!(second, [5.0, 6.0, 7.0, 8.0]);
+            }
+        }
+        Simd::ALL.into_iter().for_each(|simd| dispatch(simd, Turn));
+    }
+}

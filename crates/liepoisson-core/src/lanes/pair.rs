@@ -1,0 +1,70 @@
+//! Two registers as one.
+
+use super::sealed::Sealed;
+use super::{Body, Lane};
+
+impl<T: Sealed> Sealed for Pair<T> {}
+
+/// Two registers side by side.
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+pub struct Pair<T>(pub(super) [T; 2]);
+
+impl<T: Lane> Pair<T> {
+    #[inline(always)]
+    fn map(self, operation: impl Fn(T) -> T) -> Self {
+        Pair([operation(self.0[0]), operation(self.0[1])])
+    }
+    #[inline(always)]
+    fn zip(self, other: Self, operation: impl Fn(T, T) -> T) -> Self {
+        Pair([operation(self.0[0], other.0[0]), operation(self.0[1], other.0[1])])
+    }
+}
+
+impl<T: Lane> Lane for Pair<T> {
+    type Number = T::Number;
+    const WIDTH: usize = 2 * T::WIDTH;
+    const REGISTERS: usize = T::REGISTERS / 2;
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        Pair([T::splat(x); 2])
+    }
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        self.zip(other, T::add)
+    }
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, T::sub)
+    }
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        self.zip(other, T::mul)
+    }
+    #[inline(always)]
+    fn mul_add(self, factor: Self, addend: Self) -> Self {
+        let [a, b] = [0, 1].map(|i| self.0[i].mul_add(factor.0[i], addend.0[i]));
+        Pair([a, b])
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        let [a, b] = [0, 1].map(|i| self.0[i].neg_mul_add(factor.0[i], addend.0[i]));
+        Pair([a, b])
+    }
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.map(T::abs)
+    }
+    #[inline(always)]
+    fn div(self, other: Self) -> Self {
+        self.zip(other, T::div)
+    }
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        self.map(T::sqrt)
+    }
+    #[inline(always)]
+    fn outline<B: Body>(body: B) {
+        T::outline(body);
+    }
+}

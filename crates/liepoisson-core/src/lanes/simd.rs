@@ -1,0 +1,135 @@
+//! Which instructions a processor has, and how a computation gets the registers that go with them.
+
+use super::Wide;
+#[cfg(target_arch = "x86_64")]
+use super::x86;
+use crate::error::Error;
+
+/// An instruction set that the kernels are compiled for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Simd {
+    /// Eight trajectories at once.
+    Avx512,
+    /// Four trajectories at once.
+    Avx2,
+    /// One trajectory at a time.
+    Scalar,
+}
+
+impl Simd {
+    /// All of them, widest first.
+    pub const ALL: [Simd; 3] = [Simd::Avx512, Simd::Avx2, Simd::Scalar];
+
+    /// Its name in `LIEPOISSON_SIMD` and in results.
+    pub fn name(self) -> &'static str {
+        match self {
+            Simd::Avx512 => "avx512",
+            Simd::Avx2 => "avx2",
+            Simd::Scalar => "scalar",
+        }
+    }
+
+    /// Number of trajectories in one register.
+    pub fn width(self) -> usize {
+        match self {
+            Simd::Avx512 => 8,
+            Simd::Avx2 => 4,
+            Simd::Scalar => 1,
+        }
+    }
+
+    /// Whether this processor has it.
+    pub fn is_available(self) -> bool {
+        #[cfg(target_arch = "x86_64")]
+        {
+            match self {
+                Simd::Avx512 => {
+                    is_x86_feature_detected!("avx512f")
+                        && is_x86_feature_detected!("avx512dq")
+                        && is_x86_feature_detected!("avx512vl")
+                        && Simd::Avx2.is_available()
+                }
+                Simd::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+                Simd::Scalar => true,
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        {
+            self == Simd::Scalar
+        }
+    }
+
+    /// The widest that this processor has.
+    pub fn widest() -> Simd {
+        Simd::ALL.into_iter().find(|simd| simd.is_available()).unwrap_or(Simd::Scalar)
+    }
+
+    /// The one named by the environment variable `LIEPOISSON_SIMD`, or else, also where that is empty, the widest.
+    ///
+    /// # Errors
+    /// The variable names no known instruction set, or one that this processor lacks.
+    pub fn from_environment() -> Result<Simd, Error> {
+        let Ok(wanted) = std::env::var("LIEPOISSON_SIMD") else {
+            return Ok(Simd::widest());
+        };
+        if wanted.is_empty() {
+            return Ok(Simd::widest());
+        }
+        Simd::ALL
+            .into_iter()
+            .find(|simd| simd.name() == wanted && simd.is_available())
+            .ok_or(Error::SimdNotAvailable { wanted })
+    }
+}
+
+/// A computation that is generic over the register it runs in.
+///
+/// What it calls must be `#[inline(always)]` or go through [`Lane::outline`]: only code inlined into the trampolines of
+/// [`dispatch`], or outlined, is compiled for the wider instruction sets.
+pub trait Task {
+    /// What the computation returns.
+    type Output;
+    /// Does it with registers of type `V`.
+    fn run<V: Wide>(self) -> Self::Output;
+}
+
+/// Runs `task` with the registers of `simd`, or with scalars where the processor lacks them.
+pub fn dispatch<T: Task>(simd: Simd, task: T) -> T::Output {
+    #[cfg(target_arch = "x86_64")]
+    {
+        let simd = if simd.is_available() { simd } else { Simd::Scalar };
+        match simd {
+            // SAFETY: `is_available` has just found these instructions.
+            Simd::Avx512 => unsafe { run_avx512(task) },
+            // SAFETY: as above.
+            Simd::Avx2 => unsafe { run_avx2(task) },
+            // SAFETY: the guard has just found the instructions.
+            Simd::Scalar if Simd::Avx2.is_available() => unsafe { run_single(task) },
+            Simd::Scalar => task.run::<f64>(),
+        }
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        let _ = simd;
+        task.run::<f64>()
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
+fn run_avx512<T: Task>(task: T) -> T::Output {
+    task.run::<x86::F64x8>()
+}
+
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn run_avx2<T: Task>(task: T) -> T::Output {
+    task.run::<x86::F64x4>()
+}
+
+/// Scalars with the fused multiply-add instruction; without it the operation is emulated, slowly, with the same bits.
+#[cfg(target_arch = "x86_64")]
+#[target_feature(enable = "avx2,fma")]
+fn run_single<T: Task>(task: T) -> T::Output {
+    task.run::<x86::One<f64>>()
+}

@@ -1,0 +1,75 @@
+//! Vector fields as Python gives them.
+
+use crate::errors::guarded;
+use liepoisson_core::error::Error;
+use liepoisson_core::field::{Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
+use pyo3::prelude::*;
+
+/// A vector field that the core integrates.
+#[pyclass(frozen, module = "liepoisson._core")]
+pub(crate) struct Field(pub(crate) Kind);
+
+pub(crate) enum Kind {
+    Top(Top),
+    Quadratic(Quadratic),
+    Tape(Tape),
+    Pieces(Pieces),
+}
+
+/// A linear form, the coefficients of a polynomial, a sparse matrix.
+type PieceParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
+
+/// Name, registers, numbers.
+pub(crate) type InstructionParts = (String, Vec<usize>, Vec<f64>);
+
+pub(crate) fn read_instructions(instructions: &[InstructionParts]) -> Result<Vec<Instruction>, Error> {
+    let read = |(name, registers, numbers): &InstructionParts| Instruction::from_parts(name, registers, numbers);
+    instructions.iter().map(read).collect()
+}
+
+#[pymethods]
+impl Field {
+    /// Dimension of the state.
+    #[getter]
+    pub(crate) fn n_components(&self) -> usize {
+        match &self.0 {
+            Kind::Top(top) => top.n_components(),
+            Kind::Quadratic(quadratic) => quadratic.n_components(),
+            Kind::Tape(tape) => tape.n_components(),
+            Kind::Pieces(pieces) => pieces.n_components(),
+        }
+    }
+
+    /// The charged or twisted top.
+    #[staticmethod]
+    fn top(inertia: [f64; 3], a: [f64; 3], b: [f64; 3], epsilon: f64) -> PyResult<Field> {
+        guarded(|| Top::new(inertia, a, b, epsilon)).map(|top| Field(Kind::Top(top)))
+    }
+
+    /// Any field of degree at most two, by its nonzero entries.
+    #[staticmethod]
+    fn quadratic(
+        n_components: usize,
+        constant: Vec<(usize, f64)>,
+        linear: Vec<(usize, usize, f64)>,
+        quadratic: Vec<(usize, usize, usize, f64)>,
+    ) -> PyResult<Field> {
+        let field = guarded(|| Quadratic::new(n_components, &constant, &linear, &quadratic))?;
+        Ok(Field(Kind::Quadratic(field)))
+    }
+
+    /// Any smooth field, by the instructions that compute it.
+    #[staticmethod]
+    fn tape(n_components: usize, instructions: Vec<InstructionParts>, outputs: Vec<usize>) -> PyResult<Field> {
+        let tape = guarded(|| Tape::new(n_components, read_instructions(&instructions)?, outputs))?;
+        Ok(Field(Kind::Tape(tape)))
+    }
+
+    /// A Lie-Poisson system by pieces of its Hamiltonian, each with a known flow: form, derivative, matrix.
+    #[staticmethod]
+    fn pieces(n_components: usize, pieces: Vec<PieceParts>) -> PyResult<Field> {
+        let ridges =
+            pieces.into_iter().map(|(form, derivative, generator)| Ridge { form, generator, derivative }).collect();
+        guarded(|| Pieces::new(n_components, ridges)).map(|pieces| Field(Kind::Pieces(pieces)))
+    }
+}
