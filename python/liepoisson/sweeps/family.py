@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import pickle
-import re
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -125,9 +124,9 @@ class FileFamily(Family):
 
     @property
     def bracket_parameters(self) -> set[str]:
-        """Those whose names, or names of components, are in the tables of the bracket."""
-        text = repr(self._tables.get("bracket"))
-        return {name for name in self.shapes if re.search(rf"\b{re.escape(name)}_?\d*\b", text)}
+        """Those that it contains, or components of which it contains."""
+        owners = {self._file.scope.owner(symbol) for symbol in self._file.bracket.symbols}
+        return owners & {*self.shapes}
 
     def system(self, values: Mapping[str, Any]) -> Any:
         """The system with these values, as a Top where it is one."""
