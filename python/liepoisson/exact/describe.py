@@ -20,9 +20,9 @@ from liepoisson.exact.report.limits import (
 )
 from liepoisson.exact.report.lines import Equation, Line, Name, write_line
 from liepoisson.exact.report.motion_facts import EquationFacts, HamiltonianFacts, IntegralFacts, KernelFacts, named_form
-from liepoisson.exact.report.styles import LATEX, NAMES, UNICODE, Style
 from liepoisson.exact.report.vector_notation import VectorNotation
 from liepoisson.exact.report.wrapping import wrapped
+from liepoisson.exact.styles import LATEX, NAMES, UNICODE, Style
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System

@@ -13,20 +13,21 @@ from dataclasses import dataclass, replace
 from itertools import combinations, product
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.casimirs import polynomial_expression, quotient_casimirs
+from liepoisson.exact.casimirs import quotient_casimirs
 from liepoisson.exact.locus import Locus
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.poisson.casimir_search import n_independent
 from liepoisson.exact.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
 from liepoisson.exact.poisson.pfaffians import PfaffianIdeal
 from liepoisson.exact.poisson.poisson_tensor import CONSTANT
+from liepoisson.exact.poisson.polynomials import expression_of
 
 if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.bracket import Bracket
-    from liepoisson.exact.poisson.casimir_search import Polynomial
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
+    from liepoisson.exact.poisson.polynomials import Polynomial
 
 
 @dataclass(frozen=True)
@@ -240,7 +241,9 @@ class _Stratification:
     def _embedded(self, polynomials: Sequence[Polynomial], fields: tuple[int, ...]) -> tuple[Expr, ...]:
         place = self._coordinates(fields)
         moved: list[dict[Any, Any]] = [{tuple(place[i] for i in m): c for m, c in p.items()} for p in polynomials]
-        return tuple(polynomial_expression(polynomial, self.bracket) for polynomial in moved)
+        return tuple(
+            expression_of(polynomial, self.bracket.variables, self.bracket.tensor.field) for polynomial in moved
+        )
 
     def _vanishing(self, fields: tuple[int, ...]) -> tuple[str, ...]:
         """The fields that are not listed, the last one first: the order in which they were lost."""

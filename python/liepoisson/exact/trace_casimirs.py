@@ -39,7 +39,8 @@ from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank_mod
 from liepoisson.exact.linear.residues import Residues
 from liepoisson.exact.parameters import Exact, is_zero, to_sympy
-from liepoisson.exact.poisson.casimir_search import MAX_WORK, CasimirSearch, Polynomial, gradient_at
+from liepoisson.exact.poisson.casimir_search import MAX_WORK, CasimirSearch
+from liepoisson.exact.poisson.polynomials import Polynomial, gradient_at
 from liepoisson.exact.poisson.takiff import leibniz_strength, lifted
 from liepoisson.exact.trace_words import Combination, Word, balanced_combinations, leibniz_combinations, rotations
 
@@ -259,12 +260,12 @@ class _Traces:
     def _expression(self, candidate: _Candidate) -> Expr:
         from sympy import Add
 
-        from liepoisson.exact.casimirs import polynomial_expression
+        from liepoisson.exact.poisson.polynomials import expression_of
         from liepoisson.exact.trace import MatrixMap, Trace
 
         if candidate.words is None:
             assert candidate.polynomial is not None
-            return polynomial_expression(candidate.polynomial, self.bracket)
+            return expression_of(candidate.polynomial, self.bracket.variables, self.bracket.tensor.field)
         start, part = self.parts[candidate.part]
         matrices = MatrixMap.of(part, candidate.part + 1 if len(self.parts) > 1 else 0)
         x, names = self.bracket.variables, self.bracket.field_names

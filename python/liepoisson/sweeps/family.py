@@ -117,8 +117,8 @@ class FileFamily(Family):
 
     @cached_property
     def _file(self) -> SystemFile:
-        from liepoisson.exact.formula.system_file_reader import read_tables
         from liepoisson.exact.formula.toml_text import TomlText
+        from liepoisson.exact.system_file_reader import read_tables
 
         return read_tables(TomlText(self._path, "", self._tables))
 
@@ -154,9 +154,9 @@ class FileFamily(Family):
         """Inertia, a, b and epsilon as functions of all components of all parameters; None if it is no top."""
         from sympy import Symbol
 
-        from liepoisson.exact.formula.scope import component_name
         from liepoisson.exact.parameters import to_sympy
         from liepoisson.exact.private_symbols import numpy_function
+        from liepoisson.exact.values import component_name
 
         with _SYMPY:
             declared = tuple(f"{n}[{','.join(map(str, s))}]" if s else n for n, s in self.shapes.items())

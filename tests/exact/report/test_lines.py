@@ -18,7 +18,7 @@ from liepoisson.exact.report.lines import (
     joined,
     write_line,
 )
-from liepoisson.exact.report.styles import LATEX, PLAIN, UNICODE
+from liepoisson.exact.styles import LATEX, PLAIN, UNICODE
 
 NAMES = (frozenset({"l", "alpha", "beta", "x"}), frozenset({"epsilon", "l1"}))
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from liepoisson.exact.printing import Formula, Vector, write_vector
-from liepoisson.exact.report.styles import LATEX, LETTERS, PLAIN, UNICODE, Style, split_name
+from liepoisson.exact.styles import LATEX, LETTERS, PLAIN, UNICODE, Style, split_name
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -11,12 +11,11 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, final
 
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-from liepoisson.exact.hamiltonian import Value, flattened
+from liepoisson.exact.decimals import LONG_NUMBER, Decimal
 from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 from liepoisson.exact.printing import Form, Formula, Image
 from liepoisson.exact.report.bracket_facts import Topic
 from liepoisson.exact.report.counterexamples import is_nonzero_on, is_nonzero_somewhere
-from liepoisson.exact.report.decimals import LONG_NUMBER, Decimal
 from liepoisson.exact.report.equal_integrals import same_integral
 from liepoisson.exact.report.limits import too_large_formula
 from liepoisson.exact.report.lines import (
@@ -33,6 +32,7 @@ from liepoisson.exact.report.lines import (
 )
 from liepoisson.exact.report.vector_equations import VectorEquations, vector_equations
 from liepoisson.exact.report.vector_notation import VectorNotation
+from liepoisson.exact.values import Value, flattened
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -115,7 +115,7 @@ def strata_steps(evidence: Evidence, bracket: Bracket, wanted: dict[Locus, int])
         wanted: Rank for each locus, from the open stratum down.
     """
     from liepoisson.exact.report.lines import Conditions
-    from liepoisson.exact.report.styles import UNICODE
+    from liepoisson.exact.styles import UNICODE
 
     strata = bracket.strata()
     for stratum in strata:
