@@ -44,7 +44,7 @@ LEVELS = {
     },
     "Poisson tensors": {"poisson"},
     "brackets": {
-        "bracket", "canonical_bracket", "casimirs", "certificates", "locus", "strata", "automorphisms",
+        "bracket", "canonical_bracket", "constant_part", "casimirs", "certificates", "locus", "strata", "automorphisms",
         "trace", "trace_casimirs", "trace_words",
     },
     "formulas": {"formula", "expression", "constructors"},
