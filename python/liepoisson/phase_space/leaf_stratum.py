@@ -183,5 +183,5 @@ def _pinned(locus: Locus, bracket: Bracket, x: Array) -> Array:
         row = np.zeros(len(names))
         row[[names.index(name) for name in pair]] = np.linalg.svd(fields)[0][:, 1]
         weights.append(row)
-    rows = [np.kron(row[None, :], np.eye(n)) for row in weights]
+    rows: list[Array] = [np.kron(row[None, :], np.eye(n)) for row in weights]
     return np.concatenate(rows) if rows else np.zeros((0, N))

@@ -126,7 +126,7 @@ class FileFamily(Family):
     def bracket_parameters(self) -> set[str]:
         """Those that it contains, or components of which it contains."""
         owners = {self._file.scope.owner(symbol) for symbol in self._file.bracket.symbols}
-        return owners & {*self.shapes}
+        return {name for name in self.shapes if name in owners}
 
     def system(self, values: Mapping[str, Any]) -> Any:
         """The system with these values, as a Top where it is one."""
