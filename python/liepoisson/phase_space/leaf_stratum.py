@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -177,7 +177,7 @@ def _are_parallel(u: Array, v: Array) -> bool:
 def _pinned(locus: Locus, bracket: Bracket, x: Array) -> Array:
     """The linear equations of the set: fields that vanish, and p u - q v = 0 for two parallel ones."""
     n, names, N = bracket.algebra.dimension, bracket.field_names, bracket.dimension
-    weights: list[Array] = [np.eye(len(names))[names.index(name)] for name in locus.zero]
+    weights: list[Any] = [np.eye(len(names))[names.index(name)] for name in locus.zero]
     for pair in locus.parallel:
         fields = np.stack([_field(bracket, name, x) for name in pair])
         row = np.zeros(len(names))
