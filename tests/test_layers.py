@@ -61,7 +61,7 @@ FACADES = {
     "exact.bracket": {
         "exact.automorphisms", "exact.casimirs", "exact.certificates", "exact.strata", "exact.trace_casimirs",
     },
-    "exact.lie_algebra": {"exact.bracket", "exact.lie.defining_matrices", "exact.lie.representations"},
+    "exact.lie_algebra": {"exact.bracket"},
     "exact.extension": {"exact.classification"},
     "exact.system": {"exact.describe", "exact.phase_functions"},
     "phase_space.leaf": {"phase_space.leaf_sampling", "phase_space.leaf_search"},
