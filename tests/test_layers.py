@@ -45,7 +45,7 @@ LEVELS = {
     "Poisson tensors": {"poisson"},
     "brackets": {
         "bracket", "canonical_bracket", "constant_part", "casimirs", "certificates", "locus", "strata", "automorphisms",
-        "trace", "trace_casimirs", "trace_words",
+        "trace", "trace_arithmetic", "trace_casimirs", "trace_words",
     },
     "formulas": {"formula", "expression", "constructors"},
     "systems": {
