@@ -74,7 +74,7 @@ EXCEPTIONS = {
     ("numeric.integrate", "dataset"): _LABELLED,
     ("numeric.section", "dataset"): _LABELLED,
     ("numeric.spectrum", "dataset"): _LABELLED,
-    ("numeric.spectrum_check", "numeric.spectrum"): _LABELLED,
+    ("numeric.spectrum_check", "numeric.spectrum"): "the check of a spectrum, which has it as a method",
     ("phase_space.chart_orbit", "dataset"): _LABELLED,
     ("sweeps.tasks", ""): "a worker says which version of the package it has",
     ("sweeps.remote", ""): "a function that travels to a worker, which may have another version or none",
@@ -110,21 +110,28 @@ def modules():
     return frozenset(".".join(parts).removesuffix("__init__").rstrip(".") for parts in names)
 
 
+def imports(node, *, at_once=True):
+    """The import statements below a node, and whether they are run as soon as the module is imported."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, (ast.Import, ast.ImportFrom)):
+            yield child, at_once
+        elif isinstance(child, ast.stmt | ast.ExceptHandler | ast.match_case):
+            is_function = isinstance(child, ast.FunctionDef | ast.AsyncFunctionDef)
+            is_for_types = isinstance(child, ast.If) and getattr(child.test, "id", "") == "TYPE_CHECKING"
+            yield from imports(child, at_once=at_once and not is_function and not is_for_types)
+
+
 def imported_names(tree, name):
-    """Full name, line, and whether it is imported as soon as the module is, for every import of a module."""
-    later = {id(node) for f in ast.walk(tree) if isinstance(f, (ast.FunctionDef, ast.AsyncFunctionDef, ast.Lambda))
-             for node in ast.walk(f)}  # fmt: skip
-    types = (i for i in ast.walk(tree) if isinstance(i, ast.If) and "TYPE_CHECKING" in ast.unparse(i.test))
-    later |= {id(node) for i in types for statement in i.body for node in ast.walk(statement)}
+    """Full name, line, and whether it is imported at once, for every import of a module."""
     package = ["liepoisson", *name.split(".")] if name else ["liepoisson"]
     package = package if module_path(name).name == "__init__.py" else package[:-1]
-    for node in ast.walk(tree):
+    for node, at_once in imports(tree):
         if isinstance(node, ast.Import):
-            yield from ((alias.name, node.lineno, id(node) not in later) for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
+            yield from ((alias.name, node.lineno, at_once) for alias in node.names)
+        else:
             above = package[: len(package) - node.level + 1] if node.level else []
             origin = ".".join([*above, *([node.module] if node.module else [])])
-            yield from ((f"{origin}.{alias.name}", node.lineno, id(node) not in later) for alias in node.names)
+            yield from ((f"{origin}.{alias.name}", node.lineno, at_once) for alias in node.names)
 
 
 @cache
