@@ -15,7 +15,6 @@ from typing import Any
 import calibrate
 import measure
 import problem
-import report
 from bench import Bench
 from families import DOUBLE, SINGLE, TAYLOR, Family
 from measure import Contender, Row
@@ -137,7 +136,7 @@ def lines(data: dict[str, Any]) -> list[list[str]]:
         table.append(
             [
                 contender["name"],
-                report.choice(contender["setting"]["request"]),
+                measure.choice(contender["setting"]["request"]),
                 f"{best / n_steps * 1e9:.1f}",
                 f"{rate:.1f}",
                 f"{peak:.1f} ({contender['simd']} {number})",

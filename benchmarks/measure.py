@@ -51,6 +51,12 @@ class Contender:
     work: float | None = None
 
 
+def choice(request: dict[str, Any]) -> str:
+    """The number that was chosen: a tolerance or a step."""
+    arguments = request.get("method", request)
+    return f"tol {arguments['tol']:.1e}" if "tol" in arguments else f"step {arguments['step']:.3g}"
+
+
 @dataclass(frozen=True)
 class Row:
     """One question of the benchmark and those who answer it."""

@@ -14,8 +14,10 @@ from typing import Any
 
 import numpy as np
 
+import dispatch
+import kernels
 import measure
-from measure import Measured, Row
+from measure import Measured, Row, choice
 
 TABLES = measure.HERE / "results" / "tables"
 DOCUMENT = measure.ROOT / "docs" / "benchmarks.md"
@@ -72,12 +74,6 @@ def duration(seconds: float) -> str:
 def rate(units: float) -> str:
     """Trajectories times time a second."""
     return f"{units / 1e6:.3f}M" if units >= 1e5 else f"{units / 1e3:.3g}k"
-
-
-def choice(request: Record) -> str:
-    """The number that was chosen: a tolerance or a step."""
-    arguments = request.get("method", request)
-    return f"tol {arguments['tol']:.1e}" if "tol" in arguments else f"step {arguments['step']:.3g}"
 
 
 def _errors(setting: Record, *names: str) -> str:
@@ -194,9 +190,6 @@ def markdown(table: list[list[str]]) -> str:
 
 def render(data: Record) -> str:
     """One table with its title and its notes."""
-    import dispatch
-    import kernels
-
     lines = {"row": row_lines, "kernels": kernels.lines, "dispatch": dispatch.lines}[data["kind"]](data)
     tail = notes(data) if data["kind"] == "row" else f"Runs of each: {data['rounds']}."
     return f"### {data['title']}\n\n{markdown(lines)}\n{tail}\n"

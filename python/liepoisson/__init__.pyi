@@ -29,7 +29,7 @@ from liepoisson.exact.lie_algebras import sl as sl
 from liepoisson.exact.lie_algebras import so as so
 from liepoisson.exact.lie_algebras import su as su
 from liepoisson.exact.system import System as System
-from liepoisson.exact.system_file import read_system as read_system
+from liepoisson.exact.system_file_reader import read_system as read_system
 from liepoisson.numeric.finite_time_exponents import finite_time_exponents as finite_time_exponents
 from liepoisson.numeric.integrate import integrate as integrate
 from liepoisson.numeric.lyapunov_exponent import lyapunov_exponent as lyapunov_exponent

@@ -6,4 +6,5 @@ from liepoisson.exact.canonical_bracket import canonical as canonical
 from liepoisson.exact.casimirs import CasimirReport as CasimirReport
 from liepoisson.exact.certificates import JacobiCertificate as JacobiCertificate
 from liepoisson.exact.certificates import RankCertificate as RankCertificate
+from liepoisson.exact.locus import Locus as Locus
 from liepoisson.exact.strata import Stratum as Stratum

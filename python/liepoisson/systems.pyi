@@ -7,6 +7,6 @@ from liepoisson.exact.system import System as System
 from liepoisson.exact.system_file import Integral as Integral
 from liepoisson.exact.system_file import Reference as Reference
 from liepoisson.exact.system_file import SystemFile as SystemFile
-from liepoisson.exact.system_file import read_system as read_system
-from liepoisson.exact.system_file import read_system_file as read_system_file
+from liepoisson.exact.system_file_reader import read_system as read_system
+from liepoisson.exact.system_file_reader import read_system_file as read_system_file
 from liepoisson.tops import Top as Top

@@ -9,8 +9,8 @@ import sympy as sp
 import liepoisson as lp
 from liepoisson.errors import BracketError, ParameterError, ShapeError, SystemFileError
 from liepoisson.exact.describe import inspect
-from liepoisson.exact.report.styles import LATEX, PLAIN
-from liepoisson.exact.system_file import parse_system_file
+from liepoisson.exact.styles import LATEX, PLAIN
+from liepoisson.exact.system_file_reader import parse_system_file
 
 
 @pytest.mark.parametrize(

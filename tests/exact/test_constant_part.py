@@ -9,8 +9,8 @@ import liepoisson as lp
 from liepoisson.errors import BracketError, CocycleError, LeafError, ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.exact.automorphisms import Automorphism
 from liepoisson.exact.describe import inspect
-from liepoisson.exact.report.styles import LATEX, PLAIN, UNICODE
-from liepoisson.exact.system_file import parse_system_file
+from liepoisson.exact.styles import LATEX, PLAIN, UNICODE
+from liepoisson.exact.system_file_reader import parse_system_file
 
 GYROSTAT = (lp.so(3) @ lp.trivial()).with_constant({("l1", "l2"): "k3", ("l2", "l3"): "k1", ("l3", "l1"): "k2"})
 

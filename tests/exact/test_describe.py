@@ -15,7 +15,7 @@ from liepoisson.exact.extensions import leibniz, semidirect, trivial
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.lie_algebras import affine, heisenberg, se, so
 from liepoisson.exact.report.lines import write_line
-from liepoisson.exact.report.styles import PLAIN, UNICODE
+from liepoisson.exact.styles import PLAIN, UNICODE
 from liepoisson.exact.system import System
 from liepoisson.tops import Top
 

@@ -23,7 +23,7 @@ from liepoisson.exact.printing import (
     write_atom,
     write_vector,
 )
-from liepoisson.exact.report.styles import LATEX, NAMES, PLAIN, UNICODE, latex_text, split_name
+from liepoisson.exact.styles import LATEX, NAMES, PLAIN, UNICODE, latex_text, split_name
 
 FIELDS = ("l", "alpha", "beta")
 COORDINATES = {f"{f}{i}": (f, str(i)) for f in FIELDS for i in (1, 2, 3)}

@@ -15,7 +15,7 @@ from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.lie_algebras import gl, heisenberg, se, sine, sl, so, su
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank
-from liepoisson.exact.report.styles import UNICODE
+from liepoisson.exact.styles import UNICODE
 from liepoisson.exact.system import System
 from liepoisson.exact.trace import Trace, traces_in
 from liepoisson.exact.trace_casimirs import modulo_casimirs, replaces_search, trace_casimirs

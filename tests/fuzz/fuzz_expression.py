@@ -27,7 +27,7 @@ with atheris.instrument_imports(include=["liepoisson", "tomllib"]):
     from liepoisson.exact.expression import read_formula
     from liepoisson.exact.formula.grammar import parse
     from liepoisson.exact.formula.scope import Scope
-    from liepoisson.exact.system_file import parse_system_file
+    from liepoisson.exact.system_file_reader import parse_system_file
 
 FORBIDDEN = (
     "import",

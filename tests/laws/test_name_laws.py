@@ -14,7 +14,7 @@ from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import CONSTANTS, FUNCTIONS
-from liepoisson.exact.system_file import parse_system_file
+from liepoisson.exact.system_file_reader import parse_system_file
 from liepoisson.sweeps.family import FileFamily
 from liepoisson.sweeps.spec import Axis, Starts, SweepSpec
 from liepoisson.sweeps.targets import evaluate_targets

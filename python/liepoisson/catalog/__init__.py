@@ -75,7 +75,7 @@ def entry(name: str) -> SystemFile:
     Raises:
         UnknownNameError: there is none of this name.
     """
-    from liepoisson.exact.system_file import read_system_file
+    from liepoisson.exact.system_file_reader import read_system_file
 
     return read_system_file(path(name))
 

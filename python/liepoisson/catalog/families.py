@@ -340,7 +340,7 @@ def henon_heiles(A: Parameter = 1, B: Parameter = 1, C: Parameter = 1) -> System
 def _algebra(algebra: LieAlgebra | str) -> LieAlgebra:
     if not isinstance(algebra, str):
         return algebra
-    from liepoisson.exact.formula.constructors import read_algebra
+    from liepoisson.exact.constructors import read_algebra
 
     return read_algebra(algebra)
 

@@ -12,7 +12,7 @@ import typer
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
 
 if TYPE_CHECKING:
-    from liepoisson.exact.report.styles import Style
+    from liepoisson.exact.styles import Style
 
 
 REFUTED = 1
@@ -57,7 +57,7 @@ def inspect(
 
 def terminal_style() -> Style:
     """Unicode where standard output can show it, else ASCII."""
-    from liepoisson.exact.report.styles import PLAIN, UNICODE
+    from liepoisson.exact.styles import PLAIN, UNICODE
 
     try:
         "α·β × ½ ₁² ∂ ⊗ ≠".encode(sys.stdout.encoding or "ascii")

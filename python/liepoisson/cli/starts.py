@@ -59,8 +59,8 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
         ParameterError: a parameter has no value (the message names all of them), or one that no double is near.
     """
     file = with_settings(read_file(argument), settings)
-    from liepoisson.exact.hamiltonian import flattened
     from liepoisson.exact.parameters import as_float, is_zero
+    from liepoisson.exact.values import flattened
 
     if file.symbols:
         from liepoisson.exact.formula.scope import read_declaration

@@ -6,26 +6,24 @@ The constant part c is zero for the Lie-Poisson bracket proper; any 2-cocycle of
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from functools import cached_property
-from itertools import combinations, product
-from numbers import Integral
+from itertools import product
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.exact.constant_part import read_constant, with_linear_part_at
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import check_name, check_not_reserved
 from liepoisson.exact.parameters import (
     Column,
     Parameter,
-    is_zero,
     listed,
     read_parameter,
     substituted,
     symbols_of,
-    to_sympy,
 )
+from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -132,7 +130,7 @@ class Bracket:
             ShapeError: not N numbers.
             ParameterError: a component is not exact.
         """
-        return self.with_constant(_sums([*self.constant.items(), *self._linear_part_at(point)]))
+        return self.with_constant(with_linear_part_at(self.constant, self.entries(), self._read_components(point)))
 
     def frozen(self, point: Sequence[Parameter]) -> Bracket:
         r"""The constant bracket $\{x_i, x_j\} = J_{ij}(x_0)$, which is compatible with this one: frozen at $x_0$.
@@ -146,7 +144,7 @@ class Bracket:
 
         References: [marsden1999], section 10.1.
         """
-        constant = _sums([*self.constant.items(), *self._linear_part_at(point)])
+        constant = with_linear_part_at(self.constant, self.entries(), self._read_components(point))
         algebra = LieAlgebra.from_brackets(
             self.algebra.dimension, {}, f"abelian({self.algebra.dimension})", self.algebra.basis_names, check=False
         )
@@ -248,7 +246,7 @@ class Bracket:
 
     def poisson_tensor(self) -> Matrix:
         r"""The matrix $J_{ij}(x) = \{x_i, x_j\}$, of degree at most one in x, shape (N, N)."""
-        return self._poisson_tensor.copy()
+        return self._matrix.matrix.copy()
 
     def __call__(self, f: Expr, g: Expr) -> Expr:
         r"""The bracket $\{f, g\} = \nabla f \cdot J \nabla g$, expanded."""
@@ -264,35 +262,14 @@ class Bracket:
 
         Where J is constant, as in canonical coordinates, only polynomials are expanded.
         """
-        from sympy import Add, expand
-
-        dh = self._gradient(hamiltonian)
-        sums: list[list[Expr]] = [[] for _ in range(self.dimension)]
-        for (i, j), form in self._forms.items():
-            if dh[j] != 0:
-                sums[i].append(form * dh[j])
-        rates = [Add(*terms) for terms in sums]
-        return tuple(expand(rate) if self._terms or rate.is_polynomial(*self.variables) else rate for rate in rates)
+        return self._matrix.times(self._gradient(hamiltonian))
 
     def jacobi_residuals(self) -> dict[tuple[Symbol, Symbol, Symbol], Expr]:
         r"""$\{\{x_i, x_j\}, x_k\}$ + cyclic for all i < j < k: zero throughout if this is a Poisson bracket.
 
         Writes out every residual; `jacobi_certificate` is much faster.
         """
-        from sympy import Add
-
-        x, N = self.variables, self.dimension
-        slopes: dict[tuple[int, int], list[tuple[int, Expr]]] = {}
-        for i, j, m, c in self._terms:
-            slopes.setdefault((i, j), []).append((m, to_sympy(c)))
-
-        def nested(i: int, j: int, k: int) -> list[Expr]:
-            return [slope * self._forms[m, k] for m, slope in slopes.get((i, j), []) if (m, k) in self._forms]
-
-        return {
-            (x[i], x[j], x[k]): Add(*nested(i, j, k), *nested(j, k, i), *nested(k, i, j)).expand()
-            for i, j, k in combinations(range(N), 3)
-        }
+        return self._matrix.jacobi_residuals()
 
     def jacobi_certificate(self) -> JacobiCertificate:
         """Antisymmetry and the Jacobi identity for all triples of coordinates, computed now from the entries."""
@@ -445,41 +422,11 @@ class Bracket:
     @cached_property
     def _terms(self) -> tuple[tuple[int, int, int, Exact], ...]:
         """All (i, j, m, c) with sum_m c x_m the linear part of J_ij, both orders of i and j."""
-        n, W = self.algebra.dimension, self.extension.tensor
-        labels = range(self.extension.dimension)
-        products = [
-            (mu, nu, lam, W[lam][mu][nu]) for mu, nu, lam in product(labels, repeat=3) if not is_zero(W[lam][mu][nu])
-        ]
-        terms: list[tuple[int, int, int, Exact]] = []
-        for (i, j), row in self.algebra.brackets.items():
-            for k, c in row.items():
-                for mu, nu, lam, w in products:
-                    value = _product(w, c)
-                    terms.append((mu * n + i, nu * n + j, lam * n + k, -value))
-                    terms.append((mu * n + j, nu * n + i, lam * n + k, value))
-        return tuple(sorted(terms, key=lambda term: term[:3]))
+        return linear_terms(self.algebra, self.extension)
 
     @cached_property
-    def _forms(self) -> dict[tuple[int, int], Expr]:
-        """The nonzero entries of the Poisson tensor as expressions."""
-        from sympy import Add
-
-        forms: dict[tuple[int, int], list[Expr]] = {}
-        for i, j, m, c in self._terms:
-            forms.setdefault((i, j), []).append(to_sympy(c) * self.variables[m])
-        for (i, j), c in self.constant.items():
-            forms.setdefault((i, j), []).append(to_sympy(c))
-            forms.setdefault((j, i), []).append(-to_sympy(c))
-        return {pair: Add(*terms) for pair, terms in forms.items()}
-
-    @cached_property
-    def _poisson_tensor(self) -> Matrix:
-        from sympy import zeros
-
-        J: Any = zeros(self.dimension, self.dimension)
-        for pair, form in self._forms.items():
-            J[pair] = form
-        return J
+    def _matrix(self) -> PoissonMatrix:
+        return PoissonMatrix(self.variables, self._terms, self.constant)
 
     @cached_property
     def _casimirs(self) -> dict[int | None, tuple[tuple[Expr, ...], int]]:
@@ -512,11 +459,6 @@ class Bracket:
         foreign = {s: own[str(s)] for s in expression.free_symbols if str(s) in own and s != own[str(s)]}
         return cast("Expr", expression.xreplace(foreign)) if foreign else expression
 
-    def _linear_part_at(self, point: Sequence[Parameter]) -> list[tuple[tuple[int, int], Exact]]:
-        """The terms of J(x0) without the constant part, by (i, j) with i < j."""
-        values = self._read_components(point)
-        return [((i, j), _product(c, values[m])) for i, j, m, c in self.entries() if not is_zero(values[m])]
-
     def _read_components(self, point: Sequence[Parameter]) -> list[Exact]:
         items = None if isinstance(point, str) else listed(point)
         if items is None or len(items) != self.dimension:
@@ -529,73 +471,6 @@ class Bracket:
         if free := {name for value in values for name in symbols_of(value)}:
             raise ParameterError(f"point must consist of numbers; got the symbols {sorted(free)}. Give them values.")
         return values
-
-
-def _product(w: Exact, c: Exact) -> Exact:
-    if isinstance(w, Fraction) and isinstance(c, Fraction):
-        return w * c
-    return to_sympy(w) * to_sympy(c)
-
-
-def _sums(terms: Sequence[tuple[tuple[int, int], Exact]]) -> dict[Any, Parameter]:
-    """Entries by pair, those of one pair added."""
-    sums: dict[Any, Any] = {}
-    for pair, value in terms:
-        known = sums.get(pair)
-        both_rational = known is None or (isinstance(known, Fraction) and isinstance(value, Fraction))
-        sums[pair] = value if known is None else known + value if both_rational else to_sympy(known) + to_sympy(value)
-    return sums
-
-
-def read_constant(
-    given: Mapping[tuple[str | int, str | int], Parameter] | None, names: Sequence[str]
-) -> dict[tuple[int, int], Exact]:
-    """Read a constant part: the nonzero entries by (i, j) with i < j, counted from 0.
-
-    Raises:
-        BracketError: a coordinate is unknown, or a pair is given twice or with itself.
-        ParameterError: not a mapping from pairs, or an entry is not exact.
-    """
-    entries: Any = {} if given is None else given
-    if not isinstance(entries, Mapping):
-        raise ParameterError(
-            f'constant must be a mapping from pairs of coordinates; got {entries!r:.60}. Write {{("l1", "l2"): "k"}}.'
-        )
-    found: dict[tuple[int, int], Exact] = {}
-    for pair, value in cast("Mapping[Any, Any]", entries).items():
-        i, j = _read_pair(pair, names)
-        entry = read_parameter(value, f"the constant part of {{{names[i]}, {names[j]}}}")
-        if i == j or (min(i, j), max(i, j)) in found:
-            what = "with itself" if i == j else "twice"
-            raise BracketError(
-                f"each pair of different coordinates may have one constant; got ({names[i]}, {names[j]}) {what}. "
-                "Remove one entry."
-            )
-        found[min(i, j), max(i, j)] = entry if i < j else -entry
-    return {pair: value for pair, value in sorted(found.items()) if not is_zero(value)}
-
-
-def _read_pair(pair: object, names: Sequence[str]) -> tuple[int, int]:
-    """The numbers of two coordinates."""
-    if not isinstance(pair, tuple) or len(cast("tuple[object, ...]", pair)) != 2:
-        raise ParameterError(
-            f'the constant part is given by pairs of coordinates; got {pair!r:.60}. Write {{("l1", "l2"): "k"}}.'
-        )
-    first, second = (_read_coordinate(one, names) for one in cast("tuple[object, ...]", pair))
-    return first, second
-
-
-def _read_coordinate(given: object, names: Sequence[str]) -> int:
-    if not isinstance(given, bool) and isinstance(given, Integral) and 0 <= int(given) < len(names):
-        return int(given)
-    if str(given) in names:  # a text or a symbol
-        return list(names).index(str(given))
-    from difflib import get_close_matches
-
-    near = get_close_matches(str(given), names, n=1)
-    hint = f"Did you mean {near[0]}?" if near else "Write one of these."
-    shown = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
-    raise BracketError(f"the constant part must name coordinates; got {given!r:.60}. Known are {shown}. {hint}")
 
 
 def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:

@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.canonical_bracket import canonical
 from liepoisson.exact.formula.scope import Scope
-from liepoisson.exact.hamiltonian import GivenValue, Hamiltonian, is_expression
+from liepoisson.exact.hamiltonian import Hamiltonian, is_expression
 from liepoisson.exact.names import check_name
 from liepoisson.exact.system import System
+from liepoisson.exact.values import GivenValue
 from liepoisson.field import QuadraticField, TapeField
 
 if TYPE_CHECKING:

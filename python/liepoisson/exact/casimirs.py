@@ -24,7 +24,6 @@ from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 from liepoisson.exact.poisson.casimir_search import (
     MAX_WORK,
     CasimirSearch,
-    Polynomial,
     homogeneous,
     n_independent,
     products_of_degree,
@@ -32,6 +31,7 @@ from liepoisson.exact.poisson.casimir_search import (
 )
 from liepoisson.exact.poisson.leading_monomials import leading, place
 from liepoisson.exact.poisson.poisson_tensor import CONSTANT
+from liepoisson.exact.poisson.polynomials import Polynomial, expression_of
 from liepoisson.exact.poisson.takiff import leibniz_strength, lifted
 from liepoisson.exact.trace_casimirs import TraceCasimirs, replaces_search
 
@@ -393,16 +393,7 @@ def _differing(limits: Sequence[Any], generators: Sequence[Expr]) -> tuple[str, 
 
 
 def _expressions(bracket: Bracket, found: _Found) -> list[Expr]:
-    return [polynomial_expression(polynomial, bracket) for _, polynomial in found.generators]
-
-
-def polynomial_expression(polynomial: Polynomial, bracket: Bracket) -> Expr:
-    """A polynomial in the coordinates of the bracket as a SymPy expression, with the coefficients that it has."""
-    from sympy import Add, Mul
-
-    x, read = bracket.variables, bracket.tensor.field.to_sympy
-    terms: list[Any] = [Mul(read(c), *(x[i] for i in monomial)) for monomial, c in polynomial.items()]
-    return Add(*terms)
+    return [expression_of(polynomial, bracket.variables, bracket.tensor.field) for _, polynomial in found.generators]
 
 
 def _checked_degree(degree: int | None) -> int | None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.errors import CocycleError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank
-from liepoisson.exact.parameters import Exact, is_zero, to_sympy
+from liepoisson.exact.parameters import Exact, is_zero, product_of
 from liepoisson.exact.poisson.poisson_tensor import CONSTANT, LinearPoissonTensor
 
 if TYPE_CHECKING:
@@ -198,7 +198,7 @@ def rank_at(dimension: int, terms: Sequence[tuple[int, int, int, Exact]], point:
     sums: dict[tuple[int, int], list[Exact]] = {}
     for i, j, m, c in terms:
         if not is_zero(point[m]):
-            sums.setdefault((i, j), []).append(_times(c, point[m]))
+            sums.setdefault((i, j), []).append(product_of(c, point[m]))
     field = Coefficients.containing(value for values in sums.values() for value in values)
     rows: list[dict[int, Any]] = [{} for _ in range(dimension)]
     for (i, j), values in sums.items():
@@ -219,9 +219,3 @@ def rank_certificate(bracket: Bracket) -> RankCertificate:
     n = independent_casimirs(bracket)
     method = f"J has rank {lower} at one point; {n} of {N} directions are gradients of independent Casimirs"
     return RankCertificate(lower, min(even, N - n), N, method)
-
-
-def _times(c: Exact, value: Exact) -> Exact:
-    if isinstance(c, Fraction) and isinstance(value, Fraction):
-        return c * value
-    return to_sympy(c) * to_sympy(value)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.printing import Gradient
 from liepoisson.exact.report.bracket_facts import AlgebraFacts, CasimirFacts, ExtensionFacts, JacobiFacts, Topic
+from liepoisson.exact.report.integral_facts import IntegralFacts
 from liepoisson.exact.report.leaf_facts import RankFacts, StrataFacts, SymmetryFacts
 from liepoisson.exact.report.limits import (
     NotComputed,
@@ -19,10 +20,10 @@ from liepoisson.exact.report.limits import (
     too_large_motion,
 )
 from liepoisson.exact.report.lines import Equation, Line, Name, write_line
-from liepoisson.exact.report.motion_facts import EquationFacts, HamiltonianFacts, IntegralFacts, KernelFacts, named_form
-from liepoisson.exact.report.styles import LATEX, NAMES, UNICODE, Style
+from liepoisson.exact.report.motion_facts import EquationFacts, HamiltonianFacts, KernelFacts, named_form
 from liepoisson.exact.report.vector_notation import VectorNotation
 from liepoisson.exact.report.wrapping import wrapped
+from liepoisson.exact.styles import LATEX, NAMES, UNICODE, Style
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System

@@ -34,7 +34,7 @@ from liepoisson.exact.formula.grammar import (
     names_in,
     parse,
 )
-from liepoisson.exact.formula.scope import Scope, component_name
+from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.formula.tensor_arithmetic import (
     Matrix,
     TensorArithmetic,
@@ -45,6 +45,7 @@ from liepoisson.exact.formula.tensor_arithmetic import (
 )
 from liepoisson.exact.names import CONSTANTS, ELEMENTARY_FUNCTIONS, FUNCTIONS, MATRIX_FUNCTIONS
 from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
+from liepoisson.exact.values import component_name
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol

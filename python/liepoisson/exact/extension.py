@@ -20,7 +20,6 @@ from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
 if TYPE_CHECKING:
     from liepoisson.exact.classification import Classification
     from liepoisson.exact.commutative.commutative_algebra import CommutativeAlgebra, Vector
-    from liepoisson.exact.extensions import leibniz, semidirect  # noqa: F401 (see __getattr__)  # pyright: ignore[reportUnusedImport]
 
 Products: TypeAlias = dict[tuple[int, int], dict[int, Exact]]
 """`products[mu, nu][lam]` with mu <= nu: the nonzero coefficients of e_mu e_nu along e_lam."""

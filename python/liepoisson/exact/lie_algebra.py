@@ -27,8 +27,8 @@ from liepoisson.exact.tensors import (
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.extension import Extension
-    from liepoisson.exact.lie.defining_matrices import MatrixFamily
     from liepoisson.exact.lie.lie_structure import LieStructure, Square, Subspace, Triple
+    from liepoisson.exact.lie.matrix_family import MatrixFamily
 
 MAX_DIMENSION = 1000
 """The largest dimension: beyond it even sparse structure constants outgrow what anything here can work with."""
@@ -122,7 +122,7 @@ class LieAlgebra:
             BracketError: linearly dependent, or a commutator outside of the span; the message names the matrices.
             ParameterError: an entry is not exact.
         """
-        from liepoisson.exact.lie.representations import brackets_of_matrices
+        from liepoisson.exact.lie.sparse_matrices import brackets_of_matrices
 
         brackets = brackets_of_matrices(matrices)
         # Commutators of matrices obey the Jacobi identity.

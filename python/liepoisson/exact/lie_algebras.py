@@ -13,7 +13,7 @@ from numbers import Integral
 from typing import TypeAlias
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.lie.defining_matrices import MatrixFamily
+from liepoisson.exact.lie.matrix_family import MatrixFamily
 from liepoisson.exact.lie.sine_algebra import sine_algebra, sine_energy, sine_modes
 from liepoisson.exact.lie_algebra import MAX_DIMENSION, LieAlgebra
 

@@ -20,6 +20,12 @@ MATRIX_FUNCTIONS = ("dot", "cross", "norm", "diag", "inv", "transpose", "trace")
 FUNCTIONS = (*MATRIX_FUNCTIONS, *ELEMENTARY_FUNCTIONS)
 CONSTANTS = ("pi",)
 
+GREEK = (
+    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
+    "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
+)  # fmt: skip
+"""Greek letters in the order of their code points; sigma stands twice for its final form."""
+
 MAX_NAME = 100
 """Characters of the longest name."""
 

@@ -158,6 +158,20 @@ def _vanishes(terms: Sequence[Expr]) -> bool:
     return Add(*terms).equals(0) is True
 
 
+def product_of(first: Exact, second: Exact) -> Exact:
+    """The product: a Fraction of Fractions, otherwise an expression; Python multiplies neither by the other."""
+    if isinstance(first, Fraction) and isinstance(second, Fraction):
+        return first * second
+    return to_sympy(first) * to_sympy(second)
+
+
+def sum_of(first: Exact, second: Exact) -> Exact:
+    """The sum: a Fraction of Fractions, otherwise an expression."""
+    if isinstance(first, Fraction) and isinstance(second, Fraction):
+        return first + second
+    return to_sympy(first) + to_sympy(second)
+
+
 def is_negative(value: Exact) -> bool:
     """Whether the parameter is known to be negative."""
     return value < 0 if isinstance(value, Fraction) else value.is_negative is True

@@ -15,9 +15,10 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.exact.private_symbols import evaluated
 
 if TYPE_CHECKING:
-    from sympy import Expr, Symbol
+    from sympy import Expr
 
     from liepoisson.exact.system import System
     from liepoisson.exact.trace_values import TraceSum
@@ -155,27 +156,6 @@ class PhaseFunctions:
     @cached_property
     def _jacobian(self) -> tuple[Expr, ...]:
         return tuple(cast("Any", self._system.jacobian).flat())
-
-
-def evaluated(variables: Sequence[Symbol], expressions: Sequence[Expr], states: Array) -> Array:
-    """The values of expressions in the variables at states of shape (..., N), stacked along a new last axis.
-
-    Raises:
-        ParameterError: a number in an expression does not fit into a double, or a symbol in it is no variable.
-        UnsupportedFieldError: an expression contains a function that NumPy does not have.
-    """
-    from liepoisson.exact.private_symbols import numpy_function
-
-    function = numpy_function(variables, expressions)
-    try:
-        values = function(*np.moveaxis(states, -1, 0))
-    except OverflowError as error:  # exact numbers are divided as integers, which have no bounds
-        raise ParameterError(
-            "a function to be evaluated must have numbers that fit into doubles (below 1.8e308); got a larger one. "
-            "Rescale the system, or set parameters that are nearly 0 to 0."
-        ) from error
-    columns = [np.broadcast_to(np.asarray(value, dtype=np.float64), states.shape[:-1]) for value in values]
-    return np.stack(columns, axis=-1)
 
 
 def as_phase_points(given: ArrayLike, n: int, fields: Sequence[str], name: str = "states") -> Array:

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.exact.report.decimals import long_number
-from liepoisson.exact.report.styles import LATEX, PLAIN, UNICODE, Style, split_name
+from liepoisson.exact.decimals import long_number
+from liepoisson.exact.styles import LATEX, PLAIN, UNICODE, Style, split_name
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol

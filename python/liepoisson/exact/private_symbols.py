@@ -11,6 +11,9 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+import numpy as np
+
+from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 
 if TYPE_CHECKING:
@@ -92,6 +95,25 @@ def _numpy_function(variables: tuple[Symbol, ...], expressions: tuple[Expr, ...]
     if set(cast("Any", printer).module_imports) - {"numpy", "functools"}:  # those of `math` take no arrays
         raise _not_for_arrays(expressions)
     return cast("NumpyFunction", function)
+
+
+def evaluated(variables: Sequence[Symbol], expressions: Sequence[Expr], states: Array) -> Array:
+    """The values of expressions in the variables at states of shape (..., N), stacked along a new last axis.
+
+    Raises:
+        ParameterError: a number in an expression does not fit into a double, or a symbol in it is no variable.
+        UnsupportedFieldError: an expression contains a function that NumPy does not have.
+    """
+    function = numpy_function(variables, expressions)
+    try:
+        values = function(*np.moveaxis(states, -1, 0))
+    except OverflowError as error:  # exact numbers are divided as integers, which have no bounds
+        raise ParameterError(
+            "a function to be evaluated must have numbers that fit into doubles (below 1.8e308); got a larger one. "
+            "Rescale the system, or set parameters that are nearly 0 to 0."
+        ) from error
+    columns = [np.broadcast_to(np.asarray(value, dtype=np.float64), states.shape[:-1]) for value in values]
+    return np.stack(columns, axis=-1)
 
 
 def _not_for_arrays(expressions: Sequence[Any]) -> UnsupportedFieldError:

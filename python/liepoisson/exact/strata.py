@@ -13,19 +13,21 @@ from dataclasses import dataclass, replace
 from itertools import combinations, product
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.exact.casimirs import polynomial_expression, quotient_casimirs
+from liepoisson.exact.casimirs import quotient_casimirs
+from liepoisson.exact.locus import Locus
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.poisson.casimir_search import n_independent
 from liepoisson.exact.poisson.parallel_fields import casimirs_on_parallel_fields, vanish_on_parallel_fields
 from liepoisson.exact.poisson.pfaffians import PfaffianIdeal
 from liepoisson.exact.poisson.poisson_tensor import CONSTANT
+from liepoisson.exact.poisson.polynomials import expression_of
 
 if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.bracket import Bracket
-    from liepoisson.exact.poisson.casimir_search import Polynomial
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
+    from liepoisson.exact.poisson.polynomials import Polynomial
 
 
 @dataclass(frozen=True)
@@ -33,7 +35,7 @@ class Stratum:
     """A set of states on which the rank is constant (proved) or constant at generic points.
 
     Attributes:
-        condition: Equations and inequalities, for example "beta = 0, alpha != 0".
+        locus: The fields that vanish there, that do not, that are parallel.
         rank: The rank of the Poisson tensor, the dimension of the leaves.
         casimirs: Functions that are constant on the leaves in this set.
         certificate: What was computed.
@@ -41,12 +43,17 @@ class Stratum:
         complete: Whether the functions are as many as cut out the leaves (not decided for parallel fields: True).
     """
 
-    condition: str
+    locus: Locus
     rank: int
     casimirs: tuple[Expr, ...]
     certificate: str
     proved: bool
     complete: bool = True
+
+    @property
+    def condition(self) -> str:
+        """The locus as text, for example "beta = 0, alpha != 0"."""
+        return str(self.locus)
 
 
 @dataclass(frozen=True)
@@ -91,10 +98,10 @@ def _with_constant_part(bracket: Bracket) -> Stratum:
         nowhere_less = assumption is not None
         reason = f"1 is a combination of Pfaffians of size {rank}" + (f" ({assumption})" if assumption else "")
     if nowhere_less:
-        return Stratum("everywhere", rank, casimirs, f"{text}; {reason}", rank == bound, known == n - rank)
+        return Stratum(Locus(), rank, casimirs, f"{text}; {reason}", rank == bound, known == n - rank)
     if bracket.coboundary() is not None:
         text += "; in the coordinates x + bracket.coboundary() the constant part vanishes: see the strata there"
-    return Stratum("generic", rank, casimirs, text, False, known == n - rank)
+    return Stratum(Locus(is_generic=True), rank, casimirs, text, False, known == n - rank)
 
 
 class _Stratification:
@@ -111,7 +118,8 @@ class _Stratification:
         tensor = self._restricted(fields)
         rank = tensor.rank_at_a_point if fields else 0
         if rank == 0:
-            yield self._stratum(fields, "", 0, self._casimirs(fields), certificate="J vanishes", proved=True)
+            here = Locus(zero=self._vanishing(fields))
+            yield Stratum(here, 0, self._casimirs(fields), certificate="J vanishes", proved=True)
             return
         casimirs = quotient_casimirs(tensor)
         n = n_independent(casimirs, tensor) if casimirs else 0
@@ -133,17 +141,17 @@ class _Stratification:
         self, fields: tuple[int, ...], rank: int, bound: int, drop: _Drop | None, casimirs: tuple[Expr, ...]
     ) -> Stratum:
         text = f"rank {rank} at one point, at most {bound} by parity and independent Casimirs"
+        zero = self._vanishing(fields)
         if drop is None:
-            return self._stratum(fields, "generic", rank, casimirs, certificate=text, proved=False)
-        names = [self.names[f] for f in drop.fields]
-        outside = {
-            "zero": f"{names[0]} != 0" if len(names) == 1 else f"({', '.join(names)}) != 0",
-            "one of": ", ".join(f"{name} != 0" for name in names),
-            "parallel": " x ".join(names) + " != 0",
-        }[drop.kind]
+            return Stratum(Locus(zero=zero, is_generic=True), rank, casimirs, certificate=text, proved=False)
+        names = tuple(self.names[f] for f in drop.fields)
+        if drop.kind == "parallel":
+            outside = Locus(zero=zero, not_parallel=(names,))
+        else:
+            outside = Locus(zero=zero, nonzero=(names,) if drop.kind == "zero" else tuple((name,) for name in names))
         text += f"; no less elsewhere: powers of the equations are combinations of Pfaffians of size {rank}"
         text += f" ({drop.assumption})" if drop.assumption else ""
-        return self._stratum(fields, outside, rank, casimirs, certificate=text, proved=rank == bound)
+        return Stratum(outside, rank, casimirs, certificate=text, proved=rank == bound)
 
     def _parallel(self, fields: tuple[int, ...], tensor: LinearPoissonTensor, drop: _Drop) -> Stratum:
         """Two fields parallel, not both zero."""
@@ -155,13 +163,13 @@ class _Stratification:
         coordinates: list[Polynomial] = [{(i,): tensor.field.one} for block in blocks for i in block]
         assumption = PfaffianIdeal(tensor, rank, self.size).contains_powers_of(coordinates)
         found = casimirs_on_parallel_fields(tensor, blocks)
-        names = [self.names[f] for f in drop.fields]
-        condition = f"{' x '.join(names)} = 0, ({', '.join(names)}) != 0"
+        names = tuple(self.names[f] for f in drop.fields)
+        locus = Locus(zero=self._vanishing(fields), parallel=(names,), nonzero=(names,))
         text = f"all Pfaffians of size {rank + 2} vanish there"
         if assumption is not None:
             text += f"; powers of the components of both fields are combinations of those of size {rank}"
         casimirs = self._embedded(found, fields)
-        return self._stratum(fields, condition, rank, casimirs, certificate=text, proved=assumption is not None)
+        return Stratum(locus, rank, casimirs, certificate=text, proved=assumption is not None)
 
     def _drop(self, fields: tuple[int, ...], tensor: LinearPoissonTensor, rank: int) -> _Drop | None:
         """The first of the sets, in the order of the text of `strata`, that is proved to be the degenerate one."""
@@ -233,18 +241,10 @@ class _Stratification:
     def _embedded(self, polynomials: Sequence[Polynomial], fields: tuple[int, ...]) -> tuple[Expr, ...]:
         place = self._coordinates(fields)
         moved: list[dict[Any, Any]] = [{tuple(place[i] for i in m): c for m, c in p.items()} for p in polynomials]
-        return tuple(polynomial_expression(polynomial, self.bracket) for polynomial in moved)
+        return tuple(
+            expression_of(polynomial, self.bracket.variables, self.bracket.tensor.field) for polynomial in moved
+        )
 
-    def _stratum(
-        self,
-        fields: tuple[int, ...],
-        extra: str,
-        rank: int,
-        casimirs: tuple[Expr, ...],
-        *,
-        certificate: str,
-        proved: bool,
-    ) -> Stratum:
-        zero = [f"{name} = 0" for k, name in enumerate(self.names) if k not in fields]
-        condition = ", ".join([*reversed(zero), *([extra] if extra else [])]) or "everywhere"
-        return Stratum(condition, rank, casimirs, certificate, proved)
+    def _vanishing(self, fields: tuple[int, ...]) -> tuple[str, ...]:
+        """The fields that are not listed, the last one first: the order in which they were lost."""
+        return tuple(name for k, name in reversed(list(enumerate(self.names))) if k not in fields)

@@ -14,21 +14,18 @@ from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.hamiltonian import (
     RESERVED_NAME,
-    GivenValue,
     Hamiltonian,
-    Value,
     apply_function,
     check_hamiltonian,
     check_real,
-    flattened,
     is_expression,
     read_declarations,
     read_functions,
     read_pairs_of_functions,
-    read_values,
     with_exact_numbers,
 )
 from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
+from liepoisson.exact.values import GivenValue, Value, flattened, read_values
 from liepoisson.field import Field, PiecesField, TapeFunction
 
 if TYPE_CHECKING:
@@ -424,7 +421,8 @@ class System:
         return match_top(self.bracket, self.equations)
 
     def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
-        from liepoisson.exact.phase_functions import as_phase_points, evaluated
+        from liepoisson.exact.phase_functions import as_phase_points
+        from liepoisson.exact.private_symbols import evaluated
 
         states = as_phase_points(x, len(self.component_names), self.parts_of_state)
         free = {s for e in expressions for s in e.free_symbols} - set(self.variables)

@@ -38,15 +38,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.expression import read_formula
 from liepoisson.exact.formula.scope import Scope
-from liepoisson.exact.formula.toml_text import TomlText, parse_toml, read_toml
-from liepoisson.exact.hamiltonian import Value
+from liepoisson.exact.formula.toml_text import TomlText
 from liepoisson.exact.parameters import Exact
+from liepoisson.exact.values import Value
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -195,41 +194,3 @@ class SystemFile:
             integrals=integrals,
             source=self.source,
         )
-
-
-def read_system(path: str | Path) -> System:
-    """The system that a file describes (`liepoisson.exact.system_file` has the format).
-
-    Args:
-        path: A TOML file in UTF-8, at most 1 MB.
-
-    Raises:
-        SystemFileError: as in `read_system_file`, or a formula has no meaning; the message names the key and the line.
-    """
-    return read_system_file(path).system()
-
-
-def read_system_file(path: str | Path) -> SystemFile:
-    """What a system file says, with its references and its claims.
-
-    Args:
-        path: A TOML file in UTF-8, at most 1 MB.
-
-    Raises:
-        SystemFileError: there is no such file, it is not TOML, or it does not describe a system; the message names the
-            key, and the line where it can be found.
-    """
-    from liepoisson.exact.formula.system_file_reader import read_tables
-
-    return read_tables(read_toml(path))
-
-
-def parse_system_file(text: str, path: str = "system file") -> SystemFile:
-    """Read the text of a system file; `path` is how messages call it.
-
-    Raises:
-        SystemFileError: as in `read_system_file`.
-    """
-    from liepoisson.exact.formula.system_file_reader import read_tables
-
-    return read_tables(parse_toml(text, path))

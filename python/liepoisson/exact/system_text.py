@@ -17,7 +17,7 @@ from liepoisson.exact.formula.constructors import read_algebra, read_extension
 from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.parameters import to_sympy
 from liepoisson.exact.system import System
-from liepoisson.exact.system_file import parse_system_file
+from liepoisson.exact.system_file_reader import parse_system_file
 from liepoisson.files import write_atomically
 
 if TYPE_CHECKING:

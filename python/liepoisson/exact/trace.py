@@ -192,7 +192,7 @@ class Trace(Function):
         return f"{self.function_name}({inside})({', '.join(map(printer.doprint, self.coordinates))})"
 
     def _latex(self, printer: Any, exp: Any = None) -> str:
-        from liepoisson.exact.report.styles import LATEX
+        from liepoisson.exact.styles import LATEX
 
         inside = r"\,".join(LATEX.vector(name) if n == 1 else f"{LATEX.vector(name)}^{{{n}}}" for name, n in self.text)
         name = (
@@ -297,7 +297,7 @@ def _expanded(trace: Trace) -> Any:
     from liepoisson.exact.lie.defining_matrices import in_field
     from liepoisson.exact.linear.coefficients import Coefficients
     from liepoisson.exact.linear.cyclotomic import CyclotomicField
-    from liepoisson.exact.poisson.casimir_search import multiply
+    from liepoisson.exact.poisson.polynomials import multiply
 
     order, d = trace.matrices.data.order, trace.matrices.dimension
     field = Coefficients() if order == 1 else Coefficients(CyclotomicField(order))

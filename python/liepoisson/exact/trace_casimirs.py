@@ -17,12 +17,11 @@ References: Rais and Tauvel, J. reine angew. Math. 425 (1992) 123; Procesi, Adv.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import combinations
 from math import comb, prod
-from operator import mul
 from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
@@ -32,15 +31,15 @@ from liepoisson.exact.lie.defining_matrices import (
     defining_matrices,
     holds_roots,
     in_field,
-    sparse_product,
     summands,
 )
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank_mod
-from liepoisson.exact.linear.residues import Residues
 from liepoisson.exact.parameters import Exact, is_zero, to_sympy
-from liepoisson.exact.poisson.casimir_search import MAX_WORK, CasimirSearch, Polynomial, gradient_at
+from liepoisson.exact.poisson.casimir_search import MAX_WORK, CasimirSearch
+from liepoisson.exact.poisson.polynomials import Polynomial, gradient_at
 from liepoisson.exact.poisson.takiff import leibniz_strength, lifted
+from liepoisson.exact.trace_arithmetic import Arithmetic, cyclotomic_arithmetic, modular_arithmetic, rational_arithmetic
 from liepoisson.exact.trace_words import Combination, Word, balanced_combinations, leibniz_combinations, rotations
 
 if TYPE_CHECKING:
@@ -172,7 +171,7 @@ class _Traces:
         """The independent ones among the candidates, verified at a point; None if one of them is no Casimir."""
         generic: Any = self.bracket.tensor.generic_rank
         corank, residues = self.bracket.dimension - generic.rank, generic.residues
-        modular = _Gradients(self, generic.point, _modular(residues))
+        modular = _Gradients(self, generic.point, modular_arithmetic(residues))
         kept: list[_Candidate] = []
         rows: list[dict[int, int]] = []
         for candidate in self._candidates():
@@ -242,7 +241,9 @@ class _Traces:
         random = Random(1)
         point = [random.randrange(-9, 10) for _ in range(self.bracket.dimension)]
         rational = all(part.order == 1 for _, part in self.parts)
-        exact = _Gradients(self, point, _rational(self.field) if rational else _cyclotomic(self.field))
+        exact = _Gradients(
+            self, point, rational_arithmetic(self.field) if rational else cyclotomic_arithmetic(self.field)
+        )
         total: dict[int, Any] = {}
         for candidate in kept:
             weight = self.field.number(random.randrange(1, 1000))
@@ -259,12 +260,12 @@ class _Traces:
     def _expression(self, candidate: _Candidate) -> Expr:
         from sympy import Add
 
-        from liepoisson.exact.casimirs import polynomial_expression
+        from liepoisson.exact.poisson.polynomials import expression_of
         from liepoisson.exact.trace import MatrixMap, Trace
 
         if candidate.words is None:
             assert candidate.polynomial is not None
-            return polynomial_expression(candidate.polynomial, self.bracket)
+            return expression_of(candidate.polynomial, self.bracket.variables, self.bracket.tensor.field)
         start, part = self.parts[candidate.part]
         matrices = MatrixMap.of(part, candidate.part + 1 if len(self.parts) > 1 else 0)
         x, names = self.bracket.variables, self.bracket.field_names
@@ -278,70 +279,10 @@ class _Traces:
         return Add(*terms)
 
 
-@dataclass(frozen=True)
-class _Arithmetic:
-    """How matrices are multiplied, and in what the results are.
-
-    Attributes:
-        number: An entry of the F^k, or a coordinate, as a number of the matrices.
-        matrix: A matrix from its number of rows and its nonzero entries.
-        entry: An entry of a matrix.
-        times: The product of two matrices.
-        result: A number of the matrices as a result.
-        coefficient: An element of the field of the bracket as a result.
-    """
-
-    number: Callable[[Any], Any]
-    matrix: Callable[[int, dict[tuple[int, int], Any]], Any]
-    entry: Callable[[Any, int, int], Any]
-    times: Callable[[Any, Any], Any]
-    result: Callable[[Any], Any]
-    coefficient: Callable[[Any], Any]
-
-
-def _modular(residues: Residues) -> _Arithmetic:
-    from flint import nmod, nmod_mat
-
-    def matrix(m: int, entries: dict[tuple[int, int], Any]) -> Any:
-        return nmod_mat([[int(entries.get((i, j), 0)) for j in range(m)] for i in range(m)], residues.p)
-
-    def number(value: Any) -> Any:
-        return nmod(residues(value), residues.p)
-
-    return _Arithmetic(number, matrix, lambda M, i, j: M[i, j], mul, int, lambda c: nmod(residues(c), residues.p))
-
-
-def _rational(field: Coefficients) -> _Arithmetic:
-    from flint import fmpq, fmpq_mat
-
-    def matrix(m: int, entries: dict[tuple[int, int], Any]) -> Any:
-        return fmpq_mat([[entries.get((i, j), 0) for j in range(m)] for i in range(m)])
-
-    def number(value: Any) -> Any:
-        q = Fraction(value)
-        return fmpq(q.numerator, q.denominator)
-
-    def result(value: Any) -> Any:
-        return field.number(Fraction(int(value.p), int(value.q)))
-
-    return _Arithmetic(number, matrix, lambda M, i, j: M[i, j], mul, result, lambda c: c)
-
-
-def _cyclotomic(field: Coefficients) -> _Arithmetic:
-    zero = field.number(0)
-
-    def number(value: Any) -> Any:
-        return field.number(value) if isinstance(value, (int, Fraction)) else value
-
-    return _Arithmetic(
-        number, lambda _m, entries: entries, lambda M, i, j: M.get((i, j), zero), sparse_product, lambda c: c, number
-    )
-
-
 class _Gradients:
     """Gradients of candidates at one point."""
 
-    def __init__(self, traces: _Traces, point: Sequence[int], arithmetic: _Arithmetic) -> None:
+    def __init__(self, traces: _Traces, point: Sequence[int], arithmetic: Arithmetic) -> None:
         self.traces, self.point, self.arithmetic = traces, point, arithmetic
         self.entries = [
             [

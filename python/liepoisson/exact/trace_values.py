@@ -158,7 +158,7 @@ class TraceSum:
         return total
 
     def _of_rest(self, order: int, x: Array) -> Array:
-        from liepoisson.exact.phase_functions import evaluated
+        from liepoisson.exact.private_symbols import evaluated
 
         n = len(self._variables)
         shape = (*x.shape[:-1], *(n,) * order)

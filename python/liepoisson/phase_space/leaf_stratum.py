@@ -8,7 +8,6 @@ the rank is that of J in units in which its blocks are of order one.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -18,9 +17,11 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.exact.phase_functions import PhaseFunction
+from liepoisson.exact.report.vector_notation import VectorNotation
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.locus import Locus
     from liepoisson.exact.strata import Stratum
     from liepoisson.exact.system import System
 
@@ -29,8 +30,6 @@ _BALANCING = 60
 """Steps in which the blocks of J are balanced; the distance from 1 of their logarithms is halved in each."""
 MOST_COORDINATES = 16
 """Brackets beyond this size are not asked for their strata, which can take minutes; the rank of J decides."""
-
-_COMMAS = re.compile(r", (?![^(]*\))")
 
 
 @dataclass(frozen=True)
@@ -69,7 +68,7 @@ def place_of(system: System, x: Array) -> Place:
     rank = numeric_rank(system, x)
     listed = strata_of(system.bracket)
     for k, stratum in enumerate(listed):
-        if (stratum.proved or stratum.rank == rank) and _holds(stratum.condition, system.bracket, x):
+        if (stratum.proved or stratum.rank == rank) and _holds(stratum.locus, system.bracket, x):
             place = _place(system, stratum, x, is_open=k == 0)
             if _cuts_out(place, x, system.bracket):
                 return place
@@ -127,13 +126,12 @@ def _place(system: System, stratum: Stratum, x: Array, *, is_open: bool) -> Plac
     if is_open:
         casimirs = functions.casimirs
     else:
-        from liepoisson.exact.report.vector_notation import VectorNotation
-
         notation = VectorNotation(system.bracket)
         # Where J vanishes the coordinates are constant, and the rows say so already.
         own = stratum.casimirs if stratum.rank else ()
+        # They have no other name than what they are: l.alpha.
         casimirs = {notation.formula(casimir).plain: functions.of(casimir) for casimir in own}
-    pinned = _pinned(stratum.condition, system.bracket, x)
+    pinned = _pinned(stratum.locus, system.bracket, x)
     return Place(stratum.condition, stratum.rank, is_open, casimirs, pinned, is_known=True)
 
 
@@ -160,26 +158,19 @@ def _cuts_out(place: Place, x: Array, bracket: Bracket) -> bool:
     return int(np.sum(sizes > RANK)) == len(x) - place.rank
 
 
-def _atoms(condition: str) -> list[str]:
-    return [atom for atom in _COMMAS.split(condition) if atom not in {"generic", "everywhere"}]
-
-
 def _field(bracket: Bracket, name: str, x: Array) -> Array:
     n, k = bracket.algebra.dimension, bracket.field_names.index(name)
     return x[k * n : (k + 1) * n]
 
 
-def _holds(condition: str, bracket: Bracket, x: Array) -> bool:
-    return all(_atom_holds(atom, bracket, x) for atom in _atoms(condition))
-
-
-def _atom_holds(atom: str, bracket: Bracket, x: Array) -> bool:
-    left, right = (atom.split(" != ") if " != " in atom else atom.split(" = "))[0], " = " in atom
-    if " x " in left:
-        u, v = (_field(bracket, name, x) for name in left.split(" x "))
-        return _are_parallel(u, v) is right
-    names = left.strip("()").split(", ")
-    return (not any(_field(bracket, name, x).any() for name in names)) is right
+def _holds(locus: Locus, bracket: Bracket, x: Array) -> bool:
+    fields = {name: _field(bracket, name, x) for name in bracket.field_names}
+    return (
+        not any(fields[name].any() for name in locus.zero)
+        and all(any(fields[name].any() for name in names) for names in locus.nonzero)
+        and all(_are_parallel(fields[u], fields[v]) for u, v in locus.parallel)
+        and not any(_are_parallel(fields[u], fields[v]) for u, v in locus.not_parallel)
+    )
 
 
 def _are_parallel(u: Array, v: Array) -> bool:
@@ -188,20 +179,14 @@ def _are_parallel(u: Array, v: Array) -> bool:
     return bool(sizes[1] <= PARALLEL * sizes[0])
 
 
-def _pinned(condition: str, bracket: Bracket, x: Array) -> Array:
+def _pinned(locus: Locus, bracket: Bracket, x: Array) -> Array:
     """The linear equations of the set: fields that vanish, and p u - q v = 0 for two parallel ones."""
     n, names, N = bracket.algebra.dimension, bracket.field_names, bracket.dimension
-    rows: list[Array] = []
-    for atom in _atoms(condition):
-        if " != " in atom:
-            continue
-        left = atom.split(" = ")[0]
-        weights: Any = np.zeros(len(names))
-        if " x " in left:
-            pair = [names.index(name) for name in left.split(" x ")]
-            fields = np.stack([x[k * n : (k + 1) * n] for k in pair])
-            weights[pair] = np.linalg.svd(fields)[0][:, 1]
-        else:
-            weights[names.index(left)] = 1.0
-        rows.append(np.kron(weights[None, :], np.eye(n)))
+    weights: list[Any] = [np.eye(len(names))[names.index(name)] for name in locus.zero]
+    for pair in locus.parallel:
+        fields = np.stack([_field(bracket, name, x) for name in pair])
+        row = np.zeros(len(names))
+        row[[names.index(name) for name in pair]] = np.linalg.svd(fields)[0][:, 1]
+        weights.append(row)
+    rows: list[Array] = [np.kron(row[None, :], np.eye(n)) for row in weights]
     return np.concatenate(rows) if rows else np.zeros((0, N))

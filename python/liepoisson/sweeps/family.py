@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import pickle
-import re
 import warnings
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -118,16 +117,16 @@ class FileFamily(Family):
 
     @cached_property
     def _file(self) -> SystemFile:
-        from liepoisson.exact.formula.system_file_reader import read_tables
         from liepoisson.exact.formula.toml_text import TomlText
+        from liepoisson.exact.system_file_reader import read_tables
 
         return read_tables(TomlText(self._path, "", self._tables))
 
     @property
     def bracket_parameters(self) -> set[str]:
-        """Those whose names, or names of components, are in the tables of the bracket."""
-        text = repr(self._tables.get("bracket"))
-        return {name for name in self.shapes if re.search(rf"\b{re.escape(name)}_?\d*\b", text)}
+        """Those that it contains, or components of which it contains."""
+        owners = {self._file.scope.owner(symbol) for symbol in self._file.bracket.symbols}
+        return {name for name in self.shapes if name in owners}
 
     def system(self, values: Mapping[str, Any]) -> Any:
         """The system with these values, as a Top where it is one."""
@@ -155,9 +154,9 @@ class FileFamily(Family):
         """Inertia, a, b and epsilon as functions of all components of all parameters; None if it is no top."""
         from sympy import Symbol
 
-        from liepoisson.exact.formula.scope import component_name
         from liepoisson.exact.parameters import to_sympy
         from liepoisson.exact.private_symbols import numpy_function
+        from liepoisson.exact.values import component_name
 
         with _SYMPY:
             declared = tuple(f"{n}[{','.join(map(str, s))}]" if s else n for n, s in self.shapes.items())

@@ -6,15 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import (
-    PRIME,
-    echelon_columns,
-    nullspace,
-    nullspace_mod,
-    rank,
-    rank_mod,
-    solve,
-)
+from liepoisson.exact.linear.linear_algebra import echelon_columns, nullspace, nullspace_mod, rank, rank_mod, solve
+from liepoisson.exact.linear.residues import PRIME
 
 exactly = settings(deadline=None, max_examples=40, derandomize=True)
 RATIONALS = Coefficients()

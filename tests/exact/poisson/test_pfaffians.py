@@ -3,10 +3,10 @@ from itertools import combinations
 import pytest
 import sympy as sp
 
-from liepoisson.exact.casimirs import polynomial_expression
 from liepoisson.exact.extensions import leibniz, semidirect
 from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.poisson.pfaffians import PfaffianIdeal
+from liepoisson.exact.poisson.polynomials import expression_of
 
 
 @pytest.mark.parametrize("size", [2, 4])
@@ -16,7 +16,10 @@ def test_squares_of_pfaffians_are_principal_minors(size):
     minors = {J.extract(list(r), list(r)).det().expand() for r in combinations(range(6), size)} - {0}
     pfaffians = PfaffianIdeal(bracket.tensor, size, 3).generators
     # Up to a factor, in which generators of an ideal are free.
-    squares = {sp.Poly(polynomial_expression(p, bracket) ** 2).primitive()[1].as_expr() for p in pfaffians}
+    squares = {
+        sp.Poly(expression_of(p, bracket.variables, bracket.tensor.field) ** 2).primitive()[1].as_expr()
+        for p in pfaffians
+    }
     assert squares == {sp.Poly(minor).primitive()[1].as_expr() for minor in minors}
 
 

@@ -1,10 +1,10 @@
 import pytest
 import sympy as sp
 
-from liepoisson.exact.casimirs import polynomial_expression
 from liepoisson.exact.extensions import crmhd, leibniz, semidirect
 from liepoisson.exact.lie_algebras import so, su
 from liepoisson.exact.poisson.casimir_search import CasimirSearch
+from liepoisson.exact.poisson.polynomials import expression_of
 from liepoisson.exact.poisson.takiff import leibniz_strength, lifted
 
 
@@ -20,7 +20,7 @@ def test_lifts_of_the_scalar_product_are_the_convolutions(n):
         pairs = [(i, n - 2 + k - i) for i in range(n) if n - 2 + k - i < n]
         whole = sum((x[i].dot(x[j]) * (epsilon if 0 in (i, j) else 1) for i, j in pairs), sp.S.Zero)
         expected = whole / 2 if (n + k) % 2 else whole
-        assert sp.expand(polynomial_expression(lift, bracket) - expected) == 0
+        assert sp.expand(expression_of(lift, bracket.variables, bracket.tensor.field) - expected) == 0
 
 
 def test_lifts_of_a_cubic_are_casimirs():

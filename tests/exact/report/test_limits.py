@@ -6,7 +6,7 @@ from liepoisson.exact.describe import inspect
 from liepoisson.exact.extensions import leibniz, trivial
 from liepoisson.exact.lie_algebras import abelian, so
 from liepoisson.exact.report import limits
-from liepoisson.exact.report.styles import PLAIN
+from liepoisson.exact.styles import PLAIN
 from liepoisson.exact.system import System
 
 

@@ -3,9 +3,11 @@
 import pytest
 import sympy as sp
 
+from liepoisson.exact.locus import Locus
 from liepoisson.exact.printing import Formula
 from liepoisson.exact.report.lines import (
     Column,
+    Conditions,
     Equation,
     Name,
     Rate,
@@ -16,7 +18,7 @@ from liepoisson.exact.report.lines import (
     joined,
     write_line,
 )
-from liepoisson.exact.report.styles import LATEX, PLAIN, UNICODE
+from liepoisson.exact.styles import LATEX, PLAIN, UNICODE
 
 NAMES = (frozenset({"l", "alpha", "beta", "x"}), frozenset({"epsilon", "l1"}))
 
@@ -24,9 +26,6 @@ NAMES = (frozenset({"l", "alpha", "beta", "x"}), frozenset({"epsilon", "l1"}))
 @pytest.mark.parametrize(
     ("statement", "unicode", "latex"),
     [
-        ("beta = 0, alpha != 0", "β = 0, α ≠ 0", r"\boldsymbol{\beta} = 0, \boldsymbol{\alpha} \neq  0"),
-        ("alpha x beta != 0", "α × β ≠ 0", r"\boldsymbol{\alpha}\times \boldsymbol{\beta} \neq  0"),
-        ("l = 0, x != 0", "l = 0, x ≠ 0", None),
         ("alpha -> s^2*alpha + d*beta", "α → s² α + d β", None),
         ("l -> s^(-1)*l", "l → s⁻¹ l", None),
         ("epsilon = 0", "ε = 0", r"\epsilon = 0"),
@@ -37,6 +36,39 @@ def test_statements(statement, unicode, latex):
     piece = Statement(statement, *NAMES)
     assert piece.write(UNICODE) == unicode
     assert latex is None or piece.write(LATEX) == latex
+
+
+PAIR = ("alpha", "beta")
+
+
+@pytest.mark.parametrize(
+    ("locus", "unicode", "latex"),
+    [
+        (
+            Locus(zero=("beta",), nonzero=(("alpha",),)),
+            "β = 0, α ≠ 0",
+            r"\boldsymbol{\beta} = 0, \boldsymbol{\alpha} \neq 0",
+        ),
+        (Locus(not_parallel=(PAIR,)), "α × β ≠ 0", r"\boldsymbol{\alpha}\times \boldsymbol{\beta} \neq 0"),
+        (
+            Locus(parallel=(PAIR,), nonzero=(PAIR,)),
+            "α × β = 0, (α, β) ≠ 0",
+            r"\boldsymbol{\alpha}\times \boldsymbol{\beta} = 0, "
+            r"\left(\boldsymbol{\alpha}, \boldsymbol{\beta}\right) \neq 0",
+        ),
+        (Locus(zero=("l",), nonzero=(("x",),)), "l = 0, x ≠ 0", None),
+    ],
+)
+def test_conditions_on_vectors(locus, unicode, latex):
+    piece = Conditions(locus, are_vectors=True)
+    assert (piece.write(PLAIN), piece.write(UNICODE)) == (str(locus), unicode)
+    assert latex is None or piece.write(LATEX) == latex
+
+
+def test_conditions_on_scalars():
+    piece = Conditions(Locus(zero=("p_theta",), nonzero=(("q1",),)), are_vectors=False)
+    assert piece.write(UNICODE) == "p_θ = 0, q₁ ≠ 0"
+    assert piece.write(LATEX) == r"p_{\theta} = 0, q_1 \neq 0"
 
 
 @pytest.mark.parametrize(

@@ -10,8 +10,8 @@ from liepoisson.exact.extensions import leibniz, semidirect
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.lie_algebras import se, so, su
 from liepoisson.exact.printing import Cross, Gradient
-from liepoisson.exact.report.styles import NAMES
 from liepoisson.exact.report.vector_equations import vector_equations
+from liepoisson.exact.styles import NAMES
 
 inertia, a, b = sp.symbols("I1:4"), sp.Matrix(sp.symbols("a1:4")), sp.Matrix(sp.symbols("b1:4"))
 

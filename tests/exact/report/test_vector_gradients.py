@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from liepoisson.exact.extensions import leibniz, semidirect
 from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.report import vector_gradients
-from liepoisson.exact.report.styles import UNICODE
 from liepoisson.exact.report.vector_gradients import vector_gradient
 from liepoisson.exact.report.vector_notation import VectorNotation
+from liepoisson.exact.styles import UNICODE
 
 BRACKET = so(3) @ semidirect(2)
 NOTATION = VectorNotation(BRACKET)

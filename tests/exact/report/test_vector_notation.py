@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from liepoisson.exact.extensions import leibniz, semidirect
 from liepoisson.exact.lie_algebras import abelian, heisenberg, se, sl, so, su
-from liepoisson.exact.report.styles import PLAIN
 from liepoisson.exact.report.vector_notation import VectorNotation, _Recognition, invariant_metric
+from liepoisson.exact.styles import PLAIN
 
 BRACKET = so(3) @ leibniz(3, "epsilon")
 NOTATION = VectorNotation(BRACKET)

@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from liepoisson.exact.printing import Formula
 from liepoisson.exact.report.lines import Column, Equation, Name
-from liepoisson.exact.report.styles import PLAIN, UNICODE
 from liepoisson.exact.report.wrapping import breakable, wrapped
+from liepoisson.exact.styles import PLAIN, UNICODE
 
 x = sp.symbols("x1:13")
 

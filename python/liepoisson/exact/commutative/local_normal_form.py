@@ -8,10 +8,10 @@ from typing import Any, TypeAlias
 
 from liepoisson.exact.commutative.commutative_algebra import CommutativeAlgebra, Component, Vector
 from liepoisson.exact.extension import Extension
+from liepoisson.exact.linear.diagonal_forms import diagonalise
 from liepoisson.exact.linear.linear_systems import null_space
 from liepoisson.exact.linear.quadratic_forms import (
     SurdCoordinates,
-    diagonalise,
     equal_squares,
     hyperbolic_pair,
     hyperbolic_triple,

@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 
 from liepoisson.errors import ExpressionError
-from liepoisson.exact.names import MAX_NAME
+from liepoisson.exact.names import GREEK, MAX_NAME
 
 MAX_CHARACTERS = 20_000
 MAX_NESTING = 64
@@ -29,11 +29,8 @@ _TOKEN = re.compile(
     r"[ \t\r\n]+|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
     r"|(?P<name>[A-Za-z_][A-Za-z_0-9]*)|(?P<sign>\*\*|[-+*/^()\[\],])"
 )
-# In the order of their code points; sigma stands twice for its final form.
-GREEK = (
-    "alpha", "beta", "gamma", "delta", "epsilon", "zeta", "eta", "theta", "iota", "kappa", "lambda", "mu", "nu", "xi",
-    "omicron", "pi", "rho", "sigma", "sigma", "tau", "upsilon", "phi", "chi", "psi", "omega",
-)  # fmt: skip
+
+
 # What people write instead of our signs, and what to write.
 _INSTEAD = {
     ".": "A dot is no operator here: a component is l[1], a scalar product dot(u, v).",

@@ -7,17 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from itertools import product
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.hamiltonian import GivenValue, Value, read_values
 from liepoisson.exact.names import CONSTANTS, FUNCTIONS, check_name, check_not_reserved
+from liepoisson.exact.values import GivenValue, Shape, Value, component_name, read_values
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
-
-Shape: TypeAlias = tuple[int, ...]
-"""() for a scalar, (n,) for a vector, (m, n) for a matrix."""
 
 _DECLARATION = re.compile(r"([A-Za-z_][A-Za-z_0-9]{0,99})(?:\[ *([1-9][0-9]{0,2}) *(?:, *([1-9][0-9]{0,2}) *)?\])?")
 
@@ -109,11 +106,6 @@ def read_declaration(text: str) -> tuple[str, Shape]:
             'Write for example "epsilon" or "a[3]".'
         )
     return match[1], tuple(int(n) for n in match.groups()[1:] if n)
-
-
-def component_name(name: str, index: Shape, shape: Shape) -> str:
-    """The short form of a component: I1; A12, or A1_12 if an index of the matrix may have two digits."""
-    return name + ("" if max(shape, default=0) < 10 else "_").join(map(str, index))
 
 
 def _components(fields: Mapping[str, Sequence[str]], shapes: Mapping[str, Shape]) -> dict[str, tuple[str, Shape]]:

@@ -34,22 +34,6 @@ _Rational: TypeAlias = dict[tuple[int, int], Fraction]
 
 
 @dataclass(frozen=True)
-class MatrixFamily:
-    """Which family of matrices an algebra was made as, and its basis.
-
-    Attributes:
-        kind: "so", "su", "sl", "gl" or "sine".
-        size: Number of rows of the matrices.
-        basis: The matrices by their nonzero entries, small Gaussian integers; empty for the adjoint representation (so
-            in three dimensions) and for the sine algebra, which has matrices of its own.
-    """
-
-    kind: str
-    size: int
-    basis: tuple[Mapping[tuple[int, int], complex], ...] = ()
-
-
-@dataclass(frozen=True)
 class DefiningMatrices:
     r"""The matrices $F^k$ of $X = \sum_k x_k F^k$, those that move X, and which functions of X are Casimirs.
 

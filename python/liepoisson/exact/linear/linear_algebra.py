@@ -15,15 +15,14 @@ from fractions import Fraction
 from math import isqrt, lcm
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.exact.linear.residues import PRIME
+
 if TYPE_CHECKING:
     from liepoisson.exact.linear.coefficients import Coefficients
 
 Row: TypeAlias = "Mapping[int, Any]"
 Vector: TypeAlias = "dict[int, Any]"
 _Arithmetic: TypeAlias = "tuple[Callable[[Any], Any], Callable[[Vector, Row, Any], None], Callable[[Any], bool]]"
-
-PRIME = 2**61 - 1
-"""A Mersenne prime: with it, ranks and null spaces are guessed before they are proved."""
 
 _MAX_PRIMES = 40  # numerators and denominators of up to 40 * 61 / 2 bits; longer ones are left to exact elimination
 

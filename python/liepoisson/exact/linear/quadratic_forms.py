@@ -8,53 +8,19 @@ Over the rationals `ternary_forms` decides whether a form of three variables nee
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
 from typing import TypeAlias
 
+from liepoisson.exact.linear.diagonal_forms import Coordinates, Form, combined, diagonalise, value
 from liepoisson.exact.linear.linear_systems import null_space
 from liepoisson.exact.linear.real_fields import Rationals, RealField, Scalar, Surd
 from liepoisson.exact.linear.ternary_forms import three_equal_squares, zero_vector
 
-Form: TypeAlias = Sequence[Sequence[Scalar]]
-"""The symmetric matrix of a form."""
-
-Coordinates: TypeAlias = list[Scalar]
-"""A vector, by its coordinates."""
-
 SurdCoordinates: TypeAlias = list[Surd]
-
-
-def value(form: Form, u: Sequence[Scalar], v: Sequence[Scalar]) -> Scalar:
-    """The bilinear form q(u, v)."""
-    terms = [a * q * b for a, row in zip(u, form, strict=True) for q, b in zip(row, v, strict=True) if a and q and b]
-    return sum(terms[1:], terms[0]) if terms else form[0][0] - form[0][0]
 
 
 def restricted(form: Form, vectors: Sequence[Coordinates]) -> list[list[Scalar]]:
     """The matrix of the form in a basis."""
     return [[value(form, u, v) for v in vectors] for u in vectors]
-
-
-def diagonalise(field: RealField, form: Form) -> list[tuple[Coordinates, Scalar]]:
-    """Orthogonal vectors u and their values q(u, u) != 0, as many as the rank of the form."""
-    n = len(form)
-    vectors = [[field.one if i == j else field.zero for j in range(n)] for i in range(n)]
-    found: list[tuple[Coordinates, Scalar]] = []
-    while (u := _anisotropic(field, form, vectors)) is not None:
-        q = value(form, u, u)
-        field.rely_on(q)
-        found.append((u, q))
-        rest = [_combined(v, u, -(value(form, u, v) / q)) for v in vectors]
-        vectors = [v for v in rest if any(v)]
-    return found
-
-
-def _anisotropic(field: RealField, form: Form, vectors: Sequence[Coordinates]) -> Coordinates | None:
-    candidates = [v for v in vectors if value(form, v, v)]
-    if not candidates:
-        pairs = ((u, v) for u, v in product(vectors, repeat=2) if value(form, u, v))
-        candidates = [_combined(u, v, field.one) for u, v in pairs]
-    return next((v for v in candidates if field.is_constant(value(form, v, v))), candidates[0] if candidates else None)
 
 
 def signature(field: RealField, diagonal: Sequence[tuple[Coordinates, Scalar]]) -> tuple[int, int]:
@@ -71,7 +37,7 @@ def hyperbolic_pair(field: RealField, form: Form) -> tuple[SurdCoordinates, Surd
             other = [v[1], v[0]]
             weight = -(value(form, other, other) / (value(form, v, other) * field.integer(2)))
             field.rely_on(value(form, v, other))
-            pair = _lifted(v), _lifted(_combined(other, v, weight))
+            pair = _lifted(v), _lifted(combined(other, v, weight))
             return pair if v[0] else (pair[1], pair[0])
     (u, a), (w, b) = diagonalise(field, form)
     root = Surd.root(field, -(a * b))  # q(root u +- a w) = root^2 a + a^2 b = 0
@@ -108,7 +74,7 @@ def _isotropic_frame(field: RealField, form: Form) -> tuple[SurdCoordinates, Sur
         q = value(form, isotropic, partner)
         field.rely_on(q)
         weight = -(value(form, partner, partner) / (q * field.integer(2)))
-        y = _combined(partner, isotropic, weight)
+        y = combined(partner, isotropic, weight)
         (z,) = null_space(field, [_sum_of(isotropic, form), _sum_of(y, form)], 3)
         return _lifted(isotropic), _lifted(y), _lifted(list(z))
     diagonal = diagonalise(field, form)
@@ -135,10 +101,6 @@ def _root_size(field: RealField, radicand: Scalar) -> tuple[bool, int]:
 
 def _unit_vectors(field: RealField, n: int) -> list[Coordinates]:
     return [[field.one if i == j else field.zero for j in range(n)] for i in range(n)]
-
-
-def _combined(u: Coordinates, v: Coordinates, factor: Scalar) -> Coordinates:
-    return [a + factor * b for a, b in zip(u, v, strict=True)]
 
 
 def _sum_of(coefficients: Coordinates, vectors: Sequence[Sequence[Scalar]]) -> Coordinates:

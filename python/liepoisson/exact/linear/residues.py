@@ -12,7 +12,8 @@ from fractions import Fraction
 from random import Random
 from typing import Any
 
-from liepoisson.exact.linear.linear_algebra import PRIME
+PRIME = 2**61 - 1
+"""A Mersenne prime: with it, ranks and null spaces are guessed before they are proved."""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,9 @@ from itertools import combinations, product
 from math import gcd
 from typing import Any, TypeAlias
 
+from liepoisson.exact.linear.diagonal_forms import diagonalise
+from liepoisson.exact.linear.real_fields import Rationals
+
 RationalVector: TypeAlias = list[Fraction]
 IntegerMatrix: TypeAlias = list[list[int]]
 
@@ -139,9 +142,6 @@ def _combination(weights: Sequence[Fraction | int], vectors: Sequence[RationalVe
 
 def _majorant(form: Sequence[Sequence[Fraction]]) -> list[RationalVector]:
     """A positive form that bounds |q|: the squares of a diagonal form with positive signs."""
-    from liepoisson.exact.linear.quadratic_forms import diagonalise
-    from liepoisson.exact.linear.real_fields import Rationals
-
     result = [[Fraction(0)] * 3 for _ in range(3)]
     for u, q in diagonalise(Rationals(), form):  # the coordinate of v along u is q(u, v)/q(u, u)
         image = [_value(form, u, [Fraction(int(i == j)) for j in range(3)]) for i in range(3)]

@@ -17,21 +17,17 @@ from functools import cached_property
 from itertools import combinations_with_replacement
 from math import comb, lcm
 from random import Random
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import echelon_form, nullspace, nullspace_mod, rank, rank_mod
 from liepoisson.exact.poisson.leading_monomials import leading, place, size
 from liepoisson.exact.poisson.poisson_tensor import CONSTANT
+from liepoisson.exact.poisson.polynomials import Monomial, Polynomial, gradient_at, multiply
 
 if TYPE_CHECKING:
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
 
-Monomial: TypeAlias = tuple[int, ...]
-"""Indices of the factors in increasing order: (0, 0, 2) is x0^2 x2, and (-1, 0) is x0 made homogeneous of degree 2."""
-
-Polynomial: TypeAlias = dict[Monomial, Any]
-"""Coefficients, elements of the field, by monomial."""
 
 MAX_WORK = 200_000
 """The largest number of monomials of one degree times number of coordinates; a search of that size takes a minute."""
@@ -206,16 +202,6 @@ def products_of_degree(generators: Sequence[tuple[int, Polynomial]], degree: int
     yield from extend(0, degree, None, 0)
 
 
-def multiply(first: Polynomial, second: Polynomial) -> Polynomial:
-    """The product of two polynomials."""
-    product: Polynomial = {}
-    for m1, c1 in first.items():
-        for m2, c2 in second.items():
-            key, value = tuple(sorted(m1 + m2)), c1 * c2
-            product[key] = product[key] + value if key in product else value
-    return {m: c for m, c in product.items() if c}
-
-
 def n_independent(polynomials: Sequence[Polynomial], tensor: LinearPoissonTensor) -> int:
     """The rank of the gradients at one random point: that many of them are functionally independent (proved)."""
     generic = tensor.generic_rank
@@ -227,18 +213,6 @@ def n_independent(polynomials: Sequence[Polynomial], tensor: LinearPoissonTensor
     point = [tensor.field.number(random.randrange(1, 100)) for _ in range(tensor.dimension)]
     gradients = [gradient_at(polynomial, point) for polynomial in polynomials]
     return rank([{v: value for v, value in row.items() if value} for row in gradients], tensor.field)
-
-
-def gradient_at(polynomial: Polynomial, point: Sequence[Any]) -> dict[int, Any]:
-    """The gradient of a polynomial at a point, by coordinate."""
-    gradient: dict[int, Any] = {}
-    for monomial, coefficient in polynomial.items():
-        for position, factor in enumerate(monomial):
-            term = coefficient
-            for other in monomial[:position] + monomial[position + 1 :]:
-                term = term * point[other]
-            gradient[factor] = gradient[factor] + term if factor in gradient else term
-    return gradient
 
 
 def _dense(vector: dict[int, int], n: int) -> list[int]:

@@ -7,8 +7,9 @@ from itertools import combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.exact.linear.linear_algebra import echelon_columns, nullspace
-from liepoisson.exact.poisson.casimir_search import CasimirSearch, Monomial, Polynomial
+from liepoisson.exact.poisson.casimir_search import CasimirSearch
 from liepoisson.exact.poisson.leading_monomials import size
+from liepoisson.exact.poisson.polynomials import Monomial, Polynomial
 
 if TYPE_CHECKING:
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor

@@ -10,7 +10,7 @@ from itertools import combinations, combinations_with_replacement
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.exact.linear.linear_algebra import solve
-from liepoisson.exact.poisson.casimir_search import Polynomial, multiply
+from liepoisson.exact.poisson.polynomials import Polynomial, multiply
 
 if TYPE_CHECKING:
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor

@@ -14,8 +14,8 @@ from random import Random
 from typing import Any
 
 from liepoisson.exact.linear.coefficients import Coefficients
-from liepoisson.exact.linear.linear_algebra import PRIME, rank, rank_mod, solve
-from liepoisson.exact.linear.residues import Residues
+from liepoisson.exact.linear.linear_algebra import rank, rank_mod, solve
+from liepoisson.exact.linear.residues import PRIME, Residues
 from liepoisson.exact.parameters import Exact
 
 CONSTANT = -1

@@ -21,7 +21,7 @@ from liepoisson.exact.poisson.leading_monomials import monic
 
 if TYPE_CHECKING:
     from liepoisson.exact.extension import Extension
-    from liepoisson.exact.poisson.casimir_search import Polynomial
+    from liepoisson.exact.poisson.polynomials import Polynomial
 
 
 def leibniz_strength(extension: Extension) -> Exact | None:

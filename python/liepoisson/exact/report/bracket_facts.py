@@ -28,8 +28,8 @@ from liepoisson.exact.report.lines import (
     record_of,
     record_of_formula,
 )
-from liepoisson.exact.report.styles import LATEX
 from liepoisson.exact.report.vector_notation import VectorNotation
+from liepoisson.exact.styles import LATEX
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence

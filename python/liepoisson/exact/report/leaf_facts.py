@@ -4,12 +4,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, final
 
 from liepoisson.exact.parameters import is_zero, to_sympy
 from liepoisson.exact.report.bracket_facts import CasimirFacts, Topic
 from liepoisson.exact.report.lines import (
     MOST_TERMS,
+    Conditions,
     Line,
     Name,
     Shortened,
@@ -99,14 +101,15 @@ class StrataFacts(Topic):
         return found
 
     def _line(self, stratum: Stratum) -> Line:
-        place = stratum.condition.removesuffix("generic").removesuffix(", ")
-        if place == "everywhere" and self.bracket.constant:
+        named = replace(stratum.locus, is_generic=False)
+        if stratum.locus.is_everywhere:
             line: Line = (f"dimension {stratum.rank} everywhere",)
-        elif place:
-            adverb = "" if stratum.proved else "generically "
-            line = (f"dimension {stratum.rank} {adverb}where ", Statement.about(place, self.bracket))
-        else:
+        elif named.is_everywhere:
             line = (f"dimension {stratum.rank} at generic points",)
+        else:
+            adverb = "" if stratum.proved else "generically "
+            where = Conditions(named, are_vectors=not self.bracket.has_scalar_fields)
+            line = (f"dimension {stratum.rank} {adverb}where ", where)
         if stratum.casimirs and stratum.rank:
             line = (
                 *line,

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.exact.parameters import is_zero, to_sympy
 from liepoisson.exact.printing import Atom, Dot, Form, Formula, Shifted, Square, Triple
 from liepoisson.exact.report.lines import Equation
-from liepoisson.exact.report.styles import split_name
+from liepoisson.exact.styles import split_name
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol

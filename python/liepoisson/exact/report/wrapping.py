@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from liepoisson.exact.report.lines import Line
 
 if TYPE_CHECKING:
-    from liepoisson.exact.report.styles import Style
+    from liepoisson.exact.styles import Style
 
 _KEPT = "\x00"
 """Stands for a blank where no line is broken."""

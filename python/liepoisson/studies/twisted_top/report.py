@@ -25,7 +25,7 @@ from liepoisson.studies.twisted_top.runs import ENSEMBLES, Moments
 from liepoisson.studies.twisted_top.symbols import SYMBOLS
 
 if TYPE_CHECKING:
-    from liepoisson.studies.twisted_top.study import StudyResult
+    from liepoisson.studies.twisted_top.result import StudyResult
 
 # Growth like t to a power within this of 1 is called regular: the bound fixed for the ordinary top before it was run.
 REGULAR_POWER = 0.02

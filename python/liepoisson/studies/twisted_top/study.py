@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,29 +12,9 @@ from liepoisson.numeric.finite_time_fit import Estimate
 from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS, draw_all
 from liepoisson.studies.twisted_top.integration import Progress, Tracker, complete
 from liepoisson.studies.twisted_top.measurements import PRINTED, RunResult, measurements, produced_by, reduce_run
+from liepoisson.studies.twisted_top.result import StudyResult
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Settings, plan
 from liepoisson.studies.twisted_top.store import RunStore, discard, remove_unfinished
-
-
-@dataclass(frozen=True)
-class StudyResult:
-    """What the study found.
-
-    Attributes:
-        settings: The options it ran with.
-        out: The output folder.
-        results: Every run, reduced, by name.
-        measurements: The numbers, in the schema of `measurements`.
-        claims: The table of claims, in the schema of `claims`.
-        seconds: Wall time of this invocation.
-    """
-
-    settings: Settings
-    out: Path
-    results: dict[str, RunResult]
-    measurements: dict[str, Any]
-    claims: dict[str, Any]
-    seconds: float
 
 
 def reproduce(settings: Settings, out: Path, *, fresh: bool = False, progress: Progress | None = None) -> StudyResult:

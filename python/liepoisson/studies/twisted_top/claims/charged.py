@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from liepoisson.exact.known_integrals import known_integrals
+from liepoisson.exact.locus import Locus
 from liepoisson.exact.top_parameters import TopParameters
 from liepoisson.studies.twisted_top.claims.common import (
     casimir_identities,
@@ -117,8 +118,13 @@ def charged_phase_space(context: Context) -> Verdict:
     parallel = (1, 2, -1, 4, -2, 2, 2, -1, 1)
     rank = evidence.rank("rank of J at a point with α = 2β", bracket, parallel, 4)
     evidence.note("Everywhere, by the Pfaffians of J:")
-    wanted = {"alpha x beta != 0": 6, "alpha x beta = 0, (alpha, beta) != 0": 4}
-    wanted |= {"beta = 0, alpha = 0, l != 0": 2, "beta = 0, alpha = 0, l = 0": 0}
+    pair = ("alpha", "beta")
+    wanted = {
+        Locus(not_parallel=(pair,)): 6,
+        Locus(parallel=(pair,), nonzero=(pair,)): 4,
+        Locus(zero=("beta", "alpha"), nonzero=(("l",),)): 2,
+        Locus(zero=("beta", "alpha", "l")): 0,
+    }
     strata_steps(evidence, bracket, wanted)
     evidence.data = {"rank_independent": independent, "rank_parallel": rank}
     return evidence.conclude(

@@ -15,6 +15,7 @@ from liepoisson.studies.twisted_top.claims.phase_space import (
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.locus import Locus
     from liepoisson.exact.strata import Stratum
 
 _SUBSCRIPTS = "₁₂₃"
@@ -105,26 +106,28 @@ def complete_integrability(evidence: Evidence, top: SymbolicTop, integrals: dict
     evidence.independent(what, functions, top.bracket, GENERIC_POINT, formulas)
 
 
-def strata_steps(evidence: Evidence, bracket: Bracket, wanted: dict[str, int]) -> list[Stratum]:
+def strata_steps(evidence: Evidence, bracket: Bracket, wanted: dict[Locus, int]) -> list[Stratum]:
     """State on which sets the Poisson tensor has which rank, by the Pfaffians of J.
 
     Args:
         evidence: Where to record it.
         bracket: The bracket.
-        wanted: Rank for each condition, from the open stratum down.
+        wanted: Rank for each locus, from the open stratum down.
     """
+    from liepoisson.exact.report.lines import Conditions
+    from liepoisson.exact.styles import UNICODE
+
     strata = bracket.strata()
-    found = {stratum.condition: stratum.rank for stratum in strata}
     for stratum in strata:
         casimirs = "; ".join(written(c, bracket) for c in stratum.casimirs)
-        computed = [readable(stratum.certificate), *([f"Casimirs there: {casimirs}"] if casimirs else [])]
-        what = f"{readable(stratum.condition)}: rank {stratum.rank} at every point"
-        good = stratum.proved and wanted.get(stratum.condition) == stratum.rank
+        computed = [_readable(stratum.certificate), *([f"Casimirs there: {casimirs}"] if casimirs else [])]
+        where = Conditions(stratum.locus, are_vectors=True).write(UNICODE)
+        what = f"{where}: rank {stratum.rank} at every point"
+        good = stratum.proved and wanted.get(stratum.locus) == stratum.rank
         evidence.proof("rank", what, good, computed, decisive=True)
-    evidence.equal("number of strata", len(found), len(wanted))
+    evidence.equal("number of strata", len(strata), len(wanted))
     return strata
 
 
-def readable(condition: str) -> str:
-    """The condition of a stratum in Unicode: "α × β = 0, (α, β) ≠ 0"."""
-    return show(condition).replace("!=", "≠").replace(" x ", " × ")
+def _readable(certificate: str) -> str:
+    return show(certificate).replace("!=", "≠")

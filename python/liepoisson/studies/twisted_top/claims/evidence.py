@@ -49,8 +49,8 @@ def show(expression: object) -> str:
 
 def written(expression: Any, bracket: Bracket) -> str:
     """A function on the phase space of a bracket in vector notation, for example "2ε a·(α × β)"."""
-    from liepoisson.exact.report.styles import UNICODE
     from liepoisson.exact.report.vector_notation import VectorNotation
+    from liepoisson.exact.styles import UNICODE
 
     expanded, notation = expression.expand(), VectorNotation(bracket)
     write = notation.formula if expanded.count_ops() < _MOST_OPERATIONS else notation.components

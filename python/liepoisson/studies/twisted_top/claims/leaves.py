@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from liepoisson.exact.locus import Locus
 from liepoisson.studies.twisted_top.claims.common import strata_steps
 from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
@@ -160,8 +161,13 @@ def leaf_dimension(context: Context) -> Verdict:
     evidence.zero("β = 0, α = (0, 0, s): a principal 4 × 4 minor is s⁴, so the rank is 4 for α ≠ 0", minor - s**4)
     evidence.rank("rank at α = β = 0, l ≠ 0", context.bracket(1), (1, 2, -1, 0, 0, 0, 0, 0, 0), 2)
     evidence.note("The same by the Pfaffians of J, for symbolic ε:")
-    wanted = {"beta != 0": 6, "beta = 0, alpha != 0": 4, "beta = 0, alpha = 0, l != 0": 2}
-    strata_steps(evidence, bracket, wanted | {"beta = 0, alpha = 0, l = 0": 0})
+    wanted = {
+        Locus(nonzero=(("beta",),)): 6,
+        Locus(zero=("beta",), nonzero=(("alpha",),)): 4,
+        Locus(zero=("beta", "alpha"), nonzero=(("l",),)): 2,
+        Locus(zero=("beta", "alpha", "l")): 0,
+    }
+    strata_steps(evidence, bracket, wanted)
     return evidence.conclude(
         "holds with a condition",
         "For ε ≠ 0 a leaf has dimension 6 exactly when β ≠ 0. On β = 0 ≠ α it has dimension 4, with the Casimirs l·α "

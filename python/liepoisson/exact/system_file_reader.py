@@ -12,20 +12,22 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError
+from liepoisson.exact.constructors import read_algebra, read_extension
 from liepoisson.exact.expression import check_names, evaluate
-from liepoisson.exact.formula.constructors import read_algebra, read_extension
 from liepoisson.exact.formula.grammar import MAX_DIGITS, parse
 from liepoisson.exact.formula.scope import Scope, read_declaration
-from liepoisson.exact.formula.toml_text import TomlText, UnreadableNumber
-from liepoisson.exact.hamiltonian import RESERVED_NAME, Value
+from liepoisson.exact.formula.toml_text import TomlText, UnreadableNumber, parse_toml, read_toml
+from liepoisson.exact.hamiltonian import RESERVED_NAME
 from liepoisson.exact.names import check_name
 from liepoisson.exact.parameters import Exact
 from liepoisson.exact.system_file import Integral, Reference, SystemFile
+from liepoisson.exact.values import Value
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.extension import Extension
     from liepoisson.exact.lie_algebra import LieAlgebra
+    from liepoisson.exact.system import System
 
 T = TypeVar("T")
 
@@ -60,6 +62,40 @@ _KEYS: dict[str, tuple[str, ...]] = {
     "integral": ("expression", "on", "source"),
     "reference": ("state", "quantity", "value", "tolerance", "source"),
 }
+
+
+def read_system(path: str | Path) -> System:
+    """The system that a file describes (`liepoisson.exact.system_file` has the format).
+
+    Args:
+        path: A TOML file in UTF-8, at most 1 MB.
+
+    Raises:
+        SystemFileError: as in `read_system_file`, or a formula has no meaning; the message names the key and the line.
+    """
+    return read_system_file(path).system()
+
+
+def read_system_file(path: str | Path) -> SystemFile:
+    """What a system file says, with its references and its claims.
+
+    Args:
+        path: A TOML file in UTF-8, at most 1 MB.
+
+    Raises:
+        SystemFileError: there is no such file, it is not TOML, or it does not describe a system; the message names the
+            key, and the line where it can be found.
+    """
+    return read_tables(read_toml(path))
+
+
+def parse_system_file(text: str, path: str = "system file") -> SystemFile:
+    """Read the text of a system file; `path` is how messages call it.
+
+    Raises:
+        SystemFileError: as in `read_system_file`.
+    """
+    return read_tables(parse_toml(text, path))
 
 
 def read_tables(toml: TomlText) -> SystemFile:

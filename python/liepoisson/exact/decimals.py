@@ -41,7 +41,7 @@ class Decimal:
 
     def write(self, style: Any) -> str:
         """In plain text as 1.5e-320, which a formula may contain; otherwise with a power of ten."""
-        from liepoisson.exact.report.styles import PLAIN
+        from liepoisson.exact.styles import PLAIN
 
         if not self.exponent:
             return self.mantissa

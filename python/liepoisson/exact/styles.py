@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from typing import Any, final
 
-from liepoisson.exact.formula.grammar import GREEK
+from liepoisson.exact.names import GREEK
 
 _UNLIKE_LATIN = ("gamma", "delta", "theta", "lambda", "xi", "pi", "sigma", "phi", "psi", "omega")
 LETTERS = {name: chr(ord("α") + k) for k, name in enumerate(GREEK) if name != "omicron"} | {

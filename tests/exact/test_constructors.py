@@ -4,8 +4,8 @@ import pytest
 import sympy as sp
 
 from liepoisson.errors import ExpressionError
+from liepoisson.exact.constructors import read_algebra, read_extension
 from liepoisson.exact.expression import read_expression
-from liepoisson.exact.formula.constructors import read_algebra, read_extension
 from liepoisson.exact.formula.scope import Scope
 
 

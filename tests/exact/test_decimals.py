@@ -7,9 +7,9 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
+from liepoisson.exact.decimals import Decimal
 from liepoisson.exact.printing import Formula
-from liepoisson.exact.report.decimals import Decimal
-from liepoisson.exact.report.styles import LATEX, PLAIN, UNICODE
+from liepoisson.exact.styles import LATEX, PLAIN, UNICODE
 
 
 @given(st.integers(-(10**20), 10**20), st.integers(-340, 340))
