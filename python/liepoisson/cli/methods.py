@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 
 if TYPE_CHECKING:
     from liepoisson.numeric.methods import Method
@@ -39,7 +39,8 @@ def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
     from liepoisson.numeric.methods import METHODS
 
     if name not in _OPTIONS:
-        raise UnknownNameError(f"--method must be one of {', '.join(_OPTIONS)}; got {name!r:.60}.")
+        hint = did_you_mean(name, _OPTIONS).strip() or "Try taylor."
+        raise UnknownNameError(f"--method must be one of {', '.join(_OPTIONS)}; got {name!r:.60}. {hint}")
     known = _OPTIONS[name]
     given = {key: value for key, value in options.items() if value is not None}
     if given.get("precision") == "double":

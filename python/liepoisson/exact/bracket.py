@@ -12,7 +12,7 @@ from itertools import combinations, product
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, cast
 
-from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.errors import BracketError, ParameterError, ShapeError, did_you_mean
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import check_name, check_not_reserved
@@ -590,10 +590,7 @@ def _read_coordinate(given: object, names: Sequence[str]) -> int:
         return int(given)
     if str(given) in names:  # a text or a symbol
         return list(names).index(str(given))
-    from difflib import get_close_matches
-
-    near = get_close_matches(str(given), names, n=1)
-    hint = f"Did you mean {near[0]}?" if near else "Write one of these."
+    hint = did_you_mean(given, names).strip() or "Write one of these."
     shown = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
     raise BracketError(f"the constant part must name coordinates; got {given!r:.60}. Known are {shown}. {hint}")
 

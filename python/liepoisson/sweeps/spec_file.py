@@ -40,7 +40,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
 
-from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.exact.formula.toml_text import TomlText, read_toml
 from liepoisson.numeric._checks import shown
 from liepoisson.numeric.methods import METHODS, Method
@@ -227,10 +227,7 @@ class _Reader:
         return self.real(keys, given) if isinstance(given, Fraction) else given
 
     def check_keys(self, keys: Sequence[str | int], table: Mapping[str, object], known: Sequence[str]) -> None:
-        from difflib import get_close_matches
-
         for key in table:
             if key not in known:
-                near = get_close_matches(str(key), known, n=1)
-                hint = f"Did you mean {near[0]}?" if near else "Remove it."
+                hint = did_you_mean(key, known).strip() or "Remove it."
                 raise self.toml.error((*keys, key), f"the key is unknown; known are {', '.join(known)}. {hint}")
