@@ -366,7 +366,7 @@ def test_an_axis_that_would_be_two_things_or_none_is_refused(name, starts, messa
         ([1j, 1.0, 2.0], "quantity: wanted real numbers; got an array of complex128"),
         ([None, 1.0, 2.0], "quantity: wanted an array of numbers"),
         (None, "quantity: wanted"),
-        (["1", "2", "3"], "quantity: wanted"),
+        (np.array(["1", "2", "3"]), "quantity: wanted"),
         (1.5, r"quantity: wanted a number for each of 3 starts; got shape \(\)"),
         ([1.0, 2.0], r"quantity: wanted a number for each of 3 starts; got shape \(2,\)"),
         ([[1.0], [2.0], [3.0]], r"got shape \(3, 1\)"),
@@ -380,3 +380,8 @@ def test_a_quantity_that_gives_no_number_for_each_start_has_failed(given, messag
     assert found.outcomes == {"failed": 3}
     assert np.isnan(found.value).all()
     assert re.search(message, found.failed[0])
+
+
+def test_values_of_an_axis_may_be_exact():
+    assert lp.sweeps.Axis("epsilon", ("1/3", 1, "sqrt(2)")).values == (1 / 3, 1.0, 2**0.5)
+    assert lp.sweeps.Axis.linear("epsilon", "-1/2", "1/2", 3).values == (-0.5, 0.0, 0.5)
