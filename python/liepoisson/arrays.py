@@ -15,8 +15,8 @@ Array: TypeAlias = NDArray[np.float64]
 def as_array(values: ArrayLike, name: str) -> Array:
     """An array of doubles with memory of its own, whatever a caller gives: aligned, native byte order, C order.
 
-    Texts in lists are exact numbers, of which the nearest doubles are taken: "1/3", "sqrt(2)/2" (see `as_double`).  A
-    NumPy array of texts is most likely a table that was not converted, and is refused.
+    Texts, also in lists, are exact numbers, of which the nearest doubles are taken: "1/3", "sqrt(2)/2" (`as_double`).
+    A NumPy array of texts is most likely a table that was not converted, and is refused.
 
     It is always a copy.  A function takes it once, at its beginning, checks the copy, and works with the copy only: the
     caller's array may be changed later, or by another thread while the core runs without the interpreter's lock.
@@ -29,9 +29,11 @@ def as_array(values: ArrayLike, name: str) -> Array:
         masked = _has_masks(values)
         given = np.asanyarray(() if masked else values)
         if given.dtype.kind in "SUTO":
-            given = _with_texts_read(given, name, written=isinstance(values, (list, tuple)))
+            given = _with_texts_read(given, name, written=isinstance(values, (list, tuple, str)))
         if not masked and given.dtype.kind not in "cmMV":
             return np.array(given, dtype=np.float64, order="C", copy=True, subok=False)
+    except ShapeError:
+        raise
     except (TypeError, ValueError, OverflowError) as error:
         raise ShapeError(
             f"{name}: wanted an array of numbers; got {type(values).__name__} ({error}); try a list of floats"
@@ -71,7 +73,10 @@ def _with_texts_read(given: NDArray[Any], name: str, *, written: bool) -> NDArra
             isinstance(item, (str, bytes)) or not hasattr(item, "__float__")
         ):
             raise TypeError(f"{type(item).__name__} among them")
-        read[k] = as_double(item, name) if isinstance(item, str) else item
+        try:
+            read[k] = as_double(item, name) if isinstance(item, str) else item
+        except ParameterError as error:
+            raise ShapeError(f"{name}: wanted an array of numbers; {str(error).removeprefix(f'{name}: ')}") from error
     return read.reshape(given.shape)
 
 

@@ -120,7 +120,7 @@ def test_exact_numbers_may_be_written_as_texts():
     )
     assert exponent(t_end="7/2").time[-1] == 3.5
     assert lp.Taylor(tol="1e-9").tol == 1e-9
-    with pytest.raises(ShapeError, match=r"starts: sqrt: .*needs its arguments"):
+    with pytest.raises(ShapeError, match=r"starts: wanted an array of numbers; sqrt: .*needs its arguments"):
         lp.integrate(TOP, ["sqrt", *exact[1:]], times=[0, 1])
 
 

@@ -65,7 +65,7 @@ def orbit(
     start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
     guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
     leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
-    energy: Annotated[float | None, typer.Option(help=ENERGY_HELP)] = None,
+    energy: Annotated[str | None, typer.Option(metavar="NUMBER", help=ENERGY_HELP)] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
     t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
     points: Annotated[int, typer.Option(help="Times at which the state is kept, evenly spaced.")] = 2001,
