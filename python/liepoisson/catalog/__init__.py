@@ -62,8 +62,8 @@ def path(name: str) -> Path:
     """
     if name in names():
         return _FOLDER / f"{name}.toml"
-    hint = did_you_mean(name, names()).strip() or "Try one of these, or the path of a file."
-    raise UnknownNameError(f"there is no system {name!r} in the catalog; known: {', '.join(names())}. {hint}")
+    hint = did_you_mean(name, names()) or "Try one of these, or the path of a file. "
+    raise UnknownNameError(f"there is no system {name!r} in the catalog. {hint}Known: {', '.join(names())}.")
 
 
 def entry(name: str) -> SystemFile:

@@ -48,6 +48,8 @@ def application() -> typer.Typer:
     from typer.core import TyperCommand, TyperGroup
 
     from liepoisson.cli.catalog import catalog
+    from liepoisson.cli.decide import decide
+    from liepoisson.cli.equilibria import equilibria
     from liepoisson.cli.inspect import inspect
     from liepoisson.cli.lyapunov import lyapunov
     from liepoisson.cli.orbit import orbit
@@ -103,6 +105,6 @@ def application() -> typer.Typer:
         """The laboratory for Lie-Poisson dynamics."""
 
     app.callback()(options)
-    for command in (reproduce, inspect, catalog, lyapunov, orbit, section, sweep):
+    for command in (reproduce, inspect, catalog, orbit, section, lyapunov, decide, equilibria, sweep):
         app.command(cls=Command)(command)
     return app

@@ -25,7 +25,7 @@ from liepoisson.cli.output import (
     write_figure,
     write_table,
 )
-from liepoisson.cli.progress import INTERRUPTED, progress_bar
+from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
     ENERGY_HELP,
     GUESS_HELP,
@@ -106,6 +106,7 @@ def section(
     y: Annotated[
         str | None, typer.Option("--y", metavar="FORMULA", help="Up in the figure.  [default: the second component]")
     ] = None,
+    quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
 ) -> None:
     """Print where orbits cross a surface.
@@ -148,6 +149,7 @@ def section(
             keep=keep or None,
             threads=threads,
             time_limit=time_limit,
+            quiet=quiet,
         )
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
@@ -292,11 +294,11 @@ def _starts(begin: Start, cut: str, n: int, seed: int, direction: Direction) -> 
     )
 
 
-def _crossings(system: System, states: FloatArray, *, t_end: float, **options: Any) -> Section:
+def _crossings(system: System, states: FloatArray, *, t_end: float, quiet: bool, **options: Any) -> Section:
     from liepoisson.numeric.section import section as find_crossings
 
     total = len(states) * abs(t_end)
-    with progress_bar() as bar, warnings.catch_warnings():
+    with progress_bar(quiet=quiet) as bar, warnings.catch_warnings():
         # a line of the output says so, with the share of the time
         warnings.filterwarnings("ignore", "the surface function .* could not be followed", SurfaceWarning)
         listen = None if bar is None else (lambda done: bar("looking for crossings", done * total, total))

@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from liepoisson.arrays import as_double
 from liepoisson.cli.systems import read_file, setting_words, with_settings
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
+    from liepoisson.arrays import Array
     from liepoisson.exact.system import System
     from liepoisson.phase_space.starts import Start
 
@@ -21,8 +23,13 @@ GUESS_HELP = "Like --start, but it is moved onto --leaf and --energy.  [default:
 LEAF_HELP = "Values of Casimirs, as in --leaf C1=1.2,C2=0 or --leaf l.alpha=1/5; the others keep theirs."
 ENERGY_HELP = "Value of the Hamiltonian, as in --energy 1.5 or --energy 3/2."
 SEED_HELP = "Seed of what is drawn at random."
+STARTS_HELP = "Random starts."
+ENSEMBLE_HELP = (
+    "How starts are drawn where no leaf is asked for: unit-vectors, cube or gaussian.  [default: unit-vectors]"
+)
 
 _MOST_SHOWN = 60
+_MOST_STARTS = 2**31
 _COMMAS = re.compile(r",(?![^(]*\))")
 """Those that separate assignments, and not the arguments of a function."""
 
@@ -78,11 +85,71 @@ def find_start(
         system,
         start=_state(start, "--start", component),
         guess=_state(guess, "--guess", component),
-        leaf=_assignments(_COMMAS.split(",".join(leaf)), "--leaf", "--leaf C1=1,C2=0", "Casimir") if leaf else None,
+        leaf=assignments(_COMMAS.split(",".join(leaf)), "--leaf", "--leaf C1=1,C2=0", "Casimir") if leaf else None,
         energy=energy,
         seed=seed,
         prefix="--",
     )
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Where the orbits of a command begin.
+
+    Attributes:
+        states: Shape (trajectory, component).
+        words: What they are: "64 random starts (unit-vectors, seed 0)".
+        begin: The start whose leaf and energy they share; None if they are spread over phase space.
+    """
+
+    states: Array
+    words: str
+    begin: Start | None
+
+    def lines(self, system: System) -> list[str]:
+        """What the commands print about them before the run."""
+        if self.begin is None:
+            return []
+        return (start_lines if len(self.states) == 1 else leaf_lines)(system, self.begin)
+
+
+def find_starts(
+    system: System,
+    *,
+    starts: int | None,
+    default: int,
+    start: Sequence[str] = (),
+    guess: Sequence[str] = (),
+    leaf: Sequence[str] = (),
+    energy: str | None = None,
+    ensemble: str | None = None,
+    seed: int = 0,
+) -> Starts:
+    """One orbit with --start; with --guess, --leaf or --energy random starts there; else members of an ensemble.
+
+    Raises:
+        ParameterError: options that contradict each other or cannot be read.
+        LeafError: the leaf has no state of this energy, or no finite volume to draw from.
+    """
+    if starts is not None and start:
+        raise ParameterError("--starts and --start exclude each other: with --start there is one orbit. Or --guess.")
+    n = default if starts is None else starts
+    if not 1 <= n <= _MOST_STARTS:
+        raise ParameterError(f"--starts must be from 1 to {_MOST_STARTS}; got {n}. Try {default}.")
+    if not (start or guess or leaf or energy is not None):
+        from liepoisson.numeric.sampling import sample_states
+
+        drawn = ensemble or "unit-vectors"
+        states = sample_states(system, n, seed=seed, ensemble=drawn)
+        return Starts(states, f"{n} random start{'s' if n > 1 else ''} ({drawn}, seed {seed})", None)
+    if ensemble is not None:
+        raise ParameterError("--ensemble and --leaf exclude each other: on a leaf states follow the Liouville measure.")
+    begin = find_start(system, start=start, guess=guess, leaf=leaf, energy=energy, seed=seed)
+    if start:
+        return Starts(begin.state[None], "one orbit", begin)
+    level = begin.energy if energy is None else as_double(energy, "--energy")  # the former has a round-off of its own
+    states = begin.leaf.sample(n, seed=seed, energy=level)
+    return Starts(states, f"{n} random start{'s' if n > 1 else ''} on one leaf and energy (seed {seed})", begin)
 
 
 def _state(words: Sequence[str], option: str, component: str) -> list[str] | dict[str, list[str]] | None:
@@ -91,12 +158,16 @@ def _state(words: Sequence[str], option: str, component: str) -> list[str] | dic
         return None
     if len(words) == 1 and "=" not in words[0]:
         return _items(words[0])
-    named = _assignments(words, option, f"{option} {component}=1", "component")
+    named = assignments(words, option, f"{option} {component}=1", "component")
     return {name: _items(text) for name, text in named.items()}
 
 
-def _assignments(words: Sequence[str], option: str, example: str, noun: str) -> dict[str, str]:
-    """Texts of the form name=value."""
+def assignments(words: Sequence[str], option: str, example: str, noun: str) -> dict[str, str]:
+    """Texts of the form name=value.
+
+    Raises:
+        ParameterError: a word is not of this form, or a name comes twice.
+    """
     found: dict[str, str] = {}
     for word in words:
         name, sign, value = (part.strip() for part in word.rpartition("="))

@@ -207,12 +207,10 @@ class _Reader:
 
     def real(self, keys: Sequence[str | int], given: object) -> float:
         """A number, or a formula without names, such as "pi/2"."""
-        from liepoisson.exact.expression import evaluate
-        from liepoisson.exact.formula.grammar import parse
-        from liepoisson.exact.formula.scope import Scope
+        from liepoisson.exact.expression import constant
 
         if isinstance(given, str):
-            return self.made(keys, lambda: float(evaluate(parse(given), given, Scope())))
+            return self.made(keys, lambda: float(constant(given)))
         if isinstance(given, bool) or not isinstance(given, (int, float, Fraction)):
             raise self.toml.error(keys, f"wanted a number; got {shown(given)}. Correct it.")
         try:
