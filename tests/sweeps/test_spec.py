@@ -228,7 +228,7 @@ def test_a_file_says_the_same_as_python(tmp_path):
         ('name = "phi"', 'nam = "phi"', "Did you mean name"),
         ("count = 3", "", "count is missing"),
         ('name = "splitting"', 'name = "split"', "wanted one of"),
-        ("step = 0.1", "stepp = 0.1", "no such option"),
+        ("step = 0.1", "stepp = 0.1", "Did you mean step"),
         ("levels = 2", "", "levels and difference"),
         ("averages = 1e-3", "average = 1e-3", "Did you mean averages"),
         ("megno = [2.5,", "megno = [7,", r"rule\.megno: wanted two increasing numbers"),

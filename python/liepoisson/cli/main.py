@@ -7,6 +7,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import OFF
 from liepoisson.cli.ending import InterruptedCommandError, NobodyReadsError, end
 from liepoisson.errors import ParameterError
 
@@ -37,6 +38,7 @@ def main() -> None:
 
 def _run() -> None:
     os.environ["MPLBACKEND"] = "agg"  # figures go into files; a backend that there is not would be an error
+    os.environ[OFF] = "0"  # the commands have a bar of their own
     from typer.main import get_command  # imports take most of the first second: Ctrl-C may come here
 
     get_command(application()).main(prog_name="liepoisson")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -89,6 +90,7 @@ class Alignment(ReadOnlyArrays):
         )
 
 
+@shows_progress
 def alignment(
     system: HasField,
     starts: ArrayLike,

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import (
@@ -101,6 +102,7 @@ class FiniteTimeExponents(ReadOnlyArrays):
         return f"<FiniteTimeExponents of {self.system}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
 
 
+@shows_progress
 def finite_time_exponents(
     system: HasField,
     starts: ArrayLike,

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, TopField
 from liepoisson.numeric._checks import (
@@ -143,6 +144,7 @@ class Orbit(ReadOnlyArrays):
         return f"<Orbit of {self.system}: {trajectories(self.outcome)}, {len(self.time)} times, {span}{tangents}>"
 
 
+@shows_progress
 def integrate(
     system: HasField,
     starts: ArrayLike,

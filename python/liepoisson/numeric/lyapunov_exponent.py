@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_number, as_time_limit, shown
 from liepoisson.numeric.estimates import Estimate, Resampling
@@ -172,6 +173,7 @@ class ExponentEstimate(ReadOnlyArrays):
         return "\n".join(lines)
 
 
+@shows_progress
 def lyapunov_exponent(
     system: HasField,
     starts: ArrayLike,

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.numeric._checks import MOST, HasField, as_count, as_field, shown
 
@@ -53,6 +54,7 @@ def unknown_ensemble(given: object) -> UnknownNameError:
     return UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(given)}. {hint}")
 
 
+@explains_its_arguments
 def sample_states(
     system: HasField, n_starts: int, *, seed: int = 0, ensemble: str = "unit-vectors", first: int = 0
 ) -> NDArray[np.float64]:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array, read_only
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import Field, TapeFunction
 from liepoisson.numeric._checks import (
@@ -210,6 +211,7 @@ def _share(part: Array, end_time: Array) -> float:
     return min(float(np.sum(part)) / whole, 1.0) if whole > 0 else 0.0
 
 
+@shows_progress
 def section(
     system: HasField,
     starts: ArrayLike,
@@ -340,6 +342,7 @@ def section(
     )
 
 
+@shows_progress
 def first_return(
     system: HasField,
     starts: ArrayLike,
@@ -459,7 +462,7 @@ def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) 
         warnings.warn(
             f"{which} in the surface {surface} = 0, from start to end, and cross it nowhere; try another surface",
             SurfaceWarning,
-            stacklevel=3,
+            stacklevel=5,  # two frames are those of `shows_progress`
         )
 
 
@@ -469,7 +472,7 @@ def _warn_of_gaps(surface: str, share: float) -> None:
             f"the surface function {surface} could not be followed in {as_percent(share)} of the time, where crossings "
             "are not found: it varies too fast, or is singular nearby; try a smoother one",
             SurfaceWarning,
-            stacklevel=3,
+            stacklevel=5,  # two frames are those of `shows_progress`
         )
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_time_limit, component_names, shown, trajectories
@@ -153,6 +154,7 @@ def _errors(rates: Array, finished: NDArray[np.bool_]) -> Array:
     return error
 
 
+@shows_progress
 def lyapunov_spectrum(
     system: HasField,
     starts: ArrayLike,

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -171,6 +172,7 @@ class Verdict(ReadOnlyArrays):
         return f"<Verdict of {self.system}: {trajectories(self.outcome)}, {counts} at t = {self.t_end:g}>"
 
 
+@shows_progress
 def decide(
     system: HasField,
     starts: ArrayLike,

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, read_only
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
@@ -49,6 +50,7 @@ class Leaf:
     References: [marsden1999], chapter 14.
     """
 
+    @explains_its_arguments
     def __init__(self, system: System, casimirs: Mapping[str, float | str]) -> None:
         from liepoisson.phase_space.leaf_search import find_state
 

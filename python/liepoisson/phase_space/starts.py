@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError, ShapeError, did_you_mean
 from liepoisson.numeric._checks import as_number
 from liepoisson.phase_space._checks import as_energy, as_system
@@ -48,6 +49,7 @@ class Start(ReadOnlyArrays):
         return f"<Start, {self.origin}: H = {self.energy:.6g} on {self.leaf!r}>"
 
 
+@explains_its_arguments
 def find_start(
     system: System,
     *,
