@@ -173,10 +173,7 @@ class _Reader:
         name = options.pop("name", None)
         if name not in METHODS:
             raise self.toml.error(("method", "name"), f"wanted one of {', '.join(METHODS)}; got {shown(name)}.")
-        try:
-            return self.made(("method",), lambda: METHODS[name](**options))
-        except TypeError as error:
-            raise self.toml.error(("method",), f"{name} has no such option ({error}). Leave it out.") from error
+        return self.made(("method",), lambda: METHODS[name](**options))
 
     def refinement(self, table: dict[str, Any]) -> Refinement | None:
         if not table:
