@@ -20,7 +20,9 @@ from typing import Any, ParamSpec, TypeVar
 
 from liepoisson.errors import ParameterError, did_you_mean
 
-P, R = ParamSpec("P"), TypeVar("R")
+P = ParamSpec("P")
+R = TypeVar("R")
+C = TypeVar("C", bound=type)
 
 OFF = "LIEPOISSON_PROGRESS"
 """Environment variable that turns bars off if it is 0, as the command line does, which has its own."""
@@ -61,12 +63,10 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
     return called
 
 
-C = TypeVar("C", bound=type)
-
-
 def made_with_explained_arguments(cls: C) -> C:
     """A class, such as a dataclass, that explains how it is made."""
-    setattr(cls, "__init__", explains_its_arguments(cls.__init__))  # noqa: B010  # of a type that is not known here
+    init: Any = vars(cls)["__init__"]
+    setattr(cls, "__init__", explains_its_arguments(init))  # noqa: B010  # of a type that is not known here
     return cls
 
 

@@ -70,7 +70,7 @@ def decide(
     check_end_time(t_end)
     options: dict[str, Any] = {"tol": tol, "step": step, "order": order}
     named_method(method, **options)  # refused before anything is computed
-    where = {"start": start or (), "guess": guess or (), "leaf": leaf or (), "energy": energy}
+    where: dict[str, Any] = {"start": start or (), "guess": guess or (), "leaf": leaf or (), "energy": energy}
     drawn = find_starts(chosen, starts=starts, default=N_STARTS, ensemble=ensemble, seed=seed, **where)
     unit = unit_of_time(chosen, drawn.states)
     how, t_end = named_method(method, unit=unit, **options), _TIME * unit if t_end is None else t_end

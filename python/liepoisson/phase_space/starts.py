@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -99,7 +99,7 @@ def find(
 ) -> Start:
     """`find_start`, with "--" before the names of the arguments in messages where they are options."""
     as_system(system)
-    wanted = leaf if isinstance(leaf, Leaf) or not leaf else _read_values(system, leaf, prefix)
+    wanted = leaf if isinstance(leaf, Leaf) else _read_values(system, leaf, prefix) if leaf else None
     value = None if energy is None else as_energy(energy, f"{prefix}energy")
     if start is not None and guess is not None:
         raise ParameterError(
@@ -209,7 +209,7 @@ def read_state(system: System, given: ArrayLike | Mapping[str, Any], what: str =
     places = {} if system.bracket.has_scalar_fields else _vectors(fields, system.vector_length)
     places |= {name: range(k, k + 1) for k, name in enumerate(names)}
     x, seen = np.zeros(len(names)), np.zeros(len(names), dtype=bool)
-    for name, numbers in cast("Mapping[str, Any]", given).items():
+    for name, numbers in given.items():
         if name not in places:
             hint = did_you_mean(name, places)
             known = ", ".join((*(() if system.bracket.has_scalar_fields else fields), *names))
