@@ -39,7 +39,7 @@ WORDS = {
     "first": "number of the first member, whose random numbers depend on it",
     "threads": "how many; all cores by default, and the numbers do not depend on it",
     "time_limit": "seconds that the run may take",
-    "progress": "called with the fraction that is done",
+    "progress": "called with the fraction that is done; by default a bar in a notebook or on a terminal",
     "tangents": "tangent vectors at the first time",
     "path": "of a file",
     "name": "how something is called",

@@ -46,13 +46,13 @@ def _unknown(module: str, name: str, names: list[str]) -> str:
     message = f"module {module!r} has no attribute {name!r}"
     if name.startswith("_"):
         return message
-    from difflib import get_close_matches
+    from liepoisson.errors import did_you_mean
 
     for chapter in () if module != "liepoisson" else _chapters():
         if name in dir(import_module(f"liepoisson.{chapter}")):
             return f"{message}; it is liepoisson.{chapter}.{name}"
-    close = get_close_matches(name, names, n=1)
-    return f"{message}; did you mean {close[0]}?" if close else f"{message}; dir({module}) lists what it has"
+    hint = did_you_mean(name, names).strip()
+    return f"{message}; {hint[0].lower()}{hint[1:]}" if hint else f"{message}; dir({module}) lists what it has"
 
 
 def _chapters() -> list[str]:

@@ -7,7 +7,7 @@ from typing import Any, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -15,22 +15,25 @@ Array: TypeAlias = NDArray[np.float64]
 def as_array(values: ArrayLike, name: str) -> Array:
     """An array of doubles with memory of its own, whatever a caller gives: aligned, native byte order, C order.
 
+    Texts, also in lists, are exact numbers, of which the nearest doubles are taken: "1/3", "sqrt(2)/2" (`as_double`).
+    A NumPy array of texts is most likely a table that was not converted, and is refused.
+
     It is always a copy.  A function takes it once, at its beginning, checks the copy, and works with the copy only: the
     caller's array may be changed later, or by another thread while the core runs without the interpreter's lock.
 
     Raises:
-        ShapeError: It is no array of numbers (texts, rows of different lengths, objects).
+        ShapeError: It is no array of numbers (names, rows of different lengths, objects).
         ParameterError: Numbers that would lose their meaning as doubles (complex ones, dates, records, masked ones).
     """
     try:
         masked = _has_masks(values)
         given = np.asanyarray(() if masked else values)
-        if given.dtype.kind in "SUT":
-            raise TypeError("texts")
-        if given.dtype.kind == "O":
-            _refuse_other_objects(given)
+        if given.dtype.kind in "SUTO":
+            given = _with_texts_read(given, name, written=isinstance(values, (list, tuple, str)))
         if not masked and given.dtype.kind not in "cmMV":
             return np.array(given, dtype=np.float64, order="C", copy=True, subok=False)
+    except ShapeError:
+        raise
     except (TypeError, ValueError, OverflowError) as error:
         raise ShapeError(
             f"{name}: wanted an array of numbers; got {type(values).__name__} ({error}); try a list of floats"
@@ -45,11 +48,36 @@ def _has_masks(values: Any) -> bool:
     return any(isinstance(row, np.ma.MaskedArray) and np.ma.is_masked(row) for row in rows)
 
 
-def _refuse_other_objects(given: NDArray[Any]) -> None:
-    """Objects without a value as a double: NumPy would take None as NaN, and read texts."""
-    for item in given.ravel().tolist():
-        if isinstance(item, (str, bytes)) or not hasattr(item, "__float__"):
+def as_double(text: str, name: str) -> float:
+    """The double that is nearest to the exact number of a text: "1/3", "0.1", "sqrt(2)/2".
+
+    This is the one place where texts become doubles; it asks the reader of exact parameters.
+
+    Raises:
+        ParameterError: it is no number, or one that no double holds.
+    """
+    from liepoisson.exact.expression import constant
+    from liepoisson.exact.parameters import as_float
+
+    try:
+        return as_float(constant(text), name)
+    except ExpressionError as error:
+        raise ParameterError(f"{name}: {text:.60}: {error.within_formula()}") from error
+
+
+def _with_texts_read(given: NDArray[Any], name: str, *, written: bool) -> NDArray[Any]:
+    """Numbers for texts; objects without a value as a double are refused, for NumPy would take None as NaN."""
+    read = np.empty(given.size, dtype=object)
+    for k, item in enumerate(given.ravel().tolist()):
+        if not (isinstance(item, str) and written) and (
+            isinstance(item, (str, bytes)) or not hasattr(item, "__float__")
+        ):
             raise TypeError(f"{type(item).__name__} among them")
+        try:
+            read[k] = as_double(item, name) if isinstance(item, str) else item
+        except ParameterError as error:
+            raise ShapeError(f"{name}: wanted an array of numbers; {str(error).removeprefix(f'{name}: ')}") from error
+    return read.reshape(given.shape)
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:

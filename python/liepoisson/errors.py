@@ -6,6 +6,8 @@ A message says what was wanted, what came, and what to try.  A trajectory that f
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 __all__ = [
     "BracketError",
     "ChartError",
@@ -164,3 +166,12 @@ class SurfaceWarning(UserWarning):
 
 class MixingWarning(UserWarning):
     """Markov chains that remember their starts, so that their states are not distributed as they should be."""
+
+
+def did_you_mean(name: object, known: Iterable[str]) -> str:
+    """The question that begins a hint, "Did you mean l3? ", or nothing where no known name is near."""
+    from difflib import get_close_matches
+
+    by_letters = {str(other).casefold(): str(other) for other in known}
+    near = get_close_matches(str(name).casefold(), by_letters, n=1)
+    return f"Did you mean {by_letters[near[0]]}? " if near else ""

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Sequence
 from typing import Any, final
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import InertiaWarning, ParameterError
 from liepoisson.exact.extensions import leibniz
 from liepoisson.exact.lie_algebras import so
@@ -57,6 +58,7 @@ class Top(System):
             "System(bracket, hamiltonian), or a function that returns a Top."
         )
 
+    @explains_its_arguments
     def __init__(
         self,
         *,

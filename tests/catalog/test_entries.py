@@ -113,7 +113,7 @@ def test_listing_the_catalog_loads_nothing_beyond_the_package():
 def test_an_unknown_name_is_answered_with_the_nearest():
     with pytest.raises(UnknownNameError, match="Did you mean kovalevskaya"):
         catalog.system("kowalevskaya")
-    with pytest.raises(UnknownNameError, match=r"known: .*twisted-top"):
+    with pytest.raises(UnknownNameError, match=r"Known: .*twisted-top"):
         catalog.entry("")
 
 

@@ -70,12 +70,17 @@ def test_a_sign_changed_in_the_file_changes_the_report(command, tmp_path):
 
 
 @pytest.mark.thorough
-def test_latex_is_a_document_with_balanced_braces(command):
+def test_latex_is_a_fragment_for_a_paper_with_balanced_braces(command):
     code, out, _ = command("inspect", "twisted-top", "--format", "latex")
     assert code == 0
-    assert out.startswith(r"\documentclass")
-    assert out.rstrip().endswith(r"\end{document}")
-    assert r"\[ C_1 = |\boldsymbol{\alpha}|^{2} + 2 \epsilon\,\boldsymbol{\ell}\cdot \boldsymbol{\beta} \]" in out
+    assert "document" not in out
+    assert (
+        "\\begin{align*}\n"
+        r"  C_1 &= |\boldsymbol{\alpha}|^{2} + 2 \epsilon\,\boldsymbol{\ell}\cdot \boldsymbol{\beta} \\"
+    ) in out
+    assert out.count(r"\begin{align*}") == out.count(r"\end{align*}") == 2
+    words = re.sub(r"\$.*?\$|\\\[.*?\\\]|\\begin.*?\\end", "", out.partition("paragraph")[2], flags=re.DOTALL)
+    assert not re.search(r"\b(epsilon|alpha|beta|so\(3\)|l1|I2|J)\b", words), "mathematics is set as such"
     depth = 0
     for brace in re.findall(r"(?<!\\)[{}]", out):
         depth += 1 if brace == "{" else -1

@@ -84,7 +84,7 @@ def test_one_run_has_no_standard_error(command):
     ("arguments", "words"),
     [
         (["twisted-top"], "must have numbers for all parameters; epsilon, I[3], a[3], b[3] have none"),
-        (["lagrange", "--starts", "0"], "--starts must be at least 1"),
+        (["lagrange", "--starts", "0"], "--starts must be from 1 to"),
         (["lagrange", "--t-end", "-5"], "positive finite time"),
         (["lagrange", "--t-end", "nan"], "positive finite time"),
         (["lagrange", "--spectrum", "--t-end", "1e12", "--time-limit", "3"], "at most 10000000 intervals"),
@@ -94,8 +94,14 @@ def test_one_run_has_no_standard_error(command):
         (["lagrange", "--seed", "-1"], "--seed must be at least 0"),
         (["lagrange", "--time-limit", "nan"], "--time-limit must be a positive number of seconds"),
         (["lagrange", "--out", " "], "--out must name a file"),
-        (["lagrange", "--out", "x.csv"], "--out must end in .nc; got 'x.csv'. Write for example --out exponents.nc."),
-        (["lagrang"], "lagrange"),
+        (
+            ["lagrange", "--out", "x.csv"],
+            "--out must end in .nc; got 'x.csv'. Write for example --out lagrange-exponents.nc.",
+        ),
+        (["lagrang"], "Did you mean lagrange"),
+        (["lagrange", "--start", "1,0,0,0,0,1", "--starts", "3"], "--starts and --start exclude each other"),
+        (["lagrange", "--ensemble", "cube", "--energy", "1"], "--ensemble and --leaf exclude each other"),
+        (["lagrange", "--energy", "-9"], "On this leaf the energy lies between"),
     ],
 )
 def test_refusals_are_plain(command, arguments, words):
@@ -141,17 +147,38 @@ def test_spectrum_of_runs_that_failed_has_nothing_to_tell():
     assert "no run finished" in "\n".join(summary(failed, "by hand", 1.0))
 
 
-def test_verdicts_are_those_of_decide(command):
-    top = lp.Top.twisted_kovalevskaya()
-    verdict = lp.decide(top, lp.sample_states(top, 12, seed=3), t_end=400, seed=3)
-    options = ("--starts", 12, "--t-end", 400, "--seed", 3, "--verdict")
-    code, out, err = command("lyapunov", "twisted-kovalevskaya", *options)
+def test_one_orbit_is_given_by_its_start(command, tmp_path):
+    figure = tmp_path / "growth.svg"
+    code, out, err = command(
+        "lyapunov", "kovalevskaya", "--start", "1,0,1,0,0,1", "--t-end", 20, "--seed", 2, "--figure", figure
+    )
     assert (code, err) == (0, "")
-    rows = dict(re.findall(r"^  (regular|chaotic|undecided) +(\d+) ", out, re.MULTILINE))
-    assert {kind: int(count) for kind, count in rows.items()} == {
-        kind: int((verdict.verdict == kind).sum()) for kind in ("regular", "chaotic", "undecided")
-    }
-    assert "95% intervals over the starts" in out
+    alone = lp.finite_time_exponents(lp.catalog.system("kovalevskaya"), [1, 0, 1, 0, 0, 1], t_end=20, seed=2)
+    assert float(re.search(r"mean ([\d.]+) \(one run", out)[1]) == pytest.approx(alone.exponent[0, -1], abs=1e-6)
+    assert "leaf     dimension 4, alpha != 0: C1 = 1, C2 = 1\nenergy   H = 0.75" in out
+    assert out.splitlines()[-1] == f"wrote    {figure}"
+    assert figure.is_file()
+
+
+def test_random_starts_lie_on_the_leaf_and_at_the_energy_that_are_asked_for(command, tmp_path):
+    path = tmp_path / "growth.nc"
+    where = ("--leaf", "l.alpha=1/5", "--leaf", "C2=1", "--energy", "3/2")
+    code, out, _ = command("lyapunov", "kovalevskaya", *where, "--starts", 5, "--t-end", 5, "--seed", 4, "--out", path)
+    assert code == 0
+    assert "5 random starts on one leaf and energy (seed 4)" in out
+    assert "A mean over random starts mixes chaotic and regular orbits: it is not the exponent of\none orbit." in out
+    system = lp.catalog.system("kovalevskaya")
+    starts = lp.Leaf(system, {"C1": 0.2, "C2": 1}).sample(5, seed=4, energy=1.5)
+    expected = lp.finite_time_exponents(system, starts, t_end=5, seed=4)
+    assert np.array_equal(lp.load(path)["exponent"].to_numpy(), expected.exponent)
+
+
+@pytest.mark.thorough
+def test_figures_are_written_where_it_says(command, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for options, name in (((), "mean.png"), (("--spectrum",), "spectrum.png")):
+        code, out, _ = command("lyapunov", "lagrange", "--starts", 3, "--t-end", 30, *options, "--figure", name)
+        assert (code, out.splitlines()[-1], (tmp_path / name).is_file()) == (0, f"wrote    {name}", True)
 
 
 def test_the_default_time_is_natural(command):

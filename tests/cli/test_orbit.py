@@ -7,8 +7,8 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.cli.orbit import run_lines
-from liepoisson.cli.starts import find_start, read_state
-from liepoisson.errors import LeafError, ParameterError
+from liepoisson.cli.starts import find_start
+from liepoisson.errors import LeafError, LiePoissonError
 
 SHORT = ("--t-end", 2, "--points", 21)
 
@@ -88,27 +88,27 @@ def test_a_start_is_never_moved(twisted):
 
 
 def test_states_are_read_exactly_by_place_or_by_name(twisted):
-    given = read_state(twisted, ["1/3,-1,sqrt(2)/2,0,0,0,0,1e-3,2"], "--start")
-    assert given.tolist() == [1 / 3, -1, 2**0.5 / 2, 0, 0, 0, 0, 1e-3, 2]
-    named = read_state(twisted, ["l=1,2,3", "beta2=-4"], "--start")
-    assert named.tolist() == [1, 2, 3, 0, 0, 0, 0, -4, 0]
+    given = find_start(twisted, start=["1/3,-1,sqrt(2)/2,0,0,0,0,1e-3,2"])
+    assert given.state.tolist() == [1 / 3, -1, 2**0.5 / 2, 0, 0, 0, 0, 1e-3, 2]
+    named = find_start(twisted, start=["l=1,2,3", "beta2=-4"])
+    assert named.state.tolist() == [1, 2, 3, 0, 0, 0, 0, -4, 0]
 
 
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["1,2,3"], r"must have 9 numbers \(l, alpha, beta\); got 3"),
+        (["1,2,3"], r"must have 9 numbers \(l1, l2, l3, alpha1, .*beta3\); got 3"),
         (["l=1,2"], "--start l must have 3 numbers; got 2"),
         (["gamma=1,2,3"], "must name a field or a component; got 'gamma'. Known: l, alpha, beta, l1"),
         (["l=1,2,3", "l2=1"], "each component once; l2 comes twice"),
-        (["l=1,2,x"], r"--start 1,2,x: the name 'x' is unknown"),
+        (["l=1,2,x"], r"--start l: wanted an array of numbers; x: the name 'x' is unknown"),
         (["l=1,2,"], "--start"),
         (["1,2,3", "l=1,2,3"], "must be name=value; got '1,2,3'"),
     ],
 )
 def test_bad_states_are_refused(twisted, words, message):
-    with pytest.raises(ParameterError, match=message):
-        read_state(twisted, words, "--start")
+    with pytest.raises(LiePoissonError, match=message):
+        find_start(twisted, start=words)
 
 
 def test_a_degenerate_leaf_is_named(command):
@@ -149,6 +149,13 @@ def test_a_start_whose_casimirs_are_too_large_is_refused(command, start):
     code, out, err = command("orbit", "twisted-kovalevskaya", "--start", start, "--t-end", 2)
     assert (code, out) == (2, "")
     assert "Casimirs" in err
+
+
+def test_a_start_whose_energy_is_too_large_ends_with_its_outcome(command):
+    code, out, _ = command("orbit", "twisted-kovalevskaya", "--start", "1e200,0,0,0,0,1,1,1,1", "--t-end", 2)
+    assert code == 0
+    assert "energy   H = inf" in out
+    assert "outcome  not finite at t = 0" in out
 
 
 @pytest.mark.parametrize(("name", "leaf"), [("twisted-kovalevskaya", "C3=0"), ("two-field-kovalevskaya", "C2=9")])
@@ -194,7 +201,10 @@ def test_ctrl_c_before_the_run_is_one_line(command, monkeypatch, where):
         (["kovalevskaya", "--time-limit", "-1"], "--time-limit must be a positive number of seconds; got -1"),
         (["kovalevskaya", "--seed", "-1"], "--seed must be at least 0"),
         (["kovalevskaya", "--leaf", "C2=-1"], "C2"),
-        (["kovalevskaya", "--leaf", "C7=1"], "must name Casimirs of kovalevskaya; got 'C7'. Known: C1, C2"),
+        (
+            ["kovalevskaya", "--leaf", "C7=1"],
+            "must name Casimirs of kovalevskaya; got 'C7'. Known: C1 = l.alpha, C2 = |alpha|^2. Write --leaf C1=1.",
+        ),
         (["kovalevskaya", "--leaf", "C1=1,C1=2"], "C1 comes twice"),
         (["kovalevskaya", "--leaf", "C1=1", "--leaf", "C1=2"], "C1 comes twice"),
         (["kovalevskaya", "--energy", "1", "--energy", "2"], "--energy must be given once; it comes twice. Remove one"),

@@ -7,9 +7,6 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.cli.section import is_folded
-from liepoisson.cli.starts import find_start
-from liepoisson.cli.surfaces import Surface, default_surface
 
 FEW = ("--starts", 3, "--crossings", 5)
 
@@ -47,19 +44,6 @@ def test_a_top_with_two_fields_has_the_good_surface_and_a_warning(command):
     assert "surface  the rate of -dot(l, beta)" in out
     assert "bounds   |l| <= " in out
     assert "section  dimension 4; a plane shows a projection, which proves neither tori nor chaos" in out
-
-
-@pytest.mark.parametrize(
-    ("name", "start", "function"),
-    [
-        ("kovalevskaya", [], "alpha2"),  # l3' = alpha2 for a = (-1, 0, 0)
-        ("lagrange", [], "alpha1*l2 - alpha2*l1"),  # l3' = 0
-        ("twisted-kovalevskaya", ["l=1,1,1", "alpha=0,0,1"], "alpha2"),  # beta = 0
-    ],
-)
-def test_default_surface_is_the_rate_of_what_moves(name, start, function):
-    system = lp.catalog.system(name)
-    assert default_surface(system, find_start(system, start=start)).function == function
 
 
 @pytest.mark.parametrize(("direction", "signs"), [("up", {1}), ("down", {-1}), ("both", {-1, 1})])
@@ -177,7 +161,7 @@ def test_title_is_typeset_and_says_what_was_set(command, monkeypatch):
     found = titles(monkeypatch)
     where = (*FEW, "--leaf", "C1=0.5", "--leaf", "C2=1", "--energy", 1, "--figure", "a.svg")
     _, out, _ = command("section", "kovalevskaya", "--surface", "l3", *where)
-    assert found[0] == "kovalevskaya: section $\\ell_{3}$ = 0\n$H$ = 1, $C_{1}$ = 0.5, $C_{2}$ = 1"
+    assert found[0] == "kovalevskaya: section $\\ell_{3}$ = 0, increasing\n$H$ = 1, $C_{1}$ = 0.5, $C_{2}$ = 1"
     assert "leaf     dimension 4, alpha != 0: C1 = 0.5, C2 = 1" in out.splitlines()
     _, out, _ = command(
         "section", "kovalevskaya", *FEW, "--set", "I=3/2,1.2,0.7", "--set", "a=[-1,0, sqrt(2)]", "--plot"
@@ -186,24 +170,6 @@ def test_title_is_typeset_and_says_what_was_set(command, monkeypatch):
     assert out.startswith(f"{name} crossings where ")
     assert found[1].splitlines()[0] == name
     assert out.splitlines()[-1] == "wrote    kovalevskaya-section", "files are named after the system alone"
-
-
-def test_axes_that_fold_the_section_are_told_from_coordinates():
-    # On alpha2 = 0 and |alpha| = 1, alpha = (cos phi, 0, sin phi), and l2 is the momentum of the angle phi.  So phi and
-    # l2 are coordinates, and sin phi = alpha3 and l2 where cos phi = alpha1 keeps its sign.
-    system = lp.catalog.system("kovalevskaya")
-    begin = find_start(system, leaf=["C1=0.3", "C2=1"], energy=1.5)
-    states = lp.sections.section_starts(begin.leaf, "alpha2", energy=1.5, n_starts=200, seed=1, direction=1)
-    right = states[:, 3] > 0
-    assert 20 < right.sum() < 180
-    for axes, some, expected in (
-        (("alpha3", "l2"), states, True),
-        (("alpha3", "l2"), states[right], False),
-        (("alpha3", "l2"), states[~right], False),
-        (("alpha3 + alpha1/2", "l2 - alpha3"), states, True),
-        (("sin(alpha3)", "l2"), states[right], False),
-    ):
-        assert is_folded(begin, Surface("alpha2", "as given"), axes, some) == expected, axes
 
 
 @pytest.mark.thorough

@@ -206,7 +206,7 @@ def test_a_full_matrix_of_parameters_is_written_as_one():
     assert "H = ½ α·A α + ½ |l|²" in text
     assert "A = ((2, 1, 0), (1, 3, 0), (0, 0, 1/2))" in text
     assert "∂H/∂α = A α" in text
-    assert r"A = \begin{pmatrix}2 & 1 & 0 \\ 1 & 3 & 0 \\ 0 & 0 & \frac{1}{2}\end{pmatrix}" in inspect(system).latex()
+    assert r"A &= \begin{pmatrix}2 & 1 & 0 \\ 1 & 3 & 0 \\ 0 & 0 & \frac{1}{2}\end{pmatrix}" in inspect(system).latex()
     skew = System(bracket, energy, {"A": [[2, 1, 0], [0, 3, 0], [0, 0, 1]]})
     assert "∂H/∂α = A α" not in inspect(skew).text(UNICODE)
 

@@ -92,7 +92,7 @@ def test_parameters_stay_symbols_or_are_inserted_exactly():
     ("text", "position", "message"),
     [
         ("alhpa1 + l1", 0, "Did you mean alpha1"),
-        ("l1 + foo", 5, "'foo' is unknown.*Known are l, alpha, beta, M, I"),
+        ("l1 + foo", 5, "'foo' is unknown.*Known are l, alpha, beta, M, I.*; components l1, l2, l3, ..., "),
         ("1 + l4", 4, "unknown"),
         ("l", 0, "must be a scalar; got a vector of length 3"),
         ("A", 0, "must be a scalar; got a 3 x 3 matrix"),

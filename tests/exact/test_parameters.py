@@ -134,3 +134,12 @@ def test_a_symbolic_parameter_has_no_float_and_is_named():
     with pytest.raises(ParameterError, match="double"):
         as_float(Fraction(10) ** 400, "a[0]")
     assert as_float(sp.sqrt(2), "a[0]") == np.sqrt(2)
+
+
+def test_a_formula_without_names_is_an_exact_number():
+    for text in ("sqrt(2)", "sqrt(2)/2", "pi", "exp(1)", "2*(1/3)", "-sqrt(3)"):
+        assert read_parameter(text, "x") == sp.sympify(text)
+    assert read_parameter("(1 + 2)/9", "x") == Fraction(1, 3)
+    for text in ("2*x", "sqrt(-1)", "sqrt(2", "dot(1, 2)", "abs(-1)"):
+        with pytest.raises(ParameterError, match=r'Write for example .*"sqrt\(2\)"'):
+            read_parameter(text, "x")

@@ -78,6 +78,10 @@ OPTIONS = {
     },
     "lyapunov": {
         "--t-end": "number",
+        "--start": "state",
+        "--leaf": "leaf",
+        "--energy": "number",
+        "--figure": "figure",
         "--starts": ["1", "2", "0", "-1", "x"],
         "--seed": "number",
         "--ensemble": "text",
@@ -86,6 +90,21 @@ OPTIONS = {
         "--set": "setting",
         "--spectrum": None,
     },
+    "decide": {
+        "--t-end": "number",
+        "--starts": ["1", "2", "0", "-1", "x"],
+        "--start": "state",
+        "--leaf": "leaf",
+        "--energy": "number",
+        "--format": ["json", "text", "x"],
+    },
+    "equilibria": {
+        "--start": "state",
+        "--leaf": "leaf",
+        "--along": "setting",
+        "--starts": ["1", "2", "0", "-1", "x"],
+        "--format": ["json", "text", "x"],
+    },
     "sweep": {"--figure": "figure", "--plot": None, "--fresh": None, "--threads": ["1", "0", "x"], "--store": "store"},
     "reproduce": {"--nosuch": "text"},
 }
@@ -93,6 +112,7 @@ ALWAYS = {
     "orbit": ["--time-limit", "0.5"],
     "section": ["--time-limit", "0.5"],
     "lyapunov": ["--time-limit", "0.5"],
+    "decide": ["--time-limit", "0.5"],
 }
 """So that no run is long; a command that is given it twice refuses it, which is one more case."""
 
@@ -231,7 +251,7 @@ def command(source):
     options = OPTIONS[name]
     for option in dict.fromkeys(source.pick([*options]) for _ in range(source.whole(0, 3))):
         arguments += [option] if options[option] is None else [option, value_of(source, options[option])]
-    if name == "lyapunov" and "--starts" not in arguments:
+    if name in ("lyapunov", "decide") and not {"--starts", "--start"} & {*arguments}:
         arguments += ["--starts", "2"]
     if name == "section" and "--starts" not in arguments and "--start" not in arguments:
         arguments += ["--starts", "2"]

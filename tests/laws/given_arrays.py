@@ -246,6 +246,10 @@ CASES: dict[str, Case] = {
         {"starts": STATES, "arclengths": TIMES, "attitude": QUATERNION, "origin": np.array([1.0, 2.0, 3.0])},
     ),
     "section": Case(lambda starts: lp.section(TOP, starts, surface="l3", t_end=20), {"starts": STATES}),
+    "is_folded": Case(
+        lambda states: np.array([lp.sections.is_folded(TOP, states, "l3", "alpha1", "l2")]), {"states": STATES}
+    ),
+    "find_start": Case(lambda start: lp.phase_space.find_start(TOP, start=start), {"start": STATE}),
     "section_state": Case(
         lambda guess: lp.sections.section_state(
             leaf(), "l3", float(TOP.functions.energy(STATE)) + 0.1, {}, guess=guess

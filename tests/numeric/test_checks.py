@@ -22,7 +22,7 @@ def exponent(x0=X0, system=TOP, **options):
 
 
 # The integer of 5000 digits has no repr.
-BAD_NUMBERS = ["abc", "5", [1, 2], 10**400, 10**5000, True, 1j, np.complex128(1), np.datetime64(1, "s"), object()]
+BAD_NUMBERS = ["abc", "5 s", [1, 2], 10**400, 10**5000, True, 1j, np.complex128(1), np.datetime64(1, "s"), object()]
 
 
 @pytest.mark.parametrize("t_end", BAD_NUMBERS, ids=range(len(BAD_NUMBERS)))
@@ -109,8 +109,23 @@ def test_arrays_that_would_lose_their_meaning_are_refused(bad):
             call()
 
 
+def test_exact_numbers_may_be_written_as_texts():
+    exact, inexact = (
+        ["1/3", 0, "sqrt(2)/2", 0, 0, 1, "1e-1", "-pi", 2.5],
+        [1 / 3, 0, 2**0.5 / 2, 0, 0, 1, 0.1, -np.pi, 2.5],
+    )
+    assert (
+        lp.integrate(TOP, exact, times=[0, "1/2"]).state.tolist()
+        == lp.integrate(TOP, inexact, times=[0, 0.5]).state.tolist()
+    )
+    assert exponent(t_end="7/2").time[-1] == 3.5
+    assert lp.Taylor(tol="1e-9").tol == 1e-9
+    with pytest.raises(ShapeError, match=r"starts: wanted an array of numbers; sqrt: .*needs its arguments"):
+        lp.integrate(TOP, ["sqrt", *exact[1:]], times=[0, 1])
+
+
 def test_arrays_of_something_else_are_refused():
-    for x0 in ([[10**400] * 9], ["1"] * 9, "a", object()):
+    for x0 in ([[10**400] * 9], ["x"] * 9, np.array(["1"] * 9), "a", object()):
         with pytest.raises(ShapeError, match="starts: wanted an array of numbers"):
             exponent(x0)
         with pytest.raises(ShapeError, match="states: wanted an array of numbers"):
@@ -126,7 +141,7 @@ def test_there_is_one_tangent_vector_for_all_or_for_each():
         exponent([X0] * 4, tangents=np.eye(9)[:3])
 
 
-@pytest.mark.parametrize("window", [3, ("1", "5"), (1, 2, 3), "ab", (5, 1), (1, float("inf"))])
+@pytest.mark.parametrize("window", [3, ("1", "x"), (1, 2, 3), "ab", (5, 1), (1, float("inf"))])
 def test_a_window_is_two_numbers(window):
     with pytest.raises(ParameterError, match=r"window"):
         lp.fits.finite_time_fit(TIME, CURVES, window=window)

@@ -201,7 +201,7 @@ def test_spread_starts_of_an_energy_out_of_reach_are_refused_with_those_in_reach
 def test_an_energy_is_wanted():
     """None would leave the energy free, and each start would have its own."""
     leaf = lp.Leaf.through(TWISTED, START)
-    for bad in (None, np.nan, "1"):
+    for bad in (None, np.nan, "x"):
         for spread in (False, True):
             with pytest.raises(ParameterError, match="energy"):
                 lp.sections.section_starts(leaf, SURFACE, energy=bad, n_starts=4, seed=0, spread=spread)

@@ -244,7 +244,7 @@ def test_a_file_says_the_same_as_python(tmp_path):
         ('name = "phi"', 'nam = "phi"', "Did you mean name"),
         ("count = 3", "", "count is missing"),
         ('name = "splitting"', 'name = "split"', "wanted one of"),
-        ("step = 0.1", "stepp = 0.1", "no such option"),
+        ("step = 0.1", "stepp = 0.1", "Did you mean step"),
         ("levels = 2", "", "levels and difference"),
         ("averages = 1e-3", "average = 1e-3", "Did you mean averages"),
         ("megno = [2.5,", "megno = [7,", r"rule\.megno: wanted two increasing numbers"),
@@ -382,7 +382,7 @@ def test_an_axis_that_would_be_two_things_or_none_is_refused(name, starts, messa
         ([1j, 1.0, 2.0], "quantity: wanted real numbers; got an array of complex128"),
         ([None, 1.0, 2.0], "quantity: wanted an array of numbers"),
         (None, "quantity: wanted"),
-        (["1", "2", "3"], "quantity: wanted"),
+        (np.array(["1", "2", "3"]), "quantity: wanted"),
         (1.5, r"quantity: wanted a number for each of 3 starts; got shape \(\)"),
         ([1.0, 2.0], r"quantity: wanted a number for each of 3 starts; got shape \(2,\)"),
         ([[1.0], [2.0], [3.0]], r"got shape \(3, 1\)"),
@@ -396,3 +396,8 @@ def test_a_quantity_that_gives_no_number_for_each_start_has_failed(given, messag
     assert found.outcomes == {"failed": 3}
     assert np.isnan(found.value).all()
     assert re.search(message, found.failed[0])
+
+
+def test_values_of_an_axis_may_be_exact():
+    assert lp.sweeps.Axis("epsilon", ("1/3", 1, "sqrt(2)")).values == (1 / 3, 1.0, 2**0.5)
+    assert lp.sweeps.Axis.linear("epsilon", "-1/2", "1/2", 3).values == (-0.5, 0.0, 0.5)

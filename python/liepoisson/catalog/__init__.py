@@ -22,7 +22,7 @@ from liepoisson.catalog.families import (
     twisted_top_on,
     zeitlin,
 )
-from liepoisson.errors import UnknownNameError
+from liepoisson.errors import UnknownNameError, did_you_mean
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -62,11 +62,8 @@ def path(name: str) -> Path:
     """
     if name in names():
         return _FOLDER / f"{name}.toml"
-    from difflib import get_close_matches
-
-    close = get_close_matches(str(name), names(), n=3, cutoff=0.5)
-    hint = f"Did you mean {' or '.join(close)}?" if close else "Try one of these, or the path of a file."
-    raise UnknownNameError(f"there is no system {name!r} in the catalog; known: {', '.join(names())}. {hint}")
+    hint = did_you_mean(name, names()) or "Try one of these, or the path of a file. "
+    raise UnknownNameError(f"there is no system {name!r} in the catalog. {hint}Known: {', '.join(names())}.")
 
 
 def entry(name: str) -> SystemFile:

@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import json
 import re
-from enum import StrEnum
 from typing import Annotated, Any
 
 import typer
 
-
-class Format(StrEnum):
-    """How the list is printed."""
-
-    TEXT = "text"
-    JSON = "json"
+from liepoisson.cli.output import FORMAT_HELP, Format
 
 
 def catalog(
     *,
-    format_: Annotated[Format, typer.Option("--format", help="For people or for programs.")] = Format.TEXT,
+    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
 ) -> None:
     """List the named systems of the literature.
 

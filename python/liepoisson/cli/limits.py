@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ParameterError
@@ -28,6 +29,16 @@ def check_limits(*, seed: int, time_limit: float, threads: int | None = None) ->
         raise ParameterError(f"--time-limit must be a positive number of seconds; got {time_limit:g}. Try 60.")
     if threads is not None and not 1 <= threads <= MOST_THREADS:
         raise ParameterError(f"--threads must be from 1 to {MOST_THREADS}; got {threads}. Leave it out to use all.")
+
+
+def check_end_time(t_end: float | None) -> None:
+    """Refuse an end time that is not positive and finite; None stands for the default.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    if t_end is not None and not 0.0 < t_end < math.inf:
+        raise ParameterError(f"--t-end must be a positive finite time; got {t_end:g}. Leave it out.")
 
 
 def unit_of_time(system: Any, states: NDArray[np.float64]) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Generator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import OFF
 from liepoisson.cli.ending import InterruptedCommandError, NobodyReadsError, end
 from liepoisson.errors import ParameterError
 
@@ -37,6 +38,7 @@ def main() -> None:
 
 def _run() -> None:
     os.environ["MPLBACKEND"] = "agg"  # figures go into files; an unknown backend would be an error
+    os.environ[OFF] = "0"  # the commands have a bar of their own
     from typer.main import get_command  # imports take most of the first second: Ctrl-C may come here
 
     get_command(application()).main(prog_name="liepoisson")
@@ -48,6 +50,8 @@ def application() -> typer.Typer:
     from typer.core import TyperCommand, TyperGroup
 
     from liepoisson.cli.catalog import catalog
+    from liepoisson.cli.decide import decide
+    from liepoisson.cli.equilibria import equilibria
     from liepoisson.cli.inspect import inspect
     from liepoisson.cli.lyapunov import lyapunov
     from liepoisson.cli.orbit import orbit
@@ -103,6 +107,6 @@ def application() -> typer.Typer:
         """The laboratory for Lie-Poisson dynamics."""
 
     app.callback()(options)
-    for command in (reproduce, inspect, catalog, lyapunov, orbit, section, sweep):
+    for command in (reproduce, inspect, catalog, orbit, section, lyapunov, decide, equilibria, sweep):
         app.command(cls=Command)(command)
     return app

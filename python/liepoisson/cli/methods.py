@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import MISSING, fields
 from typing import Any
 
-from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.numeric.methods import METHODS, Method, precisions
 
 DEFAULT_STEP = 0.1
@@ -56,7 +56,8 @@ def named_method(name: str, *, unit: float = 1.0, **options: Any) -> Method:
         ParameterError: an option is not one of this method, or outside its range.
     """
     if name not in METHODS:
-        raise UnknownNameError(f"--method must be one of {', '.join(METHODS)}; got {name!r:.60}.")
+        hint = did_you_mean(name, METHODS).strip() or "Try taylor."
+        raise UnknownNameError(f"--method must be one of {', '.join(METHODS)}; got {name!r:.60}. {hint}")
     known = _options_of(METHODS[name])
     given = {key: value for key, value in options.items() if value is not None}
     if given.get("precision") == "double":

@@ -23,7 +23,7 @@ from liepoisson.cli.output import (
     write_figure,
     write_table,
 )
-from liepoisson.cli.progress import INTERRUPTED, progress_bar
+from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
     ENERGY_HELP,
     GUESS_HELP,
@@ -65,7 +65,7 @@ def orbit(
     start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
     guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
     leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
-    energy: Annotated[float | None, typer.Option(help=ENERGY_HELP)] = None,
+    energy: Annotated[str | None, typer.Option(metavar="NUMBER", help=ENERGY_HELP)] = None,
     seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
     t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
     points: Annotated[int, typer.Option(help="Times at which the state is kept, evenly spaced.")] = 2001,
@@ -77,6 +77,7 @@ def orbit(
     out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
     plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
+    quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
 ) -> None:
     """Print where an orbit begins, how it ended and how well its invariants are kept.
@@ -102,7 +103,7 @@ def orbit(
     head = f"{chosen.name}: one orbit to t = {t_end:g}, {points} points"
     announce("\n".join([head, *start_lines(chosen, begin)]), (data, stem))
     try:
-        run = _integrated(chosen, begin.state, t_end, points, method=how, time_limit=time_limit)
+        run = _integrated(chosen, begin.state, t_end, points, method=how, time_limit=time_limit, quiet=quiet)
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
@@ -137,10 +138,10 @@ def run_lines(system: System, run: Orbit) -> list[str]:
     return lines + ([f"  {missing}"] if (missing := shortage(system.bracket)) else [])
 
 
-def _integrated(system: System, start: FloatArray, t: float, points: int, **options: Any) -> Orbit:
+def _integrated(system: System, start: FloatArray, t: float, points: int, *, quiet: bool, **options: Any) -> Orbit:
     from liepoisson.numeric.integrate import integrate
 
-    with progress_bar() as bar:
+    with progress_bar(quiet=quiet) as bar:
         listen = None if bar is None else (lambda done: bar("integrating", done * abs(t), abs(t)))
         return integrate(system, start, times=np.linspace(0.0, t, points), progress=listen, **options)
 

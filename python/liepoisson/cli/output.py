@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Mapping, Sequence
+from enum import StrEnum
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
 from typing import TYPE_CHECKING
@@ -23,6 +24,16 @@ KEEP_HINT = "With --time-limit SECONDS a run ends by itself and keeps what is do
 """What to try after Ctrl-C."""
 
 DATA_ENDINGS = (".nc", ".csv")
+
+
+class Format(StrEnum):
+    """How a list is printed."""
+
+    TEXT = "text"
+    JSON = "json"
+
+
+FORMAT_HELP = "For people or for programs."
 
 
 def file_stem(name: str) -> str:

@@ -1,11 +1,14 @@
-"""A progress bar on standard error with rate and time left; silent when that is not a terminal."""
+"""Progress on standard error: a bar with rate and time left on a terminal, elsewhere a line from time to time."""
 
 from __future__ import annotations
 
 import sys
+import time as clock
 from collections.abc import Generator
-from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from contextlib import contextmanager, suppress
+from typing import TYPE_CHECKING, Annotated, TypeAlias
+
+import typer
 
 from liepoisson.cli.ending import INTERRUPTED
 
@@ -15,14 +18,22 @@ if TYPE_CHECKING:
 
     from liepoisson.studies.twisted_top.integration import Progress
 
-__all__ = ["INTERRUPTED", "progress_bar"]
+__all__ = ["INTERRUPTED", "QuietOption", "progress_bar"]
+
+QuietOption: TypeAlias = Annotated[bool, typer.Option("--quiet", help="No progress on standard error.")]
+
+FIRST_LINE, LATER_LINES = 10.0, 60.0
+"""Seconds before the first line where there is no terminal, and between lines: short runs stay silent."""
 
 
 @contextmanager
-def progress_bar() -> Generator[Progress | None]:
-    """A listener that draws a bar while the `with` block runs, or None when nobody watches."""
-    if not sys.stderr.isatty():
+def progress_bar(*, quiet: bool = False) -> Generator[Progress | None]:
+    """A listener that shows progress while the `with` block runs, or None when nobody wants it."""
+    if quiet:
         yield None
+        return
+    if not sys.stderr.isatty():
+        yield _lines_from_time_to_time()
         return
     from rich.console import Console
     from rich.progress import (
@@ -60,3 +71,32 @@ def progress_bar() -> Generator[Progress | None]:
             bar.update(task, description=activity, completed=done if total else 1.0, total=total or 1.0)
 
         yield listen
+
+
+def _lines_from_time_to_time() -> Progress:
+    """A listener for logs: "liepoisson: integrating, 42% after 1 min 10 s, about 1 min 37 s left"."""
+    began = clock.monotonic()
+    due = began + FIRST_LINE
+
+    def listen(activity: str, done: float, total: float) -> None:
+        nonlocal due
+        now = clock.monotonic()
+        if now < due:
+            return
+        due = now + LATER_LINES
+        share, elapsed = (done / total if total else 1.0), now - began
+        left = f", about {_words(elapsed * (1 - share) / share)} left" if share > 0 else ""
+        with suppress(OSError, ValueError):  # nobody reads it
+            print(f"liepoisson: {activity}, {share:.0%} after {_words(elapsed)}{left}", file=sys.stderr, flush=True)
+
+    return listen
+
+
+def _words(seconds: float) -> str:
+    """A time in two units: "42 s", "1 min 10 s", "3 h 5 min"."""
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"

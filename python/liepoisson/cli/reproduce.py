@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from liepoisson.cli.progress import INTERRUPTED, progress_bar
+from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.errors import ParameterError
 from liepoisson.studies import STUDIES, check_study
 
@@ -29,6 +29,7 @@ def reproduce(
         typer.Option("--quick", help=f"{QUICK_MEMBERS} members to t = {QUICK_END_TIME:g}: seconds, coarse errors."),
     ] = False,
     fresh: Annotated[bool, typer.Option("--fresh", help="Discard stored work in the output folder first.")] = False,
+    quiet: QuietOption = False,
 ) -> None:
     """Compute a paper again: figures, fits with error bars, and a verdict on each of its claims.
 
@@ -48,7 +49,7 @@ def reproduce(
         threads=threads,
     )
     try:
-        with progress_bar() as progress:
+        with progress_bar(quiet=quiet) as progress:
             result = run_study(settings, folder, fresh=fresh, progress=progress)
     except KeyboardInterrupt:
         print(

@@ -6,7 +6,7 @@ import math
 import sys
 import warnings
 from collections.abc import Sequence
-from textwrap import wrap
+from enum import StrEnum
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
@@ -25,7 +25,7 @@ from liepoisson.cli.output import (
     write_figure,
     write_table,
 )
-from liepoisson.cli.progress import INTERRUPTED, progress_bar
+from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 from liepoisson.cli.starts import (
     ENERGY_HELP,
     GUESS_HELP,
@@ -37,20 +37,17 @@ from liepoisson.cli.starts import (
     read_numeric_system,
     start_lines,
 )
-from liepoisson.cli.surfaces import Direction, Surface, default_surface
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, setting_words
 from liepoisson.errors import ParameterError, SurfaceWarning
 
 if TYPE_CHECKING:
     from pathlib import Path
 
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
     from numpy.typing import NDArray
 
-    from liepoisson.cli.starts import Start
     from liepoisson.exact.system import System
     from liepoisson.numeric.section import Section
+    from liepoisson.phase_space.starts import Start
 
     FloatArray: TypeAlias = NDArray[np.float64]
 
@@ -59,17 +56,24 @@ N_STARTS, N_CROSSINGS = 24, 500
 _MOST_STARTS, _MOST_CROSSINGS = 100_000, 1_000_000_000
 _TIME = 100.0
 """Time for each crossing that is wanted, in natural times: the tops of the catalog need some 5 to 50."""
-_SAMPLES = 10_000
-"""States at which the axes are judged."""
-_ROUND_OFF = 1e-9
-"""Relative width of a figure below which it would show nothing but errors."""
-_TITLE_WIDTH = 60
-"""Letters in a line of the title."""
 SURFACE_HELP = (
     "The function that is zero on the surface, as in 'dot(l, beta)'.  [default: a.(alpha x beta) for a top "
     "with two fields, else the rate of a coordinate]"
 )
 KEEP_HELP = "Keep this function of each crossing, and not the state.  Repeat it for more."
+
+
+class Direction(StrEnum):
+    """Which crossings count: the function increases, decreases, or either."""
+
+    UP = "up"
+    DOWN = "down"
+    BOTH = "both"
+
+    @property
+    def sign(self) -> int:
+        """The direction as `lp.section` takes it."""
+        return {"up": 1, "down": -1, "both": 0}[self.value]
 
 
 def section(
@@ -80,7 +84,7 @@ def section(
     start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
     guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,
     leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
-    energy: Annotated[float | None, typer.Option(help=ENERGY_HELP)] = None,
+    energy: Annotated[str | None, typer.Option(metavar="NUMBER", help=ENERGY_HELP)] = None,
     starts: Annotated[
         int | None, typer.Option(help=f"Random starts on leaf, energy and surface.  [default: {N_STARTS}]")
     ] = None,
@@ -102,6 +106,7 @@ def section(
     y: Annotated[
         str | None, typer.Option("--y", metavar="FORMULA", help="Up in the figure.  [default: the second component]")
     ] = None,
+    quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
 ) -> None:
     """Print where orbits cross a surface.
@@ -123,10 +128,10 @@ def section(
     from liepoisson.numeric.section import check_that_it_varies
 
     begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
-    cut = default_surface(chosen, begin) if surface is None else Surface(surface, "as given")
-    _check_formulas(chosen, (cut.function, *(keep or ())))
-    check_that_it_varies(chosen, cut.function)
-    announce("\n".join(head_lines(chosen, begin, cut, direction, alone=bool(start))), (data, stem))
+    cut, reason = _surface(begin, surface)
+    _check_formulas(chosen, (cut, *(keep or ())))
+    check_that_it_varies(chosen, cut)
+    announce("\n".join(head_lines(chosen, begin, cut, reason, direction, alone=bool(start))), (data, stem))
     n = N_STARTS if starts is None else starts
     states = begin.state[None] if start else _starts(begin, cut, n, seed, direction)
     if t_end is None:
@@ -138,12 +143,13 @@ def section(
             chosen,
             states,
             t_end=t_end,
-            surface=cut.function,
+            surface=cut,
             direction=direction.sign,
             n_crossings=crossings,
             keep=keep or None,
             threads=threads,
             time_limit=time_limit,
+            quiet=quiet,
         )
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
@@ -154,17 +160,16 @@ def section(
             _write_data(run, data)
             written.append(data)
         if stem is not None and axes is not None and len(run.time):
-            written += write_figure(_drawn(chosen, run, begin, cut, axes), stem)
+            from liepoisson.plot.section import titled_section
+
+            written += write_figure(titled_section(run, begin.leaf, cut, axes, begin.energy), stem)
     finally:
         print("\n".join(run_lines(run, begin, full=not keep)), flush=True)
-    if (
-        axes is not None
-        and len(run.time)
-        and not keep
-        and begin.leaf.rank == 4
-        and is_folded(begin, cut, axes, run.state)
-    ):
-        print("figure   folds the section: different states may lie at one point")
+    if axes is not None and len(run.time) and not keep and begin.leaf.rank == 4:
+        from liepoisson.phase_space.section_coordinates import is_folded
+
+        if is_folded(chosen, run.state, cut, *axes):
+            print("figure   folds the section: different states may lie at one point")
     for path in written:
         print(f"wrote    {path}")
     if not len(run.time):
@@ -172,12 +177,22 @@ def section(
         raise typer.Exit(NO_CROSSING)
 
 
-def head_lines(system: System, begin: Start, cut: Surface, direction: Direction, *, alone: bool) -> list[str]:
+def _surface(begin: Start, given: str | None) -> tuple[str, str]:
+    """The function that is zero on the surface, and why it was taken."""
+    if given is not None:
+        return given, "as given"
+    from liepoisson.phase_space.default_surface import chosen_surface
+
+    function, of = chosen_surface(begin.leaf)
+    return function, f"the rate of {of}"
+
+
+def head_lines(system: System, begin: Start, cut: str, reason: str, direction: Direction, *, alone: bool) -> list[str]:
     """What is known before the run: the surface, the leaf, the energy, the dimension of the section."""
     words = {Direction.UP: "increases", Direction.DOWN: "decreases", Direction.BOTH: "changes sign"}[direction]
     lines = [
-        f"{system.name}: crossings where {cut.function} {words} through 0",
-        f"surface  {cut.reason}",
+        f"{system.name}: crossings where {cut} {words} through 0",
+        f"surface  {reason}",
         *(start_lines(system, begin) if alone else leaf_lines(system, begin)),
     ]
     dimension = max(begin.leaf.rank - 2, 0)
@@ -236,27 +251,6 @@ def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
     return lines
 
 
-@np.errstate(all="ignore")
-def is_folded(begin: Start, cut: Surface, axes: tuple[str, str], states: FloatArray) -> bool:
-    r"""Whether two functions are not coordinates all over a section of dimension 2, judged by states on it.
-
-    They are near a state where $\{s, H\}\{x, y\} + \{x, H\}\{y, s\} + \{x, s\}\{H, y\} \ne 0$: up to the factor
-    $\{s, H\}$ this is their Dirac bracket on the section.  Where its sign differs, the plane shows both sides.
-    """
-    functions = begin.leaf.system.functions
-    some = states[:: max(1, len(states) // _SAMPLES)]
-    tensor = functions.poisson_tensor(some)
-    s, x, y = (functions.of(text).gradient(some) for text in (cut.function, *axes))
-    h = functions.energy.gradient(some)
-
-    def bracket(f: FloatArray, g: FloatArray) -> FloatArray:
-        return np.einsum("ni,nij,nj->n", f, tensor, g)
-
-    terms = np.array([bracket(s, h) * bracket(x, y), bracket(x, h) * bracket(y, s), bracket(x, s) * bracket(h, y)])
-    area, size = terms.sum(axis=0), np.abs(terms).sum(axis=0)
-    return bool((area > _ROUND_OFF * size).any() and (area < -_ROUND_OFF * size).any())
-
-
 def _check_counts(starts: int | None, start: Sequence[str] | None, crossings: int) -> None:
     if starts is not None and start:
         raise ParameterError("--starts and --start exclude each other: with --start there is one orbit. Or --guess.")
@@ -292,19 +286,19 @@ def _axes(system: System, x: str | None, y: str | None, keep: Sequence[str] | No
     return axes
 
 
-def _starts(begin: Start, cut: Surface, n: int, seed: int, direction: Direction) -> FloatArray:
+def _starts(begin: Start, cut: str, n: int, seed: int, direction: Direction) -> FloatArray:
     from liepoisson.phase_space.surfaces import section_starts
 
     return section_starts(
-        begin.leaf, cut.function, energy=begin.energy, n_starts=n, seed=seed, direction=direction.sign, spread=True
+        begin.leaf, cut, energy=begin.energy, n_starts=n, seed=seed, direction=direction.sign, spread=True
     )
 
 
-def _crossings(system: System, states: FloatArray, *, t_end: float, **options: Any) -> Section:
+def _crossings(system: System, states: FloatArray, *, t_end: float, quiet: bool, **options: Any) -> Section:
     from liepoisson.numeric.section import section as find_crossings
 
     total = len(states) * abs(t_end)
-    with progress_bar() as bar, warnings.catch_warnings():
+    with progress_bar(quiet=quiet) as bar, warnings.catch_warnings():
         # a line of the output says so, with the share of the time
         warnings.filterwarnings("ignore", "the surface function .* could not be followed", SurfaceWarning)
         listen = None if bar is None else (lambda done: bar("looking for crossings", done * total, total))
@@ -317,36 +311,3 @@ def _write_data(run: Section, data: Path) -> None:
         return
     kept = dict(zip((f'"{name}"' if "," in name else name for name in run.coordinates), run.state.T, strict=True))
     write_table(data, {"trajectory": run.trajectory, "t": run.time, "sign": run.sign, **kept})
-
-
-def _drawn(system: System, run: Section, begin: Start, cut: Surface, axes: tuple[str, str]) -> Figure:
-    from liepoisson.exact.casimirs import shortage
-    from liepoisson.plot.labels import label, plain
-    from liepoisson.plot.section import section as draw
-    from liepoisson.plot.style import house_style, new_figure
-
-    with house_style():
-        figure = new_figure(6.0, 5.4)
-        ax = figure.add_subplot()
-        # Named coordinates get their labels there; the values of a formula are labelled with its text.
-        kept = [axis in run.coordinates for axis in axes]
-        x, y = (a if known else system.functions.of(a)(run.state) for a, known in zip(axes, kept, strict=True))
-        xlabel, ylabel = (None if known else plain(a) for a, known in zip(axes, kept, strict=True))
-        draw(run, x, y, xlabel=xlabel, ylabel=ylabel, ax=ax)
-        _widen(ax)
-        values = "".join(f", {label(name)} = {value:.4g}" for name, value in begin.leaf.casimirs.items())
-        values += f" ({missing})" if (missing := shortage(system.bracket)) else ""
-        name = wrap(f"{plain(system.name)}:", _TITLE_WIDTH)
-        gap = "\n" if len("".join(name)) > _TITLE_WIDTH // 2 else " "
-        heading = "\n".join(name) + f"{gap}section {label(cut.function)} = 0"
-        ax.set_title(f"{heading}\n$H$ = {begin.energy:.4g}{values}", fontsize=10.5)
-    return figure
-
-
-def _widen(ax: Axes) -> None:
-    """Show points that agree to round-off, as those of periodic orbits do, as one point."""
-    for limits, set_limits in ((ax.get_xlim(), ax.set_xlim), (ax.get_ylim(), ax.set_ylim)):
-        low, high = limits
-        middle, size = (low + high) / 2, max(abs(low), abs(high), 1e-3)
-        if high - low < _ROUND_OFF * size:
-            set_limits(middle - size / 2, middle + size / 2)

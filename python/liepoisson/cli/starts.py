@@ -1,55 +1,37 @@
-"""Where the commands `orbit` and `section` begin: a state that is given, or a guess moved onto a leaf and an energy."""
+"""The options that say where orbits begin: a state that is given, or a guess moved onto a leaf and an energy."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from liepoisson.arrays import as_double
 from liepoisson.cli.systems import read_file, setting_words, with_settings
-from liepoisson.errors import ExpressionError, LeafError, ParameterError
+from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
+    from liepoisson.arrays import Array
     from liepoisson.exact.system import System
-    from liepoisson.phase_space.leaf import Leaf
-
-    FloatArray: TypeAlias = NDArray[np.float64]
+    from liepoisson.phase_space.starts import Start
 
 START_HELP = "Where the orbit begins: all numbers, or by name, --start l=1,0,0 --start beta3=1; the others are 0."
 GUESS_HELP = "Like --start, but it is moved onto --leaf and --energy.  [default: member 0 of the seed]"
-LEAF_HELP = "Values of Casimirs, as in --leaf C1=1.2,C2=0 or --leaf C1=1.2 --leaf C2=0; the others keep theirs."
-ENERGY_HELP = "Value of the Hamiltonian."
+LEAF_HELP = "Values of Casimirs, as in --leaf C1=1.2,C2=0 or --leaf l.alpha=1/5; the others keep theirs."
+ENERGY_HELP = "Value of the Hamiltonian, as in --energy 1.5 or --energy 3/2."
 SEED_HELP = "Seed of what is drawn at random."
+STARTS_HELP = "Random starts."
+ENSEMBLE_HELP = (
+    "How starts are drawn where no leaf is asked for: unit-vectors, cube or gaussian.  [default: unit-vectors]"
+)
 
-MATCH = 1e-10
-"""Relative violation of a leaf or an energy below which a given start counts as lying there.
-
-Round-off of decimal numbers with twelve digits stays below it.
-"""
-_GUESSES = 8
-"""Random guesses that are tried before a leaf or an energy is given up."""
 _MOST_SHOWN = 60
-
-
-@dataclass(frozen=True)
-class Start:
-    """A state with its leaf and energy, and how it was found.
-
-    Attributes:
-        state: Shape (component,).
-        leaf: The symplectic leaf through it.
-        energy: Value of the Hamiltonian there.
-        origin: How it was found, in words.
-    """
-
-    state: FloatArray
-    leaf: Leaf
-    energy: float
-    origin: str
+_MOST_STARTS = 2**31
+_COMMAS = re.compile(r",(?![^(]*\))")
+"""Those that separate assignments, and not the arguments of a function."""
 
 
 def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
@@ -80,174 +62,127 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
     return replace(file, name=file.name + setting_words(settings)).system()
 
 
-@np.errstate(all="ignore")  # a start that is too large for doubles ends with its outcome
 def find_start(
     system: System,
     *,
     start: Sequence[str] = (),
     guess: Sequence[str] = (),
     leaf: Sequence[str] = (),
-    energy: float | None = None,
+    energy: str | None = None,
     seed: int = 0,
 ) -> Start:
-    """The start that the options ask for.
-
-    A given start must lie on the leaf and at the energy asked for; a guess is moved there.
+    """The start that the options ask for, as `liepoisson.phase_space.find_start` finds it.
 
     Raises:
         ParameterError: options that contradict each other or cannot be read.
+        ShapeError: a state or a vector has another number of components.
         LeafError: no real state has these Casimirs and this energy, or the given start does not.
     """
-    wanted = read_leaf(system, leaf) if leaf else {}
-    if start and guess:
-        raise ParameterError("--start and --guess exclude each other: a start stays where it is, a guess is moved.")
-    if guess and not wanted and energy is None:
-        raise ParameterError("--guess must come with --leaf or --energy, onto which it is moved. Or write --start.")
+    from liepoisson.phase_space.starts import find
+
+    component = system.component_names[0]
+    return find(
+        system,
+        start=_state(start, "--start", component),
+        guess=_state(guess, "--guess", component),
+        leaf=assignments(_COMMAS.split(",".join(leaf)), "--leaf", "--leaf C1=1,C2=0", "Casimir") if leaf else None,
+        energy=energy,
+        seed=seed,
+        prefix="--",
+    )
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Where the orbits of a command begin.
+
+    Attributes:
+        states: Shape (trajectory, component).
+        words: What they are: "64 random starts (unit-vectors, seed 0)".
+        begin: The start whose leaf and energy they share; None if they are spread over phase space.
+    """
+
+    states: Array
+    words: str
+    begin: Start | None
+
+    def lines(self, system: System) -> list[str]:
+        """What the commands print about them before the run."""
+        if self.begin is None:
+            return []
+        return (start_lines if len(self.states) == 1 else leaf_lines)(system, self.begin)
+
+
+def find_starts(
+    system: System,
+    *,
+    starts: int | None,
+    default: int,
+    start: Sequence[str] = (),
+    guess: Sequence[str] = (),
+    leaf: Sequence[str] = (),
+    energy: str | None = None,
+    ensemble: str | None = None,
+    seed: int = 0,
+) -> Starts:
+    """One orbit with --start; with --guess, --leaf or --energy random starts there; else members of an ensemble.
+
+    Raises:
+        ParameterError: options that contradict each other or cannot be read.
+        LeafError: the leaf has no state of this energy, or no finite volume to draw from.
+    """
+    if starts is not None and start:
+        raise ParameterError("--starts and --start exclude each other: with --start there is one orbit. Or --guess.")
+    n = default if starts is None else starts
+    if not 1 <= n <= _MOST_STARTS:
+        raise ParameterError(f"--starts must be from 1 to {_MOST_STARTS}; got {n}. Try {default}.")
+    if not (start or guess or leaf or energy is not None):
+        from liepoisson.numeric.sampling import sample_states
+
+        drawn = ensemble or "unit-vectors"
+        states = sample_states(system, n, seed=seed, ensemble=drawn)
+        return Starts(states, f"{n} random start{'s' if n > 1 else ''} ({drawn}, seed {seed})", None)
+    if ensemble is not None:
+        raise ParameterError("--ensemble and --leaf exclude each other: on a leaf states follow the Liouville measure.")
+    begin = find_start(system, start=start, guess=guess, leaf=leaf, energy=energy, seed=seed)
     if start:
-        return _given(system, read_state(system, start, "--start"), wanted, energy)
-    if guess:
-        x = read_state(system, guess, "--guess")
-        return _moved(_leaf(system, x, wanted), x, energy, "the guess")
-    return _random(system, wanted, energy, seed)
+        return Starts(begin.state[None], "one orbit", begin)
+    level = begin.energy if energy is None else as_double(energy, "--energy")  # the former has a round-off of its own
+    states = begin.leaf.sample(n, seed=seed, energy=level)
+    return Starts(states, f"{n} random start{'s' if n > 1 else ''} on one leaf and energy (seed {seed})", begin)
 
 
-def _given(system: System, x: FloatArray, wanted: dict[str, float], energy: float | None) -> Start:
-    values = {name: float(casimir(x)) for name, casimir in system.functions.casimirs.items()}
-    wrong = [
-        f"{name} = {got:.12g} instead of {aim:.12g}"
-        for name, aim, got in (
-            *((name, aim, values[name]) for name, aim in wanted.items()),
-            *((("H", energy, float(system.functions.energy(x))),) if energy is not None else ()),
-        )
-        if abs(got - aim) > MATCH * max(1.0, abs(aim))
-    ]
-    if wrong:
-        raise LeafError(
-            f"--start must lie on the leaf and at the energy asked for; it has {', '.join(wrong)}. "
-            "Write --guess instead of --start to have it moved there."
-        )
-    return _start_at(system, x, "as given")
-
-
-def _random(system: System, wanted: dict[str, float], energy: float | None, seed: int) -> Start:
-    """On the leaf of member 0 of unit vectors, with the wanted values; reached from the first member that can be."""
-    from liepoisson.numeric.sampling import sample_states
-
-    members = sample_states(system, _GUESSES, seed=seed)
-    if not wanted and energy is None:
-        return _start_at(system, members[0], f"member 0 of unit-vectors, seed {seed}")
-    leaf, failure = _leaf(system, members[0], wanted), None
-    for k, x in enumerate(members):
-        try:
-            return _moved(leaf, x, energy, f"member {k} of unit-vectors, seed {seed}")
-        except LeafError as error:
-            failure = failure or error
-    assert failure is not None
-    raise failure
-
-
-def _start_at(system: System, x: FloatArray, origin: str) -> Start:
-    from liepoisson.phase_space.leaf import Leaf
-
-    return Start(x, Leaf.through(system, x), float(system.functions.energy(x)), origin)
-
-
-def _leaf(system: System, x: FloatArray, wanted: dict[str, float]) -> Leaf:
-    """The leaf of x, with other values for some Casimirs."""
-    from liepoisson.phase_space.leaf import Leaf
-
-    if not wanted:
-        return Leaf.through(system, x)
-    try:
-        return Leaf(system, {name: float(casimir(x)) for name, casimir in system.functions.casimirs.items()} | wanted)
-    except LeafError as error:  # its advice is a call in Python
-        raise LeafError(str(error).replace("Leaf.through(system, state)", "--start STATE, without --leaf")) from error
-
-
-def _moved(leaf: Leaf, x: FloatArray, energy: float | None, guess: str) -> Start:
-    reached = leaf.project(x, energy=energy)
-    origin = f"{guess}, moved by {np.linalg.norm(reached - x):.3g}"
-    return Start(reached, leaf, float(leaf.system.functions.energy(reached)), origin)
-
-
-def read_state(system: System, words: Sequence[str], option: str) -> FloatArray:
-    """A state from the values of an option: all components, or fields and components by name.
-
-    Raises:
-        ParameterError: a word is none of these, or a component is given twice.
-    """
-    names, fields = system.component_names, system.bracket.field_names
-    example = f"{option} {names[0]}=1"
+def _state(words: Sequence[str], option: str, component: str) -> list[str] | dict[str, list[str]] | None:
+    """All components, or fields and components by name, as texts."""
+    if not words:
+        return None
     if len(words) == 1 and "=" not in words[0]:
-        numbers = _numbers(words[0], option)
-        if len(numbers) != len(names):
-            raise ParameterError(
-                f"{option} must have {len(names)} numbers ({', '.join(fields)}); got {len(numbers)}. "
-                f"Or give some by name: {example}."
-            )
-        return np.array(numbers)
-    size = system.bracket.algebra.dimension
-    places = {field: range(k * size, (k + 1) * size) for k, field in enumerate(fields)}
-    places |= {name: range(k, k + 1) for k, name in enumerate(names)}
-    x = np.full(len(names), np.nan)
-    for name, text in (_assignment(word, option, example) for word in words):
-        if name not in places:
-            known = ", ".join((*fields, *names))
-            raise ParameterError(f"{option} must name a field or a component; got {name!r:.60}. Known: {known}.")
-        numbers, place = _numbers(text, option), list(places[name])
-        if len(numbers) != len(place):
-            raise ParameterError(f"{option} {name} must have {len(place)} numbers; got {len(numbers)}.")
-        if not np.isnan(x[place]).all():
-            raise ParameterError(f"{option} must give each component once; {name} comes twice. Remove one.")
-        x[place] = numbers
-    return np.nan_to_num(x)
+        return _items(words[0])
+    named = assignments(words, option, f"{option} {component}=1", "component")
+    return {name: _items(text) for name, text in named.items()}
 
 
-def read_leaf(system: System, words: Sequence[str]) -> dict[str, float]:
-    """Values of Casimirs from those of the option --leaf.
+def assignments(words: Sequence[str], option: str, example: str, noun: str) -> dict[str, str]:
+    """Texts of the form name=value.
 
     Raises:
-        ParameterError: it is not of the form C1=1.2,C2=0, or a name is not a Casimir.
+        ParameterError: a word is not of this form, or a name comes twice.
     """
-    known = tuple(system.functions.casimirs)
-    example = ",".join(f"{name}={value}" for name, value in zip(known, ("1", *("0" * 20)), strict=False))
-    values: dict[str, float] = {}
-    for word in ",".join(words).split(","):
-        name, value = _assignment(word, "--leaf", f"--leaf {example}")
-        if name not in known:
+    found: dict[str, str] = {}
+    for word in words:
+        name, sign, value = (part.strip() for part in word.rpartition("="))
+        if not (name and sign and value):
             raise ParameterError(
-                f"--leaf must name Casimirs of {system.name}; got {name!r:.60}. Known: {', '.join(known) or 'none'}."
+                f"{option} must be name=value; got {word!r:.{_MOST_SHOWN}}. Write for example {example}."
             )
-        if name in values:
-            raise ParameterError(f"--leaf must give each Casimir once; {name} comes twice. Remove one.")
-        (values[name],) = _numbers(value, "--leaf")
-    return values
+        if name in found:
+            raise ParameterError(f"{option} must give each {noun} once; {name} comes twice. Remove one.")
+        found[name] = value
+    return found
 
 
-def _assignment(word: str, option: str, example: str) -> tuple[str, str]:
-    name, sign, value = (part.strip() for part in word.partition("="))
-    if not (name and sign and value):
-        raise ParameterError(f"{option} must be name=value; got {word!r:.{_MOST_SHOWN}}. Write for example {example}.")
-    return name, value
-
-
-def _numbers(text: str, option: str) -> list[float]:
-    """Numbers such as -1, 1/3, sqrt(2)/2, separated by commas."""
-    import math
-
-    from liepoisson.exact.expression import evaluate
-    from liepoisson.exact.formula.grammar import parse
-    from liepoisson.exact.formula.scope import Scope
-    from liepoisson.exact.parameters import as_float
-
-    try:
-        items = [item.strip() for item in text.split(",")]
-        numbers = [as_float(evaluate(parse(item), item, Scope()), option) for item in items]
-    except ExpressionError as error:
-        raise ParameterError(f"{option} {text:.{_MOST_SHOWN}}: {error.within_formula()}") from error
-    if not all(map(math.isfinite, numbers)):
-        raise ParameterError(f"{option} must have finite numbers; got {text:.{_MOST_SHOWN}}.")
-    return numbers
+def _items(text: str) -> list[str]:
+    return [item.strip() for item in text.split(",")]
 
 
 def start_lines(system: System, start: Start) -> list[str]:

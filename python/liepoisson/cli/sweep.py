@@ -11,7 +11,7 @@ import typer
 
 from liepoisson.cli.ending import TERMINATED, TerminatedError, ends_on_sigterm
 from liepoisson.cli.output import FIGURE_HELP, PLOT_HELP, figure_stem, write_figure
-from liepoisson.cli.progress import INTERRUPTED, progress_bar
+from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.result import Sweep
@@ -44,6 +44,7 @@ def sweep(
     ] = False,
     plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
+    quiet: QuietOption = False,
 ) -> None:
     """Compute a quantity over a grid of parameters, energies and Casimirs.
 
@@ -58,7 +59,7 @@ def sweep(
     folder = Path(store) if store is not None else Path(file).with_suffix(".zarr")
     stem = figure_stem(plot, figure, Path(file).stem)
     try:
-        with ends_on_sigterm(), progress_bar() as bar:
+        with ends_on_sigterm(), progress_bar(quiet=quiet) as bar:
             result = run(
                 spec,
                 store=folder,

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from liepoisson.errors import ExpressionError, ParameterError
+from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -69,7 +69,10 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
         given.add(name)
         if name not in file.scope.shapes or name in file.scope.scalars:
             known = ", ".join(known for known in file.scope.shapes if known not in file.scope.scalars) or "none"
-            raise ParameterError(f"--set must name a parameter of {file.name!r}; got {name!r}. Known: {known}.")
+            raise ParameterError(
+                f"--set must name a parameter of {file.name!r}; got {name!r:.60}. "
+                f"{did_you_mean(name, file.scope.shapes)}Known: {known}."
+            )
         wanted, got = file.scope.shapes[name], (len(value),) if isinstance(value, tuple) else ()
         if wanted != got:
             raise ParameterError(
@@ -91,9 +94,7 @@ def setting_words(settings: Sequence[str]) -> str:
 
 
 def _read_setting(setting: str) -> tuple[str, Value]:
-    from liepoisson.exact.expression import evaluate
-    from liepoisson.exact.formula.grammar import parse
-    from liepoisson.exact.formula.scope import Scope
+    from liepoisson.exact.expression import constant
 
     name, sign, text = (part.strip() for part in setting.partition("="))
     if not (name and sign and text):
@@ -101,7 +102,7 @@ def _read_setting(setting: str) -> tuple[str, Value]:
     is_vector = "," in text or text.startswith("[")
     items = text.removeprefix("[").removesuffix("]").split(",") if is_vector else [text]
     try:
-        numbers = tuple(evaluate(parse(item.strip()), item.strip(), Scope()) for item in items)
+        numbers = tuple(constant(item.strip()) for item in items)
     except ExpressionError as error:
         raise ParameterError(f"--set {setting:.{_MOST_SHOWN}}: {error.within_formula()}") from error
     return name, numbers if is_vector else numbers[0]

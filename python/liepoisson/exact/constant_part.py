@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.errors import BracketError, ParameterError
+from liepoisson.errors import BracketError, ParameterError, did_you_mean
 from liepoisson.exact.parameters import Parameter, is_zero, product_of, read_parameter, sum_of
 
 if TYPE_CHECKING:
@@ -58,10 +58,7 @@ def _read_coordinate(given: object, names: Sequence[str]) -> int:
         return int(given)
     if str(given) in names:  # a text or a symbol
         return list(names).index(str(given))
-    from difflib import get_close_matches
-
-    near = get_close_matches(str(given), names, n=1)
-    hint = f"Did you mean {near[0]}?" if near else "Write one of these."
+    hint = did_you_mean(given, names).strip() or "Write one of these."
     shown = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
     raise BracketError(f"the constant part must name coordinates; got {given!r:.60}. Known are {shown}. {hint}")
 

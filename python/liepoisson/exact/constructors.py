@@ -7,12 +7,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from fractions import Fraction
 from inspect import signature
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from liepoisson.errors import ExpressionError, LiePoissonError
+from liepoisson.errors import ExpressionError, LiePoissonError, did_you_mean
 from liepoisson.exact.expression import evaluate
 from liepoisson.exact.formula.grammar import Call, Name, Node, Sum, parse
 from liepoisson.exact.formula.scope import Scope
@@ -86,8 +85,7 @@ def _build(node: Node, text: str, registry: _Registry[T], scope: Scope) -> T:
         raise ExpressionError(message, text, node.position)
     constructor = registry.constructors.get(node.function)
     if constructor is None:
-        near = get_close_matches(node.function, registry.constructors, n=1)
-        hint = f"Did you mean {near[0]}? " if near else ""
+        hint = did_you_mean(node.function, registry.constructors)
         known = ", ".join(registry.constructors)
         message = f"the {registry.kind} {node.function!r} is unknown. {hint}Known are {known}"
         raise ExpressionError(message, text, node.position)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -23,7 +24,7 @@ from liepoisson.exact.report.lines import Equation, Line, Name, write_line
 from liepoisson.exact.report.motion_facts import EquationFacts, HamiltonianFacts, KernelFacts, named_form
 from liepoisson.exact.report.vector_notation import VectorNotation
 from liepoisson.exact.report.wrapping import wrapped
-from liepoisson.exact.styles import LATEX, NAMES, UNICODE, Style
+from liepoisson.exact.styles import LATEX, LETTERS, NAMES, UNICODE, Style
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -31,14 +32,11 @@ if TYPE_CHECKING:
 _TITLE_WIDTH = 17
 _TEXT_WIDTH = 100
 _DISPLAY_WIDTH = 70
-_DOCUMENT = r"""\documentclass{article}
-\usepackage[T1]{fontenc}
-\usepackage[utf8]{inputenc}
-\usepackage{amsmath, amssymb}
-\begin{document}
-\sloppy
-%s
-\end{document}"""
+_MATH = re.compile(
+    r"\b(?P<algebra>so|su|sl|gl|se|sp)(?P<size>\(\d[\d, ]*\))|(?P<casimir>J grad C = 0)|"
+    r"\b(?P<name>[A-Za-z]+\d+|[JHCl]|" + "|".join(sorted(LETTERS, key=len, reverse=True)) + r")\b(?!\()"
+)
+"""What is mathematics among the words of a report: so(3), l1, epsilon, J."""
 
 
 @dataclass(frozen=True)
@@ -69,12 +67,16 @@ class Report:
         return "\n".join(rows)
 
     def latex(self) -> str:
-        """The report as a LaTeX document that needs amsmath only."""
-        parts = [rf"\section*{{{LATEX.words(self.name)}}}", LATEX.words(self.source or "")]
+        """The report as a fragment for a paper, which needs amsmath and amssymb: paragraphs, and aligned equations."""
+        parts = [
+            "% needs amsmath, amssymb",
+            rf"\subsection*{{{LATEX.words(self.name)}}}",
+            LATEX.words(self.source or ""),
+        ]
         for topic in self.topics:
-            parts.append(rf"\subsection*{{{topic.title}}}")
-            parts += [_paragraph(line) for line in topic.lines()]
-        return _DOCUMENT % "\n\n".join(part for part in parts if part)
+            parts.append(rf"\paragraph{{{topic.title}.}}")
+            parts += _paragraphs(topic.lines())
+        return "\n\n".join(part for part in parts if part)
 
     def record(self) -> dict[str, Any]:
         """The report as data that JSON can write.
@@ -173,8 +175,69 @@ def _indented(title: str, lines: Sequence[Line], style: Style) -> list[str]:
     return [f"  {head:<{_TITLE_WIDTH}}{row}" for head, row in zip(heads, written, strict=True)]
 
 
-def _paragraph(line: Line) -> str:
-    """A formula alone is displayed if it fits on a line; TeX breaks a paragraph of words and formulas, also in sums."""
-    if len(line) == 1 and not isinstance(line[0], str) and len(line[0].write(UNICODE)) <= _DISPLAY_WIDTH:
-        return rf"\[ {line[0].write(LATEX)} \]"
-    return write_line(line, LATEX)
+def _paragraphs(lines: Sequence[Line]) -> list[str]:
+    """Lines in LaTeX: formulas that stand alone and fit on a line are displayed, those that follow each other aligned.
+
+    TeX breaks a paragraph of words and formulas, also in sums.
+    """
+    written: list[str] = []
+    displayed: list[str] = []
+    for line in lines:
+        if len(line) == 1 and not isinstance(line[0], str) and len(line[0].write(UNICODE)) <= _DISPLAY_WIDTH:
+            displayed.append(line[0].write(LATEX))
+            continue
+        written += [*_display(displayed), f"{write_line(_with_mathematics(line), LATEX)}."]
+        displayed = []
+    return [*written, *_display(displayed)]
+
+
+def _display(formulas: Sequence[str]) -> list[str]:
+    """One formula in a display, several in one `align*`, at their equality signs."""
+    if len(formulas) < 2:
+        return [f"\\[ {formula} \\]" for formula in formulas]
+    rows = " \\\\\n".join(f"  {_aligned(formula)}" for formula in formulas)
+    return [f"\\begin{{align*}}\n{rows}\n\\end{{align*}}"]
+
+
+def _aligned(formula: str) -> str:
+    """The formula with the mark of alignment before its first relation outside of braces."""
+    depth = 0
+    for place, character in enumerate(formula):
+        depth += {"{": 1, "}": -1}.get(character, 0)
+        if not depth and formula.startswith((" = ", " \\mapsto "), place):
+            return f"{formula[: place + 1]}&{formula[place + 1 :]}"
+    return f"& {formula}"
+
+
+@dataclass(frozen=True)
+class _Sign:
+    """A piece of mathematics among words, in LaTeX."""
+
+    latex: str
+
+    def write(self, style: Style) -> str:
+        return self.latex
+
+
+def _with_mathematics(line: Line) -> Line:
+    """The line with the mathematics among its words set off from them."""
+    pieces: list[Any] = []
+    for piece in line:
+        if not isinstance(piece, str):
+            pieces.append(piece)
+            continue
+        place = 0
+        for match in _MATH.finditer(piece):
+            pieces += [piece[place : match.start()], _Sign(_sign(match))]
+            place = match.end()
+        pieces.append(piece[place:])
+    kept = [piece for piece in pieces if piece]
+    if isinstance(kept[0], str):  # a sentence
+        kept[0] = kept[0][:1].upper() + kept[0][1:]
+    return tuple(kept)
+
+
+def _sign(match: re.Match[str]) -> str:
+    if match["algebra"]:
+        return rf"\mathfrak{{{match['algebra']}}}{match['size']}"
+    return r"J\nabla C = 0" if match["casimir"] else Name(match["name"]).write(LATEX)

@@ -15,11 +15,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from difflib import get_close_matches
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.errors import ExpressionError
+from liepoisson.errors import ExpressionError, did_you_mean
 from liepoisson.exact.formula.arithmetic import Arithmetic, RefusedError
 from liepoisson.exact.formula.grammar import (
     Call,
@@ -131,6 +130,18 @@ def evaluate(tree: Node, text: str, scope: Scope) -> Exact:
         ExpressionError: as in `read_formula`.
     """
     return _evaluated(tree, text, scope, insert_values=True)
+
+
+def constant(text: str) -> Exact:
+    """The number that a text without names stands for, exactly: "1/3", "0.1", "sqrt(2)/2", "-pi".
+
+    This is how numbers are read wherever one can be given as text.  A rational number comes as a Fraction, and SymPy
+    is then not imported.
+
+    Raises:
+        ExpressionError: as in `read_formula`.
+    """
+    return evaluate(parse(text), text, Scope())
 
 
 def check_names(tree: Node, text: str, scope: Scope) -> frozenset[str]:
@@ -335,6 +346,4 @@ def _unknown_function(name: str, scope: Scope) -> str:
         return f"{name} is not smooth, and the equations of motion need derivatives. Use smooth functions only"
     if name.lower() in _INSTEAD:
         return f"the function {name!r} is unknown. Write {_INSTEAD[name.lower()]}"
-    near = get_close_matches(name, FUNCTIONS, n=1)
-    hint = f"Did you mean {near[0]}? " if near else ""
-    return f"the function {name!r} is unknown. {hint}Known are {', '.join(FUNCTIONS)}"
+    return f"the function {name!r} is unknown. {did_you_mean(name, FUNCTIONS)}Known are {', '.join(FUNCTIONS)}"

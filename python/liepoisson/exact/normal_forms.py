@@ -22,7 +22,7 @@ from __future__ import annotations
 from fractions import Fraction
 from numbers import Integral
 
-from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.exact.extension import Extension, Products
 
 # name: (basis, products of two generators other than the unit).  The products of longer monomials follow from these.
@@ -93,8 +93,10 @@ def normal_form_named(name: str) -> Extension:
     for forms in _FORMS.values():
         if name in forms:
             return _extension(name, *forms[name])
-    known = ", ".join(other for forms in _FORMS.values() for other in forms)
-    raise UnknownNameError(f"no normal form is called {name!r}. The names are {known}.")
+    known = [other for forms in _FORMS.values() for other in forms]
+    raise UnknownNameError(
+        f"no normal form is called {name!r}. {did_you_mean(name, known)}The names are {', '.join(known)}."
+    )
 
 
 def truncated_polynomials(n: int) -> Extension:

@@ -13,8 +13,8 @@ from fractions import Fraction
 from numbers import Integral, Rational, Real
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.names import check_name, check_not_reserved
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.exact.names import CONSTANTS, check_name, check_not_reserved
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -40,8 +40,8 @@ _NAME = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 def read_parameter(value: object, name: str) -> Exact:
     """Read one parameter exactly.
 
-    A float is read as the decimal it prints as (0.1 is 1/10); a string is a number ("1/3", "0.25") or an identifier,
-    which stays symbolic.  No string is ever evaluated as code.
+    A float is read as the decimal it prints as (0.1 is 1/10); a string is a number ("1/3", "0.25", "sqrt(2)/2") or an
+    identifier, which stays symbolic.  No string is ever evaluated as code.
 
     Args:
         value: int, Fraction, float, NumPy scalar, string or SymPy expression.
@@ -218,16 +218,28 @@ def display(value: Exact) -> str:
 
 def _read_string(text: str, name: str) -> Exact:
     stripped = text.strip()
-    if _NAME.fullmatch(stripped) and stripped.lower() not in {"nan", "inf", "infinity"}:
+    if _NAME.fullmatch(stripped) and stripped.lower() not in {"nan", "inf", "infinity"} and stripped not in CONSTANTS:
         from sympy import Symbol
 
         return Symbol(check_name(stripped, f"{name}: the name of a symbol"))
-    if len(stripped) > _MAX_CHARACTERS or not _NUMBER.fullmatch(stripped):
+    if len(stripped) > _MAX_CHARACTERS:
         raise _not_a_parameter(text, name)
+    if not _NUMBER.fullmatch(stripped):
+        return _read_constant(stripped, name)
     try:
         return Fraction(stripped)
     except ZeroDivisionError:
         raise ParameterError(f"{name} must be a finite number; got {text!r}. Use a nonzero denominator.") from None
+
+
+def _read_constant(text: str, name: str) -> Exact:
+    """A formula without names, such as "sqrt(2)"."""
+    from liepoisson.exact.expression import constant
+
+    try:
+        return constant(text)
+    except ExpressionError as error:
+        raise _not_a_parameter(text, name, error.message) from None
 
 
 def _read_float(value: float | Real, name: str) -> Fraction:
@@ -265,12 +277,13 @@ def is_sympy(value: object) -> bool:
     return any(str(base.__module__).partition(".")[0] == "sympy" for base in type(value).__mro__)
 
 
-def _not_a_parameter(value: object, name: str) -> ParameterError:
+def _not_a_parameter(value: object, name: str, reason: str = "") -> ParameterError:
     shown = repr(value)
     shown = shown if len(shown) <= 60 else shown[:57] + "..."
     return ParameterError(
-        f"{name} must be a number or a name; got {shown} of type {type(value).__name__}. "
-        'Write for example 2, 0.5, Fraction(1, 3), "1/3" or "epsilon".'
+        f"{name} must be a number or a name; got {shown} of type {type(value).__name__}"
+        f"{f' ({reason})' if reason else ''}. "
+        'Write for example 2, 0.5, Fraction(1, 3), "1/3", "sqrt(2)" or "epsilon".'
     )
 
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.hamiltonian import (
@@ -76,6 +77,7 @@ class System:
         BracketError: a parameter is named like a coordinate.
     """
 
+    @explains_its_arguments
     def __init__(
         self,
         bracket: Bracket,

@@ -11,7 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
-from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError
+from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError, did_you_mean
 from liepoisson.exact.constructors import read_algebra, read_extension
 from liepoisson.exact.expression import check_names, evaluate
 from liepoisson.exact.formula.grammar import MAX_DIGITS, parse
@@ -386,12 +386,9 @@ class _Reader:
         return cast("dict[str, Any]", given)
 
     def check_keys(self, keys: tuple[str | int, ...], table: Mapping[str, object], known: Sequence[str]) -> None:
-        from difflib import get_close_matches
-
         for key in table:
             if key not in known:
-                near = get_close_matches(key, known, n=1)
-                hint = f"Did you mean {near[0]}?" if near else "Remove it."
+                hint = did_you_mean(key, known).strip() or "Remove it."
                 message = f"the key is unknown; known are {', '.join(known)}. {hint}"
                 raise self.toml.error((*keys, key), message)
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array, as_array, as_double
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField, QuadraticField, TopField
 from liepoisson.wrong_values import shown
@@ -56,10 +56,12 @@ def as_count(value: Any, name: str, *, least: int = 0, most: int = MOST, hint: s
 
 
 def as_number(value: Any, name: str, wanted: str) -> float:
-    """A real number as a plain float; texts, complex numbers, dates and booleans are refused."""
+    """A real number as a plain float, also an exact one as a text ("1/3"); complex numbers, dates, booleans are not."""
     scalar = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
-    numeric = scalar.dtype.kind in "iuf" if isinstance(scalar, np.generic) else not isinstance(scalar, (str, bool))
+    numeric = scalar.dtype.kind in "iuf" if isinstance(scalar, np.generic) else not isinstance(scalar, bool)
     try:
+        if type(scalar) is str:
+            return as_double(scalar, name)
         if numeric and hasattr(scalar, "__float__") and not isinstance(scalar, (type, np.ndarray)):
             return float(scalar)
     except (TypeError, ValueError, OverflowError):

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -103,6 +104,7 @@ class Alignment(Run):
         )
 
 
+@shows_progress
 def alignment(
     system: HasField,
     starts: ArrayLike,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_time_limit, shown, typical
 from liepoisson.numeric.estimates import Estimate, as_confidence
@@ -121,6 +122,7 @@ class EnergyProfile(Run):
         return f"<EnergyProfile of {self.system.name}: {energies}, {n} starts each, {value} at t = {self.t_end:g}>"
 
 
+@shows_progress
 def exponents_by_energy(
     system: HasField,
     *,

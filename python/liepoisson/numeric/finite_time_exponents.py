@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson import _core
 from liepoisson.arrays import Array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -84,6 +85,7 @@ class FiniteTimeExponents(IntegratedRun):
         return f"<FiniteTimeExponents of {name}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
 
 
+@shows_progress
 def finite_time_exponents(
     system: HasField,
     starts: ArrayLike,

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -113,6 +114,7 @@ class FrequencyDrift(Run):
         return f"<FrequencyDrift of {self.system.name}: {trajectories(self.outcome)}, {value}>"
 
 
+@shows_progress
 def frequency_drift(
     system: HasField,
     starts: ArrayLike,

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField
 from liepoisson.numeric._checks import (
@@ -160,6 +161,7 @@ class Orbit(IntegratedRun):
         return f"<Orbit of {self.system.name}: {trajectories(self.outcome)}, {len(self.time)} times, {span}{tangents}>"
 
 
+@shows_progress
 def integrate(
     system: HasField,
     starts: ArrayLike,

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -204,6 +205,7 @@ class ExponentEstimate(Run):
         return "\n".join(lines)
 
 
+@shows_progress
 def lyapunov_exponent(
     system: HasField,
     starts: ArrayLike,

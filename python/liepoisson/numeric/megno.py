@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
+from liepoisson.calls import shows_progress
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
     HasField,
@@ -82,6 +83,7 @@ class Megno(Run):
         return f"<Megno of {self.system.name}: {trajectories(self.outcome)}, {value} at t = {self.time[-1]:g}>"
 
 
+@shows_progress
 def megno(
     system: HasField,
     starts: ArrayLike,

@@ -8,7 +8,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.calls import explains_its_arguments
+from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.numeric._checks import MOST, HasField, as_count, as_field, shown
 
 BLOCK = 256
@@ -47,6 +48,13 @@ ENSEMBLES: dict[str, _Draw] = {
 }
 
 
+def unknown_ensemble(given: object) -> UnknownNameError:
+    """What is said of an ensemble that there is not."""
+    hint = did_you_mean(given, ENSEMBLES).strip() or "Take one of these."
+    return UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(given)}. {hint}")
+
+
+@explains_its_arguments
 def sample_states(
     system: HasField, n_starts: int, *, seed: int = 0, ensemble: str = "unit-vectors", first: int = 0
 ) -> NDArray[np.float64]:
@@ -77,7 +85,7 @@ def sample_states(
     """
     draw = ENSEMBLES.get(ensemble) if isinstance(ensemble, str) else None  # pyright: ignore[reportUnnecessaryIsInstance]
     if draw is None:
-        raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(ensemble)}")
+        raise unknown_ensemble(ensemble)
     components = as_field(system).n_components
     return _draw(
         draw, components, n_starts, seed, length=_vector_length(system, components), first=first, purpose=_STATES

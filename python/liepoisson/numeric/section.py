@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import TapeFunction
 from liepoisson.numeric._checks import (
@@ -249,6 +250,7 @@ def _share(part: Array, end_time: Array) -> float:
     return min(float(np.sum(part)) / whole, 1.0) if whole > 0 else 0.0
 
 
+@shows_progress
 def section(
     system: HasField,
     starts: ArrayLike,
@@ -375,6 +377,7 @@ def section(
     )
 
 
+@shows_progress
 def first_return(
     system: HasField,
     starts: ArrayLike,
@@ -504,7 +507,7 @@ def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) 
         warnings.warn(
             f"{which} in the surface {surface} = 0, from start to end, and cross it nowhere; try another surface",
             SurfaceWarning,
-            stacklevel=3,
+            stacklevel=5,  # two frames are those of `shows_progress`
         )
 
 
@@ -514,7 +517,7 @@ def _warn_of_gaps(surface: str, share: float) -> None:
             f"the surface function {surface} could not be followed in {as_percent(share)} of the time, where crossings "
             "are not found: it varies too fast, or is singular nearby; try a smoother one",
             SurfaceWarning,
-            stacklevel=3,
+            stacklevel=5,  # two frames are those of `shows_progress`
         )
 
 

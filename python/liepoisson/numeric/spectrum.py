@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_time_limit, shown, trajectories
 from liepoisson.numeric.covariant_vectors import CovariantRecord, CovariantVectors
@@ -150,6 +151,7 @@ def _errors(rates: Array, finished: NDArray[np.bool_]) -> Array:
     return error
 
 
+@shows_progress
 def lyapunov_spectrum(
     system: HasField,
     starts: ArrayLike,

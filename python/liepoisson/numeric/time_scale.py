@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_arguments
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_field, as_states, as_time_limit
 from liepoisson.numeric.integrate import Orbit, integrate
@@ -43,6 +44,7 @@ _CHUNK, _TOGETHER = 256, 32
 _NO_UNIT = 1e-6
 
 
+@explains_its_arguments
 def time_scale(
     system: HasField,
     starts: ArrayLike,

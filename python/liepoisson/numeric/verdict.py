@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import (
     TIME_LIMIT,
@@ -196,6 +197,7 @@ class Verdict(Run):
         return f"<Verdict of {self.system.name}: {trajectories(self.outcome)}, {counts} at t = {self.t_end:g}>"
 
 
+@shows_progress
 def decide(
     system: HasField,
     starts: ArrayLike,

@@ -6,3 +6,5 @@ from liepoisson.phase_space.leaf_equilibria import equilibrium_near as equilibri
 from liepoisson.phase_space.orbit_bounds import bounds as bounds
 from liepoisson.phase_space.sleeping import sleeping_top as sleeping_top
 from liepoisson.phase_space.stability import equilibrium as equilibrium
+from liepoisson.phase_space.starts import Start as Start
+from liepoisson.phase_space.starts import find_start as find_start

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array, read_only
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError, UnsupportedFieldError
 from liepoisson.exact.charts.quaternions import components, rotation, shortest_turn
 from liepoisson.exact.lie_algebras import so
@@ -161,6 +162,7 @@ def extent(n: int, outcome: NDArray[np.str_]) -> str:
     return f"{n} {'trajectory' if n == 1 else 'trajectories'}{f' ({failed} not finished)' if failed else ''}"
 
 
+@shows_progress
 def attitude(
     system: System,
     starts: ArrayLike,

@@ -15,11 +15,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, read_only
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.numeric._checks import as_number, shown
 from liepoisson.phase_space._checks import as_energy, as_system
+from liepoisson.phase_space.casimir_names import by_name, formulas
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, mixing_of, solve
 from liepoisson.phase_space.leaf_stratum import Place, open_place, place_of
 
@@ -37,7 +39,8 @@ class Leaf:
 
     Args:
         system: A system whose parameters are all numbers.
-        casimirs: A value for each Casimir, by name: `{"C1": 1.2, "C2": 0.3, "C3": 1}`.
+        casimirs: A value for each Casimir, by name or formula: `{"C1": 1.2, "C2": 0.3, "C3": 1}`, or
+            `{"l.alpha": "1/5", "|alpha|^2": 1}` where these are the Casimirs.
 
     Raises:
         LeafError: no state was found with these values, or those found lie on leaves of lower rank, of which the
@@ -47,13 +50,14 @@ class Leaf:
     References: [marsden1999], chapter 14.
     """
 
-    def __init__(self, system: System, casimirs: Mapping[str, float]) -> None:
+    @explains_its_arguments
+    def __init__(self, system: System, casimirs: Mapping[str, float | str]) -> None:
         from liepoisson.phase_space.leaf_search import find_state
 
         place = open_place(as_system(system))
         if not place.is_known:
             raise LeafError(_unknown(system, place))
-        values = _values(casimirs, place)
+        values = _values(system, casimirs, place)
         self._set(system, place, values, find_state(system, place, values))
 
     @classmethod
@@ -336,8 +340,10 @@ def _unknown(system: System, place: Place) -> str:
     )
 
 
-def _values(casimirs: Mapping[str, float], place: Place) -> Array:
-    wanted = ", ".join(place.casimirs)
+def _values(system: System, casimirs: Mapping[str, float | str], place: Place) -> Array:
+    wanted = ", ".join(formulas(system))
+    if isinstance(casimirs, Mapping) and not set(casimirs) <= set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
+        casimirs = by_name(system, casimirs)
     if not isinstance(casimirs, Mapping) or set(casimirs) != set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(
             f"casimirs must give a value by name for each of {wanted}; got {shown(casimirs)}. Those of a state: "

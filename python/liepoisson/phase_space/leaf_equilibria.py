@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.numeric.sampling import as_seed
@@ -37,6 +38,7 @@ _MOST = 16
 """The search takes at most this many times `n_starts`, unless the caller says otherwise."""
 
 
+@explains_its_arguments
 def equilibria(
     system: System,
     leaf: Leaf | Mapping[str, float],

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric._checks import TIME_LIMIT, as_count, as_number, as_states
 from liepoisson.numeric.integrate import integrate
@@ -118,6 +119,7 @@ class Rod(Result):
         return f"<Rod of {self.system.name!r}: {extent(n, self.outcome)}, {points} points, s = {first:g} to {last:g}>"
 
 
+@shows_progress
 def rod(
     system: System,
     starts: ArrayLike,

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.phase_functions import as_phase_points
@@ -87,6 +88,7 @@ def good_surface(system: System) -> str:
     return " + ".join(terms)
 
 
+@explains_its_arguments
 def section_starts(
     leaf: Leaf,
     surface: str | Expr,
@@ -204,6 +206,7 @@ def _guesses_for(leaf: Leaf, energy: float) -> Callable[[np.random.SeedSequence,
     return lambda stream, n: size * np.random.default_rng(stream).standard_normal((n, len(leaf.state)))
 
 
+@explains_its_arguments
 def section_state(
     leaf: Leaf,
     surface: str | Expr,

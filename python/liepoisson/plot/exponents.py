@@ -40,7 +40,7 @@ def convergence(
 
     The dark band is the confidence of the mean; for thousands of members it is about as wide as the line.  When
     the curves of all members are given, a light band holds the middle 90% of them.  A fit is drawn solid inside
-    its window and dotted outside.
+    its window and dotted outside.  Of one orbit there is one curve and no band.
 
     Args:
         growth: Result of `finite_time_exponents`, or a `MeanCurve`.
@@ -55,10 +55,12 @@ def convergence(
 
     Raises:
         ShapeError: exponents not (trajectory, time).
-        ParameterError: fewer than two members finished.
+        ParameterError: no member finished, or fewer than two where a fit is to be drawn.
     """
     with house_style():
         ax = axes_or_new(ax)
+        if not isinstance(growth, MeanCurve) and len(alone := _finished(growth)) == 1 and fit is None:
+            return _draw_one(ax, np.asarray(growth.time), alone[0], label, colour)
         curve = growth if isinstance(growth, MeanCurve) else _mean_of(growth, confidence)
         (line,) = ax.plot(curve.time, curve.mean, color=colour, label=label, zorder=3)
         colour = str(line.get_color())
@@ -73,6 +75,23 @@ def convergence(
         ax.set_ylabel(r"$\langle\lambda(t)\rangle$")
         if label is not None or fit is not None:
             ax.legend()
+    return ax
+
+
+def _finished(growth: GrowthLike) -> FloatArray:
+    """The curves of the members that finished; none where there are no curves of members."""
+    curves = np.asarray(growth.exponent, np.float64)
+    return curves[np.isfinite(curves).all(axis=1)] if curves.ndim == 2 else curves[:0]
+
+
+def _draw_one(ax: Axes, time: FloatArray, curve: FloatArray, label: str | None, colour: str | None) -> Axes:
+    """The exponent of one orbit."""
+    ax.plot(time, curve, color=colour, label=label, zorder=3)
+    ax.set_xscale("log")
+    time_axis(ax, time[0], time[-1])
+    ax.set_ylabel(r"$\lambda(t)$")
+    if label is not None:
+        ax.legend()
     return ax
 
 

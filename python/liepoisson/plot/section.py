@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
@@ -11,10 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.plot.labels import label, plain
-from liepoisson.plot.style import as_colours, axes_or_new, house_style
+from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from liepoisson.numeric.section import Section as SectionResult
+    from liepoisson.phase_space.leaf import Leaf
 
 FloatArray: TypeAlias = NDArray[np.float64]
 
@@ -22,6 +27,8 @@ _GOOD_COVERAGE = 0.14
 """Share of the axes that points may cover in all, were none above another."""
 _LARGEST, _SMALLEST = 2.6, 0.25
 """Diameters of points in printer's points."""
+_ROUND_OFF = 1e-9
+"""Relative width of a figure below which it would show nothing but errors."""
 _LONGEST_LINE = 60
 """Characters of a title that fit above the axes of a new figure."""
 
@@ -92,7 +99,55 @@ def section(
         if heading is not None:
             ax.set_title(heading)
         ax.margins(0.04)
+        _widen(ax)
     return ax
+
+
+def titled_section(
+    run: SectionResult, leaf: Leaf, surface: str, axes: tuple[str, str], energy: float | None = None
+) -> Figure:
+    """A figure of crossings, with system, surface, energy and values of the Casimirs above it.
+
+    Args:
+        run: Result of `liepoisson.section`, of orbits on one leaf.
+        leaf: The leaf.
+        surface: The function that is zero on the surface.
+        axes: What is across and what is up: coordinates that were kept, or formulas of the state.
+        energy: That of the orbits, if it is one.
+    """
+    from liepoisson.exact.casimirs import shortage
+
+    system = leaf.system
+    with house_style():
+        figure = new_figure(6.0, 5.4)
+        ax = figure.add_subplot()
+        # Named coordinates get their labels there; the values of a formula are labelled with its text.
+        kept = [axis in run.coordinates for axis in axes]
+        x, y = (a if known else system.functions.of(a)(run.state) for a, known in zip(axes, kept, strict=True))
+        xlabel, ylabel = (None if known else plain(a) for a, known in zip(axes, kept, strict=True))
+        section(run, x, y, xlabel=xlabel, ylabel=ylabel, ax=ax)
+        values = [f"$H$ = {energy:.4g}"] if energy is not None else []
+        values += [f"{label(name)} = {value:.4g}" for name, value in leaf.casimirs.items()]
+        missing = shortage(system.bracket)
+        name = wrap(f"{plain(system.name)}:", _LONGEST_LINE)
+        gap = "\n" if len("".join(name)) > _LONGEST_LINE // 2 else " "
+        heading = "\n".join(name) + f"{gap}section {label(surface)} = 0{_in_words(run.direction)}"
+        ax.set_title(f"{heading}\n{', '.join(values)}{f' ({missing})' if missing else ''}", fontsize=10.5)
+    return figure
+
+
+def _in_words(direction: int) -> str:
+    """The direction of a crossing, behind the surface in a title."""
+    return {1: ", increasing", -1: ", decreasing"}.get(direction, "")
+
+
+def _widen(ax: Axes) -> None:
+    """Show points that agree to round-off, as those of periodic orbits do, as one point."""
+    for limits, set_limits in ((ax.get_xlim(), ax.set_xlim), (ax.get_ylim(), ax.set_ylim)):
+        low, high = limits
+        middle, size = (low + high) / 2, max(abs(low), abs(high), 1e-3)
+        if high - low < _ROUND_OFF * size:
+            set_limits(middle - size / 2, middle + size / 2)
 
 
 def _draw(ax: Axes, xy: FloatArray, member: NDArray[np.int64], colours: Sequence[str], size: float | None) -> None:

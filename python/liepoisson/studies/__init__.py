@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import difflib
-
-from liepoisson.errors import UnknownNameError
+from liepoisson.errors import UnknownNameError, did_you_mean
 
 STUDIES = ("twisted-top",)
 
@@ -17,6 +15,5 @@ def check_study(name: str) -> str:
     """
     if name in STUDIES:
         return name
-    close = difflib.get_close_matches(name, STUDIES, n=1)
-    hint = f"Did you mean {close[0]}?" if close else f"Try: liepoisson reproduce {STUDIES[0]}"
+    hint = did_you_mean(name, STUDIES).strip() or f"Try: liepoisson reproduce {STUDIES[0]}"
     raise UnknownNameError(f"there is no study {name!r}; known: {', '.join(STUDIES)}. {hint}")

@@ -14,6 +14,7 @@ import numpy as np
 
 from liepoisson import __version__
 from liepoisson.arrays import Array
+from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.files import exclusive
 from liepoisson.numeric._checks import MOST_THREADS, as_count, as_number, shown
@@ -38,6 +39,7 @@ Progress = Callable[[str, float, float], Any]
 """Called with what is done, orbits times time that are done, and those of the whole level."""
 
 
+@shows_progress
 def sweep(
     spec: SweepSpec | str | Path | Mapping[str, Any] | None = None,
     *,

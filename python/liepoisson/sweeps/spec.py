@@ -17,12 +17,12 @@ import numpy as np
 
 from liepoisson import __version__
 from liepoisson.arrays import as_array
-from liepoisson.errors import ParameterError, ShapeError, UnknownNameError
+from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.exact.names import check_name
 from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_record
-from liepoisson.numeric.sampling import ENSEMBLES, as_seed
+from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
 from liepoisson.numeric.verdict import Rule, as_rule
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
 
@@ -135,7 +135,7 @@ class Starts:
 
     def __post_init__(self) -> None:
         if not isinstance(self.ensemble, str) or self.ensemble not in ENSEMBLES:  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(self.ensemble)}")
+            raise unknown_ensemble(self.ensemble)
         if self.sampling not in ("projection", "liouville"):
             raise ParameterError(f'sampling: wanted "projection" or "liouville"; got {shown(self.sampling)}')
         if not isinstance(self.casimirs, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
@@ -260,7 +260,8 @@ class SweepSpec:
     def _check_quantity(self) -> None:
         given, wanted = self.quantity, f"one of {', '.join(QUANTITIES)}, a function, or package.module:function"
         if isinstance(given, str) and given not in QUANTITIES and not _DOTTED.fullmatch(given):
-            raise UnknownNameError(f"quantity: wanted {wanted}; got {shown(given)}")
+            hint = did_you_mean(given, QUANTITIES).strip() or "Correct it."
+            raise UnknownNameError(f"quantity: wanted {wanted}; got {shown(given)}. {hint}")
         if not isinstance(given, str) and not callable(given):  # pyright: ignore[reportUnnecessaryComparison]
             raise ParameterError(f"quantity: wanted {wanted}; got {shown(given)}")
 

@@ -40,7 +40,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
 
-from liepoisson.errors import ParameterError, UnknownNameError
+from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.exact.formula.toml_text import TomlText, read_toml
 from liepoisson.numeric._checks import shown
 from liepoisson.numeric.methods import METHODS, Method
@@ -173,10 +173,7 @@ class _Reader:
         name = options.pop("name", None)
         if name not in METHODS:
             raise self.toml.error(("method", "name"), f"wanted one of {', '.join(METHODS)}; got {shown(name)}.")
-        try:
-            return self.made(("method",), lambda: METHODS[name](**options))
-        except TypeError as error:
-            raise self.toml.error(("method",), f"{name} has no such option ({error}). Leave it out.") from error
+        return self.made(("method",), lambda: METHODS[name](**options))
 
     def refinement(self, table: dict[str, Any]) -> Refinement | None:
         if not table:
@@ -207,12 +204,10 @@ class _Reader:
 
     def real(self, keys: Sequence[str | int], given: object) -> float:
         """A number, or a formula without names, such as "pi/2"."""
-        from liepoisson.exact.expression import evaluate
-        from liepoisson.exact.formula.grammar import parse
-        from liepoisson.exact.formula.scope import Scope
+        from liepoisson.exact.expression import constant
 
         if isinstance(given, str):
-            return self.made(keys, lambda: float(evaluate(parse(given), given, Scope())))
+            return self.made(keys, lambda: float(constant(given)))
         if isinstance(given, bool) or not isinstance(given, (int, float, Fraction)):
             raise self.toml.error(keys, f"wanted a number; got {shown(given)}. Correct it.")
         try:
@@ -227,10 +222,7 @@ class _Reader:
         return self.real(keys, given) if isinstance(given, Fraction) else given
 
     def check_keys(self, keys: Sequence[str | int], table: Mapping[str, object], known: Sequence[str]) -> None:
-        from difflib import get_close_matches
-
         for key in table:
             if key not in known:
-                near = get_close_matches(str(key), known, n=1)
-                hint = f"Did you mean {near[0]}?" if near else "Remove it."
+                hint = did_you_mean(key, known).strip() or "Remove it."
                 raise self.toml.error((*keys, key), f"the key is unknown; known are {', '.join(known)}. {hint}")

@@ -5,11 +5,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from itertools import product
 from typing import TYPE_CHECKING
 
-from liepoisson.errors import ParameterError
+from liepoisson.errors import ParameterError, did_you_mean
 from liepoisson.exact.names import CONSTANTS, FUNCTIONS, check_name, check_not_reserved
 from liepoisson.exact.values import GivenValue, Shape, Value, component_name, read_values
 
@@ -88,9 +87,15 @@ class Scope:
     def suggestion(self, name: str) -> str:
         """The end of a message about an unknown name: the nearest known ones, and all of them."""
         known = [*self.fields, *self.shapes, *CONSTANTS]
-        near = get_close_matches(name, [*known, *self.components, *FUNCTIONS], n=1)
+        hint = did_you_mean(name, [*known, *self.components, *FUNCTIONS])
         shown = ", ".join(known[:40]) + (", ..." if len(known) > 40 else "")
-        return f"{f'Did you mean {near[0]}? ' if near else ''}Known are {shown}"
+        return f"{hint}Known are {shown}{self._components_in_words()}"
+
+    def _components_in_words(self) -> str:
+        """How the components of the fields are called: "; components lr1, lr2, lr3, ..., lt3"."""
+        names = [f"{name}{component}" for name, components in self.fields.items() for component in components]
+        few = names if len(names) <= 6 else [*names[:3], "...", *names[-3:]]
+        return f"; components {', '.join(few)}" if names else ""
 
 
 def read_declaration(text: str) -> tuple[str, Shape]:

@@ -114,7 +114,7 @@ def _text_of(path: Path) -> str:
     except IsADirectoryError:
         raise SystemFileError(f"{path} must be a file; it is a folder. Give the path of a TOML file.") from None
     except FileNotFoundError:
-        raise SystemFileError(f"there is no file {path}. Check the path.") from None
+        raise SystemFileError(f"there is no file {path}. {_instead_of(path)}") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
         raise SystemFileError(f"{path} cannot be read: {error}. Check the path and the permissions.") from None
     if len(content) > MAX_BYTES:
@@ -127,6 +127,13 @@ def _text_of(path: Path) -> str:
             f"{path}, line {line}: the text must be in UTF-8; byte {content[error.start]:#04x} is not. Convert it."
         )
         raise SystemFileError(message) from None
+
+
+def _instead_of(path: Path) -> str:
+    """What to try where there is no such file: a bare name was most likely meant for the catalog."""
+    if path.suffix or path.name != str(path):
+        return "Check the path."
+    return f'Check the path; a system of the catalog is lp.catalog.system("{path.name:.60}").'
 
 
 def _decimal(text: str) -> Fraction | UnreadableNumber:

@@ -1,0 +1,169 @@
+"""What functions for users have around them: errors of arguments that say what to write, and a bar where one is seen.
+
+A wrong call would end in a bare TypeError; here it becomes a `ParameterError` with the right word.  A run without
+`progress` draws a bar on standard error in a notebook and on a terminal, if it takes more than a second; in a script
+whose standard error is no terminal nothing is printed.  `LIEPOISSON_PROGRESS=0` turns the bar off.
+"""
+
+from __future__ import annotations
+
+import inspect
+import os
+import sys
+import threading
+import time as clock
+from collections.abc import Callable
+from contextlib import suppress
+from contextvars import ContextVar
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+from liepoisson.errors import ParameterError, did_you_mean
+
+P = ParamSpec("P")
+R = TypeVar("R")
+C = TypeVar("C", bound=type)
+
+OFF = "LIEPOISSON_PROGRESS"
+"""Environment variable that turns bars off if it is 0, as the command line does, which has its own."""
+
+FIRST, NEXT = 1.0, 0.2
+"""Seconds before a bar is drawn, and between two drawings."""
+
+_WORDS = {
+    "starts": {"x0", "y0", "x", "initial", "initial_state", "initial_states"},
+    "times": {"t", "ts", "t_eval"},
+    "t_end": {"t", "T", "t_span", "tmax", "t_max", "tf", "time", "end_time"},
+    "n_starts": {"n", "size", "count", "n_orbits"},
+    "method": {"tol", "rtol", "atol", "step", "dt", "order", "solver"},
+    "inertia": {"I", "moments"},
+    "seed": {"rng", "random_state"},
+    "threads": {"n_threads", "n_jobs", "workers"},
+    "time_limit": {"timeout"},
+    "energy": {"E", "H"},
+    "epsilon": {"eps"},
+}
+"""What other packages call an argument, under our word for it."""
+
+_inside: ContextVar[bool] = ContextVar("inside a run", default=False)
+
+
+def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
+    """A function, or the `__init__` of a class, whose wrong calls are explained."""
+
+    @wraps(function)
+    def called(*args: P.args, **options: P.kwargs) -> R:
+        try:
+            return function(*args, **options)
+        except TypeError as error:
+            if error.__traceback__ is None or error.__traceback__.tb_next is not None:  # from inside the function
+                raise
+            raise ParameterError(_explanation(function, args, options, error)) from None
+
+    return called
+
+
+def made_with_explained_arguments(cls: C) -> C:
+    """A class, such as a dataclass, that explains how it is made."""
+    init: Any = vars(cls)["__init__"]
+    setattr(cls, "__init__", explains_its_arguments(init))  # noqa: B010  # of a type that is not known here
+    return cls
+
+
+def shows_progress(function: Callable[P, R]) -> Callable[P, R]:
+    """A function that takes `progress`: without it, a bar where somebody watches; and wrong calls are explained."""
+    explained = explains_its_arguments(function)
+
+    @wraps(function)
+    def run(*args: P.args, **options: P.kwargs) -> R:
+        if _inside.get():
+            return explained(*args, **options)
+        token = _inside.set(True)
+        bar = Bar(function.__name__) if options.get("progress") is None and is_watched() else None
+        if bar is not None:
+            options["progress"] = bar.draw
+        try:
+            return explained(*args, **options)
+        finally:
+            _inside.reset(token)
+            if bar is not None:
+                bar.erase()
+
+    return run
+
+
+def is_watched() -> bool:
+    """Whether a bar would be seen: by the main thread of a process that was not made by another, and not turned off."""
+    if os.environ.get(OFF) == "0" or threading.current_thread() is not threading.main_thread():
+        return False
+    processes = sys.modules.get("multiprocessing.process")
+    if processes is not None and processes.parent_process() is not None:
+        return False
+    if "ipykernel" in sys.modules and "IPython" in sys.modules:
+        shell: Any = sys.modules["IPython"].get_ipython()
+        if shell is not None and hasattr(shell, "kernel"):
+            return True
+    return sys.stderr is not None and sys.stderr.isatty()  # pyright: ignore[reportUnnecessaryComparison]
+
+
+class Bar:
+    """One line on standard error, written again and again: "section  42% [========            ] 1:37 left"."""
+
+    def __init__(self, name: str) -> None:
+        self.name = name
+        self._began = clock.monotonic()
+        self._due = self._began + FIRST
+        self._width = 0
+
+    def draw(self, *told: Any) -> None:
+        """Show what is done, a fraction or (activity, done, total), unless it was shown just now."""
+        now = clock.monotonic()
+        if now < self._due:
+            return
+        self._due = now + NEXT
+        fraction = told[0] if len(told) == 1 else told[1] / (told[2] or 1.0)
+        share = min(max(float(fraction), 0.0), 1.0)
+        done = round(20 * share)
+        left = f" {_minutes((now - self._began) * (1 - share) / share)} left" if share > 0 else ""
+        self._write(f"{self.name} {share:4.0%} [{'=' * done}{' ' * (20 - done)}]{left}")
+
+    def erase(self) -> None:
+        """Leave an empty line behind."""
+        if self._width:
+            self._write("", end="\r")
+
+    def _write(self, text: str, end: str = "") -> None:
+        with suppress(OSError, ValueError):  # closed, or nobody reads it
+            sys.stderr.write(f"\r{text:<{self._width}}{end}")
+            sys.stderr.flush()
+        self._width = len(text)
+
+
+def _minutes(seconds: float) -> str:
+    whole = round(seconds)
+    if whole < 3600:
+        return f"{whole // 60}:{whole % 60:02}"
+    return f"{whole // 3600}:{whole % 3600 // 60:02}:{whole % 60:02}"
+
+
+def _explanation(function: Callable[..., Any], args: tuple[Any, ...], options: dict[str, Any], error: TypeError) -> str:
+    """What was wrong with a call, and how it is written."""
+    signature = inspect.signature(function)
+    known = {name: p for name, p in signature.parameters.items() if name != "self"}
+    name = function.__qualname__.removesuffix(".__init__")
+    unknown = next((given for given in options if given not in known), None)
+    if unknown is not None:
+        right = [word for word, others in _WORDS.items() if unknown in others and word in known]
+        near = f"Write {' or '.join(right)}." if right else did_you_mean(unknown, known).strip()
+        return f"{name} has no argument {unknown!r}. {near or 'Leave it out.'} It has {', '.join(known)}."
+    by_place = [p for p, value in known.items() if value.kind in (value.POSITIONAL_ONLY, value.POSITIONAL_OR_KEYWORD)]
+    if (n := len(args) - ("self" in signature.parameters)) > len(by_place):
+        named = [p for p in known if p not in by_place][: n - len(by_place)]
+        call = ", ".join([*by_place, *(f"{p}=..." for p in named)])
+        return f"{name} takes {', '.join(by_place) or 'nothing'} by place, and got {n} values; write {name}({call})."
+    missing = [p for p, value in known.items() if value.default is value.empty and value.kind < value.VAR_KEYWORD]
+    missing = [p for p in missing if p not in options and p not in by_place[:n]]
+    if missing:
+        call = ", ".join(p if p in by_place else f"{p}=..." for p, v in known.items() if v.default is v.empty)
+        return f"{name} must have {' and '.join(missing)}; write {name}({call})."
+    return f"{str(error).removeprefix(f'{function.__qualname__}() ')}: {name}({', '.join(known)})."

@@ -1,0 +1,95 @@
+"""The command `liepoisson equilibria`: the equilibria of a leaf, and whether they are stable."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import typer
+
+from liepoisson.cli.limits import check_limits
+from liepoisson.cli.output import FORMAT_HELP, Format
+from liepoisson.cli.starts import (
+    LEAF_HELP,
+    SEED_HELP,
+    START_HELP,
+    assignments,
+    find_start,
+    read_numeric_system,
+)
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
+
+if TYPE_CHECKING:
+    from liepoisson.phase_space.equilibrium_list import Equilibria
+
+ALONG_HELP = "An integral, by name or formula, along whose flow relative equilibria move, with its value: l3=1/2."
+STARTS_HELP = "Starts of a search, where algebra does not give the list.  [default: 200]"
+
+
+def equilibria(
+    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    *,
+    start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
+    leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
+    along: Annotated[list[str] | None, typer.Option(metavar="INTEGRAL=VALUE", help=ALONG_HELP)] = None,
+    starts: Annotated[int | None, typer.Option(help=STARTS_HELP)] = None,
+    seed: Annotated[int, typer.Option(help=SEED_HELP)] = 0,
+    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
+    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+) -> None:
+    """Print the equilibria on a leaf, with their stability, and whether they are all.
+
+    The leaf is that of --start, or of --leaf, or of member 0 of the random states.
+    """
+    from liepoisson.phase_space.leaf_equilibria import equilibria as find_equilibria
+
+    check_limits(seed=seed, time_limit=1.0)
+    chosen = read_numeric_system(system, settings or ())
+    found = find_equilibria(
+        chosen,
+        find_start(chosen, start=start or (), leaf=leaf or (), seed=seed).leaf,
+        along=tuple(values := assignments(along or (), "--along", "--along l3=1/2", "integral")),
+        values=cast("Any", values or None),
+        seed=seed,
+        **({} if starts is None else {"n_starts": starts}),
+    )
+    if format_ is Format.JSON:
+        print(json.dumps(record(found), indent=2))
+    else:
+        print("\n".join(equilibrium_lines(found)))
+
+
+def equilibrium_lines(found: Equilibria) -> list[str]:
+    """The table, then the state of each equilibrium in the order of its rows."""
+    names = found.leaf.system.component_names
+    values = ", ".join(f"{name} = {value:.9g}" for name, value in found.leaf.casimirs.items())
+    lines = [f"leaf     {found.leaf.stratum}" + (f": {values}" if values else ""), repr(found)]
+    if len(found):
+        lines.append(f"states ({', '.join(names)})")
+        lines += [f"{k:3}  {', '.join(f'{value:.9g}' for value in e.state)}" for k, e in enumerate(found)]
+    return lines
+
+
+def record(found: Equilibria) -> dict[str, Any]:
+    """The equilibria as data that JSON can write."""
+    leaf = found.leaf
+    return {
+        "system": leaf.system.name,
+        "leaf": {"stratum": leaf.stratum, "dimension": leaf.rank, "casimirs": leaf.casimirs},
+        "proved": found.proved,
+        "completeness": found.completeness,
+        "equilibria": [
+            {
+                "energy": float(e.energy),
+                "state": dict(zip(leaf.system.component_names, e.state.tolist(), strict=True)),
+                "family": e.family,
+                "omega": {name: float(value) for name, value in e.omega.items()},
+                "linear_stability": e.linear_stability,
+                "nonlinear_stability": e.nonlinear_stability,
+                "growth_rate": float(e.growth_rate),
+                "signature": [int(n) for n in e.signature],
+                "spectrum": [[float(value.real), float(value.imag)] for value in e.spectrum],
+            }
+            for e in found
+        ],
+    }

@@ -1,0 +1,56 @@
+"""A surface of section for any system: where the rate of a bounded function vanishes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liepoisson.errors import ParameterError
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.phase_space.leaf import Leaf
+
+
+def default_surface(leaf: Leaf) -> str:
+    r"""A surface that recurrent orbits of a leaf meet again and again: where the rate of a bounded function vanishes.
+
+    For a top with two fields that function is $\ell\cdot\beta$ (see `good_surface`).  Otherwise, or where its rate
+    vanishes on the whole leaf, it is a coordinate: the last of each vector in turn, then the others.
+
+    Args:
+        leaf: The leaf.
+
+    Returns:
+        The function that is zero on the surface, for `section`.
+
+    Raises:
+        ParameterError: every state of the leaf is an equilibrium.
+    """
+    return chosen_surface(leaf)[0]
+
+
+@np.errstate(all="ignore")
+def chosen_surface(leaf: Leaf) -> tuple[str, str]:
+    """The default surface, and the function whose rate vanishes there."""
+    from liepoisson.phase_space.surfaces import good_surface
+
+    system, top = leaf.system, leaf.system.top_parameters
+    if top is not None and any(float(a) for a in top.field().a) and leaf.is_regular and top.field().epsilon:
+        return _written(system.expression(good_surface(system))), "-dot(l, beta)"
+    names, size = system.component_names, system.vector_length
+    order = sorted(range(len(names)), key=lambda k: (size - 1 - k % size, k))
+    # A leaf of lower rank may make a rate zero that is not zero elsewhere: compare with the rates at moved states.
+    nearby = leaf.project(leaf.state + 0.1 * np.random.default_rng(0).standard_normal((8, len(names))))
+    rates = np.abs(system.vector_field(nearby)).max(axis=0)
+    for k in order:
+        if rates[k] > 1e-9 * max(1.0, rates.max()):
+            return _written(list(system.equations.values())[k]), names[k]
+    raise ParameterError(f"{system.name} must move on this leaf; every state is an equilibrium. Try another leaf.")
+
+
+def _written(expression: Expr) -> str:
+    """An expression as a formula that our grammar reads."""
+    return str(expression).replace("**", "^")

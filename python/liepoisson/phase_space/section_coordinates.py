@@ -1,0 +1,63 @@
+"""Whether two functions are coordinates on a section of dimension 2, or fold it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.arrays import Array
+from liepoisson.exact.phase_functions import as_phase_points
+from liepoisson.phase_space._checks import as_system
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+
+_SAMPLES = 10_000
+"""States at which the functions are judged."""
+_ROUND_OFF = 1e-9
+"""Relative size of a bracket below which it would show nothing but errors."""
+
+
+@np.errstate(all="ignore")
+def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | Expr, y: str | Expr) -> bool:
+    r"""Whether two functions are not coordinates all over a section of dimension 2, judged by states on it.
+
+    They are near a state where $\{s, H\}\{x, y\} + \{x, H\}\{y, s\} + \{x, s\}\{H, y\} \ne 0$: up to the factor
+    $\{s, H\}$ this is their Dirac bracket on the section.  Where its sign differs, different states may lie at one
+    point of a figure with x and y for its axes.
+
+    Args:
+        system: A system whose parameters are all numbers, on leaves of dimension 4.
+        states: States of the section, shape (crossing, component), as those that `section` finds.
+        surface: The function that is zero on the section.
+        x: The function along one axis.
+        y: The function along the other.
+
+    Raises:
+        ShapeError: states of another number of components.
+        ExpressionError: a formula cannot be read.
+    """
+    bracket_of = as_system(system).bracket
+    functions = system.functions
+    some = np.atleast_2d(as_phase_points(states, bracket_of.dimension, bracket_of.field_names))
+    some = some[:: max(1, len(some) // _SAMPLES)]
+    tensor = functions.poisson_tensor(some)
+    s, across, up = (functions.of(function).gradient(some) for function in (surface, x, y))
+    h = functions.energy.gradient(some)
+
+    def bracket(f: Array, g: Array) -> Array:
+        return np.einsum("ni,nij,nj->n", f, tensor, g)
+
+    terms = np.array(
+        [
+            bracket(s, h) * bracket(across, up),
+            bracket(across, h) * bracket(up, s),
+            bracket(across, s) * bracket(h, up),
+        ]
+    )
+    area, size = terms.sum(axis=0), np.abs(terms).sum(axis=0)
+    return bool((area > _ROUND_OFF * size).any() and (area < -_ROUND_OFF * size).any())

@@ -1,0 +1,135 @@
+"""Wrong calls are explained, and runs draw a bar where somebody watches."""
+
+import inspect
+import io
+import threading
+
+import pytest
+
+import liepoisson as lp
+from liepoisson import calls
+from liepoisson.errors import ParameterError
+
+TOP = lp.Top.kovalevskaya()
+X = lp.sample_states(TOP, 2, seed=1)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: lp.integrate(TOP, X), "wanted times or t_end"),
+        (lambda: lp.integrate(TOP, X, 10), r"write integrate\(system, starts, times=\.\.\.\)"),
+        (lambda: lp.integrate(TOP, X, t=10), r"no argument 't'\. Write times or t_end\."),
+        (lambda: lp.integrate(TOP, x0=X, t_end=1), r"no argument 'x0'\. Write starts\."),
+        (lambda: lp.section(TOP, X, "l3", 100), r"write section\(system, starts, surface=\.\.\., t_end=\.\.\.\)"),
+        (lambda: lp.section(TOP, X), "section must have surface and t_end; write section"),
+        (lambda: lp.section(TOP, X, surfaces="l3", t_end=1), r"Did you mean surface\?"),
+        (lambda: lp.lyapunov_exponent(TOP, X, t=100), r"Write t_end\."),
+        (lambda: lp.decide(TOP, X), r"decide must have t_end; write decide\(system, starts, t_end=\.\.\.\)"),
+        (lambda: lp.sample_states(TOP, n=3), r"Write n_starts\."),
+        (lambda: lp.Leaf(TOP), r"Leaf must have casimirs; write Leaf\(system, casimirs\)"),
+        (lambda: lp.equilibria(TOP), "equilibria must have leaf"),
+        (lambda: lp.Top(I=(1, 1, 1)), r"Top has no argument 'I'\. Write inertia\."),
+        (lambda: lp.Top((1, 1, 1)), r"Top takes nothing by place, and got 1 values; write Top\(inertia=\.\.\.\)"),
+        (lambda: lp.System(lp.so(3) @ lp.trivial(), hamiltonain="l3"), "Did you mean hamiltonian"),
+        (lambda: lp.Taylor(toll=1e-9), "Taylor has no argument 'toll'. Did you mean tol"),
+    ],
+)
+def test_a_wrong_call_says_how_it_is_written(call, words):
+    with pytest.raises(ParameterError, match=words):
+        call()
+
+
+def test_a_type_error_from_inside_is_not_hidden():
+    @calls.explains_its_arguments
+    def inner():
+        return "a" + 1
+
+    with pytest.raises(TypeError, match="can only concatenate"):
+        inner()
+
+
+def test_signatures_are_those_of_the_functions():
+    assert list(inspect.signature(lp.integrate).parameters)[:4] == ["system", "starts", "times", "t_end"]
+    assert list(inspect.signature(lp.Top).parameters) == ["inertia", "a", "b", "epsilon", "name"]
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@calls.shows_progress
+def run(*, progress=None):
+    """A run of one part."""
+    for done in (0.5, 1.0):
+        if progress is not None:
+            progress(done)
+    return progress
+
+
+@calls.shows_progress
+def whole(*, progress=None):
+    """A run that begins with another one, of which nothing is shown."""
+    assert run() is None
+    return run(progress=progress)
+
+
+@pytest.fixture
+def terminal(monkeypatch):
+    """Makes standard error a terminal, with bars from the first moment on."""
+    monkeypatch.delenv(calls.OFF, raising=False)
+    monkeypatch.setattr(calls, "FIRST", 0.0)
+    monkeypatch.setattr(calls, "NEXT", 0.0)
+
+    def made():  # not before the test is called, as pytest captures each phase anew
+        stream = Terminal()
+        monkeypatch.setattr("sys.stderr", stream)
+        return stream
+
+    return made
+
+
+def test_a_bar_is_drawn_on_a_terminal_and_erased(terminal):
+    stream = terminal()
+    whole()
+    shown = stream.getvalue()
+    assert "whole  50% [==========          ]" in shown
+    assert "whole 100% [====================]" in shown
+    assert "run" not in shown  # one bar, that of the whole
+    assert shown.endswith(" \r")
+
+
+def test_every_run_of_some_length_has_a_bar(terminal):
+    stream = terminal()
+    lp.finite_time_exponents(TOP, X, t_end=1e7, time_limit=1.5)
+    assert "finite_time_exponents" in stream.getvalue()
+
+
+def test_nothing_is_drawn_where_nobody_watches(terminal, monkeypatch):
+    stream, heard = terminal(), []
+    whole(progress=heard.append)
+    thread = threading.Thread(target=whole)
+    thread.start()
+    thread.join()
+    monkeypatch.setenv(calls.OFF, "0")
+    whole()
+    assert (stream.getvalue(), heard) == ("", [0.5, 1.0])
+    monkeypatch.delenv(calls.OFF)
+    monkeypatch.setattr("sys.stderr", io.StringIO())
+    assert not calls.is_watched()
+
+
+def test_a_sweep_has_a_bar(terminal):
+    stream = terminal()
+    lp.sweep(system="kovalevskaya", axes={"energy": [1, 2, 3]}, n_starts=2, t_end=5, points_per_piece=1)
+    assert "sweep  33% [" in stream.getvalue()
+
+
+def test_the_bar_says_what_is_left(terminal, monkeypatch):
+    stream, now = terminal(), [0.0]
+    monkeypatch.setattr(calls.clock, "monotonic", lambda: now[0])
+    bar = calls.Bar("section")
+    now[0] = 60.0
+    bar.draw(0.25)
+    assert stream.getvalue() == "\rsection  25% [=====               ] 3:00 left"
