@@ -37,6 +37,7 @@ RUNS = {
     "energy profile": ("liepoisson.numeric.exponents_by_energy", "EnergyProfile", "exponents_by_energy"),
     "attitude": ("liepoisson.phase_space.frames", "Attitude", "attitude"),
     "chart orbit": ("liepoisson.phase_space.chart_orbit", "ChartOrbit", "chart_orbit"),
+    "sweep": ("liepoisson.sweeps.run", "Sweep", "sweep"),
     "rod": ("liepoisson.phase_space.rod", "Rod", "rod"),
 }
 """By kind: the module, the class of the result, and the function that makes it."""
@@ -56,6 +57,10 @@ def load(path: str | Path, *, verify: bool = True) -> Any:
     Raises:
         DamagedFileError: There is no such file; it is truncated, damaged or changed; or liepoisson did not write it.
     """
+    if _is_folder(path):
+        from liepoisson.sweeps.run import read_sweep
+
+        return read_sweep(path)
     dataset = read_dataset(path, verify=verify)
     try:
         return _result(dataset)
@@ -94,9 +99,14 @@ def rerun(
         UserWarning: Another version of liepoisson made the file, so the bits may differ; or trajectories were ended by
             the limit of time.
     """
-    given = source if isinstance(source, Result) else _recorded(source)
+    given = source if isinstance(source, Result) else load(source) if _is_folder(source) else _recorded(source)
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
     module, _, function = RUNS[given.kind]
+    if given.kind == "sweep":
+        from liepoisson.sweeps.run import sweep
+
+        told = None if progress is None else lambda _, done, total: progress(done / total)
+        return sweep(given.spec, threads=threads, progress=told)
     try:
         arguments, n_cut = given.arguments(), int((given.outcome == "time limit").sum())
         limit = as_time_limit(given.time_limit)
@@ -117,6 +127,14 @@ def rerun(
         found = replace(found, system=given.system, **{n: getattr(given, n) for n in ("surface",) if hasattr(given, n)})
     # where the limit ended nothing, here as there, the result is that of the file in this, too
     return found.with_time_limit(limit) if not n_cut and "time limit" not in found.outcome else found
+
+
+def _is_folder(path: Any) -> bool:
+    """Whether it is the folder of a sweep."""
+    try:
+        return isinstance(path, (str, Path)) and Path(path).is_dir()
+    except (ValueError, OSError):  # a name that no file can have
+        return False
 
 
 def _recorded(source: str | Path | Dataset) -> Any:
@@ -148,7 +166,7 @@ def _result(dataset: Dataset) -> Any:
     if not isinstance(kind, str) or kind not in RUNS:
         raise ValueError(f"kind: wanted {' or '.join(RUNS)}; got {shown(kind)}")
     module, name, _ = RUNS[kind]
-    system = _system(dataset)
+    system = None if kind == "sweep" else _system(dataset)
     found = result_of(getattr(import_module(module), name), dataset, system)
     if isinstance(found, Run) and len(found.components) != found.field.n_components:
         raise ValueError(f"component: wanted {found.field.n_components} names; got {len(found.components)}")

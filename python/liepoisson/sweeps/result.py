@@ -12,14 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson import __version__
-from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.numeric._checks import shown
 from liepoisson.numeric.estimates import as_confidence
 from liepoisson.numeric.mean_error import student_quantile
 from liepoisson.numeric.proportions import wilson_interval
 from liepoisson.numeric.verdict import as_rule
+from liepoisson.result import Result, labelled, recorded
 from liepoisson.sweeps.execute import Report
+from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.lattice import Place
 from liepoisson.sweeps.spec import SweepSpec
 from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, OUTCOMES
@@ -39,8 +41,16 @@ _MEANING = {
 }
 
 
-@dataclass(frozen=True)
-class Sweep(ReadOnlyArrays):
+def _spec_record(spec: SweepSpec) -> dict[str, Any]:
+    return {"record": spec.record(), "description": spec.description()}
+
+
+def _spec_of(record: dict[str, Any]) -> SweepSpec:
+    return SweepSpec.of_record(record["record"], record["description"])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Sweep(Result):
     """The values of a sweep at its points.
 
     Attributes:
@@ -59,18 +69,41 @@ class Sweep(ReadOnlyArrays):
         store: The folder with the results, or None.
     """
 
-    spec: SweepSpec
+    kind = "sweep"
+
+    spec: SweepSpec = recorded(_spec_record, _spec_of)
     places: tuple[Place, ...]
-    points: Array
-    level: NDArray[np.int64]
-    value: Array
-    outcome_code: NDArray[np.int8]
+    points: Array = labelled("point", "axis", long_name="values of the axes")
+    level: NDArray[np.int64] = labelled("point", long_name="level of refinement", units="1")
+    value: Array = labelled("point", "member", long_name="exponents, verdicts (-1, 0, 1) or values")
+    outcome_code: NDArray[np.int8] = labelled("point", "member", long_name="outcome by number", units="1")
     method: str
     held: tuple[str, ...]
-    reports: tuple[Report, ...]
+    reports: tuple[Report, ...] = recorded(lambda _: None, lambda _: ())
     n_reused: int
     n_damaged: int
-    store: Path | None
+    store: Path | None = recorded(
+        lambda path: None if path is None else str(path), lambda text: None if text is None else Path(text)
+    )
+
+    @property
+    def system(self) -> Family:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """The systems of the sweep."""
+        return as_family(self.spec.system)
+
+    def arguments(self) -> dict[str, Any]:
+        """What `sweep` was called with."""
+        return {"spec": self.spec}
+
+    def save(self, path: str | Path) -> Path:
+        """Writes a NetCDF file of the values of all orbits; `liepoisson.load` gives the sweep back.
+
+        Raises:
+            OutputError: The name does not end in .nc, or the file cannot be written.
+        """
+        from liepoisson.dataset import dataset_of, save
+
+        return save(dataset_of(self), path)
 
     @property
     def outcome(self) -> NDArray[np.str_]:

@@ -120,6 +120,21 @@ def sweep(
             ).result()
 
 
+def read_sweep(path: str | Path) -> Sweep:
+    """A sweep from its store, as far as it is computed; nothing is computed and nothing is written.
+
+    Raises:
+        DamagedFileError: the folder holds no sweep, or one that cannot be read.
+        OtherSweepError: it is in the format of another version.
+        ParameterError: the system or the quantity was a function of the caller, which no store keeps.
+    """
+    store, _ = SweepStore.as_found(Path(path))
+    spec = store.spec
+    family = as_family(spec.system)
+    run = _Run(spec, family, Lattice(spec), store=store, where=None, points_per_piece=None, progress=None, meaning=None)
+    return run.result()
+
+
 def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False) -> SweepSpec:
     """The spec that the arguments of `sweep` stand for.
 
@@ -211,7 +226,7 @@ class _Run:
         lattice: Lattice,
         *,
         store: SweepStore | None,
-        where: _Where,
+        where: _Where | None,
         points_per_piece: int | None,
         progress: Progress | None,
         meaning: Meaning | None,
@@ -231,7 +246,7 @@ class _Run:
             level = self._level(number, places)
             self.places += places
             found = self._sweep()
-            if number == self.lattice.levels:
+            if number == self.lattice.levels or not level.done.all():
                 return found
             if self.reports[-1].failed or self.reports[-1].points:
                 self.reports[-1].remarks.append(f"refinement stops at level {number}: a part of it failed")
@@ -246,11 +261,15 @@ class _Run:
     def _level(self, number: int, places: Sequence[Place]) -> Level:
         points, n = self.lattice.coordinates(places), self.spec.n_starts
         size = self.points_per_piece or piece_size(self.spec, len(points))
-        level = Level.empty(points, size, n) if self.store is None else self.store.level(number, points, size, n)
+        known = self.store is not None and (self.where is not None or (self.store.path / f"level{number}").is_dir())
+        level = self.store.level(number, points, size, n) if self.store and known else Level.empty(points, size, n)
         self.levels.append(level)
         self.n_reused += int(sum(len(points[level.rows(int(k))]) for k in np.flatnonzero(level.done)))
         missing = np.flatnonzero(~level.done).tolist()
-        self.reports.append(self._compute(number, level, missing) if missing else Report())
+        if missing and self.where is None:
+            self.reports.append(Report(remarks=[f"level {number}: {len(missing)} pieces are not computed yet"]))
+        else:
+            self.reports.append(self._compute(number, level, missing) if missing else Report())
         return level
 
     def _compute(self, number: int, level: Level, missing: Sequence[int]) -> Report:
@@ -268,6 +287,7 @@ class _Run:
                 done = sum(len(level.points[level.rows(int(k))]) for k in np.flatnonzero(level.done))
                 self.progress(activity, done * unit, len(level.points) * unit)
 
+        assert self.where is not None
         report = run_pieces(self.where.executor(len(missing)), self._pieces(level, missing), keep=keep)
         report.points |= {k: why for k, why in sorted(told.items()) if (level.outcome[k] == FAILED).any()}
         for lack in ("no system", "no start"):

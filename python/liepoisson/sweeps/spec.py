@@ -11,6 +11,7 @@ from copy import deepcopy
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cached_property
+from importlib import import_module
 from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
@@ -19,11 +20,12 @@ from liepoisson import __version__
 from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.exact.names import check_name
+from liepoisson.exact.system_file_reader import parse_system_file
 from liepoisson.numeric._checks import as_count, as_number, shown
 from liepoisson.numeric.finite_time_exponents import LEAST_TIME
-from liepoisson.numeric.methods import Method, Taylor, as_method, method_record
+from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
-from liepoisson.numeric.verdict import Rule, as_rule
+from liepoisson.numeric.verdict import Rule, as_rule, rule_of
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
 
 Value: TypeAlias = "float | int | str | Fraction | Sequence[float | int | str | Fraction]"
@@ -297,6 +299,46 @@ class SweepSpec:
             "version": __version__,
         }
 
+    def description(self) -> dict[str, Any]:
+        """The record with what changes no number: the names of the sweep and its axes, and the system as a text."""
+        labels = [axis.label for axis in self.axes]
+        return {"name": self.name, "labels": labels, "system_file": getattr(self.system, "text", None)}
+
+    @classmethod
+    def of_record(cls, record: Mapping[str, Any], description: Mapping[str, Any] | None = None) -> SweepSpec:
+        """The spec that `record` and `description` have written.
+
+        Raises:
+            ParameterError: the system or the quantity is a function of the caller, which no record keeps.
+            KeyError, TypeError, ValueError, LiePoissonError: the record is not one of ours.
+        """
+        said = {"name": None, "labels": [None] * len(record["axes"]), "system_file": None, **(description or {})}
+        system = record["system"]
+        if said["system_file"] is not None:
+            system = parse_system_file(said["system_file"], "the system of the sweep").system()
+        elif isinstance(system, Mapping) and "function" in system:
+            system = _own_function("system", cast("Mapping[str, Any]", system))
+        quantity, rule, method, refine = (record[name] for name in ("quantity", "rule", "method", "refine"))
+        if isinstance(quantity, Mapping):
+            quantity = _own_function("quantity", cast("Mapping[str, Any]", quantity))
+        return cls(
+            system=system,
+            axes=tuple(
+                Axis(axis["name"], tuple(axis["values"]), label)
+                for axis, label in zip(record["axes"], said["labels"], strict=True)
+            ),
+            t_end=record["t_end"],
+            parameters=record["parameters"],
+            starts=Starts(**record["starts"]),
+            n_starts=record["n_starts"],
+            quantity=quantity,
+            rule=None if rule is None else rule_of(rule),
+            method=None if method is None else method_of(method),
+            seed=record["seed"],
+            refine=None if refine is None else Refinement(refine["levels"], refine["difference"]),
+            name=said["name"],
+        )
+
     def fingerprint(self) -> str:
         """Digest of everything that determines the numbers, the version of the package included.
 
@@ -396,6 +438,22 @@ def _text(value: Value) -> str:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return f"({', '.join(map(_text, value))})"
     return f"{float(value):g}" if isinstance(value, (float, Fraction)) else str(value)
+
+
+def _own_function(what: str, record: Mapping[str, Any]) -> Any:
+    """A function of this package by its name; no record of a file makes another one run."""
+    module, _, name = str(record["function"]).partition(":")
+    found: Any = None
+    if module.split(".")[0] == __name__.split(".")[0]:
+        found = import_module(module)
+        for part in name.split("."):
+            found = getattr(found, part, None)
+    if not callable(found):
+        raise ParameterError(
+            f"{what}: it was the function {record['function']!s:.80} of the caller, which no file keeps. Call sweep "
+            "with it and this store."
+        )
+    return found
 
 
 def _plain(value: Any) -> Any:

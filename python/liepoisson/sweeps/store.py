@@ -120,6 +120,33 @@ class SweepStore:
         if not (path / "zarr.json").exists():
             self._create()
 
+    @classmethod
+    def as_found(cls, path: Path) -> tuple[SweepStore, dict[str, Any]]:
+        """The store in a folder as it is, to be read only, and what it says of itself.
+
+        Raises:
+            OtherSweepError: numbers in another format.
+            DamagedFileError: its description cannot be read.
+        """
+        from liepoisson.sweeps.spec import SweepSpec
+
+        attributes = read_attributes(path)
+        if attributes.get("format") != _FORMAT:
+            raise OtherSweepError(f"{path} holds a sweep in another format. Read it with the version that wrote it.")
+        store = cls.__new__(cls)
+        store.path, store.damaged = path, 0
+        try:
+            store._spec = SweepSpec.of_record(attributes["spec"], attributes.get("description"))
+        except (KeyError, TypeError, ValueError, AttributeError) as error:
+            raise DamagedFileError(f"{path}: its description cannot be read ({error!r:.100})") from error
+        store._fingerprint = attributes["fingerprint"]
+        return store, attributes
+
+    @property
+    def spec(self) -> SweepSpec:
+        """What is computed."""
+        return self._spec
+
     def _open(self, fresh: bool) -> None:
         """Compare with what is there; remove it where it shall be."""
         attributes = read_attributes(self.path)
@@ -152,6 +179,7 @@ class SweepStore:
             "fingerprint": self._fingerprint,
             "version": __version__,
             "held": self._spec.held(),
+            "description": self._spec.description(),
         }
         with _zarr(self.path):
             zarr.create_group(store=str(self.path), attributes=attributes, overwrite=False)
