@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.errors import LiePoissonError, SystemFileError
 from liepoisson.exact.canonical_bracket import canonical
 from liepoisson.exact.canonical_system import CanonicalSystem
-from liepoisson.exact.formula.constructors import read_algebra, read_extension
+from liepoisson.exact.constructors import read_algebra, read_extension
 from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.parameters import to_sympy
 from liepoisson.exact.system import System
