@@ -146,8 +146,9 @@ def arrows():
             # What is compiled or written when the package is built has no source here.
             if inner.partition(".")[0] in {"_core", "__version__"}:
                 continue
-            while inner not in modules():
+            if inner not in modules():
                 inner = inner.rpartition(".")[0]
+            assert inner in modules(), f"line {line} of {name} imports {target}, and there is no such module"
             if inner != name:
                 found.append(Arrow(name, inner, line, is_at_once))
     return tuple(found)
