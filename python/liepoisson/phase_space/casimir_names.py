@@ -40,8 +40,8 @@ def by_name(system: System, given: Mapping[str, T], what: str = "casimirs") -> d
 
 def formulas(system: System) -> list[str]:
     """The Casimirs with their formulas, as messages name them: "C1 = l.alpha"."""
-    from liepoisson.exact.report.styles import PLAIN
     from liepoisson.exact.report.vector_notation import VectorNotation
+    from liepoisson.exact.styles import PLAIN
 
     notation, casimirs = VectorNotation(system.bracket), system.bracket.casimirs()
     texts = [notation.formula(casimir).write(PLAIN) for casimir in casimirs]
