@@ -9,4 +9,5 @@ from liepoisson.exact.system_file import Reference as Reference
 from liepoisson.exact.system_file import SystemFile as SystemFile
 from liepoisson.exact.system_file_reader import read_system as read_system
 from liepoisson.exact.system_file_reader import read_system_file as read_system_file
+from liepoisson.exact.system_text import write_system as write_system
 from liepoisson.tops import Top as Top

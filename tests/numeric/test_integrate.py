@@ -262,3 +262,25 @@ def test_a_close_passage_of_keplers_problem_on_the_sphere_is_right_to_round_off_
         :, -1
     ]
     assert np.abs(scipy - end).max() > 10 * np.abs(ours - end).max()  # measured 5.6e-11
+
+
+def test_an_orbit_goes_on_from_where_it_ended(tmp_path):
+    """Also one that was loaded: the two runs together are the one that was not interrupted, to round-off."""
+    top = lp.Top.twisted_kovalevskaya()
+    starts, tangents = lp.sample_states(top, 2, seed=1), np.eye(9)[:2]
+    first = lp.integrate(top, starts, times=np.linspace(0, 4, 9), tangents=tangents)
+    whole = lp.integrate(top, starts, times=np.linspace(0, 8, 17), tangents=tangents)
+    for orbit in (first, lp.load(first.save(tmp_path / "first.nc"))):
+        again = orbit.go_on(t_end=8)
+        assert np.array_equal(again.time, whole.time[8:])
+        assert np.abs(again.state - whole.state[:, 8:]).max() < 1e-12
+        assert np.abs(again.tangent - whole.tangent[:, 8:]).max() < 1e-10
+        assert np.array_equal(orbit.go_on(times=[5, 8]).time, [4, 5, 8])
+    back = whole.go_on(t_end=0)
+    assert np.abs(back.state[:, -1] - starts).max() < 1e-12
+    for wanted in ({}, {"t_end": 5, "times": [5]}):
+        with pytest.raises(ParameterError, match="both or neither"):
+            first.go_on(**wanted)
+    cut = lp.integrate(top, starts, t_end=8, method=lp.Taylor(max_steps=2))
+    with pytest.raises(ParameterError, match="some that did not"):
+        cut.go_on(t_end=9)

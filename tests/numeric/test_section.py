@@ -438,3 +438,15 @@ def test_no_return_is_said_only_where_the_surface_was_followed():
     with pytest.warns(SurfaceWarning, match="could not be followed"):
         fast = lp.sections.first_return(FREE, free_start(), surface="2 + sin(10^12*l1)", t_end=5)
     assert fast.outcome == "none seen"
+
+
+def test_a_section_goes_on_from_where_it_ended():
+    starts = lp.sample_states(TWISTED, 2, seed=1)
+    first = lp.section(TWISTED, starts, surface="l3", t_end=20)
+    whole = lp.section(TWISTED, starts, surface="l3", t_end=40)
+    again = first.go_on(t_end=20)
+    assert again.surface == "l3"
+    for k in range(2):
+        late = whole.of(k)[len(first.of(k)) :]
+        assert np.abs(again.of(k) - late).max() < 1e-9
+        assert len(late) > 3

@@ -160,13 +160,30 @@ def describe(system: System) -> str:
     return "\n".join(lines)
 
 
+def displayed(system: System) -> str:
+    r"""Hamiltonian, equations of motion and invariants in LaTeX, in one display with aligned equality signs."""
+    named, notation = named_form(system), VectorNotation(system.bracket)
+    formulas = [Equation(Name("H"), HamiltonianFacts(system, notation, named).formula).write(LATEX)]
+    formulas += _written_equations(EquationFacts(system, notation, named), LATEX)
+    for name, expression in system.invariants.items():
+        if name != "H":
+            formulas.append(Equation(Name(name), notation.formula(expression)).write(LATEX))
+    rows = " \\\\\n".join(_aligned(formula) for formula in formulas)
+    return f"$$\\begin{{aligned}}\n{rows}\n\\end{{aligned}}$$"
+
+
 def _equation_lines(facts: EquationFacts) -> list[str]:
     """Vector equations where all vectors have names of their own, else components."""
+    return [f"    {line}" for line in _written_equations(facts, NAMES)]
+
+
+def _written_equations(facts: EquationFacts, style: Style) -> list[str]:
     vector = facts.vector
     if vector is not None and not any(isinstance(name, Gradient) for name, _ in vector.definitions):
-        equations = [*facts.equations(), *facts.definitions()]
-        return [f"    {equation.write(NAMES)}" for equation in equations]
-    return [f"    {name}' = {formula.write(NAMES)}" for name, formula, _ in facts.components]
+        return [equation.write(style) for equation in (*facts.equations(), *facts.definitions())]
+    if style is LATEX:
+        return [rf"\dot{{{Name(name).write(style)}}} = {formula.write(style)}" for name, formula, _ in facts.components]
+    return [f"{name}' = {formula.write(style)}" for name, formula, _ in facts.components]
 
 
 def _indented(title: str, lines: Sequence[Line], style: Style) -> list[str]:

@@ -410,6 +410,12 @@ class System:
 
         return describe(self)
 
+    def _repr_latex_(self) -> str:
+        """What a notebook shows: Hamiltonian, equations and invariants."""
+        from liepoisson.exact.describe import displayed
+
+        return displayed(self)
+
     def __repr__(self) -> str:
         return f"<System {self.name!r} on {self.bracket!r}>"
 

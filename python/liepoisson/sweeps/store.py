@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 
 from liepoisson import __version__
 from liepoisson.arrays import Array
-from liepoisson.errors import DamagedFileError, OutputError
+from liepoisson.errors import DamagedFileError, LiePoissonError, OutputError
 from liepoisson.files import writing
 from liepoisson.sweeps.errors import OtherSweepError
 from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, PieceResult
@@ -137,6 +137,8 @@ class SweepStore:
         store.path, store.damaged = path, 0
         try:
             store._spec = SweepSpec.of_record(attributes["spec"], attributes.get("description"))
+        except LiePoissonError:
+            raise
         except (KeyError, TypeError, ValueError, AttributeError) as error:
             raise DamagedFileError(f"{path}: its description cannot be read ({error!r:.100})") from error
         store._fingerprint = attributes["fingerprint"]

@@ -1,0 +1,108 @@
+"""Sweeps that are loaded: from their store as far as they are computed, and from a file; nothing is computed."""
+
+import json
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import DamagedFileError, LiePoissonError, ParameterError
+
+TABLES = {
+    "bracket": {"algebra": "so(3)"},
+    "parameters": {"u": 1},
+    "hamiltonian": {"expression": "dot(l, l)/2 + u*l1^3"},
+}
+GIVEN = {
+    "name": {"system": "twisted-kovalevskaya", "axes": {"energy": [0.0, 0.5, 1.0]}},
+    "system": {"system": lp.Top.twisted_kovalevskaya("1/3"), "axes": {"energy": [0.0, 0.5, 1.0]}},
+    "function": {"system": lp.Top.kovalevskaya, "axes": {"epsilon": [0.0, 0.5]}},
+    "tables": {"system": TABLES, "axes": {"u": [0.0, 1.0]}},
+    "refined": {
+        "system": lp.Top.kovalevskaya,
+        "axes": {"epsilon": [0.0, 0.5, 1.0]},
+        "quantity": "chaotic_fraction",
+        "rule": lp.chaos.Rule(least_time=1.0),
+        "refine": {"levels": 2, "difference": 0.1},
+        "name": "a title",
+    },
+}
+
+
+def made(kind, **options):
+    return lp.sweep(**GIVEN[kind], n_starts=3, t_end=20.0, seed=2, **options)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("kind", GIVEN)
+def test_a_sweep_is_loaded_as_it_was(tmp_path, kind):
+    store = tmp_path / "sweep.zarr"
+    sweep = made(kind, store=store)
+    before = {path: path.stat().st_mtime_ns for path in store.rglob("*")}
+    loaded, read = lp.load(store), lp.load(sweep.save(tmp_path / "sweep.nc"))
+    assert {path: path.stat().st_mtime_ns for path in store.rglob("*")} == before
+    for again in (loaded, read, lp.rerun(tmp_path / "sweep.nc"), lp.rerun(store)):
+        assert repr(again) == repr(sweep)
+        assert again.spec.name == sweep.spec.name
+        assert again.places == sweep.places
+        np.testing.assert_array_equal(again.value, sweep.value)
+        np.testing.assert_array_equal(again.outcome, sweep.outcome)
+        assert again.dataset.drop_attrs().identical(sweep.dataset.drop_attrs())
+        assert (again.held, again.method) == (sweep.held, sweep.method)
+
+
+def test_a_sweep_that_was_interrupted_is_loaded_as_far_as_it_is(tmp_path):
+    store = tmp_path / "sweep.zarr"
+
+    def stop(_activity, done, total):
+        if done < total:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        made("name", store=store, points_per_piece=1, threads=1, progress=stop)
+    loaded = lp.load(store)
+    assert not loaded.is_complete
+    assert np.isfinite(loaded.value).all(axis=1).tolist() == [True, False, False]
+    assert "not computed yet" in " ".join(loaded.remarks)
+    assert made("name", store=store, threads=1).n_reused >= 1
+
+
+def own_quantity(states, **_):
+    return states[:, 0]
+
+
+def test_a_function_of_the_caller_is_not_called_by_a_file(tmp_path):
+    store = tmp_path / "sweep.zarr"
+    sweep = lp.sweep(**GIVEN["name"], n_starts=2, t_end=5.0, quantity=own_quantity, store=store, threads=1)
+    with pytest.raises(ParameterError, match=r"quantity: it was the function .*own_quantity of the caller"):
+        lp.load(store)
+    with pytest.raises(DamagedFileError, match="of the caller"):
+        lp.load(sweep.save(tmp_path / "sweep.nc"))
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"t_end": "soon"},
+        {"axes": []},
+        {"axes": None},
+        {"system": 5},
+        {"starts": []},
+        {"quantity": {"function": "os:system"}},
+    ],
+)
+def test_altered_descriptions_are_refused(tmp_path, change):
+    record = made("name").spec.record() | change
+    store = tmp_path / "sweep.zarr"
+    made("name", store=store)
+    path = store / "zarr.json"
+    content = json.loads(path.read_text())
+    content["attributes"]["spec"] = record
+    path.write_text(json.dumps(content))
+    with pytest.raises(LiePoissonError):
+        lp.load(store)
+
+
+def test_a_folder_that_is_no_sweep_is_refused(tmp_path):
+    with pytest.raises(DamagedFileError, match="is no sweep"):
+        lp.load(tmp_path)
