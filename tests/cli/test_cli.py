@@ -258,8 +258,8 @@ def test_damaged_piece_is_refused_by_name(tmp_path):
 
 
 @pytest.mark.thorough
-def test_quick_study_prints_a_table_and_is_silent_without_a_terminal(tmp_path):
-    done = run(*STUDY, "--quick", "--members", 100, "--out", tmp_path)
+def test_quick_study_prints_a_table_and_is_silent_if_it_shall_be(tmp_path):
+    done = run(*STUDY, "--quick", "--members", 100, "--quiet", "--out", tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stderr == ""
     assert done.stdout.startswith("The twisted top: 100 starts per ensemble, to t = 200, seed 0")

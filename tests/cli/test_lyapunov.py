@@ -170,7 +170,7 @@ def test_random_starts_lie_on_the_leaf_and_at_the_energy_that_are_asked_for(comm
     system = lp.catalog.system("kovalevskaya")
     starts = lp.Leaf(system, {"C1": 0.2, "C2": 1}).sample(5, seed=4, energy=1.5)
     expected = lp.finite_time_exponents(system, starts, t_end=5, seed=4)
-    assert np.array_equal(lp.load(path)["exponent"].to_numpy(), expected.exponent)
+    assert np.array_equal(lp.load(path).exponent, expected.exponent)
 
 
 @pytest.mark.thorough

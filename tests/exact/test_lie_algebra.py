@@ -90,7 +90,7 @@ def test_zero_entries_are_not_stored():
         ({0: {2: 1}}, BracketError, r"pairs \(i, j\); got 0"),
         ({(0, 1): 2}, ShapeError, r"brackets\[0, 1\] must be a mapping"),
         ([1], ShapeError, "must be a mapping; got list"),
-        ({(0, 1): {2: "1+1"}}, ParameterError, r"brackets\[0, 1\]\[2\] must be a number or a name"),
+        ({(0, 1): {2: "1+"}}, ParameterError, r"brackets\[0, 1\]\[2\]"),
         ({(0, 1): {2: sp.nan}}, ParameterError, r"finite real number"),
         ({(0, 1): {2: True}}, ParameterError, r"number or a name"),
     ],

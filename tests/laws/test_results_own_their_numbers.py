@@ -203,7 +203,7 @@ def test_the_arrays_of_a_result_are_read_only(kind):
         for path, array in arrays_in(each):
             if array.ndim and not path.startswith(".leaf"):
                 assert not array.flags.writeable, path
-    if not isinstance(result, lp.results.Result):
+    if not isinstance(result, lp.results.Result) or kind == "Sweep":  # whose dataset has means, made for it
         return
     for name in result.dataset.data_vars:
         if result.dataset[name].dtype != object:  # names are copied

@@ -49,7 +49,7 @@ ENSEMBLES: dict[str, _Draw] = {
 
 
 def unknown_ensemble(given: object) -> UnknownNameError:
-    """What is said of an ensemble that there is not."""
+    """What is said of an unknown ensemble."""
     hint = did_you_mean(given, ENSEMBLES).strip() or "Take one of these."
     return UnknownNameError(f"ensemble: wanted one of {', '.join(ENSEMBLES)}; got {shown(given)}. {hint}")
 

@@ -4,6 +4,7 @@ from liepoisson.plot.equilibria import sleeping_diagram
 from liepoisson.plot.exponents import convergence, exponent_distribution, window_scan
 from liepoisson.plot.indicators import indicators
 from liepoisson.plot.orbits import orbit
+from liepoisson.plot.results import draw, profile
 from liepoisson.plot.rod import rod
 from liepoisson.plot.section import section
 from liepoisson.plot.spectrum import spectrum
@@ -12,10 +13,12 @@ from liepoisson.plot.sweep import sweep
 
 __all__ = [
     "convergence",
+    "draw",
     "exponent_distribution",
     "house_style",
     "indicators",
     "orbit",
+    "profile",
     "rod",
     "save_figure",
     "section",

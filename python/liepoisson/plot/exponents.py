@@ -3,7 +3,7 @@ r"""Figures of finite-time exponents: convergence of an ensemble, distribution, 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -63,7 +63,7 @@ def convergence(
             return _draw_one(ax, np.asarray(growth.time), alone[0], label, colour)
         curve = growth if isinstance(growth, MeanCurve) else _mean_of(growth, confidence)
         (line,) = ax.plot(curve.time, curve.mean, color=colour, label=label, zorder=3)
-        colour = str(line.get_color())
+        colour = cast("Any", line.get_color())
         if not isinstance(growth, MeanCurve):
             low, high = np.nanquantile(np.asarray(growth.exponent, np.float64), [0.05, 0.95], axis=0)
             ax.fill_between(curve.time, low, high, color=colour, alpha=0.10, linewidth=0, zorder=1)

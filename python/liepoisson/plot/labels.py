@@ -87,3 +87,10 @@ def _upright(name: str) -> str:
     r"""A name inside of \mathrm: only letters and digits as they are."""
     shown = name if len(name) <= LONGEST else f"{name[: LONGEST - 3]}..."
     return "".join(c if c.isascii() and c.isalnum() else r"\_" if c == "_" else r"\ " for c in shown)
+
+
+def name_of_system(run: object) -> str | None:
+    """The name of the system of a result, or of the dataset of one; None if it has none."""
+    given = getattr(run, "system", None) or getattr(run, "attrs", {}).get("system")
+    name = getattr(given, "name", given)
+    return name if isinstance(name, str) else None

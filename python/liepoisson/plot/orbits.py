@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.plot.labels import label, plain, symbol
+from liepoisson.plot.labels import label, name_of_system, plain, symbol
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTED, SECOND_FIELD, SEQUENCE, house_style
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ def orbit(
     time, state, components = _arrays(run, trajectory)
     curves = _changes(invariants or {}, run, len(time))
     vectors = _vectors(components)
-    name = getattr(run, "system", None) or getattr(run, "attrs", {}).get("system")
+    name = name_of_system(run)
     heading = title if title is not None else plain(name) if name else None
     with house_style():
         figure, rows, last = _panels([len(columns) for columns in vectors.values()], bool(curves))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.plot.labels import label, plain
+from liepoisson.plot.labels import label, name_of_system, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
 
 if TYPE_CHECKING:
@@ -195,7 +195,7 @@ def _heading(points: SectionLike) -> str | None:
     """System and surface, as far as they are known: a Dataset has them among its attributes."""
     attributes = getattr(points, "attrs", None)
     if attributes is None:
-        system, surface = getattr(points, "system", None), getattr(points, "surface", None)
+        system, surface = name_of_system(points), getattr(points, "surface", None)
     else:  # its "surface" is the tape
         system, surface = attributes.get("system"), json.loads(attributes.get("run", "{}")).get("surface")
     if not isinstance(system, str) or not isinstance(surface, str):

@@ -69,7 +69,7 @@ def test_sizes_must_agree():
         LieAlgebra.from_matrices([[[1]], [[1, 0], [0, 1]]])
 
 
-@pytest.mark.parametrize("entry", [float("nan"), sp.oo, "1+1", True, complex(0, float("inf")), sp.oo * sp.I])
+@pytest.mark.parametrize("entry", [float("nan"), sp.oo, "1+", True, complex(0, float("inf")), sp.oo * sp.I])
 def test_only_exact_entries_are_read(entry):
     with pytest.raises(ParameterError, match=r"matrices\[0\]"):
         LieAlgebra.from_matrices([[[entry]]])

@@ -1,0 +1,184 @@
+"""One figure for each kind of result: the one that `draw` makes, where a result has no function of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.errors import ParameterError
+from liepoisson.plot.exponents import convergence
+from liepoisson.plot.labels import label, plain
+from liepoisson.plot.orbits import orbit
+from liepoisson.plot.rod import rod
+from liepoisson.plot.section import section
+from liepoisson.plot.spectrum import spectrum
+from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, INK, MUTED, SEQUENCE, axes_or_new, house_style
+from liepoisson.plot.sweep import sweep
+from liepoisson.result import Result
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+_MOST_CURVES = 200
+_KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTUM}
+
+
+def draw(result: Result, **options: Any) -> Any:
+    """The figure of a result, whatever its kind.
+
+    Args:
+        result: What a run returned, or what `liepoisson.load` gave.
+        **options: Those of the figure of this kind: `orbit`, `section`, `spectrum`, `convergence`, `rod`, `sweep`; or
+            `ax`, axes to draw into.
+
+    Returns:
+        What the figure of this kind returns: a figure or its axes.
+
+    Raises:
+        ParameterError: it is no result of a run.
+    """
+    kind = getattr(type(result), "kind", None)
+    if not isinstance(result, Result) or kind not in _FIGURES:
+        raise ParameterError(f"result: wanted what a run returned; got {shown(result)}; try an Orbit or a Section")
+    return _FIGURES[kind](result, **options)
+
+
+def profile(result: Any, *, ax: Axes | None = None) -> Axes:
+    """Exponents at each energy of a leaf: every start by its verdict, and the mean with its interval."""
+    with house_style():
+        ax = axes_or_new(ax)
+        for kind, colour in _KINDS.items():
+            chosen = (result.verdict == kind) & np.isfinite(result.exponent)
+            energies = np.broadcast_to(result.energy[:, None], result.exponent.shape)[chosen]
+            ax.plot(energies, result.exponent[chosen], ".", color=colour, markersize=4, alpha=0.5, label=kind)
+        mean = np.array([[one.value, one.low, one.high] for one in result.mean])
+        error = np.abs(mean[:, 1:] - mean[:, :1]).T
+        ax.errorbar(
+            result.energy, mean[:, 0], np.nan_to_num(error), color=INK, marker="o", markersize=4, capsize=2.5,
+            linewidth=1.0, label="mean, with its interval",
+        )  # fmt: skip
+        ax.set_xlabel(r"$H$")
+        ax.set_ylabel(rf"$\lambda$ at $t = {result.t_end:g}$")
+        leaf = ", ".join(f"{name} = {value:.4g}" for name, value in result.casimirs.items())
+        ax.set_title(plain(f"{result.system.name}: {leaf}"))
+        ax.legend()
+    return ax
+
+
+def _over_time(result: Any, values: Any, ylabel: str, level: float, ax: Axes | None, *, log: bool) -> Axes:
+    with house_style():
+        ax = axes_or_new(ax)
+        for k, curve in enumerate(values[:_MOST_CURVES]):
+            ax.plot(result.time, curve, color=SEQUENCE[k % len(SEQUENCE)], linewidth=1.0)
+        ax.axhline(level, color=INK, linewidth=0.8, linestyle="--")
+        ax.set_xscale("log")
+        ax.set_yscale("log" if log else "symlog", **({} if log else {"linthresh": 10.0}))
+        ax.set_xlim(result.time[0], result.time[-1])
+        ax.set_xlabel(r"$t$")
+        ax.set_ylabel(ylabel)
+        ax.set_title(plain(result.system.name))
+    return ax
+
+
+def _megno(result: Any, *, ax: Axes | None = None) -> Axes:
+    """Mean MEGNO against time; dashed is the 2 of a torus."""
+    return _over_time(result, result.mean, r"mean MEGNO $\bar Y$", 2.0, ax, log=False)
+
+
+def _alignment(result: Any, *, ax: Axes | None = None) -> Axes:
+    """SALI against time; dashed is the round-off."""
+    return _over_time(result, result.sali, "SALI", 1e-16, ax, log=True)
+
+
+def _verdict(result: Any, *, ax: Axes | None = None) -> Axes:
+    """Mean MEGNO against the growth power, by verdict; the thresholds of the rule as lines."""
+    with house_style():
+        ax = axes_or_new(ax, width=5.6, height=4.4)
+        for kind, colour in _KINDS.items():
+            chosen = result.verdict == kind
+            name = f"{kind} ({int(chosen.sum())})"
+            ax.plot(result.growth_power[chosen], result.mean_megno[chosen], ".", color=colour, markersize=6, label=name)
+        for value in result.rule.growth_power:
+            ax.axvline(value, color=MUTED, linewidth=0.7, linestyle="--", zorder=0)
+        for value in result.rule.megno:
+            ax.axhline(value, color=MUTED, linewidth=0.7, linestyle="--", zorder=0)
+        ax.set_xscale("symlog", linthresh=2.0)
+        ax.set_yscale("symlog", linthresh=4.0)
+        ax.set_xlabel(r"growth power $p$, $|v| \sim t^p$")
+        ax.set_ylabel(r"mean MEGNO $\bar Y$")
+        ax.set_title(plain(f"{result.system.name}, t = {result.t_end:g}"))
+        ax.legend()
+    return ax
+
+
+def _exponents(result: Any, *, ax: Axes | None = None) -> Axes:
+    """Exponents with their 95% intervals, in increasing order; open circles are consistent with zero."""
+    with house_style():
+        ax = axes_or_new(ax)
+        order = np.argsort(result.exponent)
+        place, value, zero = np.arange(1, len(order) + 1), result.exponent[order], result.is_zero[order]
+        bars = np.abs(result.interval()[order] - value[:, None]).T
+        ax.errorbar(
+            place[~zero], value[~zero], np.nan_to_num(bars[:, ~zero]), fmt="o", color=ANGULAR_MOMENTUM, markersize=4,
+            capsize=2.5, linewidth=1.0,
+        )  # fmt: skip
+        if zero.any():
+            ax.plot(place[zero], value[zero], "o", color=FIRST_FIELD, fillstyle="none", label="consistent with zero")
+            ax.legend()
+        ax.set_xlabel("trajectory, by its exponent")
+        ax.set_ylabel(r"$\lambda$")
+        ax.xaxis.get_major_locator().set_params(integer=True)
+        ax.set_title(plain(result.system.name))
+    return ax
+
+
+def _frequencies(result: Any, *, ax: Axes | None = None) -> Axes:
+    """The drift of the main frequency between two windows against the frequency."""
+    with house_style():
+        ax = axes_or_new(ax)
+        ax.plot(
+            np.abs(result.frequency[:, 0]), np.maximum(result.drift, 1e-16), "o", color=ANGULAR_MOMENTUM, markersize=4
+        )
+        ax.set_yscale("log")
+        ax.set_xlabel(rf"frequency $|f_1|$ in $[0, {result.window:g}]$")
+        ax.set_ylabel(r"drift $|f_2 - f_1|$")
+        ax.set_title(plain(result.system.name))
+    return ax
+
+
+def _returns(result: Any, *, ax: Axes | None = None) -> Axes:
+    """Starts and their images, in the two components in which the images spread most."""
+    start, image = (array.reshape(-1, len(result.components)) for array in (result.start, result.state))
+    spread = np.nan_to_num(np.ptp(image[np.isfinite(image).all(axis=1)], axis=0)) if len(image) else []
+    x, y = sorted(np.argsort(spread)[-2:].tolist())
+    with house_style():
+        ax = axes_or_new(ax, width=5.2, height=4.8)
+        ax.plot(start[:, x], start[:, y], "o", color=MUTED, fillstyle="none", markersize=4, label="start")
+        ax.plot(image[:, x], image[:, y], ".", color=ANGULAR_MOMENTUM, markersize=6, label="image")
+        ax.set_xlabel(label(result.components[x]))
+        ax.set_ylabel(label(result.components[y]))
+        ax.set_title(plain(f"{result.system.name}: return to {result.surface} = 0"))
+        ax.legend()
+    return ax
+
+
+_FIGURES: dict[str, Callable[..., Any]] = {
+    "orbit": orbit,
+    "chart orbit": lambda result, **options: orbit(result.run, **options),
+    "attitude": lambda result, **options: orbit(result.orbit, **options),
+    "growth": convergence,
+    "section": section,
+    "spectrum": spectrum,
+    "rod": rod,
+    "sweep": sweep,
+    "energy profile": profile,
+    "megno": _megno,
+    "alignment": _alignment,
+    "verdict": _verdict,
+    "exponent": _exponents,
+    "frequency drift": _frequencies,
+    "first return": _returns,
+}
