@@ -193,7 +193,7 @@ def _pieces(dataset: Dataset, label: PiecesLabel, n: int) -> tuple[Any, ...]:
     begins = dataset[first].to_numpy()
     rest = dataset[second].transpose(label.dim, *label.dims).to_numpy()
     if n != max(
-        [int(owner.max(initial=-1)) + 1, *(dataset.sizes[dim] for dim in dataset.sizes if "trajectory" in dim)]
+        [int(owner.max(initial=-1)) + 1, *(dataset.sizes[dim] for dim in dataset.sizes if "trajectory" in str(dim))]
     ):
         raise ValueError(f"{label.dim}: wanted one for each trajectory; got {shown(n)}")
     return tuple((begins[owner == row], rest[owner == row]) for row in range(n))

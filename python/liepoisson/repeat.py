@@ -9,7 +9,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson import _core
 from liepoisson.dataset import check_format, read_dataset, result_of, text_of
@@ -99,7 +99,9 @@ def rerun(
         UserWarning: Another version of liepoisson made the file, so the bits may differ; or trajectories were ended by
             the limit of time.
     """
-    given = source if isinstance(source, Result) else load(source) if _is_folder(source) else _recorded(source)
+    given: Any = source
+    if not isinstance(source, Result):
+        given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
     module, _, function = RUNS[given.kind]
     if given.kind == "sweep":

@@ -156,4 +156,4 @@ class Result(ReadOnlyArrays):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the line of the result, and its dataset."""
-        return f"<p><code>{escape(repr(self))}</code></p>{self.dataset._repr_html_()}"
+        return f"<p><code>{escape(repr(self))}</code></p>{self.dataset._repr_html_()}"  # pyright: ignore[reportPrivateUsage]  # IPython's protocol

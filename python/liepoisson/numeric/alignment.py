@@ -22,7 +22,6 @@ from liepoisson.numeric._checks import (
     as_states,
     as_time_limit,
     as_times,
-    shown,
     trajectories,
     typical,
 )
@@ -32,6 +31,7 @@ from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
 from liepoisson.result import labelled
+from liepoisson.wrong_values import shown
 
 Within: TypeAlias = Literal["space", "leaf", "energy"]
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_time_limit, shown, typical
+from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_time_limit, typical
 from liepoisson.numeric.estimates import Estimate, as_confidence
 from liepoisson.numeric.mean_error import mean_interval
 from liepoisson.numeric.methods import Method, as_method, field_for
@@ -22,6 +22,7 @@ from liepoisson.numeric.sampling import as_seed
 from liepoisson.numeric.tangent_frames import as_duration
 from liepoisson.numeric.verdict import METHOD, Kind, Rule, as_rule, decide, rule_of, rule_record
 from liepoisson.result import labelled, recorded
+from liepoisson.wrong_values import shown
 
 _MOST = 10_000_000
 

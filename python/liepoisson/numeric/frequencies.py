@@ -22,7 +22,6 @@ from liepoisson.numeric._checks import (
     as_states,
     as_time_limit,
     component_names,
-    shown,
     trajectories,
     typical,
 )
@@ -31,6 +30,7 @@ from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.run import Run, given
 from liepoisson.result import labelled, recorded
+from liepoisson.wrong_values import shown
 
 Signal: TypeAlias = NDArray[np.complex128]
 Observable: TypeAlias = str | Sequence[str] | Callable[[Array], ArrayLike]

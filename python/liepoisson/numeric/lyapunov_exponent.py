@@ -20,7 +20,6 @@ from liepoisson.numeric._checks import (
     as_count,
     as_number,
     as_time_limit,
-    shown,
     trajectories,
     typical,
 )
@@ -31,6 +30,7 @@ from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
 from liepoisson.numeric.time_scale import natural_duration, time_scale, zero_threshold
 from liepoisson.result import labelled
+from liepoisson.wrong_values import shown
 
 LONGEST, BLOCK, TRANSIENT = 100_000.0, 20.0, 100.0
 """Defaults for the longest run, if an error is wanted, the blocks and the transient: in natural times."""

@@ -15,7 +15,8 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import made_with_explained_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField, QuadraticField, TopField
-from liepoisson.numeric._checks import as_count, as_number, shown
+from liepoisson.numeric._checks import as_count, as_number
+from liepoisson.wrong_values import shown
 
 ROUND_OFF = 2.0**-53
 SINGLE_TOLERANCE = 2.0**-20

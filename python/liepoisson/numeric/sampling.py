@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
-from liepoisson.numeric._checks import MOST, HasField, as_count, as_field, shown
+from liepoisson.numeric._checks import MOST, HasField, as_count, as_field
+from liepoisson.wrong_values import shown
 
 BLOCK = 256
 """Members that share a stream; a member's numbers depend on the seed and on its own number only."""

@@ -27,12 +27,12 @@ from liepoisson.numeric._checks import (
     component_names,
     core_field,
     outcome_names,
-    shown,
     typical,
 )
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.run import IntegratedRun, Run, given
 from liepoisson.result import labelled, names_along, recorded
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from sympy import Expr

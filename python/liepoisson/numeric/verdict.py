@@ -9,7 +9,7 @@ import math
 import time as clock
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,7 +22,6 @@ from liepoisson.numeric._checks import (
     HasField,
     as_number,
     as_time_limit,
-    shown,
     trajectories,
 )
 from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
@@ -36,6 +35,7 @@ from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.time_scale import orbit_units
 from liepoisson.result import labelled, recorded
+from liepoisson.wrong_values import shown
 
 Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]
 
@@ -121,7 +121,8 @@ def rule_record(rule: Rule) -> dict[str, Any]:
 
 def rule_of(record: dict[str, Any]) -> Rule:
     """The rule that a file has as data."""
-    return Rule(**{name: tuple(value) if isinstance(value, list) else value for name, value in record.items()})
+    values: dict[str, Any] = {k: tuple(cast("list[float]", v)) if isinstance(v, list) else v for k, v in record.items()}
+    return Rule(**values)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.errors import ParameterError
-from liepoisson.numeric._checks import as_number, shown
+from liepoisson.numeric._checks import as_number
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System

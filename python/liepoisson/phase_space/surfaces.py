@@ -17,11 +17,12 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.phase_functions import as_phase_points
-from liepoisson.numeric._checks import as_count, shown
+from liepoisson.numeric._checks import as_count
 from liepoisson.phase_space._checks import as_energy
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.leaf_search import check_energy_in_reach
 from liepoisson.phase_space.lengths import unit_length
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from sympy import Expr

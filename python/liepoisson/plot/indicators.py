@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import shown
 from liepoisson.numeric.verdict import Rule
 from liepoisson.plot.exponents import time_axis
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -26,7 +26,7 @@ _MOST_CURVES = 200
 _KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTUM}
 
 
-def draw(result: Result, **options: Any) -> Any:
+def draw(result: Any, **options: Any) -> Any:
     """The figure of a result, whatever its kind.
 
     Args:
@@ -64,7 +64,7 @@ def profile(result: Any, *, ax: Axes | None = None) -> Axes:
         ax.set_ylabel(rf"$\lambda$ at $t = {result.t_end:g}$")
         leaf = ", ".join(f"{name} = {value:.4g}" for name, value in result.casimirs.items())
         ax.set_title(plain(f"{result.system.name}: {leaf}"))
-        ax.legend()
+        ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=4, borderaxespad=0.0)
     return ax
 
 
@@ -75,12 +75,30 @@ def _over_time(result: Any, values: Any, ylabel: str, level: float, ax: Axes | N
             ax.plot(result.time, curve, color=SEQUENCE[k % len(SEQUENCE)], linewidth=1.0)
         ax.axhline(level, color=INK, linewidth=0.8, linestyle="--")
         ax.set_xscale("log")
-        ax.set_yscale("log" if log else "symlog", **({} if log else {"linthresh": 10.0}))
+        if log:
+            ax.set_yscale("log")
+        else:
+            _linear_then_log(ax, "y", np.nanmax(values, initial=level))
         ax.set_xlim(result.time[0], result.time[-1])
         ax.set_xlabel(r"$t$")
         ax.set_ylabel(ylabel)
         ax.set_title(plain(result.system.name))
     return ax
+
+
+def _linear_then_log(ax: Axes, which: str, most: float) -> None:
+    """An axis from 0 on that is linear up to 10 and logarithmic beyond."""
+    from matplotlib.ticker import FixedLocator, NullLocator, ScalarFormatter
+
+    ticks = [0.0, 2.0, 4.0, 6.0, 10.0]
+    while ticks[-1] < most:
+        ticks.append(ticks[-1] * (2.0 if f"{ticks[-1]:.0e}"[0] != "2" else 2.5))
+    getattr(ax, f"set_{which}scale")("symlog", linthresh=10.0, linscale=1.5)
+    axis = getattr(ax, f"{which}axis")
+    axis.set_major_locator(FixedLocator(ticks))
+    axis.set_minor_locator(NullLocator())
+    axis.set_major_formatter(ScalarFormatter())
+    getattr(ax, f"set_{which}lim")(0.0, max(1.15 * most, 10.0))
 
 
 def _megno(result: Any, *, ax: Axes | None = None) -> Axes:
@@ -105,8 +123,8 @@ def _verdict(result: Any, *, ax: Axes | None = None) -> Axes:
             ax.axvline(value, color=MUTED, linewidth=0.7, linestyle="--", zorder=0)
         for value in result.rule.megno:
             ax.axhline(value, color=MUTED, linewidth=0.7, linestyle="--", zorder=0)
-        ax.set_xscale("symlog", linthresh=2.0)
-        ax.set_yscale("symlog", linthresh=4.0)
+        _linear_then_log(ax, "x", np.nanmax(result.growth_power, initial=result.rule.growth_power[1]))
+        _linear_then_log(ax, "y", np.nanmax(result.mean_megno, initial=result.rule.megno[1]))
         ax.set_xlabel(r"growth power $p$, $|v| \sim t^p$")
         ax.set_ylabel(r"mean MEGNO $\bar Y$")
         ax.set_title(plain(f"{result.system.name}, t = {result.t_end:g}"))
@@ -128,9 +146,10 @@ def _exponents(result: Any, *, ax: Axes | None = None) -> Axes:
         if zero.any():
             ax.plot(place[zero], value[zero], "o", color=FIRST_FIELD, fillstyle="none", label="consistent with zero")
             ax.legend()
+        ax.set_ylim(bottom=min(0.0, np.nanmin(value, initial=0.0)))
         ax.set_xlabel("trajectory, by its exponent")
         ax.set_ylabel(r"$\lambda$")
-        ax.xaxis.get_major_locator().set_params(integer=True)
+        ax.locator_params(axis="x", integer=True)
         ax.set_title(plain(result.system.name))
     return ax
 

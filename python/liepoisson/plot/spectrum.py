@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liepoisson.errors import ParameterError
-from liepoisson.numeric._checks import shown
 from liepoisson.numeric.spectrum import Spectrum
 from liepoisson.numeric.time_scale import zero_threshold
 from liepoisson.plot.labels import plain
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style, new_figure
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -19,8 +19,9 @@ import numpy as np
 from liepoisson.arrays import Array
 from liepoisson.errors import InertiaWarning, ParameterError
 from liepoisson.field import Field, TopField
-from liepoisson.numeric._checks import HasField, shown
+from liepoisson.numeric._checks import HasField
 from liepoisson.sweeps.identity import is_system_file
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.exact.system_file import SystemFile

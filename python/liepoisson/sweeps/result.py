@@ -14,7 +14,6 @@ from numpy.typing import NDArray
 from liepoisson import __version__
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
-from liepoisson.numeric._checks import shown
 from liepoisson.numeric.estimates import as_confidence
 from liepoisson.numeric.mean_error import student_quantile
 from liepoisson.numeric.proportions import wilson_interval
@@ -25,6 +24,7 @@ from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.lattice import Place
 from liepoisson.sweeps.spec import SweepSpec
 from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, OUTCOMES
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from xarray import Dataset

@@ -17,7 +17,7 @@ from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.files import exclusive
-from liepoisson.numeric._checks import MOST_THREADS, as_count, as_number, shown
+from liepoisson.numeric._checks import MOST_THREADS, as_count, as_number
 from liepoisson.numeric.verdict import as_rule
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
@@ -29,6 +29,7 @@ from liepoisson.sweeps.starts import Meaning, check_casimirs
 from liepoisson.sweeps.store import Level, SweepStore
 from liepoisson.sweeps.targets import evaluate_targets
 from liepoisson.sweeps.tasks import FAILED, Piece, PieceResult, resolve
+from liepoisson.wrong_values import shown
 
 PIECE_TIME = 1e6
 """Orbits times their time in a piece: 0.3 s of a core at 3.5e6 a second (tops, default method). A worker adds 3 ms."""

@@ -21,12 +21,13 @@ from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.exact.names import check_name
 from liepoisson.exact.system_file_reader import parse_system_file
-from liepoisson.numeric._checks import as_count, as_number, shown
+from liepoisson.numeric._checks import as_count, as_number
 from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
 from liepoisson.numeric.verdict import Rule, as_rule, rule_of
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
+from liepoisson.wrong_values import shown
 
 Value: TypeAlias = "float | int | str | Fraction | Sequence[float | int | str | Fraction]"
 """A number, a formula in the names of the axes, or a list of them."""
@@ -312,7 +313,12 @@ class SweepSpec:
             ParameterError: the system or the quantity is a function of the caller, which no record keeps.
             KeyError, TypeError, ValueError, LiePoissonError: the record is not one of ours.
         """
-        said = {"name": None, "labels": [None] * len(record["axes"]), "system_file": None, **(description or {})}
+        said: dict[str, Any] = {
+            "name": None,
+            "labels": [None] * len(record["axes"]),
+            "system_file": None,
+            **(description or {}),
+        }
         system = record["system"]
         if said["system_file"] is not None:
             system = parse_system_file(said["system_file"], "the system of the sweep").system()

@@ -42,10 +42,10 @@ from typing import Any, cast
 
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.exact.formula.toml_text import TomlText, read_toml
-from liepoisson.numeric._checks import shown
 from liepoisson.numeric.methods import METHODS, Method
 from liepoisson.numeric.verdict import Rule
 from liepoisson.sweeps.spec import Axis, Refinement, Starts, SweepSpec
+from liepoisson.wrong_values import shown
 
 _KEYS = (
     "name", "system", "axes", "parameters", "starts", "n_starts", "t_end", "quantity", "rule", "method", "seed",

@@ -11,8 +11,8 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.errors import ExpressionError, ParameterError
-from liepoisson.numeric._checks import shown
 from liepoisson.sweeps.spec import CASIMIR, COMPONENT
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.family import Family

@@ -16,7 +16,6 @@ from liepoisson import _core
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.field import TopField
-from liepoisson.numeric._checks import shown
 from liepoisson.numeric.finite_time_exponents import finite_time_exponents
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.sampling import sample_states, sample_tangents
@@ -26,6 +25,7 @@ from liepoisson.sweeps.errors import WorkerVersionError
 from liepoisson.sweeps.family import Family, NumericTop
 from liepoisson.sweeps.spec import DEFAULT_GENERAL, DEFAULT_METHOD, QUANTITIES
 from liepoisson.sweeps.starts import Meaning, TopRows, is_top, liouville, project, require_meaning, system_functions
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.spec import Starts

@@ -1,0 +1,70 @@
+"""Every result is drawn by one function, which says so where something is no result."""
+
+import json
+
+import matplotlib as mpl
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError
+from liepoisson.plot.results import _FIGURES
+from liepoisson.repeat import RUNS
+
+TOP = lp.Top.kovalevskaya("1/2")
+STARTS = lp.sample_states(TOP, 4, seed=1)
+
+
+def results():
+    leaf = lp.Leaf.through(TOP, STARTS[0])
+    crossings = lp.section(TOP, STARTS, surface="l3", t_end=30)
+    return {
+        "orbit": lp.integrate(TOP, STARTS, t_end=5),
+        "chart orbit": lp.orbits.chart_orbit(lp.charts.EulerChart(TOP, state=STARTS[0]), STARTS[0], times=[0, 1, 2]),
+        "attitude": lp.orbits.attitude(TOP, STARTS, times=np.linspace(0, 2, 9)),
+        "growth": lp.finite_time_exponents(TOP, STARTS, t_end=20),
+        "section": crossings,
+        "spectrum": lp.lyapunov_spectrum(TOP, STARTS, t_end=40),
+        "rod": lp.orbits.rod(lp.Top.twisted_lagrange(), STARTS[0], length=3, n_points=30),
+        "sweep": lp.sweep(system="kovalevskaya", axes={"energy": [0.5, 1.0, 2.0]}, n_starts=3, t_end=20),
+        "energy profile": lp.chaos.exponents_by_energy(TOP, leaf=leaf, energies=[0.5, 1.0], n_starts=3, t_end=20),
+        "megno": lp.chaos.megno(TOP, STARTS, t_end=30),
+        "alignment": lp.chaos.alignment(TOP, STARTS, t_end=30),
+        "verdict": lp.decide(TOP, STARTS, t_end=150),
+        "exponent": lp.lyapunov_exponent(TOP, STARTS, t_end=500),
+        "frequency drift": lp.chaos.frequency_drift(TOP, STARTS, observable="l1", t_end=50),
+        "first return": lp.sections.first_return(TOP, crossings.state, surface="l3", t_end=30),
+    }
+
+
+def test_every_kind_has_a_figure():
+    assert _FIGURES.keys() == RUNS.keys() == results().keys()
+
+
+@pytest.mark.thorough
+def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
+    before = json.dumps(dict(mpl.rcParams), default=str)
+    for kind, result in results().items():
+        figure = lp.plot.draw(result)
+        figure = getattr(figure, "figure", figure)
+        figure.savefig(tmp_path / "figure.png")
+        assert (tmp_path / "figure.png").stat().st_size > 4_000, kind
+        drawn = [artist for ax in figure.axes for artist in (*ax.lines, *ax.collections, *ax.images)]
+        assert drawn, kind
+        plt.close("all")
+    assert json.dumps(dict(mpl.rcParams), default=str) == before
+
+
+def test_a_verdict_has_a_point_for_each_orbit():
+    verdict = lp.decide(TOP, STARTS, t_end=150)
+    lines = [line for line in lp.plot.draw(verdict).lines if line.get_marker() == "."]
+    assert sum(len(line.get_xdata()) for line in lines) == len(STARTS)
+    np.testing.assert_allclose(sorted(np.concatenate([line.get_ydata() for line in lines])), sorted(verdict.mean_megno))
+    plt.close("all")
+
+
+@pytest.mark.parametrize("given", [None, 5, STARTS, "orbit.nc"])
+def test_what_is_no_result_is_refused(given):
+    with pytest.raises(ParameterError, match="wanted what a run returned"):
+        lp.plot.draw(given)
