@@ -18,7 +18,7 @@ import liepoisson
 ROOT = Path(liepoisson.__file__).parent
 
 ROOMS = (
-    {"errors", "arrays", "field", "files", "netcdf", "wrong_values", "calls", "_lazy"},
+    {"errors", "arrays", "field", "files", "netcdf", "wrong_values", "calls", "scalars", "streams", "_lazy"},
     {"result", "dataset"},
     {"exact", "numeric"},
     {"tops", "catalog"},

@@ -15,9 +15,9 @@ from liepoisson import _core
 from liepoisson.dataset import check_format, read_dataset, result_of, text_of
 from liepoisson.errors import DamagedFileError
 from liepoisson.field import Field, field_of
-from liepoisson.numeric._checks import as_time_limit
 from liepoisson.numeric.run import Run
 from liepoisson.result import Result
+from liepoisson.scalars import as_time_limit
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:

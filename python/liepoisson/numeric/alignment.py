@@ -13,24 +13,16 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
-from liepoisson.numeric._checks import (
-    TIME_LIMIT,
-    HasField,
-    as_count,
-    as_field,
-    as_number,
-    as_states,
-    as_time_limit,
-    as_times,
-    trajectories,
-    typical,
-)
 from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
+from liepoisson.numeric.starts import as_states, as_times
+from liepoisson.numeric.systems import HasField, as_field, has_functions
 from liepoisson.result import labelled
+from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
 from liepoisson.wrong_values import shown
 
 Within: TypeAlias = Literal["space", "leaf", "energy"]
@@ -294,7 +286,7 @@ def _first_vectors(system: Any, states: Array, drawn: Array, within: Within) -> 
         return drawn
     if within not in ("leaf", "energy"):
         raise ParameterError(f'within: wanted "space", "leaf" or "energy"; got {shown(within)}; leave it out')
-    if not hasattr(system, "functions"):
+    if not has_functions(system):
         raise ParameterError(
             f'within: wanted a system with a bracket for "{within}"; got {shown(system)}; try within="space"'
         )

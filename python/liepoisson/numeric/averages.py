@@ -22,11 +22,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_field, as_states, as_time_limit
 from liepoisson.numeric.alignment import as_positive_time
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.progress import part_of
+from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.systems import HasField, as_field
+from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
 _LEAST_SAMPLES, _MOST_DOUBLINGS = 4096, 4
 _PART = 0.6

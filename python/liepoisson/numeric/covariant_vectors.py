@@ -19,13 +19,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import as_count
 from liepoisson.numeric.mean_error import mean_error
 from liepoisson.numeric.tangent_frames import TangentFrames
 from liepoisson.result import labelled
+from liepoisson.scalars import as_count
+from liepoisson.streams import Purpose, stream
 
 MOST_BYTES = 4 * 2**30
-_TRIANGLES = 3  # purpose of the random numbers: the coefficients at the end
 
 
 @dataclass(frozen=True)
@@ -200,6 +200,5 @@ def _random_triangles(n: int, n_members: int, *, seed: int, first: int) -> Array
     """Upper triangular matrices with unit columns; those of a member depend on the seed and on its number only."""
     triangles = np.empty((n_members, n, n))
     for k in range(n_members):
-        stream = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_TRIANGLES, first + k)))
-        triangles[k] = np.triu(stream.standard_normal((n, n)))
+        triangles[k] = np.triu(stream(seed, Purpose.TRIANGLES, first + k).standard_normal((n, n)))
     return triangles / np.linalg.norm(triangles, axis=1, keepdims=True)

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import as_count, as_number
+from liepoisson.scalars import as_count, as_number
 
 FloatArray: TypeAlias = NDArray[np.float64]
 Window: TypeAlias = tuple[float, float]

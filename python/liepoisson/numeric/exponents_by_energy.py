@@ -13,15 +13,17 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_count, as_field, as_time_limit, typical
 from liepoisson.numeric.estimates import Estimate, as_confidence
 from liepoisson.numeric.mean_error import mean_interval
 from liepoisson.numeric.methods import Method, as_method, field_for
+from liepoisson.numeric.outcomes import typical
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_seed
+from liepoisson.numeric.systems import HasField, as_field, has_functions
 from liepoisson.numeric.tangent_frames import as_duration
 from liepoisson.numeric.verdict import METHOD, Kind, Rule, as_rule, decide, rule_of, rule_record
 from liepoisson.result import labelled, recorded
+from liepoisson.scalars import TIME_LIMIT, as_count, as_time_limit
 from liepoisson.wrong_values import shown
 
 _MOST = 10_000_000
@@ -240,7 +242,7 @@ def _are_the_same(system: Any, other: Any) -> bool:
     n = as_field(system).n_components
     if as_field(other).n_components != n:
         return False
-    if not hasattr(system, "functions"):  # no bracket to compare
+    if not has_functions(system):  # no bracket to compare
         return as_field(system) == as_field(other)
     states = np.random.default_rng(0).standard_normal((4, n))
     with np.errstate(all="ignore"):  # outside of the domain of a Hamiltonian both are NaN

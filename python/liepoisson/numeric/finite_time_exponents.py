@@ -13,24 +13,14 @@ from liepoisson import _core
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import (
-    TIME_LIMIT,
-    HasField,
-    as_field,
-    as_number,
-    as_states,
-    as_threads,
-    as_time_limit,
-    as_times,
-    core_field,
-    outcome_names,
-    trajectories,
-    typical,
-)
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.outcomes import outcome_names, trajectories, typical
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.numeric.starts import as_states, as_times
+from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.result import labelled
+from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
 
 N_TIMES = 200
 LEAST_TIME = 1e-300

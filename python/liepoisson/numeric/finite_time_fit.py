@@ -20,7 +20,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import as_number
 from liepoisson.numeric.estimates import (
     Estimate,
     FiniteTimeFit,
@@ -31,6 +30,7 @@ from liepoisson.numeric.estimates import (
     Window,
     as_confidence,
 )
+from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
 __all__ = [

@@ -24,9 +24,9 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import as_count
 from liepoisson.numeric.estimates import Window
 from liepoisson.numeric.finite_time_fit import finite_time_fit, last_decade
+from liepoisson.scalars import as_count
 
 _COEFFICIENTS = 3
 # Contrasts are known to some 1e-16 of the curves, and eigenvalues, squares of spreads, to 1e-16 of the largest: spreads

@@ -13,23 +13,15 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import (
-    TIME_LIMIT,
-    HasField,
-    as_count,
-    as_field,
-    as_number,
-    as_states,
-    as_time_limit,
-    component_names,
-    trajectories,
-    typical,
-)
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
 from liepoisson.result import labelled, recorded
+from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
 from liepoisson.wrong_values import shown
 
 Signal: TypeAlias = NDArray[np.complex128]
@@ -328,7 +320,7 @@ def _real_part(system: Any, names: tuple[str, ...], text: str) -> Callable[[Arra
     if text in names:
         index = names.index(text)
         return lambda states: states[..., index]
-    if hasattr(system, "functions"):
+    if has_functions(system):
         return system.functions.of(text)
     raise ParameterError(
         f"observable: wanted one of {', '.join(names)}; got {shown(text)}; or give a function of states"

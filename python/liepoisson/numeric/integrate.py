@@ -14,22 +14,13 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField
-from liepoisson.numeric._checks import (
-    TIME_LIMIT,
-    HasField,
-    as_field,
-    as_number,
-    as_states,
-    as_threads,
-    as_time_limit,
-    as_times,
-    core_field,
-    outcome_names,
-    trajectories,
-)
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.outcomes import outcome_names, trajectories
 from liepoisson.numeric.run import IntegratedRun, given
+from liepoisson.numeric.starts import as_states, as_times
+from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.result import labelled, pieces
+from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
 
 _N_TIMES = 1001
 """Times of a run of which only the end is given."""

@@ -14,22 +14,16 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import (
-    TIME_LIMIT,
-    HasField,
-    as_count,
-    as_number,
-    as_time_limit,
-    trajectories,
-    typical,
-)
 from liepoisson.numeric.estimates import Estimate, Resampling
 from liepoisson.numeric.mean_error import mean_error, mean_interval, n_longest_batches, student_quantile
 from liepoisson.numeric.methods import Method
+from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
 from liepoisson.numeric.time_scale import natural_duration, time_scale, zero_threshold
 from liepoisson.result import labelled
+from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
 from liepoisson.wrong_values import shown
 
 LONGEST, BLOCK, TRANSIENT = 100_000.0, 20.0, 100.0

@@ -12,23 +12,17 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
-from liepoisson.numeric._checks import (
-    TIME_LIMIT,
-    HasField,
-    as_count,
-    as_field,
-    as_states,
-    as_time_limit,
-    trajectories,
-    typical,
-)
 from liepoisson.numeric.alignment import as_positive_time, bound_memory
 from liepoisson.numeric.finite_time_exponents import finite_time_exponents
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.result import labelled
+from liepoisson.scalars import TIME_LIMIT, as_count, as_time_limit
 
 _N_TIMES = 200
 # Members whose fine samples are in memory at once: 256 x 4,096 numbers are 8 MB.

@@ -15,7 +15,8 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import made_with_explained_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField, QuadraticField, TopField
-from liepoisson.numeric._checks import as_count, as_number
+from liepoisson.numeric.systems import has_pieces
+from liepoisson.scalars import as_count, as_number
 from liepoisson.wrong_values import shown
 
 ROUND_OFF = 2.0**-53
@@ -358,7 +359,7 @@ def field_for(system: Any, field: Field, method: Method) -> Field:
     if isinstance(method, LagrangeMap) and not (isinstance(field, TopField) and _is_lagrange(field)):
         raise ParameterError(f"method: LagrangeMap {_NOT_LAGRANGE}; got another field; try Splitting")
     if isinstance(method, Splitting) and not isinstance(field, TopField):
-        if not callable(getattr(system, "pieces", None)):
+        if not has_pieces(system):
             raise ParameterError(
                 f"method: wanted a system whose Hamiltonian is a sum of pieces with known flows; got a {field.name}, "
                 "which does not tell its pieces; give the System itself, or use Taylor()"

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
-from liepoisson.numeric._checks import as_count
 from liepoisson.numeric.estimates import Estimate, as_confidence
+from liepoisson.scalars import as_count
 
 
 def proportion(count: int, n: int, *, confidence: float = 0.95) -> Estimate:

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.field import Field, field_of, record_of
-from liepoisson.numeric._checks import HasField, component_names
 from liepoisson.numeric.methods import Method, method_of, method_record
+from liepoisson.numeric.systems import HasField, component_names
 from liepoisson.result import Result, labelled, names_along, recorded
 
 

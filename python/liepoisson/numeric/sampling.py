@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
-from liepoisson.numeric._checks import MOST, HasField, as_count, as_field
+from liepoisson.numeric.systems import HasField, as_field, vector_length
+from liepoisson.scalars import MOST, as_count
+from liepoisson.streams import Purpose, stream
 from liepoisson.wrong_values import shown
 
 BLOCK = 256
@@ -18,7 +20,6 @@ BLOCK = 256
 
 # Purposes of the random numbers, the first part of a stream's key.  2 and 3 are taken: `tangent_frames.py` and
 # `covariant_vectors.py`.
-_STATES, _TANGENTS, _ALIGNMENT = 0, 1, 4
 
 
 def _unit_vectors(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
@@ -89,13 +90,8 @@ def sample_states(
         raise unknown_ensemble(ensemble)
     components = as_field(system).n_components
     return _draw(
-        draw, components, n_starts, seed, length=_vector_length(system, components), first=first, purpose=_STATES
+        draw, components, n_starts, seed, length=vector_length(system, components), first=first, purpose=Purpose.STATES
     )
-
-
-def _vector_length(system: Any, n_components: int) -> int:
-    """Components of each vector of the state: the system's own word, else 3 where that fits, else all."""
-    return getattr(system, "vector_length", 3 if n_components % 3 == 0 else n_components)
 
 
 def as_seed(seed: int) -> int:
@@ -110,7 +106,7 @@ def as_first(first: int, n: int) -> int:
 
 def sample_tangents(n_components: int, n: int, *, seed: int, first: int = 0) -> NDArray[np.float64]:
     """Random tangent vectors, uniform on the unit sphere of the state space, shape (trajectory, component)."""
-    return _draw(_unit_tangent, n_components, n, seed, length=n_components, first=first, purpose=_TANGENTS)
+    return _draw(_unit_tangent, n_components, n, seed, length=n_components, first=first, purpose=Purpose.TANGENTS)
 
 
 def sample_alignment_vectors(
@@ -131,7 +127,7 @@ def sample_alignment_vectors(
         seed,
         length=n_components,
         first=first * n_vectors,
-        purpose=_ALIGNMENT,
+        purpose=Purpose.ALIGNMENT,
     )
     return vectors.reshape(n, n_vectors, n_components)
 
@@ -144,7 +140,7 @@ def _draw(
     *,
     length: int,
     first: int,
-    purpose: int,
+    purpose: Purpose,
 ) -> NDArray[np.float64]:
     n = as_count(n, "n_starts")
     seed, first = as_seed(seed), as_first(first, n)
@@ -156,8 +152,8 @@ def _draw(
             "draw them in pieces with first="
         ) from None
     for block in range(first // BLOCK, -(-(first + n) // BLOCK)):
-        stream = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(purpose, block)))
+        random = stream(seed, purpose, block)
         start = block * BLOCK - first
         kept = slice(max(start, 0), min(start + BLOCK, n))
-        result[kept] = draw(stream, n_components, length)[kept.start - start : kept.stop - start]
+        result[kept] = draw(random, n_components, length)[kept.start - start : kept.stop - start]
     return result

@@ -15,23 +15,20 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import TapeFunction
-from liepoisson.numeric._checks import (
-    TIME_LIMIT,
+from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.outcomes import outcome_names, typical
+from liepoisson.numeric.run import IntegratedRun, Run, given
+from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.systems import (
     HasField,
-    as_count,
     as_field,
-    as_number,
-    as_states,
-    as_threads,
-    as_time_limit,
     component_names,
     core_field,
-    outcome_names,
-    typical,
+    has_bracket,
+    reads_formulas,
 )
-from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.run import IntegratedRun, Run, given
 from liepoisson.result import labelled, names_along, recorded
+from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_threads, as_time_limit
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -488,11 +485,10 @@ def check_that_it_varies(system: Any, surface: str | Expr) -> None:
     Raises:
         ParameterError: it is a number or a Casimir.
     """
-    bracket, read = getattr(system, "bracket", None), getattr(system, "expression", None)
-    if bracket is None or read is None:
+    if not has_bracket(system):
         return
-    s = read(surface)
-    if all(bracket(s, component) == 0 for component in system.variables):
+    s = system.expression(surface)
+    if all(system.bracket(s, component) == 0 for component in system.variables):
         kind = "its bracket with every component is zero" if s.free_symbols else "no component occurs in it"
         raise ParameterError(
             f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
@@ -538,15 +534,14 @@ def _as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[
                 f"keep: wanted names for the {further} further outputs of the surface; got {shown(keep)}"
             )
         return surface, names
-    write = getattr(system, "function_tape", None)
-    if write is None:
+    if not reads_formulas(system):
         raise ParameterError(
             f"surface: wanted a TapeFunction, since {shown(system)} cannot read formulas; got {shown(surface)}; "
             "try a System, or System.function_tape"
         )
     formula = _formula(surface, "surface")
     check_that_it_varies(system, formula)
-    return write(formula, *(kept or ())), names
+    return system.function_tape(formula, *(kept or ())), names
 
 
 def _as_end(t_end: Any) -> float:

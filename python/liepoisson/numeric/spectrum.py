@@ -13,16 +13,18 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_time_limit, trajectories
 from liepoisson.numeric.covariant_vectors import CovariantRecord, CovariantVectors
 from liepoisson.numeric.mean_error import mean_error, mean_over_starts
 from liepoisson.numeric.methods import Method
+from liepoisson.numeric.outcomes import trajectories
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.spectrum_check import SpectrumResiduals, check_lines, spectrum_residuals
 from liepoisson.numeric.structural_zeros import PoissonStructure, poisson_structure
+from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
 from liepoisson.numeric.time_scale import natural_duration, time_scale
 from liepoisson.result import labelled, part
+from liepoisson.scalars import TIME_LIMIT, as_time_limit
 from liepoisson.wrong_values import shown
 
 INVERSE_TIME = "inverse time, dimensionless"

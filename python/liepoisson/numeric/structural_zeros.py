@@ -30,6 +30,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.systems import HasFunctions, has_functions, known_constants
 from liepoisson.result import labelled
 
 # Singular values below this fraction of the largest count as zero: gradients are evaluated to some 1e-15.
@@ -94,9 +95,9 @@ def poisson_structure(system: Any, states: Array) -> PoissonStructure | None:
 
     Where the start or a gradient there is not finite, corank and number of zeros are 0.
     """
-    functions = getattr(system, "functions", None)
-    if functions is None:
+    if not has_functions(system):
         return None
+    functions = system.functions
     constants = _constants(system)
     n = states.shape[1]
     with np.errstate(all="ignore"):  # overflow makes a gradient that is not finite, and the start is left out
@@ -131,12 +132,10 @@ def keeps_volume(field: Field, states: Array, *, time: float, method: Method) ->
     return bool((divergence <= _DIVERGENCE * np.maximum(size, 1.0 / time)).all())
 
 
-def _constants(system: Any) -> list[Any]:
+def _constants(system: HasFunctions) -> list[Any]:
     """The known constants of the motion as functions; H alone where a system lists no others."""
-    invariants = getattr(system, "invariants", None)
-    if invariants is None:
-        return [system.functions.energy]
-    return [system.functions.of(expression) for expression in invariants.values()]
+    constants = known_constants(system)
+    return [system.functions.of(expression) for expression in constants.values()] or [system.functions.energy]
 
 
 def _generic_states(n: int) -> Array:

@@ -19,15 +19,16 @@ from liepoisson import _core
 from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError
 from liepoisson.field import Field
-from liepoisson.numeric._checks import HasField, as_count, as_field, as_number, as_states, as_threads, as_time_limit
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.sampling import BLOCK, as_first, as_seed, sample_tangents
+from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.systems import HasField, as_field
+from liepoisson.scalars import as_count, as_number, as_threads, as_time_limit
+from liepoisson.streams import Purpose, stream
 
 MOST_INTERVALS = 10_000_000
 """Most intervals of a run: each costs some 0.1 ms at least, so that these take a quarter of an hour."""
-
-_FRAMES = 2  # purpose of the random numbers; 0 are states, 1 are single tangent vectors
 
 
 class TangentFrames:
@@ -214,8 +215,9 @@ def orthonormal_frames(n_components: int, n_vectors: int, n: int, *, seed: int, 
     """
     vectors = np.empty((n, n_components, n_vectors))
     for block in range(first // BLOCK, -(-(first + n) // BLOCK)):
-        stream = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_FRAMES, block)))
-        drawn = stream.standard_normal((BLOCK, n_components, n_components))[:, :, :n_vectors]
+        drawn = stream(seed, Purpose.FRAMES, block).standard_normal((BLOCK, n_components, n_components))[
+            :, :, :n_vectors
+        ]
         start = block * BLOCK - first
         kept = slice(max(start, 0), min(start + BLOCK, n))
         vectors[kept] = drawn[kept.start - start : kept.stop - start]

@@ -23,9 +23,11 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.field import Field, PiecesField
-from liepoisson.numeric._checks import TIME_LIMIT, HasField, as_field, as_states, as_time_limit
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.systems import HasField, as_field
+from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
 N_POINTS = 8
 """Points of the orbit at which the derivative of the field is taken: those of a stretch of some 32 natural times."""

@@ -17,24 +17,20 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
-from liepoisson.numeric._checks import (
-    TIME_LIMIT,
-    HasField,
-    as_number,
-    as_time_limit,
-    trajectories,
-)
 from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
 from liepoisson.numeric.averages import average_drift
 from liepoisson.numeric.estimates import Estimate
 from liepoisson.numeric.megno import Megno, megno
 from liepoisson.numeric.methods import Method, Taylor, as_method
+from liepoisson.numeric.outcomes import trajectories
 from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.time_scale import orbit_units
 from liepoisson.result import labelled, recorded
+from liepoisson.scalars import TIME_LIMIT, as_number, as_time_limit
 from liepoisson.wrong_values import shown
 
 Kind: TypeAlias = Literal["regular", "chaotic", "undecided"]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.errors import ParameterError
-from liepoisson.numeric._checks import as_number
+from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:

@@ -35,12 +35,10 @@ from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.phase_space.leaf_search import representative
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.top_sampling import Shell
+from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
-
-_CHAINS = 11
-"""First word of the spawn keys, apart from those of starts and tangent vectors."""
 
 N_CHAINS = 2048
 """Chains side by side: the states of the population."""
@@ -179,7 +177,7 @@ def sample_by_chains(leaf: Leaf, n: int, seed: int, shell: Shell | None) -> Arra
         LeafError: the set is not bounded, or no state of it was found.
     """
     leaf = representative(leaf)
-    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_CHAINS,)))
+    rng = stream(seed, Purpose.CHAINS)
     chain, starts = _chain_and_starts(leaf, rng, shell)
     size = 0.3 * float(np.linalg.norm(starts, axis=-1).mean())
     population = _Population(rng, starts, size, size)

@@ -31,6 +31,7 @@ from liepoisson.phase_space.equilibrium_list import signed_sum
 from liepoisson.phase_space.leaf_search import representative
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.stability import Equilibrium, analysis, curvatures, null_directions
+from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -55,9 +56,6 @@ Newton's method after each."""
 
 _ORDERS, _FLATTER = (2.0, 3.0, 4.0, 5.0), 0.25
 """Degrees of the first terms that do not vanish, which are tried, and what a step must do to the soft directions."""
-
-_STARTS_KEY = 5
-"""Tells the stream of random numbers of the starts from other streams with the same seed."""
 
 
 @dataclass
@@ -87,7 +85,7 @@ class EquilibriumSearch:
         self._leaf, self._integrals, self._values = leaf, integrals, values
         self._fields = HamiltonianFields(leaf.system, [leaf.system.functions.energy, *integrals.values()])
         self._origin = representative(leaf)
-        self._rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_STARTS_KEY,)))
+        self._rng = stream(seed, Purpose.EQUILIBRIA)
         self._kicks = np.random.default_rng(0)
         self._families: list[_Family] = []
         self.n_starts = 0

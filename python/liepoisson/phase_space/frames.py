@@ -25,9 +25,10 @@ from liepoisson.exact.charts.quaternions import components, rotation, shortest_t
 from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.system import System
 from liepoisson.field import Field
-from liepoisson.numeric._checks import TIME_LIMIT, as_states
 from liepoisson.numeric.integrate import Orbit, integrate
+from liepoisson.numeric.starts import as_states
 from liepoisson.result import Result, labelled, part
+from liepoisson.scalars import TIME_LIMIT
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:

@@ -19,11 +19,11 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
-from liepoisson.numeric._checks import as_number
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name, formulas
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, mixing_of, solve
 from liepoisson.phase_space.leaf_stratum import Place, open_place, place_of
+from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:

@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
-from liepoisson.numeric._checks import as_count, as_number
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.phase_space._checks import are_equal, as_system
 from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points
@@ -29,6 +28,7 @@ from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
 from liepoisson.phase_space.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
+from liepoisson.scalars import as_count, as_number
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:

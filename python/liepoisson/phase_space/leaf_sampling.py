@@ -16,19 +16,17 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.numeric._checks import as_count
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.phase_space._checks import as_energy
 from liepoisson.phase_space.chain_sampling import infinite_volume, sample_by_chains
 from liepoisson.phase_space.leaf_search import check_energy_in_reach
 from liepoisson.phase_space.top_sampling import Draw, Shell, top_draw
+from liepoisson.scalars import as_count
+from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
     from liepoisson.field import TopField
     from liepoisson.phase_space.leaf import Leaf
-
-_INDEPENDENT = 10
-"""First word of the spawn keys, apart from those of starts and tangent vectors."""
 
 _PROPOSALS = 2**14
 _TRIAL_BLOCKS = 16
@@ -58,7 +56,7 @@ def _independent(leaf: Leaf, draw: Draw, n: int, seed: int, shell: Shell | None)
     """States by rejection, block by block; the first ones do not depend on n."""
     kept, count, block = [np.zeros((0, len(leaf.state)))], 0, 0
     while count < n:
-        rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_INDEPENDENT, block)))
+        rng = stream(seed, Purpose.LEAF, block)
         kept.append(draw(rng, _PROPOSALS))
         count, block = count + len(kept[-1]), block + 1
         if block == _TRIAL_BLOCKS and count < _TRIAL_BLOCKS * _PROPOSALS / 50_000:
@@ -76,7 +74,7 @@ def acceptance(leaf: Leaf, *, energy: float | None = None, energy_below: float |
     draw = top_draw(leaf, top, shell) if top is not None and leaf.rank else None
     if draw is None:
         raise LeafError(f"a leaf of a top of finite volume was wanted; got {leaf!r}. Give an energy?")
-    rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_INDEPENDENT, 0)))
+    rng = stream(seed, Purpose.LEAF, 0)
     return len(draw(rng, _PROPOSALS)) / _PROPOSALS
 
 

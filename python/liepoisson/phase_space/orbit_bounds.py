@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import LeafError, ParameterError
-from liepoisson.numeric._checks import as_number
 from liepoisson.phase_space._checks import as_energy, as_system
+from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:

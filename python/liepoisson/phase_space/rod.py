@@ -27,10 +27,11 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric._checks import TIME_LIMIT, as_count, as_number, as_states
 from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.starts import as_states
 from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
 from liepoisson.result import Result, labelled, part
+from liepoisson.scalars import TIME_LIMIT, as_count, as_number
 
 if TYPE_CHECKING:
     from sympy import Expr

@@ -16,7 +16,6 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.errors import ParameterError
-from liepoisson.numeric._checks import as_number
 from liepoisson.phase_space.critical_points import CANCELLED, VANISHES, HamiltonianFields, multipliers
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.linearisation import (
@@ -27,6 +26,7 @@ from liepoisson.phase_space.linearisation import (
     linear_flow,
     spectral_verdict,
 )
+from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:

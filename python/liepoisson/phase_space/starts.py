@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError, ShapeError, did_you_mean
-from liepoisson.numeric._checks import as_number
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name
 from liepoisson.phase_space.leaf import Leaf
+from liepoisson.scalars import as_number
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System

@@ -17,11 +17,12 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.phase_functions import as_phase_points
-from liepoisson.numeric._checks import as_count
 from liepoisson.phase_space._checks import as_energy
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.leaf_search import check_energy_in_reach
 from liepoisson.phase_space.lengths import unit_length
+from liepoisson.scalars import as_count
+from liepoisson.streams import Purpose, seeds
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -39,8 +40,6 @@ _PER_START, _MOST_GUESSES = 32, 20_000
 _FREQUENT = 1e-3
 """Independent samples of a top are cheap if at least this fraction of proposals is accepted."""
 _TRY = "Try another energy or surface, or give a start."
-_STREAM = 0x5EC7
-"""Keeps the random numbers of sections apart from others of the same seed."""
 
 
 def good_surface(system: System) -> str:
@@ -146,8 +145,7 @@ def section_starts(
     draw, size = _guesses_for(leaf, energy), max(n_starts, _GUESSES)
     found, converged, drawn = np.empty((0, leaf.system.bracket.dimension)), 0, 0
     for attempt in range(_ROUNDS):
-        stream = np.random.SeedSequence(seed, spawn_key=(_STREAM, attempt))
-        states, residual = solve(equations, draw(stream, size))
+        states, residual = solve(equations, draw(seeds(seed, Purpose.SECTION, attempt), size))
         states = states[residual <= CONVERGED]
         converged, drawn = converged + len(states), drawn + size
         if direction:
@@ -258,7 +256,7 @@ def _guesses(leaf: Leaf, guess: ArrayLike | None) -> Array:
         return np.atleast_2d(as_phase_points(guess, bracket.dimension, bracket.field_names)).astype(float)
     n = len(leaf.state)
     size = max(1.0, float(np.abs(leaf.state).max()))
-    random = np.random.default_rng(np.random.SeedSequence(_STREAM)).standard_normal((_GUESSES, n))
+    random = np.random.default_rng(np.random.SeedSequence(int(Purpose.SECTION))).standard_normal((_GUESSES, n))
     return np.concatenate([leaf.state[None], size * random])
 
 

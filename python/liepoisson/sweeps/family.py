@@ -19,7 +19,7 @@ import numpy as np
 from liepoisson.arrays import Array
 from liepoisson.errors import InertiaWarning, ParameterError
 from liepoisson.field import Field, TopField
-from liepoisson.numeric._checks import HasField
+from liepoisson.numeric.systems import HasField
 from liepoisson.sweeps.identity import is_system_file
 from liepoisson.wrong_values import shown
 

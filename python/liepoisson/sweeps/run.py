@@ -17,8 +17,8 @@ from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.files import exclusive
-from liepoisson.numeric._checks import MOST_THREADS, as_count, as_number
 from liepoisson.numeric.verdict import as_rule
+from liepoisson.scalars import MOST_THREADS, as_count, as_number
 from liepoisson.sweeps.execute import PATIENCE, Cluster, Executor, Report, Threads, run_pieces
 from liepoisson.sweeps.family import Family, as_family
 from liepoisson.sweeps.lattice import Lattice, Place, split

@@ -21,11 +21,11 @@ from liepoisson.arrays import as_array
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.exact.names import check_name
 from liepoisson.exact.system_file_reader import parse_system_file
-from liepoisson.numeric._checks import as_count, as_number
 from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
 from liepoisson.numeric.verdict import Rule, as_rule, rule_of
+from liepoisson.scalars import as_count, as_number
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
 from liepoisson.wrong_values import shown
 

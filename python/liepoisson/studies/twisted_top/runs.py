@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
-from liepoisson.numeric._checks import MOST_THREADS
+from liepoisson.scalars import MOST_THREADS
 
 if TYPE_CHECKING:
     from liepoisson.tops import Top

@@ -1,0 +1,136 @@
+"""What the numeric wing asks of a system.
+
+A field is enough to integrate: `HasField`.  What else some functions ask, a system that is only a field does not have;
+they then do without it, or say what they want.  All of it is asked here, and `System` has all of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, Protocol, TypeGuard
+
+from liepoisson import _core
+from liepoisson.arrays import Array
+from liepoisson.errors import ParameterError
+from liepoisson.field import Field, PiecesField, QuadraticField, TapeFunction, TopField
+from liepoisson.wrong_values import shown
+
+TOP_COMPONENTS = tuple(f"{vector}{i}" for vector in ("l", "alpha", "beta") for i in (1, 2, 3))
+
+
+class HasField(Protocol):
+    """A system that can be integrated: its name, for results, and its vector field."""
+
+    @property
+    def name(self) -> str:
+        """Name of the system, for results."""
+        ...
+
+    def field(self) -> Field:
+        """The vector field as plain data."""
+        ...
+
+
+def as_field(system: Any) -> Field:
+    """The vector field of a system."""
+    if isinstance(system, type) or not callable(getattr(system, "field", None)) or not hasattr(system, "name"):
+        raise ParameterError(
+            f"system: wanted a system such as Top.kovalevskaya(); got {shown(system)}; make one, or call its class"
+        )
+    return system.field()
+
+
+def core_field(field: Field) -> _core.Field:
+    """The field as the core takes it."""
+    if isinstance(field, TopField):
+        return _core.Field.top(field.inertia, field.a, field.b, field.epsilon)
+    if isinstance(field, QuadraticField):
+        return _core.Field.quadratic(field.n_components, field.constant, field.linear, field.quadratic)
+    if isinstance(field, PiecesField):
+        return _core.Field.pieces(field.n_components, field.pieces)
+    return _core.Field.tape(field.n_components, field.instructions, field.outputs)
+
+
+def component_names(system: Any, n: int) -> tuple[str, ...]:
+    """Names of the components of the state: the system's own, else those of the tops, else x1, x2, ..."""
+    names = getattr(system, "component_names", None)
+    if names is not None:
+        return tuple(names)
+    return TOP_COMPONENTS if n == len(TOP_COMPONENTS) else tuple(f"x{i + 1}" for i in range(n))
+
+
+class HasFunctions(HasField, Protocol):
+    """A system with a bracket: energy, Casimirs, Poisson tensor and other functions of the state, at many states."""
+
+    @property
+    def functions(self) -> Any:
+        """`PhaseFunctions`: energy, of(expression), poisson_tensor(states), ..."""
+        ...
+
+    def vector_field(self, states: Any) -> Array:
+        """The rates at many states."""
+        ...
+
+
+def has_functions(system: Any) -> TypeGuard[HasFunctions]:
+    """Whether a system has a bracket, and so functions of the state."""
+    return hasattr(system, "functions")
+
+
+def known_constants(system: HasFunctions) -> Mapping[str, Any]:
+    """Expressions of the known constants of the motion by name; none where a system lists none."""
+    return getattr(system, "invariants", None) or {}
+
+
+def vector_length(system: Any, n_components: int) -> int:
+    """Components of each vector of the state: the system's own word, else 3 where that fits, else all."""
+    return getattr(system, "vector_length", 3 if n_components % 3 == 0 else n_components)
+
+
+class HasPieces(HasField, Protocol):
+    """A system whose Hamiltonian is a sum of pieces with known flows."""
+
+    def pieces(self) -> PiecesField:
+        """The pieces as plain data."""
+        ...
+
+
+def has_pieces(system: Any) -> TypeGuard[HasPieces]:
+    """Whether a system tells the pieces of its Hamiltonian."""
+    return callable(getattr(system, "pieces", None))
+
+
+class ReadsFormulas(HasField, Protocol):
+    """A system that reads functions of the state from texts or expressions."""
+
+    def function_tape(self, *functions: Any) -> TapeFunction:
+        """Functions as plain data."""
+        ...
+
+
+def reads_formulas(system: Any) -> TypeGuard[ReadsFormulas]:
+    """Whether a system reads functions of the state."""
+    return callable(getattr(system, "function_tape", None))
+
+
+class HasBracket(HasField, Protocol):
+    """A system that knows its bracket exactly."""
+
+    @property
+    def variables(self) -> tuple[Any, ...]:
+        """The coordinates of phase space, as symbols."""
+        ...
+
+    @property
+    def bracket(self) -> Any:
+        """The bracket of two expressions."""
+        ...
+
+    def expression(self, function: Any) -> Any:
+        """A function of the state as an expression."""
+        ...
+
+
+def has_bracket(system: Any) -> TypeGuard[HasBracket]:
+    """Whether a system knows its bracket exactly."""
+    return getattr(system, "bracket", None) is not None and getattr(system, "expression", None) is not None
