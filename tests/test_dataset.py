@@ -612,3 +612,38 @@ def test_members_of_a_spectrum_that_do_not_follow_each_other_are_not_rerun():
     result = lp.lyapunov_spectrum(TOP, lp.sample_states(TOP, 4, seed=1), t_end=4, interval=1)
     with pytest.raises(DamagedFileError, match="one after the other"):
         lp.rerun(result.dataset.isel(trajectory=[1, 3]))
+
+
+def test_members_of_a_profile_that_are_not_the_first_ones_are_not_rerun():
+    """Tangent vectors are drawn by the number of the member."""
+    given = GIVEN["energy profile"]
+    result = function_of("energy profile")(TOP, **given)
+    for part in ([2], [1, 0]):
+        with pytest.raises(DamagedFileError, match="one after the other"):
+            lp.rerun(result.dataset.isel(member=part))
+    again = lp.rerun(result.dataset.isel(member=[0, 1], energy=[1]))
+    assert np.array_equal(again.exponent, result.exponent[1:, :2])
+
+
+def test_a_file_whose_system_is_not_the_one_that_was_integrated_is_refused():
+    dataset = growth(1).dataset
+    text = dataset.attrs["system_file"]
+    assert "4/5" in text
+    dataset.attrs["system_file"] = text.replace("4/5", "3/5")
+    with pytest.raises(DamagedFileError, match="equations are not those"):
+        lp.rerun(dataset)
+
+
+def test_wrong_calls_say_what_to_write(tmp_path):
+    result = growth(1)
+    path = result.save(tmp_path / "growth.nc")
+    for call in (
+        lambda: lp.load(path, foo=1),
+        lambda: lp.rerun(result, foo=1),
+        lp.plot.draw,
+        lambda: lp.sections.default_surface(TOP),
+        lambda: lp.systems.write_system(None, "a.toml"),
+        lambda: lp.systems.write_system(TOP, 5),
+    ):
+        with pytest.raises(lp.errors.LiePoissonError):
+            call()

@@ -11,11 +11,16 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
+import numpy as np
+
 from liepoisson import _core
+from liepoisson.calls import explains_its_arguments
 from liepoisson.dataset import check_format, read_dataset, result_of, text_of
 from liepoisson.errors import DamagedFileError
 from liepoisson.field import Field, field_of
+from liepoisson.numeric.methods import field_for
 from liepoisson.numeric.run import Run
+from liepoisson.numeric.systems import as_field
 from liepoisson.result import Result
 from liepoisson.scalars import as_time_limit
 from liepoisson.wrong_values import shown
@@ -43,6 +48,7 @@ RUNS = {
 """By kind: the module, the class of the result, and the function that makes it."""
 
 
+@explains_its_arguments
 def load(path: str | Path, *, verify: bool = True) -> Any:
     """Reads a file that a result has written: the result as it was, with its system.
 
@@ -68,6 +74,7 @@ def load(path: str | Path, *, verify: bool = True) -> Any:
         raise DamagedFileError(f"{path}: {error!r:.200} is missing or altered; make it again") from error
 
 
+@explains_its_arguments
 def rerun(
     source: str | Path | Dataset | Result,
     *,
@@ -89,6 +96,8 @@ def rerun(
         threads: By default all processors that the process may use.  Results do not depend on it, bit for bit.
         time_limit: Seconds that the rerun may take; by default as many as it needs.
         progress: Called a few times a second with the fraction that is done.
+
+    An orbit in a chart is repeated as an orbit in the coordinates of the chart, which no file keeps.
 
     Raises:
         DamagedFileError: The file is damaged, or lacks what the run was given.  A dataset may be transposed, have its
@@ -170,9 +179,33 @@ def _result(dataset: Dataset) -> Any:
     module, name, _ = RUNS[kind]
     system = None if kind == "sweep" else _system(dataset)
     found = result_of(getattr(import_module(module), name), dataset, system)
+    if kind == "sweep":
+        _check_sweep(found)
     if isinstance(found, Run) and len(found.components) != found.field.n_components:
         raise ValueError(f"component: wanted {found.field.n_components} names; got {len(found.components)}")
+    if isinstance(found, Run) and dataset.attrs["version"] == _core.__version__:
+        _check_system(found)
     return found
+
+
+def _check_system(found: Run) -> None:
+    """Refuses a file whose system is not the one that was integrated: one of the two was altered."""
+    if isinstance(found.system, FieldSystem):
+        return
+    if field_for(found.system, as_field(found.system), found.method) != found.field:
+        raise ValueError("system_file: its equations are not those of the field that was integrated")
+
+
+def _check_sweep(found: Any) -> None:
+    """Refuses a part of a sweep: its points are those of its description."""
+    n, spec = len(found.points), found.spec
+    complete = spec.refine is not None or n == math.prod(spec.shape)
+    if not complete or found.value.shape != (n, spec.n_starts) or len(found.places) != n or len(found.level) != n:
+        raise ValueError(f"sweep: wanted all points and members of its description; got {found.value.shape}")
+    from liepoisson.sweeps.lattice import Lattice
+
+    if not np.array_equal(found.points, Lattice(spec).coordinates(found.places)):
+        raise ValueError("sweep: wanted the points of its description; got others")
 
 
 def _system(dataset: Dataset) -> Any:
@@ -208,6 +241,9 @@ class FieldSystem:
     def field(self) -> Field:
         """The vector field."""
         return self._field
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"{name}: the file of this system has its field alone, neither bracket nor Hamiltonian")
 
     def __repr__(self) -> str:
         return f"<system {self.name!r} with {self._field.n_components} components, known by its field>"

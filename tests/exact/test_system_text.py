@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import liepoisson as lp
 from liepoisson.errors import OutputError, SystemFileError
@@ -100,3 +101,15 @@ def test_a_notebook_shows_equations():
     assert r"\boldsymbol{\alpha}' &= \boldsymbol{\alpha}\times \boldsymbol{\omega} + \epsilon" in shown
     assert shown.count("{") == shown.count("}")
     assert r"\dot{x} &= p" in lp.systems.CanonicalSystem(["x"], ["p"], "p^2/2")._repr_latex_()
+
+
+def test_the_number_e_is_no_coordinate_called_e():
+    """SymPy prints it as E."""
+    system = lp.systems.CanonicalSystem(["E"], ["p"], "p^2/2 + cos(E)", quadratures={"s": "exp(1)*p"})
+    again = read_system_text(system_text(system), "CanonicalSystem")
+    assert np.array_equal(again.vector_field([0.5, 0.3, 0.0]), system.vector_field([0.5, 0.3, 0.0]))
+    top = lp.System(lp.so(3) @ lp.trivial(), "k*l1^2 + l2^3", {"k": "exp(1)/3"})
+    assert read_system_text(system_text(top)).parameters == top.parameters
+    partial = {"P": (sp.E * top.variables[0], top.variables[1])}
+    other = lp.System(lp.so(3) @ lp.trivial(), "dot(l, l)/2 + E*l1", symbols=["E"], partial_integrals=partial)
+    assert read_system_text(system_text(other)).partial_integrals == other.partial_integrals

@@ -1,6 +1,7 @@
 """Sweeps that are loaded: from their store as far as they are computed, and from a file; nothing is computed."""
 
 import json
+import shutil
 
 import numpy as np
 import pytest
@@ -106,3 +107,23 @@ def test_altered_descriptions_are_refused(tmp_path, change):
 def test_a_folder_that_is_no_sweep_is_refused(tmp_path):
     with pytest.raises(DamagedFileError, match="is no sweep"):
         lp.load(tmp_path)
+
+
+def test_a_store_or_a_file_that_was_altered_is_refused(tmp_path):
+    sweep = made("name", store=tmp_path / "sweep.zarr")
+    path = tmp_path / "sweep.zarr" / "zarr.json"
+    path.write_text(path.read_text().replace("20.0", "40.0"))
+    with pytest.raises(DamagedFileError, match="was changed"):
+        lp.load(tmp_path / "sweep.zarr")
+    from liepoisson.dataset import dataset_of, save
+
+    whole = dataset_of(sweep)
+    for k, part in enumerate(({"point": slice(0, 1)}, {"point": [2, 1, 0]}, {"member": [0]})):
+        with pytest.raises(DamagedFileError, match="sweep: wanted"):
+            lp.load(save(whole.isel(part), tmp_path / f"{k}.nc"))
+
+
+def test_a_sweep_says_what_is_missing(tmp_path):
+    made("name", store=tmp_path / "sweep.zarr")
+    shutil.rmtree(tmp_path / "sweep.zarr" / "level0")
+    assert "3 points (3 not computed)" in repr(lp.load(tmp_path / "sweep.zarr"))

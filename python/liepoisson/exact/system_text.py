@@ -19,6 +19,7 @@ from liepoisson.exact.parameters import to_sympy
 from liepoisson.exact.system import System
 from liepoisson.exact.system_file_reader import parse_system_file
 from liepoisson.files import write_atomically
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -55,7 +56,7 @@ def system_text(system: System) -> str:
     if isinstance(system, CanonicalSystem) and system.quadratures:
         tables["quadratures"] = {name: _text(rate) for name, rate in system.quadratures.items()}
     text = _toml({name: table for name, table in tables.items() if table})
-    _check(text, system)
+    _check(text, system, symbolic=symbolic)
     return text
 
 
@@ -80,6 +81,10 @@ def write_system(system: System, path: str | Path) -> Path:
         SystemFileError: as for `system_text`, or the name does not end in .toml.
         OutputError: the file cannot be written.
     """
+    if not isinstance(system, System):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise SystemFileError(f"wanted a system such as Top.kovalevskaya(); got {shown(system)}")
+    if not isinstance(path, (str, Path)):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise SystemFileError(f"wanted the name of a file; got {shown(path)}. Write for example top.toml.")
     path = Path(path)
     if path.suffix != ".toml":
         raise SystemFileError(f"wanted a name that ends in .toml; got {path}. Write for example top.toml.")
@@ -87,7 +92,7 @@ def write_system(system: System, path: str | Path) -> Path:
     return path
 
 
-def _check(text: str, system: System) -> None:
+def _check(text: str, system: System, *, symbolic: bool) -> None:
     """Reads the text and compares the equations, term by term."""
     try:
         found = read_system_text(text, type(system).__name__)
@@ -96,7 +101,10 @@ def _check(text: str, system: System) -> None:
             and found.bracket.entries() == system.bracket.entries()
             and found.bracket.constant == system.bracket.constant
             and _are_equal(found.hamiltonian, system.hamiltonian)
-            and all(_are_equal(found.integrals[name], system.integrals[name]) for name in system.integrals)
+            and _are_same(found.integrals, system.integrals)
+            and _are_same(_pairs(found.partial_integrals), _pairs(system.partial_integrals))
+            and _are_same(getattr(found, "quadratures", {}), getattr(system, "quadratures", {}))
+            and (not symbolic or found.parameters == system.parameters)
         )
     except LiePoissonError as error:
         raise SystemFileError(f"the system {system.name!r} cannot be written as a system file ({error})") from error
@@ -105,6 +113,14 @@ def _check(text: str, system: System) -> None:
             f"the system {system.name!r} cannot be written as a system file: what is read back is not the same. Give "
             "the Hamiltonian as a text."
         )
+
+
+def _are_same(found: Mapping[str, Any], wanted: Mapping[str, Any]) -> bool:
+    return found.keys() == wanted.keys() and all(_are_equal(found[name], wanted[name]) for name in wanted)
+
+
+def _pairs(partial: Mapping[str, tuple[Any, Any]]) -> dict[str, Any]:
+    return {f"{name} {k}": one for name, both in partial.items() for k, one in enumerate(both)}
 
 
 def _are_equal(found: Any, wanted: Any) -> bool:
@@ -123,7 +139,7 @@ def _bracket_table(system: System, bracket: Bracket) -> dict[str, Any]:
     if bracket.constant:
         names, rows = bracket.coordinate_names_in_order, dict[str, dict[str, str]]()
         for (i, j), value in bracket.constant.items():
-            rows.setdefault(names[i], {})[names[j]] = str(to_sympy(value))
+            rows.setdefault(names[i], {})[names[j]] = _text(to_sympy(value))
         table["constant"] = rows
     return table
 
@@ -188,12 +204,16 @@ def _integrals(system: System, *, symbolic: bool) -> dict[str, Any]:
 
 def _text(expression: Any) -> str:
     """An expression in the grammar of formulas; whether it is, the caller finds out by reading it."""
-    return str(expression).replace("**", "^")
+    from sympy import E, Function
+
+    # SymPy prints the number e as E, which in formulas is the name of something else
+    number = expression.replace(E, Function("exp")(1, evaluate=False)) if expression.has(E) else expression
+    return str(number).replace("**", "^")
 
 
 def _value(value: Any) -> Any:
     """A number, a vector or a matrix, as texts that are read exactly."""
-    return [_value(item) for item in value] if isinstance(value, Sequence) else str(to_sympy(value))
+    return [_value(item) for item in value] if isinstance(value, Sequence) else _text(to_sympy(value))
 
 
 def _toml(tables: Mapping[str, Any]) -> str:
@@ -216,4 +236,4 @@ def _literal(value: Any) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(map(_literal, value)) + "]"
     # JSON writes characters beyond 16 bits as two halves, which TOML does not read; so they stay as they are
-    return json.dumps(value, ensure_ascii=False)
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

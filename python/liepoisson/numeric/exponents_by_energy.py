@@ -66,6 +66,7 @@ class EnergyProfile(Run):
         start: The starts, shape (energy, trajectory, component).
         seed: Seed of the starts and of the tangent vectors.
         confidence: That of the intervals.
+        member: Numbers of the starts at each energy, shape (trajectory,).
         casimirs: Values of the Casimirs of the leaf.
         energy: Shape (energy,).
         t_end: Time of each exponent.
@@ -89,6 +90,7 @@ class EnergyProfile(Run):
     confidence: float
     casimirs: dict[str, float]
     energy: Array = labelled("energy", long_name="energy", is_coordinate=True)
+    member: NDArray[np.int64] = labelled("member", long_name="number of the member", units="1", is_coordinate=True)
     t_end: float
     exponent: Array = labelled(
         "energy", "member", long_name="finite-time largest Lyapunov exponent", units="inverse time, dimensionless"
@@ -101,6 +103,9 @@ class EnergyProfile(Run):
 
     def arguments(self) -> dict[str, Any]:
         """What `exponents_by_energy` was called with: the leaf as the starts that were drawn on it."""
+        n = len(self.member)
+        if not np.array_equal(self.member, np.arange(n)):  # what is drawn for a member follows from its number
+            raise ParameterError(f"member: wanted members from 0 on, one after the other; got {shown(self.member)}")
         names = ("t_end", "seed", "rule", "confidence", "method")
         own = {name: getattr(self, name) for name in names}
         leaf = DrawnLeaf(self.casimirs, dict(zip(self.energy.tolist(), self.start, strict=True)))
@@ -211,6 +216,7 @@ def exponents_by_energy(
         **given(system, field, method, drawn),
         seed=as_seed(seed),
         confidence=confidence,
+        member=np.arange(n_starts),
         time_limit=float(time_limit),
         casimirs=leaf.casimirs,
         energy=values,

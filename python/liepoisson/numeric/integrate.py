@@ -36,6 +36,7 @@ class Orbit(IntegratedRun):
         field: Its vector field.
         method: How it was integrated.
         start: Shape (trajectory, component).
+        start_time: Time of the starts.
         start_tangent: Shape (trajectory, tangent, component).
         time: Times, shape (time,); the first is that of the initial states.
         state: States, shape (trajectory, time, component); NaN from where a trajectory failed.
@@ -97,13 +98,21 @@ class Orbit(IntegratedRun):
             raise ParameterError("go_on: wanted times or t_end; got both or neither; try t_end=200")
         if times is None:
             end = as_number(t_end, "t_end", "a finite time")
+            if not np.isfinite(end) or end == last:
+                raise ParameterError(f"t_end: wanted a finite time beyond {last:g}; got {end:g}")
             n = max(1, round((len(self.time) - 1) * abs((end - last) / (last - float(self.time[0])))))
             onward = np.linspace(last, end, n + 1)
         else:
             onward = np.concatenate([[last], np.atleast_1d(as_array(times, "times"))])
+        if (onward[-1] - last) * (last - float(self.time[0])) < 0:
+            raise ParameterError(
+                f"go_on: wanted times beyond {last:g}, in the direction of travel; got {onward[-1]:g}; to turn round, "
+                "integrate from end_state"
+            )
         same = {name: value for name, value in self.arguments().items() if name not in ("starts", "times", "tangents")}
         tangents = self.tangent[:, -1] if self.tangent.shape[2] else None
-        return integrate(self.system, self.state[:, -1], times=onward, tangents=tangents, **{**same, **options})
+        run = {**same, "times": onward, "tangents": tangents} | options
+        return integrate(self.system, self.state[:, -1], **run)
 
     def at(self, times: ArrayLike) -> Array:
         """States at any times between the first and the last, from the power series of the steps.

@@ -196,8 +196,10 @@ class Section(IntegratedRun):
             t_end: Time at which each trajectory ends at the latest, from its end on.
             **options: As for `section`: threads, time_limit, progress.
         """
-        again = self.arguments() | {"starts": self.end_state, "t_end": t_end}
-        return replace(section(self.system, **again, **options), surface=self.surface)
+        if not (self.outcome == "finished").all():
+            raise ParameterError("go_on: wanted trajectories that finished; got some that did not (see outcome)")
+        again = section(self.system, **(self.arguments() | {"starts": self.end_state, "t_end": t_end} | options))
+        return again if "surface" in options else replace(again, surface=self.surface)
 
     @property
     def n_trajectories(self) -> int:

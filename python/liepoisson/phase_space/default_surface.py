@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liepoisson.errors import ParameterError
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -35,7 +36,11 @@ def default_surface(leaf: Leaf) -> str:
 @np.errstate(all="ignore")
 def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     """The default surface, and the function whose rate vanishes there."""
+    from liepoisson.phase_space.leaf import Leaf
     from liepoisson.phase_space.surfaces import good_surface
+
+    if not isinstance(leaf, Leaf):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(f"leaf: wanted a Leaf; got {shown(leaf)}; try Leaf.through(system, state)")
 
     system, top = leaf.system, leaf.system.top_parameters
     if top is not None and any(float(a) for a in top.field().a) and leaf.is_regular and top.field().epsilon:

@@ -271,8 +271,10 @@ def natural_units(leaf: Leaf, top: ExactTop, found: list[FoundByAlgebra]) -> Arr
     """
     inertia, a, b = ([float(Fraction(int(x.p), int(x.q))) for x in v] for v in (top.inertia, top.a, top.b))
     n = len(leaf.state)
-    states = np.zeros((len(found) + 1, 9))
-    states[:, :n] = [*(one.state for one in found), leaf.state]
+    # The state of the leaf is one of many, and that of a leaf by values of Casimirs of a size that means nothing.
+    known = [one.state for one in found] or [leaf.state]
+    states = np.zeros((len(known), 9))
+    states[:, :n] = known
     l, alpha, beta = np.linalg.norm(states.reshape(-1, 3, 3), axis=2).max(axis=0)
     moment = float(np.median(np.abs(inertia)))
     l = max(float(l), np.sqrt(moment * (np.linalg.norm(a) * alpha + np.linalg.norm(b) * beta)))

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.plot.exponents import convergence
 from liepoisson.plot.labels import label, plain
@@ -26,6 +27,7 @@ _MOST_CURVES = 200
 _KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTUM}
 
 
+@explains_its_arguments
 def draw(result: Any, **options: Any) -> Any:
     """The figure of a result, whatever its kind.
 

@@ -295,6 +295,9 @@ class Sweep(Result):
 
     def __repr__(self) -> str:
         axes = " x ".join(f"{axis.name} ({len(axis.values)})" for axis in self.spec.axes)
+        n_missing = int((self.outcome_code == NOT_COMPUTED).any(axis=1).sum())
+        missing = f" ({n_missing} not computed)" if n_missing else ""
         return (
-            f"<Sweep over {axes}: {len(self.points)} points, {self.spec.n_starts} orbits each, t = {self.spec.t_end:g}>"
+            f"<Sweep over {axes}: {len(self.points)} points{missing}, {self.spec.n_starts} orbits each, "
+            f"t = {self.spec.t_end:g}>"
         )

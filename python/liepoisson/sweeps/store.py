@@ -133,6 +133,9 @@ class SweepStore:
         attributes = read_attributes(path)
         if attributes.get("format") != _FORMAT:
             raise OtherSweepError(f"{path} holds a sweep in another format. Read it with the version that wrote it.")
+        digest = hashlib.sha256(json.dumps(attributes["spec"], sort_keys=True).encode()).hexdigest()
+        if digest != attributes["fingerprint"]:
+            raise DamagedFileError(f"{path}: its description was changed after the sweep was made. Make it again.")
         store = cls.__new__(cls)
         store.path, store.damaged = path, 0
         try:
