@@ -468,7 +468,7 @@ def test_leaf_of_an_equal_system_is_taken():
 
 @pytest.mark.parametrize("k", [1.0, 1e-6, 1e-9, 1e-10, 1e-12, 1e-40])
 def test_stability_on_a_leaf_by_its_values_does_not_depend_on_the_unit_of_time(k):
-    """H -> k^2 H, l -> k l: a slow top.  The state that represents the leaf may be of any size and counts for nothing."""
+    """H -> k^2 H, l -> k l: a slow top.  What state represents the leaf, and of what size, counts for nothing."""
     inertia, a = [1, 2, 2.5], [0.3, 0.2, 0.5]
     slow = {"I": inertia, "a": [value * k * k for value in a]}
     top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + dot(a, alpha)", slow)
