@@ -28,8 +28,8 @@ ROOMS = (
     {"plot"},
     {"studies"},
     {"cli"},
-    {"", "algebras", "brackets", "chaos", "charts", "extensions", "fields", "fits", "methods", "orbits", "results",
-     "sections", "systems"},
+    {"", "__main__", "algebras", "brackets", "chaos", "charts", "extensions", "fields", "fits", "methods", "orbits",
+     "results", "sections", "systems"},
 )  # fmt: skip
 """From the ground up: modules and folders of the package.  The last is the surface, which nothing inside imports."""
 

@@ -167,7 +167,9 @@ def displayed(system: System) -> str:
     formulas += _written_equations(EquationFacts(system, notation, named), LATEX)
     for name, expression in system.invariants.items():
         if name != "H":
-            formulas.append(Equation(Name(name), notation.formula(expression)).write(LATEX))
+            written = Equation(Name(name), notation.formula(expression)).write(LATEX)
+            # an integral that is named by its formula is written once
+            formulas.append(written if " = " in written else rf"{written} = \text{{const}}")
     rows = " \\\\\n".join(_aligned(formula) for formula in formulas)
     return f"$$\\begin{{aligned}}\n{rows}\n\\end{{aligned}}$$"
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
-from liepoisson.calls import shows_progress
+from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
@@ -77,6 +77,7 @@ class Orbit(IntegratedRun):
             "kernel": "components" if self.kernel == "components" else "lanes",
         }
 
+    @explains_its_arguments
     def go_on(self, *, times: ArrayLike | None = None, t_end: float | None = None, **options: Any) -> Orbit:
         """The orbits and their tangent vectors from their last time on, as if they had not been interrupted.
 
@@ -103,7 +104,8 @@ class Orbit(IntegratedRun):
             n = max(1, round((len(self.time) - 1) * abs((end - last) / (last - float(self.time[0])))))
             onward = np.linspace(last, end, n + 1)
         else:
-            onward = np.concatenate([[last], np.atleast_1d(as_array(times, "times"))])
+            onward = np.atleast_1d(as_array(times, "times"))
+            onward = onward if onward.size and onward[0] == last else np.concatenate([[last], onward])
         if (onward[-1] - last) * (last - float(self.time[0])) < 0:
             raise ParameterError(
                 f"go_on: wanted times beyond {last:g}, in the direction of travel; got {onward[-1]:g}; to turn round, "
@@ -111,7 +113,7 @@ class Orbit(IntegratedRun):
             )
         same = {name: value for name, value in self.arguments().items() if name not in ("starts", "times", "tangents")}
         tangents = self.tangent[:, -1] if self.tangent.shape[2] else None
-        run = {**same, "times": onward, "tangents": tangents} | options
+        run: dict[str, Any] = {**same, "times": onward, "tangents": tangents} | options
         return integrate(self.system, self.state[:, -1], **run)
 
     def at(self, times: ArrayLike) -> Array:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
-from liepoisson.calls import shows_progress
+from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import TapeFunction
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
@@ -189,6 +189,7 @@ class Section(IntegratedRun):
         """Trajectory of each crossing, shape (crossing,)."""
         return self.crossing_trajectory
 
+    @explains_its_arguments
     def go_on(self, *, t_end: float, **options: Any) -> Section:
         """Further crossings of the same orbits, from where they ended; times count from there.
 
@@ -198,7 +199,8 @@ class Section(IntegratedRun):
         """
         if not (self.outcome == "finished").all():
             raise ParameterError("go_on: wanted trajectories that finished; got some that did not (see outcome)")
-        again = section(self.system, **(self.arguments() | {"starts": self.end_state, "t_end": t_end} | options))
+        run: dict[str, Any] = {**self.arguments(), "starts": self.end_state, "t_end": t_end, **options}
+        again = section(self.system, **run)
         return again if "surface" in options else replace(again, surface=self.surface)
 
     @property

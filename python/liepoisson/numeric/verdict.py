@@ -187,7 +187,9 @@ class Verdict(Run):
 
     def __str__(self) -> str:
         counts = ", ".join(f"{np.sum(self.verdict == kind)} {kind}" for kind in KINDS)
-        return f"{counts}  ({self.system.name}, t = {self.t_end:g})"
+        failed = self.outcome[self.outcome != "finished"]
+        why = f"; {len(failed)} did not finish: {', '.join(sorted(set(failed.tolist())))}" if len(failed) else ""
+        return f"{counts}{why}  ({self.system.name}, t = {self.t_end:g})"
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{np.sum(self.verdict == kind)} {kind}" for kind in KINDS)
