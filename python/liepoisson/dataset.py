@@ -49,8 +49,8 @@ def dataset_of(result: Result) -> Dataset:
         if len(attributes.get(name, "")) > _LONGEST_ATTRIBUTE:
             data = np.frombuffer(attributes.pop(name).encode(), dtype=np.uint8)
             writer.variables[name] = (f"{name}_byte", data, {"long_name": f"{name}, as text in UTF-8"})
-    if hasattr(result, "first"):  # members have numbers, from which what is drawn for them follows
-        first = int(getattr(result, "first", 0))
+    first = getattr(result, "first", None)
+    if first is not None:  # members have numbers, from which what is drawn for them follows
         writer.coordinates["trajectory"] = np.arange(first, first + len(writer.variables["outcome"][1]))
     return xr.Dataset(writer.variables, writer.coordinates, attributes)
 

@@ -15,11 +15,12 @@ Fields without a label are plain values.  `liepoisson.dataset` writes and reads 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, field, replace
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from liepoisson.arrays import ReadOnlyArrays
 
@@ -28,7 +29,6 @@ if TYPE_CHECKING:
 
 KEY = "label"
 """Where the metadata of a dataclass field have its label."""
-TIME = "time, dimensionless"
 
 
 @dataclass(frozen=True)
@@ -112,16 +112,7 @@ def pieces(dim: str, names: tuple[str, str], dims: tuple[str, ...]) -> Any:
     return field(default=(), metadata={KEY: PiecesLabel(dim, names, dims)})
 
 
-class NamedSystem(Protocol):
-    """What a result knows of every system."""
-
-    @property
-    def name(self) -> str:
-        """Name of the system."""
-        ...
-
-
-class Result(ReadOnlyArrays):
+class Result(ReadOnlyArrays, ABC):
     """A result: arrays that cannot be changed, with a dataset, a file, a picture, and the run that made it."""
 
     kind: ClassVar[str]
@@ -129,9 +120,9 @@ class Result(ReadOnlyArrays):
     system: Any
     """The system, exactly as it was given."""
 
+    @abstractmethod
     def arguments(self) -> dict[str, Any]:
         """What the function that made this is called with to make it again, but for the system."""
-        raise NotImplementedError
 
     def with_time_limit(self, time_limit: float) -> Self:
         """The same as the result of a run with another limit of seconds, which ended nothing."""

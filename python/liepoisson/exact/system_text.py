@@ -51,10 +51,10 @@ def system_text(system: System) -> str:
     tables["parameters"] = {name: _value(value) for name, value in values.items()}
     if symbols := _symbols(system, bracket, given.symbols if symbolic else ()):
         tables["parameters"]["symbols"] = symbols
-    tables["hamiltonian"] = {"expression": given.hamiltonian or _text(system.hamiltonian)}
+    tables["hamiltonian"] = {"expression": given.hamiltonian or formula_text(system.hamiltonian)}
     tables["integrals"] = _integrals(system, symbolic=symbolic)
     if isinstance(system, CanonicalSystem) and system.quadratures:
-        tables["quadratures"] = {name: _text(rate) for name, rate in system.quadratures.items()}
+        tables["quadratures"] = {name: formula_text(rate) for name, rate in system.quadratures.items()}
     text = _toml({name: table for name, table in tables.items() if table})
     _check(text, system, symbolic=symbolic)
     return text
@@ -139,7 +139,7 @@ def _bracket_table(system: System, bracket: Bracket) -> dict[str, Any]:
     if bracket.constant:
         names, rows = bracket.coordinate_names_in_order, dict[str, dict[str, str]]()
         for (i, j), value in bracket.constant.items():
-            rows.setdefault(names[i], {})[names[j]] = _text(to_sympy(value))
+            rows.setdefault(names[i], {})[names[j]] = formula_text(to_sympy(value))
         table["constant"] = rows
     return table
 
@@ -194,15 +194,15 @@ def _symbols(system: System, bracket: Bracket, declared: Sequence[str]) -> list[
 def _integrals(system: System, *, symbolic: bool) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, text in system.as_given.integrals.items():
-        found[name] = text if symbolic and isinstance(text, str) else _text(system.integrals[name])
+        found[name] = text if symbolic and isinstance(text, str) else formula_text(system.integrals[name])
     for name, both in system.as_given.partial_integrals.items():
         kept = symbolic and all(isinstance(text, str) for text in both)
-        function, vanishing = both if kept else map(_text, system.partial_integrals[name])
+        function, vanishing = both if kept else map(formula_text, system.partial_integrals[name])
         found[name] = {"expression": function, "on": f"{vanishing} = 0"}
     return found
 
 
-def _text(expression: Any) -> str:
+def formula_text(expression: Any) -> str:
     """An expression in the grammar of formulas; whether it is, the caller finds out by reading it."""
     from sympy import E, Function
 
@@ -213,7 +213,7 @@ def _text(expression: Any) -> str:
 
 def _value(value: Any) -> Any:
     """A number, a vector or a matrix, as texts that are read exactly."""
-    return [_value(item) for item in value] if isinstance(value, Sequence) else _text(to_sympy(value))
+    return [_value(item) for item in value] if isinstance(value, Sequence) else formula_text(to_sympy(value))
 
 
 def _toml(tables: Mapping[str, Any]) -> str:

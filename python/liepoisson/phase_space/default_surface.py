@@ -10,8 +10,6 @@ from liepoisson.errors import ParameterError
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
-    from sympy import Expr
-
     from liepoisson.phase_space.leaf import Leaf
 
 
@@ -36,6 +34,7 @@ def default_surface(leaf: Leaf) -> str:
 @np.errstate(all="ignore")
 def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     """The default surface, and the function whose rate vanishes there."""
+    from liepoisson.exact.system_text import formula_text
     from liepoisson.phase_space.leaf import Leaf
     from liepoisson.phase_space.surfaces import good_surface
 
@@ -44,7 +43,7 @@ def chosen_surface(leaf: Leaf) -> tuple[str, str]:
 
     system, top = leaf.system, leaf.system.top_parameters
     if top is not None and any(float(a) for a in top.field().a) and leaf.is_regular and top.field().epsilon:
-        return _written(system.expression(good_surface(system))), "-dot(l, beta)"
+        return formula_text(system.expression(good_surface(system))), "-dot(l, beta)"
     names, size = system.component_names, system.vector_length
     order = sorted(range(len(names)), key=lambda k: (size - 1 - k % size, k))
     # A leaf of lower rank may make a rate zero that is not zero elsewhere: compare with the rates at moved states.
@@ -52,10 +51,5 @@ def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     rates = np.abs(system.vector_field(nearby)).max(axis=0)
     for k in order:
         if rates[k] > 1e-9 * max(1.0, rates.max()):
-            return _written(list(system.equations.values())[k]), names[k]
+            return formula_text(list(system.equations.values())[k]), names[k]
     raise ParameterError(f"{system.name} must move on this leaf; every state is an equilibrium. Try another leaf.")
-
-
-def _written(expression: Expr) -> str:
-    """An expression as a formula that our grammar reads."""
-    return str(expression).replace("**", "^")
