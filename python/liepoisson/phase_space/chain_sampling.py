@@ -31,8 +31,9 @@ from numpy.typing import NDArray
 from liepoisson.arrays import Array
 from liepoisson.errors import LeafError, MixingWarning
 from liepoisson.exact.phase_functions import PhaseFunction
+from liepoisson.phase_space.leaf_in_units import LeafInUnits
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
-from liepoisson.phase_space.leaf_search import representative
+from liepoisson.phase_space.leaf_search import energy_scale, representative
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.top_sampling import Shell
 from liepoisson.streams import Purpose, stream
@@ -63,6 +64,9 @@ _UNIFORM = 0.05
 """How far the shares of the four quarters of a window may be from 1/4; five standard errors of 2048 states."""
 _HALVINGS_WHEN_UNIFORM = 2
 """Further halvings then; what H departs from uniform by its curvature falls by 16."""
+
+_NARROWEST = 1e-13
+"""Smallest width of a window, as a fraction of the scale of energies."""
 
 _QUANTILES = (0.75, 0.4, 0.15, 0.05)
 """Shares of the random starts that the first set contains; the first one for which it is bounded."""
@@ -176,13 +180,13 @@ def sample_by_chains(leaf: Leaf, n: int, seed: int, shell: Shell | None) -> Arra
     Raises:
         LeafError: the set is not bounded, or no state of it was found.
     """
-    leaf = representative(leaf)
+    view = representative(leaf).in_units(None if shell is None else shell.energy)
     rng = stream(seed, Purpose.CHAINS)
-    chain, starts = _chain_and_starts(leaf, rng, shell)
+    chain, starts = _chain_and_starts(view, rng, shell)
     size = 0.3 * float(np.linalg.norm(starts, axis=-1).mean())
     population = _Population(rng, starts, size, size)
-    _forget(leaf, chain, population)
-    last = _descend(leaf, chain, population)
+    _forget(view, chain, population)
+    last = _descend(view, chain, population)
     size = population.along_leaf if last.shell is None or last.shell.is_filled else population.along_level
     x = population.x
     for step in range(_LAST_STEPS):
@@ -193,10 +197,10 @@ def sample_by_chains(leaf: Leaf, n: int, seed: int, shell: Shell | None) -> Arra
         for _ in range(_THINNING):
             x, _ = last.step(rng, x, size)
         kept.append(x)
-    return np.concatenate(kept)[:n]
+    return np.concatenate(kept)[:n] * view.units
 
 
-def _forget(leaf: Leaf, chain: _Chain, population: _Population) -> None:
+def _forget(leaf: LeafInUnits, chain: _Chain, population: _Population) -> None:
     """Steps in the largest set until the states say nothing about their starts."""
     before = population.x
     memory = np.inf
@@ -225,7 +229,7 @@ def _memory(before: Array, after: Array) -> float:
     return float(np.abs(np.sum(earlier * later, axis=0)[varies] / sizes[varies]).max(initial=0.0))
 
 
-def _descend(leaf: Leaf, chain: _Chain, population: _Population) -> _Chain:
+def _descend(leaf: LeafInUnits, chain: _Chain, population: _Population) -> _Chain:
     """Halve the set until it is the one that was asked for, and return the chain on that."""
     shell = chain.shell
     if shell is None:
@@ -244,7 +248,7 @@ def _descend(leaf: Leaf, chain: _Chain, population: _Population) -> _Chain:
             # As long as the window ends below the least energy, steps on the leaf are long enough.
             if not shell.is_filled and np.mean(chain.energy(population.x) < shell.energy) > 0.1:
                 population.move_along_levels(chain)
-        if width <= 1e-13 * (1 + abs(shell.energy)):
+        if width <= _NARROWEST * energy_scale(leaf, shell.energy):
             break
     last = chain if shell.is_filled else _Chain(leaf.constraints(shell.energy), chain.energy, shell)
     x, residual = solve(last.equations, population.x)
@@ -270,7 +274,7 @@ def _is_uniform(chain: _Chain, x: Array, width: float) -> bool:
     return bool(np.abs(parts / len(x) - 0.25).max() <= _UNIFORM)
 
 
-def _chain_and_starts(leaf: Leaf, rng: np.random.Generator, shell: Shell | None) -> tuple[_Chain, Array]:
+def _chain_and_starts(leaf: LeafInUnits, rng: np.random.Generator, shell: Shell | None) -> tuple[_Chain, Array]:
     """The chain on the largest set, and states in it that depend on the leaf but not on how it was given."""
     energy, n = leaf.system.functions.energy, len(leaf.state)
     boundary = leaf.constraints(shell.energy) if shell is not None else leaf.equations
@@ -290,7 +294,7 @@ def _chain_and_starts(leaf: Leaf, rng: np.random.Generator, shell: Shell | None)
     return chain, x[np.arange(N_CHAINS) % len(x)]
 
 
-def _bounded(leaf: Leaf, chain: _Chain, x: Array, size: float, rng: np.random.Generator) -> tuple[Array, _Chain]:
+def _bounded(leaf: LeafInUnits, chain: _Chain, x: Array, size: float, rng: np.random.Generator) -> tuple[Array, _Chain]:
     """The states in a bounded set around the energy, and the chain on that; the smallest one if none looks bounded."""
     shell = chain.shell
     assert shell is not None
@@ -312,7 +316,7 @@ def _reaches_far(equations: Equations, size: float, rng: np.random.Generator) ->
     return bool(np.any(np.linalg.norm(found[residual <= CONVERGED], axis=-1) > 100 * size))
 
 
-def infinite_volume(leaf: Leaf) -> str:
+def infinite_volume(leaf: Leaf | LeafInUnits) -> str:
     """What is wrong with a set of infinite volume."""
     return (
         f"the set to sample on {leaf!r} is not bounded, so that its Liouville volume is infinite and no state is "

@@ -22,7 +22,7 @@ from liepoisson.phase_space.linearisation import leaf_tangent
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.exact.system import System
-    from liepoisson.phase_space.leaf import Leaf
+    from liepoisson.phase_space.leaf_in_units import LeafInUnits, SystemInUnits
 
 CANCELLED = 1e-13
 """A sum below this fraction of the sizes of its terms is round-off."""
@@ -49,7 +49,7 @@ class HamiltonianFields:
         functions: F, such as the Hamiltonian and integrals.
     """
 
-    def __init__(self, system: System, functions: Sequence[PhaseFunction]) -> None:
+    def __init__(self, system: System | SystemInUnits, functions: Sequence[PhaseFunction]) -> None:
         self._system = system
         self.functions = tuple(functions)
 
@@ -103,7 +103,7 @@ class HamiltonianFields:
 class _Search:
     """States on a leaf with the multipliers of the integrals, and the equations that they are to satisfy."""
 
-    leaf: Leaf
+    leaf: LeafInUnits
     fields: HamiltonianFields
     values: Array
 
@@ -157,7 +157,7 @@ class _Search:
 
 
 def critical_points(
-    leaf: Leaf, fields: HamiltonianFields, starts: Array, values: Array, most_steps: int = MOST_STEPS
+    leaf: LeafInUnits, fields: HamiltonianFields, starts: Array, values: Array, most_steps: int = MOST_STEPS
 ) -> tuple[Array, Array]:
     r"""Critical points of H on the leaf, on the level sets $K_j = \kappa_j$, from many starts.
 
@@ -199,7 +199,9 @@ def critical_points(
     return x, np.linalg.norm(residual, axis=1)
 
 
-def stretched_steps(leaf: Leaf, fields: HamiltonianFields, x: Array, values: Array, factors: Sequence[float]) -> Array:
+def stretched_steps(
+    leaf: LeafInUnits, fields: HamiltonianFields, x: Array, values: Array, factors: Sequence[float]
+) -> Array:
     r"""One Newton step from a state without damping, times each of the factors, shape (at most factor, N).
 
     Near a zero where the equations have no terms below degree p in some directions, Newton's step is 1/p of the way
@@ -225,7 +227,7 @@ def _undamped(search: _Search, x: Array, smallest: float) -> Array:
     return np.asarray(-basis[0] @ step[: basis.shape[2]])
 
 
-def residuals(leaf: Leaf, fields: HamiltonianFields, x: Array, values: Array) -> Array:
+def residuals(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, values: Array) -> Array:
     """How far states of the leaf are from critical points, relative, shape (row,)."""
     omega = multipliers(fields.fields(x), fields.scale(x))
     return np.asarray(np.linalg.norm(_Search(leaf, fields, values).residual(x, omega), axis=1))

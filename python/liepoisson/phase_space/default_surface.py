@@ -7,10 +7,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liepoisson.errors import ParameterError
+from liepoisson.phase_space.lengths import unit_length
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
+
+_NEARBY, _RESTS = 0.2, 1e-9
+"""How far the states are moved at which rates are compared, relative to the state; a rate below this fraction of the
+largest is round-off."""
 
 
 def default_surface(leaf: Leaf) -> str:
@@ -47,9 +52,12 @@ def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     names, size = system.component_names, system.vector_length
     order = sorted(range(len(names)), key=lambda k: (size - 1 - k % size, k))
     # A leaf of lower rank may make a rate zero that is not zero elsewhere: compare with the rates at moved states.
-    nearby = leaf.project(leaf.state + 0.1 * np.random.default_rng(0).standard_normal((8, len(names))))
-    rates = np.abs(system.vector_field(nearby)).max(axis=0)
+    view = leaf.in_units()
+    size = float(np.linalg.norm(view.state)) + unit_length(system.bracket)
+    noise = np.random.default_rng(0).standard_normal((8, len(names))) * view.units * size / np.sqrt(len(names))
+    nearby = leaf.project(leaf.state + _NEARBY * noise)
+    rates = np.abs(system.vector_field(nearby)).max(axis=0) / view.units
     for k in order:
-        if rates[k] > 1e-9 * max(1.0, rates.max()):
+        if rates[k] > _RESTS * rates.max():
             return formula_text(list(system.equations.values())[k]), names[k]
     raise ParameterError(f"{system.name} must move on this leaf; every state is an equilibrium. Try another leaf.")

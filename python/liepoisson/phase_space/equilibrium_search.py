@@ -29,13 +29,13 @@ from liepoisson.phase_space.critical_points import (
 )
 from liepoisson.phase_space.equilibrium_list import signed_sum
 from liepoisson.phase_space.leaf_search import representative
-from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.stability import Equilibrium, analysis, curvatures, null_directions
 from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.phase_space.leaf import Leaf
+    from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
 FOUND, _NEAR = 1e-11, 1e-8
 """Relative residual up to which a state counts as a critical point that was found; one below the second may be on the
@@ -60,7 +60,10 @@ _ORDERS, _FLATTER = (2.0, 3.0, 4.0, 5.0), 0.25
 
 @dataclass
 class _Family:
-    """One isolated equilibrium, or several of one connected family; `curve` has states all along a closed one."""
+    """One isolated equilibrium, or several of one connected family; `curve` has states all along a closed one.
+
+    The states are in the units of the leaf, except that of `first`.
+    """
 
     first: Equilibrium
     states: list[Array] = field(default_factory=list[Array])
@@ -82,9 +85,11 @@ class EquilibriumSearch:
     """
 
     def __init__(self, leaf: Leaf, integrals: Mapping[str, PhaseFunction], values: Array, seed: int) -> None:
-        self._leaf, self._integrals, self._values = leaf, integrals, values
-        self._fields = HamiltonianFields(leaf.system, [leaf.system.functions.energy, *integrals.values()])
-        self._origin = representative(leaf)
+        self._itself, self._integrals, self._values = leaf, integrals, values
+        self._leaf = leaf.in_units()
+        functions = self._leaf.system.functions
+        self._fields = HamiltonianFields(self._leaf.system, [functions.energy, *map(functions.of, integrals.values())])
+        self._origin = representative(leaf).in_units()
         self._rng = stream(seed, Purpose.EQUILIBRIA)
         self._kicks = np.random.default_rng(0)
         self._families: list[_Family] = []
@@ -102,10 +107,13 @@ class EquilibriumSearch:
         starts = self._rng.standard_normal((n_starts, len(origin))) * size
         starts *= np.exp(self._rng.uniform(np.log(0.2), np.log(5.0), (n_starts, 1)))
         self.n_starts += n_starts
-        self.add_from(starts)
+        self._add_from(starts)
 
     def add_from(self, starts: Array) -> None:
         """Search from these states, and add what they lead to."""
+        self._add_from(starts / self._leaf.units)
+
+    def _add_from(self, starts: Array) -> None:
         states, residual = self._reached(self._origin, starts)
         for state in states[np.argsort(residual, kind="stable")]:
             self._add(state)
@@ -115,7 +123,7 @@ class EquilibriumSearch:
         while signed_sum(self.found) not in {None, expected} and self.n_starts < most_starts:
             self.extend(min(self.n_starts, most_starts - self.n_starts))
 
-    def _reached(self, leaf: Leaf, starts: Array, most_steps: int = MOST_STEPS) -> tuple[Array, Array]:
+    def _reached(self, leaf: LeafInUnits, starts: Array, most_steps: int = MOST_STEPS) -> tuple[Array, Array]:
         """The critical points that Newton's method leads to from the starts, and their residuals."""
         states, residual = critical_points(leaf, self._fields, starts, self._values, most_steps)
         near = is_critical(self._fields, self._leaf, states, residual, within=_NEAR)
@@ -134,15 +142,15 @@ class EquilibriumSearch:
             if distances.min() <= _SAME * size or self._is_scattered(family.first, nearest, state):
                 family.states.append(state)
                 return
-        new = analysis(self._leaf, state, self._integrals)
+        new = analysis(self._itself, state * self._leaf.units, self._integrals)
         directions = null_directions(self._leaf, self._fields, state)
         if directions.shape[1]:
-            alike = [family for family in self._families if _may_be_one(family.first, new)]
+            alike = [family for family in self._families if self._may_be_one(family.first, new, state)]
             for family in sorted(alike, key=lambda f: _distance(f, state)):
                 if self._is_connected(family, state):
                     family.states.append(state)
                     return
-        self._families.append(self._family(new, directions))
+        self._families.append(self._family(new, state, directions))
 
     def _polished(self, state: Array) -> Array:
         """The state, or one nearer to a degenerate equilibrium to which Newton's method was on its way."""
@@ -162,16 +170,30 @@ class EquilibriumSearch:
         Such ends lie some thousandths off where several directions are flat, and the ways along them differ.
         """
         close = np.linalg.norm(state - nearest) <= _SCATTER * (np.linalg.norm(nearest) + self._fields.unit)
-        return bool(close) and known.nullity > 0 and _has_energy_of(known, state) and self._softness(state) > 0
+        return bool(close) and known.nullity > 0 and self._has_energy_of(known, state) and self._softness(state) > 0
+
+    def _may_be_one(self, known: Equilibrium, new: Equilibrium, state: Array) -> bool:
+        """Whether two critical points agree in energy, which is constant on a family, and in the signs around them."""
+        if known.nullity != new.nullity or known.signature != new.signature:
+            return False
+        return self._has_energy_of(known, state)
+
+    def _has_energy_of(self, known: Equilibrium, state: Array) -> bool:
+        energy, unit = self._leaf.system.functions.energy, self._fields.unit
+        length = float(np.linalg.norm(state)) + unit
+        slope = float(np.linalg.norm(energy.gradient(state))) * length
+        if unit:  # on a leaf without Casimirs the gradient itself is zero
+            slope += float(np.linalg.norm(energy.hessian(state))) * length**2
+        return abs(known.energy - float(energy(state))) <= _SAME_ENERGY * slope
 
     def _softness(self, state: Array) -> float:
         """The largest curvature among the soft directions, relative to all; 0 if there is none."""
         values = curvatures(self._leaf, self._fields, state)
         return float(values[values <= SOFT].max(initial=0.0))
 
-    def _family(self, first: Equilibrium, directions: Array) -> _Family:
+    def _family(self, first: Equilibrium, state: Array, directions: Array) -> _Family:
         """What the family is: a step in the kernel that stays a step is along a family."""
-        state, n = first.state, directions.shape[1]
+        n = directions.shape[1]
         if not n:
             return _Family(first, [state])
         step = _STEP * (float(np.linalg.norm(state)) + self._fields.unit)
@@ -253,7 +275,7 @@ def _distance(family: _Family, state: Array) -> float:
 
 
 def is_critical(
-    fields: HamiltonianFields, leaf: Leaf, states: Array, residual: Array, within: float = FOUND
+    fields: HamiltonianFields, leaf: LeafInUnits, states: Array, residual: Array, within: float = FOUND
 ) -> NDArray[np.bool_]:
     """Which states are critical points inside the leaf, and not limits on its edge, where J is smaller."""
     rank = leaf.rank
@@ -277,18 +299,3 @@ def _unexplained(slopes: Array) -> float:
     lengths = np.linalg.norm(others, axis=0)
     others = others[:, lengths > 0] / lengths[lengths > 0]
     return float(np.linalg.norm(slopes[:, 0] - others @ np.linalg.lstsq(others, slopes[:, 0])[0]))
-
-
-def _may_be_one(known: Equilibrium, new: Equilibrium) -> bool:
-    """Whether two critical points agree in energy, which is constant on a family, and in the signs around them."""
-    if known.nullity != new.nullity or known.signature != new.signature:
-        return False
-    return _has_energy_of(known, new.state)
-
-
-def _has_energy_of(known: Equilibrium, x: Array) -> bool:
-    energy, unit = known.system.functions.energy, unit_length(known.system.bracket)
-    slope = float(np.linalg.norm(energy.gradient(x)) * (np.linalg.norm(x) + unit))
-    if unit:  # on a leaf without Casimirs the gradient itself is zero
-        slope += float(np.linalg.norm(energy.hessian(x)) * (np.linalg.norm(x) + unit) ** 2)
-    return abs(known.energy - float(energy(x))) <= _SAME_ENERGY * slope

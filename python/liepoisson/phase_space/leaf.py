@@ -8,6 +8,7 @@ fields vanish or are parallel, and other functions are constant.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -21,6 +22,8 @@ from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name, formulas
+from liepoisson.phase_space.field_units import field_units
+from liepoisson.phase_space.leaf_in_units import LeafInUnits
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, mixing_of, solve
 from liepoisson.phase_space.leaf_stratum import Place, open_place, place_of
 from liepoisson.scalars import as_number
@@ -147,18 +150,32 @@ class Leaf:
         mixing = mixing_of(functions, pinned, self.state, len(self.state) - self.rank if self.rank else len(pinned))
         return Equations(pinned, functions, self._values, mixing)
 
-    def residual(self, states: ArrayLike) -> Array:
-        r"""The largest relative violation of the equations, $|f - c| / (|c| + |x||\nabla f|)$, shape (...).
+    def in_units(self, energy: float | str | None = None) -> LeafInUnits:
+        """The leaf in coordinates in which its states, perhaps those of an energy, are of order one."""
+        return self._in_units if energy is None else self._divided(as_energy(energy))
 
-        Lengths are those of whole states: where fields differ by many orders of magnitude, as in SI units, the
-        violation of an equation for the smaller ones is not seen, and `project` does not mend it.  On a stratum that is
-        not listed, and where not all Casimirs are known, only the known ones are compared: necessary, not sufficient.
+    @cached_property
+    def _in_units(self) -> LeafInUnits:
+        return self._divided(None)
+
+    def _divided(self, energy: float | None) -> LeafInUnits:
+        units = field_units(self.system, self.place.casimirs, self._values, energy)
+        return LeafInUnits(repr(self), self.system, self.rank, self.state, self.constraints, units)
+
+    def residual(self, states: ArrayLike) -> Array:
+        r"""The largest relative violation of the equations, shape (...).
+
+        That of $f = c$ is $|f - c| / (|c| + \sum_b|x_b||\nabla_b f|)$ with the fields $x_b$, whose units do not matter.
+        On a stratum that is not listed, and where not all Casimirs are known, only the known ones are compared:
+        necessary, not sufficient.
         """
-        states = self._points(states)
-        if not self.place.is_known:
+        n_fields = len(self.system.bracket.field_names)
+        if self.place.is_known:
+            equations = replace(self.equations, n_fields=n_fields)
+        else:
             functions = tuple(self.place.casimirs.values())
-            return Equations(self.place.pinned, functions, self._values, np.eye(len(functions))).residual(states)
-        return self.equations.residual(states)
+            equations = Equations(self.place.pinned, functions, self._values, np.eye(len(functions)), n_fields)
+        return equations.residual(self._points(states))
 
     def contains(self, states: ArrayLike, tol: float = 1e-10) -> NDArray[np.bool_]:
         """Whether the states lie on the leaf to a relative tolerance, shape (...).
@@ -176,6 +193,9 @@ class Leaf:
     ) -> Array:
         """States on the leaf near the given ones, by Newton steps of minimum norm, to round-off.
 
+        Lengths are those in units of the fields in which states of the leaf are of order one (see
+        `liepoisson.phase_space.field_units`).
+
         Args:
             states: States, shape (..., N).
             energy: The value that the Hamiltonian shall have.
@@ -186,12 +206,12 @@ class Leaf:
                 nearby; the message gives the residuals, or the range of the energy if one outside was asked for.
             ShapeError: the last axis of `states` is not N.
         """
-        states = self._points(states)
-        equations = self.constraints(energy, surface)
-        found, residual = solve(equations, states.reshape(-1, states.shape[-1]))
+        states, view = self._points(states), self.in_units(energy)
+        equations = view.constraints(energy, surface)
+        found, residual = solve(equations, states.reshape(-1, states.shape[-1]) / view.units)
         if found.size and not residual.max() <= CONVERGED:
             self._refuse(equations, found, residual, energy)
-        return found.reshape(states.shape)
+        return (found * view.units).reshape(states.shape)
 
     def constraints(self, energy: float | None, surface: str | Expr | PhaseFunction | None = None) -> Equations:
         """The equations of the leaf, and those of the energy surface and of a surface f = 0."""

@@ -185,15 +185,17 @@ def equilibrium_near(
     """
     leaf = not_tiny(Leaf.through(system, guess), "guess")
     integrals = integrals_of(system, along)
-    fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
-    states, residual = critical_points(leaf, fields, leaf.state[None], _level(integrals, values, leaf.state))
-    if not len(states) or not is_critical(fields, leaf, states, residual)[0]:
+    view = leaf.in_units()
+    functions = view.system.functions
+    fields = HamiltonianFields(view.system, [functions.energy, *map(functions.of, integrals.values())])
+    states, residual = critical_points(view, fields, view.state[None], _level(integrals, values, leaf.state))
+    if not len(states) or not is_critical(fields, view, states, residual)[0]:
         left = f"{residual[0]:.1e}" if len(residual) else "no state of the leaf"
         raise ParameterError(
             f"guess must be near a critical point of H on its leaf{_named(integrals)}; Newton's method ends with a "
             f"relative residual of {left}. Search with equilibria(system, leaf, along=..., values=...)."
         )
-    return analysis(leaf, states[0], integrals)
+    return analysis(leaf, states[0] * view.units, integrals)
 
 
 def _level(integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] | None, x: Array | None) -> Array:

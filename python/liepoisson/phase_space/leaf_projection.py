@@ -3,7 +3,7 @@ r"""Newton's method onto a set of equations: the nearest solution to first order
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -26,19 +26,22 @@ class Equations:
         functions: The functions f.
         values: Their values c, shape (function,); for `relative` also one row for each state.
         mixing: Independent combinations M of the functions, shape (m, function).
+        n_fields: The number k of blocks $x_b$ of a state whose lengths are told apart; 1 where all are of one order.
     """
 
     pinned: Array
     functions: tuple[PhaseFunction, ...]
     values: Array
     mixing: Array
+    n_fields: int = 1
 
     def with_function(self, function: PhaseFunction, value: float) -> Equations:
         """One equation more, f(x) = value."""
         m, n = self.mixing.shape
         mixing = np.zeros((m + 1, n + 1))
         mixing[:m, :n], mixing[m, n] = self.mixing, 1.0
-        return Equations(self.pinned, (*self.functions, function), np.append(self.values, value), mixing)
+        functions, values = (*self.functions, function), np.append(self.values, value)
+        return replace(self, functions=functions, values=values, mixing=mixing)
 
     def rows(self, x: Array) -> Array:
         """The gradients of all equations, shape (..., equation, N)."""
@@ -46,21 +49,41 @@ class Equations:
         return np.concatenate([pinned, self.mixing @ gradients_of(self.functions, x)], axis=-2)
 
     def relative(self, x: Array) -> tuple[Array, Array]:
-        r"""Residuals and gradients, both divided by $|c| + |x||\nabla f|$, the size of the terms that must cancel.
+        r"""Residuals and gradients, both divided by the size of the terms that must cancel.
 
-        Both are NaN where a function has no finite gradient, as that of a square root at zero.
+        That is $|c| + \sum_b|x_b||\nabla_b f|$, and $|x|$ or $\sum_b|P_b||x_b|$ for a row of P that has one block or
+        several.  Both are NaN where a function has no finite gradient, as that of a square root at zero.
         """
-        size = np.linalg.norm(x, axis=-1)[..., None]
         values = np.stack([f(x) for f in self.functions], axis=-1) if self.functions else np.zeros((*x.shape[:-1], 0))
         rows = self.mixing @ gradients_of(self.functions, x)
         residuals = np.einsum("ij,...j->...i", self.mixing, values - self.values)
-        scales = np.abs(self.values) @ np.abs(self.mixing).T + size * np.linalg.norm(rows, axis=-1)
+        scales = np.abs(self.values) @ np.abs(self.mixing).T + self._of_terms(rows, x)
         # Against an infinite gradient any residual would count as zero.
         scales = np.select([scales == 0, np.isinf(scales)], [1.0, np.nan], scales)
         pinned = np.broadcast_to(self.pinned, (*x.shape[:-1], *self.pinned.shape))
-        lengths = np.where(size > 0, size, 1.0)
+        lengths = self._of_pinned(x)
+        lengths = np.where(lengths > 0, lengths, 1.0)
         residuals = np.concatenate([x @ self.pinned.T / lengths, residuals / scales], axis=-1)
         return residuals, np.concatenate([pinned / lengths[..., None], rows / scales[..., None]], axis=-2)
+
+    def _of_terms(self, rows: Array, x: Array) -> Array:
+        r"""$\sum_b|x_b||r_b|$ for each row r, shape (..., row)."""
+        if self.n_fields == 1:
+            return np.linalg.norm(x, axis=-1)[..., None] * np.linalg.norm(rows, axis=-1)
+        n = x.shape[-1] // self.n_fields
+        blocks, slopes = (v.reshape(*v.shape[:-1], self.n_fields, n) for v in (x, rows))
+        return np.einsum("...b,...ib->...i", np.linalg.norm(blocks, axis=-1), np.linalg.norm(slopes, axis=-1))
+
+    def _of_pinned(self, x: Array) -> Array:
+        """What the products of a state with the rows of P are compared with, shape (..., 1) or (..., row)."""
+        size = np.linalg.norm(x, axis=-1)[..., None]
+        if self.n_fields == 1:
+            return size
+        n = self.pinned.shape[-1] // self.n_fields
+        blocks = np.abs(self.pinned.reshape(-1, self.n_fields, n)).max(axis=-1)
+        is_relation = (blocks > 0).sum(axis=-1) > 1
+        rows = np.broadcast_to(self.pinned, (*x.shape[:-1], *self.pinned.shape))
+        return np.where(is_relation, self._of_terms(rows, x), size)
 
     def residual(self, x: Array) -> Array:
         """The largest relative residual, shape (...)."""

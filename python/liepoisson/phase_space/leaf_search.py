@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.errors import LeafError
+from liepoisson.phase_space.field_units import field_units
+from liepoisson.phase_space.leaf_in_units import LeafInUnits, equations_in_units
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.phase_space.leaf_stratum import Place, place_of
 from liepoisson.phase_space.lengths import unit_length
@@ -34,6 +36,9 @@ _STRETCH = 3.0
 _OF_SQUARES = 1e-9
 """Largest relative error of a Casimir that is a sum of squares."""
 
+_ROUND_OFF = 1e-12
+"""An energy that is out of reach by this fraction of the scale of energies is that of the extremum."""
+
 _SECONDS = 5.0
 """Processor time for each end of the range."""
 
@@ -46,11 +51,12 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     """
     _refuse_impossible(system, place, values)
     equations = Equations(place.pinned, tuple(place.casimirs.values()), values, np.eye(len(values)))
-    rng = np.random.default_rng(0)
+    rng, units = np.random.default_rng(0), field_units(system, place.casimirs, values)
     n, size = system.bracket.dimension, max(1.0, float(np.abs(values).max(initial=0.0)) ** 0.5)
+    size = 1.0 if (units != 1.0).any() else size
     starts = rng.standard_normal((_STARTS, n)) * np.geomspace(0.1, 10.0, _STARTS)[:, None] * size
-    found, residual = solve(equations, starts)
-    found = found[residual <= CONVERGED]
+    found, residual = solve(equations_in_units(equations, units, len(system.bracket.field_names)), starts)
+    found = found[residual <= CONVERGED] * units
     reached = found[_has_squares(system, place, values, found)]
     if not len(reached):
         reached = _states_of_top(system, values, rng)
@@ -60,7 +66,7 @@ def find_state(system: System, place: Place, values: Array) -> Array:
             f"no state of {system.name!r} with {asked} was found: Newton's method from {_STARTS} random states leaves "
             f"a relative residual of {residual.min():.1e}. Values of a state: system.functions.casimirs."
         )
-    for state in reached[np.argsort(np.linalg.norm(reached, axis=-1))]:
+    for state in reached[np.argsort(np.linalg.norm(reached / units, axis=-1))]:
         if place_of(system, state).is_open:
             return state
     raise LeafError(
@@ -148,13 +154,14 @@ def _is_sum_of_squares(expression: Any, variables: tuple[Any, ...]) -> bool:
 
 def energy_range(leaf: Leaf) -> tuple[float, float]:
     """The lowest and the highest energy on a leaf, -inf and inf if it is unbounded."""
+    view = leaf.in_units()
     if not leaf.rank:
         with np.errstate(all="ignore"):
             energy = float(leaf.system.functions.energy(leaf.state))
         if not np.isfinite(energy):
             raise LeafError(f"{leaf!r} is a point, and the energy is not defined at it: {energy}. Take another state.")
         return energy, energy
-    lowest, highest = (sign * (-np.inf if _grows(leaf, sign) else _lowest(leaf, sign)) for sign in (1.0, -1.0))
+    lowest, highest = (sign * (-np.inf if _grows(view, sign) else _lowest(view, sign)) for sign in (1.0, -1.0))
     return float(lowest), float(highest)
 
 
@@ -165,7 +172,7 @@ def check_energy_in_reach(leaf: Leaf, energy: float, *, is_filled: bool = False)
         LeafError: it is out of reach.
     """
     lowest, highest = leaf.energy_range()
-    slack = 1e-12 * (1 + abs(lowest)) if np.isfinite(lowest) else 0.0
+    slack = _ROUND_OFF * energy_scale(leaf.in_units(), lowest) if np.isfinite(lowest) else 0.0
     if energy < lowest - slack or (not is_filled and energy > highest + slack):
         asked = f"{'at most ' if is_filled else ''}{energy:.6g}"
         raise LeafError(
@@ -174,7 +181,18 @@ def check_energy_in_reach(leaf: Leaf, energy: float, *, is_filled: bool = False)
         )
 
 
-def _grows(leaf: Leaf, sign: float) -> bool:
+def energy_scale(leaf: LeafInUnits, energy: float = 0.0) -> float:
+    r"""What differences of energies are compared with: $|E| + |y||\nabla H|$ at the leaf's own state.
+
+    Where this vanishes, the second order takes its place.
+    """
+    y, function = leaf.state, leaf.system.functions.energy
+    length = float(np.linalg.norm(y)) + unit_length(leaf.system.bracket)
+    scale = abs(energy) + length * float(np.linalg.norm(function.gradient(y)))
+    return scale or length**2 * float(np.linalg.norm(function.hessian(y)))
+
+
+def _grows(leaf: LeafInUnits, sign: float) -> bool:
     """Whether sign * H decreases tenfold and more, below zero, between states 1e2 and 1e4 times as far as its own.
 
     The farther ones come from the nearer ones in steps: few guesses so far out lead onto the leaf.
@@ -188,7 +206,7 @@ def _grows(leaf: Leaf, sign: float) -> bool:
     return float(np.nanmin(sign * energy(states), initial=np.inf)) < 10 * near < 0
 
 
-def _lowest(leaf: Leaf, sign: float) -> float:
+def _lowest(leaf: LeafInUnits, sign: float) -> float:
     """The minimum of sign * H, by Newton steps in tangent coordinates with the moduli of the eigenvalues."""
     x, lowest = _starts(leaf, sign)
     far = _FAR * (float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket))
@@ -207,7 +225,7 @@ def _lowest(leaf: Leaf, sign: float) -> float:
 
 
 @np.errstate(all="ignore")
-def _starts(leaf: Leaf, sign: float) -> tuple[Array, Array]:
+def _starts(leaf: LeafInUnits, sign: float) -> tuple[Array, Array]:
     """States to descend from and their sign * H, where the energy is defined."""
     x = _spread(leaf, 0.1, 3.0)
     values = sign * leaf.system.functions.energy(x)
@@ -217,7 +235,7 @@ def _starts(leaf: Leaf, sign: float) -> tuple[Array, Array]:
     return x[defined], values[defined]
 
 
-def _spread(leaf: Leaf, nearest: float, farthest: float, *, most_steps: int = 80) -> Array:
+def _spread(leaf: LeafInUnits, nearest: float, farthest: float, *, most_steps: int = 80) -> Array:
     """Random states on the leaf, at several distances from its own."""
     rng = np.random.default_rng(1)
     size = float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket)
@@ -226,7 +244,7 @@ def _spread(leaf: Leaf, nearest: float, farthest: float, *, most_steps: int = 80
     return np.concatenate([leaf.state[None], found[residual <= CONVERGED]])
 
 
-def _descend(leaf: Leaf, x: Array, before: Array, sign: float) -> tuple[Array, Array]:
+def _descend(leaf: LeafInUnits, x: Array, before: Array, sign: float) -> tuple[Array, Array]:
     """One damped Newton step of each state, projected back onto the leaf, and the energies after it."""
     energy = leaf.system.functions.energy
     basis, stays = _tangents(leaf, x)
@@ -252,13 +270,13 @@ def _descend(leaf: Leaf, x: Array, before: Array, sign: float) -> tuple[Array, A
     return best, reached
 
 
-def _tangents(leaf: Leaf, x: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _tangents(leaf: LeafInUnits, x: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Bases of the tangent spaces, and which states came to the edge of the leaf, where J has a lower rank."""
     vectors, sizes, _ = np.linalg.svd(leaf.system.functions.poisson_tensor(x))
     return vectors[..., : leaf.rank], ~(sizes[..., leaf.rank - 1] > 0)
 
 
-def reduced_derivatives(leaf: Leaf, x: Array, basis: Array) -> tuple[Array, Array]:
+def reduced_derivatives(leaf: LeafInUnits, x: Array, basis: Array) -> tuple[Array, Array]:
     r"""Gradient $T^t\nabla H$ and second derivative $T^t(H'' - \lambda C'')T$ of H on the leaf in a tangent basis T.
 
     The multipliers $\lambda$ solve $\nabla H = \lambda\nabla C$ by least squares; linear equations do not curve.

@@ -7,7 +7,7 @@ $\nabla H = \sum_k\lambda_k\nabla C_k + \sum_j\Omega_j\nabla K_j$.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
@@ -22,7 +22,6 @@ from liepoisson.phase_space.linearisation import (
     ComplexArray,
     LinearFlow,
     definite_combination,
-    leaf_tangent,
     linear_flow,
     spectral_verdict,
 )
@@ -32,6 +31,7 @@ from liepoisson.wrong_values import shown
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.exact.system import System
+    from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class Equilibrium(ReadOnlyArrays):
             field vanishes here, or depends on those of the integrals before it, has 0.
         multipliers: The multipliers $\lambda_k$ of the Casimirs, by name; empty on singular leaves, where other
             equations than the Casimirs hold too.
-        residual: $|f_H - \sum_j\Omega_j f_{K_j}|$ relative to the derivative of $f_H$ times $|x|$; for a top in units
-            in which its fields are of order one.
+        residual: $|f_H - \sum_j\Omega_j f_{K_j}|$ relative to the derivative of $f_H$ times $|x|$, in units in which
+            the fields are of order one.
         asymmetry: Relative antisymmetric part of the second variation as computed; round-off if the linearised flow
             is Hamiltonian, so that its eigenvalues form quadruples $\pm\sigma, \pm\bar\sigma$.
         spectrum: Eigenvalues of the linearised flow of $H - \sum_j\Omega_j K_j$ on the symplectic slice, in inverse
@@ -150,11 +150,12 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
     tol = as_number(tol, "tol", "a finite number >= 0")
     if not 0 <= tol < np.inf:
         raise ParameterError(f"tol: wanted a finite number >= 0; got {tol}; try tol=1e-8")
-    fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
-    rates, scale = fields.fields(leaf.state), fields.scale(leaf.state)
-    omega = multipliers(rates[None], scale[None])[0]
     units = _units_of_top(leaf)
-    if not _residual(fields, leaf.state, omega, units) <= tol:
+    view = _in_units(leaf, units)
+    fields, y = _fields(view, integrals), leaf.state / view.units
+    omega = multipliers(fields.fields(y)[None], fields.scale(y)[None])[0]
+    if not _residual(fields, y, omega) <= tol:
+        rates = fields.fields(y) * view.units[:, None]
         left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
         raise ParameterError(_not_an_equilibrium(left, float(np.linalg.norm(rates[:, 0])), integrals))
     return analysis(leaf, leaf.state, integrals, units)
@@ -169,12 +170,22 @@ def _units_of_top(leaf: Leaf) -> Array | None:
     return None if top is None or not leaf.rank else natural_units(leaf, top, [])
 
 
-def _residual(fields: HamiltonianFields, x: Array, omega: Array, units: Array | None) -> float:
-    """What the motions of the integrals leave of that of H, relative to the size of the terms in it, in the units."""
-    units = np.ones_like(x) if units is None else units
-    rates = fields.fields(x) / units[:, None]
-    parts = [part[..., 0] * (units / units[:, None]) for part in fields.parts(x)]
-    scale = sum(float(np.linalg.norm(part)) for part in parts) * float(np.linalg.norm(x / units))
+def _in_units(leaf: Leaf, units: Array | None) -> LeafInUnits:
+    """The leaf in these units, or in its own."""
+    view = leaf.in_units()
+    return view if units is None else replace(view, units=units)
+
+
+def _fields(view: LeafInUnits, integrals: Mapping[str, PhaseFunction]) -> HamiltonianFields:
+    """The vector fields of H and the integrals in units."""
+    functions = view.system.functions
+    return HamiltonianFields(view.system, [functions.energy, *map(functions.of, integrals.values())])
+
+
+def _residual(fields: HamiltonianFields, y: Array, omega: Array) -> float:
+    """What the motions of the integrals leave of that of H, relative to the size of the terms in it."""
+    rates = fields.fields(y)
+    scale = sum(float(np.linalg.norm(part[..., 0])) for part in fields.parts(y)) * float(np.linalg.norm(y))
     left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
     return left / scale if scale else left
 
@@ -287,14 +298,13 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
         leaf: Its leaf.
         x: The state, shape (N,).
         integrals: Integrals for a relative equilibrium.
-        units: Natural sizes of the coordinates, shape (N,), where they differ by orders of magnitude; an eigenvalue of
-            the second variation counts as zero by its size in these units.
+        units: Sizes of the coordinates, shape (N,), by default those of the leaf; an eigenvalue of the second variation
+            counts as zero by its size in these units.
     """
-    system = leaf.system
-    fields = HamiltonianFields(system, [system.functions.energy, *integrals.values()])
-    rates, scale = fields.fields(x), fields.scale(x)
-    omega = multipliers(rates[None], scale[None])[0]
-    point = _Point(fields, leaf, x, omega, units)
+    view = _in_units(leaf, units)
+    fields, y = _fields(view, integrals), x / view.units
+    omega = multipliers(fields.fields(y)[None], fields.scale(y)[None])[0]
+    point = _Point(fields, view, y, omega)
     flow, asymmetry = point.linear_flow(np.array([1.0, *-omega]))
     basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
     flow = flow.restricted(basis)
@@ -307,10 +317,10 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
     return Equilibrium(
         leaf=leaf,
         state=x,
-        energy=float(system.functions.energy(x)),
+        energy=float(leaf.system.functions.energy(x)),
         omega=dict(zip(integrals, (omega + 0.0).tolist(), strict=True)),
-        multipliers=_casimir_multipliers(leaf, fields, x, omega),
-        residual=_residual(fields, x, omega, units),
+        multipliers=_casimir_multipliers(leaf, point),
+        residual=_residual(fields, y, omega),
         asymmetry=asymmetry,
         spectrum=_ordered(np.append(eigenvalues, np.zeros(n_zero, dtype=np.complex128))),
         growth_rate=float(eigenvalues.real.max()) if verdict == "unstable" else 0.0,
@@ -321,7 +331,7 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
     )
 
 
-def null_directions(leaf: Leaf, fields: HamiltonianFields, x: Array) -> Array:
+def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
     """Orthonormal directions in which a family of (relative) equilibria may go on from x, shape (N, n).
 
     The kernel of the second variation on the slice, and the motions of the integrals.
@@ -331,13 +341,13 @@ def null_directions(leaf: Leaf, fields: HamiltonianFields, x: Array) -> Array:
     return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
 
 
-def curvatures(leaf: Leaf, fields: HamiltonianFields, x: Array) -> Array:
+def curvatures(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
     """The moduli of the eigenvalues of the second variation on the slice, relative to the largest, ascending."""
     values = np.sort(np.abs(np.linalg.eigvalsh(_on_slice(leaf, fields, x)[1].hessian)))
     return values / values[-1] if values.any() else values
 
 
-def _on_slice(leaf: Leaf, fields: HamiltonianFields, x: Array) -> tuple[_Point, LinearFlow, Array]:
+def _on_slice(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> tuple[_Point, LinearFlow, Array]:
     """The linearised flow on the symplectic slice at x, and the basis of the slice in the tangent space."""
     rates, scale = fields.fields(x), fields.scale(x)
     point = _Point(fields, leaf, x, multipliers(rates[None], scale[None])[0])
@@ -351,22 +361,14 @@ class _Point:
     """A critical point with what its second variations are made of."""
 
     fields: HamiltonianFields
-    leaf: Leaf
+    leaf: LeafInUnits
     x: Array
     omega: Array
-    units: Array | None = None
 
     @cached_property
     def tangents(self) -> Array:
-        """Basis of the tangent space of the leaf, orthonormal in the units."""
-        if self.units is None:
-            return self.leaf.tangent_basis(self.x)
-        return self.units[:, None] * leaf_tangent(self._poisson(), self.leaf.rank)
-
-    def _poisson(self) -> Array:
-        """J in the units."""
-        poisson = self.fields.poisson(self.x)
-        return poisson if self.units is None else poisson / np.outer(self.units, self.units)
+        """Orthonormal basis of the tangent space of the leaf."""
+        return self.leaf.tangent_basis(self.x)
 
     @cached_property
     def _directions(self) -> tuple[Array, Array, Array]:
@@ -378,11 +380,7 @@ class _Point:
     @property
     def symmetry(self) -> Array:
         """Basis of the span of the vector fields of the integrals, in coordinates of the tangent space of the leaf."""
-        return self._dual().T @ self._directions[0]
-
-    def _dual(self) -> Array:
-        """The basis that gives the coordinates of a tangent vector."""
-        return self.tangents if self.units is None else self.tangents / self.units[:, None] ** 2
+        return self.tangents.T @ self._directions[0]
 
     def free(self) -> Array:
         """Combinations of the integrals whose vector fields vanish here, shape (free, k)."""
@@ -392,15 +390,13 @@ class _Point:
 
     def linear_flow(self, coefficients: Array) -> tuple[LinearFlow, float]:
         """The linearised flow of a combination of H and the integrals on the leaf, and its asymmetry."""
-        units = np.ones_like(self.x) if self.units is None else self.units
-        basis = self.tangents / units[:, None]
-        parts = [part * (units / units[:, None])[..., None] for part in self.fields.parts(self.x)]
+        basis, parts = self.tangents, self.fields.parts(self.x)
         derivative = sum(parts) @ coefficients
         # H - Omega K may be constant on the leaf: what is left of terms that cancel there is no second variation
         sizes = [np.linalg.norm(np.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
         if np.linalg.norm(basis.T @ derivative @ basis) <= CANCELLED * float(sum(sizes) @ np.abs(coefficients)):
             derivative = np.zeros_like(derivative)
-        return linear_flow(self._poisson(), derivative, basis)
+        return linear_flow(self.fields.poisson(self.x), derivative, basis)
 
 
 def _best_combination(point: _Point, flow: LinearFlow, basis: Array) -> tuple[Array, LinearFlow]:
@@ -421,11 +417,12 @@ def _best_combination(point: _Point, flow: LinearFlow, basis: Array) -> tuple[Ar
     return total / scale, flow.with_hessian(hessian / scale)
 
 
-def _casimir_multipliers(leaf: Leaf, fields: HamiltonianFields, x: Array, omega: Array) -> dict[str, float]:
+def _casimir_multipliers(leaf: Leaf, point: _Point) -> dict[str, float]:
     if not leaf.is_regular or not leaf.casimir_functions:
         return {}
-    slopes = np.stack([f.gradient(x) for f in fields.functions], axis=-1) @ np.array([1.0, *-omega])
-    gradients = np.stack([f.gradient(x) for f in leaf.casimir_functions.values()], axis=-1)
+    functions = point.leaf.system.functions
+    slopes = np.stack([f.gradient(point.x) for f in point.fields.functions], axis=-1) @ np.array([1.0, *-point.omega])
+    gradients = np.stack([functions.of(f).gradient(point.x) for f in leaf.casimir_functions.values()], axis=-1)
     return dict(zip(leaf.casimir_functions, np.linalg.lstsq(gradients, slopes)[0].tolist(), strict=True))
 
 

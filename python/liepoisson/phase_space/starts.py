@@ -15,9 +15,11 @@ from liepoisson.errors import LeafError, ParameterError, ShapeError, did_you_mea
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name
 from liepoisson.phase_space.leaf import Leaf
+from liepoisson.phase_space.leaf_projection import Equations
 from liepoisson.scalars import as_number
 
 if TYPE_CHECKING:
+    from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.exact.system import System
 
 MATCH = 1e-10
@@ -134,13 +136,13 @@ def _read_values(system: System, leaf: Mapping[str, float | str], prefix: str) -
 
 def _given(system: System, x: Array, wanted: Leaf | Mapping[str, float] | None, energy: float | None, p: str) -> Start:
     aims = {} if isinstance(wanted, Leaf) or wanted is None else wanted
+    asked = {name: (aim, system.functions.casimirs[name]) for name, aim in aims.items()}
+    if energy is not None:
+        asked["H"] = (energy, system.functions.energy)
     wrong = [
-        f"{name} = {got:.12g} instead of {aim:.12g}"
-        for name, aim, got in (
-            *((name, aim, float(system.functions.casimirs[name](x))) for name, aim in aims.items()),
-            *((("H", energy, float(system.functions.energy(x))),) if energy is not None else ()),
-        )
-        if abs(got - aim) > MATCH * max(1.0, abs(aim))
+        f"{name} = {float(f(x)):.12g} instead of {aim:.12g}"
+        for name, (aim, f) in asked.items()
+        if not _violation(system, f, aim, x) <= MATCH
     ]
     if isinstance(wanted, Leaf) and not wanted.residual(x) <= MATCH:
         wrong.insert(0, f"a relative residual of {float(wanted.residual(x)):.1e} on {wanted!r}")
@@ -150,6 +152,12 @@ def _given(system: System, x: Array, wanted: Leaf | Mapping[str, float] | None, 
             f"Write {p}guess instead of {p}start to have it moved there."
         )
     return _start_at(system, x, "as given")
+
+
+def _violation(system: System, function: PhaseFunction, value: float, x: Array) -> float:
+    """How far a function is from a value, relative to the sizes of the fields and its slopes."""
+    n_fields, none = len(system.bracket.field_names), np.zeros((0, len(x)))
+    return float(Equations(none, (function,), np.array([value]), np.eye(1), n_fields).residual(x))
 
 
 def _random(system: System, wanted: Leaf | Mapping[str, float] | None, energy: float | None, seed: int) -> Start:

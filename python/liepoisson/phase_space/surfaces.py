@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
     from liepoisson.phase_space.leaf import Leaf
+    from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
 _ROUNDS, _VAIN = 24, 3
 """Rounds of guesses in all, and those after which the surface counts as out of reach if no guess converged."""
@@ -129,31 +130,30 @@ def section_starts(
     n_starts, seed = as_count(n_starts, "n_starts"), as_count(seed, "seed")
     if np.ndim(direction) or direction not in (-1, 0, 1):
         raise ParameterError(f"direction must be +1, -1 or 0; got {shown(direction)}.")
-    equations = leaf.constraints(as_energy(energy), surface)
+    view = leaf.in_units(as_energy(energy))
+    equations = view.constraints(energy, surface)
     if spread:
-        guesses = _many_guesses(leaf, n_starts, seed)
-        found = _crossed(leaf, surface, energy, guesses, direction)
+        guesses = _many_guesses(view, n_starts, seed)
+        found = _crossed(view, surface, energy, guesses, direction)
         if len(found) >= n_starts:
-            return _farthest(found, n_starts)
+            return _farthest(found, n_starts) * view.units
         if not len(found):
             check_energy_in_reach(leaf, energy)
             raise LeafError(
                 f"orbits of this leaf and energy must cross {surface} = 0; none of {len(guesses)} random states "
                 f"could be moved to a crossing. {_TRY}"
             )
-    slope = leaf.system.functions.of(surface)
-    draw, size = _guesses_for(leaf, energy), max(n_starts, _GUESSES)
+    draw, size = _guesses_for(leaf, view, energy), max(n_starts, _GUESSES)
     found, converged, drawn = np.empty((0, leaf.system.bracket.dimension)), 0, 0
     for attempt in range(_ROUNDS):
         states, residual = solve(equations, draw(seeds(seed, Purpose.SECTION, attempt), size))
         states = states[residual <= CONVERGED]
         converged, drawn = converged + len(states), drawn + size
         if direction:
-            rate = np.einsum("...i,...i->...", slope.gradient(states), leaf.system.vector_field(states))
-            states = states[direction * rate > 0]
+            states = states[direction * _rates(view, surface, states) > 0]
         found = np.concatenate([found, states])
         if len(found) >= n_starts:
-            return found[:n_starts]
+            return found[:n_starts] * view.units
         if attempt + 1 >= _VAIN and not converged:
             break
     passing = f", {len(found)} of them where the orbit passes in direction {direction:+d}" if direction else ""
@@ -165,20 +165,26 @@ def section_starts(
     )
 
 
-def _many_guesses(leaf: Leaf, n: int, seed: int) -> Array:
+def _rates(leaf: LeafInUnits, surface: str | Expr, states: Array) -> Array:
+    """The rates of the surface function, of states in units."""
+    slope = leaf.source.functions.of(surface)
+    x = states * leaf.units
+    return np.einsum("...i,...i->...", slope.gradient(x), leaf.source.vector_field(x))
+
+
+def _many_guesses(leaf: LeafInUnits, n: int, seed: int) -> Array:
     """Normally distributed states of the size of the leaf's own."""
     from liepoisson.numeric.sampling import sample_states
 
     size = np.abs(leaf.state).max() or 1.0
-    return size * sample_states(leaf.system, min(_PER_START * n, _MOST_GUESSES), seed=seed, ensemble="gaussian")
+    return size * sample_states(leaf.source, min(_PER_START * n, _MOST_GUESSES), seed=seed, ensemble="gaussian")
 
 
 @np.errstate(all="ignore")  # a surface may not exist everywhere, as that of a square root
-def _crossed(leaf: Leaf, surface: str | Expr, energy: float, guesses: Array, direction: int) -> Array:
+def _crossed(leaf: LeafInUnits, surface: str | Expr, energy: float, guesses: Array, direction: int) -> Array:
     """The guesses that converge to states where the orbit passes the surface, in the wanted direction."""
     x, residual = solve(leaf.constraints(energy, surface), guesses)
-    slope, rates = leaf.system.functions.of(surface).gradient(x), leaf.system.vector_field(x)
-    rate = np.einsum("ij,ij->i", slope, rates)
+    rate = _rates(leaf, surface, x)
     return x[(residual <= CONVERGED) & ((direction * rate > 0) if direction else (rate != 0))]
 
 
@@ -191,7 +197,7 @@ def _farthest(x: Array, n: int) -> Array:
     return x[taken]
 
 
-def _guesses_for(leaf: Leaf, energy: float) -> Callable[[np.random.SeedSequence, int], Array]:
+def _guesses_for(leaf: Leaf, view: LeafInUnits, energy: float) -> Callable[[np.random.SeedSequence, int], Array]:
     """How to draw guesses: from the energy surface where that is cheap, else anywhere."""
     from liepoisson.phase_space.leaf_sampling import acceptance
 
@@ -200,9 +206,12 @@ def _guesses_for(leaf: Leaf, energy: float) -> Callable[[np.random.SeedSequence,
     except LeafError:  # not the leaf of a top
         is_cheap = False
     if is_cheap:
-        return lambda stream, n: leaf.sample(n, seed=int(stream.generate_state(1, np.uint64)[0]), energy=energy)
-    size = (float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket)) / np.sqrt(len(leaf.state)) or 1.0
-    return lambda stream, n: size * np.random.default_rng(stream).standard_normal((n, len(leaf.state)))
+        return lambda stream, n: (
+            leaf.sample(n, seed=int(stream.generate_state(1, np.uint64)[0]), energy=energy) / view.units
+        )
+    n_components = len(view.state)
+    size = (float(np.linalg.norm(view.state)) + unit_length(leaf.system.bracket)) / np.sqrt(n_components) or 1.0
+    return lambda stream, n: size * np.random.default_rng(stream).standard_normal((n, n_components))
 
 
 @explains_its_arguments
@@ -232,12 +241,13 @@ def section_state(
         LeafError: no such state was found.
         ParameterError: the energy or a coordinate is no finite number.
     """
-    functions, equations = leaf.system.functions, leaf.constraints(as_energy(energy), surface)
+    view = leaf.in_units(as_energy(energy))
+    functions, equations = view.system.functions, view.constraints(energy, surface)
     for name, value in coordinates.items():
         if not np.isfinite(value):
             raise ParameterError(f"coordinates must be finite; got {name} = {value}.")
         equations = equations.with_function(functions.of(name), float(value))
-    guesses = _guesses(leaf, guess)
+    guesses = _guesses(view, guess)
     states, residual = solve(equations, guesses.copy())
     good = np.flatnonzero(residual <= CONVERGED)
     if not good.size:
@@ -247,13 +257,13 @@ def section_state(
             f"least residual reached from {len(guesses)} {'guess' if len(guesses) == 1 else 'guesses'} is "
             f"{np.nanmin(residual):.1e}. Try other values, or a guess near the state."
         )
-    return states[good[0]]
+    return states[good[0]] * view.units
 
 
-def _guesses(leaf: Leaf, guess: ArrayLike | None) -> Array:
+def _guesses(leaf: LeafInUnits, guess: ArrayLike | None) -> Array:
     if guess is not None:
         bracket = leaf.system.bracket
-        return np.atleast_2d(as_phase_points(guess, bracket.dimension, bracket.field_names)).astype(float)
+        return np.atleast_2d(as_phase_points(guess, bracket.dimension, bracket.field_names)) / leaf.units
     n = len(leaf.state)
     size = max(1.0, float(np.abs(leaf.state).max()))
     random = np.random.default_rng(np.random.SeedSequence(int(Purpose.SECTION))).standard_normal((_GUESSES, n))

@@ -1,0 +1,168 @@
+r"""Units of the fields on a leaf, in which its states are of order one.
+
+Fields have units of their own: $\ell\cdot\alpha = 10^{-6}$ and $|\alpha|^2 = 1$ with a weak field in H is a top in slow
+units, like any other.  Its states are found, compared and moved in coordinates $y_b = x_b/u_b$ with a number $u_b$ for
+each field, for which
+
+- the terms of each Casimir are of the order of its value or larger, as large as it where it is a sum of squares;
+- the terms of H are of one order, and not all smaller than an energy that is asked for.
+
+The logarithms of these conditions are linear in those of the units, and the sum of their violations is made least.  The
+units are powers of two, so that coordinates change without round-off, and 1 where no two fields differ by more than
+`ORDINARY`: systems in ordinary units are untouched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from liepoisson.arrays import Array
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.phase_functions import PhaseFunction
+    from liepoisson.exact.system import System
+
+ORDINARY = 16.0
+"""Fields whose sizes differ by less than this factor are in one unit."""
+
+_IMPOSSIBLE, _BALANCED, _CANCELLED, _UNDETERMINED = 100.0, 1.0, 0.05, 1e-3
+"""Weights: of terms that are too small for the value, of terms that differ, of a value that is small beside its terms,
+and of sizes about which nothing is known."""
+
+_SWEEPS, _CLOSE = 60, 0.1
+"""Steps of the least-squares problem, in which violations below the second, of a logarithm, count as none."""
+
+_MOST_TERMS = 2000
+"""A function with more terms is not looked at."""
+
+_STILL = 1e-10
+"""A vector field is zero if it is below this fraction of the sizes of its factors, at a random state."""
+
+
+@dataclass(frozen=True)
+class _Sizes:
+    """The terms of a function: their degrees in the fields, shape (class, field), and log2 of their coefficients."""
+
+    degrees: Array
+    logarithms: Array
+    is_sum_of_squares: bool
+
+
+def field_units(
+    system: System, casimirs: Mapping[str, PhaseFunction], values: Array, energy: float | None = None
+) -> Array:
+    """A unit for each coordinate, shape (N,): one number for each field.
+
+    Args:
+        system: A system whose parameters are all numbers.
+        casimirs: The functions that are constant on the leaf.
+        values: Their values.
+        energy: The energy that the states are to have, if any.
+    """
+    bracket = system.bracket
+    n_fields, n = len(bracket.field_names), bracket.algebra.dimension
+    ones = np.ones(bracket.dimension)
+    # A constant part of the bracket is a scale of its own, see `liepoisson.phase_space.lengths`.
+    if n_fields == 1 or bracket.constant:
+        return ones
+    problem = _Problem(n_fields)
+    for function, value in zip(casimirs.values(), values.tolist(), strict=True):
+        problem.add(_sizes(function, system.variables, n), value, weight=_IMPOSSIBLE)
+    own = _sizes(system.functions.energy, system.variables, n)
+    problem.add(_moving(system, own, casimirs), energy or 0.0, weight=_BALANCED)
+    logarithms = problem.solution()
+    if not np.isfinite(logarithms).all() or np.ptp(logarithms) < np.log2(ORDINARY):
+        return ones
+    return np.repeat(np.ldexp(1.0, np.round(logarithms).astype(int)), n)
+
+
+class _Problem:
+    """Rows of a linear problem for the logarithms of the units and one scale for each function."""
+
+    def __init__(self, n_fields: int) -> None:
+        self._n_fields = n_fields
+        self._n_functions = 0
+        self._rows: list[tuple[Array, int, float, float, float]] = []
+
+    def add(self, sizes: _Sizes | None, value: float, weight: float) -> None:
+        """A function whose terms are of the order of its scale, which is at least that of the value."""
+        if sizes is None:
+            return
+        scale, one_class = self._n_functions, len(sizes.degrees) == 1
+        self._n_functions += 1
+        for degree, logarithm in zip(sizes.degrees, sizes.logarithms, strict=True):
+            tied = weight if one_class else _BALANCED
+            self._rows.append((degree, scale, float(logarithm), tied, tied))
+        if value:
+            above = _IMPOSSIBLE if sizes.is_sum_of_squares else _CANCELLED
+            self._rows.append((np.zeros(self._n_fields), scale, -float(np.log2(abs(value))), above, _IMPOSSIBLE))
+
+    def solution(self) -> Array:
+        """The logarithms of the units: the weighted sum of absolute violations is made least, by weighted squares."""
+        k, m = self._n_fields, self._n_functions
+        matrix, right = np.zeros((len(self._rows) + k, k + m)), np.zeros(len(self._rows) + k)
+        above, below = (np.full(len(right), _UNDETERMINED) for _ in range(2))
+        for row, (degree, scale, constant, over, under) in enumerate(self._rows):
+            # a term minus its scale, or the scale minus the value
+            matrix[row, :k], matrix[row, k + scale] = degree, -1.0 if degree.any() else 1.0
+            right[row], above[row], below[row] = -constant, over, under
+        matrix[len(self._rows) :, :k] = np.eye(k)
+        x: Array = np.zeros(k + m)
+        for _ in range(_SWEEPS):
+            excess = matrix @ x - right
+            weights = np.sqrt(np.where(excess > 0, above, below) / np.maximum(np.abs(excess), _CLOSE))
+            x = np.asarray(np.linalg.lstsq(weights[:, None] * matrix, weights * right)[0], dtype=np.float64)
+        return x[:k]
+
+
+@lru_cache(maxsize=256)
+def _sizes(function: PhaseFunction, variables: tuple[Expr, ...], n: int) -> _Sizes | None:
+    """The terms of a polynomial by their degrees in the fields, each with its largest coefficient; None for others."""
+    from sympy import Add, Poly
+
+    expression: Any = function.expression
+    if len(Add.make_args(expression)) > _MOST_TERMS or not expression.is_polynomial(*variables):
+        return None
+    classes: dict[tuple[int, ...], float] = {}
+    is_sum_of_squares = True
+    for monomial, coefficient in cast("Any", Poly(expression, *variables)).terms():
+        degree = tuple(np.reshape(monomial, (-1, n)).sum(axis=1).tolist())
+        if not any(degree):
+            continue
+        size = float(coefficient)
+        is_sum_of_squares &= size > 0 and all(power % 2 == 0 for power in monomial)
+        classes[degree] = max(classes.get(degree, 0.0), abs(size))
+    if not classes or not all(0 < size < np.inf for size in classes.values()):
+        return None
+    return _Sizes(np.array([*classes], dtype=float), np.log2([*classes.values()]), is_sum_of_squares)
+
+
+def _moving(system: System, sizes: _Sizes | None, casimirs: Mapping[str, PhaseFunction]) -> _Sizes | None:
+    """The terms of H without those that move nothing, as a multiple of a Casimir."""
+    n = system.bracket.algebra.dimension
+    constant = [_sizes(function, system.variables, n) for function in casimirs.values()]
+    degrees = {tuple(row) for one in constant if one is not None for row in one.degrees.tolist()}
+    if sizes is None or not degrees & {tuple(row) for row in sizes.degrees.tolist()}:
+        return sizes
+    kept = [tuple(row) not in degrees or _moves(system, row) for row in sizes.degrees.tolist()]
+    return replace(sizes, degrees=sizes.degrees[kept], logarithms=sizes.logarithms[kept]) if any(kept) else None
+
+
+def _moves(system: System, degree: list[float]) -> bool:
+    """Whether the terms of H of these degrees in the fields have a vector field."""
+    from sympy import Poly
+
+    n, x = system.bracket.algebra.dimension, system.variables
+    terms = cast("Any", Poly(system.hamiltonian, *x)).terms()
+    own = [(m, c) for m, c in terms if np.reshape(m, (-1, n)).sum(axis=1).tolist() == degree]
+    part = system.functions.of(cast("Any", Poly(dict(own), *x)).as_expr())
+    state = np.random.default_rng(0).standard_normal(len(x))
+    slope, poisson = part.gradient(state), system.functions.poisson_tensor(state)
+    return bool(np.linalg.norm(poisson @ slope) > _STILL * np.linalg.norm(poisson) * np.linalg.norm(slope))

@@ -1,0 +1,180 @@
+"""Fields of any size: the same system in other units has the same leaves, extrema, samples, equilibria and sections.
+
+A heavy top on so(3) @ semidirect(2) with l = r L, alpha = s A and time in units 1/r is the same top: its bracket does
+not change, and H(l, alpha) = r^2 H'(l/r, alpha/s).
+"""
+
+import numpy as np
+import pytest
+from sympy import Matrix, Rational
+
+import liepoisson as lp
+from liepoisson.errors import LeafError
+from liepoisson.phase_space import find_start
+from liepoisson.phase_space.field_units import field_units
+from liepoisson.sections import default_surface, section_starts, section_state
+
+UNITS = [(1e-3, 1.0), (1e-5, 1.0), (1e-10, 1.0), (1e4, 1.0), (1.0, 1e-9), (1e-7, 1e8), (1e-30, 1e30)]
+EXTREME = [(1.0, 1.0), *UNITS]
+
+
+def exact(x):
+    return Rational(str(x))
+
+
+def clebsch(r=1.0, s=1.0):
+    """H = l1^2/2 + l2^2 + 2 l3^2 + 4 p1^2 + 2 p2^2 + p3^2 in units."""
+    base = lp.catalog.system("clebsch")
+    l, p = Matrix(base.variables[:3]) / exact(r), Matrix(base.variables[3:]) / exact(s)
+    energy = l[0] ** 2 / 2 + l[1] ** 2 + 2 * l[2] ** 2 + 4 * p[0] ** 2 + 2 * p[1] ** 2 + p[2] ** 2
+    return lp.System(base.bracket, exact(r) ** 2 * energy)
+
+
+def pendulum(r=1.0, s=1.0):
+    """H = |l|^2/2 + p3, the spherical top, in units."""
+    base = lp.catalog.system("clebsch")
+    l, p = Matrix(base.variables[:3]) / exact(r), Matrix(base.variables[3:]) / exact(s)
+    return lp.System(base.bracket, exact(r) ** 2 * (l.dot(l) / 2 + p[2]))
+
+
+def values(c1, r, s):
+    """l.p = c1, |p|^2 = 1 in units."""
+    return {"C1": c1 * r * s, "C2": s**2}
+
+
+def scaled(x, r, s):
+    return np.asarray(x) * np.repeat([r, s], 3)
+
+
+def test_ordinary_systems_are_left_alone():
+    leaf = lp.Leaf(clebsch(), values(0.2, 1, 1))
+    assert (leaf.in_units().units == 1.0).all()
+
+
+@pytest.mark.parametrize(("r", "s"), UNITS)
+def test_units_follow_the_fields(r, s):
+    leaf = lp.Leaf(pendulum(r, s), values(0.5, r, s))
+    units = leaf.in_units().units
+    assert np.log2(units) == pytest.approx(np.log2(scaled(np.ones(6), r, s)), abs=1.5)
+    assert (np.frexp(units)[0] == 0.5).all()  # powers of two
+    assert np.abs(leaf.in_units().state).max() < 20
+
+
+def test_a_value_that_is_small_by_cancellation_is_no_unit():
+    system = pendulum()
+    for small in (1e-9, 1e-30):
+        leaf = lp.Leaf(system, {"C1": small, "C2": 1})
+        assert (leaf.in_units().units == 1.0).all()
+    top = lp.Top.twisted_kovalevskaya()
+    assert (lp.Leaf(top, {"C1": 1e-12, "C2": 1, "C3": 1}).in_units().units == 1.0).all()
+
+
+def test_terms_that_move_nothing_are_no_measure():
+    base = lp.catalog.system("clebsch")
+    l, p = base.variables[:3], base.variables[3:]
+    kinetic = sum(x**2 for x in l) / 2
+    with_casimir = lp.System(base.bracket, kinetic + p[2] + 10**9 * sum(x**2 for x in p))
+    functions = with_casimir.functions
+    assert (field_units(with_casimir, functions.casimirs, np.array([0.5, 1.0])) == 1.0).all()
+    anisotropic = lp.System(base.bracket, kinetic + 10**9 * p[2] ** 2)
+    units = field_units(anisotropic, anisotropic.functions.casimirs, np.array([0.5, 1.0]))
+    assert units[0] / units[3] > 1e3
+
+
+@pytest.mark.parametrize(("c1", "c2"), [(700, 1), (7e5, 1), (1e-3, 1e-8), (1e12, 1)])
+def test_leaves_by_values_of_other_sizes_exist(c1, c2):
+    system = lp.catalog.system("kovalevskaya")
+    leaf = lp.Leaf(system, {"C1": c1, "C2": c2})
+    l, a = leaf.state.reshape(2, 3)
+    assert l @ a == pytest.approx(c1, rel=1e-12)
+    assert a @ a == pytest.approx(c2, rel=1e-12)
+
+
+@pytest.mark.parametrize(("r", "s"), EXTREME)
+def test_lowest_energy_of_the_spherical_top(r, s):
+    """H >= (l.p)^2/(2|p|^2) + p3 >= 1/8 - 1 at l.p = 1/2, |p| = 1, attained at p3 = -1 with l along p."""
+    low, high = lp.Leaf(pendulum(r, s), values(0.5, r, s)).energy_range()
+    assert low / r**2 == pytest.approx(-0.875, rel=1e-12)
+    assert high == np.inf
+
+
+@pytest.mark.parametrize(("r", "s"), [(1e-3, 1.0), (1e-5, 1.0), (1e-7, 1e8), (1e4, 1.0)])
+def test_sample_of_the_spherical_top(r, s):
+    """At H = 1, l.p = 1/2 the momentum across p fills a disc boundary: p is uniform on |p| = 1 where p3 <= 7/8.
+
+    So p3 is uniform on [-1, 7/8], with mean -1/16 and standard deviation 1.875/sqrt(12).  Over 16 seeds the mean of
+    2048 states has a standard deviation of 0.009 to 0.011; four of 0.0125 are exceeded with a probability below 1e-4.
+    """
+    leaf = lp.Leaf(pendulum(r, s), values(0.5, r, s))
+    x = leaf.sample(2048, seed=5, energy=r**2)
+    p3 = x[:, 5] / s
+    assert p3.mean() == pytest.approx(-1 / 16, abs=4 * 0.0125)
+    assert p3.std() == pytest.approx(1.875 / np.sqrt(12), rel=0.1)
+    assert leaf.residual(x).max() < 1e-12
+    assert leaf.system.functions.energy(x) / r**2 == pytest.approx(1.0, rel=1e-10)
+
+
+def test_sample_at_high_energy():
+    """At H = 1e8 gravity does not matter: p is uniform on the sphere, <p3> = 0 and <p3^2> = 1/3."""
+    leaf = lp.Leaf(pendulum(), values(0.5, 1, 1))
+    p3 = leaf.sample(2048, seed=1, energy=1e8)[:, 5]
+    assert p3.mean() == pytest.approx(0.0, abs=4 * 0.0135)
+    assert (p3**2).mean() == pytest.approx(1 / 3, abs=4 * 0.007)
+
+
+@pytest.mark.parametrize(("r", "s"), [(1e-3, 1.0), (1e-6, 1.0), (1e-10, 1e5), (1e5, 1.0)])
+def test_equilibria_of_a_clebsch_system(r, s):
+    here = lp.equilibria(clebsch(), values(0.2, 1, 1), n_starts=40)
+    there = lp.equilibria(clebsch(r, s), values(0.2, r, s), n_starts=40)
+    assert len(there) == len(here) == 6
+    for one, other in zip(here, there, strict=True):
+        assert other.energy / r**2 == pytest.approx(one.energy, rel=1e-10)
+        assert other.signature == one.signature
+        assert other.residual < 1e-12
+        assert other.spectrum / r == pytest.approx(one.spectrum, abs=1e-8)
+        state = other.state / scaled(np.ones(6), r, s)
+        again = lp.phase_space.equilibrium(clebsch(), state)
+        assert again.energy == pytest.approx(one.energy, rel=1e-10)
+        assert lp.phase_space.equilibrium_near(clebsch(r, s), other.state * (1 + 1e-4)).residual < 1e-12
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-6, 1e-12, 1e-20, 1e9])
+def test_a_small_field_is_seen(size):
+    system = lp.catalog.system("twisted-kovalevskaya")
+    x = np.random.default_rng(3).standard_normal(9) * np.repeat([1, 1, size], 3)
+    leaf = lp.Leaf.through(system, x)
+    assert leaf.contains(x)
+    moved = x * np.r_[np.ones(6), 1 + 1e-6, 1, 1]
+    assert leaf.residual(moved) > 1e-8
+    assert not leaf.contains(moved)
+    back = leaf.project(moved)
+    assert leaf.residual(back) < 1e-12
+    assert back == pytest.approx(x, rel=1e-5)
+    with pytest.raises(LeafError, match="start must lie on the leaf"):
+        find_start(system, start=moved, leaf=leaf)
+    with pytest.raises(LeafError, match="C3 ="):
+        find_start(system, start=moved, leaf={"C3": float(x[6:] @ x[6:])})
+    assert find_start(system, start=x, leaf={"C3": float(x[6:] @ x[6:])}).origin == "as given"
+
+
+def test_an_energy_that_is_a_little_off_is_seen_in_any_unit():
+    system, x = pendulum(1e-8, 1.0), scaled([0.3, 0.1, 0.2, 0.6, 0.0, 0.8], 1e-8, 1.0)
+    energy = float(system.functions.energy(x))
+    assert find_start(system, start=x, energy=energy).energy == energy
+    with pytest.raises(LeafError, match="H ="):
+        find_start(system, start=x, energy=1.001 * energy)
+
+
+@pytest.mark.parametrize(("r", "s"), [(1e-8, 1.0), (1e4, 1e-4)])
+def test_sections_in_units(r, s):
+    leaf = lp.Leaf(pendulum(r, s), values(0.5, r, s))
+    rates = leaf.system.functions.of(default_surface(leaf)).gradient(leaf.sample(8, energy=r**2))
+    assert np.abs(rates).max() > 0
+    for spread in (False, True):
+        x = section_starts(leaf, "m1", energy=r**2, n_starts=20, spread=spread, direction=1)
+        assert np.abs(x[:, 0] / r).max() < 1e-12
+        assert leaf.residual(x).max() < 1e-12
+        assert np.ptp(x[:, 5] / s) > 0.5
+    state = section_state(leaf, "m1", r**2, {"p3": 0.3 * s})
+    assert leaf.contains(state)
+    assert state[5] / s == pytest.approx(0.3, rel=1e-12)
