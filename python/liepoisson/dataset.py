@@ -52,6 +52,8 @@ def dataset_of(result: Result) -> Dataset:
     first = getattr(result, "first", None)
     if first is not None:  # members have numbers, from which what is drawn for them follows
         writer.coordinates["trajectory"] = np.arange(first, first + len(writer.variables["outcome"][1]))
+    for dim in writer.numbered:
+        writer.coordinates.setdefault(dim, np.arange(len(writer.variables["outcome"][1])))
     return xr.Dataset(writer.variables, writer.coordinates, attributes)
 
 
@@ -62,6 +64,8 @@ class _Writer:
         self.variables: dict[str, Any] = {}
         self.coordinates: dict[str, Any] = {}
         self.records: dict[str, Any] = {}
+        self.numbered: set[str] = set()
+        """Dimensions whose places other arrays have: they are numbered, so that a part of them knows which it is."""
 
     def values_of(self, owner: Any, prefix: str = "", own_dims: tuple[str, ...] = ()) -> dict[str, Any]:
         values: dict[str, Any] = {}
@@ -86,6 +90,8 @@ class _Writer:
         dims = _written_dims(label.dims, value.ndim)
         into = self.coordinates if label.is_coordinate else self.variables
         into[name] = (dims, value, label.attributes)
+        if label.numbers:
+            self.numbered.add(label.numbers)
 
     def pieces(self, value: Any, label: PiecesLabel) -> None:
         if not value:
@@ -144,7 +150,7 @@ def text_of(dataset: Dataset, name: str) -> str:
 
 
 def _read(kind: Any, dataset: Dataset, values: dict[str, Any], within: PartLabel, system: Any) -> Any:
-    dataset, prefix = _in_order(kind, dataset, values), within.prefix
+    dataset, prefix = _renumbered(kind, _in_order(kind, dataset, values)), within.prefix
     found: dict[str, Any] = {}
     for item in fields(kind):
         if item.name == "system":
@@ -179,6 +185,20 @@ def _in_order(kind: Any, dataset: Dataset, values: dict[str, Any]) -> Dataset:
                 raise ValueError(f"{label.dim}: wanted {', '.join(names):.60} ({len(names)} names); got {len(given)}")
             if names != given:
                 dataset = dataset.isel({label.dim: [given.index(name) for name in names]})
+    return dataset
+
+
+def _renumbered(kind: Any, dataset: Dataset) -> Dataset:
+    """The dataset with what belongs to its trajectories, which may be a part of those of the run, in any order."""
+    for item in fields(kind):
+        label = item.metadata.get(KEY)
+        if isinstance(label, ArrayLabel) and label.numbers:
+            members, owner = dataset[label.numbers].to_numpy(), dataset[item.name].to_numpy()
+            rows = [np.flatnonzero(owner == member) for member in members]
+            places = np.repeat(np.arange(len(members)), [len(own) for own in rows])
+            (dim,) = label.dims
+            dataset = dataset.isel({dim: np.concatenate([*rows, np.zeros(0, dtype=np.int64)]).astype(np.int64)})
+            dataset = dataset.assign({item.name: (dim, places)})
     return dataset
 
 

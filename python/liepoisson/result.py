@@ -39,11 +39,13 @@ class ArrayLabel:
         dims: The names of its dimensions; one that is `...` stands for any number, as of the starts of a map.
         attributes: What the dataset says about it.
         is_coordinate: Whether it is a coordinate of the dataset.
+        numbers: The dimension whose places the values are, or none: of each crossing, the trajectory.
     """
 
     dims: tuple[Any, ...]
     attributes: dict[str, str]
     is_coordinate: bool = False
+    numbers: str = ""
 
 
 @dataclass(frozen=True)
@@ -87,9 +89,11 @@ class PiecesLabel:
     dims: tuple[str, ...]
 
 
-def labelled(*dims: Any, long_name: str, units: str = "dimensionless", is_coordinate: bool = False) -> Any:
-    """A dataclass field that is an array with these dimensions."""
-    return field(metadata={KEY: ArrayLabel(dims, {"long_name": long_name, "units": units}, is_coordinate)})
+def labelled(
+    *dims: Any, long_name: str, units: str = "dimensionless", is_coordinate: bool = False, numbers: str = ""
+) -> Any:
+    """A dataclass field that is an array with these dimensions (see `ArrayLabel`)."""
+    return field(metadata={KEY: ArrayLabel(dims, {"long_name": long_name, "units": units}, is_coordinate, numbers)})
 
 
 def names_along(dim: str, *, default: Any = MISSING) -> Any:

@@ -4,12 +4,14 @@ A heavy top on so(3) @ semidirect(2) with l = r L, alpha = s A and time in units
 not change, and H(l, alpha) = r^2 H'(l/r, alpha/s).
 """
 
+from fractions import Fraction
+
 import numpy as np
 import pytest
 from sympy import Matrix, Rational
 
 import liepoisson as lp
-from liepoisson.errors import LeafError
+from liepoisson.errors import LeafError, ParameterError
 from liepoisson.phase_space import find_start
 from liepoisson.phase_space.field_units import field_units
 from liepoisson.sections import default_surface, section_starts, section_state
@@ -178,3 +180,39 @@ def test_sections_in_units(r, s):
     state = section_state(leaf, "m1", r**2, {"p3": 0.3 * s})
     assert leaf.contains(state)
     assert state[5] / s == pytest.approx(0.3, rel=1e-12)
+
+
+def henon_heiles(a=1.0, b=1.0):
+    """Lengths in units a, momenta in units b; the bracket {q, p} = 1 makes the energy one of a b."""
+    energy = f"dot(p, p)/2/{b!r}^2 + dot(q, q)/2/{a!r}^2 + (q1^2*q2 - q2^3/3)/{a!r}^3"
+    return lp.System(lp.canonical(2), f"{a!r}*{b!r}*({energy})")
+
+
+CANONICAL = [(1.0, 1.0), (1e-9, 1e-9), (1e-15, 1e-15), (1e20, 1e20), (1.0, 1e-34), (1e-10, 1e-24), (1e-3, 1e7)]
+
+
+@pytest.mark.parametrize(("a", "b"), CANONICAL)
+def test_equilibria_of_a_canonical_system(a, b):
+    """Hénon and Heiles (1964): the origin, and saddles of energy 1/6 at (0, 1) and 120 degrees from it."""
+    system = henon_heiles(a, b)
+    found = lp.equilibria(system, lp.Leaf(system, {}), n_starts=40)
+    assert [e.linear_stability for e in found] == ["stable spectrum", "unstable", "unstable", "unstable"]
+    assert [e.signature for e in found] == [(4, 0, 0), (3, 1, 0), (3, 1, 0), (3, 1, 0)]
+    assert [e.energy / (a * b) for e in found] == pytest.approx([0, 1 / 6, 1 / 6, 1 / 6], abs=1e-12)
+    near = lp.phase_space.equilibrium_near(system, np.array([0.02 * a, 0.98 * a, 0.001 * b, 0.0]))
+    assert near.state / [a, a, b, b] == pytest.approx([0, 1, 0, 0], abs=1e-12)
+    with pytest.raises(ParameterError, match="state must be an equilibrium"):
+        lp.phase_space.equilibrium(system, [0, 0.999 * a, 0, 0])
+
+
+@pytest.mark.parametrize("unit", [1e-12, 1e15])
+def test_a_gyrostat_in_other_units(unit):
+    """The constant part of its bracket is the length of its states."""
+    base = lp.catalog.system("gyrostat")
+    constant = {pair: c * Fraction(str(unit)) for pair, c in base.bracket.constant.items()}
+    bracket = base.bracket.with_constant(constant)
+    system = lp.System(bracket, base.hamiltonian)
+    here = lp.equilibria(base, lp.Leaf.through(base, [0.3, 0.5, 0.9]), n_starts=40)
+    there = lp.equilibria(system, lp.Leaf.through(system, np.array([0.3, 0.5, 0.9]) * unit), n_starts=40)
+    assert len(here) == len(there)
+    assert [e.energy / unit**2 for e in there] == pytest.approx([e.energy for e in here], rel=1e-9)

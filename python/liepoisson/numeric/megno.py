@@ -17,7 +17,7 @@ from liepoisson.numeric.finite_time_exponents import finite_time_exponents
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.progress import part_of
-from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.run import Run, given, whole
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.starts import as_states
 from liepoisson.numeric.systems import HasField, as_field
@@ -46,6 +46,7 @@ class Megno(Run):
         seed: Seed of the tangent vectors.
         first: Number of the first member.
         n_samples: Samples of each trajectory.
+        t_end: The last time.
         time: Times, evenly spaced up to `t_end`, shape (time,).
         megno: $Y(t)$, shape (trajectory, time); NaN from where a trajectory failed.
         mean: $\bar Y(t) = t^{-1}\int_0^t Y\,ds$, shape (trajectory, time).
@@ -60,6 +61,7 @@ class Megno(Run):
     seed: int
     first: int
     n_samples: int
+    t_end: float
     start_tangent: Array = labelled("trajectory", "component", long_name="tangent vector at time 0")
     time: Array = labelled("time", long_name="time", is_coordinate=True)
     megno: Array = labelled("trajectory", "time", long_name="MEGNO", units="1")
@@ -70,7 +72,7 @@ class Megno(Run):
     def arguments(self) -> dict[str, Any]:
         """What `megno` was called with."""
         own = {name: getattr(self, name) for name in ("seed", "first", "n_samples")}
-        return super().arguments() | own | {"t_end": float(self.time[-1]), "tangents": self.start_tangent}
+        return super().arguments() | own | {"t_end": whole(self.time, self.t_end), "tangents": self.start_tangent}
 
     def __repr__(self) -> str:
         value = typical("averaged MEGNO", self.mean[:, -1])
@@ -174,6 +176,7 @@ def megno(
         seed=seed,
         first=first,
         n_samples=samples,
+        t_end=end,
         start_tangent=vectors,
         time_limit=float(time_limit),
         time=fine[stride - 1 :: stride],

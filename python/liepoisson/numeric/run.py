@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
+from liepoisson.errors import ParameterError
 from liepoisson.field import Field, field_of, record_of
 from liepoisson.numeric.methods import Method, method_of, method_record
 from liepoisson.numeric.systems import HasField, component_names
 from liepoisson.result import Result, labelled, names_along, recorded
+from liepoisson.wrong_values import shown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,6 +43,18 @@ class IntegratedRun(Run):
     end_state: Array = labelled("trajectory", "component", long_name="last good state")
     order: int
     kernel: str
+
+
+def whole(time: Array, t_end: float) -> float:
+    """The last time, of evenly spaced times up to it.
+
+    Raises:
+        ParameterError: they are others: some were cut off or turned round, and the run cannot be made from them.
+    """
+    n = len(time)
+    if not n or not np.allclose(time, t_end * np.arange(1, n + 1) / n, rtol=1e-12, atol=0.0):
+        raise ParameterError(f"time: wanted all times of the run, up to {t_end:g}; got {shown(time)}; load the file")
+    return t_end
 
 
 def given(system: Any, field: Field, method: Method, start: Array) -> dict[str, Any]:

@@ -156,7 +156,7 @@ class Section(IntegratedRun):
     n_crossings: int | None
     t_end: float
     crossing_trajectory: NDArray[np.int64] = labelled(
-        "crossing", long_name="trajectory of the crossing", units="1", is_coordinate=True
+        "crossing", long_name="trajectory of the crossing", units="1", is_coordinate=True, numbers="trajectory"
     )
     time: Array = labelled("crossing", long_name="time", is_coordinate=True)
     state: Array = labelled("crossing", "coordinate", long_name="what is kept of the crossing")
@@ -164,7 +164,7 @@ class Section(IntegratedRun):
         "crossing", long_name="+1 where the surface function increases, else -1", units="1"
     )
     touch_trajectory: NDArray[np.int64] = labelled(
-        "touch", long_name="trajectory of the point", units="1", is_coordinate=True
+        "touch", long_name="trajectory of the point", units="1", is_coordinate=True, numbers="trajectory"
     )
     touch_time: Array = labelled("touch", long_name="time", is_coordinate=True)
     touch_state: Array = labelled("touch", "coordinate", long_name="what is kept of a point not decided")

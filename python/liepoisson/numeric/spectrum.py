@@ -17,7 +17,7 @@ from liepoisson.numeric.covariant_vectors import CovariantRecord, CovariantVecto
 from liepoisson.numeric.mean_error import mean_error, mean_over_starts
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.outcomes import trajectories
-from liepoisson.numeric.run import IntegratedRun, given
+from liepoisson.numeric.run import IntegratedRun, given, whole
 from liepoisson.numeric.spectrum_check import SpectrumResiduals, check_lines, spectrum_residuals
 from liepoisson.numeric.structural_zeros import PoissonStructure, poisson_structure
 from liepoisson.numeric.systems import HasField
@@ -49,6 +49,7 @@ class Spectrum(IntegratedRun):
         interval: Longest time between orthonormalisations, as given; a whole number of equal ones makes up each output
             interval.
         transient: Time before the averages begin.
+        t_end: For how long they are taken.
         time: Averaging times, evenly spaced, shape (time,); they count from the end of the transient.
         exponent: Running values $t^{-1}\sum\ln R_{kk}$ in inverse time, shape (trajectory, time, k); NaN from where a
             trajectory failed.
@@ -79,6 +80,7 @@ class Spectrum(IntegratedRun):
     first: int
     interval: float
     transient: float
+    t_end: float
     time: Array = labelled("time", long_name="time", is_coordinate=True)
     time_scale: Array = labelled("trajectory", long_name="natural unit of time of each orbit")
     exponent: Array = labelled(
@@ -103,7 +105,7 @@ class Spectrum(IntegratedRun):
             super().arguments()
             | own
             | {
-                "t_end": float(self.time[-1]),
+                "t_end": whole(self.time, self.t_end),
                 "n_exponents": self.exponent.shape[2],
                 "covariant": self.covariant is not None,
             }
@@ -274,6 +276,7 @@ def lyapunov_spectrum(
         first=frames.first,
         interval=interval,
         transient=transient,
+        t_end=t_end,
         time=time,
         time_scale=scale,
         exponent=np.cumsum(growth, axis=1) / time[:, None],

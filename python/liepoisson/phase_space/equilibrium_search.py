@@ -86,10 +86,10 @@ class EquilibriumSearch:
 
     def __init__(self, leaf: Leaf, integrals: Mapping[str, PhaseFunction], values: Array, seed: int) -> None:
         self._itself, self._integrals, self._values = leaf, integrals, values
-        self._leaf = leaf.in_units()
+        self._origin = representative(leaf).in_units()
+        self._leaf = replace(leaf.in_units(), units=self._origin.units)
         functions = self._leaf.system.functions
         self._fields = HamiltonianFields(self._leaf.system, [functions.energy, *map(functions.of, integrals.values())])
-        self._origin = representative(leaf).in_units()
         self._rng = stream(seed, Purpose.EQUILIBRIA)
         self._kicks = np.random.default_rng(0)
         self._families: list[_Family] = []

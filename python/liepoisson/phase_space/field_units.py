@@ -5,11 +5,13 @@ units, like any other.  Its states are found, compared and moved in coordinates 
 each field, for which
 
 - the terms of each Casimir are of the order of its value or larger, as large as it where it is a sum of squares;
-- the terms of H are of one order, and not all smaller than an energy that is asked for.
+- the terms of H are of one order, and not all smaller than an energy that is asked for;
+- the linear part of the bracket is of the order of its constant part, if it has both.
 
 The logarithms of these conditions are linear in those of the units, and the sum of their violations is made least.  The
 units are powers of two, so that coordinates change without round-off, and 1 where no two fields differ by more than
-`ORDINARY`: systems in ordinary units are untouched.
+`ORDINARY`: systems in ordinary units are untouched.  Without a constant part of the bracket only ratios of lengths have
+a meaning; with one, the units are 1 if they are also within `FAR` of it.
 """
 
 from __future__ import annotations
@@ -26,11 +28,12 @@ from liepoisson.arrays import Array
 if TYPE_CHECKING:
     from sympy import Expr
 
+    from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.exact.system import System
 
-ORDINARY = 16.0
-"""Fields whose sizes differ by less than this factor are in one unit."""
+ORDINARY, FAR = 16.0, 1024.0
+"""Fields whose sizes differ by less than the first are in one unit; a length within the second of 1 is ordinary."""
 
 _IMPOSSIBLE, _BALANCED, _CANCELLED, _UNDETERMINED = 100.0, 1.0, 0.05, 1e-3
 """Weights: of terms that are too small for the value, of terms that differ, of a value that is small beside its terms,
@@ -56,7 +59,11 @@ class _Sizes:
 
 
 def field_units(
-    system: System, casimirs: Mapping[str, PhaseFunction], values: Array, energy: float | None = None
+    system: System,
+    casimirs: Mapping[str, PhaseFunction],
+    values: Array,
+    energy: float | None = None,
+    state: Array | None = None,
 ) -> Array:
     """A unit for each coordinate, shape (N,): one number for each field.
 
@@ -65,20 +72,25 @@ def field_units(
         casimirs: The functions that are constant on the leaf.
         values: Their values.
         energy: The energy that the states are to have, if any.
+        state: A state, whose largest component is the unit where nothing else says how long states are.
     """
     bracket = system.bracket
     n_fields, n = len(bracket.field_names), bracket.algebra.dimension
     ones = np.ones(bracket.dimension)
-    # A constant part of the bracket is a scale of its own, see `liepoisson.phase_space.lengths`.
-    if n_fields == 1 or bracket.constant:
+    # Without a constant part lengths are compared with that of the state, see `liepoisson.phase_space.lengths`.
+    if n_fields == 1 and not bracket.constant:
         return ones
-    problem = _Problem(n_fields)
+    length = float(np.abs(state).max()) if state is not None and bracket.constant else 0.0
+    problem = _Problem(n_fields, length or 1.0)
+    for sizes, constant in _blocks(bracket):
+        problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     for function, value in zip(casimirs.values(), values.tolist(), strict=True):
         problem.add(_sizes(function, system.variables, n), value, weight=_IMPOSSIBLE)
     own = _sizes(system.functions.energy, system.variables, n)
     problem.add(_moving(system, own, casimirs), energy or 0.0, weight=_BALANCED)
     logarithms = problem.solution()
-    if not np.isfinite(logarithms).all() or np.ptp(logarithms) < np.log2(ORDINARY):
+    is_far = bool(bracket.constant) and np.abs(logarithms).max() >= np.log2(FAR)
+    if not np.isfinite(logarithms).all() or (np.ptp(logarithms) < np.log2(ORDINARY) and not is_far):
         return ones
     return np.repeat(np.ldexp(1.0, np.round(logarithms).astype(int)), n)
 
@@ -86,13 +98,28 @@ def field_units(
 class _Problem:
     """Rows of a linear problem for the logarithms of the units and one scale for each function."""
 
-    def __init__(self, n_fields: int) -> None:
-        self._n_fields = n_fields
+    def __init__(self, n_fields: int, length: float) -> None:
+        self._n_fields, self._length = n_fields, length
         self._n_functions = 0
         self._rows: list[tuple[Array, int, float, float, float]] = []
 
-    def add(self, sizes: _Sizes | None, value: float, weight: float) -> None:
-        """A function whose terms are of the order of its scale, which is at least that of the value."""
+    def add(
+        self,
+        sizes: _Sizes | None,
+        value: float,
+        weight: float,
+        above: float | None = None,
+        below: float = _IMPOSSIBLE,
+    ) -> None:
+        """A function whose terms are of the order of its scale, which is at least that of the value.
+
+        Args:
+            sizes: Its terms; None for a function that says nothing.
+            value: Its value.
+            weight: What it counts if the only terms are not of the order of the scale.
+            above: What it counts if the scale is above the value.
+            below: What it counts if the scale is below the value.
+        """
         if sizes is None:
             return
         scale, one_class = self._n_functions, len(sizes.degrees) == 1
@@ -101,8 +128,9 @@ class _Problem:
             tied = weight if one_class else _BALANCED
             self._rows.append((degree, scale, float(logarithm), tied, tied))
         if value:
-            above = _IMPOSSIBLE if sizes.is_sum_of_squares else _CANCELLED
-            self._rows.append((np.zeros(self._n_fields), scale, -float(np.log2(abs(value))), above, _IMPOSSIBLE))
+            if above is None:
+                above = _IMPOSSIBLE if sizes.is_sum_of_squares else _CANCELLED
+            self._rows.append((np.zeros(self._n_fields), scale, -float(np.log2(abs(value))), above, below))
 
     def solution(self) -> Array:
         """The logarithms of the units: the weighted sum of absolute violations is made least, by weighted squares."""
@@ -113,13 +141,32 @@ class _Problem:
             # a term minus its scale, or the scale minus the value
             matrix[row, :k], matrix[row, k + scale] = degree, -1.0 if degree.any() else 1.0
             right[row], above[row], below[row] = -constant, over, under
-        matrix[len(self._rows) :, :k] = np.eye(k)
+        matrix[len(self._rows) :, :k], right[len(self._rows) :] = np.eye(k), np.log2(self._length)
         x: Array = np.zeros(k + m)
         for _ in range(_SWEEPS):
             excess = matrix @ x - right
             weights = np.sqrt(np.where(excess > 0, above, below) / np.maximum(np.abs(excess), _CLOSE))
             x = np.asarray(np.linalg.lstsq(weights[:, None] * matrix, weights * right)[0], dtype=np.float64)
         return x[:k]
+
+
+def _blocks(bracket: Bracket) -> list[tuple[_Sizes, float]]:
+    """The linear parts of those blocks {field, field} that have a constant part, with the size of that part."""
+    n, k = bracket.algebra.dimension, len(bracket.field_names)
+    constants: dict[tuple[int, int], float] = {}
+    for (i, j), c in bracket.constant.items():
+        block = (i // n, j // n)
+        constants[block] = max(constants.get(block, 0.0), abs(float(cast("Any", c))))
+    found: list[tuple[_Sizes, float]] = []
+    for block, constant in constants.items():
+        sizes: dict[int, float] = {}
+        for i, j, m, c in bracket.entries():
+            if (i // n, j // n) == block:
+                sizes[m // n] = max(sizes.get(m // n, 0.0), abs(float(cast("Any", c))))
+        if sizes and constant:
+            degrees = np.eye(k)[[*sizes]]
+            found.append((_Sizes(degrees, np.log2([*sizes.values()]), is_sum_of_squares=False), constant))
+    return found
 
 
 @lru_cache(maxsize=256)

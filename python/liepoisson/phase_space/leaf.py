@@ -159,7 +159,7 @@ class Leaf:
         return self._divided(None)
 
     def _divided(self, energy: float | None) -> LeafInUnits:
-        units = field_units(self.system, self.place.casimirs, self._values, energy)
+        units = field_units(self.system, self.place.casimirs, self._values, energy, self.state)
         return LeafInUnits(repr(self), self.system, self.rank, self.state, self.constraints, units)
 
     def residual(self, states: ArrayLike) -> Array:

@@ -1,8 +1,8 @@
 """What lengths on phase space are compared with.
 
 A Lie-Poisson bracket proper is homogeneous: x and any multiple of it look alike, so that only ratios to the length of x
-itself have a meaning, and the origin is a leaf of its own.  A constant part is a scale of J, the origin is a point like
-others, and systems are dimensionless: there 1 is a length that counts.
+itself have a meaning, and the origin is a leaf of its own.  With a constant part the origin is a point like others, and
+lengths are compared with 1 + |x|, in the units of the leaf (`liepoisson.phase_space.field_units`).
 """
 
 from __future__ import annotations
