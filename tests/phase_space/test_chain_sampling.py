@@ -72,14 +72,66 @@ def test_sheets_between_which_proposals_leap_have_equal_shares():
 
 
 @pytest.mark.thorough
+@pytest.mark.parametrize(("n", "k", "energy"), [(12, 10, 2.0), (12, 30, 50.0), (20, 3, 2.0)])
+def test_a_ball_off_the_origin_is_filled_evenly(n, k, energy):
+    """H = (|p|^2 + |q|^2)/2 + k q1 <= E is a ball of radius R, R^2 = 2E + k^2, about q1 = -k in R^(2n).
+
+    The mean of q1 is -k, and its variance R^2/(2n + 2).  All starts lie on one side of it.
+    """
+    system = lp.System(lp.canonical(n), f"dot(p, p)/2 + dot(q, q)/2 + {k}*q1")
+    x = lp.Leaf(system, {}).sample(2048, seed=1, energy_below=energy)
+    radius = np.sqrt(2 * energy + k**2)
+    halvings = 10  # states that were doubled last are not independent yet
+    assert abs(x[:, 0].mean() + k) < DEVIATIONS * radius / np.sqrt((2 * n + 2) * 2048 / halvings)
+    centred = x + k * np.eye(2 * n)[0]
+    assert np.mean(np.sum(centred**2, axis=1)) == pytest.approx(radius**2 * 2 * n / (2 * n + 2), rel=0.01)
+
+
+@pytest.mark.thorough
+def test_a_heavy_gyrostat_is_sampled_evenly():
+    r"""H = |l|^2/2I + b.p + 4 l1 on l.p = 0.4, |p| = 1: the mean of l1 at H <= 1 by rejection.
+
+    With p uniform on the sphere, l = 0.4 p + m with m across it, d^2m, and H <= 1 an ellipse in m about its centre.
+    """
+    moments, b = np.array([1.3, 0.9, 0.7]), np.array([0.5, 0.4, -0.8])
+    text = "l1^2/2/1.3 + l2^2/2/0.9 + l3^2/2/0.7 + 0.5*alpha1 + 0.4*alpha2 - 0.8*alpha3 + 4*l1"
+    leaf = lp.Leaf(lp.System(lp.so(3) @ lp.semidirect(2), text), {"C1": 0.4, "C2": 1.0})
+    rng = np.random.default_rng(0)
+    p = rng.standard_normal((400_000, 3))
+    p /= np.linalg.norm(p, axis=1, keepdims=True)
+    across = np.cross(p, rng.standard_normal(p.shape))
+    across /= np.linalg.norm(across, axis=1, keepdims=True)
+    u, v = rng.uniform(-14, 14, (2, len(p), 1))
+    l = 0.4 * p + u * across + v * np.cross(p, across)
+    energy = np.sum(l**2 / moments, axis=1) / 2 + p @ b + 4 * l[:, 0]
+    wanted = l[energy <= 1.0, 0]
+    x = leaf.sample(2048, seed=1, energy_below=1.0)[:, 0]
+    error = np.hypot(wanted.std() / np.sqrt(len(wanted)), x.std() * np.sqrt(5 / 2048))
+    assert error < 0.2
+    assert abs(x.mean() - wanted.mean()) < 3 * error
+    assert wanted.mean() == pytest.approx(-3.975, abs=0.06)
+
+
+def test_a_population_that_moves_in_one_direction_is_seen():
+    rng = np.random.default_rng(0)
+    x, y = rng.standard_normal((2, 2048, 3))
+    chain = lp.Leaf.through(BODY, [1, 0, 0])
+    chain = chain_sampling._Chain(chain.equations, chain.system.functions.energy, None)
+    assert chain_sampling._drift(chain, x, y) < 4
+    assert chain_sampling._drift(chain, x, y + np.array([0.2, 0, 0])) > 4
+    assert chain_sampling._drift(chain, x, y * [1, 1.2, 1]) > 4
+    assert chain_sampling._drift(chain, np.ones((5, 3)), np.ones((5, 3))) == 0
+
+
+@pytest.mark.thorough
 def test_chains_that_remember_their_starts_are_warned_of(monkeypatch):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         lp.Leaf.through(BODY, [1, 0, 0]).sample(10, seed=1)
     monkeypatch.setattr(chain_sampling, "_BURN_IN", 1)
-    monkeypatch.setattr(chain_sampling, "_MOST_BURN_INS", 1)
+    monkeypatch.setattr(chain_sampling, "_DOUBLINGS", 0)
     hyperbolic = lp.System(lp.so(2, 1) @ lp.trivial(), "l1^2 + l2^2 + l3^2")
-    with pytest.warns(MixingWarning, match="where their chains began"):
+    with pytest.warns(MixingWarning, match="where their chains were"):
         lp.Leaf.through(hyperbolic, [0, 0, 1]).sample(10, seed=1, energy=2.0)
 
 

@@ -138,7 +138,7 @@ def test_an_unlisted_stratum_says_so():
     assert "not listed" in leaf.stratum
     assert np.trace(leaf.tangent_projector(leaf.state)) == pytest.approx(2)
     assert leaf.residual(leaf.state) < 1e-15
-    assert "the leaf is a smaller part of this level set" in repr(leaf)
+    assert "the leaf may be a smaller part of this level set" in repr(leaf)
     assert not leaf.contains([1, 0, 0, 0, 0, 2])  # another value of a Casimir: decided all the same
     for function in (leaf.project, leaf.contains):
         with pytest.raises(LeafError, match="not listed"):
@@ -204,7 +204,7 @@ def test_an_open_stratum_with_too_few_known_casimirs_says_so():
     assert (leaf.rank, leaf.is_regular, leaf.stratum) == (20, True, "generic")
     assert np.trace(leaf.tangent_projector(leaf.state)) == pytest.approx(20)
     assert repr(leaf).endswith(
-        "(only 2 of 4 independent Casimirs known: the leaf is a smaller part of this level set)>"
+        "(only 2 of 4 independent Casimirs known: the leaf may be a smaller part of this level set)>"
     )
     assert "    (only 2 of 4 independent Casimirs known)" in str(fluid).splitlines()
     for function in (leaf.project, leaf.contains):

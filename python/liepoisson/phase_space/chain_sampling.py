@@ -44,8 +44,16 @@ if TYPE_CHECKING:
 N_CHAINS = 2048
 """Chains side by side: the states of the population."""
 
-_BURN_IN, _MOST_BURN_INS = 80, 4
-"""Steps in the largest set, after which the starts should be forgotten; repeated at most this often if not."""
+_BURN_IN, _DOUBLINGS = 80, 6
+"""Steps in the largest set until its states are compared for the first time; their number is doubled at most this often
+until the population stands still."""
+
+_DRIFT = 4.0
+"""Largest difference of two means, of a coordinate, its square or H, that counts as none, in standard errors.
+
+The starts are not distributed like the set, and chains that forget them one by one may still move all in one direction.
+What moves by this little from half of the steps to all of them has, if it relaxes exponentially, less left to go.
+"""
 
 _REMEMBERED = 0.35
 """Largest correlation of a coordinate or its square with that of the start that counts as forgotten.
@@ -134,18 +142,20 @@ class _Chain:
 
     def _return(self, start: Array, normals: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Newton's method from a point back to the surface, along given normals."""
-        y = start.copy()
+        y, active = start.copy(), np.arange(len(start))
         for _ in range(_RETURN_STEPS):
-            values, rows = self.equations.relative(y)
-            open_ones = np.abs(values).max(axis=-1, initial=0.0) > 1e-14
-            if not open_ones.any():
+            values, rows = self._rows(active).equations.relative(y[active])
+            is_open = np.abs(values).max(axis=-1, initial=0.0) > 1e-14
+            active = active[is_open]
+            if not active.size:
                 break
-            slopes = rows @ normals
-            step, singular = _solved(slopes, values)
+            step, singular = _solved(rows[is_open] @ normals[active], values[is_open])
             step[singular] = 0.0
-            y -= np.einsum("...ij,...j->...i", normals, step)
-            lost = ~(np.abs(y) < 1e100).all(axis=-1)
-            y[lost] = start[lost]
+            moved = y[active] - np.einsum("...ij,...j->...i", normals[active], step)
+            lost = ~(np.abs(moved) < 1e100).all(axis=-1)
+            moved[lost] = start[active[lost]]
+            y[active] = moved
+            active = active[~lost]
         return y, self.equations.residual(y) <= CONVERGED
 
 
@@ -185,7 +195,7 @@ def sample_by_chains(leaf: Leaf, n: int, seed: int, shell: Shell | None) -> Arra
     chain, starts = _chain_and_starts(view, rng, shell)
     size = 0.3 * float(np.linalg.norm(starts, axis=-1).mean())
     population = _Population(rng, starts, size, size)
-    _forget(view, chain, population)
+    view, chain = _forget(view, chain, population)
     last = _descend(view, chain, population)
     size = population.along_leaf if last.shell is None or last.shell.is_filled else population.along_level
     x = population.x
@@ -200,24 +210,52 @@ def sample_by_chains(leaf: Leaf, n: int, seed: int, shell: Shell | None) -> Arra
     return np.concatenate(kept)[:n] * view.units
 
 
-def _forget(leaf: LeafInUnits, chain: _Chain, population: _Population) -> None:
-    """Steps in the largest set until the states say nothing about their starts."""
-    before = population.x
-    memory = np.inf
-    for _ in range(_MOST_BURN_INS):
-        for _ in range(_BURN_IN):
+def _forget(leaf: LeafInUnits, chain: _Chain, population: _Population) -> tuple[LeafInUnits, _Chain]:
+    """Steps in the largest set until the states say nothing about their starts, and the population stands still.
+
+    Returns:
+        The leaf in units in which the population is as wide in each coordinate, so that steps are as long as they can
+        be in all of them, and the chain there.
+    """
+    memory = drift = np.inf
+    n_done = 0
+    for _ in range(_DOUBLINGS + 1):
+        before, n_more = population.x, n_done or _BURN_IN
+        for _ in range(n_more):
             population.move(chain)
-        memory = _memory(before, population.x)
-        if memory <= _REMEMBERED:
-            return
+        n_done += n_more
+        memory, drift = _memory(before, population.x), _drift(chain, before, population.x)
+        if memory <= _REMEMBERED and drift <= _DRIFT:
+            return leaf, chain
+        leaf, chain = _rounded(leaf, chain, population)
     warnings.warn(
-        f"the states of {leaf!r} should be spread by its Liouville measure; after {_BURN_IN * _MOST_BURN_INS} steps "
-        f"they have a correlation of {memory:.2f} with where their chains began: the chains mix slowly, or the leaf "
-        "has parts between which they do not pass, whose shares are then arbitrary. Compare seeds, and split the "
-        "sample into its parts.",
+        f"the states of {leaf!r} should be spread by its Liouville measure; after {n_done} steps "
+        f"they have a correlation of {memory:.2f} with where their chains were halfway, and means that moved by up to "
+        f"{drift:.1f} standard errors since: the chains mix slowly, or the leaf has parts between which they do not "
+        "pass, whose shares are then arbitrary. Compare seeds, and split the sample into its parts.",
         MixingWarning,
         stacklevel=5,
     )
+    return leaf, chain
+
+
+def _rounded(leaf: LeafInUnits, chain: _Chain, population: _Population) -> tuple[LeafInUnits, _Chain]:
+    """The leaf, the chain and the population with each coordinate divided by its width, to a power of two."""
+    widths = population.x.std(axis=0)
+    typical = float(np.median(widths[widths > 0])) if widths.any() else 1.0
+    factors = np.ldexp(1.0, np.round(np.log2(np.where(widths > 0, widths, typical) / typical)).astype(int))
+    leaf = replace(leaf, units=leaf.units * factors)
+    population.x = population.x / factors
+    return leaf, replace(chain, equations=leaf.equations, energy=leaf.system.functions.energy)
+
+
+def _drift(chain: _Chain, before: Array, after: Array) -> float:
+    """The largest change of a mean of the coordinates, their squares and H, in standard errors."""
+    earlier, later = (np.column_stack([x, x**2, chain.energy(x)]) for x in (before, after))
+    errors = np.sqrt((earlier.var(axis=0) + later.var(axis=0)) / len(before))
+    varies = errors > 1e-10 * np.abs(later).max(axis=0) / np.sqrt(len(before))
+    changes = np.abs(later.mean(axis=0) - earlier.mean(axis=0))
+    return float((changes[varies] / errors[varies]).max(initial=0.0))
 
 
 def _memory(before: Array, after: Array) -> float:

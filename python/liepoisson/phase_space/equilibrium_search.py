@@ -118,9 +118,18 @@ class EquilibriumSearch:
         for state in states[np.argsort(residual, kind="stable")]:
             self._add(state)
 
-    def until_the_sum_is(self, expected: int, most_starts: int) -> None:
+    def until_the_sum_is(self, expected: int | None, most_starts: int) -> None:
         """Twice as many starts each time, while the sum of the signs is known and not this number."""
-        while signed_sum(self.found) not in {None, expected} and self.n_starts < most_starts:
+        while expected is not None and signed_sum(self.found) not in {None, expected} and self.n_starts < most_starts:
+            self.extend(min(self.n_starts, most_starts - self.n_starts))
+
+    def until_all_were_met_again(self, most_starts: int) -> None:
+        """Twice as many starts each time, while an equilibrium was met once only.
+
+        The share of starts that lead to equilibria not met yet is about the number of those met once, divided by that
+        of the starts (Good 1953).
+        """
+        while any(family.n_found == 1 for family in self.found) and self.n_starts < most_starts:
             self.extend(min(self.n_starts, most_starts - self.n_starts))
 
     def _reached(self, leaf: LeafInUnits, starts: Array, most_steps: int = MOST_STEPS) -> tuple[Array, Array]:

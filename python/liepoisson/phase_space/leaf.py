@@ -130,12 +130,12 @@ class Leaf:
     def caution(self) -> str:
         """Why the values of `casimirs` do not say which leaf this is; empty if they do, with the stratum.
 
-        The leaf is then contained in their level set, and smaller.
+        The leaf is then contained in their level set, and may be smaller.
         """
         if self.place.is_known:
             return ""
         missing = shortage(self.system.bracket) if self.is_regular else "the equations are not known"
-        return f"{missing}: the leaf is a smaller part of this level set"
+        return f"{missing}: the leaf may be a smaller part of this level set"
 
     @cached_property
     def equations(self) -> Equations:

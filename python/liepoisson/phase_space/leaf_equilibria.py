@@ -35,8 +35,9 @@ if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.exact.system import System
 
-_MOST = 16
-"""The search takes at most this many times `n_starts`, unless the caller says otherwise."""
+_MOST, _ONCE = 16, 4
+"""The search takes at most this many times `n_starts`, unless the caller says otherwise: where the check fails, and
+where an equilibrium was met once only."""
 
 
 @explains_its_arguments
@@ -61,7 +62,8 @@ def equilibria(
     found are equilibria; that there are no others is not proved. There is one check: where H is proper on the leaf, the
     sum of $(-1)^{\rm index}$ over nondegenerate equilibria is the Euler characteristic of the leaf (a family counts
     with its own, a circle with 0). It is necessary and not sufficient. While it fails, the number of starts is doubled,
-    up to `most_starts`. `completeness` says which of these is the case, and so does the printed result. The starts
+    up to `most_starts`, and up to four times `n_starts` while an equilibrium was met from one start only.
+    `completeness` says which of these is the case, and so does the printed result. The starts
     depend on the values of the Casimirs and the seed; the state from which a regular leaf was made does not matter.
 
     Equilibria that come in families (with the symmetry of the system, as circles) are listed once for each connected
@@ -104,8 +106,8 @@ def equilibria(
     if len(seeds):
         search.add_from(seeds)
     search.extend(n_starts)
-    if expected is not None:
-        search.until_the_sum_is(expected, most)
+    search.until_all_were_met_again(min(most, _ONCE * n_starts))
+    search.until_the_sum_is(expected, most)
     return Equilibria(leaf, tuple(search.found), False, expected, _sum(search.found, integrals), search.n_starts)
 
 
