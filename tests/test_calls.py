@@ -133,3 +133,44 @@ def test_the_bar_says_what_is_left(terminal, monkeypatch):
     now[0] = 60.0
     bar.draw(0.25)
     assert stream.getvalue() == "\rsection  25% [=====               ] 3:00 left"
+
+
+RUNS = {
+    "integrate": lambda **more: lp.integrate(TOP, X, t_end=1, **more),
+    "finite_time_exponents": lambda **more: lp.finite_time_exponents(TOP, X, t_end=1, **more),
+    "section": lambda **more: lp.section(TOP, X, surface="l1", t_end=1, **more),
+    "decide": lambda **more: lp.decide(TOP, X, t_end=20, **more),
+    "sweep": lambda **more: lp.sweep(
+        system="kovalevskaya",
+        axes={"energy": [1, 2, 3]},
+        refine={"levels": 2, "difference": 1e-9},
+        n_starts=2,
+        t_end=5,
+        points_per_piece=1,
+        threads=1,
+        **more,
+    ),
+}
+
+
+@pytest.mark.parametrize("run", RUNS.values(), ids=RUNS)
+def test_progress_is_a_fraction_that_rises_to_one(run):
+    heard = []
+    run(progress=heard.append)
+    assert heard == sorted(heard)
+    assert heard[0] >= 0
+    assert heard[-1] == 1
+    assert heard.count(1) == 1
+
+
+def test_a_refined_sweep_tells_of_each_level():
+    heard = []
+    RUNS["sweep"](progress=heard.append)
+    assert heard[:3] == pytest.approx([1 / 9, 2 / 9, 3 / 9])
+
+
+@pytest.mark.parametrize("run", RUNS.values(), ids=RUNS)
+@pytest.mark.parametrize("wrong", [True, False, 3, "bar"])
+def test_progress_that_is_no_function_is_refused(run, wrong):
+    with pytest.raises(lp.errors.ParameterError, match=r"progress: wanted a function of the fraction.*leave it out"):
+        run(progress=wrong)

@@ -19,6 +19,7 @@ from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
 from liepoisson.errors import ParameterError, did_you_mean
+from liepoisson.wrong_values import shown
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -79,17 +80,57 @@ def shows_progress(function: Callable[P, R]) -> Callable[P, R]:
         if _inside.get():
             return explained(*args, **options)
         token = _inside.set(True)
-        bar = Bar(function.__name__) if options.get("progress") is None and is_watched() else None
-        if bar is not None:
-            options["progress"] = bar.draw
+        bar: Bar | None = None
+        told: Told | None = None
         try:
-            return explained(*args, **options)
+            if (listener := options.get("progress")) is not None:
+                told = Told(as_listener(listener))
+            elif is_watched():
+                bar = Bar(function.__name__)
+            if (listen := bar.draw if bar else told) is not None:
+                options["progress"] = listen
+            found = explained(*args, **options)
+            if told is not None:
+                told.ends()
+            return found
         finally:
             _inside.reset(token)
             if bar is not None:
                 bar.erase()
 
     return run
+
+
+def as_listener(progress: Any) -> Callable[[float], Any]:
+    """A function that takes the fraction of a run that is done.
+
+    Raises:
+        ParameterError: It is no function.
+    """
+    if not callable(progress):
+        raise ParameterError(
+            f"progress: wanted a function of the fraction that is done; got {shown(progress)}; leave it out for a bar in "
+            f"a notebook and on a terminal ({OFF}=0 turns it off), or try progress=print"
+        )
+    return progress
+
+
+class Told:
+    """What a listener hears of a run: fractions from 0 to 1 that never fall, and 1 when the run has ended."""
+
+    def __init__(self, listener: Callable[[float], Any]) -> None:
+        self._listener = listener
+        self._last = 0.0
+
+    def __call__(self, fraction: float) -> None:
+        """Tell that this part is done."""
+        self._last = min(max(float(fraction), self._last), 1.0)
+        self._listener(self._last)
+
+    def ends(self) -> None:
+        """Tell that all is done, unless that was said."""
+        if self._last < 1.0:
+            self(1.0)
 
 
 def is_watched() -> bool:
@@ -115,13 +156,12 @@ class Bar:
         self._due = self._began + FIRST
         self._width = 0
 
-    def draw(self, *told: Any) -> None:
-        """Show what is done, a fraction or (activity, done, total), unless it was shown just now."""
+    def draw(self, fraction: float) -> None:
+        """Show what is done, unless it was shown just now."""
         now = clock.monotonic()
         if now < self._due:
             return
         self._due = now + NEXT
-        fraction = told[0] if len(told) == 1 else told[1] / (told[2] or 1.0)
         share = min(max(float(fraction), 0.0), 1.0)
         done = round(20 * share)
         left = f" {_minutes((now - self._began) * (1 - share) / share)} left" if share > 0 else ""

@@ -116,8 +116,7 @@ def rerun(
     if given.kind == "sweep":
         from liepoisson.sweeps.run import sweep
 
-        told = None if progress is None else lambda _, done, total: progress(done / total)
-        return sweep(given.spec, threads=threads, progress=told)
+        return sweep(given.spec, threads=threads, progress=progress)
     try:
         arguments, n_cut = given.arguments(), int((given.outcome == "time limit").sum())
         limit = as_time_limit(given.time_limit)
