@@ -109,8 +109,8 @@ def as_listener(progress: Any) -> Callable[[float], Any]:
     """
     if not callable(progress):
         raise ParameterError(
-            f"progress: wanted a function of the fraction that is done; got {shown(progress)}; leave it out for a bar in "
-            f"a notebook and on a terminal ({OFF}=0 turns it off), or try progress=print"
+            f"progress: wanted a function of the fraction that is done; got {shown(progress)}; leave it out for "
+            f"a bar in a notebook and on a terminal ({OFF}=0 turns it off), or try progress=print"
         )
     return progress
 

@@ -14,6 +14,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField
+from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories
 from liepoisson.numeric.run import IntegratedRun, given
@@ -27,8 +28,10 @@ _N_TIMES = 1001
 
 
 @dataclass(frozen=True, kw_only=True)
-class Orbit(IntegratedRun):
+class Orbit(IntegratedRun, KeepsInvariants):
     """Trajectories at given times.  The arrays are read-only; `.copy()` gives one that can be changed.
+
+    `invariants` has the Hamiltonian, the Casimirs and the known integrals along them, `drift` their largest changes.
 
     Attributes:
         system: The system, as it was given.

@@ -82,6 +82,19 @@ def known_constants(system: HasFunctions) -> Mapping[str, Any]:
     return getattr(system, "invariants", None) or {}
 
 
+class HasInvariants(HasField, Protocol):
+    """A system that knows constants of its motion."""
+
+    def invariant_values(self, states: Any) -> dict[str, Array]:
+        """The Hamiltonian, the Casimirs and known integrals by name, at many states."""
+        ...
+
+
+def has_invariants(system: Any) -> TypeGuard[HasInvariants]:
+    """Whether a system knows constants of its motion."""
+    return callable(getattr(system, "invariant_values", None))
+
+
 def vector_length(system: Any, n_components: int) -> int:
     """Components of each vector of the state: the system's own word, else 3 where that fits, else all."""
     return getattr(system, "vector_length", 3 if n_components % 3 == 0 else n_components)

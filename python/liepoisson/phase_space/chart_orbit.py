@@ -12,6 +12,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ChartError, ShapeError
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
+from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.result import Result, labelled, names_along, part
 
@@ -55,7 +56,7 @@ class Chart(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChartOrbit(Result):
+class ChartOrbit(Result, KeepsInvariants):
     """One orbit, integrated in the coordinates of a chart.
 
     Attributes:

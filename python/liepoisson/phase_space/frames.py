@@ -26,6 +26,7 @@ from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.system import System
 from liepoisson.field import Field
 from liepoisson.numeric.integrate import Orbit, integrate
+from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.starts import as_states
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT
@@ -47,7 +48,7 @@ def _carried(orbit: Orbit, system: System) -> Orbit:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Attitude(Result):
+class Attitude(Result, KeepsInvariants):
     r"""Orbits with the attitude of the body along them.
 
     Attributes:
