@@ -32,6 +32,9 @@ from liepoisson.scalars import TIME_LIMIT, as_time_limit
 N_POINTS = 8
 """Points of the orbit at which the derivative of the field is taken: those of a stretch of some 32 natural times."""
 
+N_MEDIAN = 256
+"""Orbits whose median natural time is the unit of default times: each costs about 1 ms."""
+
 _STRETCH = 32.0
 # Df is read off M(h) = 1 + h Df + O(h^2) at the first rung h at which |M(h) - 1| is this large: then it is at most
 # 1e-6, and Df has relative errors of that size from the order and of 1e-8 from round-off.
@@ -153,6 +156,17 @@ def natural_duration(n: float, scale: Array, *, fastest: bool = False, otherwise
     if not len(known):
         return otherwise
     return float(f"{n * float(known.min() if fastest else np.median(known)):.1e}")
+
+
+def unit_of_time(scale: Array) -> float:
+    """The natural time of the median orbit, to two digits; 1 where none has one, as at rest in no field.
+
+    Default times and steps are taken in it, so that they suit systems that are fast or slow.
+
+    Args:
+        scale: Time scales, shape (trajectory,), of which the first 256 count.
+    """
+    return natural_duration(1.0, scale[:N_MEDIAN], otherwise=1.0)
 
 
 class _Run:

@@ -28,7 +28,7 @@ from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.systems import HasField
-from liepoisson.numeric.time_scale import orbit_units
+from liepoisson.numeric.time_scale import orbit_units, unit_of_time
 from liepoisson.result import labelled, recorded
 from liepoisson.scalars import TIME_LIMIT, as_number, as_time_limit
 from liepoisson.wrong_values import shown
@@ -40,6 +40,9 @@ INDICATORS = ("growth_power", "megno", "sali", "averages")
 
 METHOD = Taylor(tol=1e-13)
 """Default method of the three runs that a verdict needs."""
+
+TIME = 1000.0
+"""Default time of a run, in natural times of the median orbit: the thresholds of `Rule` were fixed there."""
 
 
 @dataclass(frozen=True)
@@ -201,7 +204,7 @@ def decide(
     system: HasField,
     starts: ArrayLike,
     *,
-    t_end: float,
+    t_end: float | None = None,
     seed: int = 0,
     first: int = 0,
     rule: Rule | None = None,
@@ -238,7 +241,9 @@ def decide(
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
             beside good ones ends at once, with the outcome "not finite".
         t_end: Time after which it is decided, in units of the system's own time; some hundred periods at least, some
-            thousand if "regular" is to be said.  All orbits for which it is too short are "undecided".
+            thousand if "regular" is to be said.  All orbits for which it is too short are "undecided".  By default 1000
+            natural times of the median orbit (of the first 256), which is where the rule was fixed; give it if an
+            ensemble is computed in pieces.
         seed: Draws the tangent vectors.
         first: Number of the first member: member k has the same verdict in whichever piece of an ensemble it is.
         rule: Other thresholds than those whose error rates were measured.
@@ -259,11 +264,12 @@ def decide(
         Benettin, Galgani and Strelcyn, Phys. Rev. A 14 (1976) 2338; Skokos, J. Phys. A 34 (2001) 10029; Cincotta
         and Simó, Astron. Astrophys. Suppl. 147 (2000) 205.
     """
-    end, limit = as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
+    end, limit = None if t_end is None else as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
     rule, method = as_rule(rule), as_method(method, METHOD)
     starts = as_array(starts, "starts")  # once, as several runs start from it
     deadline = clock.monotonic() + limit
     units = orbit_units(system, starts, method=method, threads=threads, time_limit=_left(deadline))
+    end = TIME * unit_of_time(units.time) if end is None else end
     with np.errstate(divide="ignore"):
         natural_time = end / units.time
     n_all, n = units.component.shape
