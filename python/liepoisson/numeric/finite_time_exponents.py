@@ -17,7 +17,7 @@ from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories, typical
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
-from liepoisson.numeric.starts import as_states, as_times
+from liepoisson.numeric.starts import Starts, as_starts, as_states, as_times
 from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
@@ -78,7 +78,7 @@ class FiniteTimeExponents(IntegratedRun):
 @shows_progress
 def finite_time_exponents(
     system: HasField,
-    starts: ArrayLike,
+    starts: Starts,
     *,
     t_end: float | None = None,
     times: ArrayLike | None = None,
@@ -132,7 +132,7 @@ def finite_time_exponents(
     method = as_method(method, Taylor(tol=1e-13))
     field = field_for(system, as_field(system), method)
     n = field.n_components
-    states, wanted = as_states(starts, n, some_may_fail=True), _as_exponent_times(t_end, times)
+    states, wanted = as_starts(system, starts, n), _as_exponent_times(t_end, times)
     seed, first = as_seed(seed), as_first(first, len(states))
     if tangents is None:
         vectors = sample_tangents(n, len(states), seed=seed, first=first)

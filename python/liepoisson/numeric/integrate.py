@@ -18,7 +18,7 @@ from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories
 from liepoisson.numeric.run import IntegratedRun, given
-from liepoisson.numeric.starts import as_states, as_times
+from liepoisson.numeric.starts import Starts, as_starts, as_times
 from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.result import labelled, pieces
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
@@ -169,7 +169,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
 @shows_progress
 def integrate(
     system: HasField,
-    starts: ArrayLike,
+    starts: Starts,
     *,
     times: ArrayLike | None = None,
     t_end: float | None = None,
@@ -185,8 +185,9 @@ def integrate(
 
     Args:
         system: What is integrated.
-        starts: States at the first time, shape (component,) or (trajectory, component), dimensionless; a row that is
-            not finite beside good ones ends at once, with the outcome "not finite".
+        starts: States at the first time, shape (component,) or (trajectory, component), dimensionless; or vectors and
+            components by name, the others being zero, `{"l": (1, 0, 0), "beta3": "1/3"}`.  A row that is not finite
+            beside good ones ends at once, with the outcome "not finite".
         times: Times at which states are wanted, strictly monotone, shape (time,), the first that of the starts;
             decreasing times run backwards.  One number T means the times 0 and T.
         t_end: Instead, the end of a run from 0, with 1,001 evenly spaced times; negative ends run backwards.
@@ -214,7 +215,7 @@ def integrate(
     method = as_method(method, Taylor())
     field = field_for(system, as_field(system), method)
     n = field.n_components
-    states, times = as_states(starts, n, some_may_fail=True), _as_orbit_times(times, t_end)
+    states, times = as_starts(system, starts, n), _as_orbit_times(times, t_end)
     vectors = _as_tangents(tangents, len(states), n)
     in_series = isinstance(method, Taylor)
     if dense and not in_series:

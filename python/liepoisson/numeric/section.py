@@ -8,17 +8,17 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import TapeFunction
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, typical
 from liepoisson.numeric.run import IntegratedRun, Run, given
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import Starts, as_starts, given_starts
 from liepoisson.numeric.systems import (
     HasField,
     as_field,
@@ -254,7 +254,7 @@ def _share(part: Array, end_time: Array) -> float:
 @shows_progress
 def section(
     system: HasField,
-    starts: ArrayLike,
+    starts: Starts,
     *,
     surface: Function | TapeFunction,
     t_end: float,
@@ -325,7 +325,7 @@ def section(
         )
     field = field_for(system, as_field(system), method)
     n = field.n_components
-    states = as_states(starts, n, some_may_fail=True)
+    states = as_starts(system, starts, n)
     tape, names = _as_surface(system, surface, keep)
     if tape.n_components != n:
         raise ShapeError(f"surface: wanted a function of {n} components; got one of {tape.n_components}")
@@ -381,7 +381,7 @@ def section(
 @shows_progress
 def first_return(
     system: HasField,
-    starts: ArrayLike,
+    starts: Starts,
     *,
     surface: Function | TapeFunction,
     t_end: float,
@@ -416,7 +416,7 @@ def first_return(
     Raises:
         As `section`.
     """
-    states = as_array(starts, "starts")
+    states = given_starts(system, starts)
     n = as_field(system).n_components
     if states.ndim == 0 or states.shape[-1] != n:
         raise ShapeError(f"starts must end in {n} components; got shape {states.shape}")

@@ -25,7 +25,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import Method, Taylor
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import Starts, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
@@ -52,7 +52,7 @@ _NO_UNIT = 1e-6
 @explains_its_arguments
 def time_scale(
     system: HasField,
-    starts: ArrayLike,
+    starts: Starts,
     *,
     method: Method | None = None,
     threads: int | None = None,
@@ -98,7 +98,7 @@ class OrbitUnits(NamedTuple):
 @np.errstate(all="ignore")  # what overflows or vanishes has no unit, which is said by NaN or infinity
 def orbit_units(
     system: HasField,
-    starts: ArrayLike,
+    starts: Starts,
     *,
     method: Method | None = None,
     threads: int | None = None,
@@ -115,7 +115,7 @@ def orbit_units(
     field = as_field(system)
     # whatever the caller's method, but a field that is given by its pieces knows no other
     how = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
-    states = as_states(starts, field.n_components, some_may_fail=True)
+    states = as_starts(system, starts, field.n_components)
     run = _Run(system.name, field, how, threads, clock.monotonic() + as_time_limit(time_limit))
     rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
     good = np.flatnonzero(np.isfinite(states).all(axis=1))

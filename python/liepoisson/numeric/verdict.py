@@ -12,9 +12,9 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, NamedTuple, TypeAlias, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
@@ -27,6 +27,7 @@ from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.numeric.starts import Starts, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.time_scale import orbit_units, unit_of_time
 from liepoisson.result import labelled, recorded
@@ -202,7 +203,7 @@ class Verdict(Run):
 @shows_progress
 def decide(
     system: HasField,
-    starts: ArrayLike,
+    starts: Starts,
     *,
     t_end: float | None = None,
     seed: int = 0,
@@ -266,7 +267,7 @@ def decide(
     """
     end, limit = None if t_end is None else as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
     rule, method = as_rule(rule), as_method(method, METHOD)
-    starts = as_array(starts, "starts")  # once, as several runs start from it
+    starts = given_starts(system, starts)  # once, as several runs start from it
     deadline = clock.monotonic() + limit
     units = orbit_units(system, starts, method=method, threads=threads, time_limit=_left(deadline))
     end = TIME * unit_of_time(units.time) if end is None else end

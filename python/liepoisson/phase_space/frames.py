@@ -27,7 +27,7 @@ from liepoisson.exact.system import System
 from liepoisson.field import Field
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import Starts, as_starts
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT
 from liepoisson.wrong_values import shown
@@ -168,7 +168,7 @@ def extent(n: int, outcome: NDArray[np.str_]) -> str:
 @shows_progress
 def attitude(
     system: System,
-    starts: ArrayLike,
+    starts: Starts,
     *,
     times: ArrayLike,
     attitude: str | ArrayLike | None = None,
@@ -207,7 +207,7 @@ def attitude(
         UnsupportedFieldError: the Hamiltonian contains a function that is not smooth.
     """
     carried = FrameSystem(system)
-    states = as_states(starts, len(system.component_names), some_may_fail=True)
+    states = as_starts(system, starts, len(system.component_names))
     start = np.hstack([states, initial_quaternions(system, states, attitude)])
     orbit = integrate(
         carried,

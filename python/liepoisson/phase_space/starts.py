@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.calls import explains_its_arguments
-from liepoisson.errors import LeafError, ParameterError, ShapeError, did_you_mean
+from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.numeric.starts import states_by_name
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name
 from liepoisson.phase_space.leaf import Leaf
@@ -196,7 +197,7 @@ def read_state(system: System, given: ArrayLike | Mapping[str, Any], what: str =
         ParameterError: a name is none of them, or a component is given twice.
         ShapeError: a vector or the state has another number of components.
     """
-    names, fields = system.component_names, system.bracket.field_names
+    names = system.component_names
     example = f"{what} {names[0]}=1" if what.startswith("--") else f'{what}={{"{names[0]}": 1}}'
     if not isinstance(given, Mapping):
         x = as_array(given, what)
@@ -206,28 +207,7 @@ def read_state(system: System, given: ArrayLike | Mapping[str, Any], what: str =
                 f"{len(x) if x.ndim == 1 else f'shape {x.shape}'}. Or give some by name: {example}."
             )
         return _finite(x, what)
-    places = {} if system.bracket.has_scalar_fields else _vectors(fields, system.vector_length)
-    places |= {name: range(k, k + 1) for k, name in enumerate(names)}
-    x, seen = np.zeros(len(names)), np.zeros(len(names), dtype=bool)
-    for name, numbers in given.items():
-        if name not in places:
-            hint = did_you_mean(name, places)
-            known = ", ".join((*(() if system.bracket.has_scalar_fields else fields), *names))
-            raise ParameterError(
-                f"{what} must name a field or a component; got {str(name)!r:.60}. {hint}Known: {known}."
-            )
-        place = list(places[name])
-        values = np.atleast_1d(_finite(as_array(numbers, f"{what} {name}"), f"{what} {name}"))
-        if values.shape != (len(place),):
-            raise ShapeError(f"{what} {name} must have {len(place)} numbers; got {len(values)}.")
-        if seen[place].any():
-            raise ParameterError(f"{what} must give each component once; {name} comes twice. Remove one.")
-        x[place], seen[place] = values, True
-    return x
-
-
-def _vectors(fields: Sequence[str], size: int) -> dict[str, range]:
-    return {field: range(k * size, (k + 1) * size) for k, field in enumerate(fields)}
+    return _finite(states_by_name(system, given, what, one=True), what)
 
 
 def _listed(names: Sequence[str]) -> str:
