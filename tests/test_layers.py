@@ -66,6 +66,7 @@ FACADES = {
     "exact.lie_algebra": {"exact.bracket"},
     "exact.extension": {"exact.classification"},
     "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
+    "numeric.section": {"phase_space.section_coordinates"},
     "phase_space.leaf": {"phase_space.leaf_sampling", "phase_space.leaf_search"},
 }  # fmt: skip
 """Methods and operators of a class that call functions of other files, which take objects of this class."""
