@@ -25,7 +25,10 @@ X = lp.sample_states(TOP, 2, seed=1)
         (lambda: lp.section(TOP, X), "section must have surface and t_end; write section"),
         (lambda: lp.section(TOP, X, surfaces="l3", t_end=1), r"Did you mean surface\?"),
         (lambda: lp.lyapunov_exponent(TOP, X, t=100), r"Write t_end\."),
-        (lambda: lp.decide(TOP, X), r"decide must have t_end; write decide\(system, starts, t_end=\.\.\.\)"),
+        (
+            lambda: lp.lyapunov_spectrum(TOP, X),
+            r"must have t_end; write lyapunov_spectrum\(system, starts, t_end=\.\.\.\)",
+        ),
         (lambda: lp.sample_states(TOP, n=3), r"Write n_starts\."),
         (lambda: lp.Leaf(TOP), r"Leaf must have casimirs; write Leaf\(system, casimirs\)"),
         (lambda: lp.equilibria(TOP), "equilibria must have leaf"),

@@ -18,7 +18,7 @@ from contextvars import ContextVar
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
 
-from liepoisson.errors import ParameterError, did_you_mean
+from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
 from liepoisson.wrong_values import shown
 
 P = ParamSpec("P")
@@ -56,6 +56,8 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
     def called(*args: P.args, **options: P.kwargs) -> R:
         try:
             return function(*args, **options)
+        except ExpressionError as error:  # it says what is wrong and where; the frames of the parser say nothing more
+            raise error.with_traceback(None) from None
         except TypeError as error:
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:  # from inside the function
                 raise

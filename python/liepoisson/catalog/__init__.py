@@ -10,6 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from liepoisson._lazy import unknown
 from liepoisson.catalog.families import (
     euler_top_on,
     heavy_top_on,
@@ -84,3 +85,12 @@ def system(name: str) -> System:
         UnknownNameError: there is none of this name.
     """
     return entry(name).system()
+
+
+def _call(name: str) -> str:
+    """How the system is had whose name was taken for one of the module."""
+    known = name.replace("_", "-")
+    return f'liepoisson.catalog.system("{known}")' if known in names() else ""
+
+
+__getattr__ = unknown(__name__, __all__, _call)

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.bracket import Bracket
+from liepoisson.exact.extension import Extension
 from liepoisson.exact.hamiltonian import (
     RESERVED_NAME,
     Hamiltonian,
@@ -25,9 +26,11 @@ from liepoisson.exact.hamiltonian import (
     read_pairs_of_functions,
     with_exact_numbers,
 )
+from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
 from liepoisson.exact.values import GivenValue, Value, flattened, read_values
 from liepoisson.field import Field, PiecesField, TapeFunction
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -36,6 +39,16 @@ if TYPE_CHECKING:
     from liepoisson.exact.top_parameters import TopParameters
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+def _bracket_hint(given: Any) -> str:
+    """How a bracket is made of what was given in its place."""
+    if isinstance(given, LieAlgebra):
+        vectors = "; or so(3) @ semidirect(2), the same with two vectors l and alpha" if given.name == "se(3)" else ""
+        return f"a Lie algebra is half of one: write {given!r} @ trivial(){vectors}"
+    if isinstance(given, Extension):
+        return "an extension is half of one: write so(3) @ extension"
+    return "write for example so(3) @ leibniz(3, 1)"
 
 
 class AsGiven(NamedTuple):
@@ -91,10 +104,7 @@ class System:
         source: str | None = None,
     ) -> None:
         if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ParameterError(
-                f"the bracket must be of type Bracket; got {type(bracket).__name__}. Write for example "
-                "so(3) @ leibniz(3, 1)."
-            )
+            raise not_a("a Bracket", bracket, "bracket", _bracket_hint(bracket))
         check_hamiltonian(hamiltonian)
         self._given_hamiltonian = hamiltonian
         self._given_symbols = read_declarations(symbols)

@@ -23,7 +23,8 @@ def as_starts(system: Any, starts: Starts, n_components: int) -> Array:
         ParameterError: A name is none of the system's, or no start is finite.
         ShapeError: They have another shape.
     """
-    return as_states(given_starts(system, starts), n_components, some_may_fail=True)
+    names = component_names(system, n_components)
+    return as_states(given_starts(system, starts), n_components, names=names, some_may_fail=True)
 
 
 def given_starts(system: Any, starts: Starts, name: str = "starts") -> Array:
@@ -94,7 +95,14 @@ def _places(system: Any) -> dict[str, range]:
     return places | {name: range(k, k + 1) for k, name in enumerate(names)}
 
 
-def as_states(starts: ArrayLike, n_components: int, name: str = "starts", *, some_may_fail: bool = False) -> Array:
+def as_states(
+    starts: ArrayLike,
+    n_components: int,
+    name: str = "starts",
+    *,
+    names: Sequence[str] = (),
+    some_may_fail: bool = False,
+) -> Array:
     """A copy of states as an array of shape (trajectory, component); one state may come without the first axis.
 
     Where some may fail, rows that are not finite are kept beside good ones: their trajectories end at once, with an
@@ -104,7 +112,8 @@ def as_states(starts: ArrayLike, n_components: int, name: str = "starts", *, som
     if states.ndim not in (1, 2) or states.shape[-1] != n_components:
         hint = " Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else ""
         raise ShapeError(
-            f"{name} must have shape ({n_components},) or (trajectory, {n_components}); got shape {states.shape}.{hint}"
+            f"{name} must have shape ({n_components},) or (trajectory, {n_components}); got shape {states.shape}."
+            f"{hint}{_component_hint(names)}"
         )
     states = np.atleast_2d(states)
     bad = ~np.isfinite(states).all(axis=1)
@@ -114,6 +123,11 @@ def as_states(starts: ArrayLike, n_components: int, name: str = "starts", *, som
             f"infinity ({int(bad.sum())} such in all); drop these rows"
         )
     return states
+
+
+def _component_hint(names: Sequence[str]) -> str:
+    few = names if len(names) <= 9 else (*names[:6], "...", *names[-3:])
+    return f" The components are {', '.join(few)}." if names else ""
 
 
 def as_times(times: ArrayLike, name: str, *, least: int) -> Array:

@@ -11,9 +11,8 @@ from typing import Any, Protocol, TypeGuard
 
 from liepoisson import _core
 from liepoisson.arrays import Array
-from liepoisson.errors import ParameterError
 from liepoisson.field import Field, PiecesField, QuadraticField, TapeFunction, TopField
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a_system
 
 TOP_COMPONENTS = tuple(f"{vector}{i}" for vector in ("l", "alpha", "beta") for i in (1, 2, 3))
 
@@ -34,9 +33,7 @@ class HasField(Protocol):
 def as_field(system: Any) -> Field:
     """The vector field of a system."""
     if isinstance(system, type) or not callable(getattr(system, "field", None)) or not hasattr(system, "name"):
-        raise ParameterError(
-            f"system: wanted a system such as Top.kovalevskaya(); got {shown(system)}; make one, or call its class"
-        )
+        raise not_a_system(system)
     return system.field()
 
 

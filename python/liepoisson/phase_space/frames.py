@@ -30,7 +30,7 @@ from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.starts import Starts, as_starts
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a_system, shown
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -314,7 +314,7 @@ def check_rotates(system: object) -> None:
     from liepoisson.exact.lowering import check_numeric
 
     if not isinstance(system, System):
-        raise ParameterError(f"system: wanted a System such as Top.lagrange(); got {shown(system)}; make one first")
+        raise not_a_system(system)
     algebra, extension = system.bracket.algebra, system.bracket.extension
     has_unit = all(extension.products.get((0, k)) == {k: 1} for k in range(extension.dimension))
     ideal = not any(0 in row for (first, _), row in extension.products.items() if first > 0)
