@@ -3,6 +3,7 @@
 import inspect
 import io
 import threading
+from types import ModuleType
 
 import pytest
 
@@ -177,3 +178,49 @@ def test_a_refined_sweep_tells_of_each_level():
 def test_progress_that_is_no_function_is_refused(run, wrong):
     with pytest.raises(lp.errors.ParameterError, match=r"progress: wanted a function of the fraction.*leave it out"):
         run(progress=wrong)
+
+
+def public_callables():
+    """Functions and classes for users, by name; results are made by functions, and records by their class."""
+    chapters = {name: module for name in lp.__all__ if isinstance(module := getattr(lp, name), ModuleType)}
+    for chapter, module in {"": lp, **chapters}.items():
+        for name in module.__all__:
+            value = getattr(module, name)
+            if isinstance(value, ModuleType) or not callable(value) or chapter in {"errors", "results"}:
+                continue
+            if not (isinstance(value, type) and issubclass(value, (tuple, lp.results.Result))):
+                yield f"{chapter}.{name}".lstrip("."), value
+
+
+PUBLIC = dict(public_callables())
+
+
+@pytest.mark.parametrize("function", PUBLIC.values(), ids=PUBLIC)
+def test_every_public_function_explains_its_arguments(function):
+    with pytest.raises(ParameterError, match=r"no_such_argument|takes no argument"):
+        function(no_such_argument=1)
+
+
+BRACKET = lp.so(3) @ lp.semidirect(2)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: BRACKET("l1"), r"bracket must have g; write bracket\(f, g\)"),
+        (lambda: BRACKET.rename(names=("m", "p")), "Bracket.rename has no argument 'names'"),
+        (lambda: lp.LieAlgebra.from_brackets(3), r"must have brackets; write LieAlgebra\.from_brackets\(n, brackets\)"),
+        (lambda: lp.Leaf.through(TOP), r"must have state; write Leaf\.through\(system, state\)"),
+        (lambda: TOP.vector_field(X, 0.0), r"write Top\.vector_field|write System\.vector_field\(states\)"),
+        (lambda: lp.trivial(3), r"trivial takes nothing by place"),
+    ],
+)
+def test_methods_explain_their_arguments_too(call, words):
+    with pytest.raises(ParameterError, match=words):
+        call()
+
+
+def test_a_warning_points_to_the_line_of_the_user():
+    with pytest.warns(lp.errors.SurfaceWarning) as caught:
+        lp.section(TOP, [0, 0, 1, 0, 0, 0, 0, 0, 0], surface="l1", t_end=10)
+    assert {one.filename for one in caught} == {__file__}

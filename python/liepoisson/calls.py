@@ -16,6 +16,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from contextvars import ContextVar
 from functools import wraps
+from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
 from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
@@ -46,6 +47,12 @@ _WORDS = {
 }
 """What other packages call an argument, under our word for it."""
 
+_BOUND = {"self", "cls"}
+"""Parameters that Python fills in where a method is called."""
+
+_OURS = {"liepoisson", "contextlib", "numpy"}
+"""Packages whose frames are between a call and what it does: this one, and decorators that are in use here."""
+
 _inside: ContextVar[bool] = ContextVar("inside a run", default=False)
 
 
@@ -66,10 +73,16 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
     return called
 
 
-def made_with_explained_arguments(cls: C) -> C:
-    """A class, such as a dataclass, that explains how it is made."""
-    init: Any = vars(cls)["__init__"]
-    setattr(cls, "__init__", explains_its_arguments(init))  # noqa: B010  # of a type that is not known here
+def explains_its_methods(cls: C) -> C:
+    """A class, such as a dataclass, that explains how it is made and how its methods are called."""
+    for name, found in list(vars(cls).items()):
+        if name.startswith("_") and name not in {"__init__", "__call__"}:
+            continue
+        if isinstance(found, FunctionType) and not hasattr(found, "__wrapped__"):
+            setattr(cls, name, explains_its_arguments(found))
+        elif isinstance(found, classmethod):
+            function: Any = found.__func__  # pyright: ignore[reportUnknownMemberType]  # of a type not known here
+            setattr(cls, name, classmethod(explains_its_arguments(function)))
     return cls
 
 
@@ -101,6 +114,14 @@ def shows_progress(function: Callable[P, R]) -> Callable[P, R]:
                 bar.erase()
 
     return run
+
+
+def level_of_the_caller() -> int:
+    """The `stacklevel` of a warning that points to the first line outside the package."""
+    frame, level = sys._getframe(1), 1  # pyright: ignore[reportPrivateUsage]  # the documented way to walk the stack
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).partition(".")[0] in _OURS:
+        frame, level = frame.f_back, level + 1
+    return level
 
 
 def as_listener(progress: Any) -> Callable[[float], Any]:
@@ -191,15 +212,17 @@ def _minutes(seconds: float) -> str:
 def _explanation(function: Callable[..., Any], args: tuple[Any, ...], options: dict[str, Any], error: TypeError) -> str:
     """What was wrong with a call, and how it is written."""
     signature = inspect.signature(function)
-    known = {name: p for name, p in signature.parameters.items() if name != "self"}
+    known = {name: p for name, p in signature.parameters.items() if name not in _BOUND}
     name = function.__qualname__.removesuffix(".__init__")
+    if name.endswith(".__call__"):  # written with the object, as in bracket(f, g)
+        name = name.removesuffix(".__call__").lower()
     unknown = next((given for given in options if given not in known), None)
     if unknown is not None:
         right = [word for word, others in _WORDS.items() if unknown in others and word in known]
         near = f"Write {' or '.join(right)}." if right else did_you_mean(unknown, known).strip()
         return f"{name} has no argument {unknown!r}. {near or 'Leave it out.'} It has {', '.join(known)}."
     by_place = [p for p, value in known.items() if value.kind in (value.POSITIONAL_ONLY, value.POSITIONAL_OR_KEYWORD)]
-    if (n := len(args) - ("self" in signature.parameters)) > len(by_place):
+    if (n := len(args) - len(_BOUND & set(signature.parameters))) > len(by_place):
         named = [p for p in known if p not in by_place][: n - len(by_place)]
         call = ", ".join([*by_place, *(f"{p}=..." for p in named)])
         return f"{name} takes {', '.join(by_place) or 'nothing'} by place, and got {n} values; write {name}({call})."

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from liepoisson import _core
-from liepoisson.calls import explains_its_arguments
+from liepoisson.calls import explains_its_arguments, level_of_the_caller
 from liepoisson.dataset import check_format, read_dataset, result_of, text_of
 from liepoisson.errors import DamagedFileError
 from liepoisson.field import Field, field_of
@@ -128,7 +128,7 @@ def rerun(
             f"{n_cut} trajectories of the file were ended by the time limit{words}, which depends on the "
             "machine and cannot be repeated: they go on to their end. Up to its end_time each has the same numbers",
             UserWarning,
-            stacklevel=2,
+            stacklevel=level_of_the_caller(),
         )
     options = arguments | {"time_limit": time_limit, "threads": threads, "progress": progress}
     system = _Repeated(given) if isinstance(given, Run) else given.system
@@ -165,7 +165,7 @@ def _recorded(source: str | Path | Dataset) -> Any:
             f"the file was made by liepoisson {version:.60}, this is {_core.__version__}: the results may differ in "
             "their last bits",
             UserWarning,
-            stacklevel=3,
+            stacklevel=level_of_the_caller(),
         )
     return found
 

@@ -2,12 +2,11 @@ r"""Tops: rigid bodies in one or two fixed fields, and their twisted relatives, 
 
 from __future__ import annotations
 
-import sys
 import warnings
 from collections.abc import Sequence
 from typing import Any, final
 
-from liepoisson.calls import explains_its_arguments
+from liepoisson.calls import explains_its_arguments, explains_its_methods, level_of_the_caller
 from liepoisson.errors import InertiaWarning, ParameterError
 from liepoisson.exact.extensions import leibniz
 from liepoisson.exact.lie_algebras import so
@@ -16,6 +15,7 @@ from liepoisson.exact.system import System
 from liepoisson.exact.top_parameters import ExactVector, TopParameters
 
 
+@explains_its_methods
 @final
 class Top(System):
     r"""The charged or twisted top.
@@ -185,16 +185,8 @@ def _check_inertia(inertia: ExactVector) -> None:
                 f"a rigid body has moments with I{k + 1} at most the sum of the other two; got I{k + 1} = {inertia[k]} "
                 f"and {first}, {second}. The equations are integrated as they stand.",
                 InertiaWarning,
-                stacklevel=_level_of_the_caller(),
+                stacklevel=level_of_the_caller(),
             )
-
-
-def _level_of_the_caller() -> int:
-    """How many frames above the one that warns is the first outside this package."""
-    frame, level = sys._getframe(1), 1  # pyright: ignore[reportPrivateUsage]  # the documented way to walk the stack
-    while frame.f_back is not None and str(frame.f_globals.get("__name__")).startswith("liepoisson"):
-        frame, level = frame.f_back, level + 1
-    return level
 
 
 def _default_name(top: TopParameters) -> str:

@@ -10,6 +10,7 @@ from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.constant_part import read_constant, with_linear_part_at
 from liepoisson.exact.extension import Extension
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.trace_casimirs import TraceCasimirs
 
 
+@explains_its_methods
 class Bracket:
     r"""The (minus) Lie-Poisson bracket on the dual of g (x) A.
 

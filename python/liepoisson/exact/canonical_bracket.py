@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from numbers import Integral
 from typing import Any
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.extension import Extension
@@ -20,6 +21,7 @@ MOST_DEGREES = 100
 """Degrees of freedom of the largest canonical bracket."""
 
 
+@explains_its_arguments
 def canonical(
     n: int | None = None, *, names: Sequence[str] | None = None, momenta: Sequence[str] | None = None
 ) -> Bracket:

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.printing import Gradient
 from liepoisson.exact.report.bracket_facts import AlgebraFacts, CasimirFacts, ExtensionFacts, JacobiFacts, Topic
@@ -39,6 +40,7 @@ _MATH = re.compile(
 """What is mathematics among the words of a report: so(3), l1, epsilon, J."""
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Report:
     """What is known about a system, computed when the report was made.
@@ -95,6 +97,7 @@ class Report:
         return {"name": self.name, "source": self.source, **topics, "failed": list(self.failed)}
 
 
+@explains_its_arguments
 def inspect(system: System) -> Report:
     """Everything that the exact wing finds out about a system; each proof is computed now.
 

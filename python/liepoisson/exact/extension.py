@@ -13,6 +13,7 @@ from itertools import pairwise, product
 from numbers import Integral
 from typing import TYPE_CHECKING, TypeAlias, cast
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, substituted, symbols_of, to_sympy
 from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
@@ -33,6 +34,7 @@ MAX_FIELDS = 100
 _FIELD_NAMES = {1: ("l",), 2: ("l", "alpha"), 3: ("l", "alpha", "beta")}
 
 
+@explains_its_methods
 class Extension:
     r"""A commutative associative algebra A by its tensor, $e_\mu e_\nu = \sum_\lambda W_\lambda{}^{\mu\nu} e_\lambda$.
 

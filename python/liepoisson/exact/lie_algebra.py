@@ -12,6 +12,7 @@ from itertools import combinations, product
 from numbers import Integral
 from typing import TYPE_CHECKING
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.exact.tensors import (
@@ -37,6 +38,7 @@ _MAX_DENSE = 200  # 8 million entries
 _NAME_PART = re.compile(r"[A-Za-z_0-9]{1,100}")
 
 
+@explains_its_methods
 class LieAlgebra:
     r"""A finite-dimensional Lie algebra, $[e_i, e_j] = c_{ij}^k e_k$.
 

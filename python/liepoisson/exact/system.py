@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.calls import explains_its_arguments
+from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.extension import Extension
@@ -67,6 +67,7 @@ class AsGiven(NamedTuple):
     partial_integrals: dict[str, tuple[str | Expr, str | Expr]]
 
 
+@explains_its_methods
 class System:
     r"""A Lie-Poisson system, $\dot x = \{x, H\} = J(x) \nabla H(x)$.
 

@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError, did_you_mean
 from liepoisson.exact.constructors import read_algebra, read_extension
 from liepoisson.exact.expression import check_names, evaluate
@@ -64,6 +65,7 @@ _KEYS: dict[str, tuple[str, ...]] = {
 }
 
 
+@explains_its_arguments
 def read_system(path: str | Path) -> System:
     """The system that a file describes (`liepoisson.exact.system_file` has the format).
 
@@ -76,6 +78,7 @@ def read_system(path: str | Path) -> System:
     return read_system_file(path).system()
 
 
+@explains_its_arguments
 def read_system_file(path: str | Path) -> SystemFile:
     """What a system file says, with its references and its claims.
 

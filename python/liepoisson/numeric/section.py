@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array
-from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.calls import explains_its_arguments, level_of_the_caller, shows_progress
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import TapeFunction
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
@@ -584,7 +584,7 @@ def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) 
         warnings.warn(
             f"{which} in the surface {surface} = 0, from start to end, and cross it nowhere; try another surface",
             SurfaceWarning,
-            stacklevel=5,  # two frames are those of `shows_progress`
+            stacklevel=level_of_the_caller(),
         )
 
 
@@ -594,7 +594,7 @@ def _warn_of_gaps(surface: str, share: float) -> None:
             f"the surface function {surface} could not be followed in {as_percent(share)} of the time, where crossings "
             "are not found: it varies too fast, or is singular nearby; try a smoother one",
             SurfaceWarning,
-            stacklevel=5,  # two frames are those of `shows_progress`
+            stacklevel=level_of_the_caller(),
         )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays
-from liepoisson.calls import shows_progress
+from liepoisson.calls import explains_its_arguments, explains_its_methods, shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
 from liepoisson.numeric.averages import average_drift
@@ -46,6 +46,7 @@ TIME = 1000.0
 """Default time of a run, in natural times of the median orbit: the thresholds of `Rule` were fixed there."""
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Rule:
     r"""Thresholds of the indicators: (regular, chaotic) for three of them; a value between the two is no vote.
@@ -408,6 +409,7 @@ class Agreement(ReadOnlyArrays):
         return "\n".join([*lines, *map(str, self.disagreements)])
 
 
+@explains_its_arguments
 def agreement(verdict: Verdict) -> Agreement:
     """Agreement matrix of the indicators, and every member on which they disagree, with the values.
 

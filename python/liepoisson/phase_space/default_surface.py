@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.wrong_values import shown
 
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
 
 
+@explains_its_arguments
 def default_surface(leaf: Leaf) -> str:
     r"""A surface that recurrent orbits of a leaf meet again and again: where the rate of a bounded function vanishes.
 

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, read_only
-from liepoisson.calls import explains_its_arguments
+from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.system import System
 
 
+@explains_its_methods
 class Leaf:
     r"""A symplectic leaf, given by the values of the Casimirs C1, C2, ... of the open stratum.
 

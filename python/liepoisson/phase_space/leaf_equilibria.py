@@ -158,6 +158,7 @@ def _leaf(system: System, given: Any) -> Leaf:
     return Leaf(system, cast("Mapping[str, float]", given))
 
 
+@explains_its_arguments
 def equilibrium_near(
     system: System,
     guess: ArrayLike,

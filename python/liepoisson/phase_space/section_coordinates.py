@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ExpressionError, ParameterError
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.phase_space._checks import as_system
@@ -50,6 +51,7 @@ def fold(run: Section, x: Any, y: Any) -> bool:
 
 
 @np.errstate(all="ignore")
+@explains_its_arguments
 def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | Expr, y: str | Expr) -> bool:
     r"""Whether two functions are not coordinates all over a section of dimension 2, judged by states on it.
 

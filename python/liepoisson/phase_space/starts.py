@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
-from liepoisson.calls import explains_its_arguments
+from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.numeric.starts import states_by_name
 from liepoisson.phase_space._checks import as_energy, as_system
@@ -30,6 +30,7 @@ _GUESSES = 8
 """Random guesses that are tried before a leaf or an energy is given up."""
 
 
+@explains_its_methods
 @dataclass(frozen=True, repr=False)
 class Start(ReadOnlyArrays):
     """A state with its leaf and energy, and how it was found.

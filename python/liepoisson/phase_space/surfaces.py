@@ -42,6 +42,7 @@ _FREQUENT = 1e-3
 _TRY = "Try another energy or surface, or give a start."
 
 
+@explains_its_arguments
 def good_surface(system: System) -> str:
     r"""The surface $a\cdot(\alpha\times\beta) = 0$ of a top with two fields, where $\ell\cdot\beta$ is extremal.
 

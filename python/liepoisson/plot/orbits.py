@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.plot.labels import label, name_of_system, plain, symbol
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTED, SECOND_FIELD, SEQUENCE, house_style
@@ -39,6 +40,7 @@ class OrbitLike(Protocol):
     def state(self) -> Any: ...  # noqa: D102
 
 
+@explains_its_arguments
 def orbit(
     run: OrbitLike,
     *,

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.plot.labels import label, name_of_system, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
@@ -42,6 +43,7 @@ class SectionLike(Protocol):
     def sign(self) -> Any: ...  # noqa: D102
 
 
+@explains_its_arguments
 def section(
     points: SectionLike,
     x: str | ArrayLike | None = None,

@@ -18,6 +18,7 @@ import numpy as np
 
 from liepoisson import __version__
 from liepoisson.arrays import as_array
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
 from liepoisson.exact.names import check_name
 from liepoisson.exact.system_file_reader import parse_system_file
@@ -48,6 +49,7 @@ COMPONENT = re.compile(r"(.*?)_?([1-9][0-9]?)")
 _DOTTED = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*")
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Axis:
     """A named list of values over which a sweep runs.
@@ -111,6 +113,7 @@ def _ends(name: str, start: float, stop: float) -> tuple[float, float]:
     return ends
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Starts:
     r"""Where the orbits of a point of the grid start, from the same random numbers at every point.
@@ -152,6 +155,7 @@ class Starts:
         object.__setattr__(self, "casimirs", _owned(self.casimirs))
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Refinement:
     """Where a sweep looks closer: cells whose corners differ are halved, level by level.
@@ -173,6 +177,7 @@ class Refinement:
             raise ParameterError(f"refine difference: wanted a positive number; got {self.difference}; try 0.1")
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class SweepSpec:
     """Everything that determines the numbers of a sweep.
