@@ -3,7 +3,7 @@
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import SystemFileError, UnknownNameError, did_you_mean
+from liepoisson.errors import MissingFileError, UnknownNameError, did_you_mean
 
 
 def test_the_nearest_name_is_asked_for_whatever_the_case_of_its_letters():
@@ -19,8 +19,8 @@ def test_the_nearest_name_is_asked_for_whatever_the_case_of_its_letters():
         (lambda: lp.catalog.system("Kovalevskaia"), UnknownNameError, "Did you mean kovalevskaya"),
         (lambda: lp.sample_states(lp.Top.kovalevskaya(), 1, ensemble="cubes"), UnknownNameError, "Did you mean cube"),
         (lambda: lp.sweeps.Starts(ensemble="gausian"), UnknownNameError, "Did you mean gaussian"),
-        (lambda: lp.read_system("gyrostat"), SystemFileError, r'lp\.catalog\.system\("gyrostat"\)'),
-        (lambda: lp.read_system("gyrostat.toml"), SystemFileError, r"Check the path\.$"),
+        (lambda: lp.read_system("gyrostat"), MissingFileError, r'lp\.catalog\.system\("gyrostat"\)'),
+        (lambda: lp.read_system("gyrostat.toml"), MissingFileError, r"Check the path\.$"),
         (
             lambda: lp.System(lp.Bracket(lp.algebras.se(3), lp.extensions.trivial()), "lt4 + dot(l, l)"),
             lp.errors.ExpressionError,
@@ -59,6 +59,20 @@ TOP = lp.Top.kovalevskaya()
         (lambda: lp.integrate(lp.so(3), [1], t_end=1), r"write System\(algebra @ trivial\(\), hamiltonian\)"),
         (lambda: lp.integrate("kovalevskaya", [1], t_end=1), r"catalog\.system"),
         (lambda: lp.integrate(lp.Top, [1], t_end=1), "call it to make one"),
+        (lambda: lp.inspect(TOP.field()), "a field does not know its bracket"),
+        (lambda: lp.inspect(TWO_FIELDS), r"write System\(bracket, hamiltonian\)"),
+        (lambda: lp.inspect(3), "wanted a system"),
+        (lambda: lp.trivial() @ lp.so(3), r"write algebra @ extension, as in so\(3\) @ trivial\(\)"),
+        (lambda: lp.so(3) @ lp.so(3), r"extension: wanted an Extension; got so\(3\); try leibniz"),
+        (lambda: lp.Bracket("so(3)", lp.trivial()), r"algebra: wanted a LieAlgebra; got 'so\(3\)'; try so\(3\)"),
+        (lambda: lp.so(3) + 3, "wanted a Lie algebra to add; got 3"),
+        (lambda: lp.trivial() + 3, "wanted an extension to add; got 3"),
+        (lambda: TWO_FIELDS.substitute(3), "values: wanted a mapping from names to values; got 3"),
+        (lambda: lp.sections.good_surface(3), "wanted a system"),
+        (lambda: lp.sections.section_starts(3, "l1", energy=1, n_starts=2), "leaf: wanted a Leaf; got 3"),
+        (lambda: lp.sections.default_surface(TOP), "leaf: wanted a Leaf"),
+        (lambda: lp.plot.orbit(3), "wanted what integrate returns; got 3"),
+        (lambda: lp.plot.section(3), "wanted what section returns; got 3"),
     ],
 )
 def test_a_wrong_call_is_told_what_to_write(call, message):

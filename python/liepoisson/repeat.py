@@ -61,7 +61,8 @@ def load(path: str | Path, *, verify: bool = True) -> Any:
         An object of the class that was saved; its `dataset` is the labelled dataset of the file.
 
     Raises:
-        DamagedFileError: There is no such file; it is truncated, damaged or changed; or liepoisson did not write it.
+        MissingFileError: There is no such file.
+        DamagedFileError: It is truncated, damaged or changed; or liepoisson did not write it.
     """
     if _is_folder(path):
         from liepoisson.sweeps.run import read_sweep

@@ -77,7 +77,8 @@ class Top(System):
             epsilon=read_parameter(epsilon, "epsilon"),
         )
         self._top = top
-        super().__init__(so(3) @ leibniz(3, top.epsilon), top.hamiltonian, name=name or _default_name(top))
+        name = _default_name(top) if name is None else name
+        super().__init__(so(3) @ leibniz(3, top.epsilon), top.hamiltonian, name=name)
         self.bracket.check_parameter_names(top.symbols)
 
     @property

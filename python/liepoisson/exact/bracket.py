@@ -15,7 +15,7 @@ from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.constant_part import read_constant, with_linear_part_at
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.names import check_name, check_not_reserved
+from liepoisson.exact.names import check_name, check_not_reserved, check_title
 from liepoisson.exact.parameters import (
     Column,
     Parameter,
@@ -25,6 +25,7 @@ from liepoisson.exact.parameters import (
     symbols_of,
 )
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -96,7 +97,7 @@ class Bracket:
             raise BracketError(f"coordinates must have distinct names; got {sorted(names)}. Rename the fields.")
         _check_field_names(self.field_names, names - self._scalars)
         self.constant: dict[tuple[int, int], Exact] = read_constant(constant, self.coordinate_names_in_order)
-        self._name = name
+        self._name = name if name is None else check_title(name, "the name of a bracket", None)
         self.check_parameter_names(self.symbols)
         if self.constant and check:
             from liepoisson.exact.certificates import check_cocycle
@@ -389,7 +390,13 @@ class Bracket:
         return scalings(self)
 
     def substitute(self, values: Mapping[str, Exact]) -> Bracket:
-        """The same bracket with values for some of its symbols."""
+        """The same bracket with values for some of its symbols.
+
+        Raises:
+            ParameterError: not a mapping from names to values.
+        """
+        if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
         algebra, extension = self.algebra.substitute(values), self.extension.substitute(values)
         if algebra is self.algebra and extension is self.extension and not self.symbols & set(values):
             return self
@@ -495,6 +502,5 @@ def _check_field_names(fields: tuple[str, ...], coordinates: set[str]) -> None:
 
 def _check_type(value: object, wanted: type, name: str, example: str) -> None:
     if not isinstance(value, wanted):
-        raise ParameterError(
-            f"{name} must be of type {wanted.__name__}; got one of type {type(value).__name__}. Try {example}."
-        )
+        article = "an" if wanted is Extension else "a"
+        raise not_a(f"{article} {wanted.__name__}", value, name, f"try {example}")

@@ -26,6 +26,7 @@ from liepoisson.exact.report.motion_facts import EquationFacts, HamiltonianFacts
 from liepoisson.exact.report.vector_notation import VectorNotation
 from liepoisson.exact.report.wrapping import wrapped
 from liepoisson.exact.styles import LATEX, LETTERS, NAMES, UNICODE, Style
+from liepoisson.wrong_values import not_a_system
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -103,7 +104,14 @@ def inspect(system: System) -> Report:
 
     Args:
         system: Any system, with or without values for its parameters.
+
+    Raises:
+        ParameterError: it is no system.
     """
+    from liepoisson.exact.system import System
+
+    if not isinstance(system, System):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise not_a_system(system)
     named, bracket = named_form(system), system.bracket
     notation = VectorNotation(bracket)
     topics: list[Topic] = []

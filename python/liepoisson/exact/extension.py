@@ -11,12 +11,14 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise, product
 from numbers import Integral
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, cast
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, substituted, symbols_of, to_sympy
 from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from liepoisson.exact.classification import Classification
@@ -98,7 +100,7 @@ class Extension:
     def _set(self, n: int, products: Products, name: str, field_names: Sequence[str] | None, *, check: bool) -> None:
         self.dimension = read_field_count(n)
         self.products = products
-        self.name = name
+        self.name: str = check_title(name, "the name of an extension", None)
         default = _FIELD_NAMES.get(n) or _numbered(n)
         self.field_names: tuple[str, ...] = read_names(field_names, "field_names", default)
         if len(self.field_names) != n:
@@ -150,13 +152,17 @@ class Extension:
         """
         return Extension.from_products(self.dimension, self.products, self.name, field_names, check=False)
 
+    def __matmul__(self, other: Any) -> NoReturn:
+        """Refused: a bracket has its Lie algebra first, `so(3) @ trivial()`."""
+        raise not_a("a Lie algebra before it", other, "@", "write algebra @ extension, as in so(3) @ trivial()")
+
     def __add__(self, other: Extension) -> Extension:
         """The direct sum A (+) B: products between the two vanish, and g (x) (A + B) = g (x) A + g (x) B.
 
         The fields keep their names when these are distinct.
         """
         if not isinstance(other, Extension):  # pyright: ignore[reportUnnecessaryIsInstance]
-            return NotImplemented
+            raise not_a("an extension to add", other, "+", "write for example trivial() + trivial()")
         n = self.dimension
         shifted = {(i + n, j + n): {k + n: value for k, value in row.items()} for (i, j), row in other.products.items()}
         names = (*self.field_names, *other.field_names)

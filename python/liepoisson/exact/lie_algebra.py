@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.exact.tensors import (
     Brackets,
@@ -24,6 +25,7 @@ from liepoisson.exact.tensors import (
     read_names,
     read_tensor,
 )
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -136,7 +138,7 @@ class LieAlgebra:
         self.brackets: Brackets = brackets
         self.family: MatrixFamily | None = None
         self.summands: tuple[LieAlgebra, ...] = ()
-        self.name: str = name
+        self.name: str = check_title(name, "the name of a Lie algebra", None)
         self.basis_names: tuple[str, ...] = read_names(basis_names, "basis_names", tuple(str(i + 1) for i in range(n)))
         if len(self.basis_names) != n:
             raise ShapeError(f"basis_names must be {n} names; got {len(self.basis_names)}. Give one per basis element.")
@@ -252,7 +254,7 @@ class LieAlgebra:
     def __add__(self, other: LieAlgebra) -> LieAlgebra:
         r"""The direct sum $g \oplus h$, the basis of g first."""
         if not isinstance(other, LieAlgebra):  # pyright: ignore[reportUnnecessaryIsInstance]
-            return NotImplemented
+            raise not_a("a Lie algebra to add", other, "+", "write for example so(3) + so(3)")
         n, m = self.dimension, other.dimension
         moved = {(i + n, j + n): {k + n: c for k, c in row.items()} for (i, j), row in other.brackets.items()}
         names = joined_names(self.basis_names, other.basis_names)

@@ -27,10 +27,11 @@ from liepoisson.exact.hamiltonian import (
     with_exact_numbers,
 )
 from liepoisson.exact.lie_algebra import LieAlgebra
+from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
 from liepoisson.exact.values import GivenValue, Value, flattened, read_values
 from liepoisson.field import Field, PiecesField, TapeFunction
-from liepoisson.wrong_values import not_a
+from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -39,6 +40,12 @@ if TYPE_CHECKING:
     from liepoisson.exact.top_parameters import TopParameters
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+def _check_source(source: object) -> str:
+    if not isinstance(source, str) or not source.strip() or any("\ud800" <= c <= "\udfff" for c in source):
+        raise ParameterError(f"source: wanted a text that says where the system is described; got {shown(source)}")
+    return source
 
 
 def _bracket_hint(given: Any) -> str:
@@ -117,8 +124,9 @@ class System:
         self._check_that_values_are_final()
         self.symbolic_bracket: Bracket = bracket
         self.bracket: Bracket = bracket.substitute(self.parameters) if self.parameters else bracket
-        self.name: str = name or ("Hamiltonian system" if bracket.constant else "Lie-Poisson system")
-        self.source: str | None = source
+        default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
+        self.name: str = default if name is None else check_title(name, "the name of a system")
+        self.source: str | None = source if source is None else _check_source(source)
         if isinstance(hamiltonian, str):
             _ = self.hamiltonian  # a text is checked at once, so that its errors come where it is written
 

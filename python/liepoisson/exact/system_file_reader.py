@@ -19,7 +19,7 @@ from liepoisson.exact.formula.grammar import MAX_DIGITS, parse
 from liepoisson.exact.formula.scope import Scope, read_declaration
 from liepoisson.exact.formula.toml_text import TomlText, UnreadableNumber, parse_toml, read_toml
 from liepoisson.exact.hamiltonian import RESERVED_NAME
-from liepoisson.exact.names import check_name
+from liepoisson.exact.names import MAX_TITLE, check_name
 from liepoisson.exact.parameters import Exact
 from liepoisson.exact.system_file import Integral, Reference, SystemFile
 from liepoisson.exact.values import Value
@@ -33,7 +33,6 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _MAX_LIST = 100_000
-_LONGEST_NAME = 200
 _KEYS: dict[str, tuple[str, ...]] = {
     "": (
         "name",
@@ -147,8 +146,8 @@ class _Reader:
     def name(self, given: object) -> str:
         """How the system is called: one line, of which every character can be written to files and terminals."""
         words = " ".join(self.text(("name",), given).split())
-        if len(words) > _LONGEST_NAME:
-            message = f"wanted at most {_LONGEST_NAME} characters; got {len(words)}. Put more into description."
+        if len(words) > MAX_TITLE:
+            message = f"wanted at most {MAX_TITLE} characters; got {len(words)}. Put more into description."
             raise self.toml.error(("name",), message)
         return "".join(c if c.isprintable() else "\ufffd" for c in words)
 

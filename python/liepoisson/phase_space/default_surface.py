@@ -8,7 +8,6 @@ import numpy as np
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
@@ -37,12 +36,9 @@ def default_surface(leaf: Leaf) -> str:
 def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     """The default surface, and the function whose rate vanishes there."""
     from liepoisson.exact.system_text import formula_text
-    from liepoisson.phase_space.leaf import Leaf
-    from liepoisson.phase_space.surfaces import good_surface
+    from liepoisson.phase_space.surfaces import as_leaf, good_surface
 
-    if not isinstance(leaf, Leaf):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"leaf: wanted a Leaf; got {shown(leaf)}; try Leaf.through(system, state)")
-
+    as_leaf(leaf)
     system, top = leaf.system, leaf.system.top_parameters
     if top is not None and any(float(a) for a in top.field().a) and leaf.is_regular and top.field().epsilon:
         return formula_text(system.expression(good_surface(system))), "-dot(l, beta)"

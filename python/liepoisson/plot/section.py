@@ -14,6 +14,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.plot.labels import label, name_of_system, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -83,6 +84,8 @@ def section(
             only and no choice of axes.
         ShapeError: values that are not one per crossing.
     """
+    if not hasattr(points, "state") or not hasattr(points, "sign"):
+        raise not_a("what section returns", points, "points", 'try section(system, starts, surface="l3", t_end=100)')
     x, y = _chosen(points, x, y)
     member, signs = _member(points), np.asarray(points.sign)
     values = [_values(points, name, len(member), which) for name, which in ((x, "x"), (y, "y"))]

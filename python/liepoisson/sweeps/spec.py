@@ -20,7 +20,7 @@ from liepoisson import __version__
 from liepoisson.arrays import as_array
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
-from liepoisson.exact.names import check_name
+from liepoisson.exact.names import check_name, check_title
 from liepoisson.exact.system_file_reader import parse_system_file
 from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
@@ -71,8 +71,8 @@ class Axis:
 
     def __post_init__(self) -> None:
         check_name(self.name, "the name of an axis")
-        if self.label is not None and not isinstance(self.label, str):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ParameterError(f"axis {self.name}: label: wanted a text; got {shown(self.label)}. Leave it out.")
+        if self.label is not None:
+            check_title(self.label, f"axis {self.name}: label")
         try:
             values = as_array(self.values, f"axis {self.name}")
         except ShapeError as error:
@@ -221,6 +221,8 @@ class SweepSpec:
 
     def __post_init__(self) -> None:
         self._check_types()
+        if self.name is not None:
+            check_title(self.name, "the name of a sweep")
         # Copies: what a caller does to its lists and arrays later is not what was asked.
         object.__setattr__(self, "axes", tuple(self.axes))
         object.__setattr__(self, "parameters", _owned(self.parameters))
