@@ -132,7 +132,7 @@ except OutputError as error:
 
 def test_a_name_that_no_file_can_have_is_refused():
     for name in ("x" * 300, "a\0b", 5, None):
-        with pytest.raises((ParameterError, MissingFileError), match="wanted (the name of )?a file"):
+        with pytest.raises((ParameterError, MissingFileError), match=r"wanted (the name of )?a file"):
             lp.load(name)
     with pytest.raises(ParameterError, match="wanted the name of a file; got 5"):
         lp.rerun(5)

@@ -408,6 +408,12 @@ class Bracket:
         definition = {"algebra": self.algebra, "extension": self.extension}
         return {**definition, "constant": self.constant, "_name": self._name}
 
+    def _repr_latex_(self) -> str | None:
+        """What a notebook shows: the Poisson tensor, up to 12 coordinates."""
+        from liepoisson.exact.describe import displayed_bracket
+
+        return displayed_bracket(self)
+
     def __repr__(self) -> str:
         if self._name is not None:
             return self._name

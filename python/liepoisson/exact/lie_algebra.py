@@ -269,6 +269,12 @@ class LieAlgebra:
 
         return Bracket(self, extension)
 
+    def _repr_latex_(self) -> str | None:
+        """What a notebook shows: the brackets of the basis, up to 12 of them."""
+        from liepoisson.exact.describe import displayed_algebra
+
+        return displayed_algebra(self)
+
     def __repr__(self) -> str:
         return self.name
 
