@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -16,7 +16,7 @@ import numpy as np
 from liepoisson import _core
 from liepoisson.calls import explains_its_arguments, level_of_the_caller
 from liepoisson.dataset import check_format, read_dataset, result_of, text_of
-from liepoisson.errors import DamagedFileError
+from liepoisson.errors import DamagedFileError, ParameterError
 from liepoisson.field import Field, field_of
 from liepoisson.numeric.methods import field_for
 from liepoisson.numeric.run import Run
@@ -110,6 +110,10 @@ def rerun(
             the limit of time.
     """
     given: Any = source
+    if (spec := _spec_of_table(source)) is not None:
+        from liepoisson.sweeps.run import sweep
+
+        return sweep(spec, threads=threads, progress=progress)
     if not isinstance(source, Result):
         given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
@@ -146,6 +150,25 @@ def _is_folder(path: Any) -> bool:
         return isinstance(path, (str, Path)) and Path(path).is_dir()
     except (ValueError, OSError):  # a name that no file can have
         return False
+
+
+def _spec_of_table(source: Any) -> Any:
+    """The spec that the dataset of a sweep has as text: a table of its grid, and not the record that a file is."""
+    attributes: Any = getattr(source, "attrs", None)
+    if not isinstance(attributes, Mapping) or "spec" not in attributes or "format" in attributes:
+        return None
+    from liepoisson.sweeps.spec import SweepSpec
+
+    try:
+        record, description = (json.loads(attributes[name]) for name in ("spec", "description"))
+        return SweepSpec.of_record(record, description)
+    except ParameterError:
+        raise
+    except Exception as error:  # records that were altered fail in many ways
+        raise DamagedFileError(
+            f"the dataset does not record a sweep that can be repeated: {error!r:.200} is missing or altered; repeat "
+            "the sweep or its file"
+        ) from error
 
 
 def _recorded(source: str | Path | Dataset) -> Any:

@@ -120,7 +120,9 @@ class Top(System):
     def kovalevskaya(cls, epsilon: Parameter = 0) -> Top:
         """The Kovalevskaya top, I = (2, 2, 1), a = (-1, 0, 0); twisted when epsilon is not zero.
 
-        Kovalevskaya's condition is I1 = I2 = 2 I3; the paper prints "I3 = 2 I1", a misprint.
+        Kovalevskaya's condition is I1 = I2 = 2 I3; the paper prints "I3 = 2 I1", a misprint.  Like every `Top` it has
+        the nine components l, alpha, beta, and C1 = |alpha|^2; `catalog.system("kovalevskaya")` has six, without beta,
+        and C1 = l.alpha.
         """
         strength = read_parameter(epsilon, "epsilon")
         name = "Kovalevskaya top" if is_zero(strength) else "twisted Kovalevskaya top"
