@@ -19,7 +19,7 @@ from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
-from liepoisson.numeric.starts import Starts, as_starts, as_states, as_times
+from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
 from liepoisson.numeric.systems import HasField, as_field, has_functions
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
@@ -99,7 +99,7 @@ class Alignment(Run):
 @shows_progress
 def alignment(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     t_end: float | None = None,
     times: ArrayLike | None = None,

@@ -26,7 +26,7 @@ from liepoisson.numeric.alignment import as_positive_time
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.progress import part_of
-from liepoisson.numeric.starts import Starts, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
@@ -44,7 +44,7 @@ _ROUND_OFF = 1e-10
 
 def average_drift(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     t_end: float,
     natural_time: ArrayLike,

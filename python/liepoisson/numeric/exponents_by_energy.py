@@ -148,7 +148,7 @@ def exponents_by_energy(
 ) -> EnergyProfile:
     r"""Mean exponent, and the chaotic and the undecided share, at each energy of a leaf.
 
-    Starts have the microcanonical measure, which the flow preserves: the fraction of chaotic starts estimates the
+    StartsLike have the microcanonical measure, which the flow preserves: the fraction of chaotic starts estimates the
     chaotic share of the energy surface.  Each orbit is judged by `decide`, whose docstring says what it cannot see;
     what it leaves undecided is counted by itself.  The same seed is used at each energy.
 
@@ -156,7 +156,7 @@ def exponents_by_energy(
         system: The system.
         leaf: The leaf, a `Leaf` of the system: of the same one, or of one with the same bracket and field.
         energies: Values of the Hamiltonian, shape (energy,); `leaf.energy_range()` tells which occur.
-        n_starts: Starts at each energy, at most 10,000,000.
+        n_starts: StartsLike at each energy, at most 10,000,000.
         t_end: Time of the exponents, positive.
         rule: Other thresholds than those of `decide`.
         seed: Draws starts and tangent vectors.

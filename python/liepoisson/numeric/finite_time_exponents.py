@@ -17,7 +17,7 @@ from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories, typical
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
-from liepoisson.numeric.starts import Starts, as_starts, as_states, as_times
+from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
 from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
@@ -78,7 +78,7 @@ class FiniteTimeExponents(IntegratedRun):
 @shows_progress
 def finite_time_exponents(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     t_end: float | None = None,
     times: ArrayLike | None = None,

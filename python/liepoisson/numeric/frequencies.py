@@ -18,7 +18,7 @@ from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
-from liepoisson.numeric.starts import Starts, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
 from liepoisson.result import labelled, recorded
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
@@ -109,7 +109,7 @@ class FrequencyDrift(Run):
 @shows_progress
 def frequency_drift(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     observable: Observable,
     t_end: float,

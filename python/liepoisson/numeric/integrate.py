@@ -18,7 +18,7 @@ from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories
 from liepoisson.numeric.run import IntegratedRun, given
-from liepoisson.numeric.starts import Starts, as_starts, as_times
+from liepoisson.numeric.starts import StartsLike, as_starts, as_times
 from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.result import labelled, pieces
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
@@ -169,7 +169,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
 @shows_progress
 def integrate(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     times: ArrayLike | None = None,
     t_end: float | None = None,

@@ -19,7 +19,7 @@ from liepoisson.numeric.mean_error import mean_error, mean_interval, n_longest_b
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
-from liepoisson.numeric.starts import Starts, given_starts
+from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
 from liepoisson.numeric.time_scale import natural_duration, time_scale, zero_threshold
@@ -203,7 +203,7 @@ class ExponentEstimate(Run):
 @shows_progress
 def lyapunov_exponent(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     wanted_error: float | None = None,
     t_end: float | None = None,

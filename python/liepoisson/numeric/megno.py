@@ -19,7 +19,7 @@ from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
-from liepoisson.numeric.starts import Starts, as_starts, as_states
+from liepoisson.numeric.starts import StartsLike, as_starts, as_states
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_count, as_time_limit
@@ -80,7 +80,7 @@ class Megno(Run):
 @shows_progress
 def megno(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     t_end: float,
     n_samples: int = 4096,

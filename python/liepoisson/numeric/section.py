@@ -18,7 +18,7 @@ from liepoisson.field import TapeFunction
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, typical
 from liepoisson.numeric.run import IntegratedRun, Run, given
-from liepoisson.numeric.starts import Starts, as_starts, given_starts
+from liepoisson.numeric.starts import StartsLike, as_starts, given_starts
 from liepoisson.numeric.systems import (
     HasField,
     as_field,
@@ -121,7 +121,7 @@ class Section(IntegratedRun):
         direction: Which crossings were wanted: +1 where $s$ increases in the order of travel, -1 where it decreases,
             0 both.
         n_crossings: After how many a trajectory was ended, or None.
-        start: Starts, shape (trajectory, component).
+        start: StartsLike, shape (trajectory, component).
         t_end: Time at which a trajectory ended at the latest.
         crossing_trajectory: Trajectory of each crossing, shape (crossing,); `trajectory` for short.
         time: Its time, shape (crossing,).
@@ -331,7 +331,7 @@ def _share(part: Array, end_time: Array) -> float:
 @shows_progress
 def section(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     surface: Function | TapeFunction,
     t_end: float,
@@ -458,7 +458,7 @@ def section(
 @shows_progress
 def first_return(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     surface: Function | TapeFunction,
     t_end: float,

@@ -19,7 +19,7 @@ from liepoisson.numeric.methods import Method
 from liepoisson.numeric.outcomes import trajectories
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.spectrum_check import SpectrumResiduals, check_lines, spectrum_residuals
-from liepoisson.numeric.starts import Starts, given_starts
+from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.structural_zeros import PoissonStructure, poisson_structure
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
@@ -158,7 +158,7 @@ def _errors(rates: Array, finished: NDArray[np.bool_]) -> Array:
 @shows_progress
 def lyapunov_spectrum(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     t_end: float,
     interval: float | None = None,

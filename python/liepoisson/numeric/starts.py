@@ -12,11 +12,11 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.errors import ParameterError, ShapeError, did_you_mean
 from liepoisson.numeric.systems import as_field, component_names, vector_length
 
-Starts: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"
+StartsLike: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"
 """States as arrays, or by the names of vectors and components, the others being zero."""
 
 
-def as_starts(system: Any, starts: Starts, n_components: int) -> Array:
+def as_starts(system: Any, starts: StartsLike, n_components: int) -> Array:
     """A copy of the starts of a run, shape (trajectory, component).
 
     Raises:
@@ -27,7 +27,7 @@ def as_starts(system: Any, starts: Starts, n_components: int) -> Array:
     return as_states(given_starts(system, starts), n_components, names=names, some_may_fail=True)
 
 
-def given_starts(system: Any, starts: Starts, name: str = "starts") -> Array:
+def given_starts(system: Any, starts: StartsLike, name: str = "starts") -> Array:
     """A copy of states as they were given, those that were given by name with all their components.
 
     `{"l": (1, 0, 0), "beta3": "1/3"}` is one state, and many if a component has many values or a vector many rows;

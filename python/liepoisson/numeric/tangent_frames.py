@@ -22,7 +22,7 @@ from liepoisson.field import Field
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.sampling import BLOCK, as_first, as_seed, sample_tangents
-from liepoisson.numeric.starts import Starts, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.scalars import as_count, as_number, as_threads, as_time_limit
 from liepoisson.streams import Purpose, stream
@@ -57,7 +57,7 @@ class TangentFrames:
     def __init__(
         self,
         system: HasField,
-        starts: Starts,
+        starts: StartsLike,
         *,
         n_vectors: int | None = None,
         seed: int = 0,

@@ -25,7 +25,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import Method, Taylor
-from liepoisson.numeric.starts import Starts, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
@@ -52,7 +52,7 @@ _NO_UNIT = 1e-6
 @explains_its_arguments
 def time_scale(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     method: Method | None = None,
     threads: int | None = None,
@@ -98,7 +98,7 @@ class OrbitUnits(NamedTuple):
 @np.errstate(all="ignore")  # what overflows or vanishes has no unit, which is said by NaN or infinity
 def orbit_units(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     method: Method | None = None,
     threads: int | None = None,

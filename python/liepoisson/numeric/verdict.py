@@ -27,7 +27,7 @@ from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
-from liepoisson.numeric.starts import Starts, given_starts
+from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.time_scale import orbit_units, unit_of_time
 from liepoisson.result import labelled, recorded
@@ -204,7 +204,7 @@ class Verdict(Run):
 @shows_progress
 def decide(
     system: HasField,
-    starts: Starts,
+    starts: StartsLike,
     *,
     t_end: float | None = None,
     seed: int = 0,

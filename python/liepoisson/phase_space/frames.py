@@ -27,7 +27,7 @@ from liepoisson.exact.system import System
 from liepoisson.field import Field
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants
-from liepoisson.numeric.starts import Starts, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT
 from liepoisson.wrong_values import not_a_system, shown
@@ -168,7 +168,7 @@ def extent(n: int, outcome: NDArray[np.str_]) -> str:
 @shows_progress
 def attitude(
     system: System,
-    starts: Starts,
+    starts: StartsLike,
     *,
     times: ArrayLike,
     attitude: str | ArrayLike | None = None,

@@ -28,7 +28,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.starts import Starts, as_starts
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number
@@ -123,7 +123,7 @@ class Rod(Result):
 @shows_progress
 def rod(
     system: System,
-    starts: Starts,
+    starts: StartsLike,
     *,
     length: float | None = None,
     n_points: int = _POINTS,
