@@ -148,7 +148,7 @@ def exponents_by_energy(
 ) -> EnergyProfile:
     r"""Mean exponent, and the chaotic and the undecided share, at each energy of a leaf.
 
-    StartsLike have the microcanonical measure, which the flow preserves: the fraction of chaotic starts estimates the
+    Starts have the microcanonical measure, which the flow preserves: the fraction of chaotic starts estimates the
     chaotic share of the energy surface.  Each orbit is judged by `decide`, whose docstring says what it cannot see;
     what it leaves undecided is counted by itself.  The same seed is used at each energy.
 

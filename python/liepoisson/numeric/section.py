@@ -121,7 +121,7 @@ class Section(IntegratedRun):
         direction: Which crossings were wanted: +1 where $s$ increases in the order of travel, -1 where it decreases,
             0 both.
         n_crossings: After how many a trajectory was ended, or None.
-        start: StartsLike, shape (trajectory, component).
+        start: Starts, shape (trajectory, component).
         t_end: Time at which a trajectory ended at the latest.
         crossing_trajectory: Trajectory of each crossing, shape (crossing,); `trajectory` for short.
         time: Its time, shape (crossing,).
