@@ -29,6 +29,10 @@ class Top(System):
     epsilon = 0 is the charged heavy top; b = 0 the uncharged one.  SymPy is imported only when an expression is asked
     for, or when a parameter is symbolic.
 
+    Example:
+        >>> lp.Top(inertia=(2, 2, 1), a=(-1, 0, 0), epsilon="1/3")
+        <System 'twisted top' on so(3) ⊗ Leibniz(3, epsilon = 1/3)>
+
     Args:
         inertia: Principal moments (I1, I2, I3), positive.
         a: Centre of mass, which couples to alpha.

@@ -55,6 +55,11 @@ class Bracket:
     must be a 2-cocycle, $c([x, y], z) + c([y, z], x) + c([z, x], y) = 0$, which is decided exactly.  Canonical brackets
     (`liepoisson.exact.canonical_bracket`) consist of it alone.
 
+    Example:
+        >>> bracket = lp.so(3) @ lp.leibniz(3, "epsilon")
+        >>> bracket.casimirs()[0]
+        alpha1**2 + alpha2**2 + alpha3**2 + 2*beta1*epsilon*l1 + 2*beta2*epsilon*l2 + 2*beta3*epsilon*l3
+
     Args:
         algebra: The Lie algebra g.
         extension: The commutative algebra A.

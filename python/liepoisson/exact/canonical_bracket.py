@@ -30,6 +30,13 @@ def canonical(
     Without names there are two vectors, q with the components q1, ..., qn and p with p1, ..., pn.  With names each
     coordinate and each momentum is a scalar of its own.
 
+    Example:
+        >>> bracket = lp.canonical(2)
+        >>> bracket.coordinate_names_in_order
+        ('q1', 'q2', 'p1', 'p2')
+        >>> bracket(*bracket.variables[::2])
+        1
+
     Args:
         n: Degrees of freedom, 1 to 100; may be left out where names are given.
         names: Names of the coordinates.

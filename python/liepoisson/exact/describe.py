@@ -112,6 +112,11 @@ class Report:
 def inspect(system: System) -> Report:
     """Everything that the exact wing finds out about a system; each proof is computed now.
 
+    Example:
+        >>> report = lp.inspect(lp.catalog.system("free-rigid-body"))
+        >>> report.name, report.failed
+        ('free-rigid-body', ())
+
     Args:
         system: Any system, with or without values for its parameters.
 
@@ -199,7 +204,8 @@ def displayed_bracket(bracket: Bracket) -> str | None:
     """The Poisson tensor of a bracket in LaTeX, by the coordinates; None where it is too large to be read."""
     if bracket.dimension > MOST_SHOWN:
         return None
-    notation, tensor = VectorNotation(bracket), bracket.poisson_tensor()
+    notation = VectorNotation(bracket)
+    tensor: Any = bracket.poisson_tensor()
     rows = [
         " & ".join(notation.formula(tensor[i, j]).write(LATEX) for j in range(bracket.dimension))
         for i in range(bracket.dimension)

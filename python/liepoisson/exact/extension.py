@@ -40,6 +40,10 @@ _FIELD_NAMES = {1: ("l",), 2: ("l", "alpha"), 3: ("l", "alpha", "beta")}
 class Extension:
     r"""A commutative associative algebra A by its tensor, $e_\mu e_\nu = \sum_\lambda W_\lambda{}^{\mu\nu} e_\lambda$.
 
+    Example:
+        >>> lp.Extension([[[1, 0], [0, 0]], [[0, 1], [1, 0]]]).field_names
+        ('l', 'alpha')
+
     Args:
         tensor: `W[lam][mu][nu]`, exact, shape (n, n, n).
         name: How it is printed.

@@ -44,6 +44,11 @@ _NAME_PART = re.compile(r"[A-Za-z_0-9]{1,100}")
 class LieAlgebra:
     r"""A finite-dimensional Lie algebra, $[e_i, e_j] = c_{ij}^k e_k$.
 
+    Example:
+        >>> so3 = lp.LieAlgebra.from_brackets(3, {(0, 1): {2: 1}, (1, 2): {0: 1}, (0, 2): {1: -1}})
+        >>> so3.is_semisimple
+        True
+
     Args:
         structure_constants: `c[i][j][k]`, exact, shape (n, n, n).
         name: How it is printed.

@@ -78,6 +78,13 @@ class AsGiven(NamedTuple):
 class System:
     r"""A Lie-Poisson system, $\dot x = \{x, H\} = J(x) \nabla H(x)$.
 
+    Example:
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + alpha3", {"I": [2, 2, 1]})
+        >>> list(top.invariants)
+        ['H', 'C1', 'C2']
+        >>> top.vector_field([1, 0, 1, 0, 0, 1]).tolist()
+        [0.0, -0.5, 0.0, 0.0, 0.5, 0.0]
+
     Args:
         bracket: The Lie-Poisson bracket.
         hamiltonian: A text such as `"dot(l, inv(I)*l)/2 + dot(a, alpha)"` (see `liepoisson.exact.expression`), a SymPy

@@ -99,6 +99,11 @@ def finite_time_exponents(
     $\lambda(t)$ is a finite-time value, biased upwards: it falls like $\ln t/t$ on a regular orbit, and on a chaotic
     one approaches its limit like $1/\sqrt t$ or more slowly; `finite_time_fit` estimates the limit of an ensemble.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> lp.finite_time_exponents(top, lp.sample_states(top, 4, seed=1), t_end=200)
+        <FiniteTimeExponents of twisted Kovalevskaya top: 4 trajectories, median exponent 0.1326 at t = 200>
+
     Args:
         system: The system.
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite

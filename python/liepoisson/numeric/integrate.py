@@ -183,6 +183,13 @@ def integrate(
 ) -> Orbit:
     r"""Trajectories $\dot x = J(x)\nabla H(x)$ and their tangent vectors $\dot v = D(J\nabla H)(x)\,v$.
 
+    Example:
+        >>> orbit = lp.integrate(lp.Top.kovalevskaya(), {"l": (1, 0, 1), "alpha3": 1}, t_end=100)
+        >>> orbit
+        <Orbit of Kovalevskaya top: 1 trajectory, 1001 times, t = 0 to 100>
+        >>> bool(orbit.drift["H"].max() < 1e-13)
+        True
+
     Args:
         system: What is integrated.
         starts: States at the first time, shape (component,) or (trajectory, component), dimensionless; or vectors and

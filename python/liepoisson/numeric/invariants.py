@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.arrays import Array, read_only
 from liepoisson.errors import ParameterError
@@ -49,11 +50,11 @@ class KeepsInvariants:
         Raises:
             ParameterError: The system is only a field, which knows no invariants.
         """
-        reached = np.isfinite(self.state).all(axis=-1)
+        reached: NDArray[np.bool_] = np.asarray(np.isfinite(self.state).all(axis=-1))
         return {name: read_only(_largest_change(values, reached)) for name, values in self.invariants.items()}
 
 
-def _largest_change(values: Array, reached: Array) -> Array:
+def _largest_change(values: Array, reached: NDArray[np.bool_]) -> Array:
     """Along the last axis, where a time was reached; an invariant that has no value there is NaN."""
     with np.errstate(all="ignore"):  # infinity less infinity
         change = np.abs(values - values[..., :1])

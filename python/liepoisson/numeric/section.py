@@ -367,6 +367,12 @@ def section(
     `time_limit` ends it sooner.  Errors
     that accumulate from step to step are those of `integrate`.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> crossings = lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", t_end=100, direction=1)
+        >>> print(crossings)
+        henon-heiles: 16 crossings of x = 0, 1 orbit
+
     Args:
         system: What is integrated.
         starts: States at time 0, shape (component,) or (trajectory, component).

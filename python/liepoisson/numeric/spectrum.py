@@ -185,6 +185,12 @@ def lyapunov_spectrum(
     Finite-time values are biased by some $\ln(t/T)/t$, as the vectors of the zeros grow like powers of time; T is the
     `time_scale` of the orbit.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> spectrum = lp.lyapunov_spectrum(top, lp.sample_states(top, 1, seed=1), t_end=200)
+        >>> spectrum.end_exponent.shape
+        (1, 9)
+
     Args:
         system: The system.
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.

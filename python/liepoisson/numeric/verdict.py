@@ -238,6 +238,11 @@ def decide(
     of docs/chaos.md, at the price of many "undecided" ones.  An unstable periodic orbit or equilibrium of an integrable
     system is "chaotic" though no neighbour of it is; so is any orbit on which the tangent vectors grow exponentially.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> print(lp.decide(top, lp.sample_states(top, 3, seed=1), t_end=1000))
+        0 regular, 3 chaotic, 0 undecided  (twisted Kovalevskaya top, t = 1000)
+
     Args:
         system: The system.
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite

@@ -68,6 +68,11 @@ def equilibria(
     family, with the spectrum of one member; `family` says what it is. The search tells two families of the same
     energy apart by looking for a path of equilibria from one to the other.
 
+    Example:
+        >>> system = lp.catalog.system("lagrange")
+        >>> len(lp.equilibria(system, lp.Leaf(system, {"C1": "1/5", "C2": 1})))
+        2
+
     Args:
         system: A system whose parameters are all numbers.
         leaf: The leaf, or the values of the Casimirs by name.

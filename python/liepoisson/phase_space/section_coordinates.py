@@ -47,7 +47,7 @@ def dimension_of_section(run: Section) -> int | None:
 
 def fold(run: Section, x: Any, y: Any) -> bool:
     """`is_folded` of the states of a section."""
-    return is_folded(run.system, run.state, run.surface, x, y)
+    return is_folded(as_system(run.system), run.state, run.surface, x, y)
 
 
 @np.errstate(all="ignore")

@@ -67,6 +67,11 @@ def find_start(
     Newton steps of minimum norm.  Without both, the guess is member 0 of `sample_states(system, ..., seed=seed)`, or
     the first member that can be moved.
 
+    Example:
+        >>> start = lp.phase_space.find_start(lp.Top.kovalevskaya(), leaf={"C1": 1, "C2": 0}, energy=1)
+        >>> round(start.energy, 12)
+        1.0
+
     Args:
         system: A system whose parameters are all numbers.
         start: The state: all components, or some vectors and components by name, the others being zero, as in

@@ -59,6 +59,11 @@ def sweep(
 
     The numbers depend on the spec only: not on threads, workers, pieces, or on how often the sweep was interrupted.
 
+    Example:
+        >>> lp.sweep(system="twisted-top", parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
+        ...     axes={"epsilon": [0, 0.5, 1]}, n_starts=4, t_end=50)
+        <Sweep over epsilon (3): 3 points, 4 orbits each, t = 50>
+
     Args:
         spec: What to compute: a `SweepSpec`, the path of a sweep file, or its tables; or leave it out and give the
             arguments of `SweepSpec` by name.
