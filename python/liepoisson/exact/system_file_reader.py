@@ -85,7 +85,8 @@ def read_system_file(path: str | Path) -> SystemFile:
         path: A TOML file in UTF-8, at most 1 MB.
 
     Raises:
-        SystemFileError: there is no such file, it is not TOML, or it does not describe a system; the message names the
+        MissingFileError: there is no such file.
+        SystemFileError: it is not TOML, or it does not describe a system; the message names the
             key, and the line where it can be found.
     """
     return read_tables(read_toml(path))
