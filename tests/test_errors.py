@@ -72,6 +72,11 @@ TOP = lp.Top.kovalevskaya()
         (lambda: lp.sections.section_starts(3, "l1", energy=1, n_starts=2), "leaf: wanted a Leaf; got 3"),
         (lambda: lp.sections.default_surface(TOP), "leaf: wanted a Leaf"),
         (lambda: lp.plot.orbit(3), "wanted what integrate returns; got 3"),
+        (lambda: lp.so(3).substitute(3), "values: wanted a mapping"),
+        (lambda: lp.trivial().substitute(3), "values: wanted a mapping"),
+        (lambda: lp.plot.convergence(3), "got 3, which has no 'exponent'; convergence wants another kind of thing"),
+        (lambda: lp.orbits.chart_orbit(3, [1] * 9, times=[0, 1]), "chart: got 3, which has no 'system'"),
+        (lambda: lp.algebras.semidirect_sum(3, [[[1]]]), "got 3, which has no 'dimension'"),
         (lambda: lp.plot.section(3), "wanted what section returns; got 3"),
     ],
 )

@@ -69,8 +69,21 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:  # from inside the function
                 raise
             raise ParameterError(_explanation(function, args, options, error)) from None
+        except AttributeError as error:
+            if (name := _argument_that_is(error.obj, function, args, options)) is None:
+                raise
+            raise ParameterError(
+                f"{name}: got {shown(error.obj)}, which has no {error.name!r}; {function.__qualname__} wants "
+                "another kind of thing: see its docstring"
+            ) from error
 
     return called
+
+
+def _argument_that_is(value: Any, function: Callable[..., Any], args: Any, options: dict[str, Any]) -> str | None:
+    """The name of the argument that is this very object, but for the object of a method; None if there is none."""
+    given = inspect.signature(function).bind(*args, **options).arguments
+    return next((name for name, one in given.items() if one is value and name not in _BOUND), None)
 
 
 def explains_its_methods(cls: C) -> C:

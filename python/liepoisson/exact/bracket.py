@@ -400,8 +400,6 @@ class Bracket:
         Raises:
             ParameterError: not a mapping from names to values.
         """
-        if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
         algebra, extension = self.algebra.substitute(values), self.extension.substitute(values)
         if algebra is self.algebra and extension is self.extension and not self.symbols & set(values):
             return self

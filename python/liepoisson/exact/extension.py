@@ -138,7 +138,13 @@ class Extension:
         return {name for row in self.products.values() for value in row.values() for name in symbols_of(value)}
 
     def substitute(self, values: Mapping[str, Exact]) -> Extension:
-        """The same extension with values for some of its symbols."""
+        """The same extension with values for some of its symbols.
+
+        Raises:
+            ParameterError: not a mapping from names to values.
+        """
+        if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
         if not self.symbols & set(values):
             return self
         products = {

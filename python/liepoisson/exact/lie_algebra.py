@@ -177,7 +177,13 @@ class LieAlgebra:
         return {name for value in self._values for name in symbols_of(value)}
 
     def substitute(self, values: Mapping[str, Exact]) -> LieAlgebra:
-        """The same algebra with values for some of its symbols."""
+        """The same algebra with values for some of its symbols.
+
+        Raises:
+            ParameterError: not a mapping from names to values.
+        """
+        if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
         if not self.symbols & set(values):
             return self
         changed = {value: substituted(value, values) for value in self._values}
