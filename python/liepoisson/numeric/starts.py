@@ -113,7 +113,7 @@ def as_states(
         hint = " Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else ""
         raise ShapeError(
             f"{name} must have shape ({n_components},) or (trajectory, {n_components}); got shape {states.shape}."
-            f"{hint}{_component_hint(names)}"
+            f"{hint or _component_hint(names)}"
         )
     states = np.atleast_2d(states)
     bad = ~np.isfinite(states).all(axis=1)
