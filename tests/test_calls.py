@@ -3,6 +3,7 @@
 import inspect
 import io
 import threading
+from types import ModuleType
 
 import pytest
 
@@ -25,7 +26,10 @@ X = lp.sample_states(TOP, 2, seed=1)
         (lambda: lp.section(TOP, X), "section must have surface and t_end; write section"),
         (lambda: lp.section(TOP, X, surfaces="l3", t_end=1), r"Did you mean surface\?"),
         (lambda: lp.lyapunov_exponent(TOP, X, t=100), r"Write t_end\."),
-        (lambda: lp.decide(TOP, X), r"decide must have t_end; write decide\(system, starts, t_end=\.\.\.\)"),
+        (
+            lambda: lp.lyapunov_spectrum(TOP, X),
+            r"must have t_end; write lyapunov_spectrum\(system, starts, t_end=\.\.\.\)",
+        ),
         (lambda: lp.sample_states(TOP, n=3), r"Write n_starts\."),
         (lambda: lp.Leaf(TOP), r"Leaf must have casimirs; write Leaf\(system, casimirs\)"),
         (lambda: lp.equilibria(TOP), "equilibria must have leaf"),
@@ -133,3 +137,90 @@ def test_the_bar_says_what_is_left(terminal, monkeypatch):
     now[0] = 60.0
     bar.draw(0.25)
     assert stream.getvalue() == "\rsection  25% [=====               ] 3:00 left"
+
+
+RUNS = {
+    "integrate": lambda **more: lp.integrate(TOP, X, t_end=1, **more),
+    "finite_time_exponents": lambda **more: lp.finite_time_exponents(TOP, X, t_end=1, **more),
+    "section": lambda **more: lp.section(TOP, X, surface="l1", t_end=1, **more),
+    "decide": lambda **more: lp.decide(TOP, X, t_end=20, **more),
+    "sweep": lambda **more: lp.sweep(
+        system="kovalevskaya",
+        axes={"energy": [1, 2, 3]},
+        refine={"levels": 2, "difference": 1e-9},
+        n_starts=2,
+        t_end=5,
+        points_per_piece=1,
+        threads=1,
+        **more,
+    ),
+}
+
+
+@pytest.mark.parametrize("run", RUNS.values(), ids=RUNS)
+def test_progress_is_a_fraction_that_rises_to_one(run):
+    heard = []
+    run(progress=heard.append)
+    assert heard == sorted(heard)
+    assert heard[0] >= 0
+    assert heard[-1] == 1
+    assert heard.count(1) == 1
+
+
+def test_a_refined_sweep_tells_of_each_level():
+    heard = []
+    RUNS["sweep"](progress=heard.append)
+    assert heard[:3] == pytest.approx([1 / 9, 2 / 9, 3 / 9])
+
+
+@pytest.mark.parametrize("run", RUNS.values(), ids=RUNS)
+@pytest.mark.parametrize("wrong", [True, False, 3, "bar"])
+def test_progress_that_is_no_function_is_refused(run, wrong):
+    with pytest.raises(lp.errors.ParameterError, match=r"progress: wanted a function of the fraction.*leave it out"):
+        run(progress=wrong)
+
+
+def public_callables():
+    """Functions and classes for users, by name; results are made by functions, and records by their class."""
+    chapters = {name: module for name in lp.__all__ if isinstance(module := getattr(lp, name), ModuleType)}
+    for chapter, module in {"": lp, **chapters}.items():
+        for name in module.__all__:
+            value = getattr(module, name)
+            if isinstance(value, ModuleType) or not callable(value) or chapter in {"errors", "results"}:
+                continue
+            if not (isinstance(value, type) and issubclass(value, (tuple, lp.results.Result))):
+                yield f"{chapter}.{name}".lstrip("."), value
+
+
+PUBLIC = dict(public_callables())
+
+
+@pytest.mark.parametrize("function", PUBLIC.values(), ids=PUBLIC)
+def test_every_public_function_explains_its_arguments(function):
+    with pytest.raises(ParameterError, match=r"no_such_argument|takes no argument"):
+        function(no_such_argument=1)
+
+
+BRACKET = lp.so(3) @ lp.semidirect(2)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: BRACKET("l1"), r"bracket must have g; write bracket\(f, g\)"),
+        (lambda: BRACKET.rename(names=("m", "p")), "Bracket.rename has no argument 'names'"),
+        (lambda: lp.LieAlgebra.from_brackets(3), r"must have brackets; write LieAlgebra\.from_brackets\(n, brackets\)"),
+        (lambda: lp.Leaf.through(TOP), r"must have state; write Leaf\.through\(system, state\)"),
+        (lambda: TOP.vector_field(X, 0.0), r"write Top\.vector_field|write System\.vector_field\(states\)"),
+        (lambda: lp.trivial(3), r"trivial takes nothing by place"),
+    ],
+)
+def test_methods_explain_their_arguments_too(call, words):
+    with pytest.raises(ParameterError, match=words):
+        call()
+
+
+def test_a_warning_points_to_the_line_of_the_user():
+    with pytest.warns(lp.errors.SurfaceWarning) as caught:
+        lp.section(TOP, [0, 0, 1, 0, 0, 0, 0, 0, 0], surface="l1", t_end=10)
+    assert {one.filename for one in caught} == {__file__}

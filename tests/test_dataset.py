@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import DamagedFileError, OutputError, ParameterError
+from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.numeric.systems import TOP_COMPONENTS
 from liepoisson.repeat import RUNS
 
@@ -68,7 +68,7 @@ def test_a_file_can_be_read_by_others(tmp_path):
 
 
 def test_missing_damaged_and_foreign_files_are_refused(tmp_path):
-    with pytest.raises(DamagedFileError, match="there is none of this name"):
+    with pytest.raises(MissingFileError, match="there is none of this name"):
         lp.load(tmp_path / "nothing.nc")
     path = growth().save(tmp_path / "growth.nc")
     whole = path.read_bytes()
@@ -132,9 +132,9 @@ except OutputError as error:
 
 def test_a_name_that_no_file_can_have_is_refused():
     for name in ("x" * 300, "a\0b", 5, None):
-        with pytest.raises(DamagedFileError):
+        with pytest.raises((ParameterError, MissingFileError), match=r"wanted (the name of )?a file"):
             lp.load(name)
-    with pytest.raises(DamagedFileError, match="wanted the name of a file; got 5"):
+    with pytest.raises(ParameterError, match="wanted the name of a file; got 5"):
         lp.rerun(5)
 
 
@@ -670,3 +670,16 @@ def test_wrong_calls_say_what_to_write(tmp_path):
     ):
         with pytest.raises(lp.errors.LiePoissonError):
             call()
+
+
+@pytest.mark.parametrize("read", [lp.load, lp.rerun])
+def test_a_file_that_does_not_exist_is_said_to_be_missing(read, tmp_path):
+    orbit = lp.integrate(lp.Top.kovalevskaya(), np.ones(9), times=[0, 1])
+    orbit.save(tmp_path / "orbit.nc")
+    with pytest.raises(FileNotFoundError, match=r"Did you mean orbit\.nc") as caught:
+        read(tmp_path / "orbits.nc")
+    assert isinstance(caught.value, lp.errors.LiePoissonError)
+    with pytest.raises(MissingFileError, match="Look at the name, and at the folder"):
+        read(tmp_path / "no" / "such.nc")
+    with pytest.raises(MissingFileError, match="there is no file"):
+        lp.read_system(tmp_path / "none.toml")

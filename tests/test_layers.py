@@ -18,7 +18,7 @@ import liepoisson
 ROOT = Path(liepoisson.__file__).parent
 
 ROOMS = (
-    {"errors", "arrays", "field", "files", "netcdf", "wrong_values", "calls", "scalars", "streams", "_lazy"},
+    {"errors", "arrays", "field", "files", "netcdf", "wrong_values", "display", "calls", "scalars", "streams", "_lazy"},
     {"result", "dataset"},
     {"exact", "numeric"},
     {"tops", "catalog"},
@@ -62,10 +62,12 @@ FACADES = {
     "result": {"dataset"},
     "exact.bracket": {
         "exact.automorphisms", "exact.casimirs", "exact.certificates", "exact.strata", "exact.trace_casimirs",
+        "exact.describe",
     },
-    "exact.lie_algebra": {"exact.bracket"},
+    "exact.lie_algebra": {"exact.bracket", "exact.describe"},
     "exact.extension": {"exact.classification"},
     "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
+    "numeric.section": {"phase_space.section_coordinates"},
     "phase_space.leaf": {"phase_space.leaf_sampling", "phase_space.leaf_search"},
 }  # fmt: skip
 """Methods and operators of a class that call functions of other files, which take objects of this class."""

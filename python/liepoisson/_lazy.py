@@ -48,14 +48,40 @@ def _unknown(module: str, name: str, names: list[str]) -> str:
         return message
     from liepoisson.errors import did_you_mean
 
-    for chapter in () if module != "liepoisson" else _chapters():
-        if name in dir(import_module(f"liepoisson.{chapter}")):
-            return f"{message}; it is liepoisson.{chapter}.{name}"
+    elsewhere = {
+        known: f"liepoisson.{chapter}.{known}" if chapter else f"liepoisson.{known}"
+        for chapter in (*reversed(_chapters()), "")  # the name of the top level comes first
+        if (full := f"liepoisson.{chapter}".rstrip(".")) != module
+        for known in import_module(full).__all__
+    }
+    if name in elsewhere:
+        return f"{message}; it is {elsewhere[name]}"
     hint = did_you_mean(name, names).strip()
+    if not hint and (far := did_you_mean(name, elsewhere).removeprefix("Did you mean ").removesuffix("? ")):
+        hint = f"Did you mean {elsewhere[far]}?"
     return f"{message}; {hint[0].lower()}{hint[1:]}" if hint else f"{message}; dir({module}) lists what it has"
 
 
+def unknown(module: str, names: list[str], instead: Callable[[str], str] | None = None) -> Callable[[str], object]:
+    """`__getattr__` of a chapter that imports its names at once: the error names the nearest one.
+
+    Args:
+        module: The module's `__name__`.
+        names: Its `__all__`.
+        instead: Gives what to write in place of a name that is something else, or nothing.
+    """
+
+    def load(name: str) -> object:
+        other = instead(name) if instead is not None and not name.startswith("_") else ""
+        raise AttributeError(
+            f"module {module!r} has no attribute {name!r}; write {other}" if other else _unknown(module, name, names)
+        )
+
+    return load
+
+
 def _chapters() -> list[str]:
-    return [file.stem for file in sorted(Path(__file__).parent.glob("*.pyi")) if not file.stem.startswith("_")] + [
-        file.parent.name for file in sorted(Path(__file__).parent.glob("*/__init__.pyi"))
-    ]
+    """All modules of names for users; those with a stub, and those that import their names at once."""
+    here = Path(__file__).parent
+    lazy = [file.stem for file in here.glob("*.pyi") if not file.stem.startswith("_")]
+    return sorted({*lazy, *(file.parent.name for file in here.glob("*/__init__.pyi")), "catalog", "errors", "plot"})

@@ -81,8 +81,14 @@ def _with_texts_read(given: NDArray[Any], name: str, *, written: bool) -> NDArra
 
 
 def read_only(array: NDArray[Any]) -> NDArray[Any]:
-    """A view of an array through which it cannot be changed."""
-    view = array.view()
+    """A view of an array through which it cannot be changed, nor be made writable again: a buffer that is read-only."""
+    try:
+        buffer: Any = array  # NumPy says that it is one from Python 3.12 on
+        view = np.asarray(memoryview(buffer).toreadonly())
+    except (ValueError, TypeError, BufferError):  # a kind of numbers that buffers do not know, such as dates
+        view = None
+    if view is None or view.dtype != array.dtype or view.shape != array.shape:
+        view = array.view()
     view.flags.writeable = False
     return view
 

@@ -16,9 +16,11 @@ from collections.abc import Callable
 from contextlib import suppress
 from contextvars import ContextVar
 from functools import wraps
+from types import FunctionType
 from typing import Any, ParamSpec, TypeVar
 
-from liepoisson.errors import ParameterError, did_you_mean
+from liepoisson.errors import ExpressionError, ParameterError, did_you_mean
+from liepoisson.wrong_values import shown
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -45,6 +47,12 @@ _WORDS = {
 }
 """What other packages call an argument, under our word for it."""
 
+_BOUND = {"self", "cls"}
+"""Parameters that Python fills in where a method is called."""
+
+_OURS = {"liepoisson", "contextlib", "numpy"}
+"""Packages whose frames are between a call and what it does: this one, and decorators that are in use here."""
+
 _inside: ContextVar[bool] = ContextVar("inside a run", default=False)
 
 
@@ -55,18 +63,39 @@ def explains_its_arguments(function: Callable[P, R]) -> Callable[P, R]:
     def called(*args: P.args, **options: P.kwargs) -> R:
         try:
             return function(*args, **options)
+        except ExpressionError as error:  # it says what is wrong and where; the frames of the parser say nothing more
+            raise error.with_traceback(None) from None
         except TypeError as error:
             if error.__traceback__ is None or error.__traceback__.tb_next is not None:  # from inside the function
                 raise
             raise ParameterError(_explanation(function, args, options, error)) from None
+        except AttributeError as error:
+            if (name := _argument_that_is(error.obj, function, args, options)) is None:
+                raise
+            raise ParameterError(
+                f"{name}: got {shown(error.obj)}, which has no {error.name!r}; {function.__qualname__} wants "
+                "another kind of thing: see its docstring"
+            ) from error
 
     return called
 
 
-def made_with_explained_arguments(cls: C) -> C:
-    """A class, such as a dataclass, that explains how it is made."""
-    init: Any = vars(cls)["__init__"]
-    setattr(cls, "__init__", explains_its_arguments(init))  # noqa: B010  # of a type that is not known here
+def _argument_that_is(value: Any, function: Callable[..., Any], args: Any, options: dict[str, Any]) -> str | None:
+    """The name of the argument that is this very object, but for the object of a method; None if there is none."""
+    given = inspect.signature(function).bind(*args, **options).arguments
+    return next((name for name, one in given.items() if one is value and name not in _BOUND), None)
+
+
+def explains_its_methods(cls: C) -> C:
+    """A class, such as a dataclass, that explains how it is made and how its methods are called."""
+    for name, found in list(vars(cls).items()):
+        if name.startswith("_") and name not in {"__init__", "__call__"}:
+            continue
+        if isinstance(found, FunctionType) and not hasattr(found, "__wrapped__"):
+            setattr(cls, name, explains_its_arguments(found))
+        elif isinstance(found, classmethod):
+            function: Any = found.__func__  # pyright: ignore[reportUnknownMemberType]  # of a type not known here
+            setattr(cls, name, classmethod(explains_its_arguments(function)))
     return cls
 
 
@@ -79,17 +108,65 @@ def shows_progress(function: Callable[P, R]) -> Callable[P, R]:
         if _inside.get():
             return explained(*args, **options)
         token = _inside.set(True)
-        bar = Bar(function.__name__) if options.get("progress") is None and is_watched() else None
-        if bar is not None:
-            options["progress"] = bar.draw
+        bar: Bar | None = None
+        told: Told | None = None
         try:
-            return explained(*args, **options)
+            if (listener := options.get("progress")) is not None:
+                told = Told(as_listener(listener))
+            elif is_watched():
+                bar = Bar(function.__name__)
+            if (listen := bar.draw if bar else told) is not None:
+                options["progress"] = listen
+            found = explained(*args, **options)
+            if told is not None:
+                told.ends()
+            return found
         finally:
             _inside.reset(token)
             if bar is not None:
                 bar.erase()
 
     return run
+
+
+def level_of_the_caller() -> int:
+    """The `stacklevel` of a warning that points to the first line outside the package."""
+    frame, level = sys._getframe(1), 1  # pyright: ignore[reportPrivateUsage]  # the documented way to walk the stack
+    while frame.f_back is not None and str(frame.f_globals.get("__name__")).partition(".")[0] in _OURS:
+        frame, level = frame.f_back, level + 1
+    return level
+
+
+def as_listener(progress: Any) -> Callable[[float], Any]:
+    """A function that takes the fraction of a run that is done.
+
+    Raises:
+        ParameterError: It is no function.
+    """
+    if not callable(progress):
+        raise ParameterError(
+            f"progress: wanted a function of the fraction that is done; got {shown(progress)}; leave it out for "
+            f"a bar in a notebook and on a terminal ({OFF}=0 turns it off), or try progress=print"
+        )
+    return progress
+
+
+class Told:
+    """What a listener hears of a run: fractions from 0 to 1 that never fall, and 1 when the run has ended."""
+
+    def __init__(self, listener: Callable[[float], Any]) -> None:
+        self._listener = listener
+        self._last = 0.0
+
+    def __call__(self, fraction: float) -> None:
+        """Tell that this part is done."""
+        self._last = min(max(float(fraction), self._last), 1.0)
+        self._listener(self._last)
+
+    def ends(self) -> None:
+        """Tell that all is done, unless that was said."""
+        if self._last < 1.0:
+            self(1.0)
 
 
 def is_watched() -> bool:
@@ -115,13 +192,12 @@ class Bar:
         self._due = self._began + FIRST
         self._width = 0
 
-    def draw(self, *told: Any) -> None:
-        """Show what is done, a fraction or (activity, done, total), unless it was shown just now."""
+    def draw(self, fraction: float) -> None:
+        """Show what is done, unless it was shown just now."""
         now = clock.monotonic()
         if now < self._due:
             return
         self._due = now + NEXT
-        fraction = told[0] if len(told) == 1 else told[1] / (told[2] or 1.0)
         share = min(max(float(fraction), 0.0), 1.0)
         done = round(20 * share)
         left = f" {_minutes((now - self._began) * (1 - share) / share)} left" if share > 0 else ""
@@ -149,15 +225,17 @@ def _minutes(seconds: float) -> str:
 def _explanation(function: Callable[..., Any], args: tuple[Any, ...], options: dict[str, Any], error: TypeError) -> str:
     """What was wrong with a call, and how it is written."""
     signature = inspect.signature(function)
-    known = {name: p for name, p in signature.parameters.items() if name != "self"}
+    known = {name: p for name, p in signature.parameters.items() if name not in _BOUND}
     name = function.__qualname__.removesuffix(".__init__")
+    if name.endswith(".__call__"):  # written with the object, as in bracket(f, g)
+        name = name.removesuffix(".__call__").lower()
     unknown = next((given for given in options if given not in known), None)
     if unknown is not None:
         right = [word for word, others in _WORDS.items() if unknown in others and word in known]
         near = f"Write {' or '.join(right)}." if right else did_you_mean(unknown, known).strip()
         return f"{name} has no argument {unknown!r}. {near or 'Leave it out.'} It has {', '.join(known)}."
     by_place = [p for p, value in known.items() if value.kind in (value.POSITIONAL_ONLY, value.POSITIONAL_OR_KEYWORD)]
-    if (n := len(args) - ("self" in signature.parameters)) > len(by_place):
+    if (n := len(args) - len(_BOUND & set(signature.parameters))) > len(by_place):
         named = [p for p in known if p not in by_place][: n - len(by_place)]
         call = ", ".join([*by_place, *(f"{p}=..." for p in named)])
         return f"{name} takes {', '.join(by_place) or 'nothing'} by place, and got {n} values; write {name}({call})."

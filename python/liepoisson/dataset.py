@@ -16,7 +16,7 @@ import numpy as np
 
 from liepoisson import _core
 from liepoisson.arrays import read_only
-from liepoisson.errors import DamagedFileError, OutputError
+from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError, did_you_mean
 from liepoisson.files import write_atomically
 from liepoisson.netcdf import netcdf, read_netcdf
 from liepoisson.result import KEY, ArrayLabel, NamesLabel, PartLabel, PiecesLabel, RecordLabel, Result
@@ -260,21 +260,37 @@ def read_dataset(path: str | Path, *, verify: bool = True) -> Dataset:
         verify: Refuse a file whose contents do not have the checksum that liepoisson wrote.
 
     Raises:
-        DamagedFileError: There is no such file; it is truncated, damaged or changed; or liepoisson did not write it.
+        ParameterError: It is no path.
+        MissingFileError: There is no such file.
+        DamagedFileError: It is truncated, damaged or changed; or liepoisson did not write it.
     """
     try:
         path = Path(path)
         found = path.is_file()
     except (TypeError, ValueError, OSError) as error:  # not a path, or a name that no file can have
-        raise DamagedFileError(f"wanted the name of a file; got {shown(path)} ({error}); look at the name") from error
+        raise ParameterError(
+            f"path: wanted the name of a file; got {shown(path)} ({error}); look at the name"
+        ) from error
     if not found:
-        raise DamagedFileError(f"{path}: wanted a file written by liepoisson; there is none of this name")
+        near = did_you_mean(path.name, _neighbours(path))
+        raise MissingFileError(
+            f"{path}: wanted a file written by liepoisson; there is none of this name. "
+            f"{near or f'Look at the name, and at the folder: {path.absolute().parent}.'}".strip()
+        )
     dataset = read_netcdf(path, verify=verify)
     try:
         check_format(dataset)
     except ValueError as error:
         raise DamagedFileError(f"{path}: {error}") from error
     return dataset
+
+
+def _neighbours(path: Path) -> list[str]:
+    """The names in the folder of a path, as far as they can be read."""
+    try:
+        return [file.name for file in path.absolute().parent.iterdir()]
+    except OSError:
+        return []
 
 
 def check_format(dataset: Dataset) -> None:

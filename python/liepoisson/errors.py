@@ -19,6 +19,7 @@ __all__ = [
     "LeafError",
     "LiePoissonError",
     "MemoryLimitError",
+    "MissingFileError",
     "MixingWarning",
     "OutputError",
     "ParameterError",
@@ -154,6 +155,10 @@ class OutputError(LiePoissonError, OSError):
 
 class DamagedFileError(LiePoissonError, OSError):
     """A file is not what it should be: truncated, altered, or not written by liepoisson."""
+
+
+class MissingFileError(LiePoissonError, FileNotFoundError):
+    """There is no file of this name."""
 
 
 class InertiaWarning(UserWarning):

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, ClassVar, Self, TypeAlias, cast
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError
 
 Vector3: TypeAlias = tuple[float, float, float]
@@ -31,6 +32,7 @@ class PlainField:
         return self
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class TopField(PlainField):
     r"""The charged or twisted top with diagonal inertia.
@@ -63,6 +65,7 @@ class TopField(PlainField):
         return 9
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class QuadraticField(PlainField):
     r"""Any field of degree at most two, as sparse tensors: $\dot x_i = c_i + L_{ij} x_j + Q_{ijk} x_j x_k$.
@@ -91,6 +94,7 @@ class QuadraticField(PlainField):
         object.__setattr__(self, "quadratic", _entries(self.quadratic, n, 3, "quadratic"))
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class TapeField(PlainField):
     r"""Any smooth field, as a straight line of elementary operations.
@@ -138,6 +142,7 @@ class TapeFunction:
         _check_lines(self)
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class PiecesField(PlainField):
     r"""A Lie-Poisson system by the pieces of its Hamiltonian, each with a known flow.

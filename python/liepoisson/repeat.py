@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from liepoisson import _core
-from liepoisson.calls import explains_its_arguments
+from liepoisson.calls import explains_its_arguments, level_of_the_caller
 from liepoisson.dataset import check_format, read_dataset, result_of, text_of
-from liepoisson.errors import DamagedFileError
+from liepoisson.errors import DamagedFileError, ParameterError
 from liepoisson.field import Field, field_of
 from liepoisson.numeric.methods import field_for
 from liepoisson.numeric.run import Run
@@ -61,7 +61,8 @@ def load(path: str | Path, *, verify: bool = True) -> Any:
         An object of the class that was saved; its `dataset` is the labelled dataset of the file.
 
     Raises:
-        DamagedFileError: There is no such file; it is truncated, damaged or changed; or liepoisson did not write it.
+        MissingFileError: There is no such file.
+        DamagedFileError: It is truncated, damaged or changed; or liepoisson did not write it.
     """
     if _is_folder(path):
         from liepoisson.sweeps.run import read_sweep
@@ -109,6 +110,10 @@ def rerun(
             the limit of time.
     """
     given: Any = source
+    if (spec := _spec_of_table(source)) is not None:
+        from liepoisson.sweeps.run import sweep
+
+        return sweep(spec, threads=threads, progress=progress)
     if not isinstance(source, Result):
         given = load(cast("Path", source)) if _is_folder(source) else _recorded(source)
     given = getattr(given, "run", given)  # an orbit in a chart, which is not in the file, as one in its coordinates
@@ -116,8 +121,7 @@ def rerun(
     if given.kind == "sweep":
         from liepoisson.sweeps.run import sweep
 
-        told = None if progress is None else lambda _, done, total: progress(done / total)
-        return sweep(given.spec, threads=threads, progress=told)
+        return sweep(given.spec, threads=threads, progress=progress)
     try:
         arguments, n_cut = given.arguments(), int((given.outcome == "time limit").sum())
         limit = as_time_limit(given.time_limit)
@@ -129,7 +133,7 @@ def rerun(
             f"{n_cut} trajectories of the file were ended by the time limit{words}, which depends on the "
             "machine and cannot be repeated: they go on to their end. Up to its end_time each has the same numbers",
             UserWarning,
-            stacklevel=2,
+            stacklevel=level_of_the_caller(),
         )
     options = arguments | {"time_limit": time_limit, "threads": threads, "progress": progress}
     system = _Repeated(given) if isinstance(given, Run) else given.system
@@ -146,6 +150,25 @@ def _is_folder(path: Any) -> bool:
         return isinstance(path, (str, Path)) and Path(path).is_dir()
     except (ValueError, OSError):  # a name that no file can have
         return False
+
+
+def _spec_of_table(source: Any) -> Any:
+    """The spec that the dataset of a sweep has as text: a table of its grid, and not the record that a file is."""
+    attributes: Any = getattr(source, "attrs", None)
+    if not isinstance(attributes, Mapping) or "spec" not in attributes or "format" in attributes:
+        return None
+    from liepoisson.sweeps.spec import SweepSpec
+
+    try:
+        record, description = (json.loads(attributes[name]) for name in ("spec", "description"))
+        return SweepSpec.of_record(record, description)
+    except ParameterError:
+        raise
+    except Exception as error:  # records that were altered fail in many ways
+        raise DamagedFileError(
+            f"the dataset does not record a sweep that can be repeated: {error!r:.200} is missing or altered; repeat "
+            "the sweep or its file"
+        ) from error
 
 
 def _recorded(source: str | Path | Dataset) -> Any:
@@ -166,7 +189,7 @@ def _recorded(source: str | Path | Dataset) -> Any:
             f"the file was made by liepoisson {version:.60}, this is {_core.__version__}: the results may differ in "
             "their last bits",
             UserWarning,
-            stacklevel=3,
+            stacklevel=level_of_the_caller(),
         )
     return found
 

@@ -18,11 +18,11 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, field, replace
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from liepoisson.arrays import ReadOnlyArrays
+from liepoisson.display import as_line
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -151,4 +151,4 @@ class Result(ReadOnlyArrays, ABC):
 
     def _repr_html_(self) -> str:
         """What a notebook shows: the line of the result, and its dataset."""
-        return f"<p><code>{escape(repr(self))}</code></p>{self.dataset._repr_html_()}"  # pyright: ignore[reportPrivateUsage]  # IPython's protocol
+        return as_line(repr(self)) + self.dataset._repr_html_()  # pyright: ignore[reportPrivateUsage]  # IPython's protocol

@@ -2,12 +2,11 @@ r"""Tops: rigid bodies in one or two fixed fields, and their twisted relatives, 
 
 from __future__ import annotations
 
-import sys
 import warnings
 from collections.abc import Sequence
 from typing import Any, final
 
-from liepoisson.calls import explains_its_arguments
+from liepoisson.calls import explains_its_arguments, explains_its_methods, level_of_the_caller
 from liepoisson.errors import InertiaWarning, ParameterError
 from liepoisson.exact.extensions import leibniz
 from liepoisson.exact.lie_algebras import so
@@ -16,6 +15,7 @@ from liepoisson.exact.system import System
 from liepoisson.exact.top_parameters import ExactVector, TopParameters
 
 
+@explains_its_methods
 @final
 class Top(System):
     r"""The charged or twisted top.
@@ -28,6 +28,10 @@ class Top(System):
 
     epsilon = 0 is the charged heavy top; b = 0 the uncharged one.  SymPy is imported only when an expression is asked
     for, or when a parameter is symbolic.
+
+    Example:
+        >>> lp.Top(inertia=(2, 2, 1), a=(-1, 0, 0), epsilon="1/3")
+        <System 'twisted top' on so(3) ⊗ Leibniz(3, epsilon = 1/3)>
 
     Args:
         inertia: Principal moments (I1, I2, I3), positive.
@@ -77,7 +81,8 @@ class Top(System):
             epsilon=read_parameter(epsilon, "epsilon"),
         )
         self._top = top
-        super().__init__(so(3) @ leibniz(3, top.epsilon), top.hamiltonian, name=name or _default_name(top))
+        name = _default_name(top) if name is None else name
+        super().__init__(so(3) @ leibniz(3, top.epsilon), top.hamiltonian, name=name)
         self.bracket.check_parameter_names(top.symbols)
 
     @property
@@ -119,7 +124,9 @@ class Top(System):
     def kovalevskaya(cls, epsilon: Parameter = 0) -> Top:
         """The Kovalevskaya top, I = (2, 2, 1), a = (-1, 0, 0); twisted when epsilon is not zero.
 
-        Kovalevskaya's condition is I1 = I2 = 2 I3; the paper prints "I3 = 2 I1", a misprint.
+        Kovalevskaya's condition is I1 = I2 = 2 I3; the paper prints "I3 = 2 I1", a misprint.  Like every `Top` it has
+        the nine components l, alpha, beta, and C1 = |alpha|^2; `catalog.system("kovalevskaya")` has six, without beta,
+        and C1 = l.alpha.
         """
         strength = read_parameter(epsilon, "epsilon")
         name = "Kovalevskaya top" if is_zero(strength) else "twisted Kovalevskaya top"
@@ -185,16 +192,8 @@ def _check_inertia(inertia: ExactVector) -> None:
                 f"a rigid body has moments with I{k + 1} at most the sum of the other two; got I{k + 1} = {inertia[k]} "
                 f"and {first}, {second}. The equations are integrated as they stand.",
                 InertiaWarning,
-                stacklevel=_level_of_the_caller(),
+                stacklevel=level_of_the_caller(),
             )
-
-
-def _level_of_the_caller() -> int:
-    """How many frames above the one that warns is the first outside this package."""
-    frame, level = sys._getframe(1), 1  # pyright: ignore[reportPrivateUsage]  # the documented way to walk the stack
-    while frame.f_back is not None and str(frame.f_globals.get("__name__")).startswith("liepoisson"):
-        frame, level = frame.f_back, level + 1
-    return level
 
 
 def _default_name(top: TopParameters) -> str:

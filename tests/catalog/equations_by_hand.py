@@ -122,6 +122,20 @@ def toda(q, p):
     return [p, [spring[k - 1] - spring[k] for k in range(n)]]
 
 
+def three_wave(q, p):
+    """Complex amplitudes a = q + i p: i a1' = a2* a3, i a2' = a1* a3, i a3' = a1 a2."""
+    (a, b, c), minus_i = zip(q, p, strict=True), (0, -1)
+
+    def product(z, w):
+        return (z[0] * w[0] - z[1] * w[1], z[0] * w[1] + z[1] * w[0])
+
+    def conjugate(z):
+        return (z[0], -z[1])
+
+    rates = [product(minus_i, product(*pair)) for pair in ((conjugate(b), c), (conjugate(a), c), (a, b))]
+    return [[z[0] for z in rates], [z[1] for z in rates]]
+
+
 def cavity(m, n):
     A, B, C = [F(5, 24), F(5, 24), F(1, 4)], [F(1, 6), F(1, 6), F(1, 4)], [F(1, 3), F(1, 3), F(3, 8)]
     return [cross(m, plus(along(A, m), along(B, n))), cross(n, plus(along(B, m), along(C, n)))]
@@ -268,6 +282,7 @@ EQUATIONS = {
     "spherical-pendulum": euclidean(lambda l, _: (l, [0, 0, 1])),
     "spring-pendulum": spring_pendulum,
     "steklov": quadratic(A, times(-MU, PRODUCTS), times(MU**2, along(A, SQUARES))),
+    "three-wave": three_wave,
     "toda": toda,
     "twisted-kovalevskaya": top((2, 2, 1), (-1, 0, 0), epsilon=1),
     "twisted-lagrange": top((1, 1, F(1, 2)), (0, 0, 1), epsilon=1),

@@ -4,6 +4,8 @@ The other integrator is SciPy's DOP853 at relative tolerance 1e-13, with the equ
 `equations_by_hand` and their derivatives by complex steps.
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import sympy as sp
@@ -183,3 +185,27 @@ def test_the_gyrostat_of_the_carrier_is_that_of_the_whole_body_moved():
 def test_a_ring_has_three_particles_or_more(n):
     with pytest.raises(ParameterError, match="from 3 to 100"):
         catalog.toda(n)
+
+
+@pytest.mark.parametrize(("V", "pump", "signal"), [(1, 1.0, 0.5), (2, 1.5, 0.1)])
+def test_a_pump_wave_gives_its_energy_away_and_takes_it_back_in_the_period_of_the_sine_amplitude(V, pump, signal):
+    r"""With a1 = a, a2 = b, a3 = i c real at first they stay so: a' = V b c, b' = V a c, c' = -V a b.
+
+    By the integrals of Manley and Rowe $c'^2 = V^2 (A^2 - c^2)(A^2 + B^2 - c^2)$ for a = 0, b = B, c = A at first, so
+    $c = A\,\mathrm{cd}(\Omega t | m)$ with $\Omega = V\sqrt{A^2 + B^2}$, $m = A^2/(A^2 + B^2)$.
+    """
+    from scipy.special import ellipj, ellipk
+
+    system = catalog.entry("three-wave").system() if V == 1 else replace_parameters(catalog.entry("three-wave"), V=V)
+    rate, m = V * np.hypot(pump, signal), pump**2 / (pump**2 + signal**2)
+    times = np.linspace(0, 4 * ellipk(m) / rate, 41)
+    orbit = lp.integrate(system, {"q2": signal, "p3": pump}, times=times)
+    _, cn, dn, _ = ellipj(rate * times, m)
+    names = orbit.components
+    np.testing.assert_allclose(orbit.state[0, :, names.index("p3")], pump * cn / dn, atol=1e-12)
+    np.testing.assert_allclose(orbit.state[0, -1], orbit.state[0, 0], atol=1e-12)
+    assert all(change.max() < 1e-14 for change in orbit.drift.values())
+
+
+def replace_parameters(entry, **values):
+    return replace(entry, parameters=dict(entry.parameters) | values).system()

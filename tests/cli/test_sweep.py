@@ -145,7 +145,7 @@ def test_a_part_that_fails_is_reported(run, tmp_path):
     (tmp_path / "twist.toml").write_text(TWIST.replace("chaotic_fraction", "liepoisson.phase_space:bounds"))
     code, _, err = run("twist.toml", "--allow-code")
     assert code == 1
-    assert "level 0, point 0: failed: TypeError" in err
+    assert "level 0, point 0: failed: ParameterError" in err
 
 
 @pytest.mark.thorough

@@ -7,7 +7,7 @@ import sympy as sp
 
 from liepoisson.cli.starts import read_numeric_system
 from liepoisson.cli.systems import read_file, read_system, with_settings
-from liepoisson.errors import ParameterError, SystemFileError, UnknownNameError
+from liepoisson.errors import MissingFileError, ParameterError, UnknownNameError
 
 
 def test_a_name_means_the_catalog_and_a_path_a_file(tmp_path, monkeypatch):
@@ -17,7 +17,7 @@ def test_a_name_means_the_catalog_and_a_path_a_file(tmp_path, monkeypatch):
     assert read_file(str(path)).bracket.dimension == 3
     monkeypatch.chdir(tmp_path)
     assert read_file("lagrange").bracket.dimension == 3  # a file of this very name comes first
-    with pytest.raises(SystemFileError):
+    with pytest.raises(MissingFileError):
         read_file("heavy-top.toml")
     with pytest.raises(UnknownNameError, match="heavy-top"):
         read_file("heavy-topp")

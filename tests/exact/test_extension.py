@@ -94,9 +94,9 @@ def test_field_names_are_a_sequence_of_names(names):
 
 
 def test_a_bracket_is_made_of_an_algebra_and_an_extension():
-    with pytest.raises(ParameterError, match="extension must be of type Extension; got one of type int"):
+    with pytest.raises(ParameterError, match="extension: wanted an Extension; got 5"):
         so(3) @ 5
-    with pytest.raises(ParameterError, match="algebra must be of type LieAlgebra"):
+    with pytest.raises(ParameterError, match="algebra: wanted a LieAlgebra; got None"):
         Bracket(None, leibniz(3, 1))
 
 
@@ -129,7 +129,7 @@ def test_in_a_direct_sum_products_between_the_parts_vanish():
     assert (trivial() + trivial() + trivial()).name == "(trivial + trivial + trivial)"
     assert total.field_names == ("x0", "x1", "x2", "x3", "x4")  # l and alpha would stand twice
     assert (trivial().rename("w") + leibniz(3)).field_names == ("w", "l", "alpha", "beta")
-    with pytest.raises(TypeError):
+    with pytest.raises(ParameterError, match="an extension to add"):
         A + 1
 
 

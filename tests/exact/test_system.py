@@ -169,7 +169,7 @@ def test_imaginary_parts_that_cancel_are_no_obstacle():
 
 def test_arguments_of_the_wrong_type_are_named():
     bracket = so(3) @ leibniz(3, 1)
-    with pytest.raises(ParameterError, match="the bracket must be of type Bracket; got NoneType"):
+    with pytest.raises(ParameterError, match="bracket: wanted a Bracket; got None"):
         System(None, lambda l, alpha, beta: l.dot(l))
     for parameters in (5, ["epsilon"], {1: 2}):
         with pytest.raises(ParameterError, match="parameters must be a mapping"):

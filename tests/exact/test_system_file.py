@@ -7,7 +7,7 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 
-from liepoisson.errors import ExpressionError, SystemFileError
+from liepoisson.errors import ExpressionError, MissingFileError, SystemFileError
 from liepoisson.exact.system_file import Integral, SystemFile
 from liepoisson.exact.system_file_reader import parse_system_file, read_system_file
 
@@ -286,7 +286,7 @@ def test_an_algebra_that_fails_jacobi_is_refused():
 
 
 def test_files_that_can_not_be_read_are_refused(tmp_path):
-    with pytest.raises(SystemFileError, match="no file"):
+    with pytest.raises(MissingFileError, match="no file"):
         read_system_file(tmp_path / "missing.toml")
     with pytest.raises(SystemFileError, match="folder"):
         read_system_file(tmp_path)

@@ -244,6 +244,17 @@ def test_a_trajectory_that_fails_is_undecided_with_an_outcome():
     assert verdict.fraction("regular").value in (0.0, 1.0)  # of the one that finished
 
 
+@pytest.mark.parametrize("unit", [1, 1000])
+def test_without_an_end_a_run_takes_1000_natural_times_of_the_median_orbit(unit):
+    """A top that is 1000 times slower, by its moments of inertia, is followed 1000 times longer."""
+    top = lp.Top.heavy(inertia=(2 * unit, 2 * unit, 1.2 * unit), a=(-1 / unit, 0, 0))
+    starts = lp.sample_states(MIXED, 5, seed=3)
+    verdict = decide(top, starts)
+    assert np.median(verdict.natural_time) == pytest.approx(1000, rel=0.05)  # of a unit to two digits
+    assert verdict.verdict.tolist() == decide(MIXED, starts).verdict.tolist()
+    assert verdict.arguments()["t_end"] == verdict.t_end
+
+
 def test_fraction_is_a_proportion(mixed):
     k = int((mixed.verdict == "chaotic").sum())
     assert mixed.fraction("chaotic") == proportion(k, 120)

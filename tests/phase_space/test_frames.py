@@ -227,7 +227,7 @@ def test_what_is_no_attitude_is_refused(given, error, words):
 def test_other_mistakes_are_refused():
     x0 = lp.sample_states(TWISTED, 1, seed=0)
     run = lp.orbits.attitude(TWISTED, x0, times=[0, 1])
-    with pytest.raises(ParameterError, match="System"):
+    with pytest.raises(ParameterError, match="wanted a system"):
         lp.orbits.attitude(lp.fields.TopField((1, 1, 1), (0, 0, 1), (0, 0, 0), 0.0), x0, times=[0, 1])
     with pytest.raises(ParameterError, match="I1"):
         lp.orbits.attitude(lp.Top.heavy(inertia=("I1", 1, 1), a=(0, 0, 1)), x0, times=[0, 1])

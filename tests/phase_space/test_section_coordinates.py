@@ -45,3 +45,48 @@ def test_axes_that_fold_the_section_are_told_from_coordinates():
         (("sin(alpha3)", "l2"), states[right], False),
     ):
         assert lp.sections.is_folded(system, some, "alpha2", *axes) == expected, axes
+
+
+OSCILLATOR = lp.catalog.system("henon-heiles")
+STARTS = [{"y": 0.1, "p_x": 0.3, "p_y": 0.1}, {"y": 0.2, "p_x": 0.3, "p_y": 0.1}]
+
+
+def test_a_section_says_whether_its_figure_folds_it():
+    both = lp.section(OSCILLATOR, STARTS, surface="x", t_end=100, n_crossings=10)
+    up = lp.section(OSCILLATOR, STARTS, surface="x", t_end=100, n_crossings=10, direction=1)
+    assert both.is_folded()  # p_x is the positive or the negative root at each y and p_y
+    assert not up.is_folded()
+    assert (up.state[:, 3] > 0).any()
+    assert (up.state[:, 3] < 0).any()
+    assert up.is_folded("y", "p_y^2")
+    assert str(both).splitlines() == [
+        "henon-heiles: 20 crossings of x = 0, 10 of each of 2 orbits",
+        "the plane of p_y and y folds the section: different states may lie at one point",
+    ]
+    assert str(up) == "henon-heiles: 20 crossings of x = 0, 10 of each of 2 orbits"
+
+
+def test_a_section_says_which_orbits_the_end_of_time_cut_short():
+    run = lp.section(OSCILLATOR, STARTS, surface="x", t_end=20, n_crossings=100, direction=1)
+    assert run.n_short == 2
+    assert "2 ended by t = 20 before 100" in repr(run)
+    assert "2 of 2 orbits ended at t = 20, before their 100 crossings: give a later t_end" in str(run)
+    whole = lp.section(OSCILLATOR, STARTS, surface="x", t_end=20, direction=1)
+    assert whole.n_short == 0
+    assert "before" not in repr(whole) + str(whole)
+
+
+@pytest.mark.parametrize(
+    ("system", "options", "message"),
+    [
+        (OSCILLATOR, {"keep": ["y", "p_y"]}, "of which it is not known"),
+        (lp.Top.twisted_kovalevskaya(), {}, "got one of dimension 4"),
+    ],
+)
+def test_only_sections_of_dimension_two_with_states_can_be_folded(system, options, message):
+    surface = system.component_names[0]
+    run = lp.section(system, lp.sample_states(system, 2, seed=1) / 4, surface=surface, t_end=20, **options)
+    assert len(run.time)
+    with pytest.raises(lp.errors.ParameterError, match=message):
+        run.is_folded()
+    assert ("a plane shows a projection" in str(run)) == (not options)

@@ -55,8 +55,8 @@ def test_a_sweep_is_loaded_as_it_was(tmp_path, kind):
 def test_a_sweep_that_was_interrupted_is_loaded_as_far_as_it_is(tmp_path):
     store = tmp_path / "sweep.zarr"
 
-    def stop(_activity, done, total):
-        if done < total:
+    def stop(done):
+        if done < 1:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
@@ -127,3 +127,25 @@ def test_a_sweep_says_what_is_missing(tmp_path):
     made("name", store=tmp_path / "sweep.zarr")
     shutil.rmtree(tmp_path / "sweep.zarr" / "level0")
     assert "3 points (3 not computed)" in repr(lp.load(tmp_path / "sweep.zarr"))
+
+
+def test_the_dataset_of_a_sweep_is_rerun_too():
+    made = lp.sweep(
+        system="kovalevskaya",
+        axes=[lp.sweeps.Axis("energy", [1, 2], "the energy")],
+        n_starts=2,
+        t_end=5,
+        seed=3,
+        name="a sweep",
+        threads=1,
+    )
+    again = lp.rerun(made.dataset)
+    np.testing.assert_array_equal(again.value, made.value)
+    assert again.spec.record() == made.spec.record()
+    assert again.spec.description() == made.spec.description()
+
+
+def test_an_altered_dataset_of_a_sweep_is_refused():
+    dataset = lp.sweep(system="kovalevskaya", axes={"energy": [1, 2]}, n_starts=2, t_end=5, threads=1).dataset
+    with pytest.raises(lp.errors.DamagedFileError, match="repeat the sweep or its file"):
+        lp.rerun(dataset.assign_attrs(spec="{}"))

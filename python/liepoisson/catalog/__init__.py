@@ -10,6 +10,8 @@ from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from liepoisson._lazy import unknown
+from liepoisson.calls import explains_its_arguments
 from liepoisson.catalog.families import (
     euler_top_on,
     heavy_top_on,
@@ -48,12 +50,14 @@ __all__ = [
 _FOLDER = Path(__file__).parent
 
 
+@explains_its_arguments
 @cache
 def names() -> tuple[str, ...]:
     """The names of all systems of the catalog, in alphabetical order."""
     return tuple(sorted(file.stem for file in _FOLDER.glob("*.toml")))
 
 
+@explains_its_arguments
 def path(name: str) -> Path:
     """The file of a system: a good start for a file of one's own.
 
@@ -66,6 +70,7 @@ def path(name: str) -> Path:
     raise UnknownNameError(f"there is no system {name!r} in the catalog. {hint}Known: {', '.join(names())}.")
 
 
+@explains_its_arguments
 def entry(name: str) -> SystemFile:
     """What the catalog knows of a system: bracket, Hamiltonian, parameters, source, integrals, reference values.
 
@@ -77,6 +82,7 @@ def entry(name: str) -> SystemFile:
     return read_system_file(path(name))
 
 
+@explains_its_arguments
 def system(name: str) -> System:
     """A system of the catalog, ready to be inspected or integrated.
 
@@ -84,3 +90,12 @@ def system(name: str) -> System:
         UnknownNameError: there is none of this name.
     """
     return entry(name).system()
+
+
+def _call(name: str) -> str:
+    """How the system is had whose name was taken for one of the module."""
+    known = name.replace("_", "-")
+    return f'liepoisson.catalog.system("{known}")' if known in names() else ""
+
+
+__getattr__ = unknown(__name__, __all__, _call)

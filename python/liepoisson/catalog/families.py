@@ -10,6 +10,7 @@ from itertools import combinations
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 
 if TYPE_CHECKING:
@@ -30,6 +31,7 @@ _EXTENSIONS = (
 )
 
 
+@explains_its_arguments
 def manakov(n: int, J: Sequence[Parameter] | None = None) -> System:
     r"""The free rigid body in n dimensions, $\dot M = [M, \Omega]$, $M_{ij} = (J_i + J_j)\,\Omega_{ij}$, on so(n).
 
@@ -67,6 +69,7 @@ def manakov(n: int, J: Sequence[Parameter] | None = None) -> System:
     )
 
 
+@explains_its_arguments
 def su_top(n: int, J: Sequence[Parameter] | None = None) -> System:
     r"""Manakov's top continued to su(n): $H = \tfrac12 \sum_{j<k} (a_{jk}^2 + s_{jk}^2)/(J_j + J_k)$.
 
@@ -105,6 +108,7 @@ def su_top(n: int, J: Sequence[Parameter] | None = None) -> System:
     )
 
 
+@explains_its_arguments
 def zeitlin(N: int) -> System:
     r"""Euler's equation of the ideal fluid on the torus, truncated to su(N) for odd N: the sine algebra.
 
@@ -135,6 +139,7 @@ def zeitlin(N: int) -> System:
     )
 
 
+@explains_its_arguments
 def reduced_mhd(N: int) -> System:
     r"""Low-beta reduced magnetohydrodynamics on the torus, truncated to su(N) for odd N.
 
@@ -167,6 +172,7 @@ def reduced_mhd(N: int) -> System:
     )
 
 
+@explains_its_arguments
 def leibniz_top(
     n: int, inertia: Sequence[Parameter], vectors: Sequence[Sequence[Parameter]], epsilon: Parameter = 1
 ) -> System:
@@ -194,6 +200,7 @@ def leibniz_top(
     return _top(so(3) @ leibniz(n, epsilon), inertia, vectors, f"Leibniz top of order {n}", _EXTENSIONS)
 
 
+@explains_its_arguments
 def euler_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter]) -> System:
     r"""Euler's top on any Lie algebra: $H = \tfrac12 \sum_i \ell_i^2/I_i$.
 
@@ -212,6 +219,7 @@ def euler_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter]) -> Sys
     return _top(_algebra(algebra) @ trivial(), inertia, (), f"Euler top on {algebra}", _EULER)
 
 
+@explains_its_arguments
 def heavy_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter], a: Sequence[Parameter]) -> System:
     r"""The heavy top on any Lie algebra: the semidirect extension, $H = \tfrac12 \sum_i \ell_i^2/I_i + a\cdot\alpha$.
 
@@ -222,6 +230,7 @@ def heavy_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter], a: Seq
     return _top(_algebra(algebra) @ semidirect(2), inertia, (a,), f"heavy top on {algebra}", _EXTENSIONS)
 
 
+@explains_its_arguments
 def twisted_top_on(
     algebra: LieAlgebra | str,
     inertia: Sequence[Parameter],
@@ -239,6 +248,7 @@ def twisted_top_on(
     return _top(_algebra(algebra) @ leibniz(3, epsilon), inertia, vectors, f"twisted top on {algebra}", _EXTENSIONS)
 
 
+@explains_its_arguments
 def toda(n: int, *, closed: bool = True) -> System:
     r"""The Toda lattice of n particles, $H = \tfrac12\sum p_k^2 + \sum e^{q_k - q_{k+1}}$, with n integrals.
 
@@ -303,6 +313,7 @@ def _traces_of_lax_matrix(q: Sequence[Any], p: Sequence[Any], pairs: Sequence[tu
     return traces
 
 
+@explains_its_arguments
 def henon_heiles(A: Parameter = 1, B: Parameter = 1, C: Parameter = 1) -> System:
     r"""Hénon and Heiles' system, $H = \tfrac12(p_x^2 + p_y^2 + Ax^2 + By^2) + x^2 y - \tfrac C3 y^3$.
 

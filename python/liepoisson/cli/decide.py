@@ -32,8 +32,6 @@ if TYPE_CHECKING:
 
 N_STARTS = 64
 T_END_HELP = "Time of each run.  [default: 1000 natural times of the median orbit]"
-_TIME = 1000.0
-"""Default time of the runs, in natural times of the median orbit: `Rule` was fixed there."""
 _MOST_ROWS = 24
 
 
@@ -65,6 +63,9 @@ def decide(
     Of random starts; of random starts on the leaf and at the energy of --guess, --leaf and --energy; or of the orbit
     of --start.  Four indicators vote (see `lp.decide`): the growth power, MEGNO, SALI, and averages that settle.
     """
+    from liepoisson.numeric.verdict import TIME
+    from liepoisson.numeric.verdict import decide as find_verdicts
+
     check_limits(seed=seed, threads=threads, time_limit=time_limit)
     chosen = read_numeric_system(system, settings or ())
     check_end_time(t_end)
@@ -73,9 +74,8 @@ def decide(
     where: dict[str, Any] = {"start": start or (), "guess": guess or (), "leaf": leaf or (), "energy": energy}
     drawn = find_starts(chosen, starts=starts, default=N_STARTS, ensemble=ensemble, seed=seed, **where)
     unit = unit_of_time(chosen, drawn.states)
-    how, t_end = named_method(method, unit=unit, **options), _TIME * unit if t_end is None else t_end
+    how, t_end = named_method(method, unit=unit, **options), TIME * unit if t_end is None else t_end
     total = len(drawn.states) * t_end
-    from liepoisson.numeric.verdict import decide as find_verdicts
 
     try:
         with progress_bar(quiet=quiet) as bar:

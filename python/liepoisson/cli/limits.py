@@ -11,9 +11,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-_STARTS = 256
-"""Orbits whose median is taken: each costs about 1 ms."""
-
 
 def check_limits(*, seed: int, time_limit: float, threads: int | None = None) -> None:
     """Refuse a seed, a number of threads or a time limit that no run can have.
@@ -42,11 +39,8 @@ def check_end_time(t_end: float | None) -> None:
 
 
 def unit_of_time(system: Any, states: NDArray[np.float64]) -> float:
-    """The median natural unit of time of orbits, to two digits; 1 where none has one, as at rest in no field.
+    """The natural time of the median orbit, in which commands take their default times and steps."""
+    from liepoisson.numeric.time_scale import N_MEDIAN, time_scale
+    from liepoisson.numeric.time_scale import unit_of_time as unit
 
-    Commands take their default times and steps in it, so that they suit systems that are fast or slow.  Of more than
-    256 orbits it is the median of the first 256.
-    """
-    from liepoisson.numeric.time_scale import natural_duration, time_scale
-
-    return natural_duration(1.0, time_scale(system, states[:_STARTS]), otherwise=1.0)
+    return unit(time_scale(system, states[:N_MEDIAN]))

@@ -109,7 +109,7 @@ def orbit(
         raise typer.Exit(INTERRUPTED) from None
     written: list[Path] = []
     try:  # first, as nobody may read what is printed
-        written = _written(chosen, run, data, stem)
+        written = _written(run, data, stem)
     finally:
         print("\n".join(run_lines(chosen, run)), flush=True)
     for path in written:
@@ -128,13 +128,12 @@ def run_lines(system: System, run: Orbit) -> list[str]:
     longest, step = float(np.abs(np.diff(run.time)).max()), getattr(run.method, "step", None)
     if step is not None and step > (1 + _STEP_ROUNDING) * longest:
         lines.append(f"step     {longest:g}, not {step:g}: steps end at the times that are kept (see --points)")
-    state = run.state[0][np.isfinite(run.state[0]).all(axis=1)]
-    if len(state) < 2:
+    if (n := int(np.isfinite(run.state[0]).all(axis=1).sum())) < 2:
         return [*lines, "drift    not known: no state beyond the start was reached"]
-    lines.append(f"drift    largest change along {len(state)} points")
-    values = system.invariant_values(state)
-    width = max(map(len, values))
-    lines += [f"  {name:<{width}}  {np.abs(f - f[0]).max():.0e}" for name, f in values.items()]
+    lines.append(f"drift    largest change along {n} points")
+    drift = run.drift
+    width = max(map(len, drift))
+    lines += [f"  {name:<{width}}  {change[0]:.0e}" for name, change in drift.items()]
     return lines + ([f"  {missing}"] if (missing := shortage(system.bracket)) else [])
 
 
@@ -146,7 +145,7 @@ def _integrated(system: System, start: FloatArray, t: float, points: int, *, qui
         return integrate(system, start, times=np.linspace(0.0, t, points), progress=listen, **options)
 
 
-def _written(system: System, run: Orbit, data: Path | None, stem: Path | None) -> list[Path]:
+def _written(run: Orbit, data: Path | None, stem: Path | None) -> list[Path]:
     """The files that were asked for."""
     written: list[Path] = []
     if data is not None and data.suffix == ".nc":
@@ -157,7 +156,8 @@ def _written(system: System, run: Orbit, data: Path | None, stem: Path | None) -
     if stem is not None:
         from liepoisson.plot.orbits import orbit as draw
 
-        written += write_figure(draw(run, invariants=system.invariant_values(run.state[0])), stem)
+        invariants = {name: values[0] for name, values in run.invariants.items()}
+        written += write_figure(draw(run, invariants=invariants), stem)
     return written
 
 

@@ -165,11 +165,8 @@ def section(
             written += write_figure(titled_section(run, begin.leaf, cut, axes, begin.energy), stem)
     finally:
         print("\n".join(run_lines(run, begin, full=not keep)), flush=True)
-    if axes is not None and len(run.time) and not keep and begin.leaf.rank == 4:
-        from liepoisson.phase_space.section_coordinates import is_folded
-
-        if is_folded(chosen, run.state, cut, *axes):
-            print("figure   folds the section: different states may lie at one point")
+    if axes is not None and len(run.time) and not keep and begin.leaf.rank == 4 and run.is_folded(*axes):
+        print("figure   folds the section: different states may lie at one point")
     for path in written:
         print(f"wrote    {path}")
     if not len(run.time):

@@ -41,6 +41,7 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
         ParameterError: a parameter has no value (the message names all of them), or one that no double is near.
     """
     file = with_settings(read_file(argument), settings)
+    from liepoisson.exact.names import MAX_TITLE
     from liepoisson.exact.parameters import as_float, is_zero
     from liepoisson.exact.values import flattened
 
@@ -59,7 +60,9 @@ def read_numeric_system(argument: str, settings: Sequence[str]) -> System:
                 f"{name} must be zero or at least 4.9e-324, to fit into a double; got a smaller number. "
                 "Set it to 0, or rescale the system."
             )
-    return replace(file, name=file.name + setting_words(settings)).system()
+    name = file.name + setting_words(settings)
+    fits = name.isprintable() and len(name) <= MAX_TITLE  # else it is called as in its file
+    return replace(file, name=name if fits else file.name).system()
 
 
 def find_start(

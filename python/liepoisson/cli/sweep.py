@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -60,6 +61,8 @@ def sweep(
     stem = figure_stem(plot, figure, Path(file).stem)
     try:
         with ends_on_sigterm(), progress_bar(quiet=quiet) as bar:
+            # orbits times their time on the grid, for the rate; refinement adds points that nobody knows before
+            work = math.prod(spec.shape) * spec.n_starts * float(spec.t_end)
             result = run(
                 spec,
                 store=folder,
@@ -69,7 +72,7 @@ def sweep(
                 points_per_piece=points_per_piece,
                 patience=patience,
                 fresh=fresh,
-                progress=bar,
+                progress=None if bar is None else (lambda done: bar(spec.name or "sweep", done * work, work)),
             )
     except (KeyboardInterrupt, TerminatedError) as error:
         how, code = ("interrupted", INTERRUPTED) if isinstance(error, KeyboardInterrupt) else ("ended", TERMINATED)

@@ -19,6 +19,7 @@ from itertools import product
 from math import gcd, lcm
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.extension import Extension
 
 
+@explains_its_methods
 class Automorphism:
     """A linear map of the fields, the same for all components.
 
@@ -132,6 +134,7 @@ class Automorphism:
             raise ShapeError(f"matrix must have {bracket.extension.dimension} rows; got {len(self.matrix)}.")
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Derivation:
     r"""An infinitesimal symmetry: $D(e_\mu e_\nu) = D(e_\mu) e_\nu + e_\mu D(e_\nu)$.

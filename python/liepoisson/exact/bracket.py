@@ -10,11 +10,12 @@ from functools import cached_property
 from itertools import product
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.constant_part import read_constant, with_linear_part_at
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.names import check_name, check_not_reserved
+from liepoisson.exact.names import check_name, check_not_reserved, check_title
 from liepoisson.exact.parameters import (
     Column,
     Parameter,
@@ -24,6 +25,7 @@ from liepoisson.exact.parameters import (
     symbols_of,
 )
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -37,6 +39,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.trace_casimirs import TraceCasimirs
 
 
+@explains_its_methods
 class Bracket:
     r"""The (minus) Lie-Poisson bracket on the dual of g (x) A.
 
@@ -51,6 +54,11 @@ class Bracket:
     A constant part $c_{ij}$ is added to $\{x_i, x_j\}$, `(so(3) @ trivial()).with_constant({("l1", "l2"): "k"})`.  It
     must be a 2-cocycle, $c([x, y], z) + c([y, z], x) + c([z, x], y) = 0$, which is decided exactly.  Canonical brackets
     (`liepoisson.exact.canonical_bracket`) consist of it alone.
+
+    Example:
+        >>> bracket = lp.so(3) @ lp.leibniz(3, "epsilon")
+        >>> bracket.casimirs()[0]
+        alpha1**2 + alpha2**2 + alpha3**2 + 2*beta1*epsilon*l1 + 2*beta2*epsilon*l2 + 2*beta3*epsilon*l3
 
     Args:
         algebra: The Lie algebra g.
@@ -94,7 +102,7 @@ class Bracket:
             raise BracketError(f"coordinates must have distinct names; got {sorted(names)}. Rename the fields.")
         _check_field_names(self.field_names, names - self._scalars)
         self.constant: dict[tuple[int, int], Exact] = read_constant(constant, self.coordinate_names_in_order)
-        self._name = name
+        self._name = name if name is None else check_title(name, "the name of a bracket", None)
         self.check_parameter_names(self.symbols)
         if self.constant and check:
             from liepoisson.exact.certificates import check_cocycle
@@ -387,7 +395,11 @@ class Bracket:
         return scalings(self)
 
     def substitute(self, values: Mapping[str, Exact]) -> Bracket:
-        """The same bracket with values for some of its symbols."""
+        """The same bracket with values for some of its symbols.
+
+        Raises:
+            ParameterError: not a mapping from names to values.
+        """
         algebra, extension = self.algebra.substitute(values), self.extension.substitute(values)
         if algebra is self.algebra and extension is self.extension and not self.symbols & set(values):
             return self
@@ -398,6 +410,12 @@ class Bracket:
         """What is pickled: the definition; everything else is derived again when it is asked for."""
         definition = {"algebra": self.algebra, "extension": self.extension}
         return {**definition, "constant": self.constant, "_name": self._name}
+
+    def _repr_latex_(self) -> str | None:
+        """What a notebook shows: the Poisson tensor, up to 12 coordinates."""
+        from liepoisson.exact.describe import displayed_bracket
+
+        return displayed_bracket(self)
 
     def __repr__(self) -> str:
         if self._name is not None:
@@ -493,6 +511,5 @@ def _check_field_names(fields: tuple[str, ...], coordinates: set[str]) -> None:
 
 def _check_type(value: object, wanted: type, name: str, example: str) -> None:
     if not isinstance(value, wanted):
-        raise ParameterError(
-            f"{name} must be of type {wanted.__name__}; got one of type {type(value).__name__}. Try {example}."
-        )
+        article = "an" if wanted is Extension else "a"
+        raise not_a(f"{article} {wanted.__name__}", value, name, f"try {example}")

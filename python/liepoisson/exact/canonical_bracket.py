@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from numbers import Integral
 from typing import Any
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.extension import Extension
@@ -20,6 +21,7 @@ MOST_DEGREES = 100
 """Degrees of freedom of the largest canonical bracket."""
 
 
+@explains_its_arguments
 def canonical(
     n: int | None = None, *, names: Sequence[str] | None = None, momenta: Sequence[str] | None = None
 ) -> Bracket:
@@ -27,6 +29,13 @@ def canonical(
 
     Without names there are two vectors, q with the components q1, ..., qn and p with p1, ..., pn.  With names each
     coordinate and each momentum is a scalar of its own.
+
+    Example:
+        >>> bracket = lp.canonical(2)
+        >>> bracket.coordinate_names_in_order
+        ('q1', 'q2', 'p1', 'p2')
+        >>> bracket(*bracket.variables[::2])
+        1
 
     Args:
         n: Degrees of freedom, 1 to 100; may be left out where names are given.

@@ -9,6 +9,7 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.canonical_bracket import canonical
 from liepoisson.exact.formula.scope import Scope
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
 
+@explains_its_methods
 class CanonicalSystem(System):
     r"""A system in canonical coordinates, $\dot q_k = \partial H/\partial p_k$, $\dot p_k = -\partial H/\partial q_k$.
 

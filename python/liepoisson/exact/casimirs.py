@@ -19,6 +19,7 @@ from itertools import count, zip_longest
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError
 from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 from liepoisson.exact.poisson.casimir_search import (
@@ -59,6 +60,7 @@ class ExceptionalCase(NamedTuple):
     jumps: tuple[str, ...]
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class CasimirReport:
     """Casimirs of a bracket, and what is known about them.

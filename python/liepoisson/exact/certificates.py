@@ -9,6 +9,7 @@ from itertools import combinations
 from math import comb, lcm
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import CocycleError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank
@@ -40,6 +41,7 @@ class Failure:
         return f"{law} fails for ({', '.join(self.coordinates)}): {self.residual} instead of 0"
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class JacobiCertificate:
     """Whether the bracket is antisymmetric and obeys the Jacobi identity, decided entry by entry.
@@ -60,6 +62,7 @@ class JacobiCertificate:
         return f"Jacobi identity proved ({self.method})" if self.holds else "; ".join(str(f) for f in self.failures)
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class RankCertificate:
     """Bounds of the rank of the Poisson tensor at a generic point.

@@ -9,6 +9,7 @@ from functools import reduce
 from operator import add
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError
 from liepoisson.exact.commutative.commutative_algebra import CommutativeAlgebra
 from liepoisson.exact.commutative.local_normal_form import RealFactor, SurdVector, real_factors
@@ -31,6 +32,7 @@ EqualSymbols: TypeAlias = "tuple[tuple[tuple[str, ...], Expr], ...]"
 """Values of symbols, each with the names of all symbols that have it."""
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class LocalFactor:
     """One local direct factor of an algebra over the reals.
@@ -63,6 +65,7 @@ class LocalFactor:
         return f"[local, residue field {self.residue_field}, Hilbert function {self.hilbert_function}]"
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Classification:
     """What an extension is, up to isomorphism over the reals.

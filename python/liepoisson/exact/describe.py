@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import explains_its_arguments, explains_its_methods
+from liepoisson.display import as_text
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.printing import Gradient
 from liepoisson.exact.report.bracket_facts import AlgebraFacts, CasimirFacts, ExtensionFacts, JacobiFacts, Topic
@@ -25,8 +27,14 @@ from liepoisson.exact.report.motion_facts import EquationFacts, HamiltonianFacts
 from liepoisson.exact.report.vector_notation import VectorNotation
 from liepoisson.exact.report.wrapping import wrapped
 from liepoisson.exact.styles import LATEX, LETTERS, NAMES, UNICODE, Style
+from liepoisson.wrong_values import not_a_system
+
+MOST_SHOWN = 12
+"""Coordinates of a bracket, or brackets of a Lie algebra, that a notebook shows."""
 
 if TYPE_CHECKING:
+    from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.lie_algebra import LieAlgebra
     from liepoisson.exact.system import System
 
 _TITLE_WIDTH = 17
@@ -39,6 +47,7 @@ _MATH = re.compile(
 """What is mathematics among the words of a report: so(3), l1, epsilon, J."""
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Report:
     """What is known about a system, computed when the report was made.
@@ -57,6 +66,10 @@ class Report:
 
     def __str__(self) -> str:
         return self.text(UNICODE)
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the report."""
+        return as_text(str(self))
 
     def text(self, style: Style) -> str:
         """The report for a terminal."""
@@ -95,12 +108,25 @@ class Report:
         return {"name": self.name, "source": self.source, **topics, "failed": list(self.failed)}
 
 
+@explains_its_arguments
 def inspect(system: System) -> Report:
     """Everything that the exact wing finds out about a system; each proof is computed now.
 
+    Example:
+        >>> report = lp.inspect(lp.catalog.system("free-rigid-body"))
+        >>> report.name, report.failed
+        ('free-rigid-body', ())
+
     Args:
         system: Any system, with or without values for its parameters.
+
+    Raises:
+        ParameterError: it is no system.
     """
+    from liepoisson.exact.system import System
+
+    if not isinstance(system, System):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise not_a_system(system)
     named, bracket = named_form(system), system.bracket
     notation = VectorNotation(bracket)
     topics: list[Topic] = []
@@ -172,6 +198,42 @@ def displayed(system: System) -> str:
             formulas.append(written if " = " in written else rf"{written} = \text{{const}}")
     rows = " \\\\\n".join(_aligned(formula) for formula in formulas)
     return f"$$\\begin{{aligned}}\n{rows}\n\\end{{aligned}}$$"
+
+
+def displayed_bracket(bracket: Bracket) -> str | None:
+    """The Poisson tensor of a bracket in LaTeX, by the coordinates; None where it is too large to be read."""
+    if bracket.dimension > MOST_SHOWN:
+        return None
+    notation = VectorNotation(bracket)
+    tensor: Any = bracket.poisson_tensor()
+    rows = [
+        " & ".join(notation.formula(tensor[i, j]).write(LATEX) for j in range(bracket.dimension))
+        for i in range(bracket.dimension)
+    ]
+    state = ", ".join(notation.formula(x).write(LATEX) for x in bracket.variables)
+    matrix = "\\begin{pmatrix}\n" + " \\\\\n".join(rows) + "\n\\end{pmatrix}"
+    return f"$$J({state}) = {matrix}$$"
+
+
+def displayed_algebra(algebra: LieAlgebra) -> str | None:
+    """The brackets of a basis in LaTeX, those that are not zero; None where there are too many to be read."""
+    from sympy import Add, Symbol, latex
+
+    from liepoisson.exact.parameters import to_sympy
+
+    if len(algebra.brackets) > MOST_SHOWN or algebra.dimension > MOST_SHOWN:
+        return None
+    e = [Symbol(f"e_{{{name}}}") for name in algebra.basis_names]
+    rows = [
+        f"[{latex(e[i])}, {latex(e[j])}] &= {latex(Add(*(to_sympy(c) * e[k] for k, c in row.items())))}"
+        for (i, j), row in sorted(algebra.brackets.items())
+        if any(c != 0 for c in row.values())
+    ]
+    head = LATEX.words(algebra.name)
+    if not rows:
+        return rf"$$\text{{{head}}}:\quad [e_i, e_j] = 0$$"
+    body = " \\\\\n".join(rows)
+    return f"$$\\text{{{head}}}:\\quad\\begin{{aligned}}\n{body}\n\\end{{aligned}}$$"
 
 
 def _equation_lines(facts: EquationFacts) -> list[str]:

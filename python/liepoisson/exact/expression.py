@@ -75,6 +75,8 @@ _NO_CONSTANTS = {
     "j": "Formulas are real",
 }
 
+_TIME = {"t", "time"}
+
 
 @dataclass(frozen=True)
 class Formula:
@@ -333,6 +335,9 @@ def _entries(value: Value) -> object:
 
 
 def _unknown_name(name: str, scope: Scope) -> str:
+    if name in _TIME:
+        hint = scope.suggestion(name)
+        return f"the name {name!r} is unknown. Systems are autonomous: no formula depends on time. {hint}"
     if name in FUNCTIONS:
         return f"{name} is a function and needs its arguments. Write {name}(...)"
     constant = f"{_NO_CONSTANTS[name]}. " if name in _NO_CONSTANTS else ""

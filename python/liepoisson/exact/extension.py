@@ -11,11 +11,14 @@ from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise, product
 from numbers import Integral
-from typing import TYPE_CHECKING, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, NoReturn, TypeAlias, cast
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, substituted, symbols_of, to_sympy
 from liepoisson.exact.tensors import Tensor3, read_names, read_tensor
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from liepoisson.exact.classification import Classification
@@ -33,8 +36,13 @@ MAX_FIELDS = 100
 _FIELD_NAMES = {1: ("l",), 2: ("l", "alpha"), 3: ("l", "alpha", "beta")}
 
 
+@explains_its_methods
 class Extension:
     r"""A commutative associative algebra A by its tensor, $e_\mu e_\nu = \sum_\lambda W_\lambda{}^{\mu\nu} e_\lambda$.
+
+    Example:
+        >>> lp.Extension([[[1, 0], [0, 0]], [[0, 1], [1, 0]]]).field_names
+        ('l', 'alpha')
 
     Args:
         tensor: `W[lam][mu][nu]`, exact, shape (n, n, n).
@@ -96,7 +104,7 @@ class Extension:
     def _set(self, n: int, products: Products, name: str, field_names: Sequence[str] | None, *, check: bool) -> None:
         self.dimension = read_field_count(n)
         self.products = products
-        self.name = name
+        self.name: str = check_title(name, "the name of an extension", None)
         default = _FIELD_NAMES.get(n) or _numbered(n)
         self.field_names: tuple[str, ...] = read_names(field_names, "field_names", default)
         if len(self.field_names) != n:
@@ -130,7 +138,13 @@ class Extension:
         return {name for row in self.products.values() for value in row.values() for name in symbols_of(value)}
 
     def substitute(self, values: Mapping[str, Exact]) -> Extension:
-        """The same extension with values for some of its symbols."""
+        """The same extension with values for some of its symbols.
+
+        Raises:
+            ParameterError: not a mapping from names to values.
+        """
+        if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
         if not self.symbols & set(values):
             return self
         products = {
@@ -148,13 +162,17 @@ class Extension:
         """
         return Extension.from_products(self.dimension, self.products, self.name, field_names, check=False)
 
+    def __matmul__(self, other: Any) -> NoReturn:
+        """Refused: a bracket has its Lie algebra first, `so(3) @ trivial()`."""
+        raise not_a("a Lie algebra before it", other, "@", "write algebra @ extension, as in so(3) @ trivial()")
+
     def __add__(self, other: Extension) -> Extension:
         """The direct sum A (+) B: products between the two vanish, and g (x) (A + B) = g (x) A + g (x) B.
 
         The fields keep their names when these are distinct.
         """
         if not isinstance(other, Extension):  # pyright: ignore[reportUnnecessaryIsInstance]
-            return NotImplemented
+            raise not_a("an extension to add", other, "+", "write for example trivial() + trivial()")
         n = self.dimension
         shifted = {(i + n, j + n): {k + n: value for k, value in row.items()} for (i, j), row in other.products.items()}
         names = (*self.field_names, *other.field_names)

@@ -10,16 +10,19 @@ from collections.abc import Callable
 from fractions import Fraction
 from numbers import Integral
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.exact.extension import Extension, Products, read_field_count
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, to_sympy
 
 
+@explains_its_arguments
 def trivial() -> Extension:
     r"""The one-dimensional algebra $\mathbb R$, $e_0 e_0 = e_0$: g (x) R = g, one field."""
     return Extension.from_products(1, {(0, 0): {0: 1}}, name="trivial")
 
 
+@explains_its_arguments
 def leibniz(n: int, epsilon: Parameter = 1) -> Extension:
     r"""The Leibniz extension of order n: $\mathbb R[z]/(z^n)$, with the products of non-units scaled by epsilon.
 
@@ -38,6 +41,7 @@ def leibniz(n: int, epsilon: Parameter = 1) -> Extension:
     return _graded(n, strength, f"Leibniz({n}, {shown})")
 
 
+@explains_its_arguments
 def semidirect(n: int) -> Extension:
     r"""The semidirect product with n - 1 passive fields: $e_0 e_\mu = e_\mu$, all other products zero.
 
@@ -49,6 +53,7 @@ def semidirect(n: int) -> Extension:
     return _graded(n, Fraction(0), f"semidirect({n})")
 
 
+@explains_its_arguments
 def crmhd(beta_e: Parameter = "beta_e") -> Extension:
     r"""Compressible reduced magnetohydrodynamics: fields omega, v, p, psi with $e_1 e_2 = -\beta_e\, e_3$.
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Column, is_sympy, listed, read_parameter, to_sympy
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ def read_functions(functions: Mapping[str, str | Expr] | None, what: str) -> dic
             f'{what} must be a mapping from names to functions; got {given!r:.60}. Write {{"K": "l3"}}.'
         )
     for name, function in cast("Mapping[str, Any]", given).items():
+        check_title(name, f"{what}: a name")
         if RESERVED_NAME.fullmatch(name):
             raise ParameterError(f"{what} must not be named H, C1, C2, ...; got {name!r}. Choose another name.")
         if not isinstance(function, str) and not is_expression(function):

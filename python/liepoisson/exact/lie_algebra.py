@@ -12,7 +12,9 @@ from itertools import combinations, product
 from numbers import Integral
 from typing import TYPE_CHECKING
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
+from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Exact, Parameter, is_zero, substituted, symbols_of, to_sympy
 from liepoisson.exact.tensors import (
     Brackets,
@@ -23,6 +25,7 @@ from liepoisson.exact.tensors import (
     read_names,
     read_tensor,
 )
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -37,8 +40,14 @@ _MAX_DENSE = 200  # 8 million entries
 _NAME_PART = re.compile(r"[A-Za-z_0-9]{1,100}")
 
 
+@explains_its_methods
 class LieAlgebra:
     r"""A finite-dimensional Lie algebra, $[e_i, e_j] = c_{ij}^k e_k$.
+
+    Example:
+        >>> so3 = lp.LieAlgebra.from_brackets(3, {(0, 1): {2: 1}, (1, 2): {0: 1}, (0, 2): {1: -1}})
+        >>> so3.is_semisimple
+        True
 
     Args:
         structure_constants: `c[i][j][k]`, exact, shape (n, n, n).
@@ -134,7 +143,7 @@ class LieAlgebra:
         self.brackets: Brackets = brackets
         self.family: MatrixFamily | None = None
         self.summands: tuple[LieAlgebra, ...] = ()
-        self.name: str = name
+        self.name: str = check_title(name, "the name of a Lie algebra", None)
         self.basis_names: tuple[str, ...] = read_names(basis_names, "basis_names", tuple(str(i + 1) for i in range(n)))
         if len(self.basis_names) != n:
             raise ShapeError(f"basis_names must be {n} names; got {len(self.basis_names)}. Give one per basis element.")
@@ -168,7 +177,13 @@ class LieAlgebra:
         return {name for value in self._values for name in symbols_of(value)}
 
     def substitute(self, values: Mapping[str, Exact]) -> LieAlgebra:
-        """The same algebra with values for some of its symbols."""
+        """The same algebra with values for some of its symbols.
+
+        Raises:
+            ParameterError: not a mapping from names to values.
+        """
+        if not isinstance(values, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
         if not self.symbols & set(values):
             return self
         changed = {value: substituted(value, values) for value in self._values}
@@ -250,7 +265,7 @@ class LieAlgebra:
     def __add__(self, other: LieAlgebra) -> LieAlgebra:
         r"""The direct sum $g \oplus h$, the basis of g first."""
         if not isinstance(other, LieAlgebra):  # pyright: ignore[reportUnnecessaryIsInstance]
-            return NotImplemented
+            raise not_a("a Lie algebra to add", other, "+", "write for example so(3) + so(3)")
         n, m = self.dimension, other.dimension
         moved = {(i + n, j + n): {k + n: c for k, c in row.items()} for (i, j), row in other.brackets.items()}
         names = joined_names(self.basis_names, other.basis_names)
@@ -264,6 +279,12 @@ class LieAlgebra:
         from liepoisson.exact.bracket import Bracket
 
         return Bracket(self, extension)
+
+    def _repr_latex_(self) -> str | None:
+        """What a notebook shows: the brackets of the basis, up to 12 of them."""
+        from liepoisson.exact.describe import displayed_algebra
+
+        return displayed_algebra(self)
 
     def __repr__(self) -> str:
         return self.name

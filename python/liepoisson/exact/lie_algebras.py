@@ -12,6 +12,7 @@ from itertools import combinations, permutations
 from numbers import Integral
 from typing import TypeAlias
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.exact.lie.matrix_family import MatrixFamily
 from liepoisson.exact.lie.sine_algebra import sine_algebra, sine_energy, sine_modes
@@ -39,6 +40,7 @@ _Coordinates: TypeAlias = Callable[[_Entries], Mapping[int, float]]
 """Reads the coordinates of a matrix of the algebra."""
 
 
+@explains_its_arguments
 def so(n: int, q: int = 0) -> LieAlgebra:
     r"""The Lie algebra of rotations in n dimensions, or of a metric with n positive and q negative signs.
 
@@ -75,6 +77,7 @@ def so(n: int, q: int = 0) -> LieAlgebra:
     return _of_matrices(basis, coordinates, name, index_names("", pairs, size), MatrixFamily("so", size, tuple(basis)))
 
 
+@explains_its_arguments
 def su(n: int) -> LieAlgebra:
     r"""The Lie algebra of unitary matrices of determinant one: antihermitian, traceless, with a rational basis.
 
@@ -103,6 +106,7 @@ def su(n: int) -> LieAlgebra:
     return _of_matrices(basis, coordinates, f"su({n})", names, MatrixFamily("su", n, tuple(basis)))
 
 
+@explains_its_arguments
 def sl(n: int) -> LieAlgebra:
     r"""The Lie algebra of traceless real matrices: $E_{ij}$, i != j ("e12", ...), $E_{kk} - E_{k+1,k+1}$ ("h1", ...).
 
@@ -124,6 +128,7 @@ def sl(n: int) -> LieAlgebra:
     return _of_matrices(basis, coordinates, f"sl({n})", names, MatrixFamily("sl", n, tuple(basis)))
 
 
+@explains_its_arguments
 def gl(n: int) -> LieAlgebra:
     r"""The Lie algebra of real matrices: $[E_{ij}, E_{kl}] = \delta_{jk} E_{il} - \delta_{il} E_{kj}$, "11", "12", ...
 
@@ -141,6 +146,7 @@ def gl(n: int) -> LieAlgebra:
     return _of_matrices(basis, coordinates, f"gl({n})", index_names("", pairs, n), MatrixFamily("gl", n, tuple(basis)))
 
 
+@explains_its_arguments
 def se(n: int) -> LieAlgebra:
     r"""The Lie algebra of Euclidean motions: rotations "r...", then translations "t1", ..., "tn".
 
@@ -165,6 +171,7 @@ def se(n: int) -> LieAlgebra:
     return LieAlgebra.from_brackets(start + n, brackets, f"se({n})", names, check=False)
 
 
+@explains_its_arguments
 def heisenberg(n: int) -> LieAlgebra:
     r"""The Heisenberg algebra of n degrees of freedom: $[q_i, p_i] = c$; basis "q1", ..., "p1", ..., "c".
 
@@ -178,6 +185,7 @@ def heisenberg(n: int) -> LieAlgebra:
     return LieAlgebra.from_brackets(2 * n + 1, brackets, f"heisenberg({n})", names, check=False)
 
 
+@explains_its_arguments
 def affine(n: int) -> LieAlgebra:
     r"""The Lie algebra of affine maps of $\mathbb R^n$, gl(n) acting on vectors: "a11", "a12", ..., "b1", ..., "bn".
 
@@ -197,6 +205,7 @@ def affine(n: int) -> LieAlgebra:
     return LieAlgebra.from_brackets(n * (n + 1), brackets, f"affine({n})", names, check=False)
 
 
+@explains_its_arguments
 def abelian(n: int) -> LieAlgebra:
     """The abelian algebra: all brackets vanish.
 
@@ -208,6 +217,7 @@ def abelian(n: int) -> LieAlgebra:
     return LieAlgebra.from_brackets(n, {}, f"abelian({n})", check=False)
 
 
+@explains_its_arguments
 def sine(N: int) -> LieAlgebra:
     r"""Zeitlin's sine algebra for odd N, isomorphic to su(N): the truncated bracket of two-dimensional ideal flow.
 

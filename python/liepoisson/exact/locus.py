@@ -5,9 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TypeAlias
 
+from liepoisson.calls import explains_its_methods
+
 Fields: TypeAlias = "tuple[str, ...]"
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Locus:
     """States whose fields meet some conditions, all of them; all states if there are none.

@@ -29,6 +29,9 @@ GREEK = (
 MAX_NAME = 100
 """Characters of the longest name."""
 
+MAX_TITLE = 200
+"""Characters of the longest name of a system, which is a text for people."""
+
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
@@ -53,6 +56,29 @@ def check_name(name: object, what: str = "a name") -> str:
         )
     check_not_reserved(name, what)
     return name
+
+
+def check_title(title: object, what: str, most: int | None = MAX_TITLE) -> str:
+    """How something is called in texts and files, if these keep it exactly.
+
+    Args:
+        title: What the user chose: one line of printable characters, words one blank apart.
+        what: Whose name it is, at the beginning of a message: "the name of a system".
+        most: Characters of the longest; None for what is not read from files.
+
+    Raises:
+        ParameterError: it is no text, empty, of several lines, too long, or has characters that cannot be printed.
+    """
+    if not isinstance(title, str):
+        raise ParameterError(f'{what}: wanted a text; got {title!r:.60}; write for example "heavy top"')
+    if not title.isprintable() or " ".join(title.split()) != title or not title:
+        raise ParameterError(
+            f"{what}: wanted one line of printable characters, with single blanks between words; got {title!r:.60}; "
+            "remove the others"
+        )
+    if most is not None and len(title) > most:
+        raise ParameterError(f"{what} must have at most {most} characters; got {len(title)}. Shorten it.")
+    return title
 
 
 def free_name(wanted: str, taken: Collection[str]) -> str:

@@ -22,6 +22,7 @@ from __future__ import annotations
 from fractions import Fraction
 from numbers import Integral
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.exact.extension import Extension, Products
 
@@ -65,6 +66,7 @@ _SAME_OVER_C = {
 }
 
 
+@explains_its_arguments
 def normal_forms(n: int) -> list[Extension]:
     """The local real algebras of dimension n with residue field R, one of each isomorphism class.
 

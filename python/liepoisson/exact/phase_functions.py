@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.private_symbols import evaluated
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.trace_values import TraceSum
 
 
+@explains_its_methods
 class PhaseFunction:
     """A function on phase space: its values, gradients and second derivatives at many states.
 

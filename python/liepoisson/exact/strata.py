@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from itertools import combinations, product
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.exact.casimirs import quotient_casimirs
 from liepoisson.exact.locus import Locus
 from liepoisson.exact.parameters import is_zero
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.poisson.polynomials import Polynomial
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Stratum:
     """A set of states on which the rank is constant (proved) or constant at generic points.

@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, NamedTuple, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from liepoisson.calls import explains_its_arguments
+from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.bracket import Bracket
+from liepoisson.exact.extension import Extension
 from liepoisson.exact.hamiltonian import (
     RESERVED_NAME,
     Hamiltonian,
@@ -25,9 +26,12 @@ from liepoisson.exact.hamiltonian import (
     read_pairs_of_functions,
     with_exact_numbers,
 )
+from liepoisson.exact.lie_algebra import LieAlgebra
+from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
 from liepoisson.exact.values import GivenValue, Value, flattened, read_values
 from liepoisson.field import Field, PiecesField, TapeFunction
+from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -36,6 +40,22 @@ if TYPE_CHECKING:
     from liepoisson.exact.top_parameters import TopParameters
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
+
+
+def _check_source(source: object) -> str:
+    if not isinstance(source, str) or not source.strip() or any("\ud800" <= c <= "\udfff" for c in source):
+        raise ParameterError(f"source: wanted a text that says where the system is described; got {shown(source)}")
+    return source
+
+
+def _bracket_hint(given: Any) -> str:
+    """How a bracket is made of what was given in its place."""
+    if isinstance(given, LieAlgebra):
+        vectors = "; or so(3) @ semidirect(2), the same with two vectors l and alpha" if given.name == "se(3)" else ""
+        return f"a Lie algebra is half of one: write {given!r} @ trivial(){vectors}"
+    if isinstance(given, Extension):
+        return "an extension is half of one: write so(3) @ extension"
+    return "write for example so(3) @ leibniz(3, 1)"
 
 
 class AsGiven(NamedTuple):
@@ -54,8 +74,16 @@ class AsGiven(NamedTuple):
     partial_integrals: dict[str, tuple[str | Expr, str | Expr]]
 
 
+@explains_its_methods
 class System:
     r"""A Lie-Poisson system, $\dot x = \{x, H\} = J(x) \nabla H(x)$.
+
+    Example:
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, inv(I)*l)/2 + alpha3", {"I": [2, 2, 1]})
+        >>> list(top.invariants)
+        ['H', 'C1', 'C2']
+        >>> top.vector_field([1, 0, 1, 0, 0, 1]).tolist()
+        [0.0, -0.5, 0.0, 0.0, 0.5, 0.0]
 
     Args:
         bracket: The Lie-Poisson bracket.
@@ -91,10 +119,7 @@ class System:
         source: str | None = None,
     ) -> None:
         if not isinstance(bracket, Bracket):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ParameterError(
-                f"the bracket must be of type Bracket; got {type(bracket).__name__}. Write for example "
-                "so(3) @ leibniz(3, 1)."
-            )
+            raise not_a("a Bracket", bracket, "bracket", _bracket_hint(bracket))
         check_hamiltonian(hamiltonian)
         self._given_hamiltonian = hamiltonian
         self._given_symbols = read_declarations(symbols)
@@ -106,8 +131,9 @@ class System:
         self._check_that_values_are_final()
         self.symbolic_bracket: Bracket = bracket
         self.bracket: Bracket = bracket.substitute(self.parameters) if self.parameters else bracket
-        self.name: str = name or ("Hamiltonian system" if bracket.constant else "Lie-Poisson system")
-        self.source: str | None = source
+        default = "Hamiltonian system" if bracket.constant else "Lie-Poisson system"
+        self.name: str = default if name is None else check_title(name, "the name of a system")
+        self.source: str | None = source if source is None else _check_source(source)
         if isinstance(hamiltonian, str):
             _ = self.hamiltonian  # a text is checked at once, so that its errors come where it is written
 

@@ -40,6 +40,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.expression import read_formula
 from liepoisson.exact.formula.scope import Scope
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.system import System
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Integral:
     """A function that the file claims to be constant along the motion.
@@ -75,6 +77,7 @@ class Integral:
         return left if right in ("", "0") else f"({left}) - ({right})"
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Reference:
     """A value to compare with.
@@ -94,6 +97,7 @@ class Reference:
     source: str | None = None
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class SystemFile:
     """What a system file says.

@@ -11,6 +11,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ExpressionError, LiePoissonError, SystemFileError, did_you_mean
 from liepoisson.exact.constructors import read_algebra, read_extension
 from liepoisson.exact.expression import check_names, evaluate
@@ -18,7 +19,7 @@ from liepoisson.exact.formula.grammar import MAX_DIGITS, parse
 from liepoisson.exact.formula.scope import Scope, read_declaration
 from liepoisson.exact.formula.toml_text import TomlText, UnreadableNumber, parse_toml, read_toml
 from liepoisson.exact.hamiltonian import RESERVED_NAME
-from liepoisson.exact.names import check_name
+from liepoisson.exact.names import MAX_TITLE, check_name
 from liepoisson.exact.parameters import Exact
 from liepoisson.exact.system_file import Integral, Reference, SystemFile
 from liepoisson.exact.values import Value
@@ -32,7 +33,6 @@ if TYPE_CHECKING:
 T = TypeVar("T")
 
 _MAX_LIST = 100_000
-_LONGEST_NAME = 200
 _KEYS: dict[str, tuple[str, ...]] = {
     "": (
         "name",
@@ -64,6 +64,7 @@ _KEYS: dict[str, tuple[str, ...]] = {
 }
 
 
+@explains_its_arguments
 def read_system(path: str | Path) -> System:
     """The system that a file describes (`liepoisson.exact.system_file` has the format).
 
@@ -76,6 +77,7 @@ def read_system(path: str | Path) -> System:
     return read_system_file(path).system()
 
 
+@explains_its_arguments
 def read_system_file(path: str | Path) -> SystemFile:
     """What a system file says, with its references and its claims.
 
@@ -83,7 +85,8 @@ def read_system_file(path: str | Path) -> SystemFile:
         path: A TOML file in UTF-8, at most 1 MB.
 
     Raises:
-        SystemFileError: there is no such file, it is not TOML, or it does not describe a system; the message names the
+        MissingFileError: there is no such file.
+        SystemFileError: it is not TOML, or it does not describe a system; the message names the
             key, and the line where it can be found.
     """
     return read_tables(read_toml(path))
@@ -144,8 +147,8 @@ class _Reader:
     def name(self, given: object) -> str:
         """How the system is called: one line, of which every character can be written to files and terminals."""
         words = " ".join(self.text(("name",), given).split())
-        if len(words) > _LONGEST_NAME:
-            message = f"wanted at most {_LONGEST_NAME} characters; got {len(words)}. Put more into description."
+        if len(words) > MAX_TITLE:
+            message = f"wanted at most {MAX_TITLE} characters; got {len(words)}. Put more into description."
             raise self.toml.error(("name",), message)
         return "".join(c if c.isprintable() else "\ufffd" for c in words)
 

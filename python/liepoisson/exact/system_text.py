@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LiePoissonError, SystemFileError
 from liepoisson.exact.canonical_bracket import canonical
 from liepoisson.exact.canonical_system import CanonicalSystem
@@ -70,6 +71,7 @@ def read_system_text(text: str, kind: str = "System") -> System:
     return file.canonical_system() if kind == CanonicalSystem.__name__ else file.system()
 
 
+@explains_its_arguments
 def write_system(system: System, path: str | Path) -> Path:
     """Writes a system file, whole or not at all; `read_system` gives the same system back.
 

@@ -19,7 +19,7 @@ from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
-from liepoisson.numeric.starts import as_states, as_times
+from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
 from liepoisson.numeric.systems import HasField, as_field, has_functions
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
@@ -99,7 +99,7 @@ class Alignment(Run):
 @shows_progress
 def alignment(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     t_end: float | None = None,
     times: ArrayLike | None = None,
@@ -162,7 +162,7 @@ def alignment(
     """
     method = as_method(method, Taylor(tol=1e-13))
     n, deadline = as_field(system).n_components, clock.monotonic() + as_time_limit(time_limit)
-    states, wanted = as_states(starts, n, some_may_fail=True), _as_alignment_times(t_end, times)
+    states, wanted = as_starts(system, starts, n), _as_alignment_times(t_end, times)
     if n < 2:
         raise ParameterError(
             f"system: wanted one with at least 2 components, as two tangent vectors are compared; {system.name} has "

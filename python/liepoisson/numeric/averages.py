@@ -26,7 +26,7 @@ from liepoisson.numeric.alignment import as_positive_time
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.progress import part_of
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
@@ -44,7 +44,7 @@ _ROUND_OFF = 1e-10
 
 def average_drift(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     t_end: float,
     natural_time: ArrayLike,
@@ -78,7 +78,7 @@ def average_drift(
         ParameterError: Numbers that are not finite, or a time that is not positive.
     """
     method = as_method(method, Taylor(tol=1e-13))
-    states = as_states(starts, as_field(system).n_components, some_may_fail=True)
+    states = as_starts(system, starts, as_field(system).n_components)
     end, deadline = as_positive_time(t_end, "t_end"), clock.monotonic() + as_time_limit(time_limit)
     drift, outcome = np.full(len(states), np.nan), np.full(len(states), "not finite", dtype="<U16")
     good = np.flatnonzero(np.isfinite(states).all(axis=1))

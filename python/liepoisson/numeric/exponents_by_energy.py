@@ -156,7 +156,7 @@ def exponents_by_energy(
         system: The system.
         leaf: The leaf, a `Leaf` of the system: of the same one, or of one with the same bracket and field.
         energies: Values of the Hamiltonian, shape (energy,); `leaf.energy_range()` tells which occur.
-        n_starts: Starts at each energy, at most 10,000,000.
+        n_starts: StartsLike at each energy, at most 10,000,000.
         t_end: Time of the exponents, positive.
         rule: Other thresholds than those of `decide`.
         seed: Draws starts and tangent vectors.

@@ -17,7 +17,7 @@ from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories, typical
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
-from liepoisson.numeric.starts import as_states, as_times
+from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
 from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
@@ -78,7 +78,7 @@ class FiniteTimeExponents(IntegratedRun):
 @shows_progress
 def finite_time_exponents(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     t_end: float | None = None,
     times: ArrayLike | None = None,
@@ -98,6 +98,11 @@ def finite_time_exponents(
 
     $\lambda(t)$ is a finite-time value, biased upwards: it falls like $\ln t/t$ on a regular orbit, and on a chaotic
     one approaches its limit like $1/\sqrt t$ or more slowly; `finite_time_fit` estimates the limit of an ensemble.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> lp.finite_time_exponents(top, lp.sample_states(top, 4, seed=1), t_end=200)
+        <FiniteTimeExponents of twisted Kovalevskaya top: 4 trajectories, median exponent 0.1326 at t = 200>
 
     Args:
         system: The system.
@@ -132,7 +137,7 @@ def finite_time_exponents(
     method = as_method(method, Taylor(tol=1e-13))
     field = field_for(system, as_field(system), method)
     n = field.n_components
-    states, wanted = as_states(starts, n, some_may_fail=True), _as_exponent_times(t_end, times)
+    states, wanted = as_starts(system, starts, n), _as_exponent_times(t_end, times)
     seed, first = as_seed(seed), as_first(first, len(states))
     if tangents is None:
         vectors = sample_tangents(n, len(states), seed=seed, first=first)

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import as_array
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.estimates import (
     Estimate,
@@ -253,6 +254,7 @@ class EnsembleReduction:
             )
 
 
+@explains_its_arguments
 def finite_time_fit(
     time: ArrayLike,
     exponent: ArrayLike,
@@ -291,6 +293,7 @@ def finite_time_fit(
     return window_scan(time, exponent, windows=[window], n_bootstrap=n_bootstrap, seed=seed, confidence=confidence)[0]
 
 
+@explains_its_arguments
 def window_scan(
     time: ArrayLike,
     exponent: ArrayLike,
@@ -315,6 +318,7 @@ def window_scan(
     return reduction.finite_time_fits(Resampling(n_bootstrap, confidence, seed))
 
 
+@explains_its_arguments
 def log_fit(
     time: ArrayLike,
     exponent: ArrayLike,
@@ -339,6 +343,7 @@ def log_fit(
     return reduction.log_fits(Resampling(n_bootstrap, confidence, seed))[0]
 
 
+@explains_its_arguments
 def mean_curve(time: ArrayLike, exponent: ArrayLike, *, confidence: float = 0.95) -> MeanCurve:
     """Ensemble mean of the exponents (trajectory, time) with a pointwise confidence band.
 

@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.estimates import Window
 from liepoisson.numeric.finite_time_fit import finite_time_fit, last_decade
@@ -67,6 +68,7 @@ class FitGoodness(ReadOnlyArrays):
         )
 
 
+@explains_its_arguments
 def fit_goodness(
     time: ArrayLike, exponent: ArrayLike, *, window: Window | None = None, n_degrees: int = 6
 ) -> FitGoodness:

@@ -18,7 +18,7 @@ from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
 from liepoisson.result import labelled, recorded
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
@@ -109,7 +109,7 @@ class FrequencyDrift(Run):
 @shows_progress
 def frequency_drift(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     observable: Observable,
     t_end: float,
@@ -165,7 +165,7 @@ def frequency_drift(
     """
     method = as_method(method, Taylor(tol=1e-13))
     n = as_field(system).n_components
-    states, window = as_states(starts, n, some_may_fail=True), as_positive_time(t_end, "t_end") / 2
+    states, window = as_starts(system, starts, n), as_positive_time(t_end, "t_end") / 2
     samples = as_count(n_samples, "n_samples", least=16, most=2**24, hint="try n_samples=2048")
     at_once = min(_CHUNK, len(states))
     bound_memory((_STATE_BYTES * n + _SIGNAL_BYTES) * samples * (at_once + 1), samples, at_once)

@@ -14,10 +14,11 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import TopField
+from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories
 from liepoisson.numeric.run import IntegratedRun, given
-from liepoisson.numeric.starts import as_states, as_times
+from liepoisson.numeric.starts import StartsLike, as_starts, as_times
 from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.result import labelled, pieces
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
@@ -27,8 +28,10 @@ _N_TIMES = 1001
 
 
 @dataclass(frozen=True, kw_only=True)
-class Orbit(IntegratedRun):
+class Orbit(IntegratedRun, KeepsInvariants):
     """Trajectories at given times.  The arrays are read-only; `.copy()` gives one that can be changed.
+
+    `invariants` has the Hamiltonian, the Casimirs and the known integrals along them, `drift` their largest changes.
 
     Attributes:
         system: The system, as it was given.
@@ -166,7 +169,7 @@ class Orbit(IntegratedRun):
 @shows_progress
 def integrate(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     times: ArrayLike | None = None,
     t_end: float | None = None,
@@ -180,10 +183,18 @@ def integrate(
 ) -> Orbit:
     r"""Trajectories $\dot x = J(x)\nabla H(x)$ and their tangent vectors $\dot v = D(J\nabla H)(x)\,v$.
 
+    Example:
+        >>> orbit = lp.integrate(lp.Top.kovalevskaya(), {"l": (1, 0, 1), "alpha3": 1}, t_end=100)
+        >>> orbit
+        <Orbit of Kovalevskaya top: 1 trajectory, 1001 times, t = 0 to 100>
+        >>> bool(orbit.drift["H"].max() < 1e-13)
+        True
+
     Args:
         system: What is integrated.
-        starts: States at the first time, shape (component,) or (trajectory, component), dimensionless; a row that is
-            not finite beside good ones ends at once, with the outcome "not finite".
+        starts: States at the first time, shape (component,) or (trajectory, component), dimensionless; or vectors and
+            components by name, the others being zero, `{"l": (1, 0, 0), "beta3": "1/3"}`.  A row that is not finite
+            beside good ones ends at once, with the outcome "not finite".
         times: Times at which states are wanted, strictly monotone, shape (time,), the first that of the starts;
             decreasing times run backwards.  One number T means the times 0 and T.
         t_end: Instead, the end of a run from 0, with 1,001 evenly spaced times; negative ends run backwards.
@@ -211,7 +222,7 @@ def integrate(
     method = as_method(method, Taylor())
     field = field_for(system, as_field(system), method)
     n = field.n_components
-    states, times = as_states(starts, n, some_may_fail=True), _as_orbit_times(times, t_end)
+    states, times = as_starts(system, starts, n), _as_orbit_times(times, t_end)
     vectors = _as_tangents(tangents, len(states), n)
     in_series = isinstance(method, Taylor)
     if dense and not in_series:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
@@ -19,6 +19,7 @@ from liepoisson.numeric.mean_error import mean_error, mean_interval, n_longest_b
 from liepoisson.numeric.methods import Method
 from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
+from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
 from liepoisson.numeric.time_scale import natural_duration, time_scale, zero_threshold
@@ -202,7 +203,7 @@ class ExponentEstimate(Run):
 @shows_progress
 def lyapunov_exponent(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     wanted_error: float | None = None,
     t_end: float | None = None,
@@ -258,7 +259,7 @@ def lyapunov_exponent(
     """
     deadline = time.monotonic() + as_time_limit(time_limit)
     _check_wanted(wanted_error, t_end)
-    starts = as_array(starts, "starts")  # once, as several runs start from it
+    starts = given_starts(system, starts)  # once, as several runs start from it
     scale = time_scale(system, starts, method=method, threads=threads, time_limit=time_limit)
     wanted, n_blocks, block = _as_plan(wanted_error, t_end, block, scale)
     if transient is None:

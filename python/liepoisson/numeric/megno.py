@@ -19,7 +19,7 @@ from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.run import Run, given, whole
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import StartsLike, as_starts, as_states
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_count, as_time_limit
@@ -82,7 +82,7 @@ class Megno(Run):
 @shows_progress
 def megno(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     t_end: float,
     n_samples: int = 4096,
@@ -136,7 +136,7 @@ def megno(
         182 (2003) 151.
     """
     method = as_method(method, Taylor(tol=1e-13))
-    states = as_states(starts, as_field(system).n_components, some_may_fail=True)
+    states = as_starts(system, starts, as_field(system).n_components)
     end = as_positive_time(t_end, "t_end")
     samples = as_count(n_samples, "n_samples", least=8, most=2**26, hint="try n_samples=4096")
     seed, first = as_seed(seed), as_first(first, len(states))

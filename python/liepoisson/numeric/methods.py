@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
-from liepoisson.calls import made_with_explained_arguments
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField, QuadraticField, TopField
 from liepoisson.numeric.systems import has_pieces
@@ -27,7 +27,7 @@ MAX_STEPS = 10_000_000
 """Default budget: most steps that one trajectory may take."""
 
 
-@made_with_explained_arguments
+@explains_its_methods
 @dataclass(frozen=True)
 class Taylor:
     r"""The adaptive Taylor method: the default, to round-off or any tolerance, with dense output.
@@ -77,7 +77,7 @@ class Taylor:
         return f"Taylor method, tolerance {self.tol:g}" + _in_precision(self.precision)
 
 
-@made_with_explained_arguments
+@explains_its_methods
 @dataclass(frozen=True)
 class RungeKutta:
     r"""The explicit Runge-Kutta method of order 8 of Dormand and Prince, for coarse and middle accuracy and any field.
@@ -139,7 +139,7 @@ class RungeKutta:
         return f"Runge-Kutta method of order 8, {how}{compensated}" + _in_precision(self.precision)
 
 
-@made_with_explained_arguments
+@explains_its_methods
 @dataclass(frozen=True)
 class Splitting:
     r"""Composition of the exact flows of the pieces of the Hamiltonian: a Poisson map that keeps every Casimir.
@@ -183,7 +183,7 @@ class Splitting:
         return f"splitting of order {self.order}, step {self.step:g}" + _in_precision(self.precision)
 
 
-@made_with_explained_arguments
+@explains_its_methods
 @dataclass(frozen=True)
 class Gauss:
     r"""Gauss collocation: implicit, keeps every linear and quadratic invariant to round-off, at any step.
@@ -225,7 +225,7 @@ class Gauss:
         return f"{name}, step {self.step:g}"
 
 
-@made_with_explained_arguments
+@explains_its_methods
 @dataclass(frozen=True)
 class LagrangeMap:
     r"""The (charged, twisted) Lagrange top in discrete time: an integrable Poisson map, of order 2.

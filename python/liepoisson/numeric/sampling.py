@@ -70,6 +70,10 @@ def sample_states(
 
     None of them fixes the energy or the Casimirs: averages over them mix leaves and energies.
 
+    Example:
+        >>> lp.sample_states(lp.Top.kovalevskaya(), 20, seed=7).shape
+        (20, 9)
+
     Args:
         system: The system whose states are wanted; its dimension is used.
         n_starts: Number of states.

@@ -8,17 +8,17 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
-from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_arguments, level_of_the_caller, shows_progress
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import TapeFunction
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, typical
 from liepoisson.numeric.run import IntegratedRun, Run, given
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import StartsLike, as_starts, given_starts
 from liepoisson.numeric.systems import (
     HasField,
     as_field,
@@ -214,6 +214,13 @@ class Section(IntegratedRun):
         return np.bincount(self.trajectory, minlength=self.n_trajectories)
 
     @property
+    def n_short(self) -> int:
+        """How many trajectories ended at `t_end` before they had `n_crossings` crossings; 0 if none were wanted."""
+        if self.n_crossings is None:
+            return 0
+        return int(((self.outcome == "finished") & (self.count < self.n_crossings)).sum())
+
+    @property
     def unresolved_share(self) -> float:
         """Share of the time of all trajectories for which $s$ could not be followed; crossings then are not found."""
         return _share(self.unresolved_time, self.end_time)
@@ -236,7 +243,77 @@ class Section(IntegratedRun):
     def __repr__(self) -> str:
         n, of = len(self.time), self.n_trajectories
         gap = f", not followed in {as_percent(self.unresolved_share)} of the time" if self.unresolved_share else ""
-        return f"<Section {self.surface} = 0 of {self.system.name}: {n} crossings of {of} trajectories{gap}>"
+        short = f", {self.n_short} ended by t = {self.t_end:g} before {self.n_crossings}" if self.n_short else ""
+        return f"<Section {self.surface} = 0 of {self.system.name}: {n} crossings of {of} trajectories{short}{gap}>"
+
+    def __str__(self) -> str:
+        """What was found and what not, and whether the figure of it folds the section, in a few lines."""
+        lines = [f"{self.system.name}: {len(self.time)} crossings of {self.surface} = 0, {self._of_each()}"]
+        if (self.outcome != "finished").any():
+            names, counts = np.unique(self.outcome, return_counts=True)
+            lines.append("outcomes: " + ", ".join(f"{name} {n}" for name, n in zip(names, counts, strict=True)))
+        if self.n_short:
+            lines.append(
+                f"{self.n_short} of {self.n_trajectories} orbits ended at t = {self.t_end:g}, before their "
+                f"{self.n_crossings} crossings: give a later t_end for more"
+            )
+        for share, words in (
+            (self.undefined_share, "does not exist"),
+            (self.unresolved_share, "could not be followed"),
+        ):
+            if share:
+                lines.append(f"the function {words} in {as_percent(share)} of the time, where crossings are not found")
+        if n := len(self.touch_time):
+            lines.append(f"{n} touches, of which it is not decided whether they cross the surface")
+        return "\n".join([*lines, *self._about_figures()])
+
+    def _of_each(self) -> str:
+        count = self.count
+        if len(count) < 2:
+            return "1 orbit" if len(count) else "no orbit"
+        least, most = count.min(), count.max()
+        return f"{least if least == most else f'{least} to {most}'} of each of {len(count)} orbits"
+
+    def _about_figures(self) -> list[str]:
+        from liepoisson.phase_space.section_coordinates import dimension_of_section, fold
+
+        dimension = dimension_of_section(self)
+        if dimension is None or dimension < 2:
+            return []
+        if dimension > 2:
+            return [
+                f"the section has dimension {dimension}: a plane shows a projection, which proves neither tori nor "
+                "chaos"
+            ]
+        x, y = self.components[-1], self.components[min(1, len(self.components) - 1)]
+        if not fold(self, x, y):
+            return []
+        return [f"the plane of {x} and {y} folds the section: different states may lie at one point"]
+
+    def is_folded(self, x: Function | None = None, y: Function | None = None) -> bool:
+        """Whether a figure with these functions along its axes folds the section (`liepoisson.sections.is_folded`).
+
+        Then different states may lie at one point of it.
+
+        Args:
+            x: The function along one axis; by default the last component, as in `liepoisson.plot.section`.
+            y: The function along the other; by default the second component.
+
+        Raises:
+            ParameterError: The section has not dimension 2, has no crossings or was made without whole states, or its
+                system or surface cannot be told from its record.
+            ExpressionError: A formula cannot be read.
+        """
+        from liepoisson.phase_space.section_coordinates import dimension_of_section, fold
+
+        if (dimension := dimension_of_section(self)) != 2:
+            has = "of which it is not known" if dimension is None else f"of dimension {dimension}"
+            raise ParameterError(
+                f"is_folded: wanted a section of dimension 2 with whole states of a System; got one {has}; make it "
+                "with a text for its surface and without keep, of orbits on leaves of dimension 4"
+            )
+        own = self.components
+        return fold(self, own[-1] if x is None else x, own[min(1, len(own) - 1)] if y is None else y)
 
 
 def as_percent(share: float) -> str:
@@ -254,7 +331,7 @@ def _share(part: Array, end_time: Array) -> float:
 @shows_progress
 def section(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     surface: Function | TapeFunction,
     t_end: float,
@@ -289,6 +366,12 @@ def section(
     a `SurfaceWarning` tells.  An orbit that never meets the surface runs to `t_end`, whatever `n_crossings`;
     `time_limit` ends it sooner.  Errors
     that accumulate from step to step are those of `integrate`.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> crossings = lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", t_end=100, direction=1)
+        >>> print(crossings)
+        henon-heiles: 16 crossings of x = 0, 1 orbit
 
     Args:
         system: What is integrated.
@@ -325,7 +408,7 @@ def section(
         )
     field = field_for(system, as_field(system), method)
     n = field.n_components
-    states = as_states(starts, n, some_may_fail=True)
+    states = as_starts(system, starts, n)
     tape, names = _as_surface(system, surface, keep)
     if tape.n_components != n:
         raise ShapeError(f"surface: wanted a function of {n} components; got one of {tape.n_components}")
@@ -381,7 +464,7 @@ def section(
 @shows_progress
 def first_return(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     surface: Function | TapeFunction,
     t_end: float,
@@ -416,7 +499,7 @@ def first_return(
     Raises:
         As `section`.
     """
-    states = as_array(starts, "starts")
+    states = given_starts(system, starts)
     n = as_field(system).n_components
     if states.ndim == 0 or states.shape[-1] != n:
         raise ShapeError(f"starts must end in {n} components; got shape {states.shape}")
@@ -507,7 +590,7 @@ def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) 
         warnings.warn(
             f"{which} in the surface {surface} = 0, from start to end, and cross it nowhere; try another surface",
             SurfaceWarning,
-            stacklevel=5,  # two frames are those of `shows_progress`
+            stacklevel=level_of_the_caller(),
         )
 
 
@@ -517,7 +600,7 @@ def _warn_of_gaps(surface: str, share: float) -> None:
             f"the surface function {surface} could not be followed in {as_percent(share)} of the time, where crossings "
             "are not found: it varies too fast, or is singular nearby; try a smoother one",
             SurfaceWarning,
-            stacklevel=5,  # two frames are those of `shows_progress`
+            stacklevel=level_of_the_caller(),
         )
 
 

@@ -8,9 +8,9 @@ from time import monotonic as clock_now
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.covariant_vectors import CovariantRecord, CovariantVectors
@@ -19,6 +19,7 @@ from liepoisson.numeric.methods import Method
 from liepoisson.numeric.outcomes import trajectories
 from liepoisson.numeric.run import IntegratedRun, given, whole
 from liepoisson.numeric.spectrum_check import SpectrumResiduals, check_lines, spectrum_residuals
+from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.structural_zeros import PoissonStructure, poisson_structure
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
@@ -159,7 +160,7 @@ def _errors(rates: Array, finished: NDArray[np.bool_]) -> Array:
 @shows_progress
 def lyapunov_spectrum(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     t_end: float,
     interval: float | None = None,
@@ -185,6 +186,12 @@ def lyapunov_spectrum(
 
     Finite-time values are biased by some $\ln(t/T)/t$, as the vectors of the zeros grow like powers of time; T is the
     `time_scale` of the orbit.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> spectrum = lp.lyapunov_spectrum(top, lp.sample_states(top, 1, seed=1), t_end=200)
+        >>> spectrum.end_exponent.shape
+        (1, 9)
 
     Args:
         system: The system.
@@ -221,7 +228,7 @@ def lyapunov_spectrum(
     """
     t_end, deadline = as_duration(t_end, "t_end"), clock_now() + as_time_limit(time_limit)
     transient = as_duration(transient, "transient", zero=True)
-    starts = as_array(starts, "starts")  # once, as several runs start from it
+    starts = given_starts(system, starts)  # once, as several runs start from it
     scale = time_scale(system, starts, method=method, threads=threads, time_limit=time_limit)
     if interval is None:
         interval = natural_duration(INTERVAL, scale, fastest=True, otherwise=t_end / N_TIMES)

@@ -2,16 +2,107 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ParameterError, ShapeError, did_you_mean
+from liepoisson.numeric.systems import as_field, component_names, vector_length
+
+StartsLike: TypeAlias = "ArrayLike | Mapping[str, ArrayLike] | Sequence[Mapping[str, ArrayLike]]"
+"""States as arrays, or by the names of vectors and components, the others being zero."""
 
 
-def as_states(starts: ArrayLike, n_components: int, name: str = "starts", *, some_may_fail: bool = False) -> Array:
+def as_starts(system: Any, starts: StartsLike, n_components: int) -> Array:
+    """A copy of the starts of a run, shape (trajectory, component).
+
+    Raises:
+        ParameterError: A name is none of the system's, or no start is finite.
+        ShapeError: They have another shape.
+    """
+    names = component_names(system, n_components)
+    return as_states(given_starts(system, starts), n_components, names=names, some_may_fail=True)
+
+
+def given_starts(system: Any, starts: StartsLike, name: str = "starts") -> Array:
+    """A copy of states as they were given, those that were given by name with all their components.
+
+    `{"l": (1, 0, 0), "beta3": "1/3"}` is one state, and many if a component has many values or a vector many rows;
+    a list of such mappings is many.
+
+    Raises:
+        ParameterError: A name is none of the system's, or a component is given twice.
+        ShapeError: A vector has another number of components, or numbers of trajectories differ.
+    """
+    given: Any = starts
+    if isinstance(given, Mapping):
+        return states_by_name(system, cast("Mapping[str, Any]", given), name)
+    rows = cast("Sequence[Any]", given) if isinstance(given, (list, tuple)) else ()
+    if rows and all(isinstance(row, Mapping) for row in rows):
+        return np.concatenate([np.atleast_2d(states_by_name(system, row, name)) for row in rows])
+    return as_array(given, name)
+
+
+def states_by_name(system: Any, given: Mapping[str, Any], what: str, *, one: bool = False) -> Array:
+    """States from vectors and components by name, the others being zero: shape (component,) or (trajectory, component).
+
+    Raises:
+        ParameterError: A name is none of the system's, or a component is given twice.
+        ShapeError: A vector has another number of components, or numbers of trajectories differ.
+    """
+    places = _places(system)
+    read = dict[str, Array]()
+    seen = dict[int, str]()
+    for name, numbers in given.items():
+        if name not in places:
+            raise ParameterError(
+                f"{what} must name a field or a component; got {str(name)!r:.60}. {did_you_mean(name, places)}Known: "
+                f"{', '.join(places)}."
+            )
+        place, values = places[name], as_array(numbers, f"{what} {name}")
+        if len(place) == 1 and (not one or values.ndim == 0):
+            values = values[..., None]
+        if values.shape[-1:] != (len(place),) or values.ndim > (1 if one else 2):
+            got = f"{values.shape[-1]}" if values.ndim == 1 else f"shape {values.shape}"
+            raise ShapeError(f"{what} {name} must have {len(place)} numbers; got {got}.")
+        if twice := seen.keys() & {*place}:
+            raise ParameterError(
+                f"{what} must give each component once; {name} comes twice, also in {seen[min(twice)]}. Remove one."
+            )
+        seen |= dict.fromkeys(place, name)
+        read[name] = values
+    counts = {name: len(values) for name, values in read.items() if values.ndim == 2}
+    many = tuple({*counts.values()})
+    if len(many) > 1:
+        words = ", ".join(f"{name} {n}" for name, n in counts.items())
+        raise ShapeError(f"{what} must have one number of trajectories; got {words}. Make them equal.")
+    states = np.zeros((*many, max(place.stop for place in places.values())))
+    for name, values in read.items():
+        states[..., list(places[name])] = values
+    return states
+
+
+def _places(system: Any) -> dict[str, range]:
+    """Where the vectors and the components of a state are, by name."""
+    names = component_names(system, as_field(system).n_components)
+    vectors, size = tuple(getattr(system, "parts_of_state", ())), vector_length(system, len(names))
+    if len(vectors) * size != len(names) or vectors == names:
+        vectors = ()
+    places = {vector: range(k * size, (k + 1) * size) for k, vector in enumerate(vectors)}
+    return places | {name: range(k, k + 1) for k, name in enumerate(names)}
+
+
+def as_states(
+    starts: ArrayLike,
+    n_components: int,
+    name: str = "starts",
+    *,
+    names: Sequence[str] = (),
+    some_may_fail: bool = False,
+) -> Array:
     """A copy of states as an array of shape (trajectory, component); one state may come without the first axis.
 
     Where some may fail, rows that are not finite are kept beside good ones: their trajectories end at once, with an
@@ -21,7 +112,8 @@ def as_states(starts: ArrayLike, n_components: int, name: str = "starts", *, som
     if states.ndim not in (1, 2) or states.shape[-1] != n_components:
         hint = " Transpose it?" if states.ndim == 2 and states.shape[0] == n_components else ""
         raise ShapeError(
-            f"{name} must have shape ({n_components},) or (trajectory, {n_components}); got shape {states.shape}.{hint}"
+            f"{name} must have shape ({n_components},) or (trajectory, {n_components}); got shape {states.shape}."
+            f"{hint or _component_hint(names)}"
         )
     states = np.atleast_2d(states)
     bad = ~np.isfinite(states).all(axis=1)
@@ -31,6 +123,11 @@ def as_states(starts: ArrayLike, n_components: int, name: str = "starts", *, som
             f"infinity ({int(bad.sum())} such in all); drop these rows"
         )
     return states
+
+
+def _component_hint(names: Sequence[str]) -> str:
+    few = names if len(names) <= 9 else (*names[:6], "...", *names[-3:])
+    return f" The components are {', '.join(few)}." if names else ""
 
 
 def as_times(times: ArrayLike, name: str, *, least: int) -> Array:

@@ -26,6 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import integrate
@@ -39,6 +40,7 @@ _NEGLIGIBLE = 1e-9
 _SHORT, _DIVERGENCE = 1e-9, 1e-5
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class PoissonStructure(ReadOnlyArrays):
     """What the bracket says about the spectrum of each trajectory.

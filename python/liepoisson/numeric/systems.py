@@ -11,9 +11,8 @@ from typing import Any, Protocol, TypeGuard
 
 from liepoisson import _core
 from liepoisson.arrays import Array
-from liepoisson.errors import ParameterError
 from liepoisson.field import Field, PiecesField, QuadraticField, TapeFunction, TopField
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a_system
 
 TOP_COMPONENTS = tuple(f"{vector}{i}" for vector in ("l", "alpha", "beta") for i in (1, 2, 3))
 
@@ -34,9 +33,7 @@ class HasField(Protocol):
 def as_field(system: Any) -> Field:
     """The vector field of a system."""
     if isinstance(system, type) or not callable(getattr(system, "field", None)) or not hasattr(system, "name"):
-        raise ParameterError(
-            f"system: wanted a system such as Top.kovalevskaya(); got {shown(system)}; make one, or call its class"
-        )
+        raise not_a_system(system)
     return system.field()
 
 
@@ -80,6 +77,19 @@ def has_functions(system: Any) -> TypeGuard[HasFunctions]:
 def known_constants(system: HasFunctions) -> Mapping[str, Any]:
     """Expressions of the known constants of the motion by name; none where a system lists none."""
     return getattr(system, "invariants", None) or {}
+
+
+class HasInvariants(HasField, Protocol):
+    """A system that knows constants of its motion."""
+
+    def invariant_values(self, states: Any) -> dict[str, Array]:
+        """The Hamiltonian, the Casimirs and known integrals by name, at many states."""
+        ...
+
+
+def has_invariants(system: Any) -> TypeGuard[HasInvariants]:
+    """Whether a system knows constants of its motion."""
+    return callable(getattr(system, "invariant_values", None))
 
 
 def vector_length(system: Any, n_components: int) -> int:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array
@@ -22,7 +22,7 @@ from liepoisson.field import Field
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.sampling import BLOCK, as_first, as_seed, sample_tangents
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.scalars import as_count, as_number, as_threads, as_time_limit
 from liepoisson.streams import Purpose, stream
@@ -57,7 +57,7 @@ class TangentFrames:
     def __init__(
         self,
         system: HasField,
-        starts: ArrayLike,
+        starts: StartsLike,
         *,
         n_vectors: int | None = None,
         seed: int = 0,
@@ -69,7 +69,7 @@ class TangentFrames:
         self.method: Method = as_method(method, Taylor(tol=1e-13))
         self.field: Field = field_for(system, as_field(system), self.method)
         n = self.field.n_components
-        self.state: Array = as_states(starts, n, some_may_fail=True)
+        self.state: Array = as_starts(system, starts, n)
         k = n if n_vectors is None else as_count(n_vectors, "n_exponents", least=1, most=n)
         self.seed, self.first = as_seed(seed), as_first(first, len(self.state))
         self.frame: Array = orthonormal_frames(n, k, len(self.state), seed=self.seed, first=self.first)

@@ -25,12 +25,15 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import Method, Taylor
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
 from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
 N_POINTS = 8
 """Points of the orbit at which the derivative of the field is taken: those of a stretch of some 32 natural times."""
+
+N_MEDIAN = 256
+"""Orbits whose median natural time is the unit of default times: each costs about 1 ms."""
 
 _STRETCH = 32.0
 # Df is read off M(h) = 1 + h Df + O(h^2) at the first rung h at which |M(h) - 1| is this large: then it is at most
@@ -49,7 +52,7 @@ _NO_UNIT = 1e-6
 @explains_its_arguments
 def time_scale(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     method: Method | None = None,
     threads: int | None = None,
@@ -95,7 +98,7 @@ class OrbitUnits(NamedTuple):
 @np.errstate(all="ignore")  # what overflows or vanishes has no unit, which is said by NaN or infinity
 def orbit_units(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     method: Method | None = None,
     threads: int | None = None,
@@ -112,7 +115,7 @@ def orbit_units(
     field = as_field(system)
     # whatever the caller's method, but a field that is given by its pieces knows no other
     how = method if isinstance(field, PiecesField) else Taylor(tol=1e-13)
-    states = as_states(starts, field.n_components, some_may_fail=True)
+    states = as_starts(system, starts, field.n_components)
     run = _Run(system.name, field, how, threads, clock.monotonic() + as_time_limit(time_limit))
     rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
@@ -153,6 +156,17 @@ def natural_duration(n: float, scale: Array, *, fastest: bool = False, otherwise
     if not len(known):
         return otherwise
     return float(f"{n * float(known.min() if fastest else np.median(known)):.1e}")
+
+
+def unit_of_time(scale: Array) -> float:
+    """The natural time of the median orbit, to two digits; 1 where none has one, as at rest in no field.
+
+    Default times and steps are taken in it, so that they suit systems that are fast or slow.
+
+    Args:
+        scale: Time scales, shape (trajectory,), of which the first 256 count.
+    """
+    return natural_duration(1.0, scale[:N_MEDIAN], otherwise=1.0)
 
 
 class _Run:

@@ -12,10 +12,10 @@ from dataclasses import asdict, dataclass, field, replace
 from typing import Any, Literal, NamedTuple, TypeAlias, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from liepoisson.arrays import Array, ReadOnlyArrays, as_array
-from liepoisson.calls import shows_progress
+from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.calls import explains_its_arguments, explains_its_methods, shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.numeric.alignment import Alignment, alignment, as_positive_time
 from liepoisson.numeric.averages import average_drift
@@ -27,8 +27,9 @@ from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.proportions import proportion
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
+from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
-from liepoisson.numeric.time_scale import orbit_units
+from liepoisson.numeric.time_scale import orbit_units, unit_of_time
 from liepoisson.result import labelled, recorded
 from liepoisson.scalars import TIME_LIMIT, as_number, as_time_limit
 from liepoisson.wrong_values import shown
@@ -41,7 +42,11 @@ INDICATORS = ("growth_power", "megno", "sali", "averages")
 METHOD = Taylor(tol=1e-13)
 """Default method of the three runs that a verdict needs."""
 
+TIME = 1000.0
+"""Default time of a run, in natural times of the median orbit: the thresholds of `Rule` were fixed there."""
 
+
+@explains_its_methods
 @dataclass(frozen=True)
 class Rule:
     r"""Thresholds of the indicators: (regular, chaotic) for three of them; a value between the two is no vote.
@@ -199,9 +204,9 @@ class Verdict(Run):
 @shows_progress
 def decide(
     system: HasField,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
-    t_end: float,
+    t_end: float | None = None,
     seed: int = 0,
     first: int = 0,
     rule: Rule | None = None,
@@ -233,12 +238,19 @@ def decide(
     of docs/chaos.md, at the price of many "undecided" ones.  An unstable periodic orbit or equilibrium of an integrable
     system is "chaotic" though no neighbour of it is; so is any orbit on which the tangent vectors grow exponentially.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> print(lp.decide(top, lp.sample_states(top, 3, seed=1), t_end=1000))
+        0 regular, 3 chaotic, 0 undecided  (twisted Kovalevskaya top, t = 1000)
+
     Args:
         system: The system.
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite
             beside good ones ends at once, with the outcome "not finite".
         t_end: Time after which it is decided, in units of the system's own time; some hundred periods at least, some
-            thousand if "regular" is to be said.  All orbits for which it is too short are "undecided".
+            thousand if "regular" is to be said.  All orbits for which it is too short are "undecided".  By default 1000
+            natural times of the median orbit (of the first 256), which is where the rule was fixed; give it if an
+            ensemble is computed in pieces.
         seed: Draws the tangent vectors.
         first: Number of the first member: member k has the same verdict in whichever piece of an ensemble it is.
         rule: Other thresholds than those whose error rates were measured.
@@ -259,11 +271,12 @@ def decide(
         Benettin, Galgani and Strelcyn, Phys. Rev. A 14 (1976) 2338; Skokos, J. Phys. A 34 (2001) 10029; Cincotta
         and Simó, Astron. Astrophys. Suppl. 147 (2000) 205.
     """
-    end, limit = as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
+    end, limit = None if t_end is None else as_positive_time(t_end, "t_end"), as_time_limit(time_limit)
     rule, method = as_rule(rule), as_method(method, METHOD)
-    starts = as_array(starts, "starts")  # once, as several runs start from it
+    starts = given_starts(system, starts)  # once, as several runs start from it
     deadline = clock.monotonic() + limit
     units = orbit_units(system, starts, method=method, threads=threads, time_limit=_left(deadline))
+    end = TIME * unit_of_time(units.time) if end is None else end
     with np.errstate(divide="ignore"):
         natural_time = end / units.time
     n_all, n = units.component.shape
@@ -401,6 +414,7 @@ class Agreement(ReadOnlyArrays):
         return "\n".join([*lines, *map(str, self.disagreements)])
 
 
+@explains_its_arguments
 def agreement(verdict: Verdict) -> Agreement:
     """Agreement matrix of the indicators, and every member on which they disagree, with the values.
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from liepoisson.errors import ParameterError
 from liepoisson.scalars import as_number
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a_system
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -23,9 +23,7 @@ def as_system(system: Any) -> System:
     from liepoisson.exact.system import System
 
     if not isinstance(system, System):
-        raise ParameterError(
-            f"system: wanted a system such as Top.kovalevskaya(); got {shown(system)}; make one, or call its class"
-        )
+        raise not_a_system(system)
     if len(system.component_names) != system.bracket.dimension:
         found = ", ".join(system.component_names[system.bracket.dimension :])
         raise ParameterError(

@@ -29,6 +29,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
+from liepoisson.calls import level_of_the_caller
 from liepoisson.errors import LeafError, MixingWarning
 from liepoisson.exact.phase_functions import PhaseFunction
 from liepoisson.phase_space.leaf_in_units import LeafInUnits
@@ -234,7 +235,7 @@ def _forget(leaf: LeafInUnits, chain: _Chain, population: _Population) -> tuple[
         f"{drift:.1f} standard errors since: the chains mix slowly, or the leaf has parts between which they do not "
         "pass, whose shares are then arbitrary. Compare seeds, and split the sample into its parts.",
         MixingWarning,
-        stacklevel=5,
+        stacklevel=level_of_the_caller(),
     )
     return leaf, chain
 

@@ -9,9 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ChartError, ShapeError
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
+from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.result import Result, labelled, names_along, part
 
@@ -55,7 +57,7 @@ class Chart(Protocol):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ChartOrbit(Result):
+class ChartOrbit(Result, KeepsInvariants):
     """One orbit, integrated in the coordinates of a chart.
 
     Attributes:
@@ -122,6 +124,7 @@ class ChartOrbit(Result):
         return f"<ChartOrbit of {self.system.name!r}: {len(self.time)} times, {end}, {self.method}>"
 
 
+@explains_its_arguments
 def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Taylor | None = None) -> ChartOrbit:
     r"""The orbit of a state, integrated in the coordinates of a chart and seen in the body.
 

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.phase_space.lengths import unit_length
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
@@ -18,6 +18,7 @@ _NEARBY, _RESTS = 0.2, 1e-9
 largest is round-off."""
 
 
+@explains_its_arguments
 def default_surface(leaf: Leaf) -> str:
     r"""A surface that recurrent orbits of a leaf meet again and again: where the rate of a bounded function vanishes.
 
@@ -40,12 +41,9 @@ def default_surface(leaf: Leaf) -> str:
 def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     """The default surface, and the function whose rate vanishes there."""
     from liepoisson.exact.system_text import formula_text
-    from liepoisson.phase_space.leaf import Leaf
-    from liepoisson.phase_space.surfaces import good_surface
+    from liepoisson.phase_space.surfaces import as_leaf, good_surface
 
-    if not isinstance(leaf, Leaf):  # pyright: ignore[reportUnnecessaryIsInstance]
-        raise ParameterError(f"leaf: wanted a Leaf; got {shown(leaf)}; try Leaf.through(system, state)")
-
+    as_leaf(leaf)
     system, top = leaf.system, leaf.system.top_parameters
     if top is not None and any(float(a) for a in top.field().a) and leaf.is_regular and top.field().epsilon:
         return formula_text(system.expression(good_surface(system))), "-dot(l, beta)"

@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, overload
 
+from liepoisson.display import as_line, as_table
+
 if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
     from liepoisson.phase_space.stability import Equilibrium
@@ -74,9 +76,22 @@ class Equilibria(Sequence["Equilibrium"]):
         return len(self.found)
 
     def __repr__(self) -> str:
+        rows = self._rows()
+        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+        return "\n".join([self._head(), *table] if self.found else [self._head()])
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: how complete the list is, and its table."""
+        return as_line(self._head()) + as_table(self._rows())
+
+    def _head(self) -> str:
         n = len(self.found)
         noun = "equilibrium" if n == 1 else "equilibria"
-        rows = [("energy", "family", "linear", "growth", "signature", "energy-Casimir")]
+        return f"{n} {noun} of {self.leaf.system.name!r} on a leaf of dimension {self.leaf.rank}: {self.completeness}."
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        rows: list[tuple[str, ...]] = [("energy", "family", "linear", "growth", "signature", "energy-Casimir")]
         rows += [
             (
                 f"{e.energy:.6g}",
@@ -88,10 +103,7 @@ class Equilibria(Sequence["Equilibrium"]):
             )
             for e in self.found
         ]
-        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
-        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
-        head = f"{n} {noun} of {self.leaf.system.name!r} on a leaf of dimension {self.leaf.rank}: {self.completeness}."
-        return "\n".join([head, *table] if n else [head])
+        return rows
 
 
 def signed_sum(found: Sequence[Equilibrium]) -> int | None:

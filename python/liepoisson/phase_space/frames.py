@@ -26,10 +26,11 @@ from liepoisson.exact.lie_algebras import so
 from liepoisson.exact.system import System
 from liepoisson.field import Field
 from liepoisson.numeric.integrate import Orbit, integrate
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.invariants import KeepsInvariants
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a_system, shown
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -47,7 +48,7 @@ def _carried(orbit: Orbit, system: System) -> Orbit:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Attitude(Result):
+class Attitude(Result, KeepsInvariants):
     r"""Orbits with the attitude of the body along them.
 
     Attributes:
@@ -167,7 +168,7 @@ def extent(n: int, outcome: NDArray[np.str_]) -> str:
 @shows_progress
 def attitude(
     system: System,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     times: ArrayLike,
     attitude: str | ArrayLike | None = None,
@@ -206,7 +207,7 @@ def attitude(
         UnsupportedFieldError: the Hamiltonian contains a function that is not smooth.
     """
     carried = FrameSystem(system)
-    states = as_states(starts, len(system.component_names), some_may_fail=True)
+    states = as_starts(system, starts, len(system.component_names))
     start = np.hstack([states, initial_quaternions(system, states, attitude)])
     orbit = integrate(
         carried,
@@ -313,7 +314,7 @@ def check_rotates(system: object) -> None:
     from liepoisson.exact.lowering import check_numeric
 
     if not isinstance(system, System):
-        raise ParameterError(f"system: wanted a System such as Top.lagrange(); got {shown(system)}; make one first")
+        raise not_a_system(system)
     algebra, extension = system.bracket.algebra, system.bracket.extension
     has_unit = all(extension.products.get((0, k)) == {k: 1} for k in range(extension.dimension))
     ideal = not any(0 in row for (first, _), row in extension.products.items() if first > 0)

@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, read_only
-from liepoisson.calls import explains_its_arguments
+from liepoisson.calls import explains_its_arguments, explains_its_methods
+from liepoisson.display import as_line, as_table
 from liepoisson.errors import LeafError, ParameterError, ShapeError
 from liepoisson.exact.casimirs import shortage
 from liepoisson.exact.phase_functions import PhaseFunction, as_phase_points
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.system import System
 
 
+@explains_its_methods
 class Leaf:
     r"""A symplectic leaf, given by the values of the Casimirs C1, C2, ... of the open stratum.
 
@@ -329,6 +331,12 @@ class Leaf:
             f"{np.array2string(parts, precision=2)} for {failed} of {len(x)} states. Start nearer to one, or "
             "check that it exists."
         )
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the line of the leaf, and its Casimirs with their formulas and values."""
+        rows = [("Casimir", "formula", "value")]
+        rows += [(name, str(self.place.casimirs[name].expression), f"{v:.12g}") for name, v in self.casimirs.items()]
+        return as_line(repr(self)) + as_table(rows)
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} = {value:.6g}" for name, value in self.casimirs.items())

@@ -70,6 +70,11 @@ def equilibria(
     family, with the spectrum of one member; `family` says what it is. The search tells two families of the same
     energy apart by looking for a path of equilibria from one to the other.
 
+    Example:
+        >>> system = lp.catalog.system("lagrange")
+        >>> len(lp.equilibria(system, lp.Leaf(system, {"C1": "1/5", "C2": 1})))
+        2
+
     Args:
         system: A system whose parameters are all numbers.
         leaf: The leaf, or the values of the Casimirs by name.
@@ -160,6 +165,7 @@ def _leaf(system: System, given: Any) -> Leaf:
     return Leaf(system, cast("Mapping[str, float]", given))
 
 
+@explains_its_arguments
 def equilibrium_near(
     system: System,
     guess: ArrayLike,

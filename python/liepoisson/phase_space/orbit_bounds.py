@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.scalars import as_number
@@ -55,6 +56,7 @@ class Bounds:
     omega: float
 
 
+@explains_its_arguments
 def bounds(
     system: System,
     state: ArrayLike | None = None,

@@ -28,7 +28,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.integrate import integrate
-from liepoisson.numeric.starts import as_states
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number
@@ -123,7 +123,7 @@ class Rod(Result):
 @shows_progress
 def rod(
     system: System,
-    starts: ArrayLike,
+    starts: StartsLike,
     *,
     length: float | None = None,
     n_points: int = _POINTS,
@@ -166,7 +166,7 @@ def rod(
     carried = FrameSystem(system, centre_line=True)
     force, field = loads(system)
     n = len(system.component_names)
-    states = as_states(starts, n, some_may_fail=True)
+    states = as_starts(system, starts, n)
     start = np.hstack([states, initial_quaternions(system, states, attitude), _origins(origin, len(states))])
     orbit = integrate(
         carried,

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_arguments
+from liepoisson.errors import ExpressionError, ParameterError
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.phase_space._checks import as_system
 
@@ -15,6 +17,7 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.system import System
+    from liepoisson.numeric.section import Section
 
 _SAMPLES = 10_000
 """States at which the functions are judged."""
@@ -22,7 +25,33 @@ _ROUND_OFF = 1e-9
 """Relative size of a bracket below which it would show nothing but errors."""
 
 
+def dimension_of_section(run: Section) -> int | None:
+    """The dimension of a section, that of the leaf of its first crossing less 2; None if its record does not tell.
+
+    It does not where no crossing was found, where only functions of the state were kept, or where the surface or the
+    system is not known as formulas.
+    """
+    from liepoisson.exact.system import System
+
+    system = run.system
+    if not isinstance(system, System) or not len(run.time) or run.coordinates != run.components:
+        return None
+    try:
+        if not system.expression(run.surface).free_symbols:
+            return None
+    except (ExpressionError, ParameterError):
+        return None
+    rank = int(np.linalg.matrix_rank(system.functions.poisson_tensor(run.state[0])))
+    return max(rank - 2, 0)
+
+
+def fold(run: Section, x: Any, y: Any) -> bool:
+    """`is_folded` of the states of a section."""
+    return is_folded(as_system(run.system), run.state, run.surface, x, y)
+
+
 @np.errstate(all="ignore")
+@explains_its_arguments
 def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | Expr, y: str | Expr) -> bool:
     r"""Whether two functions are not coordinates all over a section of dimension 2, judged by states on it.
 

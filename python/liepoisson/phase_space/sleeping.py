@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter
 from liepoisson.phase_space.linearisation import ComplexArray
@@ -102,6 +103,7 @@ class SleepingTop(ReadOnlyArrays):
         return equilibrium(self.system, self.state, along=along)
 
 
+@explains_its_arguments
 def sleeping_top(system: System, *, l3: Parameter, alpha3: Parameter, beta3: Parameter = 0) -> SleepingTop:
     r"""A symmetric top with $\ell$, $\alpha$ and $\beta$ along its axis.
 

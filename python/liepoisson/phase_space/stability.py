@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.phase_space.critical_points import CANCELLED, VANISHES, HamiltonianFields, multipliers
 from liepoisson.phase_space.leaf import Leaf
@@ -124,6 +125,7 @@ class Equilibrium(ReadOnlyArrays):
         )
 
 
+@explains_its_arguments
 def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), tol: float = 1e-8) -> Equilibrium:
     r"""Linear and energy-Casimir stability of an equilibrium, or of a relative equilibrium with respect to integrals.
 

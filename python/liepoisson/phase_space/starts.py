@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
-from liepoisson.calls import explains_its_arguments
-from liepoisson.errors import LeafError, ParameterError, ShapeError, did_you_mean
+from liepoisson.calls import explains_its_arguments, explains_its_methods
+from liepoisson.errors import LeafError, ParameterError, ShapeError
+from liepoisson.numeric.starts import states_by_name
 from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name
 from liepoisson.phase_space.leaf import Leaf
@@ -31,6 +32,7 @@ _GUESSES = 8
 """Random guesses that are tried before a leaf or an energy is given up."""
 
 
+@explains_its_methods
 @dataclass(frozen=True, repr=False)
 class Start(ReadOnlyArrays):
     """A state with its leaf and energy, and how it was found.
@@ -66,6 +68,11 @@ def find_start(
     A given `start` is never moved: it must lie on the leaf and at the energy asked for.  A `guess` is moved there by
     Newton steps of minimum norm.  Without both, the guess is member 0 of `sample_states(system, ..., seed=seed)`, or
     the first member that can be moved.
+
+    Example:
+        >>> start = lp.phase_space.find_start(lp.Top.kovalevskaya(), leaf={"C1": 1, "C2": 0}, energy=1)
+        >>> round(start.energy, 12)
+        1.0
 
     Args:
         system: A system whose parameters are all numbers.
@@ -204,7 +211,7 @@ def read_state(system: System, given: ArrayLike | Mapping[str, Any], what: str =
         ParameterError: a name is none of them, or a component is given twice.
         ShapeError: a vector or the state has another number of components.
     """
-    names, fields = system.component_names, system.bracket.field_names
+    names = system.component_names
     example = f"{what} {names[0]}=1" if what.startswith("--") else f'{what}={{"{names[0]}": 1}}'
     if not isinstance(given, Mapping):
         x = as_array(given, what)
@@ -214,28 +221,7 @@ def read_state(system: System, given: ArrayLike | Mapping[str, Any], what: str =
                 f"{len(x) if x.ndim == 1 else f'shape {x.shape}'}. Or give some by name: {example}."
             )
         return _finite(x, what)
-    places = {} if system.bracket.has_scalar_fields else _vectors(fields, system.vector_length)
-    places |= {name: range(k, k + 1) for k, name in enumerate(names)}
-    x, seen = np.zeros(len(names)), np.zeros(len(names), dtype=bool)
-    for name, numbers in given.items():
-        if name not in places:
-            hint = did_you_mean(name, places)
-            known = ", ".join((*(() if system.bracket.has_scalar_fields else fields), *names))
-            raise ParameterError(
-                f"{what} must name a field or a component; got {str(name)!r:.60}. {hint}Known: {known}."
-            )
-        place = list(places[name])
-        values = np.atleast_1d(_finite(as_array(numbers, f"{what} {name}"), f"{what} {name}"))
-        if values.shape != (len(place),):
-            raise ShapeError(f"{what} {name} must have {len(place)} numbers; got {len(values)}.")
-        if seen[place].any():
-            raise ParameterError(f"{what} must give each component once; {name} comes twice. Remove one.")
-        x[place], seen[place] = values, True
-    return x
-
-
-def _vectors(fields: Sequence[str], size: int) -> dict[str, range]:
-    return {field: range(k * size, (k + 1) * size) for k, field in enumerate(fields)}
+    return _finite(states_by_name(system, given, what, one=True), what)
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -7,7 +7,7 @@ leaf, $H = E$ and $s = 0$, and are found by Newton's method.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,13 +17,13 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.phase_functions import as_phase_points
-from liepoisson.phase_space._checks import as_energy
+from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.leaf_search import check_energy_in_reach
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.scalars import as_count
 from liepoisson.streams import Purpose, seeds
-from liepoisson.wrong_values import shown
+from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -43,6 +43,7 @@ _FREQUENT = 1e-3
 _TRY = "Try another energy or surface, or give a start."
 
 
+@explains_its_arguments
 def good_surface(system: System) -> str:
     r"""The surface $a\cdot(\alpha\times\beta) = 0$ of a top with two fields, where $\ell\cdot\beta$ is extremal.
 
@@ -70,7 +71,7 @@ def good_surface(system: System) -> str:
 
     References: [twistedtop2001], the equation for the derivative of $\ell\cdot\beta$.
     """
-    parameters = system.top_parameters
+    parameters = as_system(system).top_parameters
     if parameters is None:
         raise ParameterError(
             f"a top with fields alpha, beta and numbers for its parameters was wanted; {system.name} is none. For "
@@ -87,6 +88,19 @@ def good_surface(system: System) -> str:
         if not is_zero(value)
     ]
     return " + ".join(terms)
+
+
+def as_leaf(leaf: Any) -> Leaf:
+    """A leaf.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    from liepoisson.phase_space.leaf import Leaf
+
+    if not isinstance(leaf, Leaf):
+        raise not_a("a Leaf", leaf, "leaf", "try Leaf.through(system, state)")
+    return leaf
 
 
 @explains_its_arguments
@@ -130,7 +144,7 @@ def section_starts(
     n_starts, seed = as_count(n_starts, "n_starts"), as_count(seed, "seed")
     if np.ndim(direction) or direction not in (-1, 0, 1):
         raise ParameterError(f"direction must be +1, -1 or 0; got {shown(direction)}.")
-    view = leaf.in_units(as_energy(energy))
+    view = as_leaf(leaf).in_units(as_energy(energy))
     equations = view.constraints(energy, surface)
     if spread:
         guesses = _many_guesses(view, n_starts, seed)
@@ -241,7 +255,7 @@ def section_state(
         LeafError: no such state was found.
         ParameterError: the energy or a coordinate is no finite number.
     """
-    view = leaf.in_units(as_energy(energy))
+    view = as_leaf(leaf).in_units(as_energy(energy))
     functions, equations = view.system.functions, view.constraints(energy, surface)
     for name, value in coordinates.items():
         if not np.isfinite(value):

@@ -1,5 +1,6 @@
 """Figures of results.  They see result objects and Datasets only, and import matplotlib when they draw."""
 
+from liepoisson._lazy import unknown
 from liepoisson.plot.equilibria import sleeping_diagram
 from liepoisson.plot.exponents import convergence, exponent_distribution, window_scan
 from liepoisson.plot.indicators import indicators
@@ -27,3 +28,5 @@ __all__ = [
     "sweep",
     "window_scan",
 ]
+
+__getattr__ = unknown(__name__, __all__)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.plot.style import FIRST_FIELD, INK, SEQUENCE, axes_or_new, house_style
 
@@ -20,6 +21,7 @@ _WIDE = 3.0
 """Width of a word over its height, in parts of the axes."""
 
 
+@explains_its_arguments
 def sleeping_diagram(
     twists: Sequence[float] = (0.0, 1.0), *, spin: float = 6.0, field: float = 6.0, ax: Axes | None = None
 ) -> Axes:

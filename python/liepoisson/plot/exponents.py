@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ShapeError
 from liepoisson.numeric.finite_time_fit import FiniteTimeFit, LogFit, MeanCurve, mean_curve
 from liepoisson.plot.style import INK, MUTED, axes_or_new, house_style
@@ -27,6 +28,7 @@ class GrowthLike(Protocol):
     def exponent(self) -> Any: ...  # noqa: D102
 
 
+@explains_its_arguments
 def convergence(
     growth: GrowthLike | MeanCurve,
     *,
@@ -128,6 +130,7 @@ def time_axis(ax: Axes, first: float, last: float) -> None:
     ax.xaxis.set_minor_formatter(NullFormatter())
 
 
+@explains_its_arguments
 def exponent_distribution(
     exponents: ArrayLike | GrowthLike,
     *,
@@ -176,6 +179,7 @@ def exponent_distribution(
     return ax
 
 
+@explains_its_arguments
 def window_scan(
     fits: Sequence[FiniteTimeFit],
     *,

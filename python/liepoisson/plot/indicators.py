@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.verdict import Rule
 from liepoisson.plot.exponents import time_axis
@@ -42,6 +43,7 @@ class AlignmentLike(Protocol):
     def sali(self) -> Any: ...  # noqa: D102
 
 
+@explains_its_arguments
 def indicators(
     growth: MegnoLike,
     angle: AlignmentLike,

@@ -9,9 +9,11 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.plot.labels import label, name_of_system, plain, symbol
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTED, SECOND_FIELD, SEQUENCE, house_style
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -39,6 +41,7 @@ class OrbitLike(Protocol):
     def state(self) -> Any: ...  # noqa: D102
 
 
+@explains_its_arguments
 def orbit(
     run: OrbitLike,
     *,
@@ -91,6 +94,8 @@ def orbit(
 
 def _arrays(run: OrbitLike, trajectory: int) -> tuple[FloatArray, FloatArray, tuple[str, ...]]:
     """Times, states and names of the components, up to where the trajectory ended."""
+    if not hasattr(run, "state") or not hasattr(run, "time"):
+        raise not_a("what integrate returns", run, "run", "try integrate(system, starts, t_end=100)")
     states, time = np.asarray(run.state, np.float64), np.asarray(run.time, np.float64)
     if not np.issubdtype(type(trajectory), np.integer) or not 0 <= trajectory < len(states):
         raise ParameterError(f"trajectory must be from 0 to {len(states) - 1}; got {trajectory!r:.80}.")

@@ -48,6 +48,7 @@ def draw(result: Any, **options: Any) -> Any:
     return _FIGURES[kind](result, **options)
 
 
+@explains_its_arguments
 def profile(result: Any, *, ax: Axes | None = None) -> Axes:
     """Exponents at each energy of a leaf: every start by its verdict, and the mean with its interval."""
     with house_style():

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.plot.style import (
     ANGULAR_MOMENTUM,
@@ -52,6 +53,7 @@ class RodLike(Protocol):
     def tension(self) -> Any: ...  # noqa: D102
 
 
+@explains_its_arguments
 def rod(
     rod: RodLike,
     *,

@@ -10,9 +10,11 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.plot.labels import label, name_of_system, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
+from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +44,7 @@ class SectionLike(Protocol):
     def sign(self) -> Any: ...  # noqa: D102
 
 
+@explains_its_arguments
 def section(
     points: SectionLike,
     x: str | ArrayLike | None = None,
@@ -81,6 +84,8 @@ def section(
             only and no choice of axes.
         ShapeError: values that are not one per crossing.
     """
+    if not hasattr(points, "state") or not hasattr(points, "sign"):
+        raise not_a("what section returns", points, "points", 'try section(system, starts, surface="l3", t_end=100)')
     x, y = _chosen(points, x, y)
     member, signs = _member(points), np.asarray(points.sign)
     values = [_values(points, name, len(member), which) for name, which in ((x, "x"), (y, "y"))]

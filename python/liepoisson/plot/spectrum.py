@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.numeric.spectrum import Spectrum
 from liepoisson.numeric.time_scale import zero_threshold
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
+@explains_its_arguments
 def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) -> Figure:
     r"""Running Lyapunov exponents of one trajectory against time, and their last values with error bars.
 

@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
@@ -72,6 +73,7 @@ _SETTINGS: dict[str, Any] = {
 
 
 @contextmanager
+@explains_its_arguments
 def house_style() -> Generator[None]:
     """Matplotlib in the house style inside a `with` block; settings outside stay as they were."""
     import matplotlib as mpl
@@ -120,6 +122,7 @@ def new_figure(width: float, height: float) -> Figure:
     return figure
 
 
+@explains_its_arguments
 def save_figure(figure: Figure, stem: Path) -> tuple[Path, ...]:
     """Write a figure as `stem`.png, .svg and .pdf; the same figure gives the same bytes.
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.plot.labels import label, with_formulas
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 FloatArray: TypeAlias = NDArray[np.float64]
 
 
+@explains_its_arguments
 def sweep(
     result: Sweep,
     *,

@@ -290,6 +290,7 @@ class Sweep(Result):
             **({"rule": json.dumps(vars(as_rule(self.spec.rule)))} if self.spec.is_verdict else {}),
             "seed": str(self.spec.seed),
             "spec": json.dumps(self.spec.record(), sort_keys=True),
+            "description": json.dumps(self.spec.description(), sort_keys=True),
             "liepoisson_version": __version__,
         }
 

@@ -36,8 +36,8 @@ PIECE_TIME = 1e6
 LEAST_PIECES = 16
 """Of a sweep that has as many points, so that several cores have work."""
 
-Progress = Callable[[str, float, float], Any]
-"""Called with what is done, orbits times time that are done, and those of the whole level."""
+Progress = Callable[[float], Any]
+"""Called with the fraction that is done; each level of a refinement has the same share of the whole."""
 
 
 @shows_progress
@@ -59,6 +59,11 @@ def sweep(
 
     The numbers depend on the spec only: not on threads, workers, pieces, or on how often the sweep was interrupted.
 
+    Example:
+        >>> lp.sweep(system="twisted-top", parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
+        ...     axes={"epsilon": [0, 0.5, 1]}, n_starts=4, t_end=50)
+        <Sweep over epsilon (3): 3 points, 4 orbits each, t = 50>
+
     Args:
         spec: What to compute: a `SweepSpec`, the path of a sweep file, or its tables; or leave it out and give the
             arguments of `SweepSpec` by name.
@@ -70,7 +75,8 @@ def sweep(
         points_per_piece: Points of a task; by default as many as take about 0.3 s, fewer for small sweeps.
         fresh: Discard what the store holds.
         patience: Seconds to wait for a scheduler that does not answer, and for a worker while there is none.
-        progress: Called as (activity, done, total) when a piece is done.
+        progress: Called with the fraction that is done, after each piece.  How many points refinement adds is not known
+            before, so each level counts as the same share of the whole.
         allow_code: Whether the quantity of a sweep file may be a function, "package.module:function", that is imported
             and called.  Without this a file of somebody else is only data.
         **settings: The arguments of `SweepSpec`.  Plain mappings do for some:
@@ -91,7 +97,7 @@ def sweep(
             function cannot be interrupted and keeps running.
     """
     spec = as_spec(spec, settings, allow_code=allow_code)
-    _check_options(store, scheduler, patience, progress)
+    _check_options(store, scheduler, patience)
     if sum(option is not None for option in (scheduler, processes, threads)) > 1:
         raise ParameterError("wanted one of scheduler, processes and threads; got several. Leave out the others.")
     family = as_family(spec.system)
@@ -155,15 +161,13 @@ def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False)
     return spec if isinstance(spec, SweepSpec) else read_sweep_file(spec, allow_code=allow_code)
 
 
-def _check_options(store: Any, scheduler: Any, patience: Any, progress: Any) -> None:
+def _check_options(store: Any, scheduler: Any, patience: Any) -> None:
     if store is not None and not isinstance(store, (str, PathLike)):
         raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}. Write FILE.zarr.")
     if scheduler is not None and not isinstance(scheduler, str):
         raise ParameterError(f"scheduler: wanted an address; got {shown(scheduler)}. Write tcp://node1:8786.")
     if not 0 <= as_number(patience, "patience", "a number of seconds") < math.inf:
         raise ParameterError(f"patience: wanted a number of seconds, not negative; got {shown(patience)}; try 60")
-    if progress is not None and not callable(progress):
-        raise ParameterError(f"progress: wanted a function of (activity, done, total); got {shown(progress)}.")
 
 
 def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
@@ -275,8 +279,6 @@ class _Run:
 
     def _compute(self, number: int, level: Level, missing: Sequence[int]) -> Report:
         activity = f"level {number}" if number else (self.spec.name or "sweep")
-        unit = self.spec.n_starts * self.spec.t_end
-
         told: dict[int, str] = {}
 
         def keep(result: PieceResult) -> None:
@@ -286,7 +288,7 @@ class _Run:
                 self.store.save(number, level, result)
             if self.progress is not None:
                 done = sum(len(level.points[level.rows(int(k))]) for k in np.flatnonzero(level.done))
-                self.progress(activity, done * unit, len(level.points) * unit)
+                self.progress((number + done / len(level.points)) / (self.lattice.levels + 1))
 
         assert self.where is not None
         report = run_pieces(self.where.executor(len(missing)), self._pieces(level, missing), keep=keep)

@@ -18,8 +18,9 @@ import numpy as np
 
 from liepoisson import __version__
 from liepoisson.arrays import as_array
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError, UnknownNameError, did_you_mean
-from liepoisson.exact.names import check_name
+from liepoisson.exact.names import check_name, check_title
 from liepoisson.exact.system_file_reader import parse_system_file
 from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
@@ -48,6 +49,7 @@ COMPONENT = re.compile(r"(.*?)_?([1-9][0-9]?)")
 _DOTTED = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*")
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Axis:
     """A named list of values over which a sweep runs.
@@ -69,8 +71,8 @@ class Axis:
 
     def __post_init__(self) -> None:
         check_name(self.name, "the name of an axis")
-        if self.label is not None and not isinstance(self.label, str):  # pyright: ignore[reportUnnecessaryIsInstance]
-            raise ParameterError(f"axis {self.name}: label: wanted a text; got {shown(self.label)}. Leave it out.")
+        if self.label is not None:
+            check_title(self.label, f"axis {self.name}: label")
         try:
             values = as_array(self.values, f"axis {self.name}")
         except ShapeError as error:
@@ -111,6 +113,7 @@ def _ends(name: str, start: float, stop: float) -> tuple[float, float]:
     return ends
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Starts:
     r"""Where the orbits of a point of the grid start, from the same random numbers at every point.
@@ -152,6 +155,7 @@ class Starts:
         object.__setattr__(self, "casimirs", _owned(self.casimirs))
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Refinement:
     """Where a sweep looks closer: cells whose corners differ are halved, level by level.
@@ -173,6 +177,7 @@ class Refinement:
             raise ParameterError(f"refine difference: wanted a positive number; got {self.difference}; try 0.1")
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class SweepSpec:
     """Everything that determines the numbers of a sweep.
@@ -216,6 +221,8 @@ class SweepSpec:
 
     def __post_init__(self) -> None:
         self._check_types()
+        if self.name is not None:
+            check_title(self.name, "the name of a sweep")
         # Copies: what a caller does to its lists and arrays later is not what was asked.
         object.__setattr__(self, "axes", tuple(self.axes))
         object.__setattr__(self, "parameters", _owned(self.parameters))

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_methods
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.euler_angles import angular_momentum, momenta_of, rotation_rows
 from liepoisson.exact.charts.gauge import Gauge, Given
@@ -52,6 +53,7 @@ _HINTS = {
 """What to try at each end of the chart."""
 
 
+@explains_its_methods
 class EulerChart:
     r"""Euler angles (phi, psi, theta) and momenta on one leaf, in any gauge.
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
+from liepoisson.calls import explains_its_methods
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.euler_chart import EulerChart
 from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from sympy import Expr
 
 
+@explains_its_methods
 class ReducedLagrange:
     r"""The twisted (or charged) Lagrange top, $I_1 = I_2$ with a and b along the axis, with psi reduced away.
 

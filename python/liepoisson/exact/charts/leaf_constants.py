@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ChartError, ParameterError, ShapeError
 from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter, symbols_of, to_sympy
 from liepoisson.exact.phase_functions import as_phase_points
@@ -49,6 +50,7 @@ class GivenLeaf(Protocol):
     def state(self) -> Array: ...  # noqa: D102
 
 
+@explains_its_methods
 @dataclass(frozen=True, repr=False)
 class LeafConstants:
     r"""The constants v, w and eta of a leaf with $\beta\neq0$; symbols if no leaf is given.

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ChartError, ParameterError, ShapeError
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.euler_angles import angular_momentum
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 _TRY = "Integrate the top itself there."
 
 
+@explains_its_methods
 class OrdinaryLagrange:
     r"""The Lagrange top in one field, on the invariant set beta = 0: theta alone, with two cyclic angles.
 

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
+from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ChartError
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.charts.leaf_constants import (
@@ -43,6 +44,7 @@ QUATERNION = ("q0", "q1", "q2", "q3")
 CONJUGATE = ("p0", "p1", "p2", "p3")
 
 
+@explains_its_methods
 class QuaternionChart:
     r"""Quaternions q with momenta p, and a pair (X, Y): smooth canonical coordinates for beta != 0.
 

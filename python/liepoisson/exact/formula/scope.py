@@ -27,6 +27,7 @@ class Scope:
         parameters: Values by name: a scalar, a vector (a sequence) or a matrix (a sequence of rows).
         symbols: Parameters without a value, as they are declared: "epsilon", "a[3]" for a vector, "A[3,3]".
         scalars: Those of the symbols that are coordinates, each a field of one component: "theta", "p_theta".
+        remark: What is said of the fields where a name is like none that is known.
         shapes: Shapes of the parameters and symbols, by name.
         components: Components by their short form, with their owner and their indices: l1 is ("l", (1,)).
 
@@ -38,6 +39,7 @@ class Scope:
     parameters: Mapping[str, GivenValue] = field(default_factory=dict[str, GivenValue])
     symbols: Sequence[str] = ()
     scalars: Sequence[str] = ()
+    remark: str = ""
     shapes: Mapping[str, Shape] = field(init=False, repr=False)
     components: Mapping[str, tuple[str, Shape]] = field(init=False, repr=False)
     values: Mapping[str, Value] = field(init=False, repr=False)
@@ -69,9 +71,10 @@ class Scope:
         scalars = bracket.field_names if bracket.has_scalar_fields else ()
         fields = {} if scalars else dict.fromkeys(bracket.field_names, bracket.algebra.basis_names)
         symbols = (*scalars, *symbols)
-        known = cls(fields, parameters or {}, symbols, scalars)
+        remark = _about_fields(bracket)
+        known = cls(fields, parameters or {}, symbols, scalars, remark)
         missing = sorted(bracket.symbols - set(known.shapes) - set(known.components))
-        return cls(fields, parameters or {}, (*symbols, *missing), scalars) if missing else known
+        return cls(fields, parameters or {}, (*symbols, *missing), scalars, remark) if missing else known
 
     def owner(self, name: str) -> str | None:
         """The field, parameter or symbol to which a name belongs, itself or as a component; None if unknown."""
@@ -87,15 +90,34 @@ class Scope:
     def suggestion(self, name: str) -> str:
         """The end of a message about an unknown name: the nearest known ones, and all of them."""
         known = [*self.fields, *self.shapes, *CONSTANTS]
-        hint = did_you_mean(name, [*known, *self.components, *FUNCTIONS])
+        counted = self._counted(name)
+        hint = f"Did you mean {counted}? " if counted else did_you_mean(name, [*known, *self.components, *FUNCTIONS])
         shown = ", ".join(known[:40]) + (", ..." if len(known) > 40 else "")
-        return f"{hint}Known are {shown}{self._components_in_words()}"
+        remark = f". {self.remark}" if self.remark and not hint else ""
+        return f"{hint}Known are {shown}{self._components_in_words()}{remark}"
+
+    def _counted(self, name: str) -> str:
+        """The component that a field with a number stands for where components have names: lr for l1 on se(2)."""
+        field, number = re.fullmatch(r"(.*?)([0-9]*)", name, re.DOTALL).groups()  # pyright: ignore[reportOptionalMemberAccess]  # always matches
+        components = self.fields.get(field, ())
+        index = int(number[:3]) if number else 0
+        return f"{field}{components[index - 1]}" if 0 < index <= len(components) else ""
 
     def _components_in_words(self) -> str:
         """How the components of the fields are called: "; components lr1, lr2, lr3, ..., lt3"."""
         names = [f"{name}{component}" for name, components in self.fields.items() for component in components]
         few = names if len(names) <= 6 else [*names[:3], "...", *names[-3:]]
         return f"; components {', '.join(few)}" if names else ""
+
+
+def _about_fields(bracket: Bracket) -> str:
+    """How the fields of a bracket get other names; and for se(3), where one field has two vectors, how they get any."""
+    if bracket.has_scalar_fields:
+        return ""
+    if bracket.algebra.name == "se(3)" and len(bracket.field_names) == 1:
+        return "Write so(3) @ semidirect(2) for se(3)* with two vectors, l and alpha"
+    names = ", ".join(f'"{name}"' for name in ("m", "p", "q", "r")[: len(bracket.field_names)])
+    return f"Other names: bracket.rename({names})" if len(bracket.field_names) <= 4 else ""
 
 
 def read_declaration(text: str) -> tuple[str, Shape]:

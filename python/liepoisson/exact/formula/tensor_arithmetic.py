@@ -92,7 +92,7 @@ class TensorArithmetic:
     def product(self, left: Vector | Matrix, right: Vector | Matrix) -> Vector | Matrix:
         """Matrix times vector, or matrix times matrix."""
         if isinstance(left, Vector):
-            hint = "dot(u, v) or cross(u, v)" if isinstance(right, Vector) else "transpose(M)*v"
+            hint = "dot(u, v), cross(u, v) or diag(u)*v" if isinstance(right, Vector) else "transpose(M)*v"
             raise RefusedError(f"{kind_of(left)} times {kind_of(right)} has no meaning; write {hint}")
         if shape_of(left)[1] != shape_of(right)[0]:
             raise RefusedError(f"{kind_of(left)} times {kind_of(right)} has no meaning; the lengths must agree")

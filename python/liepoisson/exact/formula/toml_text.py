@@ -10,7 +10,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from liepoisson.errors import ParameterError, SystemFileError
+from liepoisson.errors import MissingFileError, ParameterError, SystemFileError
 from liepoisson.exact.parameters import read_parameter
 
 MAX_BYTES = 1_000_000
@@ -114,7 +114,7 @@ def _text_of(path: Path) -> str:
     except IsADirectoryError:
         raise SystemFileError(f"{path} must be a file; it is a folder. Give the path of a TOML file.") from None
     except FileNotFoundError:
-        raise SystemFileError(f"there is no file {path}. {_instead_of(path)}") from None
+        raise MissingFileError(f"there is no file {path}. {_instead_of(path)}") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
         raise SystemFileError(f"{path} cannot be read: {error}. Check the path and the permissions.") from None
     if len(content) > MAX_BYTES:

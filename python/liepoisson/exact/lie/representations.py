@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import combinations
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import BracketError, ShapeError
 from liepoisson.exact.lie.sparse_matrices import add_multiple, commutator, entries_of, in_field, read_matrices
 from liepoisson.exact.lie_algebra import LieAlgebra, joined_names
@@ -13,6 +14,7 @@ from liepoisson.exact.parameters import Exact
 from liepoisson.exact.tensors import read_names
 
 
+@explains_its_arguments
 def semidirect_sum(
     algebra: LieAlgebra,
     representation: Sequence[object],
