@@ -25,7 +25,7 @@ _KEPT = Fraction(1, 16)
 MOST_TERMS = 20_000
 """A field with more terms is written as it is: they take some seconds."""
 
-_MOST_EXPANDED = 2_000
+_MOST_EXPANDED = 500
 """Products in one component that would have more terms than this together are not expanded."""
 
 
