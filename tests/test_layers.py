@@ -37,7 +37,7 @@ STRANGERS = {("exact", "numeric"), ("numeric", "exact")}
 """Rooms of one level that do not import each other."""
 
 LEVELS = {
-    "names and numbers": {"names", "parameters", "values", "tensors", "styles"},
+    "names and numbers": {"names", "parameters", "rounded", "values", "tensors", "styles"},
     "linear algebra": {"linear"},
     "algebras": {
         "commutative", "lie",
@@ -50,8 +50,8 @@ LEVELS = {
     },
     "formulas": {"formula", "expression", "constructors"},
     "systems": {
-        "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "lowering", "pieces", "phase_functions",
-        "trace_values", "system", "canonical_system",
+        "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "lowering", "pieces",
+        "phase_functions", "trace_values", "system", "canonical_system",
     },
     "files and charts": {"system_file", "system_file_reader", "system_text", "charts"},
     "reports": {"decimals", "printing", "report", "describe"},

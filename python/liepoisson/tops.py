@@ -178,6 +178,9 @@ class Top(System):
     def _recognise_top(self) -> TopParameters:
         return self._top
 
+    def _is_held_by(self, top: TopParameters) -> bool:
+        return True
+
 
 def _check_inertia(inertia: ExactVector) -> None:
     for k, moment in enumerate(inertia):

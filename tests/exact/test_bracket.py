@@ -6,6 +6,7 @@ from fractions import Fraction
 import pytest
 import sympy as sp
 
+import liepoisson as lp
 from liepoisson.errors import BracketError, ParameterError, ShapeError
 from liepoisson.exact.bracket import Bracket
 from liepoisson.exact.extension import Extension
@@ -215,3 +216,8 @@ def test_names_that_a_formula_could_not_use_are_refused():
     for name in ("a b", "1x", "", "x("):
         with pytest.raises(ParameterError, match="letters, digits"):
             (so(3) @ semidirect(2)).rename("x", name)
+
+
+def test_brackets_are_not_added():
+    with pytest.raises(BracketError, match="Add the algebras"):
+        lp.canonical(1) + lp.canonical(1)

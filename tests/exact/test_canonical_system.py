@@ -98,3 +98,18 @@ def test_a_symbol_without_a_number_is_refused_when_a_field_is_wanted():
     assert system.equations[p] == k * sp.sin(x)
     with pytest.raises(ParameterError, match="k has none"):
         system.field()
+
+
+@pytest.mark.parametrize(
+    ("hamiltonian", "rate", "what"),
+    [
+        ("(x^2 + p^2)/2 + a*x", "x", "the Hamiltonian"),
+        (sp.Symbol("p") ** 2 / 2 + sp.Symbol("a"), "x", "the Hamiltonian"),
+        ("(x^2 + p^2)/2", "x*a", "the rate of a"),
+        ("(x^2 + p^2)/2", sp.Symbol("a"), "the rate of a"),
+    ],
+)
+def test_quadratures_do_not_act_on_the_motion(hamiltonian, rate, what):
+    """With a in H the equations would be no Hamiltonian system, and H no invariant."""
+    with pytest.raises(ParameterError, match=f"{what} must be a function of the coordinates and momenta"):
+        lp.systems.CanonicalSystem(["x"], ["p"], hamiltonian, quadratures={"a": rate})

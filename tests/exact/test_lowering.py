@@ -8,6 +8,7 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from plain_fields import derivative
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, UnsupportedFieldError
@@ -17,54 +18,6 @@ from liepoisson.exact.lowering import lower, quadratic_polynomial, tape_of_equat
 from liepoisson.exact.system import System
 from liepoisson.field import QuadraticField, TapeField, TopField, field_of, record_of
 from liepoisson.tops import Top
-
-FUNCTIONS = {
-    "sqrt": math.sqrt,
-    "exp": math.exp,
-    "log": math.log,
-    "sin": math.sin,
-    "cos": math.cos,
-    "sinh": math.sinh,
-    "cosh": math.cosh,
-    "tanh": math.tanh,
-    "asin": math.asin,
-    "acos": math.acos,
-    "atan": math.atan,
-}
-
-
-def derivative(field, x):
-    """The time derivative, by the definition of the field, in plain Python."""
-    if isinstance(field, TopField):
-        inertia, a, b = (np.array(v) for v in (field.inertia, field.a, field.b))
-        l, alpha, beta = x[:3], x[3:6], x[6:]
-        omega = l / inertia
-        dl = np.cross(l, omega) + np.cross(alpha, a) + np.cross(beta, b)
-        return np.concatenate([dl, np.cross(alpha, omega) + field.epsilon * np.cross(beta, a), np.cross(beta, omega)])
-    result = np.zeros(field.n_components)
-    if isinstance(field, QuadraticField):
-        for i, c in field.constant:
-            result[i] += c
-        for i, j, c in field.linear:
-            result[i] += c * x[j]
-        for i, j, k, c in field.quadratic:
-            result[i] += c * x[j] * x[k]
-        return result
-    registers = list(x)
-    for name, read, numbers in field.instructions:
-        values = [registers[r] for r in read]
-        if name == "linear":
-            registers.append(sum((c * v for c, v in zip(numbers[:-1], values, strict=True)), numbers[-1]))
-        elif name == "product":
-            registers.append(values[0] * values[1])
-        elif name == "quotient":
-            registers.append(values[0] / values[1])
-        elif name == "power":
-            registers.append(values[0] ** numbers[0])
-        else:
-            registers.append(FUNCTIONS[name](values[0]))
-    return np.array([registers[output] for output in field.outputs])
-
 
 HAMILTONIANS = {
     "top": lambda l, alpha, beta: l[0] ** 2 / 4 + l[1] ** 2 / 6 + l[2] ** 2 / 2 + alpha[0] - beta[2] / 3,

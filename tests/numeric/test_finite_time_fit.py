@@ -306,3 +306,20 @@ def test_regular_curves_have_no_floor_and_others_have_theirs(narrow):
         found += not with_floor.floor_is_zero
     assert zero >= 18  # without floor_bias 10 and 0
     assert found >= 18
+
+
+@pytest.mark.parametrize("unit", [1e-45, 1e45])
+def test_logarithmic_fits_know_any_unit_of_time(unit):
+    """t lambda = A + B ln t: in another unit of time B is the same and A changes by B times its logarithm."""
+    time, noise = np.geomspace(100, 1000, 30), np.random.default_rng(0).normal(size=(5, 30)) / 100
+    growth = 2 + 3 * np.log(time) + noise
+    wanted, found = (log_fit(t, growth / t) for t in (time, time * unit))
+    np.testing.assert_allclose(found.B, wanted.B, rtol=1e-9)
+    np.testing.assert_allclose(found.A, wanted.A - wanted.B * np.log(unit), rtol=1e-9)
+
+
+@pytest.mark.parametrize("largest", [1e120, 1e150, 1e200])
+def test_times_whose_powers_fit_into_no_double_are_refused(largest):
+    time = np.geomspace(largest / 10, largest, 30)
+    with pytest.raises(ParameterError, match="another unit of time"):
+        log_fit(time, np.ones((3, 30)) / time)

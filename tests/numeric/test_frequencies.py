@@ -1,5 +1,7 @@
 """Frequency analysis: known signals, order of convergence, tori and chaos, aliasing, bad input."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 
@@ -146,3 +148,11 @@ def test_signals_and_intervals_that_are_not_finite_are_refused():
         main_frequency(np.full(20, np.nan), 1.0)
     with pytest.raises(ParameterError, match="positive time"):
         main_frequency(np.ones(20), 0.0)
+
+
+def test_a_trajectory_has_the_same_bits_in_any_batch():
+    starts = lp.sample_states(lp.Top.twisted_kovalevskaya(), 5, seed=2)
+    run = partial(frequency_drift, lp.Top.twisted_kovalevskaya(), t_end=60, observable=("beta1", "beta2"))
+    together = run(starts)
+    for k in range(5):
+        np.testing.assert_array_equal(run(starts[k : k + 1]).high_power[0], together.high_power[k])

@@ -285,3 +285,33 @@ def test_an_orbit_goes_on_from_where_it_ended(tmp_path):
     cut = lp.integrate(top, starts, t_end=8, method=lp.Taylor(max_steps=2))
     with pytest.raises(ParameterError, match="some that did not"):
         cut.go_on(t_end=9)
+
+
+def test_a_run_goes_on_with_as_many_times_as_it_had():
+    """Two times that are close say nothing of how many are wanted later."""
+    start = lp.sample_states(lp.Top.kovalevskaya(), 1, seed=1)
+    first = lp.integrate(lp.Top.kovalevskaya(), start, times=[5, 5 + 1e-9])
+    np.testing.assert_array_equal(first.go_on(t_end=6).time, [5 + 1e-9, 6])
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_the_last_good_state_is_finite(n):
+    """x' = x, p' = -p from 1 exceeds all doubles at t = 709.78."""
+    growth = lp.System(lp.canonical(1), "q1*p1")
+    orbit = lp.integrate(growth, np.ones((n, 2)), times=[0, 700, 800], tangents=np.eye(2)[:1])
+    assert (orbit.outcome == "not finite").all()
+    assert ((orbit.end_time > 700) & (orbit.end_time < 709.79)).all()
+    np.testing.assert_allclose(np.log(orbit.end_state), np.array([1, -1]) * orbit.end_time[:, None], rtol=1e-12)
+    assert np.isfinite(orbit.state[:, :2]).all()
+    assert np.isnan(orbit.state[:, 2]).all()
+
+
+def test_a_system_names_all_components_or_none():
+    class Short:
+        name, component_names = "short", ("x", "y")
+
+        def field(self):
+            return lp.Top.kovalevskaya().field()
+
+    with pytest.raises(ParameterError, match="wanted 9 names"):
+        lp.integrate(Short(), np.ones(9), times=[0, 1])

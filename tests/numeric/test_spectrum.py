@@ -49,6 +49,53 @@ def test_an_unstable_equilibrium_has_the_eigenvalues_of_the_linearised_flow():
     assert np.abs(np.sort(spectrum.end_exponent[0]) - np.sort(eigenvalues)).max() < 3e-3
 
 
+@pytest.mark.parametrize("unit", [1e-34, 1e-18, 1.0, 1e20])
+def test_exponents_of_an_equilibrium_do_not_depend_on_the_unit_of_l(unit):
+    """The same top with l in units of its own: moments and a are multiplied by the unit, l = 0 all the same."""
+    top = lp.Top.heavy(inertia=(2 * unit, 2 * unit, unit), a=(-unit, 0, 0))
+    upright = np.zeros(9)
+    upright[3] = -2.0
+    found = lyapunov_spectrum(top, upright, t_end=1000, transient=200).end_exponent[0]
+    assert (np.diff(found) <= 1e-6).all()
+    # the zeros of Jordan blocks turn like 1/t, and where the transient leaves them depends on the frame at first
+    assert found == pytest.approx([np.sqrt(2), 1, *[0] * 5, -1, -np.sqrt(2)], abs=1e-2)
+    one = lp.lyapunov_exponent(top, upright, t_end=1000, transient=200)
+    assert one.exponent[0] == pytest.approx(np.sqrt(2), abs=1e-6)
+
+
+@pytest.mark.parametrize("start", [0.0, 1e-9])
+def test_a_saddle_in_si_units_has_its_exponents(start):
+    """Two ions that repel: H = |p|^2/(2 m) - m (w^2 q1^2 + 4 w^2 q2^2)/2, of exponents w, 2 w, -w, -2 w."""
+    m, w = 6.64e-26, 2 * np.pi * 1e6
+    ion = lp.System(lp.canonical(2), f"(p1^2 + p2^2)/(2*{m!r}) - {m!r}*{w!r}^2*(q1^2 + 4*q2^2)/2")
+    # on the directions that contract, so that the orbit stays where it is for the time of the run
+    spectrum = lyapunov_spectrum(ion, [start, 0, -m * w * start, 0], t_end=10 / w, transient=20 / w)
+    assert spectrum.end_exponent[0] / w == pytest.approx([2, 1, -1, -2], abs=1e-6)
+    vectors = lyapunov_spectrum(ion, np.zeros(4), t_end=20 / w, transient=20 / w, covariant=True).covariant
+    momentum = vectors.vector[0, 4, :, 2:] / vectors.vector[0, 4, :, :2] / (m * w)
+    assert momentum[[0, 1, 2, 3], [1, 0, 0, 1]] == pytest.approx([2, 1, -1, -2], abs=1e-6)
+
+
+@pytest.mark.parametrize("unit", [1e-34, 1e-18])
+def test_a_chaotic_top_has_its_exponents_in_any_unit_of_l(unit):
+    """Orbits are the same until chaos parts them, exponents within their errors; pairs and zeros hold as they must."""
+    starts = lp.sample_states(TOP, 3, seed=3)
+    top = lp.Top(inertia=(2 * unit, 2 * unit, unit), a=(-unit, 0, 0), epsilon=1 / unit)
+    found, wanted = (
+        lyapunov_spectrum(system, starts * np.repeat([size, 1, 1], 3), t_end=600, transient=200)
+        for system, size in ((top, unit), (TOP, 1.0))
+    )
+    np.testing.assert_array_equal(found.structure.n_zeros, wanted.structure.n_zeros)
+    np.testing.assert_array_equal(found.structure.corank, wanted.structure.corank)
+    for spectrum in (found, wanted):
+        mean = spectrum.end_exponent.mean(axis=0)
+        assert np.abs(mean + mean[::-1]).max() < 5e-3
+        assert np.abs(mean[3:6]).max() < 0.02
+    one, other = (spectrum.end_exponent[:, 0] for spectrum in (found, wanted))
+    error = np.hypot(one.std(ddof=1), other.std(ddof=1)) / np.sqrt(3)
+    assert abs(one.mean() - other.mean()) < 4 * error + 0.02
+
+
 @pytest.mark.parametrize(
     "system",
     [lp.Top.free_rigid_body((3, 2, 1)), lp.Top.lagrange(), lp.Top.twisted_lagrange(), lp.catalog.system("manakov-so4")],

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 from itertools import product
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import BracketError, ParameterError, ShapeError
@@ -405,6 +405,18 @@ class Bracket:
             return self
         constant: Any = {pair: substituted(value, values) for pair, value in self.constant.items()}
         return Bracket(algebra, extension, constant=constant, name=self._name, check=False)
+
+    def __add__(self, other: object) -> NoReturn:
+        """Brackets are not added; their parts are.
+
+        Raises:
+            BracketError: always; the message says how a sum is written.
+        """
+        raise BracketError(
+            f"a bracket cannot be added to another object; got {self!r} + {other!r:.60}. Add the algebras, "
+            "(so(3) + so(3)) @ trivial(), the extensions, so(3) @ (trivial() + trivial()), or count the pairs, "
+            "canonical(2)."
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         """What is pickled: the definition; everything else is derived again when it is asked for."""

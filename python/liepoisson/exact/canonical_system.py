@@ -38,14 +38,15 @@ class CanonicalSystem(System):
             these names.
         parameters: Values of other names in a text: numbers, vectors or matrices.
         quadratures: Further components of the state by name, with their rates as functions of q and p: the cyclic
-            angle of a reduced system.
+            angle of a reduced system.  Neither the Hamiltonian nor a rate may contain them.
         name: How the system is called.
         integrals: Further known integrals by name; claims, which `inspect` proves.
         source: Where the system is described.
 
     Raises:
         ShapeError: there is not one momentum for each coordinate.
-        ParameterError: a name stands for two things or is no identifier, or the Hamiltonian is of another kind.
+        ParameterError: a name stands for two things or is no identifier, the Hamiltonian is of another kind, or it or
+            the rate of a quadrature contains a quadrature.
         BracketError: a parameter is named like a coordinate.
         ExpressionError: a text is not in the grammar, or a name in it is not known; with the position.
     """
@@ -83,6 +84,19 @@ class CanonicalSystem(System):
             bracket, hamiltonian, parameters, name=name, symbols=tuple(extra), integrals=integrals, source=source
         )
         self.quadratures: dict[str, Expr] = {angle: self.expression(rate) for angle, rate in extra.items()}
+        if extra:
+            self._refuse_quadratures("the Hamiltonian", self.hamiltonian)
+            for angle, rate in self.quadratures.items():
+                self._refuse_quadratures(f"the rate of {angle}", rate)
+
+    def _refuse_quadratures(self, name: str, expression: Any) -> None:
+        """What acts on the motion is no quadrature."""
+        if found := sorted(str(symbol) for symbol in expression.free_symbols & {*self._quadrature_symbols}):
+            raise ParameterError(
+                f"{name} must be a function of the coordinates and momenta; got {expression!s:.60} with the quadrature "
+                f"{', '.join(found)}, which follows the motion and does not act on it. Make it a coordinate with a "
+                "momentum."
+            )
 
     @property
     def n_degrees(self) -> int:

@@ -12,13 +12,15 @@ coordinates, which would else decide in which order a sum is taken.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError, UnsupportedFieldError
-from liepoisson.exact.parameters import as_float
+from liepoisson.exact.cancellation import MOST_TERMS, MinorProduct, n_terms, regrouped
+from liepoisson.exact.parameters import as_coefficient
 from liepoisson.exact.private_symbols import in_private_symbols, name_of_function
+from liepoisson.exact.rounded import ONE, ZERO, Rounded, rational, rounded
 from liepoisson.field import Instruction, QuadraticField, TapeField, TapeFunction
 
 if TYPE_CHECKING:
@@ -28,9 +30,6 @@ if TYPE_CHECKING:
 
 Polynomial: TypeAlias = "dict[tuple[int, ...], Fraction]"
 """Coefficients by monomial; a monomial is the sorted tuple of the indices of its factors."""
-
-_DIGITS = 40
-"""Decimal digits to which an irrational coefficient is known before it is rounded to a double."""
 
 FUNCTIONS = ("exp", "log", "sin", "cos", "sinh", "cosh", "tanh", "asin", "acos", "atan")
 """Elementary functions that a tape knows, under the names of SymPy."""
@@ -44,7 +43,7 @@ def lower(bracket: Bracket, hamiltonian: Expr) -> QuadraticField | TapeField:
         UnsupportedFieldError: the Hamiltonian contains a function that is not smooth or not known.
     """
     check_numeric(bracket, hamiltonian)
-    energy = quadratic_polynomial(hamiltonian, bracket.variables)
+    energy = _quadratic_sums(hamiltonian, bracket.variables)
     if energy is not None:
         return _quadratic_field(bracket, energy)
     if bracket.constant and not bracket.entries():
@@ -66,14 +65,20 @@ def _is_of_degree_two(expression: Any, variables: Sequence[Symbol]) -> bool:
 def quadratic_polynomial(expression: Expr, variables: Sequence[Symbol]) -> Polynomial | None:
     """The polynomial of degree at most two that the expression is, or None if it is none; coefficients as rationals.
 
-    Irrational coefficients are rounded to 40 digits.
+    Irrational coefficients are rounded to 40 digits; sums of them that are zero to these digits are zero.
     """
+    sums = _quadratic_sums(expression, variables)
+    return None if sums is None else {monomial: coefficient.number for monomial, coefficient in sums.items()}
+
+
+def _quadratic_sums(expression: Expr, variables: Sequence[Symbol]) -> dict[tuple[int, ...], Rounded] | None:
+    """The same, with what has been rounded in each coefficient."""
     from sympy import Add, expand
 
     positions = {variable: i for i, variable in enumerate(variables)}
-    polynomial: Polynomial = {}
+    polynomial: dict[tuple[int, ...], Rounded] = {}
     for term in Add.make_args(expand(expression)):
-        coefficient, monomial = Fraction(1), []
+        coefficient, monomial = ONE, []
         powers: Any = term.as_powers_dict()
         for base, exponent in powers.items():
             if base in positions:
@@ -83,39 +88,12 @@ def quadratic_polynomial(expression: Expr, variables: Sequence[Symbol]) -> Polyn
             elif base.free_symbols or exponent.free_symbols:
                 return None
             else:
-                coefficient *= rational(base**exponent)
+                coefficient *= rounded(base**exponent)
         if len(monomial) > 2:
             return None
         key = tuple(sorted(monomial))
-        polynomial[key] = polynomial.get(key, Fraction(0)) + coefficient
-    return polynomial
-
-
-def rational(value: Fraction | Expr) -> Fraction:
-    """An exact number as a fraction; one that is irrational is rounded to 40 digits."""
-    if isinstance(value, Fraction):
-        return value
-    from sympy import Rational
-
-    return Fraction(int(value.p), int(value.q)) if isinstance(value, Rational) else _rounded(value)
-
-
-def _rounded(value: Expr) -> Fraction:
-    from sympy import Rational
-
-    number = _ROUNDED.get(value)
-    if number is None:
-        evaluated: Any = value.evalf(_DIGITS)
-        if not evaluated.is_Float:
-            raise ParameterError(f"a coefficient must be a finite real number; got {value}. Check the parameters.")
-        binary: Any = Rational(evaluated)
-        number = _ROUNDED[value] = Fraction(int(binary.p), int(binary.q))
-        if len(_ROUNDED) > 10_000:
-            _ROUNDED.clear()
-    return number
-
-
-_ROUNDED: dict[Expr, Fraction] = {}
+        polynomial[key] = polynomial.get(key, ZERO) + coefficient
+    return {monomial: coefficient.settled() for monomial, coefficient in polynomial.items()}
 
 
 def check_numeric(bracket: Bracket, hamiltonian: Expr) -> None:
@@ -131,38 +109,36 @@ def check_numeric(bracket: Bracket, hamiltonian: Expr) -> None:
         )
 
 
-def _quadratic_field(bracket: Bracket, energy: Polynomial) -> QuadraticField:
-    gradient: dict[int, Polynomial] = {}
+def _quadratic_field(bracket: Bracket, energy: Mapping[tuple[int, ...], Rounded]) -> QuadraticField:
+    gradient: dict[int, dict[tuple[int, ...], Rounded]] = {}
     for monomial, coefficient in energy.items():
         for j in set(monomial):
             rest = list(monomial)
             rest.remove(j)
             slope = gradient.setdefault(j, {})
-            slope[tuple(rest)] = slope.get(tuple(rest), Fraction(0)) + coefficient * monomial.count(j)
-    sums: dict[tuple[int, tuple[int, ...]], Fraction] = {}
+            power = rounded(Fraction(monomial.count(j)))
+            slope[tuple(rest)] = slope.get(tuple(rest), ZERO) + coefficient * power
+    sums: dict[tuple[int, tuple[int, ...]], Rounded] = {}
     for i, j, m, c in bracket.entries():
-        value = rational(c)
+        value = rounded(c)
         for row, column, sign in ((i, j, value), (j, i, -value)):
             for rest, slope in gradient.get(column, {}).items():
                 key = row, tuple(sorted((m, *rest)))
-                sums[key] = sums.get(key, Fraction(0)) + sign * slope
+                sums[key] = sums.get(key, ZERO) + sign * slope
     for (i, j), c in bracket.constant.items():
-        value = rational(c)
+        value = rounded(c)
         for row, column, sign in ((i, j, value), (j, i, -value)):
             for rest, slope in gradient.get(column, {}).items():
-                sums[row, rest] = sums.get((row, rest), Fraction(0)) + sign * slope
-    # Rounded coefficients that should cancel leave 1e-40 of their size.
-    largest = max((abs(value) for value in sums.values()), default=Fraction(0))
-    kept = {key: value for key, value in sums.items() if abs(value) > largest * Fraction(1, 10**30)}
-    return _field_of_terms(bracket.dimension, [(i, monomial, value) for (i, monomial), value in kept.items()])
+                sums[row, rest] = sums.get((row, rest), ZERO) + sign * slope
+    return _field_of_terms(bracket.dimension, [(i, monomial, value) for (i, monomial), value in sums.items()])
 
 
-def _field_of_terms(n: int, terms: Sequence[tuple[int, tuple[int, ...], Fraction]]) -> QuadraticField:
+def _field_of_terms(n: int, terms: Sequence[tuple[int, tuple[int, ...], Rounded]]) -> QuadraticField:
     """The field with these terms: component of the derivative, monomial, coefficient."""
     by_degree: list[list[tuple[Any, ...]]] = [[], [], []]
     for i, monomial, value in terms:
-        if value:
-            number = as_float(value, "the coefficient of " + (" ".join(f"x{j}" for j in monomial) or "1"))
+        if value.number:
+            number = as_coefficient(value.number, "the coefficient of " + (" ".join(f"x{j}" for j in monomial) or "1"))
             by_degree[len(monomial)].append((i, *monomial, number))
     constant, linear, quadratic = (tuple(sorted(entries)) for entries in by_degree)
     return QuadraticField(n, constant, linear, quadratic)
@@ -174,25 +150,52 @@ def tape_of_bracket(bracket: Bracket, hamiltonian: Expr) -> TapeField:
     Raises:
         UnsupportedFieldError: the Hamiltonian contains a function that is not smooth or not known.
     """
+    from sympy import S
+
     private, [energy] = in_private_symbols(bracket.variables, [hamiltonian])
-    writer = _TapeWriter(private)
     slopes = [energy.diff(variable) for variable in private]
+    writer = _TapeWriter(private)
     gradient = writer.write_all(slopes)  # refuses what has no tape
     if _is_still(bracket, private, slopes):
         still = _TapeWriter(private)
-        return TapeField(*still.parts([still.linear([], 0.0) for _ in private]))
-    sums: list[list[tuple[int, float]]] = [[] for _ in bracket.variables]
+        return TapeField(*still.parts([still.linear([], ZERO) for _ in private]))
+    rates = _rates(bracket)
+    rows: list[Expr | None] = [None] * len(rates)
+    if n_terms(rates, slopes) <= MOST_TERMS:
+        rows = [regrouped(products, slopes, private) for products in rates]
+    if any(row is not None for row in rows):
+        used = {product.slope for products, row in zip(rates, rows, strict=True) if row is None for product in products}
+        writer = _TapeWriter(private)
+        written = [slope if j in used else S.Zero for j, slope in enumerate(slopes)]
+        together = writer.write_all([*written, *(row for row in rows if row is not None)])
+        gradient, regroup = together[: len(slopes)], iter(together[len(slopes) :])
+    else:
+        regroup = iter(())
+    outputs: list[int] = []
+    for products, row in zip(rates, rows, strict=True):
+        if row is not None:
+            register = next(regroup)
+            outputs.append(writer.linear([], ZERO) if register is None else register)
+            continue
+        terms: list[tuple[int, Rounded]] = []
+        for product in products:
+            if (slope := gradient[product.slope]) is not None:
+                register = slope if product.coordinate is None else writer.product(product.coordinate, slope)
+                terms.append((register, rounded(product.coefficient)))
+        outputs.append(writer.linear(terms, ZERO))
+    return TapeField(*writer.parts(outputs))
+
+
+def _rates(bracket: Bracket) -> list[list[MinorProduct]]:
+    """The terms of each component of J times a gradient."""
+    rates: list[list[MinorProduct]] = [[] for _ in bracket.variables]
     for i, j, m, c in bracket.entries():
-        value = as_float(rational(c), "a structure constant")
-        for row, column, sign in ((i, j, value), (j, i, -value)):
-            if (slope := gradient[column]) is not None:
-                sums[row].append((writer.product(m, slope), sign))
+        rates[i].append(MinorProduct(c, m, j))
+        rates[j].append(MinorProduct(-c, m, i))
     for (i, j), c in bracket.constant.items():
-        value = as_float(rational(c), "an entry of the constant part")
-        for row, column, sign in ((i, j, value), (j, i, -value)):
-            if (slope := gradient[column]) is not None:
-                sums[row].append((slope, sign))
-    return TapeField(*writer.parts([writer.linear(terms, 0.0) for terms in sums]))
+        rates[i].append(MinorProduct(c, None, j))
+        rates[j].append(MinorProduct(-c, None, i))
+    return rates
 
 
 _CANCELLED = 1e-9
@@ -232,9 +235,9 @@ def quadratic_of_equations(variables: Sequence[Symbol], derivatives: Sequence[Ex
     Raises:
         UnsupportedFieldError: a right-hand side is not a polynomial of degree at most two with numbers as coefficients.
     """
-    terms: list[tuple[int, tuple[int, ...], Fraction]] = []
+    terms: list[tuple[int, tuple[int, ...], Rounded]] = []
     for i, rate in enumerate(derivatives):
-        polynomial = quadratic_polynomial(rate, variables)
+        polynomial = _quadratic_sums(rate, variables)
         if polynomial is None:
             raise UnsupportedFieldError(
                 f"the derivative of {variables[i]} must be a polynomial of degree at most two with numbers as "
@@ -255,7 +258,7 @@ def tape_of_equations(variables: Sequence[Symbol], derivatives: Sequence[Expr]) 
     writer = _TapeWriter(private)
     registers = writer.write_all(rates)
     return TapeField(
-        *writer.parts([writer.linear([], 0.0) if register is None else register for register in registers])
+        *writer.parts([writer.linear([], ZERO) if register is None else register for register in registers])
     )
 
 
@@ -268,7 +271,7 @@ def tape_of_functions(variables: Sequence[Symbol], functions: Sequence[Expr]) ->
     """
     private, expressions = in_private_symbols(variables, functions)
     writer = _TapeWriter(private)
-    registers = [writer.linear([], 0.0) if r is None else r for r in writer.write_all(expressions)]
+    registers = [writer.linear([], ZERO) if r is None else r for r in writer.write_all(expressions)]
     return TapeFunction(*writer.parts(registers))
 
 
@@ -291,9 +294,15 @@ class _TapeWriter:
         # Sorted before the variables: after them the tape of the quaternion chart has two operations more.
         found: Any = cse(list(expressions), symbols=numbered_symbols("0c"), order="none")
         shared, reduced = found
+        numbers: dict[Any, Any] = {}  # stay in their sums: whether these cancel is seen in exact numbers only
         for symbol, expression in shared:
-            self._registers[symbol] = self.write(expression)
-        return [None if expression.is_zero else self.write(expression) for expression in reduced]
+            whole = expression.xreplace(numbers) if numbers else expression
+            if whole.is_number:
+                numbers[symbol] = whole
+            else:
+                self._registers[symbol] = self.write(whole)
+        whole = [expression.xreplace(numbers) if numbers else expression for expression in reduced]
+        return [None if expression.is_zero else self.write(expression) for expression in whole]
 
     def write(self, expression: Expr) -> int:
         known = self._registers.get(expression)
@@ -301,15 +310,16 @@ class _TapeWriter:
             known = self._registers[expression] = self._write(expression)
         return known
 
-    def linear(self, terms: Iterable[tuple[int, float]], constant: float) -> int:
+    def linear(self, terms: Iterable[tuple[int, Rounded]], constant: Rounded) -> int:
         """A linear combination; a plain register stays what it is."""
-        sums: dict[int, float] = {}
+        sums: dict[int, Rounded] = {}
         for register, coefficient in terms:
-            sums[register] = sums.get(register, 0.0) + coefficient
-        kept = {register: coefficient for register, coefficient in sums.items() if coefficient != 0.0}
-        if constant == 0.0 and list(kept.values()) == [1.0]:
+            sums[register] = sums.get(register, ZERO) + coefficient
+        kept = {register: as_coefficient(c.number, "a coefficient") for register, c in sums.items() if c.number}
+        added = as_coefficient(constant.number, "a constant")
+        if added == 0.0 and list(kept.values()) == [1.0]:
             return next(iter(kept))
-        return self._add("linear", tuple(kept), (*kept.values(), constant))
+        return self._add("linear", tuple(kept), (*kept.values(), added))
 
     def product(self, first: int, second: int) -> int:
         return self._add("product", tuple(sorted((first, second))))
@@ -319,27 +329,27 @@ class _TapeWriter:
 
     def _write(self, expression: Expr) -> int:
         if expression.is_number:
-            return self.linear([], as_float(rational(expression), "a constant"))
+            return self.linear([], rounded(expression))
         if expression.is_Add:
             return self._write_sum(expression)
         if expression.is_Mul:
             coefficient, rest = expression.as_coeff_Mul()
             register = self._write_product(rest) if rest.is_Mul else self.write(rest)
-            return self.linear([(register, as_float(rational(coefficient), "a coefficient"))], 0.0)
+            return self.linear([(register, rounded(coefficient))], ZERO)
         if expression.is_Pow:
             return self._write_power(*expression.as_base_exp())
         return self._write_function(expression)
 
     def _write_sum(self, expression: Expr) -> int:
-        terms: list[tuple[int, float]] = []
-        constant = Fraction(0)
+        terms: list[tuple[int, Rounded]] = []
+        constant = ZERO
         for term in cast("tuple[Expr, ...]", expression.args):
             coefficient, rest = term.as_independent(*term.free_symbols, as_Add=False)
             if not term.free_symbols:
-                constant += rational(term)
+                constant += rounded(term)
             else:
-                terms.append((self.write(rest), as_float(rational(coefficient), "a coefficient")))
-        return self.linear(terms, as_float(constant, "a constant"))
+                terms.append((self.write(rest), rounded(coefficient)))
+        return self.linear(terms, constant)
 
     def _write_product(self, expression: Expr) -> int:
         from sympy import fraction
@@ -352,7 +362,7 @@ class _TapeWriter:
         register = factors[0]
         for factor in factors[1:]:
             register = self.product(register, factor)
-        return self.linear([(register, as_float(rational(constant), "a coefficient"))], 0.0)
+        return self.linear([(register, rounded(constant))], ZERO)
 
     def _write_power(self, base: Expr, exponent: Expr) -> int:
         from sympy import E, Rational
@@ -368,9 +378,9 @@ class _TapeWriter:
         if exponent == Rational(1, 2):
             return self._add("sqrt", (self.write(base),))
         if exponent.is_negative:
-            one = self.linear([], 1.0)
+            one = self.linear([], ONE)
             return self._add("quotient", (one, self.write(base**-exponent)))
-        return self._add("power", (self.write(base),), (as_float(rational(exponent), "an exponent"),))
+        return self._add("power", (self.write(base),), (as_coefficient(rational(exponent), "an exponent"),))
 
     def _write_function(self, expression: Expr) -> int:
         name = name_of_function(expression)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from numbers import Integral, Rational, Real
@@ -208,6 +209,21 @@ def as_float(value: Exact, name: str) -> float:
         raise ParameterError(f"{name} must be a real number; got {value}. Give it a value.") from None
     if not math.isfinite(number):
         raise ParameterError(f"{name} must fit into a double (below 1.8e308); got a larger number. Rescale the system.")
+    return number
+
+
+def as_coefficient(value: Exact, name: str) -> float:
+    """The nearest double, with all its digits: a term of an equation may not vanish because its number is small.
+
+    Raises:
+        ParameterError: the parameter is symbolic, too large for a double, or not zero and too small for one.
+    """
+    number = as_float(value, name)
+    if abs(number) < sys.float_info.min and not is_zero(value):
+        raise ParameterError(
+            f"{name} must fit into a double (above 2.2e-308); got a smaller number. Rescale the system, or set what is "
+            "nearly 0 to 0."
+        )
     return number
 
 

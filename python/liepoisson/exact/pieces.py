@@ -19,8 +19,9 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import UnsupportedFieldError
-from liepoisson.exact.lowering import Polynomial, check_numeric, rational
-from liepoisson.exact.parameters import as_float
+from liepoisson.exact.lowering import Polynomial, check_numeric
+from liepoisson.exact.parameters import as_coefficient
+from liepoisson.exact.rounded import rational
 from liepoisson.field import Piece, PiecesField
 
 if TYPE_CHECKING:
@@ -178,7 +179,7 @@ def _piece(bracket: Bracket, form: Form, terms: dict[int, Fraction]) -> Piece:
         derivative[degree - 1] += degree * c
     number = "a coefficient of a piece of the Hamiltonian"
     return (
-        tuple((i, as_float(c, number)) for i, c in form),
-        tuple(as_float(c, number) for c in derivative),
-        tuple((i, k, as_float(c, number)) for (i, k), c in sorted(matrix.items()) if c),
+        tuple((i, as_coefficient(c, number)) for i, c in form),
+        tuple(as_coefficient(c, number) for c in derivative),
+        tuple((i, k, as_coefficient(c, number)) for (i, k), c in sorted(matrix.items()) if c),
     )

@@ -293,7 +293,11 @@ class System:
             ParameterError: a parameter is symbolic.
         """
         top = self.top_parameters
-        return self._general_field if top is None else top.field()
+        return self._general_field if top is None or not self._is_held_by(top) else top.field()
+
+    def _is_held_by(self, top: TopParameters) -> bool:
+        """Whether the plain data of this top, whose moments are doubles, are the equations that were given."""
+        return top.is_kept_by_doubles()
 
     @cached_property
     def _general_field(self) -> Field:

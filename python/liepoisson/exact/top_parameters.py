@@ -4,10 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import Column, Exact, as_float, display, is_zero, read_parameter, symbols_of, to_sympy
+from liepoisson.exact.parameters import (
+    Column,
+    Exact,
+    as_coefficient,
+    as_float,
+    display,
+    is_zero,
+    read_parameter,
+    symbols_of,
+    to_sympy,
+)
+from liepoisson.exact.rounded import rational
 from liepoisson.field import TopField, Vector3
 
 if TYPE_CHECKING:
@@ -23,6 +36,9 @@ _DIMENSIONS = (3, 6, 9)
 
 MOST_TERMS = 400
 """Of an expanded Hamiltonian in which a top is looked for; one that is written as a top has 18."""
+
+_DIFFERENCE = Fraction(1, 2**30)
+"""Relative error that rounding the moments may leave in their differences, which are the coefficients of l'."""
 
 
 @dataclass(frozen=True)
@@ -90,14 +106,25 @@ class TopParameters:
         Raises:
             ParameterError: a parameter is symbolic (the message names it) or does not fit into a double.
         """
-        inertia = _as_vector(self.inertia, "I")
+        inertia = self._moments()
         for k, moment in enumerate(inertia):
             if moment <= 0 or 1 / moment == float("inf"):
                 raise ParameterError(
                     f"I{k + 1} must be positive and its inverse below 1.8e308; got {self.inertia[k]}. Rescale."
                 )
         a, b = _as_vector(self.a, "a"), _as_vector(self.b, "b")
-        return TopField(inertia=inertia, a=a, b=b, epsilon=as_float(self.epsilon, "epsilon"))
+        return TopField(inertia=inertia, a=a, b=b, epsilon=as_coefficient(self.epsilon, "epsilon"))
+
+    def _moments(self) -> Vector3:
+        first, second, third = (as_float(moment, f"I{k}") for k, moment in enumerate(self.inertia, start=1))
+        return first, second, third
+
+    def is_kept_by_doubles(self) -> bool:
+        """Whether moments that differ do so as doubles, by the same difference to nine digits."""
+        doubles = [Fraction(moment) for moment in self._moments()]
+        exact = [rational(moment) for moment in self.inertia]
+        wanted, found = ([x - y for x, y in pairwise([*moments, moments[0]])] for moments in (exact, doubles))
+        return all(abs(x - y) <= abs(x) * _DIFFERENCE for x, y in zip(wanted, found, strict=True))
 
     def describe(self) -> str:
         """The parameters in one line, for example "I = (2, 2, 1), a = (-1, 0, 0), b = 0, epsilon = 1"."""
@@ -190,7 +217,7 @@ def _read_triple(values: list[Expr], name: str) -> ExactVector:
 
 
 def _as_vector(values: ExactVector, name: str) -> Vector3:
-    first, second, third = (as_float(value, f"{name}{k}") for k, value in enumerate(values, start=1))
+    first, second, third = (as_coefficient(value, f"{name}{k}") for k, value in enumerate(values, start=1))
     return first, second, third
 
 

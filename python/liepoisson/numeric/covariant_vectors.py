@@ -189,6 +189,9 @@ class CovariantRecord:
             if k < self._during:
                 growth[finished, k] = -np.log(length) * self._during / self._t_end
         vector[finished, 0] = _rows(self._frames[0][finished] @ coefficients)
+        scaled = np.flatnonzero((source.unit != 1.0).any(axis=1))
+        vector[scaled] *= source.unit[scaled, None, None, :]
+        vector[scaled] /= np.linalg.norm(vector[scaled], axis=-1, keepdims=True)
         return CovariantVectors(time, states, vector, growth)
 
 

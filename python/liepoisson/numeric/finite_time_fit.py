@@ -55,6 +55,10 @@ _REPLICATES_AT_A_TIME = 32
 _MIN_TIMES = 5
 
 
+_MOST = 1e150
+"""The errors of coefficients are roots of sums of squares, which may not overflow."""
+
+
 @dataclass(frozen=True)
 class _Law:
     r"""A law $t^p\,\langle\lambda(t)\rangle = \sum_k c_k f_k(t)$, linear in its coefficients $c_k$."""
@@ -431,11 +435,23 @@ def _projector(law: _Law, window: Window, time: FloatArray) -> FloatArray:
             f"{n_times} of {time.size} between {time[0]:g} and {time[-1]:g}. Widen it, or sample longer or more often."
         )
     design = law.design(time[inside])
-    scale = np.linalg.norm(design, axis=0)
-    projector = np.zeros((len(law.names), time.size))
-    # Columns of unit length keep the pseudo-inverse well conditioned although 1 and t differ by a factor 1000.
-    projector[:, inside] = np.linalg.pinv(design / scale) / scale[:, np.newaxis]
-    return projector * time**law.power
+    # Powers of two, so that squares of times such as 1e150 neither overflow nor vanish.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        unit = np.exp2(np.floor(np.log2(np.abs(design).max(axis=0))))
+        scale = unit * np.linalg.norm(design / unit, axis=0)
+    projector = np.full((len(law.names), time.size), np.nan)
+    if (np.isfinite(scale) & (scale > 0.0)).all():
+        with np.errstate(over="ignore"):
+            # Columns of unit length keep the pseudo-inverse well conditioned although 1 and t differ by a factor 1000.
+            projector[:, inside] = np.linalg.pinv(design / scale) / scale[:, np.newaxis]
+            projector[:, ~inside] = 0.0
+            projector *= time**law.power
+    if not (np.abs(projector) < _MOST).all():
+        raise ParameterError(
+            f"time: wanted times whose powers in the law fit into doubles; got times from {time[inside][0]:g} to "
+            f"{time[inside][-1]:g}; choose another unit of time"
+        )
+    return projector
 
 
 def _inside(window: Window, time: FloatArray) -> NDArray[np.bool_]:

@@ -257,8 +257,10 @@ def _common_line(signals: Signal, step: float, order: int, real: bool) -> tuple[
     n_grid = 4 * n  # the grid is finer than the peak, whose half width is 2 pi/T or more: Newton's method converges
     spectrum = np.abs(np.fft.fft(weighted, n_grid, axis=-1))
     sigma: Array = (2.0 * np.pi / step) * np.fft.fftfreq(n_grid).astype(np.float64)
-    high = (spectrum**2)[..., np.abs(sigma) > 0.5 * np.pi / step].sum(axis=(0, 2))
-    total = (spectrum**2).sum(axis=(0, 2))
+    # sums along rows of their own: over several axes their order depends on the number of trajectories
+    power = spectrum**2
+    high = np.ascontiguousarray(power[..., np.abs(sigma) > 0.5 * np.pi / step]).sum(axis=-1).sum(axis=0)
+    total = power.sum(axis=-1).sum(axis=0)
     product = np.prod(spectrum, axis=0)
     if real:
         product[:, sigma <= 0] = -1.0

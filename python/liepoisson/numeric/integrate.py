@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, replace
+from typing import Any, Literal, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -46,7 +46,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
         tangent: Tangent vectors, shape (trajectory, time, tangent, component).
         outcome: How each trajectory ended, shape (trajectory,): "finished", "step too small", "not finite",
             "max steps", "no convergence", "time limit".
-        end_time: Time that each trajectory reached, shape (trajectory,).
+        end_time: Time that each trajectory reached, that of its last good state, shape (trajectory,).
         n_steps: Accepted steps of each trajectory.
         end_state: Last good state of each trajectory, shape (trajectory, component).
         order: Order of the method.
@@ -87,7 +87,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
         Args:
             times: Further times, strictly monotone in the direction of travel; the last time of this orbit is put
                 before them.
-            t_end: Instead, the end of the run, with as many times for each unit of time as here.
+            t_end: Instead, the end of the run, with as many times as here, evenly spaced.
             **options: As for `integrate`: dense, kernel, threads, time_limit, progress.
 
         Raises:
@@ -104,8 +104,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
             end = as_number(t_end, "t_end", "a finite time")
             if not np.isfinite(end) or end == last:
                 raise ParameterError(f"t_end: wanted a finite time beyond {last:g}; got {end:g}")
-            n = max(1, round((len(self.time) - 1) * abs((end - last) / (last - float(self.time[0])))))
-            onward = np.linspace(last, end, n + 1)
+            onward = np.linspace(last, end, len(self.time))
         else:
             onward = np.atleast_1d(as_array(times, "times"))
             onward = onward if onward.size and onward[0] == last else np.concatenate([[last], onward])
@@ -249,7 +248,7 @@ def integrate(
         alone if kernel is None else kernel == "components",
         progress,
     )
-    return Orbit(
+    orbit = Orbit(
         **given(system, field, method, states),
         start_time=float(times[0]),
         start_tangent=vectors,
@@ -265,6 +264,37 @@ def integrate(
         series=tuple((begins, c.reshape(len(begins), raw["order"] + 1, n)) for begins, c in raw["series"]),
         time_limit=limit,
     )
+    overflown = in_series and not np.isfinite(orbit.end_state[orbit.n_steps > 0]).all()
+    return _before_overflow(orbit) if overflown else orbit
+
+
+def _before_overflow(orbit: Orbit) -> Orbit:
+    """The same, where a last step led from a good state to one that is not finite without that step.
+
+    It was known to be wrong only when the next one could not be made, and nothing is left of the state before: the few
+    that end so are run again, up to that step.
+    """
+    end, time, n_steps, state = orbit.end_state.copy(), orbit.end_time.copy(), orbit.n_steps.copy(), orbit.state.copy()
+    tangent = orbit.tangent.copy()
+    for k in np.flatnonzero(~np.isfinite(end).all(axis=1) & (n_steps > 0)):
+        if n_steps[k] == 1:
+            end[k], time[k] = orbit.start[k], orbit.start_time
+        else:
+            again = integrate(
+                orbit.field,
+                orbit.start[k],
+                times=orbit.time,
+                tangents=orbit.start_tangent[k : k + 1] if orbit.start_tangent.shape[1] else None,
+                method=replace(cast("Taylor", orbit.method), max_steps=int(n_steps[k]) - 1),
+                kernel="components" if orbit.kernel == "components" else "lanes",
+                threads=1,
+                time_limit=orbit.time_limit,
+            )
+            end[k], time[k] = again.end_state[0], again.end_time[0]
+        n_steps[k] -= 1
+        beyond = np.abs(orbit.time - orbit.start_time) > abs(time[k] - orbit.start_time)
+        state[k, beyond], tangent[k, beyond] = np.nan, np.nan
+    return replace(orbit, end_state=end, end_time=time, n_steps=n_steps, state=state, tangent=tangent)
 
 
 def _as_orbit_times(times: ArrayLike | None, t_end: float | None) -> Array:

@@ -22,7 +22,7 @@ from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
-from liepoisson.numeric.time_scale import natural_duration, time_scale, zero_threshold
+from liepoisson.numeric.time_scale import natural_duration, orbit_units, zero_threshold
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
 from liepoisson.wrong_values import shown
@@ -260,7 +260,8 @@ def lyapunov_exponent(
     deadline = time.monotonic() + as_time_limit(time_limit)
     _check_wanted(wanted_error, t_end)
     starts = given_starts(system, starts)  # once, as several runs start from it
-    scale = time_scale(system, starts, method=method, threads=threads, time_limit=time_limit)
+    units = orbit_units(system, starts, method=method, threads=threads, time_limit=time_limit)
+    scale = units.time
     wanted, n_blocks, block = _as_plan(wanted_error, t_end, block, scale)
     if transient is None:
         transient = natural_duration(TRANSIENT, scale, otherwise=0.0)
@@ -268,6 +269,7 @@ def lyapunov_exponent(
     frames = TangentFrames(
         system,
         starts,
+        units=units.of_frames(),
         n_vectors=1,
         seed=seed,
         first=first,

@@ -23,7 +23,7 @@ from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.structural_zeros import PoissonStructure, poisson_structure
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
-from liepoisson.numeric.time_scale import natural_duration, time_scale
+from liepoisson.numeric.time_scale import natural_duration, orbit_units
 from liepoisson.result import labelled, part
 from liepoisson.scalars import TIME_LIMIT, as_time_limit
 from liepoisson.wrong_values import shown
@@ -229,13 +229,15 @@ def lyapunov_spectrum(
     t_end, deadline = as_duration(t_end, "t_end"), clock_now() + as_time_limit(time_limit)
     transient = as_duration(transient, "transient", zero=True)
     starts = given_starts(system, starts)  # once, as several runs start from it
-    scale = time_scale(system, starts, method=method, threads=threads, time_limit=time_limit)
+    units = orbit_units(system, starts, method=method, threads=threads, time_limit=time_limit)
+    scale = units.time
     if interval is None:
         interval = natural_duration(INTERVAL, scale, fastest=True, otherwise=t_end / N_TIMES)
     interval = as_duration(interval, "interval")
     frames = TangentFrames(
         system,
         starts,
+        units=units.of_frames(),
         n_vectors=n_exponents,
         seed=seed,
         first=first,
@@ -245,7 +247,7 @@ def lyapunov_spectrum(
     )
     start = frames.state.copy()  # which is advanced in place
     if structure is None:
-        structure = poisson_structure(system, start)
+        structure = poisson_structure(system, start, frames.unit)
     elif not isinstance(structure, PoissonStructure):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"structure: wanted a PoissonStructure; got {shown(structure)}; leave it out")
     elif structure.shape != (len(start),):

@@ -92,10 +92,11 @@ def _as_labels(values: Any, name: str, kind: type[np.int64] | type[np.bool_]) ->
     return given.astype(kind)
 
 
-def poisson_structure(system: Any, states: Array) -> PoissonStructure | None:
+def poisson_structure(system: Any, states: Array, units: Array | None = None) -> PoissonStructure | None:
     """The structure at each start, shape (trajectory, component); None for a system without a Poisson tensor.
 
-    Where the start or a gradient there is not finite, corank and number of zeros are 0.
+    Ranks are those in the units of the components, shape (trajectory, component), by default 1.  Where the start or a
+    gradient there is not finite, corank and number of zeros are 0.
     """
     if not has_functions(system):
         return None
@@ -104,11 +105,13 @@ def poisson_structure(system: Any, states: Array) -> PoissonStructure | None:
     n = states.shape[1]
     with np.errstate(all="ignore"):  # overflow makes a gradient that is not finite, and the start is left out
         gradients = np.stack([constant.gradient(states) for constant in constants], axis=-1)
+    unit = np.ones_like(states) if units is None else units
+    gradients *= unit[:, :, None]
     good = np.isfinite(states).all(axis=1) & np.isfinite(gradients).all(axis=(1, 2))
     n_zeros, corank = np.zeros(len(states), dtype=np.int64), np.zeros(len(states), dtype=np.int64)
-    tensors = functions.poisson_tensor(states[good])
+    tensors = functions.poisson_tensor(states[good]) / (unit[good, :, None] * unit[good, None, :])
     corank[good] = n - np.array([_rank(tensor) for tensor in tensors], dtype=np.int64)
-    least = n - max(_rank(tensor) for tensor in functions.poisson_tensor(_generic_states(n)))
+    least = n - max(_rank(tensor) for tensor in _generic_tensors(functions, unit[good]))
     for k, tensor, gradient in zip(np.flatnonzero(good), tensors, gradients[good], strict=True):
         known = np.concatenate([gradient, _null_space(tensor, least)], axis=1) if corank[k] == least else gradient
         n_zeros[k] = _n_zeros(tensor, known)
@@ -140,9 +143,12 @@ def _constants(system: HasFunctions) -> list[Any]:
     return [system.functions.of(expression) for expression in constants.values()] or [system.functions.energy]
 
 
-def _generic_states(n: int) -> Array:
-    """A few states of no special position: a rank is the largest on an open dense set."""
-    return np.random.default_rng(0).standard_normal((4, n))
+def _generic_tensors(functions: Any, units: Array) -> Array:
+    """Poisson tensors at a few states of no special position: a rank is the largest on an open dense set."""
+    states = np.random.default_rng(0).standard_normal((4, units.shape[1]))
+    unit = np.unique(units, axis=0)[:, None, :] if len(units) else np.ones((1, 1, units.shape[1]))
+    tensors = functions.poisson_tensor(states * unit) / (unit[..., :, None] * unit[..., None, :])
+    return tensors.reshape(-1, *tensors.shape[-2:])
 
 
 def _n_zeros(tensor: Array, gradients: Array) -> int:

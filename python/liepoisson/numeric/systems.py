@@ -11,8 +11,9 @@ from typing import Any, Protocol, TypeGuard
 
 from liepoisson import _core
 from liepoisson.arrays import Array
+from liepoisson.errors import ParameterError
 from liepoisson.field import Field, PiecesField, QuadraticField, TapeFunction, TopField
-from liepoisson.wrong_values import not_a_system
+from liepoisson.wrong_values import not_a_system, shown
 
 TOP_COMPONENTS = tuple(f"{vector}{i}" for vector in ("l", "alpha", "beta") for i in (1, 2, 3))
 
@@ -49,10 +50,19 @@ def core_field(field: Field) -> _core.Field:
 
 
 def component_names(system: Any, n: int) -> tuple[str, ...]:
-    """Names of the components of the state: the system's own, else those of the tops, else x1, x2, ..."""
+    """Names of the components of the state: the system's own, else those of the tops, else x1, x2, ...
+
+    Raises:
+        ParameterError: the system has names, and not one for each component of its field.
+    """
     names = getattr(system, "component_names", None)
     if names is not None:
-        return tuple(names)
+        if len(own := tuple(names)) != n:
+            raise ParameterError(
+                f"component_names: wanted {n} names, one for each component of the field of {system.name}; got "
+                f"{len(own)}: {shown(own)}; name them all"
+            )
+        return own
     return TOP_COMPONENTS if n == len(TOP_COMPONENTS) else tuple(f"x{i + 1}" for i in range(n))
 
 

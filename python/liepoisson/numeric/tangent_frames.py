@@ -37,6 +37,8 @@ class TangentFrames:
     Args:
         system: The system.
         x0: States at time 0, shape (component,) or (trajectory, component).
+        units: Unit of each component, in which vectors are drawn and orthonormal, shape (trajectory, component); by
+            default 1.  Growth is that of lengths in these units, which in the long run are the same in any.
         n_vectors: Vectors of each frame.
         seed: Draws the frames; the first vector is the one that `finite_time_exponents` starts with.
         first: Number of the first member.
@@ -46,7 +48,9 @@ class TangentFrames:
 
     Attributes:
         state: Last good states, shape (trajectory, component).
-        frame: Orthonormal columns, shape (trajectory, component, vector); meaningless where a trajectory has failed.
+        unit: The units, shape (trajectory, component).
+        frame: Orthonormal columns in these units, shape (trajectory, component, vector); meaningless where a trajectory
+            has failed.
         outcome: "finished" for the trajectories that still go on, else how they ended.
         end_time: Time reached, shape (trajectory,).
         n_steps: Accepted steps, shape (trajectory,).
@@ -59,6 +63,7 @@ class TangentFrames:
         system: HasField,
         starts: StartsLike,
         *,
+        units: Array | None = None,
         n_vectors: int | None = None,
         seed: int = 0,
         first: int = 0,
@@ -70,6 +75,7 @@ class TangentFrames:
         self.field: Field = field_for(system, as_field(system), self.method)
         n = self.field.n_components
         self.state: Array = as_starts(system, starts, n)
+        self.unit: Array = np.ones_like(self.state) if units is None else units
         k = n if n_vectors is None else as_count(n_vectors, "n_exponents", least=1, most=n)
         self.seed, self.first = as_seed(seed), as_first(first, len(self.state))
         self.frame: Array = orthonormal_frames(n, k, len(self.state), seed=self.seed, first=self.first)
@@ -123,14 +129,14 @@ class TangentFrames:
             self._system,
             self.state[going],
             times=[0.0, duration],
-            tangents=np.ascontiguousarray(np.swapaxes(self.frame[going], 1, 2)),
+            tangents=np.ascontiguousarray(np.swapaxes(self.frame[going] * self.unit[going, :, None], 1, 2)),
             method=self.method,
             threads=self._threads,
             time_limit=left,
             progress=progress,
         )
         self.order, self.kernel = orbit.order, orbit.kernel
-        pushed = np.swapaxes(orbit.tangent[:, -1], 1, 2)
+        pushed = np.swapaxes(orbit.tangent[:, -1], 1, 2) / self.unit[going, :, None]
         overflown = (orbit.outcome == "finished") & ~np.isfinite(pushed).all(axis=(1, 2))
         self.outcome[going] = np.where(overflown, "not finite", orbit.outcome)
         self.state[going] = orbit.end_state

@@ -18,7 +18,7 @@ import time as clock
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments
@@ -87,12 +87,23 @@ class OrbitUnits(NamedTuple):
     Attributes:
         time: As `time_scale` returns it, shape (trajectory,).
         component: Root mean square of each component of the state along the first stretch, shape (trajectory,
-            component); that of the largest one for components that are zero or less than 1e-6 of it; 1 where all are
-            zero or the orbit failed.
+            component).  Of components that are zero or less than 1e-6 of the largest one the size is no unit, as it may
+            be round-off: they have the unit of the largest one, or a smaller one in which they act on the others about
+            as strongly as these on them, if that is less than 1e-6 of it.  The largest unit is 1 where all components
+            are zero, and all are where the orbit failed.
     """
 
     time: Array
     component: Array
+
+    def of_frames(self) -> Array:
+        """Units of tangent vectors that are made orthogonal, shape (trajectory, component).
+
+        Powers of two, for which vectors change without round-off; 1 for all components that have not a unit of another
+        order than the largest one, so that vectors in ordinary units are as they are.
+        """
+        part = self.component / self.component.max(axis=1, keepdims=True)
+        return np.where(part > _NO_UNIT, 1.0, np.exp2(np.round(np.log2(part))))
 
 
 @np.errstate(all="ignore")  # what overflows or vanishes has no unit, which is said by NaN or infinity
@@ -118,13 +129,14 @@ def orbit_units(
     states = as_starts(system, starts, field.n_components)
     run = _Run(system.name, field, how, threads, clock.monotonic() + as_time_limit(time_limit))
     rate, size = np.full(len(states), np.nan), np.full(states.shape, np.nan)
+    slopes = np.full((*states.shape, states.shape[1]), np.nan)
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
     for start in range(0, len(good), _CHUNK):
         if run.is_late():
             break
         chunk = good[start : start + _CHUNK]
-        rate[chunk], size[chunk] = _rates(run, states[chunk])
-    return OrbitUnits(1.0 / rate, _units(size))
+        rate[chunk], size[chunk], slopes[chunk] = _rates(run, states[chunk])
+    return OrbitUnits(1.0 / rate, _units(size, slopes))
 
 
 def zero_threshold(time: ArrayLike, scale: ArrayLike) -> Array:
@@ -211,20 +223,32 @@ class _Run:
         )
 
 
-def _units(size: Array) -> Array:
-    """Sizes of components that can be units: not zero and not of another order than the largest one."""
+def _units(size: Array, slopes: Array) -> Array:
+    """Sizes of components that can be units, and others by the derivatives of the field, (trajectory, row, column)."""
     known = np.where(np.isfinite(size), size, 0.0)
     largest = known.max(axis=1, keepdims=True)
-    return np.where(known > _NO_UNIT * largest, known, np.where(largest > 0.0, largest, 1.0))
+    is_unit = known > _NO_UNIT * largest
+    units = np.where(is_unit, known, np.where(largest > 0.0, largest, 1.0))
+    some = np.flatnonzero(~is_unit.all(axis=1) & np.isfinite(slopes).all(axis=(1, 2)))
+    if len(some):
+        scaled = slopes[some] * units[some, None, :] / units[some, :, None]
+        part = _balanced(scaled, ~is_unit[some])[1]
+        part /= np.where(largest[some] > 0.0, 1.0, part.max(axis=1, keepdims=True))  # at the origin all are free
+        units[some] *= np.where(part < _NO_UNIT, part, 1.0)
+    return units
 
 
-def _rates(run: _Run, starts: Array) -> tuple[Array, Array]:
-    """Median spectral radius of Df along the first stretch of each orbit, and the sizes of its components there."""
+def _rates(run: _Run, starts: Array) -> tuple[Array, Array, Array]:
+    """What is known of the first stretch of each orbit.
+
+    Returns:
+        The median spectral radius of Df, the sizes of the components and those of the entries of Df.
+    """
     at_start, rung = _derivatives(run, starts, np.full(len(starts), _LOWEST))
     radius, coupling = _radius(at_start, np.abs(starts)), _coupling(at_start)
     # where components act on each other in longer circles only, what is left of the coupling is round-off
     first = np.where(coupling > _NILPOTENT * radius, coupling, radius)
-    rates, sizes = first.copy(), np.abs(starts)
+    rates, sizes, slopes = first.copy(), np.abs(starts), np.abs(at_start)
     moving = np.flatnonzero((first > 0.0) & np.isfinite(first))
     lengths = _STRETCH / first[moving]
     # A few members with stretches of about the same length run together, each seen at times of its own.
@@ -236,20 +260,25 @@ def _rates(run: _Run, starts: Array) -> tuple[Array, Array]:
             members = moving[some]
             orbit = run.states(starts[members], lengths[some, None] * np.arange(N_POINTS) / (N_POINTS - 1))
             sizes[members] = np.sqrt((orbit**2).mean(axis=1))
-            rates[members] = _median_radius(run, orbit, sizes[members], rung[members])
-    return rates, sizes
+            rates[members], slopes[members] = _median_radius(run, orbit, sizes[members], rung[members])
+    return rates, sizes, slopes
 
 
-def _median_radius(run: _Run, orbit: Array, sizes: Array, rung: Array) -> Array:
-    """Median over the points of orbits, shape (trajectory, time, component), of the spectral radius of Df."""
+def _median_radius(run: _Run, orbit: Array, sizes: Array, rung: Array) -> tuple[Array, Array]:
+    """Median over the points of orbits, shape (trajectory, time, component), of the spectral radius of Df.
+
+    Returns:
+        It, and the mean sizes of the entries of Df.
+    """
     scale = np.repeat(sizes, N_POINTS, axis=0)
     points = orbit.reshape(-1, orbit.shape[2])
     reached = np.isfinite(points).all(axis=1)
-    found = np.full(len(points), np.nan)
+    found, slopes = np.full(len(points), np.nan), np.full((*points.shape, points.shape[1]), np.nan)
     if reached.any():
         derivatives, _ = _derivatives(run, points[reached], np.repeat(rung, N_POINTS)[reached] / _RUNG)
-        found[reached] = _radius(derivatives, scale[reached])
-    return np.median(found.reshape(len(orbit), N_POINTS), axis=1)
+        found[reached], slopes[reached] = _radius(derivatives, scale[reached]), np.abs(derivatives)
+    each = slopes.reshape(len(orbit), N_POINTS, *slopes.shape[1:])
+    return np.median(found.reshape(len(orbit), N_POINTS), axis=1), each.mean(axis=1)
 
 
 def _derivatives(run: _Run, states: Array, lowest: Array) -> tuple[Array, Array]:
@@ -292,7 +321,7 @@ def _radius(matrices: Array, scale: Array) -> Array:
 
 
 def _finite_radius(matrices: Array, scale: Array) -> Array:
-    balanced, coupling = _balanced(matrices), _coupling(matrices)
+    balanced, coupling = _balanced(matrices)[0], _coupling(matrices)
     radius = np.abs(np.linalg.eigvals(balanced)).max(axis=1)
     rate = np.where(radius > _NILPOTENT * coupling, radius, coupling)
     known = rate > _ROUND_OFF * np.linalg.norm(balanced, axis=(1, 2))
@@ -307,14 +336,21 @@ def _norm(matrices: Array, scale: Array) -> Array:
     return np.minimum(*(np.linalg.norm(each, axis=(1, 2)) for each in (matrices, scaled)))
 
 
-def _balanced(matrices: Array) -> Array:
+def _balanced(matrices: Array, which: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
     """Matrices with each component in a unit of its own, a power of two, so that row and column are about equal.
 
     So the norm can be compared with eigenvalues whatever the units: the size of a component at one moment is no unit,
     as it may vanish there.  The iteration is that of Osborne, as in LAPACK; a component on which nothing depends, or
     that depends on nothing, keeps its unit.
+
+    Args:
+        matrices: Shape (matrix, component, component).
+        which: Components that may have a unit of their own, shape (matrix, component); by default all.
+
+    Returns:
+        The matrices and the units, shape (matrix, component).
     """
-    result = matrices.copy()
+    result, units = matrices.copy(), np.ones(matrices.shape[:2])
     for _ in range(_SWEEPS):
         is_changed = False
         for k in range(result.shape[1]):
@@ -322,10 +358,13 @@ def _balanced(matrices: Array) -> Array:
             row, column = (np.abs(each).sum(axis=1) - diagonal for each in (result[:, k, :], result[:, :, k]))
             unit = np.exp2(np.round(0.5 * (np.log2(row) - np.log2(column))))
             gains = (row > 0.0) & (column > 0.0) & (row / unit + column * unit < _GAIN * (row + column))
+            if which is not None:
+                gains &= which[:, k]
             unit = np.where(gains, unit, 1.0)[:, None]
             result[:, k, :] /= unit
             result[:, :, k] *= unit
+            units[:, k] *= unit[:, 0]
             is_changed |= bool(gains.any())
         if not is_changed:
             break
-    return result
+    return result, units
