@@ -32,6 +32,7 @@ fn surface(n: usize, instructions: Vec<Instruction>) -> Surface {
         kept: None,
         direction: 0,
         n_crossings: None,
+        sides: vec![],
     }
 }
 
