@@ -12,9 +12,9 @@ coordinates, which would else decide in which order a sum is taken.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar, cast
 
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.parameters import as_float
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 Polynomial: TypeAlias = "dict[tuple[int, ...], Fraction]"
 """Coefficients by monomial; a monomial is the sorted tuple of the indices of its factors."""
+
+_K = TypeVar("_K", bound=Hashable)
 
 _DIGITS = 40
 """Decimal digits to which an irrational coefficient is known before it is rounded to a double."""
@@ -71,7 +73,7 @@ def quadratic_polynomial(expression: Expr, variables: Sequence[Symbol]) -> Polyn
     from sympy import Add, expand
 
     positions = {variable: i for i, variable in enumerate(variables)}
-    polynomial: Polynomial = {}
+    terms: list[tuple[tuple[int, ...], Fraction]] = []
     for term in Add.make_args(expand(expression)):
         coefficient, monomial = Fraction(1), []
         powers: Any = term.as_powers_dict()
@@ -86,9 +88,8 @@ def quadratic_polynomial(expression: Expr, variables: Sequence[Symbol]) -> Polyn
                 coefficient *= rational(base**exponent)
         if len(monomial) > 2:
             return None
-        key = tuple(sorted(monomial))
-        polynomial[key] = polynomial.get(key, Fraction(0)) + coefficient
-    return polynomial
+        terms.append((tuple(sorted(monomial)), coefficient))
+    return _sums_that_do_not_cancel(lambda: terms)
 
 
 def rational(value: Fraction | Expr) -> Fraction:
@@ -139,22 +140,38 @@ def _quadratic_field(bracket: Bracket, energy: Polynomial) -> QuadraticField:
             rest.remove(j)
             slope = gradient.setdefault(j, {})
             slope[tuple(rest)] = slope.get(tuple(rest), Fraction(0)) + coefficient * monomial.count(j)
-    sums: dict[tuple[int, tuple[int, ...]], Fraction] = {}
-    for i, j, m, c in bracket.entries():
-        value = rational(c)
-        for row, column, sign in ((i, j, value), (j, i, -value)):
-            for rest, slope in gradient.get(column, {}).items():
-                key = row, tuple(sorted((m, *rest)))
-                sums[key] = sums.get(key, Fraction(0)) + sign * slope
-    for (i, j), c in bracket.constant.items():
-        value = rational(c)
-        for row, column, sign in ((i, j, value), (j, i, -value)):
-            for rest, slope in gradient.get(column, {}).items():
-                sums[row, rest] = sums.get((row, rest), Fraction(0)) + sign * slope
-    # Rounded coefficients that should cancel leave 1e-40 of their size.
-    largest = max((abs(value) for value in sums.values()), default=Fraction(0))
-    kept = {key: value for key, value in sums.items() if abs(value) > largest * Fraction(1, 10**30)}
+
+    def terms() -> Iterator[tuple[tuple[int, tuple[int, ...]], Fraction]]:
+        entries = [((i, j), (m,), rational(c)) for i, j, m, c in bracket.entries()]
+        constant = [(pair, (), rational(c)) for pair, c in bracket.constant.items()]
+        for (i, j), factor, value in (*entries, *constant):
+            for row, column, sign in ((i, j, value), (j, i, -value)):
+                for rest, slope in gradient.get(column, {}).items():
+                    yield (row, tuple(sorted((*factor, *rest)))), sign * slope
+
+    kept = _sums_that_do_not_cancel(terms)
     return _field_of_terms(bracket.dimension, [(i, monomial, value) for (i, monomial), value in kept.items()])
+
+
+_CANCELS = Fraction(1, 10**30)
+"""Rounded coefficients that should cancel leave 1e-40 of their size."""
+
+
+def _sums_that_do_not_cancel(terms: Callable[[], Iterable[tuple[_K, Fraction]]]) -> dict[_K, Fraction]:
+    """The sums of terms with the same key, without those that are zero but for the rounding of their terms.
+
+    Each is judged by its own terms: in suitable units coefficients differ by any factor.
+    """
+    sums: dict[_K, Fraction] = {}
+    for key, value in terms():
+        sums[key] = sums.get(key, Fraction(0)) + value
+    largest = max((abs(value) for value in sums.values()), default=Fraction(0))
+    sizes = {key: Fraction(0) for key, value in sums.items() if abs(value) <= largest * _CANCELS}
+    if any(sums[key] for key in sizes):
+        for key, value in terms():
+            if key in sizes:
+                sizes[key] += abs(value)
+    return {key: value for key, value in sums.items() if key not in sizes or abs(value) > sizes[key] * _CANCELS}
 
 
 def _field_of_terms(n: int, terms: Sequence[tuple[int, tuple[int, ...], Fraction]]) -> QuadraticField:

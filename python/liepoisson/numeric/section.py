@@ -189,9 +189,7 @@ class Section(IntegratedRun):
     )
     seen_to: Array = labelled("trajectory", long_name="time up to which it was followed without a gap")
     first_step: Array = labelled("trajectory", long_name="length of the first step")
-    end_side: NDArray[np.int8] = labelled(
-        "trajectory", long_name="last known sign of the surface function", units="1"
-    )
+    end_side: NDArray[np.int8] = labelled("trajectory", long_name="last known sign of the surface function", units="1")
 
     def arguments(self) -> dict[str, Any]:
         """What `section` was called with."""

@@ -100,13 +100,15 @@ impl Components {
             }
         }
         field.terms(units, rests, of_rates);
-        let largest = |row: &[f64]| row.iter().zip(&*units).fold(0.0_f64, |most, (term, unit)| most.max(over(*term, *unit)));
+        let largest =
+            |row: &[f64]| row.iter().zip(&*units).fold(0.0_f64, |most, (term, unit)| most.max(over(*term, *unit)));
         in_units.set(terms.chunks_exact(*n).map(largest), *step);
     }
 
     /// The majorant in these units.
     fn majorant(&self) -> Majorant {
-        let row = |sums: &[f64]| sums.iter().zip(&self.units).fold(0.0_f64, |most, (sum, unit)| most.max(over(*sum, *unit)));
+        let row =
+            |sums: &[f64]| sums.iter().zip(&self.units).fold(0.0_f64, |most, (sum, unit)| most.max(over(*sum, *unit)));
         Majorant { linear: row(&self.of_rates.linear), quadratic: row(&self.of_rates.quadratic) }
     }
 

@@ -312,6 +312,10 @@ impl Recorder<'_> {
         }
         let (surface, n) = (self.surface, self.n);
         let is_last = halvings == MOST_HALVINGS || self.room.n_lost >= MOST_LOST;
+        // the whole step is measured already
+        if halvings > 0 {
+            self.room.measure_part(state, step.size * part.length, n);
+        }
         self.room.expand(state, step.size * part.length, &surface.function, n);
         if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
             let (wanted, seat) = (self.wanted(), &mut self.seats[lane]);

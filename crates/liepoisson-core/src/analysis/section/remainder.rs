@@ -137,26 +137,27 @@ impl Sizes {
     /// Whether a component is small beside the others along the whole step, so that what is known of the largest tells nothing
     /// of it. One that stays zero is not small: what is known of it is known of all its orbits in the same subspace.
     pub(super) fn has_small_component(&self, state: &[f64], n_components: usize) -> bool {
-        let largest = self.terms.iter().fold(0.0_f64, |largest, &term| largest.max(term));
-        let least = SMALL * largest;
-        let is_large = |i: usize| state[i].abs() >= least;
-        (0..n_components).any(|i| !is_large(i) && self.is_small(&state[i..], n_components, least))
+        let (start, rate) = state[..2 * n_components].split_at(n_components);
+        let least = SMALL * self.terms[0].max(self.terms[1]);
+        // one of the first two terms of nearly every component is large, or all are zero
+        let is_large = |(x, rate): (&f64, &f64)| x.abs() >= least || (rate * self.step).abs() >= least;
+        let may_be_small = |i: &usize| !is_large((&start[*i], &rate[*i]));
+        (0..n_components).filter(may_be_small).any(|i| self.is_small(&state[i..], n_components, least))
     }
 
-    /// Whether the component that a series begins with has no term so large.
+    /// Whether the component that a series begins with has no term so large, and does not stay zero.
+    #[inline(never)]
     fn is_small(&self, series: &[f64], n_components: usize, least: f64) -> bool {
-        let (mut power, mut is_zero) = (1.0, true);
-        for (k, &coefficient) in series.iter().step_by(n_components).enumerate() {
-            if k == FIRST && is_zero {
-                return false;
-            }
-            is_zero &= coefficient == 0.0;
-            if term(coefficient, self.step, k, power).abs() >= least {
-                return false;
-            }
-            power *= self.step;
+        let coefficients = || series.iter().step_by(n_components);
+        if coefficients().take(FIRST).all(|&coefficient| coefficient == 0.0) {
+            return false;
         }
-        !is_zero
+        let mut power = 1.0;
+        coefficients().enumerate().all(|(k, &coefficient)| {
+            let size = term(coefficient, self.step, k, power).abs();
+            power *= self.step;
+            size < least
+        })
     }
 
     /// `P`, which bounds the state on the whole step.

@@ -54,7 +54,7 @@ impl Room {
 
     /// Expands the function along a part of a step, in units of that part.
     pub(super) fn expand(&mut self, state: &[f64], length: f64, function: &Functions, n: usize) {
-        let Room { series, work, sizes, components, .. } = self;
+        let Room { series, work, .. } = self;
         series.resize(state.len() / n, 0.0);
         function.series(state, work, series);
         let mut power = 1.0;
@@ -62,9 +62,13 @@ impl Room {
             *coefficient = term(*coefficient, length, k, power);
             power *= length;
         }
-        sizes.measure(state, n, length);
-        if components.are_looked_at {
-            components.measure(state, length);
+    }
+
+    /// Measures the sizes of the series of the state on a part of the step.
+    pub(super) fn measure_part(&mut self, state: &[f64], length: f64, n: usize) {
+        self.sizes.measure(state, n, length);
+        if self.components.are_looked_at {
+            self.components.measure(state, length);
         }
     }
 
