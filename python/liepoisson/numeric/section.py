@@ -142,9 +142,9 @@ class Section(IntegratedRun):
         seen_to: Time up to which $s$ was followed without such a gap: where the first began, or `end_time`.  Shape
             (trajectory,).
         outcome: How each trajectory ended, shape (trajectory,); "finished" also after `n_crossings` crossings.
-        end_time: Time that each trajectory reached, shape (trajectory,).  After `n_crossings` crossings it is that of the
-            last one, but for the round-off by which the trajectory has left the surface, so that the sign of $s$ is
-            known: later than the last crossing, and earlier than any further one.
+        end_time: Time that each trajectory reached, shape (trajectory,).  After `n_crossings` crossings it is that of
+            the last one, but for the round-off by which the trajectory has left the surface, so that the sign of $s$
+            is known: later than the last crossing, and earlier than any further one.
         n_steps: Accepted steps of each trajectory.
         first_step: Length of its first step, NaN if it took none, shape (trajectory,).
         end_state: Last good state of each trajectory, at `end_time`, shape (trajectory, component).
@@ -309,8 +309,9 @@ def section(
       not decided.  A tangency is one.
 
     A start on the surface, within the error, is not counted, unless `start_side` says that it is a crossing, and orbits
-    that lie in the surface cross it nowhere, which a `SurfaceWarning` tells.  An orbit that never meets the surface runs
-    to `t_end`, whatever `n_crossings`; `time_limit` ends it sooner.  Errors that accumulate from step to step are those of `integrate`.
+    that lie in the surface cross it nowhere, which a `SurfaceWarning` tells.  An orbit that never meets the surface
+    runs to `t_end`, whatever `n_crossings`; `time_limit` ends it sooner.  Errors that accumulate from step to step are
+    those of `integrate`.
 
     Args:
         system: What is integrated.
@@ -320,8 +321,8 @@ def section(
             and whose further ones are kept.
         t_end: Time at which each trajectory ends at the latest; negative: backwards.
         direction: +1 for crossings where $s$ increases in the order of travel, -1 where it decreases, 0 for both.
-        n_crossings: End each trajectory after so many crossings: at the last one, as soon as the sign of $s$ after it is
-            known.
+        n_crossings: End each trajectory after so many crossings: at the last one, as soon as the sign of $s$ after it
+            is known.
         start_side: The sign of $s$ before the start, +1, -1, or 0 where it is not known; one for all or one for each
             trajectory.  A trajectory that starts on the surface crosses it there if it goes on to the other side.
         keep: Functions whose values are kept of each crossing instead of the state (texts or expressions); with a
@@ -426,8 +427,8 @@ def first_return(
     $\tau(x)$ is the first time after 0 at which $s(\varphi_t(x))$ passes zero in the given direction.  The map can be
     applied to its own results; with a negative `t_end` and the opposite direction it is the inverse map.
 
-    A state counts as on the surface if its orbit meets it within a millionth of the first step and within $10^{-9}$ of the
-    largest component of x: images that other programs computed, or that were rounded, do not return at once.
+    A state counts as on the surface if its orbit meets it within a millionth of the first step and within $10^{-9}$ of
+    the largest component of x: images that other programs computed, or that were rounded, do not return at once.
 
     Args:
         system: What is integrated.
@@ -477,8 +478,8 @@ def _arrivals(system: HasField, starts: Array, options: dict[str, Any]) -> tuple
     returned[found.trajectory], times[found.trajectory] = found.state, found.time
     outcome = _outcome_without_crossing(found)
     outcome[found.trajectory] = "returned"
-    # Within one step of a power series no orbit is periodic: a near crossing there is the start itself. That of a component
-    # that is small beside the others is near in time, too.
+    # Within one step of a power series no orbit is periodic: a near crossing there is the start itself. Where the
+    # components that change are small beside one that does not, it is near in time, too.
     near = np.abs(returned - starts).max(axis=1) <= _SAME_POINT * np.abs(starts).max(axis=1)
     early = (found.n_steps <= 1) & (np.abs(times) <= _SAME_TIME * found.first_step)
     again = np.flatnonzero(near & early)
