@@ -32,7 +32,7 @@ GOOD = {
     "orbits": (_core.orbits, (TOP, TAYLOR, STATE, STATE, 1, TIMES, 1, 0.2, True, False, None)),
     "one orbit": (_core.orbits, (TOP, TAYLOR, STATE, STATE[:0], 0, TIMES, 1, 0.2, False, True, None)),
     "growth": (_core.growth, (TOP, TAYLOR, STATE, STATE, TIMES, 1, 0.2, None)),
-    "sections": (_core.sections, (TOP, TAYLOR, PLANE, STATE, TIMES, 0, None, 1, 0.2, None)),
+    "sections": (_core.sections, (TOP, TAYLOR, PLANE, STATE, TIMES, 0, None, [], 1, 0.2, None)),
 }
 HOSTILE = [
     -1, 0, 7, 127, 128, 2**31, 2**62, 2**63, 2**64, 10**400, -1.5, 5e-324, 1e308, np.nan, np.inf, -np.inf,
@@ -112,7 +112,7 @@ def run(*, field=TOP, method=TAYLOR, states=STATE, tangents=STATE[:0], n_tangent
 
 
 def cross(*, direction=0, n_crossings=None):
-    return _core.sections(TOP, TAYLOR, PLANE, STATE, TIMES, direction, n_crossings, 1, 5.0, None)
+    return _core.sections(TOP, TAYLOR, PLANE, STATE, TIMES, direction, n_crossings, [], 1, 5.0, None)
 
 
 def test_arrays_are_copied_before_the_run():

@@ -83,6 +83,8 @@ class _Sections(_Ends):
     unresolved_time: _Array
     seen_to: _Array
     in_surface: NDArray[np.bool_]
+    side: NDArray[np.int8]
+    first_step: _Array
     time: _Array
     state: _Array
     sign: NDArray[np.int8]
@@ -124,6 +126,7 @@ def sections(
     times: _Array,
     direction: int,
     n_crossings: int | None,
+    sides: Sequence[int],
     threads: int,
     time_limit: float,
     progress: Callable[[float], object] | None,

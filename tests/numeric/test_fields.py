@@ -147,3 +147,19 @@ def test_unknown_instructions_are_refused_by_the_core():
 def test_more_states_than_memory_are_refused():
     with pytest.raises(lp.errors.ParameterError, match="fits into memory"):
         lp.sample_states(lp.Top.kovalevskaya(), n_starts=10**13, seed=0)
+
+
+@pytest.mark.parametrize("u", [1e-15, 1e-40, 1e20, 1e100])
+def test_no_term_of_a_field_is_lost_beside_larger_ones(u):
+    field = lower(lp.canonical(1), lp.System(lp.canonical(1), f"p1^2/(2*{u!r}) + {u!r}*q1^2/2").hamiltonian)
+    assert [(i, j) for i, j, _ in field.linear] == [(0, 1), (1, 0)]
+    assert [c for _, _, c in field.linear] == pytest.approx([1 / u, -u], rel=1e-15)
+
+
+def test_terms_that_cancel_but_for_the_rounding_of_irrational_numbers_are_none():
+    # two names of one number, which SymPy does not recognise: as numbers they differ in digit 40
+    sine, root = sp.sin(sp.pi / 7) ** 2, (1 - sp.cos(2 * sp.pi / 7)) / 2
+    bracket = lp.canonical(1)
+    q, p = bracket.variables
+    field = lower(bracket, sine * q * p - root * p * q + p**2)
+    assert field.linear == ((0, 1, 2.0),)

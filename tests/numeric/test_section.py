@@ -5,10 +5,12 @@ from time import perf_counter
 
 import numpy as np
 import pytest
+import sympy as sp
 
 import liepoisson as lp
 from liepoisson.errors import DamagedFileError, ExpressionError, ParameterError, ShapeError, SurfaceWarning
-from liepoisson.field import TapeFunction, TopField
+from liepoisson.exact.lowering import quadratic_of_equations, tape_of_equations
+from liepoisson.field import QuadraticField, TapeFunction, TopField
 
 KOVALEVSKAYA = lp.catalog.system("kovalevskaya")
 TWISTED = lp.Top.twisted_kovalevskaya()
@@ -166,6 +168,135 @@ def test_a_trajectory_ends_after_the_number_of_crossings_that_is_wanted():
     assert list(some.outcome) == ["finished"] * 3
     assert some.end_time.max() < 1e3
     assert np.array_equal(some.of(1), some.state[7:14])
+
+
+def test_a_trajectory_ends_beside_the_last_crossing_that_is_wanted():
+    x0 = lp.sample_states(TWISTED, 3, seed=1)
+    for n in (1, 4):
+        some = lp.section(TWISTED, x0, surface="l3", t_end=1e9, n_crossings=n)
+        last = some.time[n - 1 :: n]
+        assert (some.end_time >= last).all()
+        np.testing.assert_allclose(some.end_time, last, rtol=0, atol=1e-12)
+        assert np.array_equal(some.end_side, some.sign[n - 1 :: n])
+        assert np.array_equal(np.sign(some.end_state[:, 2]), some.end_side)
+
+
+def in_parts(system, start, whole, **options):
+    """Times of the crossings in parts of so many, each of which goes on from the one before."""
+    part = lp.section(system, start, t_end=whole.t_end, **options)
+    times, begin = [], 0.0
+    while True:
+        times += list(begin + part.time)
+        assert len(part.touch_time) == 0
+        begin += part.end_time[0]
+        if len(times) >= len(whole.time) or not len(part.time):
+            return times
+        part = part.go_on(t_end=whole.t_end - begin)
+
+
+@pytest.mark.parametrize("n_crossings", [1, 3])
+def test_going_on_after_a_number_of_crossings_finds_each_further_one_once(n_crossings):
+    # two crossings within one step, and a hundred: the rest of the step must not be lost
+    oscillator, start = lp.catalog.system("henon-heiles"), [0, 0.1, 0.5, 0.1]
+    for system, begin, surface, t_end in (
+        (oscillator, start, "x*y", 30),
+        (KOVALEVSKAYA, lp.sample_states(KOVALEVSKAYA, 1, seed=1), "sin(400*l3)", 1.5),
+    ):
+        whole = lp.section(system, begin, surface=surface, t_end=t_end)
+        times = in_parts(system, begin, whole, surface=surface, n_crossings=n_crossings)
+        assert len(times) == len(whole.time) > 15
+        np.testing.assert_allclose(times, whole.time, rtol=0, atol=1e-11)
+
+
+def test_a_crossing_at_the_end_of_a_run_is_counted_once_by_what_goes_on():
+    oscillator = lp.System(lp.canonical(1), "p1^2/2 + q1^2/2")
+    for m in range(1, 13):
+        for offset in (0, 1e-16, -1e-15, 1e-14, -1e-14, 1e-13, -1e-13, 1e-12, -1e-12):
+            first = lp.section(oscillator, [0, 1], surface="q1", t_end=m * np.pi + offset)
+            again = first.go_on(t_end=1)
+            assert len(first.time) + len(again.time) == m, (m, offset)
+            assert len(again.touch_time) == 0
+
+
+def test_the_side_before_the_start_decides_whether_a_start_on_the_surface_crosses_it(tmp_path):
+    oscillator = lp.System(lp.canonical(1), "p1^2/2 + q1^2/2")
+    starts = [[0, 1], [0, 1], [0, 1]]
+    found = lp.section(oscillator, starts, surface="q1", t_end=1, start_side=[-1, 0, 1])
+    assert list(found.trajectory) == [0]
+    assert found.time == pytest.approx([0], abs=1e-14)
+    assert list(found.end_side) == [1, 1, 1]
+    again = lp.rerun(lp.load(found.save(tmp_path / "sides.nc")))
+    assert np.array_equal(again.time, found.time)
+    assert np.array_equal(again.start_side, [-1, 0, 1])
+    with pytest.raises(ParameterError, match="start_side"):
+        lp.section(oscillator, starts, surface="q1", t_end=1, start_side=2)
+    with pytest.raises(ShapeError, match="start_side"):
+        lp.section(oscillator, starts, surface="q1", t_end=1, start_side=[1, 1])
+
+
+UNITS = (1.0, 1e-2, 1e-3, 1e-6, 1e-13, 1e-14, 1e-15, 1e-20, 1e-34, 1e-200, 1e14, 1e100)
+"""Sizes of one component beside another of size one."""
+
+
+@pytest.mark.parametrize("hamiltonian", ["p1^2/(2*{u}) + {u}*q1^2/2", "p1^2/(2*{u}) - {u}*cos(q1)"])
+@pytest.mark.parametrize("surface", ["p1", "p1^3 + p1*{u}^2", "q1"])
+def test_sections_do_not_depend_on_the_unit_of_one_component(hamiltonian, surface):
+    def crossings(u):
+        system = lp.System(lp.canonical(1), hamiltonian.format(u=repr(u)))
+        found = lp.section(system, [1.0, 0.3 * u], surface=surface.format(u=repr(u)), t_end=60)
+        assert (len(found.touch_time), found.seen_to[0]) == (0, 60)
+        return found.time
+
+    wanted = crossings(1.0)
+    assert len(wanted) > 15
+    for u in UNITS if surface != "p1^3 + p1*{u}^2" else [u for u in UNITS if 1e-90 < u < 1e90]:
+        np.testing.assert_allclose(crossings(u), wanted, rtol=0, atol=1e-12, err_msg=f"u = {u:g}")
+
+
+@pytest.mark.parametrize("u", UNITS)
+def test_first_returns_do_not_depend_on_the_unit_of_one_component(u):
+    oscillator = lp.System(lp.canonical(1), f"p1^2/(2*{u!r}) + {u!r}*q1^2/2")
+    image = lp.sections.first_return(oscillator, [1.0, 0.3 * u], surface="p1", t_end=100)
+    assert image.outcome == "returned"
+    assert float(image.time) == pytest.approx(np.arctan(0.3) + np.pi, rel=1e-14)
+
+
+@pytest.mark.parametrize("u", [1e-3, 1e-14, 1e-20, 1e-34])
+def test_sections_of_a_top_do_not_depend_on_the_unit_of_its_angular_momentum(u):
+    def first(u):
+        top = lp.Top.heavy(inertia=(2 * u, 1.5 * u, u), a=(0.6 * u, 0, 0.8 * u))
+        start = (u, 2 * u, 0.5 * u, 0.6, 0, 0.8, 0, 0, 0)
+        return lp.section(top, start, surface="l1", t_end=20), lp.sections.first_return(
+            top, start, surface="l1", t_end=20
+        )
+
+    (found, image), (wanted, wanted_image) = first(u), first(1.0)
+    np.testing.assert_allclose(found.time, wanted.time, rtol=0, atol=1e-11)
+    assert float(image.time) == pytest.approx(float(wanted_image.time), abs=1e-11)
+    assert float(image.time) == pytest.approx(11.75058, abs=1e-5)
+
+
+@pytest.mark.parametrize("kind", ["quadratic", "tape"])
+def test_round_off_of_large_terms_that_cancel_is_no_crossing(kind):
+    # q'' = -q and u = 0.3 q stays so: z' = 0.3 q - u is zero but for the round-off of its terms, some 1e-17
+    q, p, u, v, z = sp.symbols("q p u v z")
+    make = quadratic_of_equations if kind == "quadratic" else tape_of_equations
+    tenth = sp.Rational(3, 10)
+    field = make((q, p, u, v, z), (p, -q, v, -u, tenth * q - u))
+    surface = TapeFunction(5, (), (4,))
+    with pytest.warns(SurfaceWarning, match="lies in the surface"):
+        found = lp.section(field, [0.7, 0.4, 0.3 * 0.7, 0.3 * 0.4, 0], surface=surface, t_end=20)
+    assert found.end_state[0, 4] != 0
+    assert len(found.time) == 0
+
+
+def test_a_return_within_the_first_step_is_one_beside_a_large_constant():
+    # a step of this orbit has a crossing after it has changed by 1e-12 of its largest component, which is a constant
+    field = QuadraticField(3, (), ((1, 2, 1.0), (2, 1, -1.0)), ())
+    image = lp.sections.first_return(
+        field, [1.0, 1e-12, 0.3e-12], surface=TapeFunction(3, (), (2,)), direction=0, t_end=20
+    )
+    assert float(image.time) == pytest.approx(np.arctan(0.3), rel=1e-13)
 
 
 def test_functions_are_kept_instead_of_states():

@@ -180,7 +180,7 @@ fn growth<'py>(
 
 /// Crossings of a surface; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
-#[pyo3(signature = (field, method, surface, states, times, direction, n_crossings, threads, time_limit, progress))]
+#[pyo3(signature = (field, method, surface, states, times, direction, n_crossings, sides, threads, time_limit, progress))]
 #[allow(clippy::too_many_arguments)]
 fn sections<'py>(
     py: Python<'py>,
@@ -191,6 +191,7 @@ fn sections<'py>(
     times: PyReadonlyArray1<'py, f64>,
     direction: i8,
     n_crossings: Option<usize>,
+    sides: Vec<i8>,
     threads: usize,
     time_limit: f64,
     progress: Option<Py<PyAny>>,
@@ -202,7 +203,7 @@ fn sections<'py>(
     let surface = guarded(|| {
         let functions = Functions::new(n_components, read_instructions(&instructions)?, outputs)?;
         let (function, kept) = functions.split_first();
-        Ok(Surface { function, kept, direction, n_crossings })
+        Ok(Surface { function, kept, direction, n_crossings, sides })
     })?;
     macro_rules! run {
         ($field:expr) => {{
@@ -232,6 +233,8 @@ fn sections<'py>(
     result.set_item("seen_to", times(&|doubts| doubts.seen_to))?;
     let in_surface = sections.doubts.iter().map(|doubts| doubts.is_in_surface);
     result.set_item("in_surface", PyArray1::from_iter(py, in_surface))?;
+    result.set_item("side", sections.sides.into_pyarray(py))?;
+    result.set_item("first_step", sections.first_steps.into_pyarray(py))?;
     result.set_item("count", counts(sections.crossing_counts))?;
     result.set_item("time", sections.crossings.times.into_pyarray(py))?;
     result.set_item("state", sections.crossings.states.into_pyarray(py))?;

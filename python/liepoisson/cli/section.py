@@ -197,10 +197,11 @@ def head_lines(system: System, begin: Start, cut: str, reason: str, direction: D
     return [*lines, f"section  dimension {dimension}{remark}"]
 
 
-def _farthest(run: Section) -> float:
-    """The farthest time that an orbit reached."""
-    reached = run.end_time[np.isfinite(run.end_time)]
-    return float(reached[np.argmax(np.abs(reached))]) if reached.size else 0.0
+def _times_reached(run: Section) -> tuple[str, str]:
+    """The least and the farthest of the times that the orbits reached; equal texts where they look equal."""
+    reached = np.abs(np.nan_to_num(run.end_time))
+    sense = 1 if run.t_end > 0 else -1
+    return f"{sense * reached.min() + 0.0:.6g}", f"{sense * reached.max() + 0.0:.6g}"
 
 
 def why_nothing(run: Section) -> str:
@@ -210,11 +211,13 @@ def why_nothing(run: Section) -> str:
     finished = bool((run.outcome == "finished").all())
     if finished and not run.unseen_steps.any():
         return f"no orbit crosses {run.surface} = 0 up to t = {run.t_end:g}."
-    least = float(np.nan_to_num(np.abs(run.end_time)).min()) * (1 if run.t_end > 0 else -1)
-    sentence = f"no crossing of {run.surface} = 0 was found up to t = {least:g}"
+    least, farthest = _times_reached(run)
+    sentence = f"no crossing of {run.surface} = 0 was found up to t = {least}"
     if not finished:
         reasons = ", ".join(sorted({str(name) for name in run.outcome if name != "finished"}))
         sentence += f", where the first orbit ended ({reasons}; {run.t_end:g} was wanted)"
+        if least != farthest:
+            sentence += f", nor up to t = {farthest} on those that went on"
     gaps = [
         f"{words} in {as_percent(share)} of the time"
         for words, share in (("could not be followed", run.unresolved_share), ("has no value", run.undefined_share))
@@ -229,11 +232,13 @@ def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
     from liepoisson.numeric.section import as_percent
 
     names, counts = np.unique(run.outcome, return_counts=True)
+    least, farthest = _times_reached(run)
+    reached = farthest if least == farthest else f"{least} to {farthest}"
     lines = [
         f"method   {run.method}, order {run.order}, {run.field.kind} kernel ({run.kernel})",
         "outcome  " + ", ".join(f"{name} {n}" for name, n in zip(names, counts, strict=True)),
         f"found    {len(run.time)} crossings, {run.count.min()} to {run.count.max()} of each orbit, "
-        f"to t = {_farthest(run):.6g}; undecided touches: {len(run.touch_time)}",
+        f"to t = {reached}; undecided touches: {len(run.touch_time)}",
     ]
     if unbounded := int(run.unbounded_steps.sum()):
         lines.append(f"error    of the state estimated, not bounded, in {unbounded} of {run.n_steps.sum()} steps")

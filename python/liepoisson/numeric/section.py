@@ -48,7 +48,9 @@ _SAME_POINT = 1e-9
 """Distance, relative to the size of the state, within which a start counts as on the surface in `first_return`: above
 what integration to round-off adds up in a long run, far below any section."""
 
-
+_SAME_TIME = 1e-6
+"""The same as a time, relative to the first step.  A step takes the state about a tenth of its size: this is far above
+what `_SAME_POINT` takes, and matters where the components that change are small beside one that does not."""
 _GAP = 1e-3
 """Share of the time from which on a surface that could not be followed is warned of: a pole costs a ten-thousandth of
 the step that it is in."""
@@ -121,6 +123,7 @@ class Section(IntegratedRun):
         direction: Which crossings were wanted: +1 where $s$ increases in the order of travel, -1 where it decreases,
             0 both.
         n_crossings: After how many a trajectory was ended, or None.
+        start_side: The sign of $s$ before each start, as it was given; 0: not known.  Shape (trajectory,).
         start: Starts, shape (trajectory, component).
         t_end: Time at which a trajectory ended at the latest.
         crossing_trajectory: Trajectory of each crossing, shape (crossing,); `trajectory` for short.
@@ -139,9 +142,14 @@ class Section(IntegratedRun):
         seen_to: Time up to which $s$ was followed without such a gap: where the first began, or `end_time`.  Shape
             (trajectory,).
         outcome: How each trajectory ended, shape (trajectory,); "finished" also after `n_crossings` crossings.
-        end_time: Time that each trajectory reached, shape (trajectory,).
+        end_time: Time that each trajectory reached, shape (trajectory,).  After `n_crossings` crossings it is that of
+            the last one, but for the round-off by which the trajectory has left the surface, so that the sign of $s$
+            is known: later than the last crossing, and earlier than any further one.
         n_steps: Accepted steps of each trajectory.
-        end_state: Last good state of each trajectory, shape (trajectory, component).
+        first_step: Length of its first step, NaN if it took none, shape (trajectory,).
+        end_state: Last good state of each trajectory, at `end_time`, shape (trajectory, component).
+        end_side: The last known sign of $s$ of each trajectory, 0 if there is none.  Where a trajectory ends within the
+            error of the surface, it is the side that it came from.  Shape (trajectory,).
         order: Order of the method.
         kernel: The instruction set that was used; all give the same bits.
         time_limit: Seconds that the run was allowed to take.
@@ -154,6 +162,9 @@ class Section(IntegratedRun):
     tape: TapeFunction = recorded(asdict, read_tape)
     direction: int
     n_crossings: int | None
+    start_side: NDArray[np.int8] = labelled(
+        "trajectory", long_name="sign of the surface function before the start", units="1"
+    )
     t_end: float
     crossing_trajectory: NDArray[np.int64] = labelled(
         "crossing", long_name="trajectory of the crossing", units="1", is_coordinate=True, numbers="trajectory"
@@ -177,10 +188,12 @@ class Section(IntegratedRun):
         "trajectory", long_name="time for which the surface function could not be followed"
     )
     seen_to: Array = labelled("trajectory", long_name="time up to which it was followed without a gap")
+    first_step: Array = labelled("trajectory", long_name="length of the first step")
+    end_side: NDArray[np.int8] = labelled("trajectory", long_name="last known sign of the surface function", units="1")
 
     def arguments(self) -> dict[str, Any]:
         """What `section` was called with."""
-        own = {name: getattr(self, name) for name in ("t_end", "direction", "n_crossings")}
+        own = {name: getattr(self, name) for name in ("t_end", "direction", "n_crossings", "start_side")}
         keep = self.coordinates if len(self.tape.outputs) > 1 else None
         return super().arguments() | own | {"surface": self.tape, "keep": keep}
 
@@ -193,13 +206,22 @@ class Section(IntegratedRun):
     def go_on(self, *, t_end: float, **options: Any) -> Section:
         """Further crossings of the same orbits, from where they ended; times count from there.
 
+        Each further crossing is found once: those that `n_crossings` left out, and one at the very end, where this run
+        has a touch, since it did not see to which side the orbit goes on.
+
         Args:
             t_end: Time at which each trajectory ends at the latest, from its end on.
             **options: As for `section`: threads, time_limit, progress.
         """
         if not (self.outcome == "finished").all():
             raise ParameterError("go_on: wanted trajectories that finished; got some that did not (see outcome)")
-        run: dict[str, Any] = {**self.arguments(), "starts": self.end_state, "t_end": t_end, **options}
+        run: dict[str, Any] = {
+            **self.arguments(),
+            "starts": self.end_state,
+            "start_side": self.end_side,
+            "t_end": t_end,
+            **options,
+        }
         again = section(self.system, **run)
         return again if "surface" in options else replace(again, surface=self.surface)
 
@@ -337,6 +359,7 @@ def section(
     t_end: float,
     direction: int = 0,
     n_crossings: int | None = None,
+    start_side: ArrayLike = 0,
     keep: Sequence[Function] | None = None,
     method: Method | None = None,
     threads: int | None = None,
@@ -362,10 +385,10 @@ def section(
     - Where $|s|$ falls below the error and returns to the side that it came from, the point is reported as a touch and
       not decided.  A tangency is one.
 
-    A start on the surface, within the error, is not counted, and orbits that lie in the surface cross it nowhere, which
-    a `SurfaceWarning` tells.  An orbit that never meets the surface runs to `t_end`, whatever `n_crossings`;
-    `time_limit` ends it sooner.  Errors
-    that accumulate from step to step are those of `integrate`.
+    A start on the surface, within the error, is not counted, unless `start_side` says that it is a crossing, and orbits
+    that lie in the surface cross it nowhere, which a `SurfaceWarning` tells.  An orbit that never meets the surface
+    runs to `t_end`, whatever `n_crossings`; `time_limit` ends it sooner.  Errors that accumulate from step to step are
+    those of `integrate`.
 
     Example:
         >>> system = lp.catalog.system("henon-heiles")
@@ -381,7 +404,10 @@ def section(
             and whose further ones are kept.
         t_end: Time at which each trajectory ends at the latest; negative: backwards.
         direction: +1 for crossings where $s$ increases in the order of travel, -1 where it decreases, 0 for both.
-        n_crossings: End each trajectory after so many crossings.
+        n_crossings: End each trajectory after so many crossings: at the last one, as soon as the sign of $s$ after it
+            is known.
+        start_side: The sign of $s$ before the start, +1, -1, or 0 where it is not known; one for all or one for each
+            trajectory.  A trajectory that starts on the surface crosses it there if it goes on to the other side.
         keep: Functions whose values are kept of each crossing instead of the state (texts or expressions); with a
             `TapeFunction`, the names of its further outputs.
         method: `Taylor()`, in double precision, by default to round-off.
@@ -415,6 +441,7 @@ def section(
     coordinates = component_names(system, n) if names is None else names
     wanted = None if n_crossings is None else as_count(n_crossings, "n_crossings", least=1)
     end, sense, limit = _as_end(t_end), _as_direction(direction), as_time_limit(time_limit)
+    sides = _as_sides(start_side, len(states))
     raw = _core.sections(
         core_field(field),
         method.core(),
@@ -423,6 +450,7 @@ def section(
         np.array([0.0, end]),
         sense,
         wanted,
+        sides.tolist() if sides.any() else [],
         as_threads(threads),
         limit,
         progress,
@@ -438,6 +466,7 @@ def section(
         tape=tape,
         direction=sense,
         n_crossings=wanted,
+        start_side=sides,
         t_end=end,
         crossing_trajectory=np.repeat(members, raw["count"]),
         time=raw["time"],
@@ -451,6 +480,8 @@ def section(
         undefined_time=raw["undefined_time"],
         unresolved_time=raw["unresolved_time"],
         seen_to=raw["seen_to"],
+        end_side=raw["side"],
+        first_step=raw["first_step"],
         outcome=outcome_names(raw["outcome"]),
         end_time=raw["end_time"],
         n_steps=raw["n_steps"],
@@ -479,8 +510,8 @@ def first_return(
     $\tau(x)$ is the first time after 0 at which $s(\varphi_t(x))$ passes zero in the given direction.  The map can be
     applied to its own results; with a negative `t_end` and the opposite direction it is the inverse map.
 
-    A state counts as on the surface if its orbit meets it within the first step and within $10^{-9}$ of the largest
-    component of x: images that other programs computed, or that were rounded, do not return at once.
+    A state counts as on the surface if its orbit meets it within a millionth of the first step and within $10^{-9}$ of
+    the largest component of x: images that other programs computed, or that were rounded, do not return at once.
 
     Args:
         system: What is integrated.
@@ -530,9 +561,11 @@ def _arrivals(system: HasField, starts: Array, options: dict[str, Any]) -> tuple
     returned[found.trajectory], times[found.trajectory] = found.state, found.time
     outcome = _outcome_without_crossing(found)
     outcome[found.trajectory] = "returned"
-    # Within one step of a power series no orbit is periodic: a near crossing there is the start itself.
+    # Within one step of a power series no orbit is periodic: a near crossing there is the start itself. Where the
+    # components that change are small beside one that does not, it is near in time, too.
     near = np.abs(returned - starts).max(axis=1) <= _SAME_POINT * np.abs(starts).max(axis=1)
-    again = np.flatnonzero(near & (found.n_steps <= 1))
+    early = (found.n_steps <= 1) & (np.abs(times) <= _SAME_TIME * found.first_step)
+    again = np.flatnonzero(near & early)
     if again.size:
         second = section(system, starts[again], n_crossings=2, **options)
         last = np.cumsum(second.count) - 1
@@ -636,6 +669,17 @@ def _as_end(t_end: Any) -> float:
     if not np.isfinite(end) or end == 0:
         raise ParameterError(f"t_end: wanted a finite time, not zero; got {end}; try t_end=1000")
     return end
+
+
+def _as_sides(sides: ArrayLike, n_trajectories: int) -> NDArray[np.int8]:
+    given = as_array(sides, "start_side")
+    if given.shape not in ((), (n_trajectories,)):
+        raise ShapeError(
+            f"start_side: wanted one sign or one for each of {n_trajectories} trajectories; got shape {given.shape}"
+        )
+    if not np.isin(given, (-1, 0, 1)).all():
+        raise ParameterError(f"start_side: wanted +1, -1 or 0; got {shown(sides)}; try the end_side of a section")
+    return np.broadcast_to(given, n_trajectories).astype(np.int8)
 
 
 def _as_direction(direction: Any) -> int:

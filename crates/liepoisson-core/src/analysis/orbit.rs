@@ -135,7 +135,7 @@ impl Observer for Recorder<'_> {
                 self.refused.store((8 * coefficients.len()).max(1), Ordering::Relaxed);
                 self.control.cancel();
                 self.series[lane] = Series::default();
-                return ControlFlow::Break(Stop::Served);
+                return ControlFlow::Break(Stop::Served { after: step.size });
             }
             times.push(step.time);
         }

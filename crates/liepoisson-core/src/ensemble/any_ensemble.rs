@@ -5,7 +5,7 @@ use super::observer::Observer;
 use super::running::{CancelOnPanic, Running};
 use super::worker::Worker;
 use crate::error::Error;
-use crate::field::Majorant;
+use crate::field::{Majorant, Terms};
 use crate::lanes::Simd;
 use crate::method::Block;
 use std::sync::atomic::AtomicUsize;
@@ -18,6 +18,9 @@ pub(super) trait Integrator: Sync {
 
     /// Registers that such a block takes, about.
     fn registers(&self, n_tangents: usize) -> usize;
+
+    /// See [`Space::terms`](crate::field::Space::terms).
+    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms);
 }
 
 /// An [`Ensemble`](super::Ensemble) of any field and any method.
@@ -41,6 +44,11 @@ impl<'a> AnyEnsemble<'a> {
     /// The same with other tangent vectors, as many.
     pub(crate) fn with_tangents(self, tangents: &'a [f64]) -> AnyEnsemble<'a> {
         AnyEnsemble { tangents, ..self }
+    }
+
+    /// See [`Space::terms`](crate::field::Space::terms).
+    pub(crate) fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
+        self.integrator.terms(state, rest, to);
     }
 
     pub(crate) fn n_members(&self) -> usize {

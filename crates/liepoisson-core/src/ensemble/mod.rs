@@ -15,7 +15,7 @@ pub use observer::{Observer, Step, Stop};
 pub use outcome::{Outcome, Summary};
 
 use crate::error::Error;
-use crate::field::Space;
+use crate::field::{Space, Terms};
 use crate::lanes::Simd;
 use crate::method::{Block, Method};
 use any_ensemble::Integrator;
@@ -97,5 +97,9 @@ impl<F: Space, M: Method<F>> Integrator for Ensemble<'_, F, M> {
 
     fn registers(&self, n_tangents: usize) -> usize {
         self.method.registers(self.field, n_tangents)
+    }
+
+    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
+        self.field.terms(state, rest, to);
     }
 }

@@ -43,8 +43,11 @@ impl Step<'_> {
 /// Why an observer ends a trajectory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stop {
-    /// It has served its purpose, and ends with this step.
-    Served,
+    /// It has served its purpose, and ends here.
+    Served {
+        /// Length of the step up to there: all of it, or, where there are power series, less.
+        after: f64,
+    },
     /// The run has to stop, and the step was not looked at to its end: the trajectory ends `after` its start, with the reason
     /// that [`Control::reason_to_stop`](super::Control::reason_to_stop) gives. For steps with power series, which can be cut anywhere.
     Interrupted {

@@ -171,7 +171,9 @@ impl Worker<'_> {
         let times = self.ensemble.times;
         let step = Step { block, lane, time: seat.time, size, scales: &seat.scales };
         let stop = observer.step(lane, &step).break_value();
-        if let Some(Stop::Interrupted { after }) = stop {
+        if let Some(Stop::Interrupted { after } | Stop::Served { after }) = stop
+            && after != size
+        {
             (size, is_last) = (after, false);
         }
         while seat.next_sample < times.len() {
@@ -194,7 +196,7 @@ impl Worker<'_> {
             seat.move_clock(size);
         }
         seat.n_steps += 1;
-        if stop == Some(Stop::Served) {
+        if matches!(stop, Some(Stop::Served { .. })) {
             seat.next_sample = times.len();
         }
         size
@@ -227,7 +229,7 @@ impl Worker<'_> {
         let is_last = size == seat.until(target) && repeats == 1;
         let whole = size * repeats as f64;
         let step = Step { block, lane, time: seat.time, size: whole, scales: &seat.scales };
-        let served = observer.step(lane, &step) == ControlFlow::Break(Stop::Served);
+        let served = matches!(observer.step(lane, &step), ControlFlow::Break(Stop::Served { .. }));
         seat.n_steps += repeats;
         seat.careful_steps = seat.careful_steps.saturating_sub(repeats);
         seat.steps_left = seat.steps_left.saturating_sub(repeats);

@@ -5,11 +5,13 @@ mod cover;
 pub(crate) mod pieces;
 mod quadratic;
 mod tape;
+mod terms;
 pub(crate) mod top;
 
 pub use pieces::{Pieces, Ridge};
 pub use quadratic::Quadratic;
 pub use tape::{Enclosure, Functions, Instruction, Tape};
+pub use terms::Terms;
 pub use top::Top;
 
 use crate::error::Error;
@@ -32,6 +34,14 @@ pub trait Space: Sync {
     fn majorant(&self) -> Option<Majorant> {
         None
     }
+
+    /// The sizes of what adds up in each rate of change where components are within `rest` of those of `state`; infinite where
+    /// they are not known.
+    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
+        let _ = rest;
+        to.clear(state.len());
+        to.linear.fill(f64::INFINITY);
+    }
 }
 
 impl<S: Space> Space for &S {
@@ -41,6 +51,10 @@ impl<S: Space> Space for &S {
 
     fn majorant(&self) -> Option<Majorant> {
         (**self).majorant()
+    }
+
+    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
+        (**self).terms(state, rest, to);
     }
 }
 

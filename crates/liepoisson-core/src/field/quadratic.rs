@@ -2,7 +2,7 @@
 
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
-use super::{Field, Majorant, SinglePrecision, Space, check_components, needs_remainder, over};
+use super::{Field, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -135,6 +135,22 @@ impl Space for Quadratic {
 
     fn majorant(&self) -> Option<Majorant> {
         Some(self.majorant)
+    }
+
+    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
+        to.clear(self.n_components);
+        let size = |k: usize| state[k].abs() + rest[k];
+        for term in &self.linear {
+            to.linear[term.target] += term.coefficient.abs() * size(term.source);
+        }
+        for placed in &self.tiles {
+            let terms = &self.terms[placed.first..placed.end];
+            let products = placed.tile.products();
+            for term in terms {
+                let [j, k] = products[term.source];
+                to.quadratic[term.target] += term.coefficient.abs() * size(j) * size(k);
+            }
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
 
-use super::{Field, Majorant, SinglePrecision, Space, over};
+use super::{Field, Majorant, SinglePrecision, Space, Terms, over};
 use crate::error::Error;
 use crate::lanes::{Body, Lane};
 
@@ -94,6 +94,21 @@ impl Space for Top {
             majorant.quadratic = majorant.quadratic.max(omega.max(row(&self.inverse_inertia, i)));
         }
         Some(majorant)
+    }
+
+    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
+        to.clear(N);
+        let size = |k: usize| state[k].abs() + rest[k];
+        for i in 0..3 {
+            let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+            let cross = |v: &[f64; 3], at: usize| v[j].abs() * size(at + k) + v[k].abs() * size(at + j);
+            let omega = |k: usize| self.inverse_inertia[k] * size(k);
+            (to.linear[i], to.linear[3 + i]) = (cross(&self.a, 3) + cross(&self.b, 6), cross(&self.twist, 6));
+            to.quadratic[i] = self.asymmetry[i].abs() * size(j) * omega(k);
+            for at in [3, 6] {
+                to.quadratic[at + i] = size(at + j) * omega(k) + size(at + k) * omega(j);
+            }
+        }
     }
 }
 

@@ -32,6 +32,7 @@ fn surface(n: usize, instructions: Vec<Instruction>) -> Surface {
         kept: None,
         direction: 0,
         n_crossings: None,
+        sides: vec![],
     }
 }
 
@@ -131,6 +132,60 @@ fn direction_and_number_of_crossings_are_kept_to() {
         assert_eq!(found.crossings.times, wanted);
         assert_eq!(found.summaries[0].outcome, Outcome::Finished);
         assert!(found.summaries[0].time >= wanted[3] && found.summaries[0].time < wanted[3] + 4.0);
+    }
+}
+
+#[test]
+fn a_run_of_so_many_crossings_ends_between_the_last_one_and_the_next() {
+    // many crossings in each step
+    let function = vec![line(0, 50.0, 0.0), Instruction::Sin(2)];
+    let all = alone(&oscillator(), &[1.0, 0.1], [0.0, 20.0], &surface(2, function.clone())).crossings;
+    for n in 1..all.times.len() {
+        let surface = Surface { n_crossings: Some(n), ..surface(2, function.clone()) };
+        let found = alone(&oscillator(), &[1.0, 0.1], [0.0, 20.0], &surface);
+        let end = found.summaries[0].time;
+        assert_eq!(found.crossings.times, all.times[..n]);
+        assert!(all.times[n - 1] < end && end < all.times[n], "{n}: {end}");
+        assert!(end - all.times[n - 1] < 1e-10, "{n}: {end}");
+        assert_eq!(found.sides, [all.signs[n - 1]]);
+        // going on finds the next one, and not the same again
+        let onward = Surface { n_crossings: Some(1), sides: found.sides, ..surface };
+        let next = alone(&oscillator(), &found.summaries[0].state, [end, 20.0], &onward);
+        assert!((next.crossings.times[0] - all.times[n]).abs() < 1e-12, "{n}");
+        assert_eq!((next.crossings.signs[0], next.touch_counts[0]), (all.signs[n], 0));
+    }
+}
+
+#[test]
+fn a_start_on_the_surface_is_a_crossing_if_it_comes_from_the_other_side() {
+    for (side, count) in [(-1, 1), (0, 0), (1, 0)] {
+        let surface = Surface { sides: vec![side], ..plane(&[1.0, 0.0], 0.0) };
+        let found = alone(&oscillator(), &[0.0, 1.0], [0.0, 3.0], &surface);
+        assert_eq!((found.crossing_counts, found.touch_counts), (vec![count], vec![0]), "from {side}");
+        assert_eq!(found.sides, [1]);
+    }
+    assert_eq!(
+        refused(Surface { sides: vec![1, 1], ..plane(&[1.0, 0.0], 0.0) }),
+        Some(Error::Length { name: "sides", wanted: 1, got: 2 })
+    );
+}
+
+#[test]
+fn a_component_is_followed_however_small_it_is_beside_the_others() {
+    // x' = y/u, y' = -u x: y = -u sin t, which touches no round-off of x
+    for u in [1.0, 1e-3, 1e-8, 1e-13, 1e-16, 1e-30, 1e-150] {
+        let field = Quadratic::new(2, &[], &[(0, 1, 1.0 / u), (1, 0, -u)], &[]).unwrap();
+        let found = alone(&field, &[libm::cos(0.1), -u * libm::sin(0.1)], [0.1, 40.0], &plane(&[0.0, 1.0], 0.0));
+        assert_eq!((found.crossing_counts, found.touch_counts), (vec![12], vec![0]), "u = {u:e}");
+        for (k, time) in found.crossings.times.iter().enumerate() {
+            assert!((time - (k + 1) as f64 * PI).abs() < 1e-13, "u = {u:e}: {time}");
+        }
+        // the depth of a pair is judged in the units of the component
+        let top = plane(&[0.0, 1.0], (1.0 - 1e-9) * u);
+        let pairs = alone(&field, &[libm::cos(0.1), -u * libm::sin(0.1)], [0.1, 40.0], &top);
+        assert_eq!((pairs.crossing_counts, pairs.touch_counts), (vec![14], vec![0]), "u = {u:e}");
+        // near a thousandth of the largest component the error is in units of that one, in which no bound is sharp
+        assert!(u == 1e-3 || pairs.doubts[0].n_unbounded == 0, "u = {u:e}");
     }
 }
 

@@ -4,6 +4,7 @@
 //! bound of what it leaves out ([`remainder`]) and of round-off, so that no pair of crossings within a step is missed.
 //! Where that fails, the time for which it does is kept beside the crossings ([`Doubts`]).
 
+mod components;
 mod points;
 mod remainder;
 mod room;
@@ -13,7 +14,7 @@ mod survey;
 use super::{CALLED_ONCE, UNREACHED, filled, name_unreached};
 use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
-use crate::field::{Field, Functions, Majorant};
+use crate::field::{Field, Functions};
 use crate::lanes::Simd;
 use crate::method::Taylor;
 use points::Collected;
@@ -25,7 +26,7 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use survey::survey;
+use survey::{first_known, survey};
 
 /// A surface of section.
 #[derive(Clone, Debug)]
@@ -36,8 +37,12 @@ pub struct Surface {
     pub kept: Option<Functions>,
     /// Crossings with this sign of the change of the function, in the order of travel; 0 for both.
     pub direction: i8,
-    /// Crossings after which a trajectory ends.
+    /// Crossings after which a trajectory ends, where the sign of the function after the last one is known: beside it, and
+    /// before the next.
     pub n_crossings: Option<usize>,
+    /// The sign of the function before the start, member by member, 0 where it is not known; empty if it nowhere is. A member that
+    /// starts on the surface crosses it there if the sign afterwards is the other one.
+    pub sides: Vec<i8>,
 }
 
 /// Where less is known.
@@ -84,6 +89,10 @@ pub struct Sections {
     pub touch_counts: Vec<usize>,
     /// Of each member.
     pub doubts: Vec<Doubts>,
+    /// The last sign of the function that was known of each member, 0 if none was or if it was lost since: what to go on with.
+    pub sides: Vec<i8>,
+    /// The length of the first step of each member; NaN if it took none.
+    pub first_steps: Vec<f64>,
     /// The end of each member.
     pub summaries: Vec<Summary>,
 }
@@ -95,7 +104,8 @@ pub struct Sections {
 /// between them. That error is the sum of what the series of the function leaves out, which is bounded, of how far the error
 /// of the state moves the function, and of an estimate of round-off. The error of the state is bounded for fields of degree
 /// two where the bound is sharp, and estimated by the last four terms of its series otherwise ([`Doubts::n_unbounded`]).
-/// A member that starts on the surface, within the error, does not cross it there. Where the function cannot be followed
+/// A member that starts on the surface, within the error, does not cross it there, unless it is known where it comes from
+/// ([`Surface::sides`]). Where the function cannot be followed
 /// nothing is found, and [`Doubts`] say for how long.
 ///
 /// # Errors
@@ -135,11 +145,16 @@ fn sections_of(
         return Err(Error::NoCrossings);
     }
     ensemble.check()?;
+    if ![0, members].contains(&surface.sides.len()) {
+        return Err(Error::Length { name: "sides", wanted: members, got: surface.sides.len() });
+    }
     let refused = AtomicUsize::new(0);
     let ended = Mutex::new(Ended {
         crossings: Collected::new(members)?,
         touches: Collected::new(members)?,
         doubts: filled(members, Doubts::NONE)?,
+        sides: filled(members, 0)?,
+        first_steps: filled(members, f64::NAN)?,
         summaries: filled(members, UNREACHED)?,
     });
     let recorder = |lanes| Recorder {
@@ -147,7 +162,7 @@ fn sections_of(
         control,
         refused: &refused,
         surface,
-        majorant: ensemble.majorant,
+        ensemble,
         n,
         start: ensemble.times[0],
         seats: vec![Seat::default(); lanes],
@@ -158,12 +173,12 @@ fn sections_of(
         0 => {}
         bytes => return Err(Error::Memory { bytes }),
     }
-    let Ended { crossings, touches, doubts, mut summaries } = ended.into_inner().expect(POISONED);
+    let Ended { crossings, touches, doubts, sides, first_steps, mut summaries } = ended.into_inner().expect(POISONED);
     name_unreached(&mut summaries, control);
     let width = surface.kept.as_ref().map_or(n, Functions::n_functions);
     let (crossings, crossing_counts) = crossings.arrange(width)?;
     let (touches, touch_counts) = touches.arrange(width)?;
-    Ok(Sections { crossings, crossing_counts, touches, touch_counts, doubts, summaries })
+    Ok(Sections { crossings, crossing_counts, touches, touch_counts, doubts, sides, first_steps, summaries })
 }
 
 /// What is known of members that have ended.
@@ -171,6 +186,8 @@ struct Ended {
     crossings: Collected,
     touches: Collected,
     doubts: Vec<Doubts>,
+    sides: Vec<i8>,
+    first_steps: Vec<f64>,
     summaries: Vec<Summary>,
 }
 
@@ -182,7 +199,7 @@ struct Recorder<'s> {
     /// Bytes for points that could not be had; the run is then cancelled.
     refused: &'s AtomicUsize,
     surface: &'s Surface,
-    majorant: Option<Majorant>,
+    ensemble: &'s AnyEnsemble<'s>,
     n: usize,
     /// Time at which members start.
     start: f64,
@@ -191,8 +208,10 @@ struct Recorder<'s> {
 }
 
 impl Observer for Recorder<'_> {
-    fn begin(&mut self, lane: usize, _member: usize) {
+    fn begin(&mut self, lane: usize, member: usize) {
+        let side = self.surface.sides.get(member).map_or(0, |side| side.signum());
         self.seats[lane] = Seat::default();
+        self.seats[lane].side = side;
     }
 
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
@@ -200,11 +219,12 @@ impl Observer for Recorder<'_> {
         state.clear();
         (self.room.n_lost, self.room.is_blind) = (0, false);
         let whole = Part { from: 0.0, length: 1.0 };
+        if self.seats[lane].first_step.is_nan() {
+            self.seats[lane].first_step = step.size.abs();
+        }
         let looked = if step.copy_series(&mut state).is_ok() {
-            self.room.sizes.measure(&state, self.n, step.size);
-            let bound = self.majorant.and_then(|majorant| self.room.sizes.error_of_state(majorant));
-            self.room.error_of_state = bound.unwrap_or_else(|| self.room.sizes.last());
-            self.seats[lane].doubts.n_unbounded += u64::from(bound.is_none());
+            let is_bounded = self.room.measure(&state, step.size, self.ensemble);
+            self.seats[lane].doubts.n_unbounded += u64::from(!is_bounded);
             self.look(lane, step, &state, whole, 0)
         } else {
             self.lose_sight(lane, step, whole, true);
@@ -222,7 +242,7 @@ impl Observer for Recorder<'_> {
         if self.seats[lane].refused == 0 && self.seats[lane].crossings.signs.len() < self.wanted() {
             ControlFlow::Continue(())
         } else {
-            ControlFlow::Break(Stop::Served)
+            ControlFlow::Break(Stop::Served { after: self.seats[lane].served_at * step.size })
         }
     }
 
@@ -249,7 +269,8 @@ impl Observer for Recorder<'_> {
             self.refused.store(bytes, Ordering::Relaxed);
             self.control.cancel();
         }
-        shared.doubts[member] = seat.doubts;
+        (shared.doubts[member], shared.sides[member], shared.first_steps[member]) =
+            (seat.doubts, seat.side, seat.first_step);
         shared.summaries[member] = summary;
     }
 }
@@ -291,6 +312,10 @@ impl Recorder<'_> {
         }
         let (surface, n) = (self.surface, self.n);
         let is_last = halvings == MOST_HALVINGS || self.room.n_lost >= MOST_LOST;
+        // the whole step is measured already
+        if halvings > 0 {
+            self.room.measure_part(state, step.size * part.length, n);
+        }
         self.room.expand(state, step.size * part.length, &surface.function, n);
         if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
             let (wanted, seat) = (self.wanted(), &mut self.seats[lane]);
@@ -299,6 +324,9 @@ impl Recorder<'_> {
                 if seat.crossings.signs.len() < wanted {
                     let keep = &mut |at| self.room.keep(step, surface, n, part.from + at * part.length);
                     seat.note(mark, surface.direction, keep);
+                    if seat.crossings.signs.len() == wanted {
+                        seat.served_at = part.from + first_known(&series, error, mark) * part.length;
+                    }
                 }
             });
             self.room.series = series;

@@ -15,6 +15,8 @@
 //!    submultiplicative, they add up to at most `|f - f_0| r^(N+1)`, for every `r < 1` for which that is finite: the series
 //!    of `f` must converge on a step longer by `1/r`. A linear `f` has none.
 //!
+//! Where a component is small beside the others, each has its own sizes and its own error: see [`super::components`].
+//!
 //! These are bounds for the coefficients as they are computed. That they are rounded is not in them: round-off is estimated
 //! beside them, by a multiple of the unit of the last place of all that is added up and multiplied.
 
@@ -26,8 +28,19 @@ const RATIOS: [f64; 3] = [0.12, 0.2, 0.3];
 /// The last terms of a series, whose sizes estimate what it leaves out: four, since two can vanish by a symmetry.
 const LAST: usize = 4;
 
+/// The first of them, of so many terms.
+pub(super) fn first_of_last(n_terms: usize) -> usize {
+    n_terms.saturating_sub(LAST).max(1)
+}
+
 /// The error of the state in units of its size up to which a bound is of use; it is also the one in `L`.
 const SHARP: f64 = 1e-12;
+
+/// The size, in units of the largest component, below which a component has an error of its own.
+const SMALL: f64 = 1.0 / 1024.0;
+
+/// A component whose first so many coefficients are zero counts as zero.
+const FIRST: usize = 4;
 
 /// `coefficient length^k`, given the power as it was computed: it may have left the range of numbers where the product has not.
 pub(super) fn term(coefficient: f64, length: f64, k: usize, power: f64) -> f64 {
@@ -49,6 +62,13 @@ pub(super) struct Sizes {
 }
 
 impl Sizes {
+    /// Given as they are.
+    pub(super) fn set(&mut self, terms: impl Iterator<Item = f64>, step: f64) {
+        self.step = step.abs();
+        self.terms.clear();
+        self.terms.extend(terms);
+    }
+
     /// Of the series `(order, component)` of a state, for a step of size `step`.
     pub(super) fn measure(&mut self, state: &[f64], n_components: usize, step: f64) {
         self.step = step.abs();
@@ -87,7 +107,7 @@ impl Sizes {
 
     /// An estimate of the error of the state on the whole step.
     pub(super) fn last(&self) -> f64 {
-        self.terms[self.terms.len().saturating_sub(LAST).max(1)..].iter().sum()
+        self.terms[first_of_last(self.terms.len())..].iter().sum()
     }
 
     /// How far the state gets from where it starts, in the norm `sum |x_k| (h/r)^k`, at most.
@@ -110,27 +130,65 @@ impl Sizes {
         wanted: f64,
         work: &mut Vec<Enclosure>,
     ) -> f64 {
-        if function.is_affine() {
-            return 0.0;
+        let enclose = |ratio| function.enclosure(start, self.rest(ratio), 0.0, 0.0, work);
+        left_out(function, halvings, self.terms.len(), wanted, enclose)
+    }
+
+    /// Whether a component is small beside the others along the whole step, so that what is known of the largest tells nothing
+    /// of it. One that stays zero is not small: what is known of it is known of all its orbits in the same subspace.
+    pub(super) fn has_small_component(&self, state: &[f64], n_components: usize) -> bool {
+        let (start, rate) = state[..2 * n_components].split_at(n_components);
+        let least = SMALL * self.terms[0].max(self.terms[1]);
+        // one of the first two terms of nearly every component is large, or all are zero
+        let is_large = |(x, rate): (&f64, &f64)| x.abs() >= least || (rate * self.step).abs() >= least;
+        let may_be_small = |i: &usize| !is_large((&start[*i], &rate[*i]));
+        (0..n_components).filter(may_be_small).any(|i| self.is_small(&state[i..], n_components, least))
+    }
+
+    /// Whether the component that a series begins with has no term so large, and does not stay zero.
+    #[inline(never)]
+    fn is_small(&self, series: &[f64], n_components: usize, least: f64) -> bool {
+        let coefficients = || series.iter().step_by(n_components);
+        if coefficients().take(FIRST).all(|&coefficient| coefficient == 0.0) {
+            return false;
         }
-        let mut least = f64::INFINITY;
-        // the series of the state allows small ratios on short parts, that of the function perhaps large ones only
-        for shorter in (0..=halvings).rev() {
-            for ratio in RATIOS.map(|ratio| ratio * 0.5_f64.powi(shorter as i32)) {
-                let enclosure = function.enclosure(start, self.rest(ratio), 0.0, 0.0, work);
-                least = least.min(enclosure.rest * ratio.powi(self.terms.len() as i32));
-                if least <= wanted {
-                    return least;
-                }
-            }
-        }
-        least
+        let mut power = 1.0;
+        coefficients().enumerate().all(|(k, &coefficient)| {
+            let size = term(coefficient, self.step, k, power).abs();
+            power *= self.step;
+            size < least
+        })
     }
 
     /// `P`, which bounds the state on the whole step.
-    fn sum(&self) -> f64 {
+    pub(super) fn sum(&self) -> f64 {
         self.terms.iter().sum()
     }
+}
+
+/// What the series of a function to so many orders leaves out on a part of a step that was halved so often, at most; less than
+/// `wanted` if it can. `enclose` encloses it on the part that is longer by the inverse of a ratio.
+pub(super) fn left_out(
+    function: &Functions,
+    halvings: u32,
+    n_orders: usize,
+    wanted: f64,
+    mut enclose: impl FnMut(f64) -> Enclosure,
+) -> f64 {
+    if function.is_affine() {
+        return 0.0;
+    }
+    let mut least = f64::INFINITY;
+    // the series of the state allows small ratios on short parts, that of the function perhaps large ones only
+    for shorter in (0..=halvings).rev() {
+        for ratio in RATIOS.map(|ratio| ratio * 0.5_f64.powi(shorter as i32)) {
+            least = least.min(enclose(ratio).rest * ratio.powi(n_orders as i32));
+            if least <= wanted {
+                return least;
+            }
+        }
+    }
+    least
 }
 
 /// The series `(order, component)` of a polynomial about a later time.

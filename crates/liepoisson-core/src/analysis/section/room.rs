@@ -2,8 +2,9 @@
 //! far it is from the function.
 
 use super::Surface;
-use super::remainder::{Sizes, term};
-use crate::ensemble::Step;
+use super::components::Components;
+use super::remainder::{Sizes, left_out, term};
+use crate::ensemble::{AnyEnsemble, Step};
 use crate::field::{Enclosure, Functions};
 
 /// Memory that steps share.
@@ -15,7 +16,9 @@ pub(super) struct Room {
     pub(super) enclosures: Vec<Enclosure>,
     pub(super) sizes: Sizes,
     /// How far the series of the state is from the state on the step.
-    pub(super) error_of_state: f64,
+    error_of_state: f64,
+    /// The same component by component, where one is small beside the others.
+    components: Components,
     /// Parts of the step that were given up although the function exists.
     pub(super) n_lost: usize,
     /// Whether there is a part of the step of which nothing is known.
@@ -28,10 +31,30 @@ const SHARP: f64 = 16.0;
 /// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
 const BLUNT: f64 = 8.0;
 
+/// Round-off of a sum of terms of a series of so many orders, relative to their sizes.
+pub(super) fn unit(n_orders: usize) -> f64 {
+    2.0 * n_orders as f64 * f64::EPSILON
+}
+
 impl Room {
+    /// Finds how far the series `(order, component)` of a state is from the state on a step; whether that is bounded, or
+    /// estimated only.
+    pub(super) fn measure(&mut self, state: &[f64], step: f64, field: &AnyEnsemble<'_>) -> bool {
+        let Room { sizes, error_of_state, components, .. } = self;
+        sizes.measure(state, field.n_components, step);
+        components.are_looked_at = sizes.has_small_component(state, field.n_components);
+        if components.are_looked_at {
+            components.measure_of(state, field.n_components, step);
+            return components.find_errors(&state[..field.n_components], field);
+        }
+        let bound = field.majorant.and_then(|majorant| sizes.error_of_state(majorant));
+        *error_of_state = bound.unwrap_or_else(|| sizes.last());
+        bound.is_some()
+    }
+
     /// Expands the function along a part of a step, in units of that part.
     pub(super) fn expand(&mut self, state: &[f64], length: f64, function: &Functions, n: usize) {
-        let Room { series, work, sizes, .. } = self;
+        let Room { series, work, .. } = self;
         series.resize(state.len() / n, 0.0);
         function.series(state, work, series);
         let mut power = 1.0;
@@ -39,7 +62,14 @@ impl Room {
             *coefficient = term(*coefficient, length, k, power);
             power *= length;
         }
-        sizes.measure(state, n, length);
+    }
+
+    /// Measures the sizes of the series of the state on a part of the step.
+    pub(super) fn measure_part(&mut self, state: &[f64], length: f64, n: usize) {
+        self.sizes.measure(state, n, length);
+        if self.components.are_looked_at {
+            self.components.measure(state, length);
+        }
     }
 
     /// How far the series is from the function, at most; none where it does not exist, where shorter parts are better, or,
@@ -48,12 +78,19 @@ impl Room {
     /// Each coefficient of the state and each operation is right to a few units in the last place of a sum of products, and
     /// so is every shift of the survey.
     pub(super) fn error(&mut self, start: &[f64], function: &Functions, halvings: u32, is_last: bool) -> Option<f64> {
-        let Room { series, enclosures, sizes, error_of_state, .. } = self;
-        let unit = 2.0 * series.len() as f64 * f64::EPSILON;
+        let Room { series, enclosures, sizes, error_of_state, components, .. } = self;
+        let unit = unit(series.len());
         let total: f64 = series.iter().map(|c| c.abs()).sum();
-        let [here, along] =
-            [0.0, sizes.rest(1.0)].map(|rest| function.enclosure(start, rest, *error_of_state, unit, enclosures).error);
-        let left_out = sizes.left_out(start, function, halvings, along, enclosures);
+        let [here, along, left_out] = if components.are_looked_at {
+            let [here, along] =
+                [f64::INFINITY, 1.0].map(|ratio| components.enclose(function, start, ratio, unit, enclosures).error);
+            let enclose = |ratio| components.enclose_exact(function, start, ratio, enclosures);
+            [here, along, left_out(function, halvings, series.len(), along, enclose)]
+        } else {
+            let [here, along] = [0.0, sizes.rest(1.0)]
+                .map(|rest| function.enclosure(start, rest, *error_of_state, unit, enclosures).error);
+            [here, along, sizes.left_out(start, function, halvings, along, enclosures)]
+        };
         let error = along + left_out + unit * total;
         let is_sharp = error <= SHARP * unit * total || left_out <= along && along <= BLUNT * here;
         // a bound beyond the function itself tells nothing

@@ -9,12 +9,16 @@ pub(super) struct Seat {
     pub(super) crossings: Points,
     pub(super) touches: Points,
     pub(super) doubts: Doubts,
-    /// The last sign of the function that is known, 0 if none is.
+    /// The last sign of the function that is known, 0 if none is; at first, that before the start.
     pub(super) side: i8,
-    /// Whether one ever was.
+    /// Whether one was since the start.
     pub(super) had_side: bool,
     /// The point nearest to the surface since then, where the sign is not known.
     nearest: Option<Nearest>,
+    /// Where in the step the last crossing that is wanted is behind it and its side is known, in units of the step.
+    pub(super) served_at: f64,
+    /// The length of its first step, NaN before it.
+    pub(super) first_step: f64,
     /// Bytes for its points that could not be had.
     pub(super) refused: usize,
 }
@@ -22,7 +26,17 @@ pub(super) struct Seat {
 impl Default for Seat {
     fn default() -> Seat {
         let (crossings, touches) = (Points::default(), Points::default());
-        Seat { crossings, touches, doubts: Doubts::NONE, side: 0, had_side: false, nearest: None, refused: 0 }
+        Seat {
+            crossings,
+            touches,
+            doubts: Doubts::NONE,
+            side: 0,
+            had_side: false,
+            nearest: None,
+            served_at: 1.0,
+            first_step: f64::NAN,
+            refused: 0,
+        }
     }
 }
 
@@ -35,10 +49,11 @@ struct Nearest {
 }
 
 impl Seat {
-    /// Ends the stay near the surface without a decision: a touch, if it came from a side.
+    /// Ends the stay near the surface without a decision: a touch, if it came from a side and did not start there.
     pub(super) fn leave_the_nearest(&mut self) {
         if let Some(Nearest { time, kept, .. }) = self.nearest.take()
             && self.side != 0
+            && self.had_side
         {
             self.touch((time, kept), self.side);
         }
@@ -53,16 +68,17 @@ impl Seat {
                     self.nearest = Some(Nearest { time, size, kept });
                 }
             }
-            Mark::Zero { at, positive } => self.cross(sign(positive), direction, keep(at)),
+            Mark::Zero { at, positive, .. } => self.cross(sign(positive), direction, keep(at)),
             Mark::Sign { at, positive } => self.note_sign(sign(positive), direction, || keep(at)),
         }
     }
 
     /// The function has this sign from a place on that `keep` knows.
     fn note_sign(&mut self, side: i8, direction: i8, keep: impl FnOnce() -> (f64, Vec<f64>)) {
-        self.had_side = true;
+        let starts_here = !std::mem::replace(&mut self.had_side, true);
         match self.nearest.take() {
             Some(Nearest { time, kept, .. }) if self.side != side => self.cross(side, direction, (time, kept)),
+            Some(_) if starts_here => {}
             Some(Nearest { time, kept, .. }) => self.touch((time, kept), side),
             // between two steps, whose ends differ in round-off
             None if self.side == -side => self.cross(side, direction, keep()),

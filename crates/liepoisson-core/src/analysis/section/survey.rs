@@ -26,6 +26,8 @@ pub(super) enum Mark {
         at: f64,
         /// Whether it is positive afterwards.
         positive: bool,
+        /// It moves away from zero up to here at least, and gets beyond the error.
+        until: f64,
     },
     /// It comes within the error of zero here, and its sign is not known.
     Near {
@@ -61,6 +63,24 @@ pub(super) fn survey(coefficients: &[f64], error: f64, mark: &mut impl FnMut(Mar
             known => known,
         });
     });
+}
+
+/// The first place from a mark on where the polynomial is known to have the sign that it has after it: by twice the error, if it
+/// gets so far.
+pub(super) fn first_known(coefficients: &[f64], error: f64, mark: Mark) -> f64 {
+    let (at, positive, until) = match mark {
+        Mark::Zero { at, positive, until } => (at, positive, until),
+        Mark::Sign { at, .. } | Mark::Near { at, .. } => return at,
+    };
+    let (mut low, mut high) = (at, until);
+    loop {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            return high;
+        }
+        let value = value(coefficients, middle);
+        *(if value.abs() > 2.0 * error && (value > 0.0) == positive { &mut high } else { &mut low }) = middle;
+    }
 }
 
 fn survey_scaled(coefficients: &[f64], error: f64, mark: &mut impl FnMut(Mark)) {
@@ -126,7 +146,7 @@ impl<M: FnMut(Mark)> Survey<'_, M> {
         if is_known(left) && is_known(right) {
             if (left > 0.0) != (right > 0.0) {
                 let at = self.zero(c, place);
-                (self.mark)(Mark::Zero { at, positive: right > 0.0 });
+                (self.mark)(Mark::Zero { at, positive: right > 0.0, until: place.at(1.0) });
             }
             return;
         }
@@ -285,7 +305,10 @@ mod tests {
                         prop_assert!(value.abs() < 1e-12 || (value > 0.0) == positive);
                         known = Some(positive);
                     }
-                    Mark::Zero { at, positive } => {
+                    Mark::Zero { at, positive, until } => {
+                        let place = first_known(&c, error, mark);
+                        prop_assert!(at < place && place <= until, "{at} {place} {until}");
+                        prop_assert!(value(&c, place).abs() > error && (value(&c, place) > 0.0) == positive);
                         prop_assert!(value(&c, at).abs() < 1e-13);
                         prop_assert!(known != Some(positive));
                         known = Some(positive);

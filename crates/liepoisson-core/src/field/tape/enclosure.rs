@@ -23,18 +23,44 @@ impl Functions {
     /// Encloses the first function where every component is within `rest` of that of `state`, and known up to `error`.
     /// Every number is also wrong by the fraction `unit` of its size, through round-off. `work` is memory that calls share.
     pub fn enclosure(&self, state: &[f64], rest: f64, error: f64, unit: f64, work: &mut Vec<Enclosure>) -> Enclosure {
-        let rounded = |Enclosure { value, rest, error }: Enclosure| {
-            // a bound that is no number is none; of no harm unless the output depends on it
-            let rest = if rest >= 0.0 { rest } else { f64::INFINITY };
-            let error = error + unit * (value.abs() + rest);
-            Enclosure { value, rest, error: if error >= 0.0 { error } else { f64::INFINITY } }
-        };
-        work.clear();
-        work.extend(state.iter().map(|&value| rounded(Enclosure { value, rest, error })));
-        for instruction in self.instructions() {
-            work.push(rounded(instruction.enclosure(work)));
-        }
+        self.enclosure_by(state, |_| (rest, error), unit, work)
+    }
+
+    /// The same with a `rest` and an `error` for each component.
+    pub fn enclosure_by(
+        &self,
+        state: &[f64],
+        by_component: impl Fn(usize) -> (f64, f64),
+        unit: f64,
+        work: &mut Vec<Enclosure>,
+    ) -> Enclosure {
+        enclose(self.instructions(), state, by_component, unit, work);
         work[self.outputs()[0]]
+    }
+}
+
+/// Encloses all registers, given `rest` and `error` of each component.
+#[inline(always)]
+pub(super) fn enclose(
+    instructions: &[Instruction],
+    state: &[f64],
+    by_component: impl Fn(usize) -> (f64, f64),
+    unit: f64,
+    work: &mut Vec<Enclosure>,
+) {
+    let rounded = |Enclosure { value, rest, error }: Enclosure| {
+        // a bound that is no number is none; of no harm unless the output depends on it
+        let rest = if rest >= 0.0 { rest } else { f64::INFINITY };
+        let error = error + unit * (value.abs() + rest);
+        Enclosure { value, rest, error: if error >= 0.0 { error } else { f64::INFINITY } }
+    };
+    work.clear();
+    work.extend(state.iter().enumerate().map(|(i, &value)| {
+        let (rest, error) = by_component(i);
+        rounded(Enclosure { value, rest, error })
+    }));
+    for instruction in instructions {
+        work.push(rounded(instruction.enclosure(work)));
     }
 }
 

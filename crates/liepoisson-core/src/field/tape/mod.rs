@@ -19,9 +19,10 @@ pub use enclosure::Enclosure;
 pub use functions::Functions;
 pub use instruction::Instruction;
 
-use super::{Field, Space};
+use super::{Field, Space, Terms};
 use crate::error::Error;
 use crate::lanes::Lane;
+use enclosure::enclose;
 use frame::Frame;
 use graph::Graph;
 use instruction::check;
@@ -57,6 +58,8 @@ use program::Program;
 #[derive(Clone, Debug)]
 pub struct Tape {
     n_components: usize,
+    instructions: Vec<Instruction>,
+    outputs: Vec<usize>,
     program: Program,
 }
 
@@ -72,13 +75,21 @@ impl Tape {
             return Err(Error::Outputs { wanted: n_components, got: outputs.len() });
         }
         let program = Program::new(&Graph::new(n_components, &instructions, &outputs));
-        Ok(Tape { n_components, program })
+        Ok(Tape { n_components, instructions, outputs, program })
     }
 }
 
 impl Space for Tape {
     fn n_components(&self) -> usize {
         self.n_components
+    }
+
+    fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
+        to.clear(self.n_components);
+        enclose(&self.instructions, state, |i| (rest[i], 0.0), f64::EPSILON, &mut to.work);
+        for (sum, &output) in to.linear.iter_mut().zip(&self.outputs) {
+            *sum = to.work[output].error / f64::EPSILON;
+        }
     }
 }
 
