@@ -8,10 +8,10 @@ from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_arguments, level_of_the_caller, shows_progress
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import TapeFunction

@@ -10,7 +10,7 @@ from fractions import Fraction
 from itertools import product
 from typing import TYPE_CHECKING, Any, final
 
-from liepoisson.errors import UnsupportedFieldError
+from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.decimals import LONG_NUMBER, Decimal
 from liepoisson.exact.parameters import Exact, is_zero, to_sympy
 from liepoisson.exact.printing import Form, Formula, Image
@@ -210,7 +210,7 @@ class KernelFacts(Topic):
         if not self.missing:
             try:
                 self.kind = system.field().kind
-            except UnsupportedFieldError as refusal:
+            except (UnsupportedFieldError, ParameterError) as refusal:  # also a number that is no double
                 self.obstacle = str(refusal)
 
     def lines(self) -> list[Line]:
