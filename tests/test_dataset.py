@@ -217,6 +217,7 @@ GIVEN = {
         "t_end": -20.0,
         "direction": -1,
         "n_crossings": 2,
+        "start_side": [1, 1, 1],
         "keep": ("l1", "l2*l3"),
         "method": TAYLOR,
         "time_limit": 77.0,

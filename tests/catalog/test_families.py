@@ -2,6 +2,7 @@
 
 from fractions import Fraction
 
+import numpy as np
 import pytest
 from sympy import Matrix, Symbol
 
@@ -121,3 +122,30 @@ def test_mistakes_are_named():
         catalog.euler_top_on("so(3)", (1, 2, 0))
     with pytest.raises(ParameterError):
         catalog.zeitlin(4)
+
+
+@pytest.mark.thorough
+def test_the_vorticity_moves_with_the_flow_that_turns_around_it():
+    """Against Euler's equation by Fourier series; the truncation has sin(2 pi k/N) N/(2 pi) in the place of k."""
+    fluid = lp.catalog.zeitlin(7)
+    x = np.zeros(48)
+    for name, value in (("wc10", 0.5), ("ws01", 0.3), ("wc11", 0.2), ("ws1m1", -0.4)):
+        x[fluid.component_names.index(name)] = value
+    w, rate = lp.catalog.vorticity([x, fluid.vector_field(x)], 48)
+    k = np.fft.fftfreq(48, 1 / 48)
+    k1, k2 = np.meshgrid(k, k, indexing="xy")
+    square = np.where(k1**2 + k2**2 > 0, k1**2 + k2**2, 1.0)
+
+    def slope(f, along):
+        return np.fft.ifft2(1j * along * np.fft.fft2(f)).real
+
+    stream = np.fft.ifft2(np.fft.fft2(w) / square).real
+    u, v = slope(stream, k2), -slope(stream, k1)
+    assert slope(v, k1) - slope(u, k2) == pytest.approx(w, abs=1e-10)
+    wanted = -(u * slope(w, k1) + v * slope(w, k2))
+    # all products of these modes have |m x n| = 1 or 2
+    ratio = np.sin(2 * np.pi / 7) * 7 / (2 * np.pi)
+    assert np.sum(rate * wanted) / np.sqrt(np.sum(rate**2) * np.sum(wanted**2)) == pytest.approx(1.0, abs=1e-3)
+    assert np.sum(rate * wanted) / np.sum(wanted**2) == pytest.approx(ratio, rel=0.02)
+    with pytest.raises(ShapeError, match=r"N\^2 - 1"):
+        lp.catalog.vorticity(np.zeros(9))

@@ -22,6 +22,7 @@ from liepoisson.catalog.families import (
     su_top,
     toda,
     twisted_top_on,
+    vorticity,
     zeitlin,
 )
 from liepoisson.errors import UnknownNameError, did_you_mean
@@ -44,6 +45,7 @@ __all__ = [
     "system",
     "toda",
     "twisted_top_on",
+    "vorticity",
     "zeitlin",
 ]
 

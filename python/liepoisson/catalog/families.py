@@ -14,6 +14,9 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 
 if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from liepoisson.arrays import Array
     from liepoisson.exact.lie_algebra import LieAlgebra
     from liepoisson.exact.parameters import Parameter
     from liepoisson.exact.system import System
@@ -113,7 +116,8 @@ def zeitlin(N: int) -> System:
     r"""Euler's equation of the ideal fluid on the torus, truncated to su(N) for odd N: the sine algebra.
 
     $\dot w_n = \frac{N}{2\pi}\sum_k \sin(2\pi\, n\times k/N)\, w_{n+k} w_{-k}/|k|^2$, indices modulo N; the coordinates
-    are the real and imaginary parts wc10, ws10, ... of the vorticity $w_n$, $H = \tfrac12\sum_n |w_n|^2/|n|^2$.
+    are the real and imaginary parts wc10, ws10, ... of $w_n$, $H = \tfrac12\sum_n |w_n|^2/|n|^2$.  The vorticity is
+    $\omega(x) = -\sum_n w_n e^{in\cdot x}$, positive where the fluid turns counterclockwise; `vorticity` adds it up.
 
     Raises:
         ParameterError: N is not an odd integer from 3 on.
@@ -137,6 +141,42 @@ def zeitlin(N: int) -> System:
         source="V. Zeitlin, Finite-mode analogs of 2D ideal hydrodynamics: coadjoint orbits and local canonical "
         "structure, Physica D 49 (1991) 353",
     )
+
+
+@explains_its_arguments
+def vorticity(states: ArrayLike, n_points: int = 64) -> Array:
+    r"""The vorticity of states of `zeitlin(N)` on the torus, $\omega(x) = -\sum_n w_n e^{in\cdot x}$ over n and -n.
+
+    With this sign $\dot\omega = -u\cdot\nabla\omega$, where u is the flow that turns counterclockwise around
+    positive vorticity; the truncation has sines in the place of their arguments.
+
+    Args:
+        states: Shape (..., N^2 - 1).
+        n_points: Points along each axis, from 0 to 2 pi without the end.
+
+    Returns:
+        Shape (..., n_points, n_points): y along the last axis but one, x along the last.
+
+    Raises:
+        ShapeError: the last axis is not that of a truncation to su(N), N odd.
+    """
+    import numpy as np
+
+    from liepoisson.arrays import as_array
+    from liepoisson.exact.lie.sine_algebra import sine_modes
+    from liepoisson.scalars import as_count
+
+    n_points = as_count(n_points, "n_points", least=1)
+    x = as_array(states, "states")
+    n = round((x.shape[-1] + 1) ** 0.5) if x.ndim else 0
+    if n < 3 or n % 2 == 0 or n * n - 1 != x.shape[-1]:
+        raise ShapeError(f"states must have N^2 - 1 components, N odd; got shape {x.shape}. Pass those of zeitlin(N).")
+    at = 2 * np.pi * np.arange(n_points) / n_points
+    waves = np.exp(1j * np.arange(-(n // 2), n // 2 + 1)[:, None] * at)
+    modes = np.array(sine_modes(n)) + n // 2
+    coefficients = np.zeros((*x.shape[:-1], n, n), dtype=np.complex128)
+    coefficients[..., modes[:, 0], modes[:, 1]] = x[..., 0::2] + 1j * x[..., 1::2]
+    return -2.0 * np.einsum("...mn,mx,ny->...yx", coefficients, waves, waves, optimize=True).real
 
 
 @explains_its_arguments

@@ -144,7 +144,7 @@ def _drawn(result: FiniteTimeExponents | Spectrum) -> Figure:
     from liepoisson.plot.labels import plain
 
     ax = convergence(result)
-    ax.set_title(plain(result.system))
+    ax.set_title(plain(result.system.name))
     return cast("Figure", ax.get_figure())
 
 

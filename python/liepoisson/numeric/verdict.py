@@ -194,7 +194,20 @@ class Verdict(Run):
         counts = ", ".join(f"{np.sum(self.verdict == kind)} {kind}" for kind in KINDS)
         failed = self.outcome[self.outcome != "finished"]
         why = f"; {len(failed)} did not finish: {', '.join(sorted(set(failed.tolist())))}" if len(failed) else ""
-        return f"{counts}{why}  ({self.system.name}, t = {self.t_end:g})"
+        restless = int(np.sum(self._waits_for_averages))
+        said = (
+            f"\n{restless} undecided for averages alone, which still change: by a slow wandering, which a longer run "
+            "settles, or by a coordinate that runs away, such as an angle that turns, which none does"
+        )
+        return f"{counts}{why}  ({self.system.name}, t = {self.t_end:g}){said if restless else ''}"
+
+    @property
+    def _waits_for_averages(self) -> NDArray[np.bool_]:
+        """Which trajectories would be regular by the votes of the tangent vectors, if their averages had settled."""
+        settled = self.votes.copy()
+        settled[:, 3] = -1
+        regular = self.rule.kinds(settled, self.natural_time) == "regular"
+        return regular & (self.verdict == "undecided") & (self.outcome == "finished")
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{np.sum(self.verdict == kind)} {kind}" for kind in KINDS)

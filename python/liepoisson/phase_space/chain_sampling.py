@@ -319,7 +319,7 @@ def _chain_and_starts(leaf: LeafInUnits, rng: np.random.Generator, shell: Shell 
     boundary = leaf.constraints(shell.energy) if shell is not None else leaf.equations
     size = float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket)
     if _reaches_far(boundary, size, rng):
-        raise LeafError(infinite_volume(leaf))
+        raise LeafError(infinite_volume(leaf, shell))
     chain = _Chain(leaf.equations, energy, shell)
     spread = rng.standard_normal((4 * N_CHAINS, n)) * size / np.sqrt(n)
     spread *= np.exp(rng.uniform(np.log(0.2), np.log(5.0), (len(spread), 1)))
@@ -355,11 +355,17 @@ def _reaches_far(equations: Equations, size: float, rng: np.random.Generator) ->
     return bool(np.any(np.linalg.norm(found[residual <= CONVERGED], axis=-1) > 100 * size))
 
 
-def infinite_volume(leaf: Leaf | LeafInUnits) -> str:
+def infinite_volume(leaf: Leaf | LeafInUnits, shell: Shell | None = None) -> str:
     """What is wrong with a set of infinite volume."""
+    advice = (
+        "Give an energy, if the energy bounds the set."
+        if shell is None
+        else "A bounded part of it, such as a well, has no name here: draw states around it, keep those inside, and "
+        "start from them."
+    )
     return (
-        f"the set to sample on {leaf!r} is not bounded, so that its Liouville volume is infinite and no state is "
-        "typical. Give energy= or energy_below=, if the energy bounds the set."
+        f"the set to sample on {leaf!r}{'' if shell is None else f' at the energy {shell.energy:.6g}'} is not bounded, "
+        f"so that its Liouville volume is infinite and no state is typical. {advice}"
     )
 
 

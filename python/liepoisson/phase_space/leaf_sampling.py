@@ -48,7 +48,7 @@ def sample_leaf(leaf: Leaf, n_starts: int, *, seed: int, energy: float | None, e
         return sample_by_chains(leaf, n_starts, seed, shell)
     draw = top_draw(leaf, top, shell)
     if draw is None:
-        raise LeafError(infinite_volume(leaf))
+        raise LeafError(infinite_volume(leaf, shell))
     return _independent(leaf, draw, n_starts, seed, shell)
 
 

@@ -21,6 +21,7 @@ from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.leaf_search import check_energy_in_reach
 from liepoisson.phase_space.lengths import unit_length
+from liepoisson.phase_space.starts import read_state
 from liepoisson.scalars import as_count
 from liepoisson.streams import Purpose, seeds
 from liepoisson.wrong_values import not_a, shown
@@ -235,7 +236,7 @@ def section_state(
     energy: float,
     coordinates: Mapping[str, float],
     *,
-    guess: ArrayLike | None = None,
+    guess: ArrayLike | Mapping[str, Any] | None = None,
 ) -> Array:
     """The state of a section with given values of some coordinates.
 
@@ -245,8 +246,8 @@ def section_state(
         energy: The energy.
         coordinates: Values of functions of the state, such as `{"l3": 0.2, "dot(l, beta)": 0.1}`; as many as the
             section has dimensions determine the state up to finitely many, fewer leave the rest near the guess.
-        guess: Where Newton's method starts, shape (N,); it decides between several solutions.  By default a state of
-            the leaf, then random ones (the same in every call).
+        guess: Where Newton's method starts, shape (N,), or some components by name; it decides between several
+            solutions.  By default a state of the leaf, then random ones (the same in every call).
 
     Returns:
         The state, shape (N,).
@@ -274,7 +275,9 @@ def section_state(
     return states[good[0]] * view.units
 
 
-def _guesses(leaf: LeafInUnits, guess: ArrayLike | None) -> Array:
+def _guesses(leaf: LeafInUnits, guess: ArrayLike | Mapping[str, Any] | None) -> Array:
+    if isinstance(guess, Mapping):
+        return read_state(leaf.source, guess, "guess")[None] / leaf.units
     if guess is not None:
         bracket = leaf.system.bracket
         return np.atleast_2d(as_phase_points(guess, bracket.dimension, bracket.field_names)) / leaf.units

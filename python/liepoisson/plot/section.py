@@ -130,7 +130,10 @@ def titled_section(
         kept = [axis in run.coordinates for axis in axes]
         x, y = (a if known else system.functions.of(a)(run.state) for a, known in zip(axes, kept, strict=True))
         xlabel, ylabel = (None if known else plain(a) for a, known in zip(axes, kept, strict=True))
-        section(run, x, y, xlabel=xlabel, ylabel=ylabel, ax=ax)
+        # An orbit that escaped would leave no room for the others.
+        stayed = np.flatnonzero(np.isin(run.outcome, ("finished", "time limit")))
+        some = stayed.tolist() if 0 < len(stayed) < run.n_trajectories else None
+        section(run, x, y, xlabel=xlabel, ylabel=ylabel, trajectories=some, ax=ax)
         values = [f"$H$ = {energy:.4g}"] if energy is not None else []
         values += [f"{label(name)} = {value:.4g}" for name, value in leaf.casimirs.items()]
         missing = shortage(system.bracket)
