@@ -196,8 +196,8 @@ class Verdict(Run):
         why = f"; {len(failed)} did not finish: {', '.join(sorted(set(failed.tolist())))}" if len(failed) else ""
         restless = int(np.sum(self._waits_for_averages))
         said = (
-            f"\n{restless} undecided for averages alone, which still change: by a slow wandering, which a longer run "
-            "settles, or by a coordinate that runs away, such as an angle that turns, which none does"
+            f"\n{restless} undecided only because averages still change: an orbit wanders slowly, which a longer run "
+            "settles, or a coordinate runs away, such as an angle"
         )
         return f"{counts}{why}  ({self.system.name}, t = {self.t_end:g}){said if restless else ''}"
 
