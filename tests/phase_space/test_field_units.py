@@ -216,3 +216,19 @@ def test_a_gyrostat_in_other_units(unit):
     there = lp.equilibria(system, lp.Leaf.through(system, np.array([0.3, 0.5, 0.9]) * unit), n_starts=40)
     assert len(here) == len(there)
     assert [e.energy / unit**2 for e in there] == pytest.approx([e.energy for e in here], rel=1e-9)
+
+
+@pytest.mark.parametrize(("r", "s"), [(1.0, 1e-5), (1e-6, 1e-6), (1e6, 1e6), (1e-8, 1.0)])
+def test_random_starts_in_any_unit(r, s):
+    """A quartic H: Newton's method does not come back from guesses that are far too long in some field."""
+    base = lp.catalog.system("clebsch")
+    l, p = Matrix(base.variables[:3]) / exact(r), Matrix(base.variables[3:]) / exact(s)
+    energy = (l[0] ** 2 / 2 + l[1] ** 2 / Rational(3, 2) + l[2] ** 2) / 2 + p[0] + 3 * p[2] ** 4 / 10 + l[0] ** 4 / 10
+    system = lp.System(base.bracket, exact(r) ** 2 * energy)
+    x = np.random.default_rng(3).normal(size=6) * np.repeat([r, s], 3)
+    leaf = lp.Leaf.through(system, x)
+    wanted = leaf.energy_range()[0] + 1.6 * r**2
+    for seed in range(4):
+        start = find_start(system, leaf=leaf.casimirs, energy=wanted, seed=seed)
+        assert start.energy == pytest.approx(wanted, rel=1e-9)
+        assert leaf.residual(start.state) < 1e-12

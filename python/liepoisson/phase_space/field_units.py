@@ -10,8 +10,7 @@ each field, for which
 
 The logarithms of these conditions are linear in those of the units, and the sum of their violations is made least.  The
 units are powers of two, so that coordinates change without round-off, and 1 where no two fields differ by more than
-`ORDINARY`: systems in ordinary units are untouched.  Without a constant part of the bracket only ratios of lengths have
-a meaning; with one, the units are 1 if they are also within `FAR` of it.
+`ORDINARY` and none is further than `FAR` from 1: systems in ordinary units are untouched.
 """
 
 from __future__ import annotations
@@ -41,6 +40,9 @@ and of sizes about which nothing is known."""
 
 _SWEEPS, _CLOSE = 60, 0.1
 """Steps of the least-squares problem, in which violations below the second, of a logarithm, count as none."""
+
+_LONGEST = 300.0
+"""Units beyond this power of two are not taken: J in them would leave the doubles."""
 
 _MOST_TERMS = 2000
 """A function with more terms is not looked at."""
@@ -89,8 +91,9 @@ def field_units(
     own = _sizes(system.functions.energy, system.variables, n)
     problem.add(_moving(system, own, casimirs), energy or 0.0, weight=_BALANCED)
     logarithms = problem.solution()
-    is_far = bool(bracket.constant) and np.abs(logarithms).max() >= np.log2(FAR)
-    if not np.isfinite(logarithms).all() or (np.ptp(logarithms) < np.log2(ORDINARY) and not is_far):
+    if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:
+        return ones
+    if np.ptp(logarithms) < np.log2(ORDINARY) and np.abs(logarithms).max() < np.log2(FAR):
         return ones
     return np.repeat(np.ldexp(1.0, np.round(logarithms).astype(int)), n)
 

@@ -175,9 +175,13 @@ def _random(system: System, wanted: Leaf | Mapping[str, float] | None, energy: f
     if not wanted and energy is None:
         return _start_at(system, members[0], f"member 0 of unit-vectors, seed {seed}")
     leaf, failure = _leaf(system, members[0], wanted), None
-    for k, x in enumerate(members):
+    # In units in which states of the leaf are of order one, and of their length if that leads nowhere.
+    view = leaf.in_units(energy)
+    length = float(np.linalg.norm(view.state)) / float(np.linalg.norm(members[0])) or 1.0
+    for k, size in ((k, size) for size in (1.0, length) for k in range(_GUESSES)):
         try:
-            return _moved(leaf, x, energy, f"member {k} of unit-vectors, seed {seed}")
+            guess = members[k] * view.units * size
+            return _moved(leaf, guess, energy, f"member {k} of unit-vectors, seed {seed}")
         except LeafError as error:
             failure = failure or error
     assert failure is not None
