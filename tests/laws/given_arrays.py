@@ -270,4 +270,5 @@ CASES: dict[str, Case] = {
         lambda x, y: drawn(lambda: lp.plot.section(crossings(), x, y)),
         {"x": lambda: crossings().state[:, 0], "y": lambda: crossings().state[:, 4]},
     ),
+    "vorticity": Case(lambda states: lp.catalog.vorticity(states, 8), {"states": STATES[:, :8].copy()}),
 }
