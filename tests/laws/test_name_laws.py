@@ -13,7 +13,7 @@ from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.lie_algebra import LieAlgebra
-from liepoisson.exact.names import CONSTANTS, FUNCTIONS
+from liepoisson.exact.names import CONSTANTS, FUNCTIONS, MAX_NAME
 from liepoisson.exact.system_file_reader import parse_system_file
 from liepoisson.sweeps.family import FileFamily
 from liepoisson.sweeps.spec import Axis, Starts, SweepSpec
@@ -102,8 +102,12 @@ def right_numbers(place):
 def is_taken(place, name):
     """Whether the text of a place uses the name for something else, or the place cannot spell it."""
     if place is with_coordinate:
+        longest = MAX_NAME - len("est")  # of the coordinate that is called after it, ...rest
         return (
-            len(name) < 2 or not name[:-1].isidentifier() or name[-1].isdigit() or name[:-1] in (*FUNCTIONS, *CONSTANTS)
+            not 2 <= len(name) <= longest
+            or not name[:-1].isidentifier()
+            or name[-1].isdigit()
+            or name[:-1] in (*FUNCTIONS, *CONSTANTS)
         )
     used = {"l", "l1", "l2", "l3", "uu", "uu1", "uu2", "uu3", "symbols", "H"}
     return name in used and place is not with_field
