@@ -194,11 +194,13 @@ def _renumbered(kind: Any, dataset: Dataset) -> Dataset:
         label = item.metadata.get(KEY)
         if isinstance(label, ArrayLabel) and label.numbers:
             members, owner = dataset[label.numbers].to_numpy(), dataset[item.name].to_numpy()
-            rows = [np.flatnonzero(owner == member) for member in members]
-            places = np.repeat(np.arange(len(members)), [len(own) for own in rows])
+            order = np.argsort(owner, kind="stable")
+            first, end = (np.searchsorted(owner[order], members, side) for side in ("left", "right"))
+            counts = end - first
+            within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
             (dim,) = label.dims
-            dataset = dataset.isel({dim: np.concatenate([*rows, np.zeros(0, dtype=np.int64)]).astype(np.int64)})
-            dataset = dataset.assign({item.name: (dim, places)})
+            dataset = dataset.isel({dim: order[np.repeat(first, counts) + within]})
+            dataset = dataset.assign({item.name: (dim, np.repeat(np.arange(len(members)), counts))})
     return dataset
 
 
