@@ -57,7 +57,7 @@ What moves by this little from half of the steps to all of them has, if it relax
 """
 
 _REMEMBERED = 0.35
-"""Largest correlation of a coordinate or its square with that of the start that counts as forgotten.
+"""Largest correlation of a coordinate or its square with that at half of the steps that counts as forgotten.
 
 Chance alone gives 0.02 in 2048 chains.  Chains that never leave their part remember it with a correlation near one.
 """
@@ -228,7 +228,7 @@ def _forget(leaf: LeafInUnits, chain: _Chain, population: _Population) -> tuple[
         memory, drift = _memory(before, population.x), _drift(chain, before, population.x)
         if memory <= _REMEMBERED and drift <= _DRIFT:
             return leaf, chain
-        leaf, chain = _rounded(leaf, chain, population)
+        leaf, chain = _equally_wide(leaf, chain, population)
     warnings.warn(
         f"the states of {leaf!r} should be spread by its Liouville measure; after {n_done} steps "
         f"they have a correlation of {memory:.2f} with where their chains were halfway, and means that moved by up to "
@@ -240,7 +240,7 @@ def _forget(leaf: LeafInUnits, chain: _Chain, population: _Population) -> tuple[
     return leaf, chain
 
 
-def _rounded(leaf: LeafInUnits, chain: _Chain, population: _Population) -> tuple[LeafInUnits, _Chain]:
+def _equally_wide(leaf: LeafInUnits, chain: _Chain, population: _Population) -> tuple[LeafInUnits, _Chain]:
     """The leaf, the chain and the population with each coordinate divided by its width, to a power of two."""
     widths = population.x.std(axis=0)
     typical = float(np.median(widths[widths > 0])) if widths.any() else 1.0

@@ -89,7 +89,7 @@ class LeafInUnits:
         itself: What the leaf is called in messages.
         source: The system.
         rank: The dimension of the leaf.
-        place: The leaf's own state, not divided.
+        own_state: The state of the leaf, not divided.
         equations_for: The equations of the leaf, of an energy surface on it and of a surface f = 0, not divided.
         units: A positive number for each coordinate, shape (N,); those of one field are equal.
     """
@@ -97,7 +97,7 @@ class LeafInUnits:
     itself: str
     source: System
     rank: int
-    place: Array
+    own_state: Array
     equations_for: Callable[[float | None, str | Expr | PhaseFunction | None], Equations]
     units: Array
 
@@ -109,7 +109,7 @@ class LeafInUnits:
     @cached_property
     def state(self) -> Array:
         """The leaf's own state."""
-        return self.place / self.units
+        return self.own_state / self.units
 
     @cached_property
     def equations(self) -> Equations:
