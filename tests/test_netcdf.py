@@ -1,11 +1,13 @@
 """Files that were damaged or made to harm: refused with a sentence before anything of them is used."""
 
 import io
+import tracemalloc
 import warnings
 
 import h5py
 import numpy as np
 import pytest
+import xarray as xr
 
 import liepoisson as lp
 from liepoisson.dataset import read_dataset
@@ -84,6 +86,18 @@ def test_what_is_added_is_refused(path):
     path.write_bytes(path.read_bytes() + b"\n")
     with pytest.raises(DamagedFileError, match="wanted a checksum"):
         read_dataset(path)
+
+
+def test_a_file_is_in_memory_once_while_it_is_made():
+    numbers = xr.Dataset({"x": ("k", np.zeros(2_000_000))})
+    netcdf(numbers.isel(k=slice(2)))  # what is imported and kept by the first call
+    tracemalloc.start()
+    try:
+        content = netcdf(numbers)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert peak < 1.5 * len(content)  # a buffer that grows has room for an eighth more
 
 
 def test_a_file_with_a_checksum_is_plain_netcdf(path):

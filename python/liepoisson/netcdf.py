@@ -36,10 +36,10 @@ _TEXT_RECORD = 16
 """Bytes of a text in a variable: its length (4), and where it is (12)."""
 
 
-def netcdf(dataset: Dataset) -> bytes:
+def netcdf(dataset: Dataset) -> memoryview:
     """The content of a NetCDF file, with its checksum.
 
-    Made in memory: HDF5 does not survive a disk that fills up under a file that it has open.
+    Made in memory, once: HDF5 does not survive a disk that fills up under a file that it has open.
 
     Raises:
         OutputError: NetCDF cannot hold it, for example a name with a NUL character.
@@ -47,12 +47,16 @@ def netcdf(dataset: Dataset) -> bytes:
     # no numbers that stand for missing ones: NaN is NaN
     encoding: Any = {name: {"_FillValue": None} for name in dataset.variables}
     try:
-        content = bytes(dataset.to_netcdf(engine="h5netcdf", encoding=encoding))
+        content = io.BytesIO()
+        dataset.to_netcdf(content, engine="h5netcdf", encoding=encoding)
     except (TypeError, ValueError, KeyError, OSError, RuntimeError) as error:
         raise OutputError(
             f"could not be written as NetCDF ({error!s:.200}); look at the names of the system and its components"
         ) from error
-    return content + _SEAL + hashlib.sha256(content).hexdigest().encode() + b"\n"
+    digest = hashlib.sha256(content.getbuffer()).hexdigest()
+    content.seek(0, io.SEEK_END)
+    content.write(_SEAL + digest.encode() + b"\n")
+    return content.getbuffer()
 
 
 def read_netcdf(path: Path, *, verify: bool = True) -> Dataset:

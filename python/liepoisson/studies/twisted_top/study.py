@@ -60,13 +60,15 @@ def _reproduce(settings: Settings, out: Path, progress: Progress | None) -> Stud
 
 
 def run_all(stores: Sequence[RunStore], threads: int | None, tracker: Tracker) -> dict[str, RunResult]:
-    """Integrate, or read, and reduce every run; one at a time, because its curves fill the memory of the study."""
-    results: dict[str, RunResult] = {}
-    for store in stores:
-        members = complete(store, threads, tracker)
-        tracker.tell(f"{store.run.name}: fits")
-        results[store.run.name] = reduce_run(store.run, members)
-    return results
+    """Integrate, or read, and reduce every run."""
+    return {store.run.name: _reduced(store, threads, tracker) for store in stores}
+
+
+def _reduced(store: RunStore, threads: int | None, tracker: Tracker) -> RunResult:
+    """One run; its curves, which fill the memory of the study, are let go before those of the next one are made."""
+    members = complete(store, threads, tracker)
+    tracker.tell(f"{store.run.name}: fits")
+    return reduce_run(store.run, members)
 
 
 def _judge(numbers: dict[str, Any], settings: Settings) -> dict[str, Any]:
