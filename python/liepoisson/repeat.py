@@ -32,7 +32,7 @@ RUNS = {
     "orbit": ("liepoisson.numeric.integrate", "Orbit", "integrate"),
     "growth": ("liepoisson.numeric.finite_time_exponents", "FiniteTimeExponents", "finite_time_exponents"),
     "section": ("liepoisson.numeric.section", "Section", "section"),
-    "first return": ("liepoisson.numeric.section", "FirstReturn", "first_return"),
+    "first return": ("liepoisson.numeric.first_return", "FirstReturn", "first_return"),
     "spectrum": ("liepoisson.numeric.spectrum", "Spectrum", "lyapunov_spectrum"),
     "exponent": ("liepoisson.numeric.lyapunov_exponent", "ExponentEstimate", "lyapunov_exponent"),
     "megno": ("liepoisson.numeric.megno", "Megno", "megno"),

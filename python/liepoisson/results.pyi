@@ -7,12 +7,12 @@ from liepoisson.numeric.estimates import MeanCurve as MeanCurve
 from liepoisson.numeric.exponents_by_energy import EnergyProfile as EnergyProfile
 from liepoisson.numeric.finite_time_exponents import FiniteTimeExponents as FiniteTimeExponents
 from liepoisson.numeric.finite_time_fit import FiniteTimeFit as FiniteTimeFit
+from liepoisson.numeric.first_return import FirstReturn as FirstReturn
 from liepoisson.numeric.fit_goodness import FitGoodness as FitGoodness
 from liepoisson.numeric.frequencies import FrequencyDrift as FrequencyDrift
 from liepoisson.numeric.integrate import Orbit as Orbit
 from liepoisson.numeric.lyapunov_exponent import ExponentEstimate as ExponentEstimate
 from liepoisson.numeric.megno import Megno as Megno
-from liepoisson.numeric.section import FirstReturn as FirstReturn
 from liepoisson.numeric.section import Section as Section
 from liepoisson.numeric.spectrum import Spectrum as Spectrum
 from liepoisson.numeric.spectrum_check import SpectrumResiduals as SpectrumResiduals

@@ -1,5 +1,5 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
-from liepoisson.numeric.section import first_return as first_return
+from liepoisson.numeric.first_return import first_return as first_return
 from liepoisson.numeric.section import section as section
 from liepoisson.phase_space.default_surface import default_surface as default_surface
 from liepoisson.phase_space.section_coordinates import is_folded as is_folded

@@ -125,7 +125,7 @@ def section(
     data = data_file(out, f"{slug}-section.nc")
     stem = figure_stem(plot, figure, f"{slug}-section")
     axes = _axes(chosen, x, y, keep) if stem is not None else None
-    from liepoisson.numeric.section import check_that_it_varies
+    from liepoisson.numeric.section_arguments import check_that_it_varies
 
     begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
     cut, reason = _surface(begin, surface)

@@ -1,109 +1,45 @@
-"""Surfaces of section: the crossings of a surface along orbits, to round-off, and the map of first return."""
+"""Surfaces of section: the crossings of a surface along orbits, to round-off."""
 
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
-from liepoisson.arrays import Array, as_array
+from liepoisson.arrays import Array
 from liepoisson.calls import explains_its_arguments, level_of_the_caller, shows_progress
 from liepoisson.errors import ParameterError, ShapeError, SurfaceWarning
 from liepoisson.field import TapeFunction
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
-from liepoisson.numeric.outcomes import outcome_names, typical
-from liepoisson.numeric.run import IntegratedRun, Run, given
-from liepoisson.numeric.starts import StartsLike, as_starts, given_starts
+from liepoisson.numeric.outcomes import outcome_names
+from liepoisson.numeric.run import IntegratedRun, given
+from liepoisson.numeric.section_arguments import (
+    Function,
+    as_direction,
+    as_end,
+    as_formula,
+    as_sides,
+    as_surface,
+    read_tape,
+)
+from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import (
     HasField,
     as_field,
     component_names,
     core_field,
-    has_bracket,
-    reads_formulas,
 )
 from liepoisson.result import labelled, names_along, recorded
-from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_threads, as_time_limit
-from liepoisson.wrong_values import shown
+from liepoisson.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
 
-if TYPE_CHECKING:
-    from sympy import Expr
-
-
-class HasExpression(Protocol):
-    """A function of the state that knows its formula, as `System.functions` makes them."""
-
-    @property
-    def expression(self) -> Expr: ...  # noqa: D102
-
-
-Function: TypeAlias = "str | Expr | HasExpression"
-"""A function of the state."""
-_SAME_POINT = 1e-9
-"""Distance, relative to the size of the state, within which a start counts as on the surface in `first_return`: above
-what integration to round-off adds up in a long run, far below any section."""
-
-_SAME_TIME = 1e-6
-"""The same as a time, relative to the first step.  A step takes the state about a tenth of its size: this is far above
-what `_SAME_POINT` takes, and matters where the components that change are small beside one that does not."""
 _GAP = 1e-3
 """Share of the time from which on a surface that could not be followed is warned of: a pole costs a ten-thousandth of
 the step that it is in."""
-
-
-def read_tape(record: dict[str, Any]) -> TapeFunction:
-    """The functions that a file has as data."""
-    return TapeFunction(record["n_components"], record["instructions"], record["outputs"])
-
-
-@dataclass(frozen=True, kw_only=True)
-class FirstReturn(Run):
-    """Images of the map of first return.
-
-    Attributes:
-        system: The system, as it was given.
-        components: Names of its components.
-        field: Its vector field.
-        method: How it was integrated.
-        start: The states that were mapped, shape (..., component).
-        surface: The function $s$ as it was written, for labels.
-        tape: It as data.
-        direction: In which direction it was passed.
-        t_end: Longest time that was waited.
-        time_limit: Seconds that the run was allowed to take.
-        state: Where each orbit returned, shape (..., component); NaN where it did not.
-        time: When, shape (...).
-        outcome: "returned"; "no return" until `t_end`; "none seen", where the surface function could not be followed
-            all the time; or why the orbit ended before, as for `integrate`.  Shape (...).
-    """
-
-    kind = "first return"
-
-    start: Array = labelled(..., "component", long_name="state that was mapped")
-    outcome: NDArray[np.str_] = labelled(..., long_name="whether and why not it returned")
-    surface: str
-    tape: TapeFunction = recorded(asdict, read_tape)
-    direction: int
-    t_end: float
-    state: Array = labelled(..., "component", long_name="image")
-    time: Array = labelled(..., long_name="time of return")
-
-    def arguments(self) -> dict[str, Any]:
-        """What `first_return` was called with."""
-        return super().arguments() | {"surface": self.tape, "direction": self.direction, "t_end": self.t_end}
-
-    def __iter__(self) -> Iterator[Any]:
-        """Images, times and outcomes, for `images, times, outcomes = first_return(...)`."""
-        return iter((self.state, self.time, self.outcome))
-
-    def __repr__(self) -> str:
-        n = np.sum(self.outcome == "returned")
-        return f"<FirstReturn: {n} of {self.outcome.size} states returned, {typical('time', self.time)}>"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -435,13 +371,13 @@ def section(
     field = field_for(system, as_field(system), method)
     n = field.n_components
     states = as_starts(system, starts, n)
-    tape, names = _as_surface(system, surface, keep)
+    tape, names = as_surface(system, surface, keep)
     if tape.n_components != n:
         raise ShapeError(f"surface: wanted a function of {n} components; got one of {tape.n_components}")
     coordinates = component_names(system, n) if names is None else names
     wanted = None if n_crossings is None else as_count(n_crossings, "n_crossings", least=1)
-    end, sense, limit = _as_end(t_end), _as_direction(direction), as_time_limit(time_limit)
-    sides = _as_sides(start_side, len(states))
+    end, sense, limit = as_end(t_end), as_direction(direction), as_time_limit(time_limit)
+    sides = as_sides(start_side, len(states))
     raw = _core.sections(
         core_field(field),
         method.core(),
@@ -456,7 +392,7 @@ def section(
         progress,
     )
     width, members = len(coordinates), np.arange(len(states))
-    label = "s" if isinstance(surface, TapeFunction) else str(_formula(surface, "surface"))
+    label = "s" if isinstance(surface, TapeFunction) else str(as_formula(surface, "surface"))
     _warn_of_orbits_in_the_surface(label, raw["in_surface"])
     _warn_of_gaps(label, _share(raw["unresolved_time"], raw["end_time"]))
     return Section(
@@ -492,130 +428,6 @@ def section(
     )
 
 
-@shows_progress
-def first_return(
-    system: HasField,
-    starts: StartsLike,
-    *,
-    surface: Function | TapeFunction,
-    t_end: float,
-    direction: int = 1,
-    method: Method | None = None,
-    threads: int | None = None,
-    time_limit: float = TIME_LIMIT,
-    progress: Callable[[float], Any] | None = None,
-) -> FirstReturn:
-    r"""The map of first return to the side of a surface, $P(x) = \varphi_{\tau(x)}(x)$, and the times $\tau(x)$.
-
-    $\tau(x)$ is the first time after 0 at which $s(\varphi_t(x))$ passes zero in the given direction.  The map can be
-    applied to its own results; with a negative `t_end` and the opposite direction it is the inverse map.
-
-    A state counts as on the surface if its orbit meets it within a millionth of the first step and within $10^{-9}$ of
-    the largest component of x: images that other programs computed, or that were rounded, do not return at once.
-
-    Args:
-        system: What is integrated.
-        starts: States on the surface (elsewhere it is the map of first arrival), shape (..., component).
-        surface: The function $s$, as for `section`.
-        t_end: Longest time that is waited; negative: backwards.
-        direction: +1, -1 or 0, as for `section`.
-        method: `Taylor()`, as for `section`.
-        threads: By default all processors.
-        time_limit: Seconds that the run may take, as for `section`.
-        progress: As for `section`.
-
-    Returns:
-        `state`, `time` and `outcome`, which says why the first two are NaN where they are.
-
-    Raises:
-        As `section`.
-    """
-    states = given_starts(system, starts)
-    n = as_field(system).n_components
-    if states.ndim == 0 or states.shape[-1] != n:
-        raise ShapeError(f"starts must end in {n} components; got shape {states.shape}")
-    options: dict[str, Any] = {
-        "surface": _surface_alone(surface), "t_end": t_end, "direction": direction, "method": method,
-        "threads": threads, "time_limit": time_limit, "progress": progress,
-    }  # fmt: skip
-    returned, times, outcome = _arrivals(system, states.reshape(-1, n), options)
-    shape, method = states.shape[:-1], as_method(method, Taylor())
-    label = "s" if isinstance(surface, TapeFunction) else str(_formula(surface, "surface"))
-    return FirstReturn(
-        **given(system, field_for(system, as_field(system), method), method, states),
-        surface=label,
-        tape=_as_surface(system, options["surface"], None)[0],
-        direction=_as_direction(direction),
-        t_end=_as_end(t_end),
-        state=returned.reshape(states.shape),
-        time=times.reshape(shape),
-        outcome=outcome.reshape(shape),
-        time_limit=as_time_limit(time_limit),
-    )
-
-
-def _arrivals(system: HasField, starts: Array, options: dict[str, Any]) -> tuple[Array, Array, NDArray[np.str_]]:
-    """State and time of the first crossing of each trajectory that is not its start, and the outcomes."""
-    found = section(system, starts, n_crossings=1, **options)
-    returned, times = np.full(starts.shape, np.nan), np.full(len(starts), np.nan)
-    returned[found.trajectory], times[found.trajectory] = found.state, found.time
-    outcome = _outcome_without_crossing(found)
-    outcome[found.trajectory] = "returned"
-    # Within one step of a power series no orbit is periodic: a near crossing there is the start itself. Where the
-    # components that change are small beside one that does not, it is near in time, too.
-    near = np.abs(returned - starts).max(axis=1) <= _SAME_POINT * np.abs(starts).max(axis=1)
-    early = (found.n_steps <= 1) & (np.abs(times) <= _SAME_TIME * found.first_step)
-    again = np.flatnonzero(near & early)
-    if again.size:
-        second = section(system, starts[again], n_crossings=2, **options)
-        last = np.cumsum(second.count) - 1
-        there = second.count == 2
-        returned[again], times[again] = np.nan, np.nan
-        returned[again[there]], times[again[there]] = second.state[last[there]], second.time[last[there]]
-        outcome[again] = np.where(there, "returned", _outcome_without_crossing(second))
-    return returned, times, outcome
-
-
-def _outcome_without_crossing(found: Section) -> NDArray[np.str_]:
-    none = np.where(found.unresolved_time > 0, "none seen", "no return")
-    return np.where(found.outcome == "finished", none, found.outcome)
-
-
-def _surface_alone(surface: Function | TapeFunction) -> Function | TapeFunction:
-    """The surface without further outputs, so that whole states are kept."""
-    if not isinstance(surface, TapeFunction):
-        return surface
-    return TapeFunction(surface.n_components, surface.instructions, surface.outputs[:1])
-
-
-def _formula(given: Any, what: str) -> str | Expr:
-    """A function of the state as text or expression."""
-    formula = given if isinstance(given, str) else getattr(given, "expression", given)
-    if not isinstance(formula, str) and not (hasattr(formula, "free_symbols") and hasattr(formula, "diff")):
-        raise ParameterError(
-            f'{what}: wanted a function of the state; got {shown(given)}; try a text such as "l3", or an expression in '
-            "System.variables"
-        )
-    return formula
-
-
-def check_that_it_varies(system: Any, surface: str | Expr) -> None:
-    """Refuses a surface function that is proved constant on every leaf: no orbit crosses it.
-
-    Raises:
-        ParameterError: it is a number or a Casimir.
-    """
-    if not has_bracket(system):
-        return
-    s = system.expression(surface)
-    if all(system.bracket(s, component) == 0 for component in system.variables):
-        kind = "its bracket with every component is zero" if s.free_symbols else "no component occurs in it"
-        raise ParameterError(
-            f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
-            f'leaf: {kind}; try a component such as "{component_names(system, len(system.variables))[0]}"'
-        )
-
-
 def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) -> None:
     n = int(in_surface.sum())
     if n:
@@ -635,56 +447,3 @@ def _warn_of_gaps(surface: str, share: float) -> None:
             SurfaceWarning,
             stacklevel=level_of_the_caller(),
         )
-
-
-def _as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[TapeFunction, tuple[str, ...] | None]:
-    """Surface function and kept functions as data, and the names of the latter; None for whole states."""
-    if keep is not None and (isinstance(keep, str) or not hasattr(keep, "__len__") or not len(keep)):
-        raise ParameterError(f'keep: wanted a sequence of functions such as ("l3", "alpha1"); got {shown(keep)}')
-    kept = None if keep is None else [_formula(function, "keep") for function in keep]
-    names = None if kept is None else tuple(map(str, kept))
-    if isinstance(surface, TapeFunction):
-        further = len(surface.outputs) - 1
-        if further < 0:
-            raise ParameterError("surface: wanted a tape with one output at least, the surface function; got none")
-        if names is None and further:
-            names = tuple(f"y{k + 1}" for k in range(further))
-        if further != (0 if names is None else len(names)):
-            raise ParameterError(
-                f"keep: wanted names for the {further} further outputs of the surface; got {shown(keep)}"
-            )
-        return surface, names
-    if not reads_formulas(system):
-        raise ParameterError(
-            f"surface: wanted a TapeFunction, since {shown(system)} cannot read formulas; got {shown(surface)}; "
-            "try a System, or System.function_tape"
-        )
-    formula = _formula(surface, "surface")
-    check_that_it_varies(system, formula)
-    return system.function_tape(formula, *(kept or ())), names
-
-
-def _as_end(t_end: Any) -> float:
-    end = as_number(t_end, "t_end", "a finite time, not zero")
-    if not np.isfinite(end) or end == 0:
-        raise ParameterError(f"t_end: wanted a finite time, not zero; got {end}; try t_end=1000")
-    return end
-
-
-def _as_sides(sides: ArrayLike, n_trajectories: int) -> NDArray[np.int8]:
-    given = as_array(sides, "start_side")
-    if given.shape not in ((), (n_trajectories,)):
-        raise ShapeError(
-            f"start_side: wanted one sign or one for each of {n_trajectories} trajectories; got shape {given.shape}"
-        )
-    if not np.isin(given, (-1, 0, 1)).all():
-        raise ParameterError(f"start_side: wanted +1, -1 or 0; got {shown(sides)}; try the end_side of a section")
-    return np.broadcast_to(given, n_trajectories).astype(np.int8)
-
-
-def _as_direction(direction: Any) -> int:
-    if isinstance(direction, bool) or not np.isscalar(direction) or direction not in (-1, 0, 1):
-        raise ParameterError(
-            f"direction: wanted +1 (the surface function increases), -1 (it decreases) or 0; got {shown(direction)}"
-        )
-    return int(direction)

@@ -1,0 +1,126 @@
+"""What a surface of section is asked for: the function, the direction, the sides of the starts, the end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from liepoisson.arrays import as_array
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.field import TapeFunction
+from liepoisson.numeric.systems import component_names, has_bracket, reads_formulas
+from liepoisson.scalars import as_number
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+
+class HasExpression(Protocol):
+    """A function of the state that knows its formula, as `System.functions` makes them."""
+
+    @property
+    def expression(self) -> Expr: ...  # noqa: D102
+
+
+Function: TypeAlias = "str | Expr | HasExpression"
+"""A function of the state."""
+
+
+def read_tape(record: dict[str, Any]) -> TapeFunction:
+    """The functions that a file has as data."""
+    return TapeFunction(record["n_components"], record["instructions"], record["outputs"])
+
+
+def surface_alone(surface: Function | TapeFunction) -> Function | TapeFunction:
+    """The surface without further outputs, so that whole states are kept."""
+    if not isinstance(surface, TapeFunction):
+        return surface
+    return TapeFunction(surface.n_components, surface.instructions, surface.outputs[:1])
+
+
+def as_formula(given: Any, what: str) -> str | Expr:
+    """A function of the state as text or expression."""
+    formula = given if isinstance(given, str) else getattr(given, "expression", given)
+    if not isinstance(formula, str) and not (hasattr(formula, "free_symbols") and hasattr(formula, "diff")):
+        raise ParameterError(
+            f'{what}: wanted a function of the state; got {shown(given)}; try a text such as "l3", or an expression in '
+            "System.variables"
+        )
+    return formula
+
+
+def check_that_it_varies(system: Any, surface: str | Expr) -> None:
+    """Refuses a surface function that is proved constant on every leaf: no orbit crosses it.
+
+    Raises:
+        ParameterError: it is a number or a Casimir.
+    """
+    if not has_bracket(system):
+        return
+    s = system.expression(surface)
+    if all(system.bracket(s, component) == 0 for component in system.variables):
+        kind = "its bracket with every component is zero" if s.free_symbols else "no component occurs in it"
+        raise ParameterError(
+            f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
+            f'leaf: {kind}; try a component such as "{component_names(system, len(system.variables))[0]}"'
+        )
+
+
+def as_surface(system: Any, surface: Any, keep: Sequence[Any] | None) -> tuple[TapeFunction, tuple[str, ...] | None]:
+    """Surface function and kept functions as data, and the names of the latter; None for whole states."""
+    if keep is not None and (isinstance(keep, str) or not hasattr(keep, "__len__") or not len(keep)):
+        raise ParameterError(f'keep: wanted a sequence of functions such as ("l3", "alpha1"); got {shown(keep)}')
+    kept = None if keep is None else [as_formula(function, "keep") for function in keep]
+    names = None if kept is None else tuple(map(str, kept))
+    if isinstance(surface, TapeFunction):
+        further = len(surface.outputs) - 1
+        if further < 0:
+            raise ParameterError("surface: wanted a tape with one output at least, the surface function; got none")
+        if names is None and further:
+            names = tuple(f"y{k + 1}" for k in range(further))
+        if further != (0 if names is None else len(names)):
+            raise ParameterError(
+                f"keep: wanted names for the {further} further outputs of the surface; got {shown(keep)}"
+            )
+        return surface, names
+    if not reads_formulas(system):
+        raise ParameterError(
+            f"surface: wanted a TapeFunction, since {shown(system)} cannot read formulas; got {shown(surface)}; "
+            "try a System, or System.function_tape"
+        )
+    formula = as_formula(surface, "surface")
+    check_that_it_varies(system, formula)
+    return system.function_tape(formula, *(kept or ())), names
+
+
+def as_end(t_end: Any) -> float:
+    """The time at which trajectories end."""
+    end = as_number(t_end, "t_end", "a finite time, not zero")
+    if not np.isfinite(end) or end == 0:
+        raise ParameterError(f"t_end: wanted a finite time, not zero; got {end}; try t_end=1000")
+    return end
+
+
+def as_sides(sides: ArrayLike, n_trajectories: int) -> NDArray[np.int8]:
+    """The sign of the surface function before each start."""
+    given = as_array(sides, "start_side")
+    if given.shape not in ((), (n_trajectories,)):
+        raise ShapeError(
+            f"start_side: wanted one sign or one for each of {n_trajectories} trajectories; got shape {given.shape}"
+        )
+    if not np.isin(given, (-1, 0, 1)).all():
+        raise ParameterError(f"start_side: wanted +1, -1 or 0; got {shown(sides)}; try the end_side of a section")
+    return np.broadcast_to(given, n_trajectories).astype(np.int8)
+
+
+def as_direction(direction: Any) -> int:
+    """Which crossings are wanted."""
+    if isinstance(direction, bool) or not np.isscalar(direction) or direction not in (-1, 0, 1):
+        raise ParameterError(
+            f"direction: wanted +1 (the surface function increases), -1 (it decreases) or 0; got {shown(direction)}"
+        )
+    return int(direction)
