@@ -622,6 +622,17 @@ def test_a_part_of_a_section_has_its_own_crossings(tmp_path, pick):
     assert np.array_equal(again.trajectory, part.trajectory)
 
 
+@pytest.mark.parametrize("pick", [[3, 4], [5, 0], [2], [1, 1], [1, 0, 5, 4, 3, 2]])
+def test_a_part_of_a_dense_orbit_has_its_own_series(tmp_path, pick):
+    top = lp.Top.twisted_kovalevskaya()
+    whole = lp.integrate(top, lp.sample_states(top, 6, seed=3), times=[0, 1, 4], dense=True)
+    whole.dataset.isel(trajectory=pick).to_netcdf(tmp_path / "part.nc", engine="h5netcdf")
+    part = lp.load(tmp_path / "part.nc", verify=False)
+    again = lp.load(part.save(tmp_path / "again.nc"))
+    for found in (part, again):
+        assert np.array_equal(found.at([0.5, 3.0]), whole.at([0.5, 3.0])[pick])
+
+
 @pytest.mark.parametrize("run", [lp.chaos.megno, lp.lyapunov_spectrum])
 @pytest.mark.parametrize("times", [slice(None, None, -1), slice(None, None, 2), slice(None, -1), slice(0, 0)])
 def test_some_of_the_times_are_no_run(run, times):

@@ -52,9 +52,9 @@ def dataset_of(result: Result) -> Dataset:
     first = getattr(result, "first", None)
     if first is not None:  # members have numbers, from which what is drawn for them follows
         writer.coordinates["trajectory"] = np.arange(first, first + len(writer.variables["outcome"][1]))
-    for dim in writer.numbered:
-        writer.coordinates.setdefault(dim, np.arange(len(writer.variables["outcome"][1])))
-    return xr.Dataset(writer.variables, writer.coordinates, attributes)
+    dataset = xr.Dataset(writer.variables, writer.coordinates, attributes)
+    unnumbered = [dim for dim in writer.numbered if dim in dataset.dims and dim not in dataset.coords]
+    return dataset.assign_coords({dim: np.arange(dataset.sizes[dim]) for dim in unnumbered})
 
 
 class _Writer:
@@ -100,6 +100,7 @@ class _Writer:
         first, second = label.names
         columns = (owner, np.concatenate([one for one, _ in value]), np.concatenate([other for _, other in value]))
         dims, names = (label.dim,), (f"{label.dim}_trajectory", first, second)
+        self.numbered.add("trajectory")
         for name, column, own in zip(names, columns, (dims, dims, (*dims, *label.dims)), strict=True):
             self.variables[name] = (own, read_only(column), {})
 
@@ -214,11 +215,11 @@ def _pieces(dataset: Dataset, label: PiecesLabel, n: int) -> tuple[Any, ...]:
     owner, (first, second) = dataset[f"{label.dim}_trajectory"].to_numpy(), label.names
     begins = dataset[first].to_numpy()
     rest = dataset[second].transpose(label.dim, *label.dims).to_numpy()
-    if n != max(
-        [int(owner.max(initial=-1)) + 1, *(dataset.sizes[dim] for dim in dataset.sizes if "trajectory" in str(dim))]
-    ):
-        raise ValueError(f"{label.dim}: wanted one for each trajectory; got {shown(n)}")
-    return tuple((begins[owner == row], rest[owner == row]) for row in range(n))
+    # which trajectories of the run these are: the dataset may be a part of it
+    rows = dataset["trajectory"].to_numpy() if "trajectory" in dataset.dims else np.arange(1)
+    if not (np.isin(rows, np.arange(n)).all() and np.isin(owner, np.arange(n)).all()):
+        raise ValueError(f"{label.dim}: wanted those of {n} trajectories; got other numbers")
+    return tuple((begins[owner == row], rest[owner == row]) for row in rows)
 
 
 def _first_member(dataset: Dataset) -> int:
