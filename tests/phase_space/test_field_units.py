@@ -232,3 +232,27 @@ def test_random_starts_in_any_unit(r, s):
         start = find_start(system, leaf=leaf.casimirs, energy=wanted, seed=seed)
         assert start.energy == pytest.approx(wanted, rel=1e-9)
         assert leaf.residual(start.state) < 1e-12
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e-6, 1e-12, 1e9])
+def test_one_field_of_a_non_compact_algebra_has_a_unit(size):
+    """H(y) is a fixed polynomial of x = size y: the energies of equilibria do not depend on the size."""
+    g = lp.so(3, 1) @ lp.trivial()
+    y = [x / exact(size) for x in g.variables]
+    diagonal = sum(Rational(k + 2, 12) * x**2 + Rational(3 - k % 3, 10) * x**4 for k, x in enumerate(y))
+    system = lp.System(g, diagonal + y[0] - y[3] / 2 + y[1] * y[4] / 3)
+    start = np.random.default_rng(5).uniform(-1, 1, 6) * size
+    found = lp.equilibria(system, lp.Leaf.through(system, start))
+    assert len(found) == 2
+    assert [e.energy for e in found] == pytest.approx([-0.4580833104, 1.0690820], rel=1e-6)
+
+
+@pytest.mark.parametrize(("u", "v"), [(1.0, 1.0), (2.0**30, 1.0), (2.0**-30, 1.0), (1.0, 2.0**60), (2.0**-60, 2.0**30)])
+def test_energies_of_a_twisted_top_lie_between_the_same_limits_in_any_unit(u, v):
+    """alpha in units 1/u and beta in units 1/v: the same top; the lowest energy is that of an equilibrium."""
+    a, b = (u * x for x in (0.5, -0.2, 0.9)), (v * x for x in (0.3, 0.4, -0.2))
+    top = lp.Top(inertia=("3/2", "11/10", "4/5"), a=tuple(a), b=tuple(b), epsilon=0.75 * v / u**2)
+    leaf = lp.Leaf(top, {"C1": u**-2, "C2": 0.3 / (u * v), "C3": 0.9 * v**-2})
+    lowest, highest = leaf.energy_range()
+    assert lowest == pytest.approx(-1.77297533547723, rel=1e-12)
+    assert highest == np.inf

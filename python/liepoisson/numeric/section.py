@@ -140,21 +140,25 @@ class Section(IntegratedRun):
 
     @explains_its_arguments
     def go_on(self, *, t_end: float, **options: Any) -> Section:
-        """Further crossings of the same orbits, from where they ended; times count from there.
+        """Further crossings of the same orbits, of the same or another surface, from where they ended.
+
+        Times count from there.
 
         Each further crossing is found once: those that `n_crossings` left out, and one at the very end, where this run
         has a touch, since it did not see to which side the orbit goes on.
 
         Args:
             t_end: Time at which each trajectory ends at the latest, from its end on.
-            **options: As for `section`: threads, time_limit, progress.
+            **options: As for `section`, instead of those of this run; all but `starts`.
         """
+        if "starts" in options:
+            raise ParameterError("go_on: wanted other arguments than starts, which are where the orbits ended")
         if not (self.outcome == "finished").all():
             raise ParameterError("go_on: wanted trajectories that finished; got some that did not (see outcome)")
         run: dict[str, Any] = {
             **self.arguments(),
             "starts": self.end_state,
-            "start_side": self.end_side,
+            "start_side": 0 if "surface" in options else self.end_side,  # the side of this surface
             "t_end": t_end,
             **options,
         }
@@ -343,7 +347,8 @@ def section(
         n_crossings: End each trajectory after so many crossings: at the last one, as soon as the sign of $s$ after it
             is known.
         start_side: The sign of $s$ before the start, +1, -1, or 0 where it is not known; one for all or one for each
-            trajectory.  A trajectory that starts on the surface crosses it there if it goes on to the other side.
+            trajectory.  A trajectory that starts on the surface crosses it there if it goes on to the other side; for
+            one that starts elsewhere it says nothing.
         keep: Functions whose values are kept of each crossing instead of the state (texts or expressions); with a
             `TapeFunction`, the names of its further outputs.
         method: `Taylor()`, in double precision, by default to round-off.

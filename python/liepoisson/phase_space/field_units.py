@@ -10,7 +10,8 @@ each field, for which
 
 The logarithms of these conditions are linear in those of the units, and the sum of their violations is made least.  The
 units are powers of two, so that coordinates change without round-off, and 1 where no two fields differ by more than
-`ORDINARY` and none is further than `FAR` from 1: systems in ordinary units are untouched.
+`ORDINARY` and none is further than `FAR` from 1 (`ORDINARY`, if there is one field only): systems in ordinary units are
+untouched.
 """
 
 from __future__ import annotations
@@ -79,9 +80,6 @@ def field_units(
     bracket = system.bracket
     n_fields, n = len(bracket.field_names), bracket.algebra.dimension
     ones = np.ones(bracket.dimension)
-    # Without a constant part lengths are compared with that of the state, see `liepoisson.phase_space.lengths`.
-    if n_fields == 1 and not bracket.constant:
-        return ones
     length = float(np.abs(state).max()) if state is not None and bracket.constant else 0.0
     problem = _Problem(n_fields, length or 1.0)
     for sizes, constant in _blocks(bracket):
@@ -93,7 +91,8 @@ def field_units(
     logarithms = problem.solution()
     if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:
         return ones
-    if np.ptp(logarithms) < np.log2(ORDINARY) and np.abs(logarithms).max() < np.log2(FAR):
+    far = FAR if n_fields > 1 else ORDINARY
+    if np.ptp(logarithms) < np.log2(ORDINARY) and np.abs(logarithms).max() < np.log2(far):
         return ones
     return np.repeat(np.ldexp(1.0, np.round(logarithms).astype(int)), n)
 

@@ -284,7 +284,11 @@ def reduced_derivatives(leaf: LeafInUnits, x: Array, basis: Array) -> tuple[Arra
     energy, equations = leaf.system.functions.energy, leaf.equations
     gradient, hessian = energy.gradient(x), energy.hessian(x)
     rows = equations.rows(x)
-    multipliers = np.einsum("...ij,...i->...j", np.linalg.pinv(rows), gradient)[..., len(equations.pinned) :]
+    lengths = np.linalg.norm(rows, axis=-1, keepdims=True)  # a Casimir is in units of its own, such as 1e-20
+    unit_rows = np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)
+    weights = np.einsum("...ij,...i->...j", np.linalg.pinv(unit_rows), gradient)
+    multipliers = np.divide(weights, lengths[..., 0], out=np.zeros_like(weights), where=lengths[..., 0] > 0)
+    multipliers = multipliers[..., len(equations.pinned) :]
     weights = multipliers @ equations.mixing
     for k, function in enumerate(equations.functions):
         hessian = hessian - weights[..., k, None, None] * function.hessian(x)
