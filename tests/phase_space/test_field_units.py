@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from sympy import Matrix, Rational
+from sympy import Matrix, Rational, exp, sin, sqrt
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
@@ -256,3 +256,27 @@ def test_energies_of_a_twisted_top_lie_between_the_same_limits_in_any_unit(u, v)
     lowest, highest = leaf.energy_range()
     assert lowest == pytest.approx(-1.77297533547723, rel=1e-12)
     assert highest == np.inf
+
+
+@pytest.mark.parametrize("unit", [2.0**-30, 1.0, 2.0**50, 2.0**60])
+def test_states_of_a_section_in_units_of_scalar_fields(unit):
+    """Each coordinate of a canonical system is a field, and x = 0 is a value like others."""
+    x, y, px, py = (z / exact(unit) for z in lp.canonical(names=("x", "y"), momenta=("px", "py")).variables)
+    bracket = lp.canonical(names=("x", "y"), momenta=("px", "py"))
+    energy = (px**2 + py**2 + x**2 + y**2) / 2 + x**2 * y - y**3 / 3
+    system = lp.System(bracket, exact(unit) ** 2 * energy)
+    leaf = lp.Leaf.through(system, np.array([0.1, 0.2, 0.1, 0.3]) * unit)
+    found = section_starts(leaf, "x", energy=0.1 * unit**2, n_starts=5, seed=1)
+    assert np.abs(found[:, 0]).max() < 1e-15 * unit
+    np.testing.assert_allclose(system.functions.energy(found), 0.1 * unit**2, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("r", "s"), [(1.0, 1.0), (1e6, 1e-6), (1e-12, 1e3), (1.0, 1e9)])
+def test_lowest_energy_where_the_hamiltonian_is_no_polynomial(r, s):
+    """H = |l|^2/2 + sqrt(1 + l2^2)/2 + sin(p1 + p2) + exp(-p3^2): the arguments say which units the fields have."""
+    base = lp.catalog.system("clebsch")
+    l, p = Matrix(base.variables[:3]) / exact(r), Matrix(base.variables[3:]) / exact(s)
+    energy = l.dot(l) / 2 + sqrt(1 + l[1] ** 2) / 2 + sin(p[0] + p[1]) + exp(-(p[2] ** 2))
+    leaf = lp.Leaf.through(lp.System(base.bracket, exact(r) * energy), scaled([0.3, -0.5, 0.2, 0.6, 0.5, -0.4], r, s))
+    # from 300 starts of SciPy's SLSQP on the leaf l.p = -0.15, |p|^2 = 0.77
+    assert leaf.energy_range()[0] == pytest.approx(0.42686404633 * r, rel=1e-9)

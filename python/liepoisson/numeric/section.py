@@ -127,6 +127,16 @@ class Section(IntegratedRun):
     first_step: Array = labelled("trajectory", long_name="length of the first step")
     end_side: NDArray[np.int8] = labelled("trajectory", long_name="last known sign of the surface function", units="1")
 
+    def __post_init__(self) -> None:
+        """Refuses crossings that are not in the order of travel, as of datasets that were joined as they are."""
+        later = np.diff(np.abs(self.time)) >= 0
+        if not (later | (np.diff(self.crossing_trajectory) > 0)).all():
+            raise ParameterError(
+                "section: wanted the crossings of each trajectory in the order of travel; got another order: were two "
+                "files joined without new numbers for their trajectories, or crossings sorted?"
+            )
+        super().__post_init__()
+
     def arguments(self) -> dict[str, Any]:
         """What `section` was called with."""
         own = {name: getattr(self, name) for name in ("t_end", "direction", "n_crossings", "start_side")}

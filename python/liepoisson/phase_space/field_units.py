@@ -5,7 +5,8 @@ units, like any other.  Its states are found, compared and moved in coordinates 
 each field, for which
 
 - the terms of each Casimir are of the order of its value or larger, as large as it where it is a sum of squares;
-- the terms of H are of one order, and not all smaller than an energy that is asked for;
+- the terms of H are of one order, and not all smaller than an energy that is asked for; the argument of a function in
+  it that is no polynomial, such as a sine, is of order one, and a sum of which a root is taken of that of its constant;
 - the linear part of the bracket is of the order of its constant part, if it has both.
 
 The logarithms of these conditions are linear in those of the units, and the sum of their violations is made least.  The
@@ -88,6 +89,8 @@ def field_units(
         problem.add(_sizes(function, system.variables, n), value, weight=_IMPOSSIBLE)
     own = _sizes(system.functions.energy, system.variables, n)
     problem.add(_moving(system, own, casimirs), energy or 0.0, weight=_BALANCED)
+    for sizes, constant in _arguments(system.functions.energy, system.variables, n):
+        problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     logarithms = problem.solution()
     if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:
         return ones
@@ -173,15 +176,29 @@ def _blocks(bracket: Bracket) -> list[tuple[_Sizes, float]]:
 
 @lru_cache(maxsize=256)
 def _sizes(function: PhaseFunction, variables: tuple[Expr, ...], n: int) -> _Sizes | None:
-    """The terms of a polynomial by their degrees in the fields, each with its largest coefficient; None for others."""
-    from sympy import Add, Poly
+    """The terms of a function that are polynomials; None where there are none, or too many."""
+    polynomial = _polynomial_part(function.expression, variables)
+    return None if polynomial is None else _sizes_of_terms(polynomial, variables, n)
 
-    expression: Any = function.expression
-    if len(Add.make_args(expression)) > _MOST_TERMS or not expression.is_polynomial(*variables):
+
+def _polynomial_part(expression: Any, variables: tuple[Expr, ...]) -> Any:
+    """The terms of an expression that are polynomials; None for too many."""
+    from sympy import Add
+
+    if len(terms := Add.make_args(expression)) > _MOST_TERMS:
         return None
+    if expression.is_polynomial(*variables):
+        return expression
+    return Add(*(term for term in terms if term.is_polynomial(*variables)))
+
+
+def _sizes_of_terms(polynomial: Any, variables: tuple[Expr, ...], n: int) -> _Sizes | None:
+    """The terms of a polynomial by their degrees in the fields, each with its largest coefficient."""
+    from sympy import Poly
+
     classes: dict[tuple[int, ...], float] = {}
     is_sum_of_squares = True
-    for monomial, coefficient in cast("Any", Poly(expression, *variables)).terms():
+    for monomial, coefficient in cast("Any", Poly(polynomial, *variables)).terms():
         degree = tuple(np.reshape(monomial, (-1, n)).sum(axis=1).tolist())
         if not any(degree):
             continue
@@ -191,6 +208,27 @@ def _sizes(function: PhaseFunction, variables: tuple[Expr, ...], n: int) -> _Siz
     if not classes or not all(0 < size < np.inf for size in classes.values()):
         return None
     return _Sizes(np.array([*classes], dtype=float), np.log2([*classes.values()]), is_sum_of_squares)
+
+
+@lru_cache(maxsize=256)
+def _arguments(function: PhaseFunction, variables: tuple[Expr, ...], n: int) -> tuple[tuple[_Sizes, float], ...]:
+    """The polynomials inside of what is no polynomial, with the size that they are to have."""
+    from sympy import Add, Pow, preorder_traversal
+
+    found: dict[Any, float] = {}
+    for term in Add.make_args(function.expression):
+        if term.is_polynomial(*variables) or len(found) > _MOST_TERMS:
+            continue
+        for node in preorder_traversal(term):
+            if not node.args or node.is_Add or node.is_Mul or node.is_polynomial(*variables):
+                continue
+            base = node.base if isinstance(node, Pow) and not node.exp.has(*variables) else None
+            for part in (base,) if base is not None else node.args:
+                if part.has(*variables) and part.is_polynomial(*variables):
+                    constant = part.expand().as_independent(*variables, as_Add=True)[0] if base is not None else 1
+                    found[part] = abs(float(constant))
+    sizes = [(_sizes_of_terms(part.expand(), variables, n), constant) for part, constant in found.items()]
+    return tuple((one, constant) for one, constant in sizes if one is not None)
 
 
 def _moving(system: System, sizes: _Sizes | None, casimirs: Mapping[str, PhaseFunction]) -> _Sizes | None:
@@ -209,7 +247,7 @@ def _moves(system: System, degree: list[float]) -> bool:
     from sympy import Poly
 
     n, x = system.bracket.algebra.dimension, system.variables
-    terms = cast("Any", Poly(system.hamiltonian, *x)).terms()
+    terms = cast("Any", Poly(_polynomial_part(system.hamiltonian, x), *x)).terms()
     own = [(m, c) for m, c in terms if np.reshape(m, (-1, n)).sum(axis=1).tolist() == degree]
     part = system.functions.of(cast("Any", Poly(dict(own), *x)).as_expr())
     state = np.random.default_rng(0).standard_normal(len(x))

@@ -55,7 +55,7 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     n, size = system.bracket.dimension, max(1.0, float(np.abs(values).max(initial=0.0)) ** 0.5)
     size = 1.0 if (units != 1.0).any() else size
     starts = rng.standard_normal((_STARTS, n)) * np.geomspace(0.1, 10.0, _STARTS)[:, None] * size
-    found, residual = solve(equations_in_units(equations, units, len(system.bracket.field_names)), starts)
+    found, residual = solve(equations_in_units(equations, units, system.bracket), starts)
     found = found[residual <= CONVERGED] * units
     reached = found[_has_squares(system, place, values, found)]
     if not len(reached):
