@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from liepoisson.arrays import Array
+from liepoisson.phase_space.lengths import field_length
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -79,8 +80,8 @@ def field_units(
         state: A state, whose largest component is the unit where nothing else says how long states are.
     """
     bracket = system.bracket
-    n_fields, n = len(bracket.field_names), bracket.algebra.dimension
-    ones = np.ones(bracket.dimension)
+    n = field_length(bracket)
+    n_fields, ones = bracket.dimension // n, np.ones(bracket.dimension)
     length = float(np.abs(state).max()) if state is not None and bracket.constant else 0.0
     problem = _Problem(n_fields, length or 1.0)
     for sizes, constant in _blocks(bracket):
@@ -157,7 +158,8 @@ class _Problem:
 
 def _blocks(bracket: Bracket) -> list[tuple[_Sizes, float]]:
     """The linear parts of those blocks {field, field} that have a constant part, with the size of that part."""
-    n, k = bracket.algebra.dimension, len(bracket.field_names)
+    n = field_length(bracket)
+    k = bracket.dimension // n
     constants: dict[tuple[int, int], float] = {}
     for (i, j), c in bracket.constant.items():
         block = (i // n, j // n)
@@ -233,7 +235,7 @@ def _arguments(function: PhaseFunction, variables: tuple[Expr, ...], n: int) -> 
 
 def _moving(system: System, sizes: _Sizes | None, casimirs: Mapping[str, PhaseFunction]) -> _Sizes | None:
     """The terms of H without those that move nothing, as a multiple of a Casimir."""
-    n = system.bracket.algebra.dimension
+    n = field_length(system.bracket)
     constant = [_sizes(function, system.variables, n) for function in casimirs.values()]
     degrees = {tuple(row) for one in constant if one is not None for row in one.degrees.tolist()}
     if sizes is None or not degrees & {tuple(row) for row in sizes.degrees.tolist()}:
@@ -246,7 +248,7 @@ def _moves(system: System, degree: list[float]) -> bool:
     """Whether the terms of H of these degrees in the fields have a vector field."""
     from sympy import Poly
 
-    n, x = system.bracket.algebra.dimension, system.variables
+    n, x = field_length(system.bracket), system.variables
     terms = cast("Any", Poly(_polynomial_part(system.hamiltonian, x), *x)).terms()
     own = [(m, c) for m, c in terms if np.reshape(m, (-1, n)).sum(axis=1).tolist() == degree]
     part = system.functions.of(cast("Any", Poly(dict(own), *x)).as_expr())

@@ -27,6 +27,7 @@ from liepoisson.phase_space.field_units import field_units
 from liepoisson.phase_space.leaf_in_units import LeafInUnits
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, mixing_of, solve
 from liepoisson.phase_space.leaf_stratum import Place, open_place, place_of
+from liepoisson.phase_space.lengths import field_length
 from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
@@ -171,7 +172,7 @@ class Leaf:
         On a stratum that is not listed, and where not all Casimirs are known, only the known ones are compared:
         necessary, not sufficient.
         """
-        n_fields = len(self.system.bracket.field_names)
+        n_fields = self.system.bracket.dimension // field_length(self.system.bracket)
         if self.place.is_known:
             equations = replace(self.equations, n_fields=n_fields)
         else:

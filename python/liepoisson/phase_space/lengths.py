@@ -13,6 +13,14 @@ if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
 
 
+def field_length(bracket: Bracket) -> int:
+    """The number of components that are in one unit: those of a field, and one where the bracket is only constant.
+
+    Canonical coordinates are lengths, angles and what else one likes.
+    """
+    return bracket.algebra.dimension if next(iter(bracket.entries()), None) is not None else 1
+
+
 def unit_length(bracket: Bracket) -> float:
     """What is added to the length of a state: 1 where the bracket has a constant part, else 0."""
     return 1.0 if bracket.constant else 0.0
