@@ -280,3 +280,31 @@ def test_lowest_energy_where_the_hamiltonian_is_no_polynomial(r, s):
     leaf = lp.Leaf.through(lp.System(base.bracket, exact(r) * energy), scaled([0.3, -0.5, 0.2, 0.6, 0.5, -0.4], r, s))
     # from 300 starts of SciPy's SLSQP on the leaf l.p = -0.15, |p|^2 = 0.77
     assert leaf.energy_range()[0] == pytest.approx(0.42686404633 * r, rel=1e-9)
+
+
+@pytest.mark.parametrize("k", [0, 2, 3, 6, -3, -6])
+def test_each_canonical_coordinate_has_a_unit_of_its_own(k):
+    """q2 -> 10^k q2, p2 -> 10^-k p2 is canonical: nothing changes.  Energies from a search of its own with SciPy."""
+    q1, q2, p1, p2 = lp.canonical(2).variables
+    q2, p2 = q2 * Rational(10) ** k, p2 / Rational(10) ** k
+    energy = p1**2 / 2 + 3 * p2**2 / 4 + q1**4 / 4 + q2**4 / 4 + q1**2 * q2**2 / 3 - q1**2 / 2 - q2**2 / 3
+    system = lp.System(lp.canonical(2), energy + q1 * q2 / 5 + q1 / 10)
+    leaf = lp.Leaf(system, {})
+    wanted = [-0.43775, -0.25096, -0.10778, -0.05519, 0.00536]
+    assert leaf.energy_range() == (pytest.approx(wanted[0], abs=1e-5), np.inf)
+    assert [e.energy for e in lp.equilibria(system, leaf)] == pytest.approx(wanted, abs=1e-5)
+    found = leaf.sample(20, seed=1, energy=1.0)
+    np.testing.assert_allclose(system.functions.energy(found), 1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("k", [0, 3, -6])
+def test_rotations_and_translations_of_one_field_have_units_of_their_own(k):
+    """t -> 10^k t is an automorphism of se(3)."""
+    bracket = lp.algebras.se(3) @ lp.trivial()
+    x = [v * Rational(10) ** (k if i > 2 else 0) for i, v in enumerate(bracket.variables)]
+    energy = x[0] ** 2 / 2 + x[1] ** 2 / 3 + x[2] ** 2 / 4 + x[3] + x[4] / 2 - x[3] * x[5] / 3 + x[4] ** 2 / 5
+    state = np.array([0.4, -0.3, 0.6, 0.7, 0.2, -0.5]) / np.repeat([1.0, 10.0**k], 3)
+    system = lp.System(bracket, energy)
+    found = lp.equilibria(system, lp.Leaf.through(system, state))
+    # from 3000 starts of SciPy's root for the equations with multipliers
+    assert [e.energy for e in found] == pytest.approx([-0.988359, 1.052089], abs=1e-6)

@@ -14,7 +14,7 @@ from liepoisson.arrays import Array
 from liepoisson.errors import LeafError
 from liepoisson.exact.phase_functions import PhaseFunction
 from liepoisson.phase_space.leaf_projection import Equations
-from liepoisson.phase_space.lengths import field_length, unit_length
+from liepoisson.phase_space.lengths import unit_groups, unit_length
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -143,5 +143,5 @@ def equations_in_units(equations: Equations, units: Array, bracket: Bracket) -> 
         return equations
     rows = np.linalg.qr((equations.pinned * units).T)[0].T
     functions = tuple(in_units(function, units) for function in equations.functions)
-    n_fields, unit = bracket.dimension // field_length(bracket), unit_length(bracket)
-    return replace(equations, pinned=rows, functions=functions, n_fields=n_fields, unit=unit)
+    groups, unit = unit_groups(bracket), unit_length(bracket)
+    return replace(equations, pinned=rows, functions=functions, groups=groups, unit=unit)
