@@ -1,0 +1,1 @@
+"""Is a system integrable? First integrals searched exactly, proofs that there are none, and certificates."""

@@ -1,0 +1,115 @@
+r"""The equations of motion as a derivation of polynomials, $D = \sum_k \dot x_k\,\partial/\partial x_k$, exactly.
+
+A polynomial is a dictionary from exponents to coefficients, which are elements of the exact field that the coefficients
+of the equations generate (`liepoisson.exact.linear.coefficients`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.coefficients import Coefficients, Element
+from liepoisson.exact.parameters import Exact
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+    from liepoisson.exact.system import System
+
+Exponents: TypeAlias = tuple[int, ...]
+Polynomial: TypeAlias = dict[Exponents, Element]
+
+
+@dataclass(frozen=True)
+class Derivation:
+    r"""A polynomial vector field, and polynomials with coefficients in the same field.
+
+    Attributes:
+        variables: The coordinates.
+        components: The right-hand sides, one polynomial for each coordinate.
+        field: Where coefficients live.
+    """
+
+    variables: tuple[Symbol, ...]
+    components: tuple[Polynomial, ...]
+    field: Coefficients
+
+    @property
+    def degree(self) -> int:
+        """The largest degree of a right-hand side, 0 if all vanish."""
+        return max((sum(m) for component in self.components for m in component), default=0)
+
+    def __call__(self, polynomial: Mapping[Exponents, Element]) -> Polynomial:
+        """The derivative of a polynomial along the motion."""
+        total: Polynomial = {}
+        for monomial, coefficient in polynomial.items():
+            for key, value in self.of_monomial(monomial):
+                term = coefficient * value
+                total[key] = total[key] + term if key in total else term
+        return {m: c for m, c in total.items() if not self.field.vanishes(c)}
+
+    def of_monomial(self, monomial: Exponents) -> list[tuple[Exponents, Element]]:
+        """The terms of the derivative of one monomial; equal monomials may occur several times."""
+        found: list[tuple[Exponents, Element]] = []
+        for k, power in enumerate(monomial):
+            if not power:
+                continue
+            lowered = (*monomial[:k], power - 1, *monomial[k + 1 :])
+            for factor, coefficient in self.components[k].items():
+                found.append((tuple(map(sum, zip(lowered, factor, strict=True))), coefficient * power))
+        return found
+
+    def expression(self, polynomial: Mapping[Exponents, Element]) -> Expr:
+        """A polynomial as a SymPy expression."""
+        from sympy import Add, Mul
+
+        terms: list[Any] = [
+            Mul(self.field.to_sympy(c), *(x**k for x, k in zip(self.variables, m, strict=True) if k))
+            for m, c in polynomial.items()
+        ]
+        return Add(*terms)
+
+
+def derivation_of(system: System, *functions: Expr) -> tuple[Derivation, list[Polynomial]]:
+    """The equations of a system as a derivation, and functions as polynomials over the same field.
+
+    Raises:
+        ParameterError: the equations or a function are no polynomials.
+    """
+    equations = list(system.equations.values())
+    terms = [_terms(e, system.variables, f"the rate of {x}") for x, e in system.equations.items()]
+    # all rates may have a common power of pi, which changes the speed of motion and no integral
+    speed = Coefficients.containing([c for one in terms for c in one.values()]).scale
+    terms = [{m: cast("Exact", _divided(c, speed)) for m, c in one.items()} for one in terms]
+    terms += [_terms(f, system.variables, "a function") for f in functions]
+    field = Coefficients.containing([c for one in terms for c in one.values()])
+    read = [{m: field.read(c) for m, c in one.items()} for one in terms]
+    n = len(equations)
+    return Derivation(system.variables, tuple(read[:n]), field), read[n:]
+
+
+def _divided(value: Exact, scale: Exact) -> Exact:
+    return value if scale == 1 else value / scale
+
+
+def _terms(expression: Any, variables: Sequence[Symbol], what: str) -> dict[Exponents, Exact]:
+    from fractions import Fraction
+
+    from sympy import Poly, PolynomialError
+
+    if expression == 0:
+        return {}
+    if not expression.is_polynomial(*variables):
+        raise ParameterError(
+            f"{what}: wanted a polynomial in {', '.join(map(str, variables))}; got {shown(expression)}. Searches for "
+            "polynomial integrals need polynomial equations; sections, exponents and `decide` take any smooth system"
+        )
+    try:
+        terms = cast("Any", Poly(expression, *variables)).terms()
+    except PolynomialError as error:
+        raise ParameterError(f"{what}: wanted a polynomial; got {shown(expression)} ({error})") from error
+    return {m: Fraction(int(c.p), int(c.q)) if c.is_Rational else c for m, c in terms if c != 0}

@@ -1,0 +1,248 @@
+r"""First integrals of a system: all polynomials up to a degree or of a weight that are constant along the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.errors import ParameterError
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
+from liepoisson.integrability.gradings import Grading, gradings, positive_grading
+from liepoisson.integrability.level import level_of
+from liepoisson.integrability.monomials import n_monomials, of_degree, of_weight
+from liepoisson.integrability.search import BlockCount, Generator, Search
+from liepoisson.scalars import as_count
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+
+MOST_MONOMIALS = 60_000
+"""Monomials of the largest search that is begun; 20 000 of a field without gradings take some minutes."""
+
+
+@dataclass(frozen=True)
+class FirstIntegral:
+    """An integral that was found.
+
+    Attributes:
+        name: F1, F2, ...
+        expression: It, with the smallest whole coefficients if they are rational.
+        degree: Its total degree.
+        is_independent: Whether it is functionally independent of the known integrals and those found before it.  Others
+            are functions of these, though no polynomials in them.
+    """
+
+    name: str
+    expression: Expr
+    degree: int
+    is_independent: bool
+
+
+@dataclass(frozen=True, repr=False)
+class FirstIntegrals:
+    """What a search for polynomial first integrals found, and what it proves.
+
+    Attributes:
+        system: The system.
+        degree: The total degree up to which was searched, or None.
+        weight: The weight, or None.
+        weights: The weights of the coordinates, if a weight was given.
+        on: Functions that vanish on the level set that was searched; empty for all of phase space.
+        known: The integrals that were known, by name.
+        found: Those that were found and are no polynomials in the known ones, lowest degree first.
+        n_monomials: Number of monomials of the search.
+        n_blocks: Number of blocks, between which the equations do not mix.
+        n_integrals: Dimension of the space of integrals, not counting constants.
+        complete: Whether it is proved that there are no others.
+        prime: The prime modulo which null spaces were bounded.
+        parameters: Names of the parameters for whose generic values this holds; empty where all are numbers.
+    """
+
+    system: System
+    degree: int | None
+    weight: int | None
+    weights: tuple[int, ...]
+    on: tuple[Expr, ...]
+    known: dict[str, Expr]
+    found: tuple[FirstIntegral, ...]
+    n_monomials: int
+    n_blocks: int
+    n_integrals: int
+    complete: bool
+    prime: int
+    parameters: tuple[str, ...] = ()
+    counts: tuple[BlockCount, ...] = field(default=(), repr=False)
+
+    @property
+    def independent(self) -> tuple[FirstIntegral, ...]:
+        """The integrals found that are functionally independent of the known ones and of each other."""
+        return tuple(f for f in self.found if f.is_independent)
+
+    @property
+    def scope(self) -> str:
+        """Which polynomials were searched, in words."""
+        size = f"up to degree {self.degree}" if self.weight is None else f"of weight {self.weight}"
+        where = f" on {', '.join(f'{f} = 0' for f in self.on)}" if self.on else ""
+        generic = f", for generic {', '.join(self.parameters)}" if self.parameters else ""
+        return f"polynomials {size}{where}{generic}"
+
+    def __repr__(self) -> str:
+        n = len(self.found)
+        what = f"{n} new integral{'s' * (n != 1)}" if n else "no new integral"
+        return f"<FirstIntegrals of {self.system.name}: {what} among {self.scope}>"
+
+    def __str__(self) -> str:
+        """The integrals, and what is proved."""
+        lines = [f"{self.system.name}: first integrals among {self.scope}"]
+        lines.append(f"known: {', '.join(self.known) or 'none'}")
+        for integral in self.found:
+            note = "" if integral.is_independent else "   (depends on the others)"
+            lines.append(f"{integral.name} = {integral.expression}{note}")
+        if not self.found:
+            lines.append("no others than polynomials in the known ones")
+        if self.complete:
+            others = "Every other one is a polynomial in these" if self.found else "There is none"
+            lines.append(
+                f"proved over the complex numbers: {others}. ({self.n_monomials} monomials in {self.n_blocks} blocks; "
+                f"{self.n_integrals} integrals, the null space modulo {self.prime}, are spanned)"
+            )
+        return "\n".join(lines)
+
+
+@explains_its_arguments
+@shows_progress
+def first_integrals(
+    system: System,
+    *,
+    degree: int | None = None,
+    weight: int | None = None,
+    on: Sequence[str | Expr] = (),
+    known: Mapping[str, str | Expr] | None = None,
+    progress: Callable[[float], Any] | None = None,
+) -> FirstIntegrals:
+    r"""All polynomial first integrals up to a total degree, or of one weight.
+
+    They are the polynomials F with $\{F, H\} = 0$: the null vectors of $D = \sum_k\dot x_k\,\partial_k$ on monomials,
+    found modulo a prime and, where they are no products of known ones, lifted and checked exactly.  A rank modulo a
+    prime is at most the true one, so that "there are no others" is a proof, over the complex numbers as well.
+
+    Example:
+        >>> top = lp.Top(inertia=(2, 2, 1), a=(0, 0, -1), epsilon=1)
+        >>> found = lp.integrability.first_integrals(top, degree=2)
+        >>> [str(f.expression) for f in found.found]
+        ['l3', 'alpha1*l1 + alpha2*l2 + alpha3*l3 - 2*beta3']
+
+    Args:
+        system: A system with polynomial equations.  Parameters that are symbols count as generic.
+        degree: The total degree; 2 if neither it nor the weight is given.
+        weight: The weight instead, for equations that are homogeneous for positive weights of the coordinates, which
+            are found: (1, 2, 3) for l, alpha and beta of the twisted top with b = 0.
+        on: Functions that vanish on a level set to which the search is restricted, such as "C1" or "C2 - 1": partial
+            integrals, as that of Goryachev and Chaplygin.  The level must be invariant.
+        known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
+        progress: As for `integrate`.
+
+    Raises:
+        ParameterError: The equations are no polynomials, a known integral is none, the level is not invariant, there is
+            no positive grading for a weight, or the search is too large.
+        ExpressionError: A text cannot be read.
+    """
+    given = _known(system) if known is None else {name: system.expression(f) for name, f in known.items()}
+    zeros = [system.expression(f) for f in ([on] if isinstance(on, str) else on)]
+    derivation, functions = derivation_of(system, *given.values(), *zeros)
+    known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
+    for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
+        if derivation(polynomial):
+            raise ParameterError(
+                f"known: wanted integrals; got {name} = {shown(expression)}, whose derivative "
+                f"{shown(derivation.expression(derivation(polynomial)))} is not zero"
+            )
+    level = level_of(derivation, zero_polynomials)
+    found = _gradings_of_level(derivation, zero_polynomials)
+    monomials, size, weights = _asked(derivation, found, degree, weight)
+    remainders = [level.remainder(polynomial) for polynomial in known_polynomials]
+    generators = [Generator(n, r, is_new=False) for n, r in zip(given, remainders, strict=True) if any(map(any, r))]
+    search = Search(derivation, found, level, tuple(z for z in zero_polynomials if z), generators)
+    search.run(monomials, progress)
+    new = [g for g in search.generators if g.is_new]
+    return FirstIntegrals(
+        system=system,
+        degree=None if weight is not None else (2 if degree is None else degree),
+        weight=weight,
+        weights=weights,
+        on=tuple(zeros),
+        known=given,
+        found=tuple(
+            FirstIntegral(g.name, derivation.expression(_tidied(g.polynomial)), g.degree, g.is_independent) for g in new
+        ),
+        n_monomials=size,
+        n_blocks=len(search.counts),
+        n_integrals=sum(c.nullity for c in search.counts),
+        complete=all(c.nullity == c.n_known for c in search.counts),
+        prime=search.residues.p,
+        parameters=tuple(map(str, derivation.field.parameters)),
+        counts=tuple(search.counts),
+    )
+
+
+def _known(system: System) -> dict[str, Expr]:
+    """H and the Casimirs."""
+    return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+
+
+def _gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
+    """The gradings in which the equations of the level are homogeneous."""
+    return tuple(g for g in gradings(derivation) if all(len({g.of(m) for m in zero}) <= 1 for zero in zeros))
+
+
+def _asked(
+    derivation: Derivation, found: Sequence[Grading], degree: int | None, weight: int | None
+) -> tuple[Iterator[Exponents], int, tuple[int, ...]]:
+    """The monomials of the search, their number, and the weights of the coordinates."""
+    n = len(derivation.variables)
+    if weight is None:
+        d = 2 if degree is None else as_count(degree, "degree", least=1)
+        size = n_monomials(n, d) - 1
+        if size > MOST_MONOMIALS:
+            fits = max(k for k in range(d) if n_monomials(n, k) <= MOST_MONOMIALS)
+            raise ParameterError(
+                f"degree: wanted at most {fits}, with {n_monomials(n, fits):,} monomials in {n} coordinates; got {d}, "
+                f"with {size:,}. Search by weight, or on a level"
+            )
+        return chain.from_iterable(of_degree(n, k) for k in range(1, d + 1)), size, ()
+    if degree is not None:
+        raise ParameterError(f"wanted a degree or a weight; got both, {degree} and {weight}; leave one out")
+    w = as_count(weight, "weight", least=1)
+    grading = positive_grading(found)
+    if grading is None:
+        raise ParameterError(
+            "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; give "
+            "a degree instead"
+        )
+    size = sum(1 for _ in of_weight(grading.weights, w))
+    if size > MOST_MONOMIALS:
+        raise ParameterError(
+            f"weight: wanted at most {MOST_MONOMIALS:,} monomials; {w} has {size:,}; take a smaller weight"
+        )
+    return of_weight(grading.weights, w), size, grading.weights
+
+
+def _tidied(polynomial: Polynomial) -> Polynomial:
+    """With whole coefficients without a common factor, the leading one positive, where they are rational."""
+    from fractions import Fraction
+    from math import gcd, lcm
+
+    values = list(polynomial.values())
+    if not all(isinstance(v, Fraction) for v in values):
+        return polynomial
+    scale = Fraction(lcm(*(v.denominator for v in values)))
+    whole = {m: v * scale for m, v in polynomial.items()}
+    common = gcd(*(int(v) for v in whole.values()))
+    sign = -1 if whole[max(whole, key=lambda m: (sum(m), m))] < 0 else 1
+    return {m: v * sign / common for m, v in whole.items()}

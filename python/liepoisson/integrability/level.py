@@ -1,0 +1,109 @@
+r"""Polynomials on an invariant level set $L_1 = \dots = L_r = 0$: remainders modulo the ideal that the $L_j$ generate.
+
+The remainders modulo a Gröbner basis in a degree order are a basis of the functions on the level, and their degree is
+the smallest of all polynomials that have the same values there.  Sources: Cox, Little and O'Shea (2015), sections 2.6, 5.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, cast
+
+from liepoisson.errors import ParameterError
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+
+def order(monomial: Exponents) -> tuple[int, ...]:
+    """Graded reverse lexicographic order."""
+    return (sum(monomial), *(-k for k in reversed(monomial)))
+
+
+@dataclass(frozen=True)
+class Level:
+    """The level set of some polynomials, or all of phase space.
+
+    Attributes:
+        basis: A Gröbner basis of the ideal, each with its leading monomial; monic.
+    """
+
+    basis: tuple[tuple[Exponents, Polynomial], ...] = ()
+
+    def is_standard(self, monomial: Exponents) -> bool:
+        """Whether a monomial is no multiple of a leading one."""
+        return not any(_divides(lead, monomial) for lead, _ in self.basis)
+
+    def remainder(self, polynomial: Mapping[Exponents, Any]) -> Polynomial:
+        """What is left of a polynomial modulo the ideal."""
+        left = {m: c for m, c in polynomial.items() if c}
+        if not self.basis:
+            return left
+        done: Polynomial = {}
+        while left:
+            monomial = max(left, key=order)
+            divisor = next((b for b in self.basis if _divides(b[0], monomial)), None)
+            if divisor is None:
+                done[monomial] = left.pop(monomial)
+                continue
+            lead, generator = divisor
+            factor, shift = left[monomial], tuple(a - b for a, b in zip(monomial, lead, strict=True))
+            for m, c in generator.items():
+                key = tuple(map(sum, zip(m, shift, strict=True)))
+                value = left[key] - factor * c if key in left else -(factor * c)
+                if value:
+                    left[key] = value
+                else:
+                    left.pop(key, None)
+        return done
+
+
+def level_of(derivation: Derivation, zeros: Sequence[Polynomial]) -> Level:
+    """The level set on which some polynomials vanish.
+
+    Raises:
+        ParameterError: it is not invariant, or empty.
+    """
+    generators = [zero for zero in zeros if zero]
+    if not generators:
+        return Level()
+    basis = generators if len(generators) == 1 else _groebner(derivation, generators)
+    pairs: list[tuple[Exponents, Polynomial]] = []
+    for generator in basis:
+        lead = max(generator, key=order)
+        inverse = derivation.field.one / generator[lead]
+        pairs.append((lead, {m: c * inverse for m, c in generator.items()}))
+    level = Level(tuple(pairs))
+    if not all(map(any, (lead for lead, _ in pairs))):
+        raise ParameterError("on: wanted a level that has points; got equations that contradict each other")
+    for zero in generators:
+        if level.remainder(derivation(zero)):
+            raise ParameterError(
+                f"on: wanted a level set that orbits do not leave; got {derivation.expression(zero)} = 0, which is not "
+                "invariant. Write for example a Casimir equal to a number"
+            )
+    return level
+
+
+def _groebner(derivation: Derivation, generators: Iterable[Polynomial]) -> list[Polynomial]:
+    from sympy import groebner
+
+    from liepoisson.exact.linear.coefficients import Coefficients
+
+    expressions: list[Expr] = [derivation.expression(g) for g in generators]
+    field: Coefficients = derivation.field
+    if field.is_cyclotomic:
+        raise ParameterError("on: wanted one equation, or rational coefficients; got several over a cyclotomic field")
+    options: dict[str, Any] = {} if field.is_rational else {"domain": field.domain}
+    found: Any = groebner(expressions, *derivation.variables, order="grevlex", **options)
+    read: list[Polynomial] = []
+    for polynomial in found.polys:
+        terms = cast("Any", polynomial).terms()
+        read.append({m: field.read(c) for m, c in terms})
+    return read
+
+
+def _divides(first: Exponents, second: Exponents) -> bool:
+    return all(a <= b for a, b in zip(first, second, strict=True))

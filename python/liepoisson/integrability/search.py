@@ -1,0 +1,323 @@
+r"""All polynomial first integrals up to a degree, or of a weight, exactly.
+
+The integrals of a degree are the null vectors of D on the monomials.  These fall into blocks by the gradings of the
+equations.  In each block:
+
+1. The dimension of the null space modulo a prime is at least the true one.
+2. Products of the integrals that are known already span a part of it, whose dimension modulo the prime is at most the
+   true one.
+3. Where the two are equal there is no further integral: a proof.  Otherwise the null space is lifted to the exact field
+   and multiplied with the matrix, and integrals that are no sums of products of others are taken, lowest degree first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.echelon import Echelon
+from liepoisson.exact.linear.linear_algebra import nullspace, nullspace_mod, rank_mod
+from liepoisson.exact.linear.residues import Residues
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.gradings import Grading, homogeneous_parts
+from liepoisson.integrability.level import Level, order
+from liepoisson.integrability.modular import Modular, Span, gradient_at, modular, multiply, random_point
+from liepoisson.integrability.monomials import in_blocks
+
+Label = tuple[int, ...]
+_MOST_TERMS = 400
+"""Terms of the longest polynomials that are made shorter by subtracting products."""
+
+
+@dataclass
+class Generator:
+    """An integral whose products with others are known.
+
+    Attributes:
+        name: How it is called.
+        polynomial: It.
+        is_new: Whether the search found it.
+        is_independent: Whether it is functionally independent of those before it.
+    """
+
+    name: str
+    polynomial: Polynomial
+    is_new: bool
+    is_independent: bool = True
+
+    @property
+    def degree(self) -> int:
+        """Its total degree."""
+        return max(map(sum, self.polynomial))
+
+
+@dataclass(frozen=True)
+class BlockCount:
+    """What was found in one block.
+
+    Attributes:
+        label: The weights of its monomials.
+        n_unknowns: Number of monomials.
+        nullity: Dimension of the null space modulo the prime, at least that of the integrals.
+        n_known: Dimension of the span of products of the known integrals and of those found.
+    """
+
+    label: Label
+    n_unknowns: int
+    nullity: int
+    n_known: int
+
+
+@dataclass
+class Search:
+    """The search on one set of monomials.
+
+    Attributes:
+        derivation: The equations.
+        gradings: Their gradings; on a level only those in which its equations are homogeneous.
+        level: The level set, or all of phase space.
+        equations: The polynomials that vanish on the level.
+        generators: Integrals that are known, to which those that are found are added.
+        counts: What was found, block by block.
+    """
+
+    derivation: Derivation
+    gradings: tuple[Grading, ...]
+    level: Level
+    equations: tuple[Polynomial, ...]
+    generators: list[Generator]
+    counts: list[BlockCount] = field(default_factory=list)
+
+    def run(
+        self,
+        monomials: Iterator[Exponents],
+        progress: Callable[[float], Any] | None = None,
+    ) -> None:
+        """Look for integrals among the combinations of some monomials, a union of blocks."""
+        blocks = in_blocks((m for m in monomials if any(m) and self.level.is_standard(m)), self.gradings)
+        total, done = sum(len(b) ** 2 for b in blocks.values()), 0
+        excess: list[tuple[Label, list[Exponents], list[Modular]]] = []
+        for label, block in sorted(blocks.items(), key=lambda item: len(item[1])):
+            block.sort(key=order, reverse=True)
+            vectors = self._null_space(block)
+            if vectors:
+                excess.append((label, block, vectors))
+            else:
+                self.counts.append(BlockCount(label, len(block), 0, 0))
+            done += len(block) ** 2
+            if progress:
+                progress(0.9 * done / total)
+        self._compare(excess)
+
+    def _null_space(self, block: Sequence[Exponents]) -> list[Modular]:
+        """The null space modulo the prime."""
+        rows: dict[Exponents, dict[int, int]] = {}
+        p = self.residues.p
+        for column, monomial in enumerate(block):
+            for key, value in self._image(monomial).items():
+                rows.setdefault(key, {})[column] = self.residues(value) % p
+        found = nullspace_mod(list(rows.values()), len(block), p)
+        return [{block[c]: v for c, v in vector.items()} for vector in found]
+
+    def _image(self, monomial: Exponents) -> Polynomial:
+        return self.level.remainder(self.derivation({monomial: self.derivation.field.one}))
+
+    def _compare(self, excess: list[tuple[Label, list[Exponents], list[Modular]]]) -> None:
+        """Blocks with integrals: those that products of known ones give, and the others, lowest degree first."""
+        p = self.residues.p
+        highest = max((sum(block[0]) for _, block, _ in excess), default=0)
+        spans = {label: Span(p) for label, _, _ in excess}
+        self._insert_products(spans, highest, self.generators)
+        waiting: list[tuple[int, Label, Polynomial]] = []
+        for label, block, vectors in excess:
+            if len(spans[label]) < len(vectors):
+                waiting += [(max(map(sum, v)), label, v) for v in self._exact_null_space(block)]
+        for _, label, polynomial in sorted(waiting, key=lambda item: (item[0], len(item[2]))):
+            image = modular(polynomial, self.residues)
+            if not spans[label].reduce(image):
+                continue
+            simplest = self._simplest(polynomial, label)
+            found = Generator(f"F{sum(g.is_new for g in self.generators) + 1}", simplest, is_new=True)
+            found.is_independent = self.is_independent([g.polynomial for g in self.generators], polynomial)
+            self.generators.append(found)
+            self._insert_products(spans, highest, self.generators, must_contain=len(self.generators) - 1)
+        for label, block, vectors in excess:
+            self.counts.append(BlockCount(label, len(block), len(vectors), len(spans[label])))
+
+    def _exact_null_space(self, block: Sequence[Exponents]) -> list[Polynomial]:
+        """The null space over the exact field, as polynomials of the lowest degrees possible."""
+        rows: dict[Exponents, dict[int, Any]] = {}
+        for column, monomial in enumerate(block):
+            for key, value in self._image(monomial).items():
+                rows.setdefault(key, {})[column] = value
+        found = nullspace(list(rows.values()), len(block), self.derivation.field)
+        # the columns are ordered by degree, highest first: leading monomials tell what is of lower degree
+        lowest = Echelon(self.derivation.field)
+        for vector in found.vectors:
+            lowest.insert(vector)
+        return [{block[c]: v for c, v in vector.items()} for vector in lowest.basis()]
+
+    def _simplest(self, polynomial: Polynomial, label: Label) -> Polynomial:
+        """A sum of the polynomial and multiples of known products with few terms, by a greedy search."""
+        products = [p for p in self._products(max(map(sum, polynomial)), label) if len(p) <= _MOST_TERMS]
+        best = polynomial
+        while len(best) <= _MOST_TERMS:
+            found = [
+                {m: c for m in best.keys() | q.keys() if (c := best.get(m, 0) - best[k] / q[k] * q.get(m, 0))}
+                for q in products
+                for k in best.keys() & q.keys()
+            ]
+            shortest = min(found, key=len, default=best)
+            if len(shortest) >= len(best):
+                break
+            best = shortest
+        return best
+
+    def _products(self, highest: int, label: Label) -> list[Polynomial]:
+        """The products of integrals in a block, up to a degree, exactly."""
+        field_one, found = self.derivation.field.one, list[Polynomial]()
+        factors = [
+            (max(map(sum, part)), part)
+            for generator in self.generators
+            for part in homogeneous_parts(generator.polynomial, self.gradings).values()
+            if any(map(any, part))
+        ]
+
+        def extend(start: int, left: int, product: Polynomial | None) -> None:
+            if product is not None and tuple(g.of(next(iter(product))) for g in self.gradings) == label:
+                found.append({m: c for m, c in self.level.remainder(product).items() if any(m)})
+            for k in range(start, len(factors)):
+                degree, factor = factors[k]
+                if degree <= left and (product is None or len(product) * len(factor) <= _MOST_TERMS**2):
+                    extend(k, left - degree, factor if product is None else _times(product, factor))
+
+        extend(0, highest, None)
+        return [{m: field_one * c for m, c in p.items()} for p in found if p]
+
+    def _insert_products(
+        self, spans: Mapping[Label, Span], highest: int, generators: Sequence[Generator], must_contain: int | None = None
+    ) -> None:
+        """Put all products of integrals up to a degree into the spans of their blocks."""
+        factors: list[tuple[int, Modular, int]] = []
+        for index, generator in enumerate(generators):
+            for part in homogeneous_parts(generator.polynomial, self.gradings).values():
+                factors.append((max(map(sum, part)), modular(part, self.residues), index))
+        p = self.residues.p
+
+        def extend(start: int, left: int, product: Modular | None, contains: bool) -> None:
+            if product is not None and contains:
+                label = tuple(g.of(next(iter(product))) for g in self.gradings)
+                if label in spans:
+                    reduced = {m: c % p for m, c in self._remainder_mod(product).items() if c % p}
+                    spans[label].insert({m: c for m, c in reduced.items() if any(m)})
+            for k in range(start, len(factors)):
+                degree, factor, index = factors[k]
+                if 0 < degree <= left:
+                    further = factor if product is None else multiply(product, factor, p)
+                    extend(k, left - degree, further, contains or must_contain is None or index == must_contain)
+
+        extend(0, highest, None, must_contain is None)
+
+    def _remainder_mod(self, product: Modular) -> Modular:
+        return self._level_mod.remainder_mod(product, self.residues.p) if self.level.basis else product
+
+    @cached_property
+    def _level_mod(self) -> _LevelMod:
+        return _LevelMod([(lead, modular(b, self.residues)) for lead, b in self.level.basis])
+
+    @cached_property
+    def residues(self) -> Residues:
+        """The homomorphism modulo a prime."""
+        found = self.derivation.field.residues(seed=1)
+        if found is None:
+            raise ParameterError(
+                "the coefficients are no algebraic numbers, so that zero cannot be decided; give rational numbers or "
+                "roots"
+            )
+        return found
+
+    def is_independent(self, others: Sequence[Polynomial], polynomial: Polynomial) -> bool:
+        """Whether a polynomial is functionally independent of others: proved if True, by ranks at random points."""
+        return self._rank([*others, polynomial]) > self._rank(others)
+
+    def _rank(self, polynomials: Sequence[Polynomial]) -> int:
+        point = self.point
+        rows = [gradient_at(modular(f, self.residues), point, self.residues.p) for f in (*self.equations, *polynomials)]
+        return rank_mod(rows, len(point), self.residues.p)
+
+    @cached_property
+    def point(self) -> list[int]:
+        """A random point modulo the prime, on the level."""
+        p, n = self.residues.p, len(self.derivation.variables)
+        if not self.equations:
+            return random_point(n, p)
+        for seed in range(1, 60):
+            found = _point_on([modular(f, self.residues) for f in self.equations], random_point(n, p, seed), p)
+            if found is not None:
+                return found
+        raise ParameterError(
+            "on: no point of the level was found modulo a prime; give equations that can be solved one after the other"
+        )
+
+
+def _times(first: Polynomial, second: Polynomial) -> Polynomial:
+    product: Polynomial = {}
+    for m, c in first.items():
+        for k, d in second.items():
+            key = tuple(map(sum, zip(m, k, strict=True)))
+            product[key] = product[key] + c * d if key in product else c * d
+    return {m: c for m, c in product.items() if c}
+
+
+@dataclass(frozen=True)
+class _LevelMod:
+    """A Gröbner basis modulo a prime."""
+
+    basis: Sequence[tuple[Exponents, Modular]]
+
+    def remainder_mod(self, polynomial: Modular, p: int) -> Modular:
+        left, done = dict(polynomial), {}
+        while left:
+            monomial = max(left, key=order)
+            for lead, generator in self.basis:
+                if all(a <= b for a, b in zip(lead, monomial, strict=True)):
+                    factor = left[monomial]
+                    for m, c in generator.items():
+                        key = tuple(k + a - b for k, a, b in zip(m, monomial, lead, strict=True))
+                        value = (left.get(key, 0) - factor * c) % p
+                        if value:
+                            left[key] = value
+                        else:
+                            left.pop(key, None)
+                    break
+            else:
+                done[monomial] = left.pop(monomial)
+        return done
+
+
+def _point_on(equations: Sequence[Modular], point: list[int], p: int) -> list[int] | None:
+    """The point, moved to the level by one coordinate for each equation; None if that has no solution."""
+    from flint import nmod_poly
+
+    fixed: set[int] = set()
+    for equation in sorted(equations, key=lambda e: len({i for m in e for i, k in enumerate(m) if k})):
+        occurring = sorted({i for m in equation for i, k in enumerate(m) if k} - fixed)
+        if not occurring:
+            return None
+        i = occurring[-1]
+        coefficients: dict[int, int] = {}
+        for monomial, c in equation.items():
+            for j, k in enumerate(monomial):
+                if j != i and k:
+                    c = c * pow(point[j], k, p) % p
+            coefficients[monomial[i]] = (coefficients.get(monomial[i], 0) + c) % p
+        polynomial = nmod_poly([coefficients.get(k, 0) for k in range(max(coefficients) + 1)], p)
+        roots = [r for r, _ in polynomial.factor()[1] if r.degree() == 1] if polynomial.degree() > 0 else []
+        if not roots:
+            return None
+        point[i] = int(-roots[0][0] / roots[0][1])
+        fixed |= {j for m in equation for j, k in enumerate(m) if k}
+    return point
