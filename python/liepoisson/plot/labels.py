@@ -45,7 +45,7 @@ def symbol(name: str, letters: dict[str, str] | None = None) -> str:
     known = _LETTERS if letters is None else _LETTERS | letters
     found = _NAME.fullmatch(name)
     if found is None or len(name) > LONGEST:
-        return rf"\mathrm{{{_upright(name)}}}"
+        return upright(name)
     stem, digits = found.groups()
     letter = known.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
     return f"{letter}_{{{digits}}}" if digits else letter
@@ -83,10 +83,11 @@ def _drawable(character: str) -> str:
     return "\ufffd" if unicodedata.category(character) in {"Cc", "Cf", "Cs", "Co", "Cn"} else character
 
 
-def _upright(name: str) -> str:
-    r"""A name inside of \mathrm: only letters and digits as they are."""
+def upright(name: str) -> str:
+    r"""A name in upright letters, \mathrm{name}: only letters and digits as they are."""
     shown = name if len(name) <= LONGEST else f"{name[: LONGEST - 3]}..."
-    return "".join(c if c.isascii() and c.isalnum() else r"\_" if c == "_" else r"\ " for c in shown)
+    letters = "".join(c if c.isascii() and c.isalnum() else r"\_" if c == "_" else r"\ " for c in shown)
+    return rf"\mathrm{{{letters}}}"
 
 
 def name_of_system(run: object) -> str | None:

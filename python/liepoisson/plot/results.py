@@ -10,6 +10,7 @@ import numpy as np
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.plot.exponents import convergence
+from liepoisson.plot.formulas import formula, number
 from liepoisson.plot.labels import label, plain
 from liepoisson.plot.orbits import orbit
 from liepoisson.plot.rod import rod
@@ -65,8 +66,8 @@ def profile(result: Any, *, ax: Axes | None = None) -> Axes:
         )  # fmt: skip
         ax.set_xlabel(r"$H$")
         ax.set_ylabel(rf"$\lambda$ at $t = {result.t_end:g}$")
-        leaf = ", ".join(f"{name} = {value:.4g}" for name, value in result.casimirs.items())
-        ax.set_title(plain(f"{result.system.name}: {leaf}"))
+        leaf = ", ".join(f"{label(name)} = ${number(value)}$" for name, value in result.casimirs.items())
+        ax.set_title(f"{plain(result.system.name)}: {leaf}")
         ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=4, borderaxespad=0.0)
     return ax
 
@@ -182,7 +183,7 @@ def _returns(result: Any, *, ax: Axes | None = None) -> Axes:
         ax.plot(image[:, x], image[:, y], ".", color=ANGULAR_MOMENTUM, markersize=6, label="image")
         ax.set_xlabel(label(result.components[x]))
         ax.set_ylabel(label(result.components[y]))
-        ax.set_title(plain(f"{result.system.name}: return to {result.surface} = 0"))
+        ax.set_title(f"{plain(result.system.name)}: return to {formula(result.surface)} = 0")
         ax.legend()
     return ax
 
