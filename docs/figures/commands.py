@@ -19,7 +19,7 @@ COMMANDS = {
     "command-orbit.png": "liepoisson orbit twisted-kovalevskaya --plot",
     "command-section.png": "liepoisson section kovalevskaya --plot",
 }
-DPI = {"command-orbit.png": 105, "command-section.png": 140}
+DPI = 150
 KEY = "Description"
 """The entry of a picture's file that says what it shows."""
 
@@ -55,7 +55,7 @@ def main(folder: Path) -> None:
     for name, command in COMMANDS.items():
         figure = figure_of(command)
         metadata = {"Software": None, KEY: content(figure)}
-        figure.savefig(folder / name, format="png", dpi=DPI[name], metadata=metadata)
+        figure.savefig(folder / name, format="png", dpi=DPI, metadata=metadata)
         print(folder / name, (folder / name).stat().st_size // 1000, "kB")
 
 
