@@ -38,6 +38,9 @@ def test_names_are_mathematical_text_that_can_be_read():
         r"$\ell_{12}$",
         r"$\mathrm{Casimir}_{2}$",
     )
+    assert label("ws1m2") == r"$\mathrm{Im}\,w_{1,{-}2}$"
+    assert label("psic10_m3") == r"$\mathrm{Re}\,\psi_{10,{-}3}$"
+    assert label("alphas12") == r"$\mathrm{alphas}_{12}$"
     assert label("dot(l, l) - 1") == "dot(l, l) - 1"
     assert label("_a") == r"$\mathrm{\_a}$"
 

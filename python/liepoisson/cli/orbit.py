@@ -159,8 +159,7 @@ def _written(run: Orbit, data: Path | None, stem: Path | None) -> list[Path]:
     if stem is not None:
         from liepoisson.plot.orbits import orbit as draw
 
-        invariants = {name: values[0] for name, values in run.invariants.items()}
-        written += write_figure(draw(run, invariants=invariants), stem)
+        written += write_figure(draw(run), stem)
     return written
 
 

@@ -23,13 +23,14 @@ from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _MOST_CURVES = 200
 _KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTUM}
 
 
 @explains_its_arguments
-def draw(result: Any, **options: Any) -> Any:
+def draw(result: Any, **options: Any) -> Figure:
     """The figure of a result, whatever its kind.
 
     Args:
@@ -38,7 +39,7 @@ def draw(result: Any, **options: Any) -> Any:
             `ax`, axes to draw into.
 
     Returns:
-        What the figure of this kind returns: a figure or its axes.
+        The figure; `.axes` are its axes, `.savefig(path)` writes it.
 
     Raises:
         ParameterError: it is no result of a run.
@@ -46,7 +47,10 @@ def draw(result: Any, **options: Any) -> Any:
     kind = getattr(type(result), "kind", None)
     if not isinstance(result, Result) or kind not in _FIGURES:
         raise ParameterError(f"result: wanted what a run returned; got {shown(result)}; try an Orbit or a Section")
-    return _FIGURES[kind](result, **options)
+    from matplotlib.axes import Axes
+
+    drawn = _FIGURES[kind](result, **options)
+    return drawn.get_figure(root=True) if isinstance(drawn, Axes) else drawn
 
 
 @explains_its_arguments
