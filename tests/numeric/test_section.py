@@ -468,6 +468,15 @@ def test_a_limit_of_time_holds_for_every_surface(surface):
     assert (found.time <= found.end_time[0]).all()
 
 
+def test_a_section_that_goes_on_with_another_surface_knows_no_side_of_it():
+    starts = lp.sample_states(TWISTED, 8, seed=2)
+    first = lp.section(TWISTED, starts, surface="l3", t_end=20)
+    again = first.go_on(t_end=20, surface="l1", direction=1, keep=("l2",))
+    anew = lp.section(TWISTED, first.end_state, surface="l1", direction=1, t_end=20, keep=("l2",))
+    np.testing.assert_array_equal(again.time, anew.time)
+    np.testing.assert_array_equal(again.state, anew.state)
+
+
 def test_a_section_goes_on_from_where_it_ended():
     starts = lp.sample_states(TWISTED, 2, seed=1)
     first = lp.section(TWISTED, starts, surface="l3", t_end=20)

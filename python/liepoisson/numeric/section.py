@@ -147,14 +147,18 @@ class Section(IntegratedRun):
 
         Args:
             t_end: Time at which each trajectory ends at the latest, from its end on.
-            **options: As for `section`: threads, time_limit, progress.
+            **options: As for `section`, in place of those of this run: direction, n_crossings (counted anew), method,
+                threads, time_limit, progress; or another surface, and with it other functions to keep.
+
+        Raises:
+            ParameterError: A trajectory has not finished.
         """
         if not (self.outcome == "finished").all():
             raise ParameterError("go_on: wanted trajectories that finished; got some that did not (see outcome)")
         run: dict[str, Any] = {
             **self.arguments(),
             "starts": self.end_state,
-            "start_side": self.end_side,
+            "start_side": 0 if "surface" in options else self.end_side,  # of another function no sign is known
             "t_end": t_end,
             **options,
         }
