@@ -275,7 +275,7 @@ def _draw_changes(ax: Axes, time: FloatArray, changes: Mapping[str, FloatArray])
         ax.plot(time, positive, color=SEQUENCE[(k + 3) % len(SEQUENCE)], linewidth=1.1, label=words)
     ax.set_yscale("log")
     ax.yaxis.set_minor_formatter(NullFormatter())
-    ax.set_ylabel("largest\nchange")
+    ax.set_ylabel("largest\nchange", linespacing=0.95)
     sizes = np.concatenate([change[change > 0] for change in shown.values()])
     if sizes.size:
         ax.set_ylim(10 ** np.floor(np.log10(sizes.min()) - 0.01), 10 ** np.ceil(np.log10(sizes.max()) + 0.01))
