@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -49,8 +49,8 @@ def draw(result: Any, **options: Any) -> Figure:
         raise ParameterError(f"result: wanted what a run returned; got {shown(result)}; try an Orbit or a Section")
     from matplotlib.axes import Axes
 
-    drawn = _FIGURES[kind](result, **options)
-    return drawn.get_figure(root=True) if isinstance(drawn, Axes) else drawn
+    drawn: Any = _FIGURES[kind](result, **options)
+    return cast("Figure", drawn.get_figure(root=True) if isinstance(drawn, Axes) else drawn)
 
 
 @explains_its_arguments

@@ -99,7 +99,12 @@ def _curve(
     ax.plot(x, y, color=colour, marker="o", markersize=3.2, linewidth=1.1, label=label, zorder=3)
     # They mark their places, and keep the axis as long as it will be.
     if len(missing := x[_not_computed(result)[order]]):
-        style = {"color": MUTED, "markersize": 3.5, "markeredgewidth": 0.7, "transform": ax.get_xaxis_transform()}
+        style: dict[str, Any] = {
+            "color": MUTED,
+            "markersize": 3.5,
+            "markeredgewidth": 0.7,
+            "transform": ax.get_xaxis_transform(),
+        }
         ax.plot(missing, np.full(len(missing), 0.03), "x", **style)
     added = result.level[order] > 0
     if show_levels and added.any():

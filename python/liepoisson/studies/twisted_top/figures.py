@@ -96,8 +96,10 @@ def _draw_residual(ax: Axes, twisted: RunResult) -> None:
     time_axis(ax, time[0], time[-1])
     ax.set_ylabel(r"$\langle\lambda\rangle - {}$fit")
     # Beside the title: inside, it would cover a curve of one run or another.
-    place = {"loc": "lower right", "bbox_to_anchor": (1.03, 0.98), "ncols": 3}
-    ax.legend(**place, fontsize=7.2, handlelength=1.1, handletextpad=0.35, columnspacing=0.6)
+    ax.legend(
+        loc="lower right", bbox_to_anchor=(1.03, 0.98), ncols=3, fontsize=7.2, handlelength=1.1, handletextpad=0.35,
+        columnspacing=0.6,
+    )  # fmt: skip
     ax.set_title("(b)  twisted")
 
 
