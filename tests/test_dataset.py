@@ -622,6 +622,24 @@ def test_a_part_of_a_section_has_its_own_crossings(tmp_path, pick):
     assert np.array_equal(again.trajectory, part.trajectory)
 
 
+@pytest.mark.parametrize(
+    "change",
+    [
+        lambda d: d.isel(trajectory=[2, 3]).drop_vars("trajectory"),
+        lambda d: d.assign_coords(trajectory=-np.arange(6)),
+        lambda d: d.assign_coords(trajectory=list("abcdef")),
+        lambda d: d.assign_coords(crossing_trajectory=d.crossing_trajectory.astype(float)),
+        lambda d: d.isel(crossing=np.argsort(-d.time.values)),
+        lambda d: d.assign_coords(crossing_trajectory=d.crossing_trajectory // 2),  # as of files that were joined
+    ],
+)
+def test_crossings_that_belong_to_no_known_trajectory_are_refused(change):
+    top = lp.Top.twisted_kovalevskaya()
+    whole = lp.section(top, lp.sample_states(top, 6, seed=3), surface="l1", t_end=20)
+    with pytest.raises(DamagedFileError):
+        lp.rerun(change(whole.dataset))
+
+
 @pytest.mark.parametrize("pick", [[3, 4], [5, 0], [2], [1, 1], [1, 0, 5, 4, 3, 2]])
 def test_a_part_of_a_dense_orbit_has_its_own_series(tmp_path, pick):
     top = lp.Top.twisted_kovalevskaya()

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import read_only
@@ -194,7 +195,9 @@ def _renumbered(kind: Any, dataset: Dataset) -> Dataset:
     for item in fields(kind):
         label = item.metadata.get(KEY)
         if isinstance(label, ArrayLabel) and label.numbers:
-            members, owner = dataset[label.numbers].to_numpy(), dataset[item.name].to_numpy()
+            members, owner = numbers_of(dataset, label.numbers), dataset[item.name].to_numpy()
+            if owner.dtype.kind not in "iu":
+                raise ValueError(f"{item.name}: wanted whole numbers; got {owner.dtype}")
             order = np.argsort(owner, kind="stable")
             first, end = (np.searchsorted(owner[order], members, side) for side in ("left", "right"))
             counts = end - first
@@ -203,6 +206,20 @@ def _renumbered(kind: Any, dataset: Dataset) -> Dataset:
             dataset = dataset.isel({dim: order[np.repeat(first, counts) + within]})
             dataset = dataset.assign({item.name: (dim, np.repeat(np.arange(len(members)), counts))})
     return dataset
+
+
+def numbers_of(dataset: Dataset, dim: str) -> NDArray[np.int64]:
+    """The numbers that the places along a dimension have in the whole run, of which the dataset may be a part.
+
+    Raises:
+        ValueError: they were dropped, or are none.
+    """
+    if dim not in dataset.coords:
+        raise ValueError(f"{dim}: wanted the numbers of the whole run along it; they were dropped from the dataset")
+    numbers = dataset[dim].to_numpy()
+    if numbers.dtype.kind not in "iu" or (numbers < 0).any():
+        raise ValueError(f"{dim}: wanted the numbers of the whole run along it; got {shown(numbers.tolist())}")
+    return numbers
 
 
 def _array(dataset: Dataset, name: str, label: ArrayLabel) -> Any:
@@ -216,7 +233,7 @@ def _pieces(dataset: Dataset, label: PiecesLabel, n: int) -> tuple[Any, ...]:
     begins = dataset[first].to_numpy()
     rest = dataset[second].transpose(label.dim, *label.dims).to_numpy()
     # which trajectories of the run these are: the dataset may be a part of it
-    rows = dataset["trajectory"].to_numpy() if "trajectory" in dataset.dims else np.arange(1)
+    rows = numbers_of(dataset, "trajectory") if "trajectory" in dataset.dims else np.arange(1)
     if not (np.isin(rows, np.arange(n)).all() and np.isin(owner, np.arange(n)).all()):
         raise ValueError(f"{label.dim}: wanted those of {n} trajectories; got other numbers")
     return tuple((begins[owner == row], rest[owner == row]) for row in rows)

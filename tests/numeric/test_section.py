@@ -468,15 +468,6 @@ def test_a_limit_of_time_holds_for_every_surface(surface):
     assert (found.time <= found.end_time[0]).all()
 
 
-def test_a_section_that_goes_on_with_another_surface_knows_no_side_of_it():
-    starts = lp.sample_states(TWISTED, 8, seed=2)
-    first = lp.section(TWISTED, starts, surface="l3", t_end=20)
-    again = first.go_on(t_end=20, surface="l1", direction=1, keep=("l2",))
-    anew = lp.section(TWISTED, first.end_state, surface="l1", direction=1, t_end=20, keep=("l2",))
-    np.testing.assert_array_equal(again.time, anew.time)
-    np.testing.assert_array_equal(again.state, anew.state)
-
-
 def test_a_section_goes_on_from_where_it_ended():
     starts = lp.sample_states(TWISTED, 2, seed=1)
     first = lp.section(TWISTED, starts, surface="l3", t_end=20)
@@ -487,3 +478,21 @@ def test_a_section_goes_on_from_where_it_ended():
         late = whole.of(k)[len(first.of(k)) :]
         assert np.abs(again.of(k) - late).max() < 1e-9
         assert len(late) > 3
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_start_far_from_the_surface_crosses_nothing_whatever_side_is_given(side):
+    oscillator = lp.System(lp.canonical(1), "(q1^2 + p1^2)/2")
+    found = lp.section(oscillator, [1.0, 0.0], surface="q1", t_end=3 * np.pi, start_side=side)
+    np.testing.assert_allclose(found.time, [np.pi / 2, 3 * np.pi / 2, 5 * np.pi / 2])
+
+
+def test_going_on_with_another_surface_starts_on_no_side_of_it():
+    oscillator = lp.System(lp.canonical(1), "(q1^2 + p1^2)/2")
+    first = lp.section(oscillator, [1.0, 0.0], surface="q1", t_end=np.pi)
+    further = first.go_on(t_end=2 * np.pi, surface="p1 - 1/2")
+    assert np.array_equal(
+        further.state, lp.section(oscillator, first.end_state, surface="p1 - 1/2", t_end=2 * np.pi).state
+    )
+    with pytest.raises(ParameterError, match="other arguments than starts"):
+        first.go_on(t_end=1, starts=[1.0, 0.0])

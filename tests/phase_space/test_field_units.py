@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from sympy import Matrix, Rational
+from sympy import Matrix, Rational, exp, sin, sqrt
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, ParameterError
@@ -232,3 +232,79 @@ def test_random_starts_in_any_unit(r, s):
         start = find_start(system, leaf=leaf.casimirs, energy=wanted, seed=seed)
         assert start.energy == pytest.approx(wanted, rel=1e-9)
         assert leaf.residual(start.state) < 1e-12
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e-6, 1e-12, 1e9])
+def test_one_field_of_a_non_compact_algebra_has_a_unit(size):
+    """H(y) is a fixed polynomial of x = size y: the energies of equilibria do not depend on the size."""
+    g = lp.so(3, 1) @ lp.trivial()
+    y = [x / exact(size) for x in g.variables]
+    diagonal = sum(Rational(k + 2, 12) * x**2 + Rational(3 - k % 3, 10) * x**4 for k, x in enumerate(y))
+    system = lp.System(g, diagonal + y[0] - y[3] / 2 + y[1] * y[4] / 3)
+    start = np.random.default_rng(5).uniform(-1, 1, 6) * size
+    found = lp.equilibria(system, lp.Leaf.through(system, start))
+    assert len(found) == 2
+    assert [e.energy for e in found] == pytest.approx([-0.4580833104, 1.0690820], rel=1e-6)
+
+
+@pytest.mark.parametrize(("u", "v"), [(1.0, 1.0), (2.0**30, 1.0), (2.0**-30, 1.0), (1.0, 2.0**60), (2.0**-60, 2.0**30)])
+def test_energies_of_a_twisted_top_lie_between_the_same_limits_in_any_unit(u, v):
+    """alpha in units 1/u and beta in units 1/v: the same top; the lowest energy is that of an equilibrium."""
+    a, b = (u * x for x in (0.5, -0.2, 0.9)), (v * x for x in (0.3, 0.4, -0.2))
+    top = lp.Top(inertia=("3/2", "11/10", "4/5"), a=tuple(a), b=tuple(b), epsilon=0.75 * v / u**2)
+    leaf = lp.Leaf(top, {"C1": u**-2, "C2": 0.3 / (u * v), "C3": 0.9 * v**-2})
+    lowest, highest = leaf.energy_range()
+    assert lowest == pytest.approx(-1.77297533547723, rel=1e-12)
+    assert highest == np.inf
+
+
+@pytest.mark.parametrize("unit", [2.0**-30, 1.0, 2.0**50, 2.0**60])
+def test_states_of_a_section_in_units_of_scalar_fields(unit):
+    """Each coordinate of a canonical system is a field, and x = 0 is a value like others."""
+    x, y, px, py = (z / exact(unit) for z in lp.canonical(names=("x", "y"), momenta=("px", "py")).variables)
+    bracket = lp.canonical(names=("x", "y"), momenta=("px", "py"))
+    energy = (px**2 + py**2 + x**2 + y**2) / 2 + x**2 * y - y**3 / 3
+    system = lp.System(bracket, exact(unit) ** 2 * energy)
+    leaf = lp.Leaf.through(system, np.array([0.1, 0.2, 0.1, 0.3]) * unit)
+    found = section_starts(leaf, "x", energy=0.1 * unit**2, n_starts=5, seed=1)
+    assert np.abs(found[:, 0]).max() < 1e-15 * unit
+    np.testing.assert_allclose(system.functions.energy(found), 0.1 * unit**2, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("r", "s"), [(1.0, 1.0), (1e6, 1e-6), (1e-12, 1e3), (1.0, 1e9)])
+def test_lowest_energy_where_the_hamiltonian_is_no_polynomial(r, s):
+    """H = |l|^2/2 + sqrt(1 + l2^2)/2 + sin(p1 + p2) + exp(-p3^2): the arguments say which units the fields have."""
+    base = lp.catalog.system("clebsch")
+    l, p = Matrix(base.variables[:3]) / exact(r), Matrix(base.variables[3:]) / exact(s)
+    energy = l.dot(l) / 2 + sqrt(1 + l[1] ** 2) / 2 + sin(p[0] + p[1]) + exp(-(p[2] ** 2))
+    leaf = lp.Leaf.through(lp.System(base.bracket, exact(r) * energy), scaled([0.3, -0.5, 0.2, 0.6, 0.5, -0.4], r, s))
+    # from 300 starts of SciPy's SLSQP on the leaf l.p = -0.15, |p|^2 = 0.77
+    assert leaf.energy_range()[0] == pytest.approx(0.42686404633 * r, rel=1e-9)
+
+
+@pytest.mark.parametrize("k", [0, 2, 3, 6, -3, -6])
+def test_each_canonical_coordinate_has_a_unit_of_its_own(k):
+    """q2 -> 10^k q2, p2 -> 10^-k p2 is canonical: nothing changes.  Energies from a search of its own with SciPy."""
+    q1, q2, p1, p2 = lp.canonical(2).variables
+    q2, p2 = q2 * Rational(10) ** k, p2 / Rational(10) ** k
+    energy = p1**2 / 2 + 3 * p2**2 / 4 + q1**4 / 4 + q2**4 / 4 + q1**2 * q2**2 / 3 - q1**2 / 2 - q2**2 / 3
+    system = lp.System(lp.canonical(2), energy + q1 * q2 / 5 + q1 / 10)
+    leaf = lp.Leaf(system, {})
+    wanted = [-0.43775, -0.25096, -0.10778, -0.05519, 0.00536]
+    assert leaf.energy_range() == (pytest.approx(wanted[0], abs=1e-5), np.inf)
+    assert [e.energy for e in lp.equilibria(system, leaf)] == pytest.approx(wanted, abs=1e-5)
+    found = leaf.sample(20, seed=1, energy=1.0)
+    np.testing.assert_allclose(system.functions.energy(found), 1.0, rtol=1e-9)
+
+
+@pytest.mark.parametrize("k", [0, 3, -6])
+def test_rotations_and_translations_of_one_field_have_units_of_their_own(k):
+    """t -> 10^k t is an automorphism of se(3)."""
+    bracket = lp.algebras.se(3) @ lp.trivial()
+    x = [v * Rational(10) ** (k if i > 2 else 0) for i, v in enumerate(bracket.variables)]
+    energy = x[0] ** 2 / 2 + x[1] ** 2 / 3 + x[2] ** 2 / 4 + x[3] + x[4] / 2 - x[3] * x[5] / 3 + x[4] ** 2 / 5
+    state = np.array([0.4, -0.3, 0.6, 0.7, 0.2, -0.5]) / np.repeat([1.0, 10.0**k], 3)
+    system = lp.System(bracket, energy)
+    found = lp.equilibria(system, lp.Leaf.through(system, state))
+    # from 3000 starts of SciPy's root for the equations with multipliers
+    assert [e.energy for e in found] == pytest.approx([-0.988359, 1.052089], abs=1e-6)

@@ -9,6 +9,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
+from liepoisson.field import TopField
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.starts import TopRows, project, system_functions
 
@@ -129,3 +130,15 @@ def test_the_command_takes_pieces_and_patience(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert sorted(p.name for p in (tmp_path / "a.zarr" / "level0" / "value").glob("*.0")) == ["0.0", "1.0"]
+
+
+@pytest.mark.parametrize(("u", "v"), [(1e-9, 1.0), (1.0, 1e6), (1e9, 1e-6)])
+def test_states_are_found_where_fields_have_units_of_their_own(u, v):
+    """alpha in units 1/u, beta in units 1/v: the values are right relative to their own size."""
+    top = TopField((1.5, 1.1, 0.8), (0.5 * u, -0.2 * u, 0.9 * u), (0.3 * v, 0.4 * v, -0.2 * v), 0.75 * v / u**2)
+    functions = TopRows.of([top], 50).functions(["energy", "C1", "C2", "C3"])
+    wanted = np.tile([1.0, u**-2, 0.3 / (u * v), 0.9 * v**-2], (50, 1))
+    x = np.random.default_rng(0).standard_normal((50, 9)) / np.repeat([1.0, u, v], 3)
+    moved, found = project(functions, wanted, x, length=3)
+    assert found.sum() >= 45
+    np.testing.assert_allclose(functions(moved[found], np.arange(found.sum()))[0], wanted[found], rtol=1e-11)

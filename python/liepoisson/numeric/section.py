@@ -127,6 +127,16 @@ class Section(IntegratedRun):
     first_step: Array = labelled("trajectory", long_name="length of the first step")
     end_side: NDArray[np.int8] = labelled("trajectory", long_name="last known sign of the surface function", units="1")
 
+    def __post_init__(self) -> None:
+        """Refuses crossings that are not in the order of travel, as of datasets that were joined as they are."""
+        later = np.diff(np.abs(self.time)) >= 0
+        if not (later | (np.diff(self.crossing_trajectory) > 0)).all():
+            raise ParameterError(
+                "section: wanted the crossings of each trajectory in the order of travel; got another order: were two "
+                "files joined without new numbers for their trajectories, or crossings sorted?"
+            )
+        super().__post_init__()
+
     def arguments(self) -> dict[str, Any]:
         """What `section` was called with."""
         own = {name: getattr(self, name) for name in ("t_end", "direction", "n_crossings", "start_side")}
@@ -140,25 +150,29 @@ class Section(IntegratedRun):
 
     @explains_its_arguments
     def go_on(self, *, t_end: float, **options: Any) -> Section:
-        """Further crossings of the same orbits, from where they ended; times count from there.
+        """Further crossings of the same orbits, of the same or another surface, from where they ended.
+
+        Times count from there.
 
         Each further crossing is found once: those that `n_crossings` left out, and one at the very end, where this run
         has a touch, since it did not see to which side the orbit goes on.
 
         Args:
             t_end: Time at which each trajectory ends at the latest, from its end on.
-            **options: As for `section`, in place of those of this run: direction, n_crossings (counted anew), method,
-                threads, time_limit, progress; or another surface, and with it other functions to keep.
+            **options: As for `section`, in place of those of this run, all but `starts`; `n_crossings` counts anew,
+                and with another surface other functions may be kept.
 
         Raises:
-            ParameterError: A trajectory has not finished.
+            ParameterError: A trajectory has not finished, or `starts` are given.
         """
+        if "starts" in options:
+            raise ParameterError("go_on: wanted other arguments than starts, which are where the orbits ended")
         if not (self.outcome == "finished").all():
             raise ParameterError("go_on: wanted trajectories that finished; got some that did not (see outcome)")
         run: dict[str, Any] = {
             **self.arguments(),
             "starts": self.end_state,
-            "start_side": 0 if "surface" in options else self.end_side,  # of another function no sign is known
+            "start_side": 0 if "surface" in options else self.end_side,  # the side of this surface
             "t_end": t_end,
             **options,
         }
@@ -347,7 +361,8 @@ def section(
         n_crossings: End each trajectory after so many crossings: at the last one, as soon as the sign of $s$ after it
             is known.
         start_side: The sign of $s$ before the start, +1, -1, or 0 where it is not known; one for all or one for each
-            trajectory.  A trajectory that starts on the surface crosses it there if it goes on to the other side.
+            trajectory.  A trajectory that starts on the surface crosses it there if it goes on to the other side; for
+            one that starts elsewhere it says nothing.
         keep: Functions whose values are kept of each crossing instead of the state (texts or expressions); with a
             `TapeFunction`, the names of its further outputs.
         method: `Taylor()`, in double precision, by default to round-off.

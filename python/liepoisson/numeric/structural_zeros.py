@@ -107,11 +107,13 @@ def poisson_structure(system: Any, states: Array, units: Array | None = None) ->
         gradients = np.stack([constant.gradient(states) for constant in constants], axis=-1)
     unit = np.ones_like(states) if units is None else units
     gradients *= unit[:, :, None]
+    tensors = _in_units(functions, states, unit)
     good = np.isfinite(states).all(axis=1) & np.isfinite(gradients).all(axis=(1, 2))
+    good &= np.isfinite(tensors).all(axis=(1, 2))
+    tensors = tensors[good]
     n_zeros, corank = np.zeros(len(states), dtype=np.int64), np.zeros(len(states), dtype=np.int64)
-    tensors = functions.poisson_tensor(states[good]) / (unit[good, :, None] * unit[good, None, :])
     corank[good] = n - np.array([_rank(tensor) for tensor in tensors], dtype=np.int64)
-    least = n - max(_rank(tensor) for tensor in _generic_tensors(functions, unit[good]))
+    least = n - max((_rank(tensor) for tensor in _generic_tensors(functions, unit[good])), default=0)
     for k, tensor, gradient in zip(np.flatnonzero(good), tensors, gradients[good], strict=True):
         known = np.concatenate([gradient, _null_space(tensor, least)], axis=1) if corank[k] == least else gradient
         n_zeros[k] = _n_zeros(tensor, known)
@@ -147,8 +149,14 @@ def _generic_tensors(functions: Any, units: Array) -> Array:
     """Poisson tensors at a few states of no special position: a rank is the largest on an open dense set."""
     states = np.random.default_rng(0).standard_normal((4, units.shape[1]))
     unit = np.unique(units, axis=0)[:, None, :] if len(units) else np.ones((1, 1, units.shape[1]))
-    tensors = functions.poisson_tensor(states * unit) / (unit[..., :, None] * unit[..., None, :])
-    return tensors.reshape(-1, *tensors.shape[-2:])
+    tensors = _in_units(functions, states * unit, unit).reshape(-1, units.shape[1], units.shape[1])
+    return tensors[np.isfinite(tensors).all(axis=(1, 2))]
+
+
+@np.errstate(all="ignore")
+def _in_units(functions: Any, states: Array, units: Array) -> Array:
+    """The brackets of the components divided by their units, one after the other: their product may overflow."""
+    return np.asarray(functions.poisson_tensor(states) / units[..., :, None] / units[..., None, :])
 
 
 def _n_zeros(tensor: Array, gradients: Array) -> int:

@@ -282,8 +282,9 @@ def multipliers(fields: Array, scale: Array) -> Array:
     """
     result = np.zeros((len(fields), fields.shape[2] - 1))
     for row, (field, size) in enumerate(zip(fields, np.where(scale > 0, scale, 1.0), strict=True)):
-        kept = independent_columns(field[:, 1:] / size[1:])
-        result[row, kept] = np.linalg.lstsq(field[:, 1:][:, kept], field[:, 0])[0]
+        columns = field[:, 1:] / size[1:]
+        kept = independent_columns(columns)
+        result[row, kept] = np.linalg.lstsq(columns[:, kept], field[:, 0])[0] / size[1:][kept]
     return result
 
 

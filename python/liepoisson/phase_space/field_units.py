@@ -5,12 +5,14 @@ units, like any other.  Its states are found, compared and moved in coordinates 
 each field, for which
 
 - the terms of each Casimir are of the order of its value or larger, as large as it where it is a sum of squares;
-- the terms of H are of one order, and not all smaller than an energy that is asked for;
+- the terms of H are of one order, and not all smaller than an energy that is asked for; the argument of a function in
+  it that is no polynomial, such as a sine, is of order one, and a sum of which a root is taken of that of its constant;
 - the linear part of the bracket is of the order of its constant part, if it has both.
 
 The logarithms of these conditions are linear in those of the units, and the sum of their violations is made least.  The
 units are powers of two, so that coordinates change without round-off, and 1 where no two fields differ by more than
-`ORDINARY` and none is further than `FAR` from 1: systems in ordinary units are untouched.
+`ORDINARY` and none is further than `FAR` from 1 (`ORDINARY`, if there is one field only): systems in ordinary units are
+untouched.
 """
 
 from __future__ import annotations
@@ -23,6 +25,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from liepoisson.arrays import Array
+from liepoisson.phase_space.lengths import unit_groups
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -77,32 +80,32 @@ def field_units(
         state: A state, whose largest component is the unit where nothing else says how long states are.
     """
     bracket = system.bracket
-    n_fields, n = len(bracket.field_names), bracket.algebra.dimension
-    ones = np.ones(bracket.dimension)
-    # Without a constant part lengths are compared with that of the state, see `liepoisson.phase_space.lengths`.
-    if n_fields == 1 and not bracket.constant:
-        return ones
+    groups = unit_groups(bracket)
+    n_groups, ones = 1 + max(groups), np.ones(bracket.dimension)
     length = float(np.abs(state).max()) if state is not None and bracket.constant else 0.0
-    problem = _Problem(n_fields, length or 1.0)
+    problem = _Problem(n_groups, length or 1.0)
     for sizes, constant in _blocks(bracket):
         problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     for function, value in zip(casimirs.values(), values.tolist(), strict=True):
-        problem.add(_sizes(function, system.variables, n), value, weight=_IMPOSSIBLE)
-    own = _sizes(system.functions.energy, system.variables, n)
+        problem.add(_sizes(function, system.variables, groups), value, weight=_IMPOSSIBLE)
+    own = _sizes(system.functions.energy, system.variables, groups)
     problem.add(_moving(system, own, casimirs), energy or 0.0, weight=_BALANCED)
+    for sizes, constant in _arguments(system.functions.energy, system.variables, groups):
+        problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     logarithms = problem.solution()
     if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:
         return ones
-    if np.ptp(logarithms) < np.log2(ORDINARY) and np.abs(logarithms).max() < np.log2(FAR):
+    far = FAR if n_groups > 1 else ORDINARY
+    if np.ptp(logarithms) < np.log2(ORDINARY) and np.abs(logarithms).max() < np.log2(far):
         return ones
-    return np.repeat(np.ldexp(1.0, np.round(logarithms).astype(int)), n)
+    return np.ldexp(1.0, np.round(logarithms).astype(int))[list(groups)]
 
 
 class _Problem:
     """Rows of a linear problem for the logarithms of the units and one scale for each function."""
 
-    def __init__(self, n_fields: int, length: float) -> None:
-        self._n_fields, self._length = n_fields, length
+    def __init__(self, n_groups: int, length: float) -> None:
+        self._n_groups, self._length = n_groups, length
         self._n_functions = 0
         self._rows: list[tuple[Array, int, float, float, float]] = []
 
@@ -133,11 +136,11 @@ class _Problem:
         if value:
             if above is None:
                 above = _IMPOSSIBLE if sizes.is_sum_of_squares else _CANCELLED
-            self._rows.append((np.zeros(self._n_fields), scale, -float(np.log2(abs(value))), above, below))
+            self._rows.append((np.zeros(self._n_groups), scale, -float(np.log2(abs(value))), above, below))
 
     def solution(self) -> Array:
         """The logarithms of the units: the weighted sum of absolute violations is made least, by weighted squares."""
-        k, m = self._n_fields, self._n_functions
+        k, m = self._n_groups, self._n_functions
         matrix, right = np.zeros((len(self._rows) + k, k + m)), np.zeros(len(self._rows) + k)
         above, below = (np.full(len(right), _UNDETERMINED) for _ in range(2))
         for row, (degree, scale, constant, over, under) in enumerate(self._rows):
@@ -155,35 +158,54 @@ class _Problem:
 
 def _blocks(bracket: Bracket) -> list[tuple[_Sizes, float]]:
     """The linear parts of those blocks {field, field} that have a constant part, with the size of that part."""
-    n, k = bracket.algebra.dimension, len(bracket.field_names)
+    groups = unit_groups(bracket)
     constants: dict[tuple[int, int], float] = {}
     for (i, j), c in bracket.constant.items():
-        block = (i // n, j // n)
+        block = (groups[i], groups[j])
         constants[block] = max(constants.get(block, 0.0), abs(float(cast("Any", c))))
     found: list[tuple[_Sizes, float]] = []
     for block, constant in constants.items():
         sizes: dict[int, float] = {}
         for i, j, m, c in bracket.entries():
-            if (i // n, j // n) == block:
-                sizes[m // n] = max(sizes.get(m // n, 0.0), abs(float(cast("Any", c))))
+            if (groups[i], groups[j]) == block:
+                sizes[groups[m]] = max(sizes.get(groups[m], 0.0), abs(float(cast("Any", c))))
         if sizes and constant:
-            degrees = np.eye(k)[[*sizes]]
+            degrees = np.eye(1 + max(groups))[[*sizes]]
             found.append((_Sizes(degrees, np.log2([*sizes.values()]), is_sum_of_squares=False), constant))
     return found
 
 
 @lru_cache(maxsize=256)
-def _sizes(function: PhaseFunction, variables: tuple[Expr, ...], n: int) -> _Sizes | None:
-    """The terms of a polynomial by their degrees in the fields, each with its largest coefficient; None for others."""
-    from sympy import Add, Poly
+def _sizes(function: PhaseFunction, variables: tuple[Expr, ...], groups: tuple[int, ...]) -> _Sizes | None:
+    """The terms of a function that are polynomials; None where there are none, or too many."""
+    polynomial = _polynomial_part(function.expression, variables)
+    return None if polynomial is None else _sizes_of_terms(polynomial, variables, groups)
 
-    expression: Any = function.expression
-    if len(Add.make_args(expression)) > _MOST_TERMS or not expression.is_polynomial(*variables):
+
+def _polynomial_part(expression: Any, variables: tuple[Expr, ...]) -> Any:
+    """The terms of an expression that are polynomials; None for too many."""
+    from sympy import Add
+
+    if len(terms := Add.make_args(expression)) > _MOST_TERMS:
         return None
+    if expression.is_polynomial(*variables):
+        return expression
+    return Add(*(term for term in terms if term.is_polynomial(*variables)))
+
+
+def _degree(monomial: tuple[int, ...], groups: tuple[int, ...]) -> tuple[int, ...]:
+    """The degree of a monomial in the coordinates of each group."""
+    return tuple(np.bincount(groups, weights=monomial).astype(int).tolist())
+
+
+def _sizes_of_terms(polynomial: Any, variables: tuple[Expr, ...], groups: tuple[int, ...]) -> _Sizes | None:
+    """The terms of a polynomial by their degrees in the fields, each with its largest coefficient."""
+    from sympy import Poly
+
     classes: dict[tuple[int, ...], float] = {}
     is_sum_of_squares = True
-    for monomial, coefficient in cast("Any", Poly(expression, *variables)).terms():
-        degree = tuple(np.reshape(monomial, (-1, n)).sum(axis=1).tolist())
+    for monomial, coefficient in cast("Any", Poly(polynomial, *variables)).terms():
+        degree = _degree(monomial, groups)
         if not any(degree):
             continue
         size = float(coefficient)
@@ -194,10 +216,33 @@ def _sizes(function: PhaseFunction, variables: tuple[Expr, ...], n: int) -> _Siz
     return _Sizes(np.array([*classes], dtype=float), np.log2([*classes.values()]), is_sum_of_squares)
 
 
+@lru_cache(maxsize=256)
+def _arguments(
+    function: PhaseFunction, variables: tuple[Expr, ...], groups: tuple[int, ...]
+) -> tuple[tuple[_Sizes, float], ...]:
+    """The polynomials inside of what is no polynomial, with the size that they are to have."""
+    from sympy import Add, Pow, preorder_traversal
+
+    found: dict[Any, float] = {}
+    for term in Add.make_args(function.expression):
+        if term.is_polynomial(*variables) or len(found) > _MOST_TERMS:
+            continue
+        for node in preorder_traversal(term):
+            if not node.args or node.is_Add or node.is_Mul or node.is_polynomial(*variables):
+                continue
+            base = node.base if isinstance(node, Pow) and not node.exp.has(*variables) else None
+            for part in (base,) if base is not None else node.args:
+                if part.has(*variables) and part.is_polynomial(*variables):
+                    constant = part.expand().as_independent(*variables, as_Add=True)[0] if base is not None else 1
+                    found[part] = abs(float(constant))
+    sizes = [(_sizes_of_terms(part.expand(), variables, groups), constant) for part, constant in found.items()]
+    return tuple((one, constant) for one, constant in sizes if one is not None)
+
+
 def _moving(system: System, sizes: _Sizes | None, casimirs: Mapping[str, PhaseFunction]) -> _Sizes | None:
     """The terms of H without those that move nothing, as a multiple of a Casimir."""
-    n = system.bracket.algebra.dimension
-    constant = [_sizes(function, system.variables, n) for function in casimirs.values()]
+    groups = unit_groups(system.bracket)
+    constant = [_sizes(function, system.variables, groups) for function in casimirs.values()]
     degrees = {tuple(row) for one in constant if one is not None for row in one.degrees.tolist()}
     if sizes is None or not degrees & {tuple(row) for row in sizes.degrees.tolist()}:
         return sizes
@@ -209,9 +254,9 @@ def _moves(system: System, degree: list[float]) -> bool:
     """Whether the terms of H of these degrees in the fields have a vector field."""
     from sympy import Poly
 
-    n, x = system.bracket.algebra.dimension, system.variables
-    terms = cast("Any", Poly(system.hamiltonian, *x)).terms()
-    own = [(m, c) for m, c in terms if np.reshape(m, (-1, n)).sum(axis=1).tolist() == degree]
+    groups, x = unit_groups(system.bracket), system.variables
+    terms = cast("Any", Poly(_polynomial_part(system.hamiltonian, x), *x)).terms()
+    own = [(m, c) for m, c in terms if list(_degree(m, groups)) == degree]
     part = system.functions.of(cast("Any", Poly(dict(own), *x)).as_expr())
     state = np.random.default_rng(0).standard_normal(len(x))
     slope, poisson = part.gradient(state), system.functions.poisson_tensor(state)

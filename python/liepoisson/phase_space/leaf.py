@@ -27,6 +27,7 @@ from liepoisson.phase_space.field_units import field_units
 from liepoisson.phase_space.leaf_in_units import LeafInUnits
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, mixing_of, solve
 from liepoisson.phase_space.leaf_stratum import Place, open_place, place_of
+from liepoisson.phase_space.lengths import unit_groups
 from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
@@ -171,12 +172,12 @@ class Leaf:
         On a stratum that is not listed, and where not all Casimirs are known, only the known ones are compared:
         necessary, not sufficient.
         """
-        n_fields = len(self.system.bracket.field_names)
+        groups = unit_groups(self.system.bracket)
         if self.place.is_known:
-            equations = replace(self.equations, n_fields=n_fields)
+            equations = replace(self.equations, groups=groups)
         else:
             functions = tuple(self.place.casimirs.values())
-            equations = Equations(self.place.pinned, functions, self._values, np.eye(len(functions)), n_fields)
+            equations = Equations(self.place.pinned, functions, self._values, np.eye(len(functions)), groups)
         return equations.residual(self._points(states))
 
     def contains(self, states: ArrayLike, tol: float = 1e-10) -> NDArray[np.bool_]:

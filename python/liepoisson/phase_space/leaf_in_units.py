@@ -14,6 +14,7 @@ from liepoisson.arrays import Array
 from liepoisson.errors import LeafError
 from liepoisson.exact.phase_functions import PhaseFunction
 from liepoisson.phase_space.leaf_projection import Equations
+from liepoisson.phase_space.lengths import unit_groups, unit_length
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -118,8 +119,7 @@ class LeafInUnits:
 
     def constraints(self, energy: float | None, surface: str | Expr | PhaseFunction | None = None) -> Equations:
         """The equations of the leaf, and those of the energy surface and of a surface f = 0."""
-        n_fields = len(self.source.bracket.field_names)
-        return equations_in_units(self.equations_for(energy, surface), self.units, n_fields)
+        return equations_in_units(self.equations_for(energy, surface), self.units, self.source.bracket)
 
     def tangent_basis(self, y: Array) -> Array:
         """Orthonormal bases of the tangent spaces of the leaf, as columns, shape (..., N, rank)."""
@@ -137,10 +137,11 @@ def in_units(function: PhaseFunction, units: Array) -> PhaseFunction:
     return function if (units == 1.0).all() else FunctionInUnits(function, units)
 
 
-def equations_in_units(equations: Equations, units: Array, n_fields: int) -> Equations:
+def equations_in_units(equations: Equations, units: Array, bracket: Bracket) -> Equations:
     """The same equations for y; they themselves where all units are 1, so that the fields are of one order."""
     if (units == 1.0).all():
         return equations
     rows = np.linalg.qr((equations.pinned * units).T)[0].T
     functions = tuple(in_units(function, units) for function in equations.functions)
-    return replace(equations, pinned=rows, functions=functions, n_fields=n_fields)
+    groups, unit = unit_groups(bracket), unit_length(bracket)
+    return replace(equations, pinned=rows, functions=functions, groups=groups, unit=unit)

@@ -26,14 +26,17 @@ class Equations:
         functions: The functions f.
         values: Their values c, shape (function,); for `relative` also one row for each state.
         mixing: Independent combinations M of the functions, shape (m, function).
-        n_fields: The number k of blocks $x_b$ of a state whose lengths are told apart; 1 where all are of one order.
+        groups: The number of the block $x_b$ of each component whose lengths are told apart; empty where all are of one
+            order.
+        unit: What is added to their lengths: 1 where zero is a value like others, as of a coordinate, else 0.
     """
 
     pinned: Array
     functions: tuple[PhaseFunction, ...]
     values: Array
     mixing: Array
-    n_fields: int = 1
+    groups: tuple[int, ...] = ()
+    unit: float = 0.0
 
     def with_function(self, function: PhaseFunction, value: float) -> Equations:
         """One equation more, f(x) = value."""
@@ -51,8 +54,9 @@ class Equations:
     def relative(self, x: Array) -> tuple[Array, Array]:
         r"""Residuals and gradients, both divided by the size of the terms that must cancel.
 
-        That is $|c| + \sum_b|x_b||\nabla_b f|$, and $|x|$ or $\sum_b|P_b||x_b|$ for a row of P that has one block or
-        several.  Both are NaN where a function has no finite gradient, as that of a square root at zero.
+        That is $|c| + \sum_b(|x_b| + u)|\nabla_b f|$ with the unit u where fields are told apart, and $|x|$ or
+        $\sum_b|P_b||x_b|$ for a row of P that has one block or several.  Both are NaN where a function has no finite
+        gradient, as that of a square root at zero.
         """
         values = np.stack([f(x) for f in self.functions], axis=-1) if self.functions else np.zeros((*x.shape[:-1], 0))
         rows = self.mixing @ gradients_of(self.functions, x)
@@ -68,19 +72,22 @@ class Equations:
 
     def _of_terms(self, rows: Array, x: Array) -> Array:
         r"""$\sum_b|x_b||r_b|$ for each row r, shape (..., row)."""
-        if self.n_fields == 1:
+        if not self.groups:
             return np.linalg.norm(x, axis=-1)[..., None] * np.linalg.norm(rows, axis=-1)
-        n = x.shape[-1] // self.n_fields
-        blocks, slopes = (v.reshape(*v.shape[:-1], self.n_fields, n) for v in (x, rows))
-        return np.einsum("...b,...ib->...i", np.linalg.norm(blocks, axis=-1), np.linalg.norm(slopes, axis=-1))
+        lengths, slopes = (np.sqrt(v**2 @ self._membership) for v in (x, rows))
+        return np.einsum("...b,...ib->...i", lengths + self.unit, slopes)
+
+    @property
+    def _membership(self) -> Array:
+        """Which component is in which block, shape (N, k)."""
+        return np.eye(1 + max(self.groups))[list(self.groups)]
 
     def _of_pinned(self, x: Array) -> Array:
         """What the products of a state with the rows of P are compared with, shape (..., 1) or (..., row)."""
         size = np.linalg.norm(x, axis=-1)[..., None]
-        if self.n_fields == 1:
+        if not self.groups:
             return size
-        n = self.pinned.shape[-1] // self.n_fields
-        blocks = np.abs(self.pinned.reshape(-1, self.n_fields, n)).max(axis=-1)
+        blocks = np.abs(self.pinned) @ self._membership
         is_relation = (blocks > 0).sum(axis=-1) > 1
         rows = np.broadcast_to(self.pinned, (*x.shape[:-1], *self.pinned.shape))
         return np.where(is_relation, self._of_terms(rows, x), size)

@@ -55,7 +55,7 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     n, size = system.bracket.dimension, max(1.0, float(np.abs(values).max(initial=0.0)) ** 0.5)
     size = 1.0 if (units != 1.0).any() else size
     starts = rng.standard_normal((_STARTS, n)) * np.geomspace(0.1, 10.0, _STARTS)[:, None] * size
-    found, residual = solve(equations_in_units(equations, units, len(system.bracket.field_names)), starts)
+    found, residual = solve(equations_in_units(equations, units, system.bracket), starts)
     found = found[residual <= CONVERGED] * units
     reached = found[_has_squares(system, place, values, found)]
     if not len(reached):
@@ -284,7 +284,11 @@ def reduced_derivatives(leaf: LeafInUnits, x: Array, basis: Array) -> tuple[Arra
     energy, equations = leaf.system.functions.energy, leaf.equations
     gradient, hessian = energy.gradient(x), energy.hessian(x)
     rows = equations.rows(x)
-    multipliers = np.einsum("...ij,...i->...j", np.linalg.pinv(rows), gradient)[..., len(equations.pinned) :]
+    lengths = np.linalg.norm(rows, axis=-1, keepdims=True)  # a Casimir is in units of its own, such as 1e-20
+    unit_rows = np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)
+    weights = np.einsum("...ij,...i->...j", np.linalg.pinv(unit_rows), gradient)
+    multipliers = np.divide(weights, lengths[..., 0], out=np.zeros_like(weights), where=lengths[..., 0] > 0)
+    multipliers = multipliers[..., len(equations.pinned) :]
     weights = multipliers @ equations.mixing
     for k, function in enumerate(equations.functions):
         hessian = hessian - weights[..., k, None, None] * function.hessian(x)

@@ -12,6 +12,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ExpressionError, ParameterError
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.phase_space._checks import as_system
+from liepoisson.phase_space.leaf_stratum import numeric_rank
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -41,8 +42,7 @@ def dimension_of_section(run: Section) -> int | None:
             return None
     except (ExpressionError, ParameterError):
         return None
-    rank = int(np.linalg.matrix_rank(system.functions.poisson_tensor(run.state[0])))
-    return max(rank - 2, 0)
+    return max(numeric_rank(system, run.state[0]) - 2, 0)
 
 
 def fold(run: Section, x: Any, y: Any) -> bool:

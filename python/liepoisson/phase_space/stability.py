@@ -425,7 +425,10 @@ def _casimir_multipliers(leaf: Leaf, point: _Point) -> dict[str, float]:
     functions = point.leaf.system.functions
     slopes = np.stack([f.gradient(point.x) for f in point.fields.functions], axis=-1) @ np.array([1.0, *-point.omega])
     gradients = np.stack([functions.of(f).gradient(point.x) for f in leaf.casimir_functions.values()], axis=-1)
-    return dict(zip(leaf.casimir_functions, np.linalg.lstsq(gradients, slopes)[0].tolist(), strict=True))
+    lengths = np.linalg.norm(gradients, axis=0)  # a Casimir is in units of its own
+    lengths = np.where(lengths > 0, lengths, 1.0)
+    found = np.linalg.lstsq(gradients / lengths, slopes)[0] / lengths
+    return dict(zip(leaf.casimir_functions, found.tolist(), strict=True))
 
 
 def _ordered(values: ComplexArray) -> ComplexArray:

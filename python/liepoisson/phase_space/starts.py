@@ -17,6 +17,7 @@ from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.leaf_projection import Equations
+from liepoisson.phase_space.lengths import unit_groups
 from liepoisson.scalars import as_number
 
 if TYPE_CHECKING:
@@ -163,8 +164,8 @@ def _given(system: System, x: Array, wanted: Leaf | Mapping[str, float] | None, 
 
 def _violation(system: System, function: PhaseFunction, value: float, x: Array) -> float:
     """How far a function is from a value, relative to the sizes of the fields and its slopes."""
-    n_fields, none = len(system.bracket.field_names), np.zeros((0, len(x)))
-    return float(Equations(none, (function,), np.array([value]), np.eye(1), n_fields).residual(x))
+    groups, none = unit_groups(system.bracket), np.zeros((0, len(x)))
+    return float(Equations(none, (function,), np.array([value]), np.eye(1), groups).residual(x))
 
 
 def _random(system: System, wanted: Leaf | Mapping[str, float] | None, energy: float | None, seed: int) -> Start:

@@ -24,6 +24,8 @@ Functions: TypeAlias = Callable[[Array, NDArray[np.int64]], tuple[Array, Array]]
 
 _CONVERGED = 1e-12
 _MOST_STEPS, _MOST_HALVINGS = 50, 12
+_ONE_UNIT = 1024.0
+"""Lengths that differ by less are in one unit."""
 
 
 @dataclass(frozen=True)
@@ -172,7 +174,7 @@ def system_functions(system: Any, names: Sequence[str]) -> Functions:
 
 
 @np.errstate(all="ignore")
-def project(functions: Functions, wanted: Array, x: Array) -> tuple[Array, Bools]:
+def project(functions: Functions, wanted: Array, x: Array, length: int = 0) -> tuple[Array, Bools]:
     r"""States near x at which functions have the wanted values, by Newton steps of minimum norm, $\delta = -G^+ F$.
 
     Each row is worked on by itself, whatever rows are beside it: its bits do not depend on them.
@@ -181,6 +183,7 @@ def project(functions: Functions, wanted: Array, x: Array) -> tuple[Array, Bools
         functions: What is prescribed.
         wanted: Its values, shape (row, function).
         x: Shape (row, component).
+        length: Number of components of each field, which may have a unit of its own; 0: all are in one unit.
 
     Returns:
         The states, and for which of them the largest relative residual is below 1e-12.
@@ -194,7 +197,8 @@ def project(functions: Functions, wanted: Array, x: Array) -> tuple[Array, Bools
         if not active.size:
             break
         values, gradients = functions(x[active], active)
-        step = (np.linalg.pinv(gradients) * (wanted[active] - values)[:, None, :]).sum(-1)
+        inverse = _right_inverse(gradients, _units(x[active], length))
+        step = (inverse * (wanted[active] - values)[:, None, :]).sum(-1)
         moved, reached = _residual_after(functions, wanted, x, step, active)
         for k in range(1, _MOST_HALVINGS + 1):
             worse = ~(reached < residual[active])
@@ -208,6 +212,29 @@ def project(functions: Functions, wanted: Array, x: Array) -> tuple[Array, Bools
     return x, residual <= _CONVERGED
 
 
+def _units(x: Array, length: int) -> Array:
+    """The sizes of the fields, powers of two, of the shape of x; 1 where they are in one unit."""
+    if not length or x.shape[1] == length:
+        return np.ones_like(x)
+    sizes = np.abs(x).reshape(len(x), -1, length).max(axis=2)
+    sizes = np.where(sizes > 0, sizes, sizes.max(axis=1, keepdims=True))
+    differ = _ONE_UNIT * sizes.min(axis=1, keepdims=True) < sizes.max(axis=1, keepdims=True)
+    return np.repeat(np.ldexp(1.0, np.where(differ, np.frexp(sizes)[1], 0)), length, axis=1)
+
+
+def _right_inverse(gradients: Array, units: Array) -> Array:
+    """The pseudoinverse of each matrix (row, function, component), for components and functions in units of their own.
+
+    Powers of two, and only where they matter: what is in one unit keeps its bits.
+    """
+    scaled = gradients * units[:, None, :]
+    lengths = np.sqrt((scaled**2).sum(-1))
+    differ = _ONE_UNIT * lengths.min(axis=-1, keepdims=True) < lengths.max(axis=-1, keepdims=True)
+    exponents = np.where(differ, np.frexp(lengths)[1], 0)
+    inverse = np.linalg.pinv(np.ldexp(scaled, -exponents[..., None])) * np.ldexp(1.0, -exponents)[:, None, :]
+    return np.asarray(units[:, :, None] * inverse)
+
+
 def _residual_after(
     functions: Functions, wanted: Array, x: Array, step: Array, rows: NDArray[np.int64]
 ) -> tuple[Array, Array]:
@@ -217,10 +244,16 @@ def _residual_after(
 
 
 def _residual(functions: Functions, wanted: Array, x: Array, rows: NDArray[np.int64]) -> Array:
-    r"""The largest of $|f - c|/(|c| + |x||\nabla f|)$, shape (row,); infinite where it does not exist."""
+    r"""The largest of $|f - c|/(|c| + |x||\nabla f|)$, shape (row,); infinite where it does not exist.
+
+    Where $\sum_i|x_i\,\partial_i f|$ is much smaller than the product of the lengths, it stands in its place.
+    """
     values, gradients = functions(x, rows)
     goal = wanted[rows]
-    size = np.sqrt((x**2).sum(-1))[:, None] * np.sqrt((gradients**2).sum(-1)) + np.abs(goal)
+    size = np.sqrt((x**2).sum(-1))[:, None] * np.sqrt((gradients**2).sum(-1))
+    # the product of whole lengths says nothing where the fields are in units of their own
+    own = np.abs(x[:, None, :] * gradients).sum(-1)
+    size = np.where(_ONE_UNIT * own < size, own, size) + np.abs(goal)
     relative = np.abs(values - goal) / np.where(size > 0, size, 1.0)
     return np.where(np.isfinite(relative) & np.isfinite(size), relative, np.inf).max(axis=-1)
 

@@ -264,7 +264,7 @@ def _starts(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Array, 
     names, fields = tuple(prescribed), [system.field() for system in systems]
     if all(is_top(system) for system in systems):
         tops = [data for data in fields if isinstance(data, TopField)]
-        x, found = project(TopRows.of(tops, n).functions(names), wanted, x)
+        x, found = project(TopRows.of(tops, n).functions(names), wanted, x, length=3)
         return x.reshape(*shape, -1), found.reshape(shape)
     x, found = x.reshape(*shape, -1), np.zeros(shape, bool)
     for points in _groups(systems):
@@ -272,6 +272,7 @@ def _starts(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Array, 
             system_functions(systems[points[0]], names),
             wanted.reshape(*shape, -1)[points].reshape(len(points) * n, -1),
             x[points].reshape(len(points) * n, -1),
+            length=getattr(systems[points[0]], "vector_length", 0),
         )
         x[points], found[points] = states.reshape(len(points), n, -1), good.reshape(len(points), n)
     return x, found

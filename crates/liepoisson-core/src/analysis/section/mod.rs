@@ -320,6 +320,7 @@ impl Recorder<'_> {
         if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
             let (wanted, seat) = (self.wanted(), &mut self.seats[lane]);
             let series = std::mem::take(&mut self.room.series);
+            seat.doubt_side(series[0], error);
             survey(&series, error, &mut |mark| {
                 if seat.crossings.signs.len() < wanted {
                     let keep = &mut |at| self.room.keep(step, surface, n, part.from + at * part.length);

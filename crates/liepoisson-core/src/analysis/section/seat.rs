@@ -40,6 +40,9 @@ impl Default for Seat {
     }
 }
 
+/// A start is on the surface if the function there is within this multiple of its error.
+const FAR: f64 = 1e3;
+
 #[derive(Clone)]
 struct Nearest {
     time: f64,
@@ -56,6 +59,15 @@ impl Seat {
             && self.had_side
         {
             self.touch((time, kept), self.side);
+        }
+    }
+
+    /// Forgets the side that was given for a start which is far from the surface, on the other side.
+    ///
+    /// Near the surface the side is that of a run before, whose error was another one.
+    pub(super) fn doubt_side(&mut self, value: f64, error: f64) {
+        if !self.had_side && value.abs() > FAR * error && self.side == -sign(value > 0.0) {
+            self.side = 0;
         }
     }
 
