@@ -104,7 +104,7 @@ impl Worker<'_> {
         }
         block.look_ahead(steps);
         for ((longest, seat), &step) in longest.iter_mut().zip(seats).zip(steps.iter()) {
-            if step.abs() < longest.min(seat.until(end).abs()) && step != 0.0 {
+            if seat.occupied && *longest > 0.0 && step.abs() < longest.min(seat.until(end).abs()) {
                 *longest = step.abs();
             }
         }

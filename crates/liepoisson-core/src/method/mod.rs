@@ -120,7 +120,8 @@ pub trait Block {
         false
     }
 
-    /// Shortens the steps that were decided, with their signs and zero for a lane that stays, where they would end wrongly.
+    /// Shortens the steps that were decided, with their signs and zero for a lane that stays, where they would end wrongly; to
+    /// zero where none is left.
     fn look_ahead(&mut self, sizes: &mut [f64]) {
         let _ = sizes;
     }

@@ -15,6 +15,9 @@ use std::collections::TryReserveError;
 
 pub(crate) const MAX_ORDER: usize = 64;
 
+/// A step of a field with branches that is shortened to less than this part of the largest so far is none.
+const NO_STEP: f64 = 1e-9;
+
 /// The method as data.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Taylor {
@@ -150,6 +153,12 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
         let TaylorBlock { field, method, row, rows, end, .. } = self;
         if let Some(end) = end {
             end.keep_to_the_field(*field, rows, (*row, method.order), sizes);
+        }
+        for (size, largest) in sizes.iter_mut().zip(&self.largest) {
+            // what is hidden is the corner of a root, where the branch ends, and no wall
+            if size.abs() < NO_STEP * largest.abs() {
+                *size = 0.0;
+            }
         }
     }
 
