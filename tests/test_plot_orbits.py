@@ -97,6 +97,43 @@ def test_other_systems_have_no_spheres():
     assert figure.axes[0].get_legend().get_texts()[0].get_text() == "$M_{12}$"
 
 
+def test_of_many_components_vectors_and_invariants_the_largest_are_drawn():
+    names = [f"M{k}" for k in range(1, 9)] + list("abdefgh") + ["small"]
+    size = np.array([1, 9, 2, 8, 3, 7, 4, 6, 1, 1, 1, 1, 1, 1, 1, 0.1])
+    state = size * np.cos(np.outer(TIME, np.ones(16)))
+    changes = {f"C{k}": 1 + k * 1e-12 * np.sin(TIME) for k in range(8)}
+    figure = orbit(SimpleNamespace(components=names, time=TIME, state=state[None]), invariants=changes, title="many")
+    assert len(figure.axes) == 9  # 8 of 9 vectors, and the changes
+    assert figure.get_suptitle() == "many (8 largest of 9)"
+    first, last = figure.axes[0], figure.axes[-1]
+    assert [text.get_text() for text in first.get_legend().get_texts()] == [f"$M_{{{k}}}$" for k in (2, 4, 5, 6, 7, 8)]
+    for line, k in zip(first.lines, (1, 3, 4, 5, 6, 7), strict=True):
+        np.testing.assert_array_equal(line.get_ydata(), state[:, k])
+    assert len({line.get_color() for line in first.lines}) == 6
+    assert [text.get_text() for text in first.texts] == ["6 largest of 8"]
+    assert [text.get_text() for text in last.get_legend().get_texts()] == [f"$C_{{{k}}}$" for k in range(2, 8)]
+    assert [text.get_text() for text in last.texts] == ["6 largest of 8"]
+
+
+def test_modes_of_a_fluid_are_real_and_imaginary_parts():
+    fluid = lp.catalog.zeitlin(5)
+    figure = orbit(lp.integrate(fluid, lp.sample_states(fluid, 1, seed=1), times=TIME))
+    real, imaginary, _ = figure.axes
+    assert [ax.get_ylabel() for ax in (real, imaginary)] == [r"$\mathrm{Re}\,w$", r"$\mathrm{Im}\,w$"]
+    assert all(text.get_text().startswith(r"$\mathrm{Re}\,w_{") for text in real.get_legend().get_texts())
+    figure.canvas.draw()
+
+
+def test_an_orbit_has_its_invariants_whichever_trajectory_is_drawn():
+    top = lp.Top.kovalevskaya()
+    run = lp.integrate(top, lp.sample_states(top, 3, seed=1), times=TIME)
+    drawn = {line.get_label(): line.get_ydata() for line in orbit(run, trajectory=2).axes[-1].lines}
+    energy = run.invariants["H"][2]
+    np.testing.assert_array_equal(np.nan_to_num(drawn["$H$"]), np.maximum.accumulate(np.abs(energy - energy[0])))
+    rows = [len(orbit(run, **options).axes) for options in ({}, {"invariants": {}})]
+    assert rows == [7, 6]
+
+
 def test_invariants_without_any_change_are_no_error(run):
     figure = orbit(run, invariants={"H": np.ones(201)})
     assert np.isnan(figure.axes[-1].lines[0].get_ydata()).all()

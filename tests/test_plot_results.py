@@ -6,6 +6,7 @@ import matplotlib as mpl
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError
@@ -47,7 +48,7 @@ def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
     before = json.dumps(dict(mpl.rcParams), default=str)
     for kind, result in results().items():
         figure = lp.plot.draw(result)
-        figure = getattr(figure, "figure", figure)
+        assert isinstance(figure, Figure), kind
         figure.savefig(tmp_path / "figure.png")
         assert (tmp_path / "figure.png").stat().st_size > 4_000, kind
         drawn = [artist for ax in figure.axes for artist in (*ax.lines, *ax.collections, *ax.images)]
@@ -58,7 +59,7 @@ def test_results_are_drawn_and_leave_the_settings_alone(tmp_path):
 
 def test_a_verdict_has_a_point_for_each_orbit():
     verdict = lp.decide(TOP, STARTS, t_end=150)
-    lines = [line for line in lp.plot.draw(verdict).lines if line.get_marker() == "."]
+    lines = [line for line in lp.plot.draw(verdict).axes[0].lines if line.get_marker() == "."]
     assert sum(len(line.get_xdata()) for line in lines) == len(STARTS)
     np.testing.assert_allclose(sorted(np.concatenate([line.get_ydata() for line in lines])), sorted(verdict.mean_megno))
     plt.close("all")

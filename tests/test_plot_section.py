@@ -68,7 +68,7 @@ def test_axes_of_kept_functions_have_defaults():
     )
     for source in (kept, kept.dataset):
         ax = draw(source)
-        assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\ell_{1}$", "dot(l, alpha)")
+        assert (ax.get_xlabel(), ax.get_ylabel()) == (r"$\ell_{1}$", r"$\ell\cdot \alpha$")
     with pytest.raises(ParameterError, match=r"'l1' for both.*y=points\.time"):
         draw(one)
     np.testing.assert_array_equal(draw(one, y=one.time).lines[1].get_xdata(), one.of(1)[:, 0])

@@ -124,6 +124,34 @@ def test_mistakes_are_named():
         catalog.zeitlin(4)
 
 
+def by_fourier_series(w):
+    """Velocity on a grid over the torus, and the rate of the vorticity w by Euler's equation."""
+    k = np.fft.fftfreq(len(w), 1 / len(w))
+    k1, k2 = np.meshgrid(k, k, indexing="xy")
+    square = np.where(k1**2 + k2**2 > 0, k1**2 + k2**2, 1.0)
+
+    def slope(f, along):
+        return np.fft.ifft2(1j * along * np.fft.fft2(f)).real
+
+    stream = np.fft.ifft2(np.fft.fft2(w) / square).real
+    u, v = slope(stream, k2), -slope(stream, k1)
+    return u, v, -(u * slope(w, k1) + v * slope(w, k2))
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(("n", "error"), [(5, 0.243), (9, 0.079), (13, 0.0385)])
+def test_the_truncation_is_as_far_from_eulers_equation_as_the_page_says(n, error):
+    fluid = lp.catalog.zeitlin(n)
+    start = {"wc10": 0.5, "ws01": 0.3, "wc11": 0.2, "ws1m1": -0.4}
+    orbit = lp.integrate(fluid, start, times=[0, 1e-3], dense=True)
+    rates = orbit.series[0][1][0, 1]  # the first power of the time
+    w, rate = lp.catalog.vorticity([orbit.state[0, 0], rates], 48)
+    u, v, wanted = by_fourier_series(w)
+    assert np.sqrt(np.mean((rate - wanted) ** 2) / np.mean(wanted**2)) == pytest.approx(error, abs=0.0005)
+    assert np.mean(u**2 + v**2) / 2 == pytest.approx(fluid.functions.energy(orbit.state[0, 0]), rel=1e-12)
+    assert n * np.mean(w**2) == pytest.approx(orbit.invariants["C1"][0, 0], rel=1e-12)
+
+
 @pytest.mark.thorough
 def test_the_vorticity_moves_with_the_flow_that_turns_around_it():
     """Against Euler's equation by Fourier series; the truncation has sin(2 pi k/N) N/(2 pi) in the place of k."""

@@ -46,6 +46,13 @@ def test_version_is_printed():
     assert (done.returncode, done.stdout) == (0, f"liepoisson {liepoisson.__version__}\n")
 
 
+@pytest.mark.parametrize("module", ["liepoisson", "liepoisson.cli.main"])
+def test_modules_run_as_the_command(module):
+    command = [sys.executable, "-m", module, "--version"]
+    done = subprocess.run(command, check=False, capture_output=True, text=True)
+    assert (done.returncode, done.stdout, done.stderr) == (0, f"liepoisson {liepoisson.__version__}\n", "")
+
+
 def test_help_lists_commands_and_options():
     assert "reproduce" in run("--help").stdout
     text = run("reproduce", "--help").stdout

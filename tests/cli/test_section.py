@@ -161,7 +161,7 @@ def test_title_is_typeset_and_says_what_was_set(command, monkeypatch):
     found = titles(monkeypatch)
     where = (*FEW, "--leaf", "C1=0.5", "--leaf", "C2=1", "--energy", 1, "--figure", "a.svg")
     _, out, _ = command("section", "kovalevskaya", "--surface", "l3", *where)
-    assert found[0] == "kovalevskaya: section $\\ell_{3}$ = 0, increasing\n$H$ = 1, $C_{1}$ = 0.5, $C_{2}$ = 1"
+    assert found[0] == "kovalevskaya: section $\\ell_{3}$ = 0, increasing\n$H$ = $1$, $C_{1}$ = $0.5$, $C_{2}$ = $1$"
     assert "leaf     dimension 4, alpha != 0: C1 = 0.5, C2 = 1" in out.splitlines()
     _, out, _ = command(
         "section", "kovalevskaya", *FEW, "--set", "I=3/2,1.2,0.7", "--set", "a=[-1,0, sqrt(2)]", "--plot"

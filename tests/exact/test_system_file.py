@@ -296,6 +296,10 @@ def test_files_that_can_not_be_read_are_refused(tmp_path):
     latin.write_bytes(b'name = "x"\nsource = "Poincar\xe9"\n')
     with pytest.raises(SystemFileError, match=r"line 2: .*UTF-8"):
         read_system_file(latin)
+    result = tmp_path / "result.nc"
+    result.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(2_000_000))
+    with pytest.raises(SystemFileError, match=r"NetCDF file, as the results .* lp\.load\(.*result\.nc'\)"):
+        read_system_file(result)
     large = tmp_path / "large.toml"
     large.write_text("# " + "x" * 1_000_000)
     with pytest.raises(SystemFileError, match="1000000 bytes"):

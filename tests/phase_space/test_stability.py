@@ -318,3 +318,13 @@ def test_sleeping_top_without_weight_and_with_equal_moments():
     top = lp.Top(inertia=(2, 2, 2), a=(0, 0, 0), epsilon="-3/2")
     sleeping = lp.phase_space.sleeping_top(top, l3=3, alpha3=-2, beta3="-5/2")
     assert sleeping.analysis().growth_rate == sleeping.growth_rate == 0
+
+
+@pytest.mark.parametrize("w", [1.0, 1e6, 1e14, 1e16])
+def test_a_saddle_is_unstable_however_fast_its_other_frequencies_are(w):
+    """H = (p1^2 + p2^2 - q1^2 + w^2 q2^2)/2 has the eigenvalues 1, -1, iw and -iw."""
+    system = lp.System(lp.canonical(2), "(p1^2 + p2^2 - q1^2 + w^2*q2^2)/2", {"w": w})
+    found = lp.phase_space.equilibrium(system, [0.0, 0.0, 0.0, 0.0])
+    assert found.linear_stability == "unstable"
+    assert found.growth_rate == pytest.approx(1.0, rel=1e-6)
+    assert found.signature == (3, 1, 0)

@@ -1,5 +1,7 @@
 """Figures of sweeps show the numbers of the sweep."""
 
+from dataclasses import replace
+
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from liepoisson.plot.sweep import axis_label, lattice_image
 from liepoisson.plot.sweep import sweep as draw
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.spec import Axis
+from liepoisson.sweeps.tasks import NOT_COMPUTED
 
 mpl.use("Agg")
 
@@ -46,6 +49,18 @@ def test_a_curve_and_its_band():
     assert band.min() == pytest.approx(low.min())
     assert band.max() == pytest.approx(high.max())
     assert (ax.get_xlabel(), ax.get_ylabel()) == ("$x$", "mean value")
+
+
+@pytest.mark.parametrize("axes", [{"x": [0.0, 1.0, 2.0, 3.0]}, {"x": [0.0, 1.0, 2.0, 3.0], "y": [0.0, 1.0]}])
+def test_a_part_of_a_sweep_says_what_is_missing(axes):
+    whole = sweep(system=top, axes=axes, quantity=slope, n_starts=5, t_end=1.0)
+    code, value = whole.outcome_code.copy(), whole.value.copy()
+    last = whole.points[:, 0] > 1.5
+    code[last], value[last] = NOT_COMPUTED, np.nan
+    part = draw(replace(whole, outcome_code=code, value=value))
+    assert [text.get_text() for text in part.texts] == [f"{last.sum()} of {len(last)} points not computed"]
+    assert part.get_xlim() == pytest.approx(draw(whole).get_xlim())
+    assert not draw(whole).texts
 
 
 def test_a_map_paints_each_point():

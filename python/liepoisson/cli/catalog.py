@@ -17,7 +17,7 @@ def catalog(
 ) -> None:
     """List the named systems of the literature.
 
-    These are the names that `inspect` and `lyapunov` know, each with its first source.
+    Each name with its first source; the commands take such a name for SYSTEM.
 
     The JSON is a list of objects with name, description, source and the path of the file.
     """

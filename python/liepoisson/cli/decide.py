@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import typer
 
-from liepoisson.cli.limits import check_end_time, check_limits, unit_of_time
+from liepoisson.cli.limits import MEDIAN_T_END_HELP, check_end_time, check_limits, unit_of_time
 from liepoisson.cli.methods import STEP_HELP, named_method
 from liepoisson.cli.output import FORMAT_HELP, KEEP_HINT, Format
 from liepoisson.cli.progress import INTERRUPTED, QuietOption, progress_bar
@@ -31,7 +31,6 @@ if TYPE_CHECKING:
     from liepoisson.numeric.verdict import Verdict
 
 N_STARTS = 64
-T_END_HELP = "Time of each run.  [default: 1000 natural times of the median orbit]"
 _MOST_ROWS = 24
 
 
@@ -45,7 +44,7 @@ def decide(
     starts: Annotated[int | None, typer.Option(help=f"{STARTS_HELP}  [default: {N_STARTS}]")] = None,
     ensemble: Annotated[str | None, typer.Option(help=ENSEMBLE_HELP)] = None,
     seed: Annotated[int, typer.Option(help="Seed of starts and tangent vectors.")] = 0,
-    t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
+    t_end: Annotated[float | None, typer.Option(help=MEDIAN_T_END_HELP)] = None,
     method: Annotated[str, typer.Option(help="taylor, runge-kutta, splitting or gauss.")] = "taylor",
     tol: Annotated[
         float | None, typer.Option(help="Tolerance of taylor and runge-kutta.  [default: 1e-13, 1e-8]")

@@ -12,7 +12,6 @@ from liepoisson.cli.output import FORMAT_HELP, Format
 from liepoisson.cli.starts import (
     LEAF_HELP,
     SEED_HELP,
-    START_HELP,
     assignments,
     find_start,
     read_numeric_system,
@@ -22,6 +21,9 @@ from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP
 if TYPE_CHECKING:
     from liepoisson.phase_space.equilibrium_list import Equilibria
 
+STATE_HELP = (
+    "A state on the leaf that is meant: all numbers, or by name, --start l=1,0,0 --start beta3=1; the others are 0."
+)
 ALONG_HELP = "An integral, by name or formula, along whose flow relative equilibria move, with its value: l3=1/2."
 STARTS_HELP = "Starts of a search, where algebra does not give the list.  [default: 200]"
 
@@ -29,7 +31,7 @@ STARTS_HELP = "Starts of a search, where algebra does not give the list.  [defau
 def equilibria(
     system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
     *,
-    start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
+    start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=STATE_HELP)] = None,
     leaf: Annotated[list[str] | None, typer.Option(metavar="C1=VALUE,...", help=LEAF_HELP)] = None,
     along: Annotated[list[str] | None, typer.Option(metavar="INTEGRAL=VALUE", help=ALONG_HELP)] = None,
     starts: Annotated[int | None, typer.Option(help=STARTS_HELP)] = None,

@@ -12,6 +12,11 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
+MEDIAN_T_END_HELP = (
+    "Time of each run, the t of the system's equations.  [default: 1000 times the natural time of the median orbit]"
+)
+
+
 def check_limits(*, seed: int, time_limit: float, threads: int | None = None) -> None:
     """Refuse a seed, a number of threads or a time limit that no run can have.
 

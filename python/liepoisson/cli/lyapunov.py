@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import numpy as np
 import typer
 
-from liepoisson.cli.limits import check_end_time, check_limits, unit_of_time
+from liepoisson.cli.limits import MEDIAN_T_END_HELP, check_end_time, check_limits, unit_of_time
 from liepoisson.cli.methods import METHOD_HELP, PRECISION_HELP, STEP_HELP, TOL_HELP, named_method
 from liepoisson.cli.output import (
     FIGURE_HELP,
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
 N_STARTS = 64
 OUT_HELP = "Also write the curves to this file; a folder that is missing is made."
 SPECTRUM_HELP = "All exponents, with errors and the check of pairs and zeros, instead of the largest."
-T_END_HELP = "Time of each run, in units of the system's own time.  [default: 1000 natural times of the median orbit]"
 _TIME = 1000.0
 """Default time of the runs, in natural times of the median orbit."""
 _LONG = 1e12
@@ -64,7 +63,7 @@ def lyapunov(
     starts: Annotated[int | None, typer.Option(help=f"{STARTS_HELP}  [default: {N_STARTS}]")] = None,
     ensemble: Annotated[str | None, typer.Option(help=ENSEMBLE_HELP)] = None,
     seed: Annotated[int, typer.Option(help="Seed of starts and tangent vectors.")] = 0,
-    t_end: Annotated[float | None, typer.Option(help=T_END_HELP)] = None,
+    t_end: Annotated[float | None, typer.Option(help=MEDIAN_T_END_HELP)] = None,
     method: Annotated[str, typer.Option(help=METHOD_HELP)] = "taylor",
     tol: Annotated[float | None, typer.Option(help=f"{TOL_HELP}  [default: 1e-13, 1e-8]")] = None,
     step: Annotated[float | None, typer.Option(help=STEP_HELP)] = None,

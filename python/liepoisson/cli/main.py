@@ -110,3 +110,7 @@ def application() -> typer.Typer:
     for command in (reproduce, inspect, catalog, orbit, section, lyapunov, decide, equilibria, sweep):
         app.command(cls=Command)(command)
     return app
+
+
+if __name__ == "__main__":
+    main()

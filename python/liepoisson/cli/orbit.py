@@ -50,7 +50,10 @@ if TYPE_CHECKING:
 _MOST_POINTS = 10_000_000
 _TIME = 100.0
 """Default time of the run, in natural times of the orbit."""
-T_END_HELP = "Time of the run; a negative one runs backwards.  [default: 100 natural times of the orbit]"
+T_END_HELP = (
+    "Time of the run, the t of the system's equations; a negative one runs backwards.  "
+    "[default: 100 times the natural time of the orbit]"
+)
 _ROUND_OFF = 1e-15
 """The tolerance of power series that is the default of `integrate`: one orbit costs little."""
 
@@ -156,8 +159,7 @@ def _written(run: Orbit, data: Path | None, stem: Path | None) -> list[Path]:
     if stem is not None:
         from liepoisson.plot.orbits import orbit as draw
 
-        invariants = {name: values[0] for name, values in run.invariants.items()}
-        written += write_figure(draw(run, invariants=invariants), stem)
+        written += write_figure(draw(run), stem)
     return written
 
 

@@ -60,6 +60,10 @@ SURFACE_HELP = (
     "The function that is zero on the surface, as in 'dot(l, beta)'.  [default: a.(alpha x beta) for a top "
     "with two fields, else the rate of a coordinate]"
 )
+T_END_HELP = (
+    "Time, the t of the system's equations, at which an orbit ends at the latest.  "
+    "[default: 100 times the natural time for each crossing]"
+)
 KEEP_HELP = "Keep this function of each crossing, and not the state.  Repeat it for more."
 
 
@@ -92,7 +96,7 @@ def section(
     crossings: Annotated[int, typer.Option(help="Of each orbit, which ends with the last one.")] = N_CROSSINGS,
     t_end: Annotated[
         float | None,
-        typer.Option(help="Time at which an orbit ends at the latest.  [default: 100 natural times a crossing]"),
+        typer.Option(help=T_END_HELP),
     ] = None,
     keep: Annotated[list[str] | None, typer.Option(metavar="FORMULA", help=KEEP_HELP)] = None,
     threads: Annotated[int | None, typer.Option(help="Worker threads.  [default: all cores]")] = None,

@@ -82,13 +82,17 @@ class Orbit(IntegratedRun, KeepsInvariants):
 
     @explains_its_arguments
     def go_on(self, *, times: ArrayLike | None = None, t_end: float | None = None, **options: Any) -> Orbit:
-        """The orbits and their tangent vectors from their last time on, as if they had not been interrupted.
+        """The orbits and their tangent vectors from their last time on.
+
+        A step begins at the last time.  A single run has other steps there, and so agrees within the error of the
+        method, not bit for bit.
 
         Args:
             times: Further times, strictly monotone in the direction of travel; the last time of this orbit is put
                 before them.
             t_end: Instead, the end of the run, with as many times as here, evenly spaced.
-            **options: As for `integrate`: dense, kernel, threads, time_limit, progress.
+            **options: As for `integrate`, in place of those of this run: method, dense, kernel, threads, time_limit,
+                progress.
 
         Raises:
             ParameterError: A trajectory has ended before the last time; both or neither of `times` and `t_end`.

@@ -67,7 +67,8 @@ class ExponentEstimate(Run):
             then falls with time and has neither an error bar nor an interval.  This bounds nothing: a chaotic orbit
             that has stuck to an island until t looks the same.  `decide` is the rule for regular and chaotic.
         converged: Whether the run finished with an exponent: not `is_zero`, both halves agree within three of their
-            combined errors, and the error is at most `wanted_error`, if one was wanted.
+            combined errors, and the error is at most `wanted_error`, if one was wanted.  If none was, the error may be
+            of any size, also as large as the exponent.
         wanted_error: What the runs were continued for, or None.
         outcome: How each trajectory ended, shape (trajectory,).
         start: Shape (trajectory, component).
@@ -195,9 +196,17 @@ class ExponentEstimate(Run):
                 lines.append(f"consistent with zero at t = {self.time[k]:g}: {threshold}  ({outcome})")
                 continue
             value = str(Estimate(self.exponent[k], self.error[k], *self.interval()[k]))
-            state = "converged" if self.converged[k] else "not converged"
-            lines.append(f"{value}  (over t = {self.time[k]:g}, {outcome}, {state})")
+            lines.append(f"{value}  (over t = {self.time[k]:g}, {outcome}, {self._agreement(k)})")
         return "\n".join(lines)
+
+    def _agreement(self, k: int) -> str:
+        """What speaks for the value of a trajectory: its halves, and its error if one was wanted."""
+        rates = self.rates[k]
+        agree = _difference_of_halves(rates[np.isfinite(rates)][None])[0] <= _HALVES
+        halves = "halves agree" if agree else "halves differ"
+        if self.wanted_error is None:
+            return halves
+        return f"{halves}, error {'' if self.error[k] <= self.wanted_error else 'not '}as wanted"
 
 
 @shows_progress
@@ -226,7 +235,7 @@ def lyapunov_exponent(
     A value below $3\ln(t/T)/t$ is what a regular orbit shows, with T its `time_scale`; then `is_zero` holds, and there
     is neither error bar nor
     bound: a sticky orbit may look regular for thousands of natural times.  No error can tell of a region that the orbit
-    has not visited yet, and one that has stuck to an island for most of the run looks converged.
+    has not visited yet, and the halves of one that has stuck to an island for most of the run agree.
 
     Args:
         system: The system.

@@ -159,7 +159,11 @@ class Section(IntegratedRun):
 
         Args:
             t_end: Time at which each trajectory ends at the latest, from its end on.
-            **options: As for `section`, instead of those of this run; all but `starts`.
+            **options: As for `section`, in place of those of this run, all but `starts`; `n_crossings` counts anew,
+                and with another surface other functions may be kept.
+
+        Raises:
+            ParameterError: A trajectory has not finished, or `starts` are given.
         """
         if "starts" in options:
             raise ParameterError("go_on: wanted other arguments than starts, which are where the orbits ended")

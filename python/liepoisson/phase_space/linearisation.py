@@ -70,6 +70,14 @@ class LinearFlow:
         bound = ZERO * np.abs(values).max(initial=0.0)
         return int((values > bound).sum()), int((values < -bound).sum()), int((np.abs(values) <= bound).sum())
 
+    def has_odd_index(self) -> bool:
+        r"""Whether the second variation has no zero and an odd number of negative values, as at a saddle.
+
+        Then $\det W^{-1}S < 0$, which imaginary pairs do not give: there is a real one.
+        """
+        _, negative, zero = self.signature()
+        return bool(self.size) and not zero and negative % 2 == 1
+
     def slice_basis(self, symmetry: Array) -> Array:
         r"""A basis of the symplectic slice $Z^\perp / (Z\cap Z^\perp)$, shape (2n, m).
 

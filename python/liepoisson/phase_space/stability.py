@@ -314,6 +314,11 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
     eigenvalues, bounds = reduced.eigenvalues()
     n_zero = flow.size - reduced.size
     verdict = spectral_verdict(eigenvalues, bounds, n_zero)
+    growth = float(eigenvalues.real.max(initial=0.0))
+    if reduced.has_odd_index() and growth > 0:
+        # a real pair, though beside fast frequencies it is below the bound on their round-off
+        verdict = "unstable"
+        bounds = np.where(np.abs(eigenvalues.real) >= growth, 0.0, bounds)
     eigenvalues.real[np.abs(eigenvalues.real) <= bounds] = 0.0
     combination, best = _best_combination(point, flow, basis)
     return Equilibrium(
@@ -325,7 +330,7 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
         residual=_residual(fields, y, omega),
         asymmetry=asymmetry,
         spectrum=_ordered(np.append(eigenvalues, np.zeros(n_zero, dtype=np.complex128))),
-        growth_rate=float(eigenvalues.real.max()) if verdict == "unstable" else 0.0,
+        growth_rate=growth if verdict == "unstable" else 0.0,
         nullity=flow.kernel().shape[1],
         linear_stability=verdict,
         signature=best.signature(),

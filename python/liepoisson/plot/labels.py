@@ -20,6 +20,8 @@ _LETTERS = {
     )
 } | {"l": r"\ell"}  # fmt: skip
 _NAME = re.compile(r"([A-Za-z]+?)_?([0-9]*)")
+_MODE = re.compile(r"(w|psi)([cs])(?:(m?[0-9]+)_(m?[0-9]+)|(m?[0-9])(m?[0-9]))")
+"""Coordinates of truncated fluids: wc1m2 and ws1m2 are the real and the imaginary part of w with index (1, -2)."""
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
 
 
@@ -38,17 +40,36 @@ def plain(text: object, most: int = LONGEST) -> str:
 def symbol(name: str, letters: dict[str, str] | None = None) -> str:
     r"""A name as mathematical text without its dollar signs: alpha1 is \alpha_{1}, any other one is upright.
 
+    The modes of truncated fluids are real and imaginary parts: ws1m2 is \mathrm{Im}\,w_{1,{-}2}.
+
     Args:
         name: An identifier, such as that of a coordinate; anything else is written letter by letter, too.
         letters: Further letters and how they are written.
     """
+    if mode := _MODE.fullmatch(name):
+        indices = ",".join(k.replace("m", "{-}") for k in mode.groups()[2:] if k)
+        return rf"{vector_symbol(name)}_{{{indices}}}"
     known = _LETTERS if letters is None else _LETTERS | letters
     found = _NAME.fullmatch(name)
     if found is None or len(name) > LONGEST:
-        return rf"\mathrm{{{_upright(name)}}}"
+        return upright(name)
     stem, digits = found.groups()
     letter = known.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
     return f"{letter}_{{{digits}}}" if digits else letter
+
+
+def vector_of(name: str) -> str:
+    """The name of what a component belongs to: l of l1, and wc, the real parts, of wc1m2."""
+    mode = _MODE.fullmatch(name)
+    return mode[1] + mode[2] if mode else re.sub(r"[\d_]+$", "", name) or name
+
+
+def vector_symbol(component: str) -> str:
+    r"""What a component belongs to, as mathematical text without its dollar signs: \ell of l1."""
+    if mode := _MODE.fullmatch(component):
+        part = "Re" if mode[2] == "c" else "Im"
+        return rf"\mathrm{{{part}}}\,{_LETTERS.get(mode[1], mode[1])}"
+    return symbol(vector_of(component))
 
 
 def label(name: str) -> str:
@@ -56,7 +77,7 @@ def label(name: str) -> str:
 
     A name that begins with a hyphen below is mathematical text, too: a legend leaves out plain ones.
     """
-    is_symbol = _NAME.fullmatch(name) or (name.startswith("_") and _IDENTIFIER.fullmatch(name))
+    is_symbol = _NAME.fullmatch(name) or _MODE.fullmatch(name) or (name.startswith("_") and _IDENTIFIER.fullmatch(name))
     return f"${symbol(name)}$" if is_symbol and len(name) <= LONGEST else plain(name)
 
 
@@ -83,10 +104,11 @@ def _drawable(character: str) -> str:
     return "\ufffd" if unicodedata.category(character) in {"Cc", "Cf", "Cs", "Co", "Cn"} else character
 
 
-def _upright(name: str) -> str:
-    r"""A name inside of \mathrm: only letters and digits as they are."""
+def upright(name: str) -> str:
+    r"""A name in upright letters, \mathrm{name}: only letters and digits as they are."""
     shown = name if len(name) <= LONGEST else f"{name[: LONGEST - 3]}..."
-    return "".join(c if c.isascii() and c.isalnum() else r"\_" if c == "_" else r"\ " for c in shown)
+    letters = "".join(c if c.isascii() and c.isalnum() else r"\_" if c == "_" else r"\ " for c in shown)
+    return rf"\mathrm{{{letters}}}"
 
 
 def name_of_system(run: object) -> str | None:

@@ -2,7 +2,6 @@ r"""Figures of one orbit: its vectors in time and on their spheres, and how well
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Protocol, TypeAlias
 
@@ -11,7 +10,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.plot.labels import label, name_of_system, plain, symbol
+from liepoisson.numeric.invariants import KeepsInvariants
+from liepoisson.numeric.systems import has_invariants
+from liepoisson.plot.labels import label, name_of_system, plain, vector_of, vector_symbol
 from liepoisson.plot.style import ANGULAR_MOMENTUM, FIRST_FIELD, GRID, INK, MUTED, SECOND_FIELD, SEQUENCE, house_style
 from liepoisson.wrong_values import not_a
 
@@ -30,6 +31,10 @@ _LARGEST = 1e150
 """Size of numbers that are drawn at most: their squares are still finite."""
 _CONSTANT_LENGTH = 1e-6
 """Relative change of a length below which the vector is drawn on a sphere; far above errors, far below motion."""
+
+
+_MOST_CURVES, _MOST_ROWS = 6, 8
+"""Curves of a panel, as many as there are colours, and vectors of a figure: the largest ones are drawn."""
 
 
 class OrbitLike(Protocol):
@@ -56,11 +61,14 @@ def orbit(
     the circle of its greatest length, paler where it is farther away.  The dot is the start.  The last row is the
     largest change of each invariant so far, $\max_{s\le t}|f(s) - f(0)|$.
 
+    Of a vector with more than six components those with the largest values are drawn, of more than eight vectors the
+    largest ones, and of more than six invariants those that change most; the figure says so.
+
     Args:
         run: Result of `integrate`, or its Dataset.
-        invariants: Values along the trajectory, shape (time,), by name, for the last row; for a run of one trajectory
-            those of `System.invariant_values(orbit.state[0])`.
-        trajectory: Which one.
+        invariants: Values along the trajectory, shape (time,), by name, for the last row.  By default those of
+            `Orbit.invariants`; a Dataset has none.  `{}` leaves the row out.
+        trajectory: Which one; a figure shows one.
         title: Above the figure; by default the name of the system.
 
     Returns:
@@ -71,19 +79,23 @@ def orbit(
         ParameterError: there is no such trajectory, it has fewer than two states, or numbers beyond 1e150.
     """
     time, state, components = _arrays(run, trajectory)
-    curves = _changes(invariants or {}, run, len(time))
-    vectors = _vectors(components)
+    curves = _changes(_own_invariants(run, trajectory) if invariants is None else invariants, run, len(time))
+    found = _vectors(components)
+    vectors = _largest(found, {name: state[:, columns] for name, columns in found.items()}, _MOST_ROWS)
     name = name_of_system(run)
     heading = title if title is not None else plain(name) if name else None
+    if heading and len(vectors) < len(found):
+        heading += f" ({_note(len(vectors), len(found))})"
     with house_style():
         figure, rows, last = _panels([len(columns) for columns in vectors.values()], bool(curves))
         for k, (name, columns) in enumerate(vectors.items()):
             colour = _COLOURS.get(name, SEQUENCE[k % len(SEQUENCE)])
             in_time, in_space = rows[k]
             _in_time(in_time, time, state[:, columns], [components[c] for c in columns], colour)
-            in_time.set_ylabel(label(name), rotation=0, ha="right", va="center")
+            sign = vector_symbol(components[columns[0]])
+            in_time.set_ylabel(f"${sign}$", rotation=0, ha="right", va="center")
             if in_space is not None:
-                _in_space(in_space, state[:, columns], name, colour)
+                _in_space(in_space, state[:, columns], sign, colour)
         if last is not None:
             _draw_changes(last, time, curves)
         (last or rows[-1][0]).set_xlabel(r"$t$")
@@ -117,6 +129,24 @@ def _arrays(run: OrbitLike, trajectory: int) -> tuple[FloatArray, FloatArray, tu
     return time[good], state[good], tuple(map(str, names))
 
 
+def _own_invariants(run: OrbitLike, trajectory: int) -> Mapping[str, ArrayLike]:
+    """What a result knows to be constant along one of its trajectories."""
+    if not isinstance(run, KeepsInvariants) or not has_invariants(run.system):
+        return {}
+    return {name: values[trajectory] for name, values in run.invariants.items()}
+
+
+def _largest(found: Mapping[str, Any], values: Mapping[str, FloatArray], most: int) -> dict[str, Any]:
+    """Those with the largest values, in the order in which they came."""
+    sizes = {name: float(np.nanmax(np.abs(values[name]), initial=0.0)) for name in found}
+    kept = sorted(found, key=lambda name: -sizes[name])[:most]
+    return {name: item for name, item in found.items() if name in kept}
+
+
+def _note(n: int, of: int) -> str:
+    return f"{n} largest of {of}"
+
+
 def _changes(invariants: Mapping[str, ArrayLike], run: OrbitLike, n: int) -> dict[str, FloatArray]:
     """The largest change of each invariant so far."""
     n_times, changes = len(np.asarray(run.time)), dict[str, FloatArray]()
@@ -135,7 +165,7 @@ def _vectors(components: Sequence[str]) -> dict[str, list[int]]:
     """The places of the components of each vector: l1, l2, l3 belong to l."""
     places: dict[str, list[int]] = {}
     for k, component in enumerate(components):
-        places.setdefault(re.sub(r"[\d_]+$", "", component) or component, []).append(k)
+        places.setdefault(vector_of(component), []).append(k)
     return places
 
 
@@ -160,14 +190,22 @@ def _panels(sizes: Sequence[int], with_last: bool) -> tuple[Figure, list[tuple[A
 
 def _in_time(ax: Axes, time: FloatArray, vector: FloatArray, components: Sequence[str], colour: str) -> None:
     colours = [_mixed(colour, tint) for tint in _TINTS] if len(components) == 3 else SEQUENCE
-    for k, component in enumerate(components):
-        ax.plot(time, vector[:, k], color=colours[k % len(colours)], linewidth=1.0, label=label(component))
+    curves = _largest({c: c for c in components}, dict(zip(components, vector.T, strict=True)), _MOST_CURVES)
+    for k, component in enumerate(curves):
+        values = vector[:, components.index(component)]
+        ax.plot(time, values, color=colours[k % len(colours)], linewidth=1.0, label=label(component))
     ax.set_xlim(time[0], time[-1])
-    if len(components) <= 6:
-        ax.legend(ncols=len(components), loc="lower right", bbox_to_anchor=(1.0, 0.99), handlelength=1.2)
+    ax.legend(ncols=len(curves), loc="lower right", bbox_to_anchor=(1.0, 0.99), handlelength=1.2)
+    if len(curves) < len(components):
+        _write_note(ax, _note(len(curves), len(components)))
 
 
-def _in_space(ax: Axes, path: FloatArray, name: str, colour: str) -> None:
+def _write_note(ax: Axes, words: str) -> None:
+    """Small, above the axes, where the legend leaves room."""
+    ax.text(0.0, 1.02, words, transform=ax.transAxes, ha="left", va="bottom", color=MUTED, fontsize=9)
+
+
+def _in_space(ax: Axes, path: FloatArray, sign: str, colour: str) -> None:
     """The path of a vector in parallel projection, the nearer the darker."""
     from matplotlib.collections import LineCollection
 
@@ -184,7 +222,7 @@ def _in_space(ax: Axes, path: FloatArray, name: str, colour: str) -> None:
     rgba = np.array([(*_rgb(colour), s) for s in strength[order]])
     ax.add_collection(LineCollection(list(segments), colors=list(rgba), linewidths=0.8, zorder=3))
     ax.plot(*points[0, :2], "o", color=INK, markersize=3.2, zorder=5)
-    length = f"$|{symbol(name)}| = {radius:.3g}$"
+    length = f"$|{sign}| = {radius:.3g}$"
     words = length if on_sphere else f"max {length}"
     ax.text(0.5, -0.02, words, transform=ax.transAxes, ha="center", va="top", color=MUTED, fontsize=9)
 
@@ -230,19 +268,22 @@ def _draw_changes(ax: Axes, time: FloatArray, changes: Mapping[str, FloatArray])
     """Whole decades of changes; nothing is drawn where there is none."""
     from matplotlib.ticker import NullFormatter
 
-    for k, (name, change) in enumerate(changes.items()):
+    shown = _largest(changes, changes, _MOST_CURVES)
+    for k, (name, change) in enumerate(shown.items()):
         positive = np.where(change > 0, change, np.nan)
         words = label(name)
         ax.plot(time, positive, color=SEQUENCE[(k + 3) % len(SEQUENCE)], linewidth=1.1, label=words)
     ax.set_yscale("log")
     ax.yaxis.set_minor_formatter(NullFormatter())
-    ax.set_ylabel("largest change")
-    sizes = np.concatenate([change[change > 0] for change in changes.values()])
+    ax.set_ylabel("largest\nchange", linespacing=0.95)
+    sizes = np.concatenate([change[change > 0] for change in shown.values()])
     if sizes.size:
         ax.set_ylim(10 ** np.floor(np.log10(sizes.min()) - 0.01), 10 ** np.ceil(np.log10(sizes.max()) + 0.01))
     else:  # a logarithmic axis without data has no limits of its own
         ax.set_ylim(1e-17, 1e-15)
-    ax.legend(ncols=len(changes), loc="lower right", bbox_to_anchor=(1.0, 0.98), handlelength=1.2)
+    if len(shown) < len(changes):
+        _write_note(ax, _note(len(shown), len(changes)))
+    ax.legend(ncols=len(shown), loc="lower right", bbox_to_anchor=(1.0, 0.98), handlelength=1.2)
 
 
 def _rgb(colour: str) -> tuple[float, float, float]:

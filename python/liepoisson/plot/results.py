@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.plot.exponents import convergence
+from liepoisson.plot.formulas import formula, number
 from liepoisson.plot.labels import label, plain
 from liepoisson.plot.orbits import orbit
 from liepoisson.plot.rod import rod
@@ -22,13 +23,14 @@ from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 _MOST_CURVES = 200
 _KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTUM}
 
 
 @explains_its_arguments
-def draw(result: Any, **options: Any) -> Any:
+def draw(result: Any, **options: Any) -> Figure:
     """The figure of a result, whatever its kind.
 
     Args:
@@ -37,7 +39,7 @@ def draw(result: Any, **options: Any) -> Any:
             `ax`, axes to draw into.
 
     Returns:
-        What the figure of this kind returns: a figure or its axes.
+        The figure; `.axes` are its axes, `.savefig(path)` writes it.
 
     Raises:
         ParameterError: it is no result of a run.
@@ -45,7 +47,10 @@ def draw(result: Any, **options: Any) -> Any:
     kind = getattr(type(result), "kind", None)
     if not isinstance(result, Result) or kind not in _FIGURES:
         raise ParameterError(f"result: wanted what a run returned; got {shown(result)}; try an Orbit or a Section")
-    return _FIGURES[kind](result, **options)
+    from matplotlib.axes import Axes
+
+    drawn: Any = _FIGURES[kind](result, **options)
+    return cast("Figure", drawn.get_figure(root=True) if isinstance(drawn, Axes) else drawn)
 
 
 @explains_its_arguments
@@ -65,8 +70,8 @@ def profile(result: Any, *, ax: Axes | None = None) -> Axes:
         )  # fmt: skip
         ax.set_xlabel(r"$H$")
         ax.set_ylabel(rf"$\lambda$ at $t = {result.t_end:g}$")
-        leaf = ", ".join(f"{name} = {value:.4g}" for name, value in result.casimirs.items())
-        ax.set_title(plain(f"{result.system.name}: {leaf}"))
+        leaf = ", ".join(f"{label(name)} = ${number(value)}$" for name, value in result.casimirs.items())
+        ax.set_title(f"{plain(result.system.name)}: {leaf}")
         ax.legend(fontsize=8, loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=4, borderaxespad=0.0)
     return ax
 
@@ -182,7 +187,7 @@ def _returns(result: Any, *, ax: Axes | None = None) -> Axes:
         ax.plot(image[:, x], image[:, y], ".", color=ANGULAR_MOMENTUM, markersize=6, label="image")
         ax.set_xlabel(label(result.components[x]))
         ax.set_ylabel(label(result.components[y]))
-        ax.set_title(plain(f"{result.system.name}: return to {result.surface} = 0"))
+        ax.set_title(f"{plain(result.system.name)}: return to {formula(result.surface)} = 0")
         ax.legend()
     return ax
 

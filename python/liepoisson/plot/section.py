@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.plot.formulas import formula, number
 from liepoisson.plot.labels import label, name_of_system, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
 from liepoisson.wrong_values import not_a
@@ -32,7 +33,7 @@ _LARGEST, _SMALLEST = 2.6, 0.25
 _ROUND_OFF = 1e-9
 """Relative width of a figure below which it would show nothing but errors."""
 _LONGEST_LINE = 60
-"""Characters of a title that fit above the axes of a new figure."""
+"""Characters of a title that fit above the axes of a new figure; of a formula, characters of its text."""
 
 
 class SectionLike(Protocol):
@@ -129,17 +130,17 @@ def titled_section(
         # Named coordinates get their labels there; the values of a formula are labelled with its text.
         kept = [axis in run.coordinates for axis in axes]
         x, y = (a if known else system.functions.of(a)(run.state) for a, known in zip(axes, kept, strict=True))
-        xlabel, ylabel = (None if known else plain(a) for a, known in zip(axes, kept, strict=True))
+        xlabel, ylabel = (None if known else formula(a) for a, known in zip(axes, kept, strict=True))
         # An orbit that escaped would leave no room for the others.
         stayed = np.flatnonzero(np.isin(run.outcome, ("finished", "time limit")))
         some = stayed.tolist() if 0 < len(stayed) < run.n_trajectories else None
         section(run, x, y, xlabel=xlabel, ylabel=ylabel, trajectories=some, ax=ax)
-        values = [f"$H$ = {energy:.4g}"] if energy is not None else []
-        values += [f"{label(name)} = {value:.4g}" for name, value in leaf.casimirs.items()]
+        values = [f"$H$ = ${number(energy)}$"] if energy is not None else []
+        values += [f"{label(name)} = ${number(value)}$" for name, value in leaf.casimirs.items()]
         missing = shortage(system.bracket)
         name = wrap(f"{plain(system.name)}:", _LONGEST_LINE)
         gap = "\n" if len("".join(name)) > _LONGEST_LINE // 2 else " "
-        heading = "\n".join(name) + f"{gap}section {label(surface)} = 0{_in_words(run.direction)}"
+        heading = "\n".join(name) + f"{gap}section {_shown_surface(surface)}{_in_words(run.direction)}"
         ax.set_title(f"{heading}\n{', '.join(values)}{f' ({missing})' if missing else ''}", fontsize=10.5)
     return figure
 
@@ -209,10 +210,14 @@ def _heading(points: SectionLike) -> str | None:
     if not isinstance(system, str) or not isinstance(surface, str):
         return None
     name = plain(system)
-    if len(f"{system}: {surface} = 0") <= _LONGEST_LINE:
-        return f"{name}: {label(surface)} = 0"
-    formula = label(surface) if len(surface) <= _LONGEST_LINE - 4 else plain(surface, _LONGEST_LINE - 4)
-    return f"{name}\n{formula} = 0"
+    gap = ": " if len(f"{system}: {surface} = 0") <= _LONGEST_LINE else "\n"
+    return f"{name}{gap}{_shown_surface(surface)}"
+
+
+def _shown_surface(surface: str) -> str:
+    """The equation of a surface; one that is too long for a line is cut, and then not set as a formula."""
+    fits = len(surface) <= _LONGEST_LINE - 4
+    return f"{formula(surface) if fits else plain(surface, _LONGEST_LINE - 4)} = 0"
 
 
 def _names(points: SectionLike) -> tuple[str, ...]:
@@ -263,4 +268,4 @@ def _as_size(size: Any) -> float | None:
 
 
 def _axis_label(coordinate: str | ArrayLike) -> str:
-    return label(coordinate) if isinstance(coordinate, str) else ""
+    return formula(coordinate) if isinstance(coordinate, str) else ""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from liepoisson.calls import explains_its_arguments
 from liepoisson.plot.labels import label, with_formulas
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style
+from liepoisson.sweeps.tasks import NOT_COMPUTED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,7 +38,8 @@ def sweep(
     Above the curve of a chaotic fraction a dotted line counts the undecided orbits as chaotic, too.
 
     In a map dark is small: integrable cases are dark lines.  A point fills the rectangle halfway to its neighbours on
-    the grid; where it was refined, those of the finer level lie above.  What could not be computed is hatched.
+    the grid; where it was refined, those of the finer level lie above.  What is not computed is hatched; below a curve
+    crosses mark its points.  Above the axes stands how many there are.
 
     Args:
         result: Result of `liepoisson.sweep`.
@@ -59,7 +61,16 @@ def sweep(
         else:
             ax = axes_or_new(ax, width=5.8, height=4.4)
             _map(result, ax, vmin, vmax, show_levels=show_levels)
+        missing = _not_computed(result)
+        if missing.any():
+            words = f"{missing.sum()} of {len(missing)} points not computed"
+            ax.text(1.0, 1.02, words, transform=ax.transAxes, ha="right", va="bottom", color=MUTED, fontsize=9)
     return ax
+
+
+def _not_computed(result: Sweep) -> NDArray[np.bool_]:
+    """The points of which some start was not computed, as the sweep was interrupted or had a limit of time."""
+    return np.asarray((result.outcome_code == NOT_COMPUTED).any(axis=1))
 
 
 def axis_label(axis: Axis) -> str:
@@ -86,6 +97,15 @@ def _curve(
     colour = SEQUENCE[1] if colour is None else colour
     ax.fill_between(x, low, high, color=colour, alpha=0.22, linewidth=0, zorder=1)
     ax.plot(x, y, color=colour, marker="o", markersize=3.2, linewidth=1.1, label=label, zorder=3)
+    # They mark their places, and keep the axis as long as it will be.
+    if len(missing := x[_not_computed(result)[order]]):
+        style: dict[str, Any] = {
+            "color": MUTED,
+            "markersize": 3.5,
+            "markeredgewidth": 0.7,
+            "transform": ax.get_xaxis_transform(),
+        }
+        ax.plot(missing, np.full(len(missing), 0.03), "x", **style)
     added = result.level[order] > 0
     if show_levels and added.any():
         transform = ax.get_xaxis_transform()

@@ -31,10 +31,14 @@ impl Worker<'_> {
         let mut observer = make_observer(lanes);
         let mut seats: Vec<Seat> = (0..lanes).map(|_| Seat::empty(ensemble.n_tangents)).collect();
         let (mut sizes, mut outcomes) = (vec![0.0; lanes], vec![StepOutcome::Taken; lanes]);
+        let mut ahead = sizes.clone();
         let mut pace = Pace::new();
         self.control.look_at_clock();
         while self.fill_seats(block, &mut seats, &mut observer) {
             block.prepare(&mut sizes);
+            if block.looks_ahead() {
+                self.look_ahead(block, &seats, &mut sizes, &mut ahead);
+            }
             let repeats = self.plan(block, &mut seats, pace.repeats);
             for (lane, seat) in seats.iter_mut().enumerate() {
                 sizes[lane] = self.decide(block, lane, seat, sizes[lane], repeats, &mut observer);
@@ -88,6 +92,22 @@ impl Worker<'_> {
             any |= seat.occupied;
         }
         any
+    }
+
+    /// Shortens the longest steps of a method with series where the steps that they lead to would end wrongly.
+    fn look_ahead(&self, block: &mut dyn Block, seats: &[Seat], longest: &mut [f64], steps: &mut [f64]) {
+        let end = self.ensemble.times[self.ensemble.times.len() - 1];
+        for ((step, seat), &longest) in steps.iter_mut().zip(seats).zip(longest.iter()) {
+            let remaining = seat.until(end);
+            let is_open = seat.occupied && longest > 0.0;
+            *step = if is_open { longest.min(remaining.abs()).copysign(remaining) } else { 0.0 };
+        }
+        block.look_ahead(steps);
+        for ((longest, seat), &step) in longest.iter_mut().zip(seats).zip(steps.iter()) {
+            if seat.occupied && *longest > 0.0 && step.abs() < longest.min(seat.until(end).abs()) {
+                *longest = step.abs();
+            }
+        }
     }
 
     /// Divides the time up to the next wanted one into equal steps, for a method that takes such; how many steps all

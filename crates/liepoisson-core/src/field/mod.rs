@@ -94,6 +94,12 @@ pub trait Field: Space {
     /// From the complete rows `0..=k` computes the components of row `k + 1`, of the state and of every tangent vector.
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize);
 
+    /// Whether each term of the field shows in the series of a solution, however small it is where the series begins: not that
+    /// of a high power, nor of an exponential.
+    fn shows_its_terms(&self) -> bool {
+        true
+    }
+
     /// Whether the field has branches, such as the two values of a root, that a series can pass from one to another.
     fn has_branches(&self) -> bool {
         false

@@ -9,6 +9,7 @@ mod known_terms;
 mod mixed_taylor;
 mod runge_kutta;
 mod splitting;
+mod step_end;
 mod taylor;
 mod variational;
 
@@ -113,6 +114,17 @@ pub trait Block {
 
     /// For each lane the longest step that the method allows; NaN where a number is not finite.
     fn prepare(&mut self, longest: &mut [f64]);
+
+    /// Whether steps are looked at once more when it is known where they would end.
+    fn looks_ahead(&self) -> bool {
+        false
+    }
+
+    /// Shortens the steps that were decided, with their signs and zero for a lane that stays, where they would end wrongly; to
+    /// zero where none is left.
+    fn look_ahead(&mut self, sizes: &mut [f64]) {
+        let _ = sizes;
+    }
 
     /// Advances each lane by `repeats` steps of its size (zero: the lane stays), and says what became of them.
     fn advance(&mut self, sizes: &[f64], repeats: u64, outcomes: &mut [StepOutcome]);

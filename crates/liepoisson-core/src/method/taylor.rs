@@ -9,10 +9,14 @@ use crate::field::Field;
 use crate::lanes::{Body, Lane, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
+use crate::method::step_end::StepEnd;
 use crate::method::{Block, Method, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 
 pub(crate) const MAX_ORDER: usize = 64;
+
+/// A step of a field with branches that is shortened to less than this part of the largest so far is none.
+const NO_STEP: f64 = 1e-9;
 
 /// The method as data.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -65,7 +69,17 @@ impl<F: Field> Method<F> for Taylor {
         let rows = vec![V::splat(0.0); field.registers(n_tangents, self.order)];
         let trend = Trend::new(self.tolerance, self.order);
         let largest = vec![0.0; if field.has_branches() { V::WIDTH } else { 0 }];
-        Box::new(TaylorBlock { field, method: *self, trend, n_tangents, row: field.row(n_tangents), rows, largest })
+        let end = (!field.shows_its_terms()).then(|| StepEnd::new(field, self.order, self.tolerance));
+        Box::new(TaylorBlock {
+            field,
+            method: *self,
+            trend,
+            n_tangents,
+            row: field.row(n_tangents),
+            rows,
+            largest,
+            end,
+        })
     }
 
     fn registers(&self, field: &F, n_tangents: usize) -> usize {
@@ -87,6 +101,8 @@ struct TaylorBlock<'f, F, V> {
     rows: Vec<V>,
     /// The largest steps so far, with their signs, zero before the first, of a field with branches.
     largest: Vec<f64>,
+    /// Where the ends of steps are looked at, of a field whose series may hide a term.
+    end: Option<StepEnd<V>>,
 }
 
 impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
@@ -126,6 +142,23 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
         }
         if self.field.has_branches() {
             V::outline(Branches { block: self, sizes: longest });
+        }
+    }
+
+    fn looks_ahead(&self) -> bool {
+        self.end.is_some()
+    }
+
+    fn look_ahead(&mut self, sizes: &mut [f64]) {
+        let TaylorBlock { field, method, row, rows, end, .. } = self;
+        if let Some(end) = end {
+            end.keep_to_the_field(*field, rows, (*row, method.order), sizes);
+        }
+        for (size, largest) in sizes.iter_mut().zip(&self.largest) {
+            // what is hidden is the corner of a root, where the branch ends, and no wall
+            if size.abs() < NO_STEP * largest.abs() {
+                *size = 0.0;
+            }
         }
     }
 

@@ -15,6 +15,8 @@ from liepoisson.exact.parameters import read_parameter
 
 MAX_BYTES = 1_000_000
 _MAX_PARTS = 16
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+"""How a NetCDF-4 file begins."""
 # The time that a key takes grows with the square of the number of its parts.
 _PART = r"(?>[\w-]+|\"[^\"\n]*\"|'[^'\n]*')[ \t]*\.[ \t]*"
 _LONG_KEY = re.compile(rf"(?<![\w-])(?>{_PART}){{{_MAX_PARTS}}}")
@@ -117,6 +119,11 @@ def _text_of(path: Path) -> str:
         raise MissingFileError(f"there is no file {path}. {_instead_of(path)}") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the path
         raise SystemFileError(f"{path} cannot be read: {error}. Check the path and the permissions.") from None
+    if content.startswith(_HDF5):
+        raise SystemFileError(
+            f"{path} must be a TOML file; it is a NetCDF file, as the results of runs are. Read a result with "
+            f"lp.load({str(path)!r:.200})."
+        )
     if len(content) > MAX_BYTES:
         raise SystemFileError(f"{path} must have at most {MAX_BYTES} bytes; it has more. Is it a system file?")
     try:

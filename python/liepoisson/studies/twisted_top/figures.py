@@ -91,11 +91,15 @@ def _draw_residual(ax: Axes, twisted: RunResult) -> None:
         label="95% band",
     )
     ax.plot(time, curve.mean[keep] - fitted, color=TWISTED, linewidth=1.1, label="mean")
-    ax.plot(time, printed_fit(time) - fitted, color=MUTED, linestyle=_DASHES, linewidth=1.1, label="fit as printed")
+    ax.plot(time, printed_fit(time) - fitted, color=MUTED, linestyle=_DASHES, linewidth=1.1, label="printed fit")
     ax.set_xscale("log")
     time_axis(ax, time[0], time[-1])
     ax.set_ylabel(r"$\langle\lambda\rangle - {}$fit")
-    ax.legend(loc="lower left", fontsize=7.5, labelspacing=0.2, handlelength=1.6, frameon=True, edgecolor="none")
+    # Beside the title: inside, it would cover a curve of one run or another.
+    ax.legend(
+        loc="lower right", bbox_to_anchor=(1.03, 0.98), ncols=3, fontsize=7.2, handlelength=1.1, handletextpad=0.35,
+        columnspacing=0.6,
+    )  # fmt: skip
     ax.set_title("(b)  twisted")
 
 

@@ -109,6 +109,10 @@ impl Field for Tape {
         drive::complete_order(&self.program, &frame, &components[k * self.row(n_tangents)..], work);
     }
 
+    fn shows_its_terms(&self) -> bool {
+        false
+    }
+
     fn has_branches(&self) -> bool {
         !self.program.branches.is_empty()
     }
