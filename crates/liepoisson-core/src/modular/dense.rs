@@ -5,6 +5,7 @@
 
 use super::echelon::filled;
 use super::prime::Prime;
+use super::rows::Rows;
 use crate::error::Error;
 
 const NONE: u32 = u32::MAX;
@@ -44,10 +45,6 @@ impl Dense {
 
     pub(super) fn rank(&self) -> usize {
         self.rank
-    }
-
-    pub(super) fn n_columns(&self) -> usize {
-        self.n_columns
     }
 
     pub(super) fn has_pivot(&self, column: usize) -> bool {
@@ -105,6 +102,21 @@ impl Dense {
             }
         }
         self.blocks.push(Block { pivots, columns, lines });
+        Ok(())
+    }
+
+    /// Writes the rows, whose columns are `names`. No rows are pending.
+    pub(super) fn write(&self, names: &[u32], rows: &mut Rows) -> Result<(), Error> {
+        debug_assert!(self.pending.is_empty());
+        for block in &self.blocks {
+            for (t, &pivot) in block.pivots.iter().enumerate().filter(|(_, pivot)| **pivot != NONE) {
+                rows.push(names[pivot as usize] as usize, 1)?;
+                for (line, &column) in block.lines.iter().zip(&block.columns).filter(|(line, _)| line[t] != 0) {
+                    rows.push(names[column as usize] as usize, line[t])?;
+                }
+                rows.end_row();
+            }
+        }
         Ok(())
     }
 

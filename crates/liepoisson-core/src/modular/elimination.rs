@@ -11,8 +11,6 @@ use crate::ensemble::Control;
 use crate::error::Error;
 use std::cmp::Reverse;
 
-const NONE: u32 = u32::MAX;
-
 /// After so many new rows it is decided whether to go on with dense ones: where these have so large a part of the columns
 /// without a pivot.
 const WINDOW: usize = 32;
@@ -258,17 +256,23 @@ impl<'r> Elimination<'r> {
         }
     }
 
-    /// A basis of the null space of all rows: each vector is one at one of the columns without a pivot, and zero at the
-    /// others. Rows that were passed over are reduced now if a vector is no null vector of them.
-    pub(super) fn null_space(&mut self, control: &Control) -> Result<Option<Rows>, Error> {
+    /// Whether the rows that were passed over depend on the others. If a null vector tells that some do not, these are reduced,
+    /// and so on. `basis` is given all vectors of a basis of the null space, each one at one of the columns without a pivot,
+    /// and zero at the others. False if there was no time.
+    pub(super) fn prove(&mut self, mut basis: Option<&mut Rows>, control: &Control) -> Result<bool, Error> {
         'again: loop {
+            if self.skipped.is_empty() && basis.is_none() {
+                return Ok(true);
+            }
             let pivots = self.pivots()?;
             let free: Vec<usize> = (0..self.n_columns).filter(|&column| !pivots[column]).collect();
-            let mut basis = Rows::new();
+            if let Some(basis) = &mut basis {
+                basis.clear();
+            }
             let mut vectors = filled(self.n_columns, [0; VECTORS])?;
             for free in free.chunks(VECTORS) {
                 if control.look_at_clock().is_some() {
-                    return Ok(None);
+                    return Ok(false);
                 }
                 vectors.fill([0; VECTORS]);
                 for (vector, &column) in free.iter().enumerate() {
@@ -276,15 +280,16 @@ impl<'r> Elimination<'r> {
                 }
                 self.complete(&mut vectors);
                 let skipped = std::mem::take(&mut self.skipped);
-                let (dependent, independent) =
+                let (dependent, independent): (_, Vec<u32>) =
                     skipped.into_iter().partition(|&row| self.products(row, &vectors) == [0; VECTORS]);
                 self.skipped = dependent;
                 if !independent.is_empty() {
                     if self.work_off(independent, usize::MAX, control)? == End::Stopped {
-                        return Ok(None);
+                        return Ok(false);
                     }
                     continue 'again;
                 }
+                let Some(basis) = &mut basis else { continue };
                 for vector in 0..free.len() {
                     for (column, values) in vectors.iter().enumerate().filter(|(_, values)| values[vector] != 0) {
                         basis.push(column, values[vector])?;
@@ -292,8 +297,26 @@ impl<'r> Elimination<'r> {
                     basis.end_row();
                 }
             }
-            return Ok(Some(basis));
+            return Ok(true);
         }
+    }
+
+    /// The echelon form.
+    pub(super) fn echelon_form(&mut self) -> Result<Rows, Error> {
+        let mut form = Rows::new();
+        for pivot in 0..self.n_columns {
+            let Some(entries) = self.echelon.right_of(pivot) else { continue };
+            form.push(pivot, 1)?;
+            for (column, residue) in entries {
+                form.push(column, residue)?;
+            }
+            form.end_row();
+        }
+        if let Some(Rest { dense, columns }) = &mut self.rest {
+            dense.end_block()?;
+            dense.write(columns, &mut form)?;
+        }
+        Ok(form)
     }
 
     /// Random residues, not zero: the generator of Steele, Lea and Flood (2014).

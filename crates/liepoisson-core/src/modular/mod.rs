@@ -56,7 +56,7 @@ use reduced::Reduced;
 use std::time::Duration;
 
 /// The most columns that a matrix may have.
-pub const MOST_COLUMNS: usize = 1 << 24;
+pub const MOST_COLUMNS: usize = 1 << 22;
 
 /// A sparse matrix, row by row. Entries of equal place are added.
 #[derive(Clone, Copy, Debug)]
@@ -141,28 +141,38 @@ fn solve(matrix: &Matrix<'_>, prime: Prime, enough: usize, control: &Control) ->
     let position = positions(matrix)?;
     let rows = Rows::cleaned(matrix, prime, &position)?;
     let mut elimination = Elimination::new(prime, &rows, n_columns)?;
-    let end = elimination.run(enough, control)?;
-    let basis = if end == End::Exhausted { elimination.null_space(control)? } else { None };
-    let form = match &basis {
-        Some(basis) => canonical(prime, basis, &position, control)?,
+    let mut is_complete = elimination.run(enough, control)? == End::Exhausted;
+    // the smaller one of row space and null space is brought to the form that does not depend on the order of work
+    let from_null_space = 2 * elimination.rank() >= n_columns;
+    let mut vectors = Rows::new();
+    is_complete = is_complete && elimination.prove(from_null_space.then_some(&mut vectors), control)?;
+    let form = match (is_complete, from_null_space) {
+        (false, _) => None,
+        (true, true) => Reduced::of(prime, &moved(&vectors, prime, &position, true)?, n_columns, control)?,
+        (true, false) => {
+            vectors = elimination.echelon_form()?;
+            Reduced::of(prime, &moved(&vectors, prime, &position, false)?, n_columns, control)?
+        }
+    };
+    let mut is_pivot = filled(n_columns, false)?;
+    match &form {
+        Some(form) if from_null_space => {
+            is_pivot.fill(true);
+            form.pivots.iter().for_each(|&place| is_pivot[n_columns - 1 - place as usize] = false);
+        }
+        Some(form) => form.pivots.iter().for_each(|&column| is_pivot[column as usize] = true),
+        None => {
+            let has_pivot = elimination.pivots()?;
+            (0..n_columns).for_each(|column| is_pivot[column] = has_pivot[position[column] as usize]);
+        }
+    }
+    let (pivots, free) = (0..n_columns as u32).partition::<Vec<u32>, _>(|&column| is_pivot[column as usize]);
+    let basis = match form {
+        Some(form) if from_null_space => Some(turned(&form, n_columns)?),
+        Some(form) => Some(transposed(&form, &free, prime)?),
         None => None,
     };
-    let is_pivot = elimination.pivots()?;
-    let (pivots, free) = match &form {
-        Some(form) => {
-            let mut is_pivot = filled(n_columns, true)?;
-            form.pivots.iter().for_each(|&place| is_pivot[n_columns - 1 - place as usize] = false);
-            split(n_columns, |column| is_pivot[column])
-        }
-        None => split(n_columns, |column| is_pivot[position[column] as usize]),
-    };
-    let basis = form.map(|form| written(&form, n_columns)).transpose()?;
     Ok(NullSpace { rank: pivots.len(), pivots, free, basis })
-}
-
-/// Columns that are pivots, and those that are not.
-fn split(n_columns: usize, is_pivot: impl Fn(usize) -> bool) -> (Vec<u32>, Vec<u32>) {
-    (0..n_columns as u32).partition(|&column| is_pivot(column as usize))
 }
 
 /// Where each column goes: those that are first in a row come first, in their order, from the left or from the right.
@@ -192,20 +202,20 @@ fn positions(matrix: &Matrix<'_>) -> Result<Vec<u32>, Error> {
     Ok(position)
 }
 
-/// The basis in reduced echelon form from the right: column `n - 1 - k` is at `k`. The last entries of null vectors are at
-/// the columns that depend on columns before them, so the pivots of this form are the free columns.
-fn canonical(prime: Prime, basis: &Rows, position: &[u32], control: &Control) -> Result<Option<Reduced>, Error> {
+/// Rows with their columns where they belong, or, `from_right`, column `n - 1 - k` at `k`.
+fn moved(rows: &Rows, prime: Prime, position: &[u32], from_right: bool) -> Result<Rows, Error> {
     let n_columns = position.len();
     let mut place = filled(n_columns, 0)?;
     for (column, &position) in position.iter().enumerate() {
-        place[position as usize] = (n_columns - 1 - column) as u32;
+        place[position as usize] = if from_right { n_columns - 1 - column } else { column } as u32;
     }
-    let matrix = Matrix { starts: &basis.starts, columns: &basis.columns, residues: &basis.residues, n_columns };
-    Reduced::of(prime, &Rows::cleaned(&matrix, prime, &place)?, n_columns, control)
+    let matrix = Matrix { starts: &rows.starts, columns: &rows.columns, residues: &rows.residues, n_columns };
+    Rows::cleaned(&matrix, prime, &place)
 }
 
-/// A canonical basis with its columns where they belong, free columns ascending.
-fn written(form: &Reduced, n_columns: usize) -> Result<Rows, Error> {
+/// The basis of the null space, given its reduced echelon form from the right. The last entry of a null vector is at a column
+/// that depends on columns before it, so the pivots of this form are the free columns.
+fn turned(form: &Reduced, n_columns: usize) -> Result<Rows, Error> {
     let mut basis = Rows::new();
     for row in (0..form.rows.len()).rev() {
         let (columns, residues) = form.rows.row(row);
@@ -213,6 +223,28 @@ fn written(form: &Reduced, n_columns: usize) -> Result<Rows, Error> {
             basis.push(n_columns - 1 - place as usize, residue)?;
         }
         basis.push(n_columns - 1 - form.pivots[row] as usize, 1)?;
+        basis.end_row();
+    }
+    Ok(basis)
+}
+
+/// The basis of the null space, given the reduced echelon form of the row space: `v_f = e_f - sum r_if e_i` over the pivots i.
+fn transposed(form: &Reduced, free: &[u32], prime: Prime) -> Result<Rows, Error> {
+    let mut entries = Vec::new();
+    entries
+        .try_reserve_exact(form.rows.columns.len())
+        .map_err(|_| Error::Memory { bytes: 16 * form.rows.columns.len() })?;
+    for (row, &pivot) in form.pivots.iter().enumerate() {
+        entries.extend(form.rows.entries(row).map(|(column, residue)| (column as u32, pivot, prime.negative(residue))));
+    }
+    entries.sort_unstable();
+    let mut basis = Rows::new();
+    let mut entries = entries.into_iter().peekable();
+    for &free in free {
+        while let Some((_, pivot, residue)) = entries.next_if(|entry| entry.0 == free) {
+            basis.push(pivot as usize, residue)?;
+        }
+        basis.push(free as usize, 1)?;
         basis.end_row();
     }
     Ok(basis)

@@ -68,12 +68,6 @@ impl Prime {
         u128::from(high) << 64 | u128::from(sum as u64)
     }
 
-    /// A residue as a sum, from which `reduce` gives it back.
-    #[inline(always)]
-    pub(super) fn sum(self, residue: u64) -> u128 {
-        u128::from(residue) << 64
-    }
-
     /// `2^64 a`.
     #[inline(always)]
     pub(super) fn scaled(self, a: u64) -> u64 {
@@ -179,7 +173,7 @@ mod tests {
             let prime = Prime::new(PRIMES[which]).unwrap();
             let a = prime.residue(number);
             prop_assert_eq!(prime.add(a, prime.negative(a)), 0);
-            prop_assert_eq!(prime.reduce(prime.sum(a)), a);
+            prop_assert_eq!(prime.reduce(u128::from(prime.scaled(a))), a);
             prop_assume!(a != 0);
             prop_assert_eq!(prime.product(a, prime.scaled(prime.inverse(a))), 1);
         }

@@ -20,6 +20,10 @@ impl Rows {
         Rows { starts: vec![0], ..Rows::default() }
     }
 
+    pub(super) fn clear(&mut self) {
+        *self = Rows::new();
+    }
+
     pub(super) fn len(&self) -> usize {
         self.starts.len() - 1
     }
