@@ -5,7 +5,7 @@ use super::prime::Prime;
 use crate::error::Error;
 
 /// Rows of columns and residues.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Rows {
     /// Where each row begins, and the end.
     pub starts: Vec<u64>,
@@ -15,9 +15,15 @@ pub struct Rows {
     pub residues: Vec<u64>,
 }
 
+impl Default for Rows {
+    fn default() -> Rows {
+        Rows::new()
+    }
+}
+
 impl Rows {
     pub(super) fn new() -> Rows {
-        Rows { starts: vec![0], ..Rows::default() }
+        Rows { starts: vec![0], columns: Vec::new(), residues: Vec::new() }
     }
 
     pub(super) fn clear(&mut self) {

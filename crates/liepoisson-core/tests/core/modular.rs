@@ -20,7 +20,7 @@ struct Sparse {
 
 impl Sparse {
     fn new(entries: &Entries, n_columns: usize) -> Sparse {
-        let mut rows = Rows { starts: vec![0], ..Rows::default() };
+        let mut rows = Rows::default();
         for row in entries {
             rows.columns.extend(row.iter().map(|entry| entry.0));
             rows.residues.extend(row.iter().map(|entry| entry.1));
