@@ -127,7 +127,7 @@ def test_matrices_whose_parts_do_not_fit_are_refused():
         _core.modular_null_space(indptr, columns + np.uint32(1), residues, 1, 3, None, 60, None)
     with pytest.raises(ParameterError, match="n_columns"):
         _core.modular_null_space(indptr, columns, residues, 2**40, 3, None, 60, None)
-    with pytest.raises(ShapeError, match="residues: wanted 1.*got 2"):
+    with pytest.raises(ShapeError, match=r"residues: wanted 1.*got 2"):
         _core.modular_null_space(indptr, columns, np.ones(2, np.uint64), 1, 3, None, 60, None)
     for starts in ([], [0], [0, 2], [1, 1], [0, 2**63, 1]):
         with pytest.raises(ShapeError, match="indptr: wanted ascending numbers from 0 to 1"):

@@ -328,3 +328,40 @@ impl<'r> Elimination<'r> {
         self.prime.nonzero_residue(bits ^ (bits >> 31))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Five rows of rank four, of which the test for dependence should have passed over one.
+    #[test]
+    fn rows_passed_over_by_accident_are_reduced() {
+        let prime = Prime::new(101).unwrap();
+        let mut rows = Rows::new();
+        for first in [0, 1, 2, 3, 1] {
+            rows.push(first, 1).unwrap();
+            rows.push(first + 1, 100).unwrap();
+            rows.end_row();
+        }
+        let mut elimination = Elimination::new(prime, &rows, 5).unwrap();
+        elimination.skipped = vec![0, 1, 2, 3, 4];
+        let mut basis = Rows::new();
+        assert!(elimination.prove(Some(&mut basis), &Control::default()).unwrap());
+        assert_eq!((elimination.rank(), basis.len()), (4, 1));
+        assert_eq!(basis.row(0), (&[0, 1, 2, 3, 4][..], &[1; 5][..]));
+    }
+
+    /// Its only null vector that tells so is in the third group of sixteen, when a part of the basis is written.
+    #[test]
+    fn basis_is_written_anew_when_a_row_was_passed_over_by_accident() {
+        let prime = Prime::new(101).unwrap();
+        let mut rows = Rows::new();
+        rows.push(39, 1).unwrap();
+        rows.end_row();
+        let mut elimination = Elimination::new(prime, &rows, 40).unwrap();
+        elimination.skipped = vec![0];
+        let mut basis = Rows::new();
+        assert!(elimination.prove(Some(&mut basis), &Control::default()).unwrap());
+        assert_eq!(basis.columns, (0..39).collect::<Vec<_>>());
+    }
+}
