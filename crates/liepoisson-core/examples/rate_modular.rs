@@ -3,6 +3,10 @@
 //! `cargo run --release --example rate_modular -- degree|weight <number> [low|high|lex|revlex]`: all monomials of at most a
 //! degree, for I = (2, 3, 5), a = (1, 2, 3), b = (3, -1, 2), or all of a weight, for I = (2, 2, 1), a = (-1, 0, 0), b = 0;
 //! columns ordered by degree, low or high first, or lexicographically.
+//!
+//! Low degrees first, on one core of a Xeon at 2.3 GHz: degree 5, 6, 7, 8, 9 in 0.006, 0.04, 0.2, 1, 4.4 s, weight 12, 14, 16,
+//! 18 in 0.015, 0.08, 0.3, 1.3 s. High degrees first take up to eight times as long. FLINT's dense null space takes 3.2 s and
+//! 41 s for degree 5 and 6, and 20 s for weight 12.
 
 use liepoisson_core::ensemble::Control;
 use liepoisson_core::modular::{Matrix, null_space};
@@ -37,6 +41,7 @@ fn field(inertia: [i64; 3], a: [i64; 3], b: [i64; 3]) -> Vec<Vec<(Monomial, i64)
     field.into_iter().map(|terms| terms.into_iter().filter(|term| term.1 != 0).collect()).collect()
 }
 
+/// All monomials whose weight is at most `left`, in the components from `component` on.
 fn monomials(component: usize, left: usize, weights: &[usize; 9], monomial: &mut Monomial, all: &mut Vec<Monomial>) {
     if component == 9 {
         all.push(*monomial);
@@ -59,16 +64,11 @@ fn main() {
         "degree" => ([1; 9], field([2, 3, 5], [1, 2, 3], [3, -1, 2])),
         _ => ([1, 1, 1, 2, 2, 2, 3, 3, 3], field([2, 2, 1], [-1, 0, 0], [0, 0, 0])),
     };
-    for left in if what == "degree" { 0..=number } else { number..=number } {
-        monomials(0, left, &weights, &mut [0; 9], &mut columns);
-    }
-    if what == "weight" {
-        columns.retain(|m| {
-            m.iter().zip(weights).map(|(&power, weight)| usize::from(power) * weight).sum::<usize>() == number
-        });
-    } else {
-        columns.sort_unstable();
-        columns.dedup();
+    monomials(0, number, &weights, &mut [0; 9], &mut columns);
+    if what != "degree" {
+        let weight =
+            |m: &Monomial| m.iter().zip(weights).map(|(&power, weight)| usize::from(power) * weight).sum::<usize>();
+        columns.retain(|monomial| weight(monomial) == number);
     }
     let degree = |m: &Monomial| m.iter().map(|&power| i64::from(power)).sum::<i64>();
     match order {

@@ -19,6 +19,12 @@
 //! 6. The basis is brought to the form that does not depend on what came before: its free columns are those that the
 //!    elimination from left to right leaves without a pivot. Bases modulo several primes can then be combined.
 //!
+//! The order of the columns decides how many rows need no reduction. For the derivation `x'.grad` of a field with a linear
+//! and a quadratic part, monomials of low degree should come first, and each degree in lexicographic order: the quadratic
+//! part raises the degree by one and has nearly all pivots.
+//!
+//! A call works on one thread; several primes can have one thread each.
+//!
 //! # References
 //! - J.-C. Faugère, S. Lachartre, *Parallel Gaussian elimination for Gröbner bases computations in finite fields*, PASCO 2010.
 //! - C. Bouillaguet, C. Delaplace, *Sparse Gaussian elimination modulo p: an update*, CASC 2016.
