@@ -115,6 +115,7 @@ def growth(
     time_limit: float,
     progress: Callable[[float], object] | None,
 ) -> _Growth: ...
+
 class _NullSpace(TypedDict):
     rank: int
     complete: bool
