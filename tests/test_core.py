@@ -18,6 +18,7 @@ SPLITTING = _core.Method.splitting(2, 1e-300, False, 2**63)
 STATE = np.linspace(0.1, 0.9, 9)
 TIMES = np.array([0.0, 1.0])
 PLANE = (9, [], [2])
+MATRIX = (np.array([0, 2, 3], np.uint64), np.array([0, 1, 1], np.uint32), np.array([1, 2, 3], np.uint64), 3)
 
 GOOD = {
     "top": (_core.Field.top, ((2, 2, 1), (-1, 0, 0), (0, 0, 0), 1)),
@@ -33,6 +34,7 @@ GOOD = {
     "one orbit": (_core.orbits, (TOP, TAYLOR, STATE, STATE[:0], 0, TIMES, 1, 0.2, False, True, None)),
     "growth": (_core.growth, (TOP, TAYLOR, STATE, STATE, TIMES, 1, 0.2, None)),
     "sections": (_core.sections, (TOP, TAYLOR, PLANE, STATE, TIMES, 0, None, [], 1, 0.2, None)),
+    "modular_null_space": (_core.modular_null_space, (*MATRIX, 101, None, 0.2, None)),
 }
 HOSTILE = [
     -1, 0, 7, 127, 128, 2**31, 2**62, 2**63, 2**64, 10**400, -1.5, 5e-324, 1e308, np.nan, np.inf, -np.inf,
@@ -43,6 +45,7 @@ HOSTILE = [
     np.zeros(0), np.zeros(8), np.zeros(9), np.full(9, np.nan), np.full(9, 1e308), np.array([1.0, 0.0, 1.0]),
     np.zeros((3, 3)), np.zeros(18)[::2], np.zeros(9, np.float32),
     np.array([np.nan, 1.0]), np.array([0.0, np.inf]), np.array([0.0, 0.0]),
+    np.array([0, 3, 3], np.uint64), np.array([2**64 - 1] * 3, np.uint64), np.array([0, 2, 2**31], np.uint32),
     TOP, OSCILLATOR, TAYLOR, SPLITTING,
 ]  # fmt: skip
 

@@ -1,4 +1,4 @@
-"""Types of the compiled core. All arrays are flat, float64, row-major."""
+"""Types of the compiled core. Arrays of trajectories are flat, float64, row-major."""
 
 from collections.abc import Callable, Sequence
 from typing import TypedDict, final
@@ -14,6 +14,7 @@ __all__ = [
     "__version__",
     "available_simd",
     "growth",
+    "modular_null_space",
     "orbits",
     "orthonormal",
     "outcomes",
@@ -114,6 +115,26 @@ def growth(
     time_limit: float,
     progress: Callable[[float], object] | None,
 ) -> _Growth: ...
+
+class _NullSpace(TypedDict):
+    rank: int
+    complete: bool
+    pivots: NDArray[np.uint32]
+    free: NDArray[np.uint32]
+    indptr: NDArray[np.uint64]
+    columns: NDArray[np.uint32]
+    residues: NDArray[np.uint64]
+
+def modular_null_space(
+    indptr: NDArray[np.uint64],
+    columns: NDArray[np.uint32],
+    residues: NDArray[np.uint64],
+    n_columns: int,
+    prime: int,
+    enough_rank: int | None,
+    time_limit: float,
+    progress: Callable[[float], object] | None,
+) -> _NullSpace: ...
 def orthonormal(matrices: _Array, n_rows: int, n_columns: int) -> tuple[_Array, _Array]: ...
 def simd() -> str: ...
 def available_simd() -> list[str]: ...

@@ -1,6 +1,7 @@
 //! Every reason for which the core refuses a call.
 
 use crate::field::MOST_COMPONENTS;
+use crate::modular::MOST_COLUMNS;
 use std::fmt;
 
 /// Why a call was refused.
@@ -150,6 +151,37 @@ pub enum Error {
         /// Number of registers of the tape.
         available: usize,
     },
+    /// A modulus that is no odd prime below 2^62.
+    Prime {
+        /// What came.
+        got: u64,
+    },
+    /// A sparse matrix with too many columns.
+    MatrixColumns {
+        /// What came.
+        got: usize,
+    },
+    /// A sparse matrix with more columns of entries than residues, or fewer.
+    MatrixEntries {
+        /// Number of columns of entries.
+        wanted: usize,
+        /// Number of residues.
+        got: usize,
+    },
+    /// Starts of rows that do not divide the entries into rows.
+    MatrixStarts {
+        /// Number of entries.
+        n_entries: usize,
+    },
+    /// An entry in a column that is not there.
+    MatrixColumn {
+        /// Which entry.
+        entry: usize,
+        /// Number of columns.
+        n_columns: usize,
+        /// What came.
+        got: usize,
+    },
     /// The discrete Lagrange top for another top.
     NotLagrange,
     /// A method that does not know fields of this kind.
@@ -261,6 +293,24 @@ impl fmt::Display for Error {
                 "output {component}: wanted a register below {available}; got {register}; \
                  name a component or the result of an instruction"
             ),
+            Error::Prime { got } => {
+                write!(f, "prime: wanted an odd prime below 2^62; got {got}; try 2^61 - 1")
+            }
+            Error::MatrixColumns { got } => {
+                write!(f, "n_columns: wanted at most {MOST_COLUMNS}; got {got}; split the matrix into blocks")
+            }
+            Error::MatrixEntries { wanted, got } => write!(
+                f,
+                "residues: wanted {wanted}, one for each column of an entry; got {got}; columns and residues go together"
+            ),
+            Error::MatrixStarts { n_entries } => write!(
+                f,
+                "indptr: wanted ascending numbers from 0 to {n_entries}, the number of entries; got others; it says where \
+                 each row begins, and where the last one ends"
+            ),
+            Error::MatrixColumn { entry, n_columns, got } => {
+                write!(f, "columns: wanted numbers below {n_columns}; got {got} at entry {entry}; columns count from 0")
+            }
             Error::NotLagrange => write!(
                 f,
                 "LagrangeMap: wanted a top with I1 = I2 and with a and b along the third axis; got another one; \

@@ -28,3 +28,4 @@ pub mod error;
 pub mod field;
 pub mod lanes;
 pub mod method;
+pub mod modular;

@@ -10,7 +10,11 @@ pub(crate) fn translate(error: Error) -> PyErr {
     let class = match error {
         Error::Memory { .. } => "MemoryLimitError",
         Error::Threads { .. } => "ThreadLimitError",
-        Error::Length { .. } | Error::Outputs { .. } | Error::InstructionOperands { .. } => "ShapeError",
+        Error::Length { .. }
+        | Error::Outputs { .. }
+        | Error::InstructionOperands { .. }
+        | Error::MatrixEntries { .. }
+        | Error::MatrixStarts { .. } => "ShapeError",
         Error::UnknownInstruction { .. } => "UnknownNameError",
         Error::MethodForField => "UnsupportedFieldError",
         Error::Inertia { .. }
@@ -32,6 +36,9 @@ pub(crate) fn translate(error: Error) -> PyErr {
         | Error::InstructionRegister { .. }
         | Error::InstructionNumber { .. }
         | Error::OutputRegister { .. }
+        | Error::Prime { .. }
+        | Error::MatrixColumns { .. }
+        | Error::MatrixColumn { .. }
         | Error::SimdNotAvailable { .. } => "ParameterError",
     };
     exception(class, &error.to_string())

@@ -18,16 +18,18 @@ use liepoisson_core::error::Error;
 use liepoisson_core::field::Functions;
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::AcrossComponents;
-use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use liepoisson_core::modular::{self, Matrix};
+use numpy::{Element, IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::Duration;
 
 /// An array of the caller as numbers of our own.
-fn copied(array: &PyReadonlyArray1<'_, f64>) -> PyResult<Vec<f64>> {
+fn copied<T: Element + Copy>(array: &PyReadonlyArray1<'_, T>) -> PyResult<Vec<T>> {
     let (array, mut numbers) = (array.as_array(), Vec::new());
-    numbers.try_reserve_exact(array.len()).map_err(|_| translate(Error::Memory { bytes: 8 * array.len() }))?;
+    let bytes = size_of::<T>() * array.len();
+    numbers.try_reserve_exact(array.len()).map_err(|_| translate(Error::Memory { bytes }))?;
     numbers.extend(array.iter().copied());
     Ok(numbers)
 }
@@ -270,6 +272,38 @@ fn orthonormal<'py>(
     Ok((frames.into_pyarray(py), triangles.into_pyarray(py)))
 }
 
+/// Rank and null space of a sparse matrix modulo a prime: see `_core.pyi`.
+#[pyfunction]
+#[pyo3(signature = (indptr, columns, residues, n_columns, prime, enough_rank, time_limit, progress))]
+#[allow(clippy::too_many_arguments)]
+fn modular_null_space<'py>(
+    py: Python<'py>,
+    indptr: PyReadonlyArray1<'py, u64>,
+    columns: PyReadonlyArray1<'py, u32>,
+    residues: PyReadonlyArray1<'py, u64>,
+    n_columns: usize,
+    prime: u64,
+    enough_rank: Option<usize>,
+    time_limit: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (starts, columns, residues) = (&*copied(&indptr)?, &*copied(&columns)?, &*copied(&residues)?);
+    let matrix = Matrix { starts, columns, residues, n_columns };
+    let space = supervised(py, 1, time_limit, progress, |control, watch| {
+        modular::null_space(&matrix, prime, enough_rank, control, watch)
+    })?;
+    let result = PyDict::new(py);
+    result.set_item("rank", space.rank)?;
+    result.set_item("complete", space.basis.is_some())?;
+    result.set_item("pivots", space.pivots.into_pyarray(py))?;
+    result.set_item("free", space.free.into_pyarray(py))?;
+    let basis = space.basis.unwrap_or_default();
+    result.set_item("indptr", basis.starts.into_pyarray(py))?;
+    result.set_item("columns", basis.columns.into_pyarray(py))?;
+    result.set_item("residues", basis.residues.into_pyarray(py))?;
+    Ok(result)
+}
+
 /// Name of the instruction set that the kernels use, after `LIEPOISSON_SIMD`.
 #[pyfunction]
 fn simd() -> PyResult<&'static str> {
@@ -297,6 +331,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(growth, module)?)?;
     module.add_function(wrap_pyfunction!(sections, module)?)?;
     module.add_function(wrap_pyfunction!(orthonormal, module)?)?;
+    module.add_function(wrap_pyfunction!(modular_null_space, module)?)?;
     module.add_function(wrap_pyfunction!(simd, module)?)?;
     module.add_function(wrap_pyfunction!(available_simd, module)?)?;
     module.add_function(wrap_pyfunction!(outcomes, module)?)

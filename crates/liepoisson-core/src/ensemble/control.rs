@@ -47,6 +47,11 @@ impl Control {
         self.cancelled.store(true, Ordering::Relaxed);
     }
 
+    /// Says how much is done where there are no trajectories: a fraction of the whole.
+    pub(crate) fn set_done(&self, fraction: f64) {
+        self.done.store((fraction * ONE) as u64, Ordering::Relaxed);
+    }
+
     /// Number of trajectories done, fractions of running ones included.
     pub fn done(&self) -> f64 {
         self.done.load(Ordering::Relaxed) as f64 / ONE

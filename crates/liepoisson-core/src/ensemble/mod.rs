@@ -13,6 +13,7 @@ pub(crate) use any_ensemble::{AnyEnsemble, Watch};
 pub use control::Control;
 pub use observer::{Observer, Step, Stop};
 pub use outcome::{Outcome, Summary};
+pub(crate) use running::beside;
 
 use crate::error::Error;
 use crate::field::{Space, Terms};

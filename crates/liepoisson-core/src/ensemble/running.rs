@@ -1,6 +1,7 @@
 //! The threads of a run: how many have not ended yet, and what a panic of one does to the others.
 
 use super::control::Control;
+use crate::error::Error;
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
@@ -49,4 +50,31 @@ impl Running {
             .expect("nobody panics while counting");
         *count == 0
     }
+}
+
+/// Runs `work` on a thread of its own, and `watch` on the calling thread: the function that it is given waits for the end, at
+/// most so long, and says whether it has come.
+///
+/// # Errors
+/// No thread.
+///
+/// # Panics
+/// As `work` does.
+pub(crate) fn beside<R: Send>(
+    control: &Control,
+    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
+    work: impl FnOnce() -> R + Send,
+) -> Result<R, Error> {
+    let running = Running::new(1);
+    std::thread::scope(|scope| {
+        let counted = running.guard();
+        let work = move || {
+            let _counted = counted;
+            let _cancels = CancelOnPanic(control);
+            work()
+        };
+        let worker = std::thread::Builder::new().spawn_scoped(scope, work).map_err(|_| Error::Threads { wanted: 1 })?;
+        watch(&|at_most| running.wait(at_most));
+        worker.join().map_err(|panic| std::panic::resume_unwind(panic))
+    })
 }

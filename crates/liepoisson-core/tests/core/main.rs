@@ -6,6 +6,7 @@ mod ensemble;
 mod frame;
 mod gauss;
 mod mixed_taylor;
+mod modular;
 mod quadratic;
 mod runge_kutta;
 mod runge_kutta_fields;

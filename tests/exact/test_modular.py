@@ -1,0 +1,173 @@
+"""Null spaces modulo a prime, against FLINT's, on random sparse matrices and on the derivation of a top."""
+
+import os
+import signal
+import threading
+import time
+
+import flint
+import numpy as np
+import pytest
+
+from liepoisson import _core
+from liepoisson.errors import ParameterError, ShapeError
+
+PRIMES = (3, 101, 65_537, 2**31 - 1, 2**61 - 1, 2**62 - 57)
+
+
+def arrays(matrix):
+    """The compressed rows of a dense array."""
+    rows, columns = np.nonzero(matrix)
+    indptr = np.searchsorted(rows, np.arange(len(matrix) + 1))
+    return indptr.astype(np.uint64), columns.astype(np.uint32), matrix[rows, columns].astype(np.uint64)
+
+
+def null_space(matrix, prime, *, enough_rank=None):
+    return _core.modular_null_space(*arrays(matrix), matrix.shape[1], prime, enough_rank, 60, None)
+
+
+def dense_basis(space, n_columns):
+    basis = np.zeros((len(space["free"]), n_columns), np.uint64)
+    for row, (begin, end) in enumerate(zip(space["indptr"][:-1], space["indptr"][1:], strict=True)):
+        basis[row, space["columns"][begin:end]] = space["residues"][begin:end]
+    return basis
+
+
+def random_matrix(generator, n_rows, n_columns, n_entries, prime):
+    matrix = np.zeros((n_rows, n_columns), np.uint64)
+    places = generator.integers(0, [n_rows, n_columns], size=(n_entries, 2))
+    matrix[places[:, 0], places[:, 1]] = generator.integers(1, prime, size=n_entries, dtype=np.uint64)
+    return matrix
+
+
+@pytest.mark.parametrize("prime", PRIMES)
+@pytest.mark.parametrize(
+    "shape", [(1, 1, 1), (5, 8, 12), (60, 40, 150), (40, 90, 200), (300, 150, 700), (400, 200, 1600)]
+)
+def test_null_space_is_that_of_flint(prime, shape):
+    generator = np.random.default_rng(shape)
+    matrix = random_matrix(generator, *shape, prime)
+    matrix[:, generator.integers(shape[1], size=4)] = matrix[:, generator.integers(shape[1], size=4)]
+    space = null_space(matrix, prime)
+    reference = flint.nmod_mat(*matrix.shape, matrix.ravel().tolist(), prime)
+    echelon, rank = reference.rref()
+    entries = np.array([int(x) for x in echelon.entries()], np.uint64).reshape(matrix.shape)
+    pivots = [int(np.flatnonzero(entries[row])[0]) for row in range(rank)]
+    assert space["complete"]
+    assert space["rank"] == rank
+    assert space["pivots"].tolist() == pivots
+    assert sorted([*pivots, *space["free"].tolist()]) == list(range(shape[1]))
+    basis = dense_basis(space, shape[1])
+    wanted = np.zeros_like(basis)
+    wanted[np.arange(len(basis)), space["free"]] = 1
+    negative = np.uint64(prime) - entries[:rank][:, space["free"]].T
+    wanted[:, pivots] = np.where(negative == prime, np.uint64(0), negative)
+    np.testing.assert_array_equal(basis, wanted)
+
+
+def test_entries_are_reduced_and_entries_of_one_place_are_added():
+    indptr, columns = np.array([0, 2, 5], np.uint64), np.array([0, 1, 2, 1, 2], np.uint32)
+    residues = np.array([8, 2**64 - 1, 3, 0, 4], np.uint64)
+    space = _core.modular_null_space(indptr, columns, residues, 3, 7, None, 60, None)
+    # x + (2^64 - 1) y = x + y and 7 z = 0
+    assert (space["rank"], space["pivots"].tolist(), space["free"].tolist()) == (1, [0], [1, 2])
+    assert (space["columns"].tolist(), space["residues"].tolist()) == ([0, 1, 2], [6, 1, 1])
+
+
+def test_a_rank_that_is_enough_ends_the_elimination():
+    matrix = random_matrix(np.random.default_rng(1), 300, 150, 700, 101)
+    rank = null_space(matrix, 101)["rank"]
+    space = null_space(matrix, 101, enough_rank=rank - 5)
+    assert not space["complete"]
+    assert (space["rank"], len(space["pivots"]), len(space["free"])) == (rank - 5, rank - 5, 150 - rank + 5)
+    assert (space["indptr"].tolist(), len(space["columns"])) == ([0], 0)
+    independent = flint.nmod_mat(300, rank - 5, matrix[:, space["pivots"]].ravel().tolist(), 101)
+    assert independent.rank() == rank - 5
+    assert null_space(matrix, 101, enough_rank=rank + 1)["complete"]
+
+
+def test_bases_modulo_several_primes_belong_together():
+    generator = np.random.default_rng(2)
+    matrix = generator.integers(-3, 4, size=(60, 50)) * (generator.random((60, 50)) < 0.1)
+    matrix[:, 40:] = matrix[:, :10] - 2 * matrix[:, 10:20]
+    spaces = [null_space(np.mod(matrix, prime), prime) for prime in (2**61 - 1, 2**62 - 57)]
+    assert spaces[0]["free"].tolist() == spaces[1]["free"].tolist()
+    first, second = (np.array(dense_basis(space, 50), object) for space in spaces)
+    lifted = [flint.fmpz(0)] * first.size
+    (p, q) = (2**61 - 1, 2**62 - 57)
+    for place, (x, y) in enumerate(zip(first.ravel(), second.ravel(), strict=True)):
+        residue = (int(x) + p * ((int(y) - int(x)) * pow(p, -1, q) % q)) % (p * q)
+        lifted[place] = flint.fmpq(*rational(residue, p * q))
+    basis = flint.fmpq_mat(*first.shape, lifted)
+    product = basis * flint.fmpq_mat(flint.fmpz_mat(matrix.T.tolist()))
+    assert product == flint.fmpq_mat(first.shape[0], 60)
+
+
+def rational(residue, modulus):
+    """The fraction of small numerator and denominator with a residue: Euclid's algorithm, ended half way."""
+    (before, now), (s_before, s) = (modulus, residue), (0, 1)
+    while 2 * now * now > modulus:
+        quotient = before // now
+        (before, now), (s_before, s) = (now, before - quotient * now), (s, s_before - quotient * s)
+    return now, s
+
+
+MATRIX = (np.array([0, 1], np.uint64), np.array([0], np.uint32), np.array([1], np.uint64), 1)
+
+
+@pytest.mark.parametrize("prime", [0, 1, 2, 4, 9, 2**61 + 1, 2**62 + 135, 2**63 - 25, 2**64 - 59])
+def test_a_number_that_is_no_odd_prime_below_2_to_62_is_refused(prime):
+    with pytest.raises(ParameterError, match=rf"prime: wanted an odd prime below 2\^62; got {prime}"):
+        _core.modular_null_space(*MATRIX, prime, None, 60, None)
+
+
+def test_matrices_whose_parts_do_not_fit_are_refused():
+    indptr, columns, residues, _ = MATRIX
+    with pytest.raises(ParameterError, match="columns: wanted numbers below 1; got 1 at entry 0"):
+        _core.modular_null_space(indptr, columns + np.uint32(1), residues, 1, 3, None, 60, None)
+    with pytest.raises(ParameterError, match="n_columns"):
+        _core.modular_null_space(indptr, columns, residues, 2**40, 3, None, 60, None)
+    with pytest.raises(ShapeError, match=r"residues: wanted 1.*got 2"):
+        _core.modular_null_space(indptr, columns, np.ones(2, np.uint64), 1, 3, None, 60, None)
+    for starts in ([], [0], [0, 2], [1, 1], [0, 2**63, 1]):
+        with pytest.raises(ShapeError, match="indptr: wanted ascending numbers from 0 to 1"):
+            _core.modular_null_space(np.array(starts, np.uint64), columns, residues, 1, 3, None, 60, None)
+    with pytest.raises(TypeError):
+        _core.modular_null_space(indptr.astype(float), columns, residues, 1, 3, None, 60, None)
+
+
+def large_matrix():
+    """One whose elimination takes minutes: rows without structure, which fill up."""
+    generator = np.random.default_rng(3)
+    n_rows, n_columns, per_row = 15_000, 15_000, 6
+    columns = generator.integers(0, n_columns, size=n_rows * per_row, dtype=np.uint32)
+    residues = generator.integers(1, 2**61 - 1, size=n_rows * per_row, dtype=np.uint64)
+    return np.arange(0, n_rows * per_row + 1, per_row, dtype=np.uint64), columns, residues, n_columns
+
+
+def test_progress_ascends_and_its_exception_ends_the_elimination():
+    seen = []
+
+    def progress(fraction):
+        seen.append(fraction)
+        if len(seen) == 5:
+            raise ZeroDivisionError
+
+    with pytest.raises(ZeroDivisionError):
+        _core.modular_null_space(*large_matrix(), 2**61 - 1, None, 600, progress)
+    assert seen == sorted(seen)
+    assert 0 <= seen[0] < seen[-1] < 1
+
+
+def test_time_limit_leaves_a_lower_bound_of_the_rank():
+    space = _core.modular_null_space(*large_matrix(), 2**61 - 1, None, 0.5, None)
+    assert not space["complete"]
+    assert 5000 < space["rank"] == len(space["pivots"]) < 15_000
+
+
+def test_ctrl_c_ends_the_elimination():
+    threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        _core.modular_null_space(*large_matrix(), 2**61 - 1, None, 600, None)
+    assert time.monotonic() - begin < 30
