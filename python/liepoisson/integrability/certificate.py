@@ -1,0 +1,107 @@
+"""Certificates: what proves that a system is Liouville integrable, as plain data that others can check."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from itertools import combinations
+from pathlib import Path
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
+from liepoisson.files import write_atomically
+from liepoisson.integrability import checker
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+
+FORMAT = "liepoisson certificate of Liouville integrability/1"
+_MOST_POINTS = 50
+_LARGEST = 7
+"""Coordinates of the point are whole numbers up to this."""
+
+
+def certificate(system: System, commuting: Mapping[str, Expr]) -> dict[str, Any]:
+    """The certificate that functions on phase space, as many as half the rank, make a system integrable; checked.
+
+    Args:
+        system: A system with rational coefficients.
+        commuting: Polynomials that commute with H and with each other, by name.
+
+    Raises:
+        ParameterError: coefficients are not rational, or the functions do not prove it; the message says what fails.
+    """
+    x, casimirs = system.variables, system.bracket.casimirs()
+    data: dict[str, Any] = {
+        "format": FORMAT,
+        "system": system.name,
+        "variables": [str(v) for v in x],
+        "poisson_matrix": [
+            [i, j, _terms(system.bracket(x[i], x[j]), x)]
+            for i, j in combinations(range(len(x)), 2)
+            if system.bracket(x[i], x[j]) != 0
+        ],
+        "hamiltonian": _terms(system.hamiltonian, x),
+        "casimirs": {f"C{k}": _terms(c, x) for k, c in enumerate(casimirs, start=1)},
+        "commuting": {name: _terms(f, x) for name, f in commuting.items()},
+    }
+    random, wrong = Random(1), ""
+    for _ in range(_MOST_POINTS):
+        data["point"] = [str(random.randint(-_LARGEST, _LARGEST)) for _ in x]
+        wrong = checker.check(data)
+        if "leaf" not in wrong:
+            break
+    if wrong:
+        raise ParameterError(f"a certificate of integrability: wanted a proof; got one that fails: {wrong}")
+    return data
+
+
+def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
+    """Write a certificate as JSON.
+
+    Raises:
+        OutputError: the file cannot be written, or its name does not end in .json.
+    """
+    path = Path(path)
+    if path.suffix != ".json":
+        raise OutputError(f"wanted a name that ends in .json; got {shown(str(path))}; write for example top.json")
+    write_atomically(path, (json.dumps(data, indent=1) + "\n").encode())
+    return path
+
+
+def load_certificate(path: str | Path) -> dict[str, Any]:
+    """Read a certificate and check it: nothing in the file is trusted.
+
+    Raises:
+        MissingFileError: there is no such file.
+        DamagedFileError: it is no certificate, or one that proves nothing; the message says what fails.
+    """
+    try:
+        data = json.loads(Path(path).read_text(encoding="utf-8"))
+        wrong = checker.check(data) if data["format"] == FORMAT else "it has another format"
+    except FileNotFoundError as error:
+        raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
+    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError, ZeroDivisionError) as error:
+        raise DamagedFileError(f"{path}: wanted a certificate; got a file that is none ({error!r:.80})") from error
+    if wrong:
+        raise DamagedFileError(f"{path}: the certificate is refused: {wrong}; it was altered, or proves nothing")
+    return data
+
+
+def _terms(expression: Any, variables: Sequence[Any]) -> list[list[Any]]:
+    from sympy import Poly
+
+    found: list[list[Any]] = []
+    for monomial, coefficient in Poly(expression, *variables).terms():
+        if not coefficient.is_Rational:
+            raise ParameterError(
+                f"a certificate: wanted rational coefficients, which a short checker understands; got {coefficient}"
+            )
+        if coefficient != 0:
+            found.append([str(Fraction(int(coefficient.p), int(coefficient.q))), list(map(int, monomial))])
+    return found
