@@ -1,0 +1,385 @@
+r"""For which parameters does a linear system have more solutions than it has in general? Split into cases, all proved.
+
+The matrix has polynomials in the parameters for entries. Entries that cannot vanish are eliminated; where none is left,
+the simplest other entry is assumed not to vanish, and then, factor by factor, to vanish. An equation is solved for a
+parameter that occurs in it with degree one. A case ends where the rank is so large that there are no further solutions,
+or where no row is left.
+
+Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only with
+all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, TypeAlias
+
+Poly: TypeAlias = Any
+"""A polynomial in the parameters, flint.fmpq_mpoly."""
+SparseRow: TypeAlias = "dict[int, Poly]"
+
+MOST_CASES = 20_000
+"""Cases after which the rest is left and said to be."""
+
+
+@dataclass(frozen=True)
+class Case:
+    """A set of parameters: equations that hold, solved as far as possible, and polynomials that do not vanish.
+
+    Attributes:
+        equations: Irreducible polynomials that vanish, in the order in which they were imposed, each reduced by those
+            before it.
+        solved: Parameters that the equations give: index -> (numerator, denominator), the denominator not zero.
+        unsolved: Equations that are of degree one in no parameter.
+        nonzero: Irreducible polynomials that do not vanish, monic, by their text (flint's polynomials have no hash).
+    """
+
+    equations: tuple[Poly, ...] = ()
+    solved: tuple[tuple[int, Poly, Poly], ...] = ()
+    unsolved: tuple[Poly, ...] = ()
+    nonzero: Mapping[str, Poly] = field(default_factory=dict[str, Poly])
+
+
+@dataclass
+class _State:
+    case: Case
+    rows: list[SparseRow]
+    rank: int
+    pending: list[Poly] = field(default_factory=list)
+
+
+@dataclass
+class Cases:
+    """The cases in which there are more solutions.
+
+    Attributes:
+        found: Cases with more solutions than in general; none lies in the closure of another.
+        left: Cases that were not decided.
+        n_closed: Number of cases in which there are no further solutions.
+    """
+
+    found: list[Case] = field(default_factory=list)
+    left: list[Case] = field(default_factory=list)
+    n_closed: int = 0
+
+
+class CaseSplitting:
+    """Splits the parameters of one linear system.
+
+    Args:
+        context: flint's context of the parameters.
+        positive: Indices of parameters that are positive.
+        nonzero: Polynomials that do not vanish.
+    """
+
+    def __init__(self, context: Any, positive: frozenset[int], nonzero: Sequence[Poly]) -> None:
+        self.context = context
+        self.n = context.nvars()
+        self.positive = positive
+        self._zero, self._one = context.constant(0), context.constant(1)
+        self.assumed = {str(q): q for p in nonzero for q in self.factors(p)}
+
+    def run(
+        self,
+        rows: Sequence[SparseRow],
+        n_columns: int,
+        n_known: int,
+        into: Cases,
+        keep_going: Callable[[], bool] = lambda: True,
+    ) -> None:
+        """Find all cases in which the null space is larger than `n_known`.
+
+        Args:
+            rows: The matrix.
+            n_columns: Number of unknowns.
+            n_known: Dimension of the null space in general, or of that part of it which is known everywhere.
+            into: Cases found before, of other systems; those inside of them are not looked at again.
+            keep_going: Asked before each case.
+        """
+        stack = [_State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0)]
+        n_cases = 0
+        while stack:
+            state = stack.pop()
+            n_cases += 1
+            if n_cases > MOST_CASES or not keep_going():
+                into.left += [s.case for s in (state, *stack)]
+                return
+            further = self._impose(state)
+            if further is not None:
+                stack += further
+                continue
+            if any(self._lies_in(state.case, case) for case in into.found):
+                continue
+            self._eliminate(state, n_columns - n_known)
+            if state.rank >= n_columns - n_known:
+                into.n_closed += 1
+            elif not state.rows:
+                into.found = [c for c in into.found if not self._lies_in(c, state.case)] + [state.case]
+            elif len(state.case.unsolved) > 1:
+                into.left.append(state.case)
+            else:
+                stack += self._split(state)
+
+    # equations
+
+    def _impose(self, state: _State) -> list[_State] | None:
+        """The cases in which the next equation that waits holds; None if none waits."""
+        while state.pending:
+            p = self._reduced(state.pending[0], state.case)
+            rest = state.pending[1:]
+            if not p:
+                state.pending = rest
+                continue
+            if self._is_unit(p, state.case):
+                return []
+            found: list[_State] = []
+            nonzero = state.case.nonzero
+            for q in self.factors(p):
+                if self._is_unit(q, state.case):
+                    continue
+                case = replace(state.case, nonzero=nonzero)
+                found += self._vanishing(q, replace_state(state, case, rest))
+                nonzero = {**nonzero, str(q): q}
+            return found
+        return None
+
+    def _vanishing(self, q: Poly, state: _State) -> list[_State]:
+        """The cases in which an irreducible polynomial vanishes."""
+        if (terms := self._definite_terms(q)) is not None:
+            if any(term.is_constant() for term in terms):
+                return []
+            return [replace_state(state, state.case, [*terms, *state.pending])]
+        case = replace(state.case, equations=(*state.case.equations, q))
+        degrees = q.degrees()
+        linear = [v for v in range(self.n) if degrees[v] == 1]
+        parts = {v: self._in_powers(q, v) for v in linear}
+        for v in sorted(linear, key=lambda v: (len(parts[v][1].coeffs()), v)):
+            if self._is_unit(parts[v][1], case):
+                return [self._with_solved(state, case, v, -parts[v][0], parts[v][1])]
+        if linear:
+            v = min(linear, key=lambda v: (len(parts[v][1].coeffs()), v))
+            rest, slope = parts[v]
+            unequal = replace(case, nonzero={**case.nonzero, **{str(f): f for f in self.factors(slope)}})
+            return [
+                replace_state(state, state.case, [slope, rest, *state.pending]),
+                self._with_solved(state, unequal, v, -rest, slope),
+            ]
+        return [self._reduced_state(replace_state(state, replace(case, unsolved=(*case.unsolved, q)), state.pending))]
+
+    def _with_solved(self, state: _State, case: Case, v: int, numerator: Poly, denominator: Poly) -> _State:
+        """The state with a parameter expressed by the others, in everything."""
+        common = numerator.gcd(denominator)
+        numerator, denominator = numerator // common, denominator // common
+        solved = [(w, *self._inserted_fraction(a, b, v, numerator, denominator)) for w, a, b in case.solved]
+        insert = lambda p: self._inserted(p, v, numerator, denominator)  # noqa: E731
+        nonzero = {str(q): q for p in case.nonzero.values() for q in self.factors(insert(p))}
+        new = replace(
+            case,
+            solved=(*solved, (v, numerator, denominator)),
+            unsolved=tuple(insert(p) for p in case.unsolved),
+            nonzero=nonzero,
+        )
+        if any(not insert(p) for p in case.nonzero.values()):
+            return _State(new, [], 0, [self._one])  # contradicts itself
+        rows = [self._inserted_row(row, v, numerator, denominator) for row in state.rows]
+        return self._reduced_state(_State(new, rows, state.rank, [insert(p) for p in state.pending]))
+
+    def _inserted_row(self, row: SparseRow, v: int, numerator: Poly, denominator: Poly) -> SparseRow:
+        power = max((p.degrees()[v] for p in row.values()), default=0)
+        return {c: self._inserted(p, v, numerator, denominator, power) for c, p in row.items()}
+
+    def _inserted(self, p: Poly, v: int, numerator: Poly, denominator: Poly, power: int | None = None) -> Poly:
+        """The polynomial times a power of the denominator, with numerator/denominator for a parameter."""
+        parts = self._in_powers(p, v)
+        top = max(parts) if power is None else power
+        total = self._zero
+        for k, part in parts.items():
+            total = total + part * numerator**k * denominator ** (top - k)
+        return total
+
+    def _inserted_fraction(self, a: Poly, b: Poly, v: int, numerator: Poly, denominator: Poly) -> tuple[Poly, Poly]:
+        power = max(a.degrees()[v], b.degrees()[v])
+        a, b = (self._inserted(p, v, numerator, denominator, power) for p in (a, b))
+        common = a.gcd(b) if a else b
+        return a // common, b // common
+
+    def _in_powers(self, p: Poly, v: int) -> dict[int, Poly]:
+        """The coefficients of the powers of a parameter."""
+        parts: dict[int, dict[tuple[int, ...], Any]] = {0: {}}
+        for monomial, coefficient in p.terms():
+            key = tuple(int(k) for k in monomial)
+            parts.setdefault(key[v], {})[(*key[:v], 0, *key[v + 1 :])] = coefficient
+        return {k: self.context.from_dict(terms) for k, terms in parts.items()}
+
+    def _reduced(self, p: Poly, case: Case) -> Poly:
+        for q in case.unsolved:
+            if q:
+                p = divmod(p, q)[1]
+        return p
+
+    def _reduced_state(self, state: _State) -> _State:
+        state.rows = [
+            {c: r for c, p in row.items() if (r := self._reduced(p, state.case))} for row in state.rows
+        ]
+        return state
+
+    # elimination
+
+    def _eliminate(self, state: _State, enough: int) -> None:
+        """Eliminate by entries that do not vanish, as long as there are any."""
+        state.rows = [cleaned for row in state.rows if (cleaned := self._cleaned(row, state.case))]
+        while state.rows and state.rank < enough:
+            pivot = self._pivot(state)
+            if pivot is None:
+                return
+            number, column = pivot
+            pivot_row = state.rows.pop(number)
+            p = pivot_row[column]
+            state.rank += 1
+            rows: list[SparseRow] = []
+            for row in state.rows:
+                if column in row:
+                    row = self._subtracted(row, pivot_row, column, p, state.case)
+                    if not row:
+                        continue
+                rows.append(row)
+            state.rows = rows
+
+    def _subtracted(self, row: SparseRow, pivot_row: SparseRow, column: int, p: Poly, case: Case) -> SparseRow:
+        e = row[column]
+        common = e.gcd(p)
+        a, b = p // common, e // common
+        new: SparseRow = {}
+        for c in row.keys() | pivot_row.keys():
+            if c == column:
+                continue
+            value = self._zero
+            if c in row:
+                value = value + a * row[c]
+            if c in pivot_row:
+                value = value - b * pivot_row[c]
+            value = self._reduced(value, case)
+            if value:
+                new[c] = value
+        return self._cleaned(new, case)
+
+    def _cleaned(self, row: SparseRow, case: Case) -> SparseRow:
+        """The row divided by what all of its entries have in common and does not vanish."""
+        row = {c: p for c, p in row.items() if p}
+        if not row:
+            return row
+        common = self._zero
+        for p in row.values():
+            common = common.gcd(p)
+            if common.is_constant():
+                break
+        divisor = self._one
+        if not common.is_constant():
+            for q, power in common.factor()[1]:
+                if self._is_unit(q, case):
+                    divisor = divisor * q**power
+        if len(row) == 1 and not common.is_constant():
+            # a multiple of one unknown: only its squarefree part matters
+            ((c, p),) = row.items()
+            product = self._one
+            for q in self.factors(p):
+                if not self._is_unit(q, case):
+                    product = product * q
+            return {c: product}
+        leading = next(iter(row.values())).leading_coefficient()
+        return {c: (p // divisor) / leading for c, p in row.items()}
+
+    def _pivot(self, state: _State) -> tuple[int, int] | None:
+        """The row and column of an entry that does not vanish, with little fill-in; constants first."""
+        counts: dict[int, int] = {}
+        for row in state.rows:
+            for c in row:
+                counts[c] = counts.get(c, 0) + 1
+        best: tuple[tuple[int, int], int, int] | None = None
+        for only_constants in (True, False):
+            for k, row in enumerate(state.rows):
+                for c, p in row.items():
+                    cost = ((len(row) - 1) * (counts[c] - 1), 0 if p.is_constant() else p.total_degree())
+                    if best is not None and cost >= best[0]:
+                        continue
+                    if p.is_constant() or (not only_constants and self._is_unit(p, state.case)):
+                        best = (cost, k, c)
+            if best is not None:
+                return best[1], best[2]
+        return None
+
+    def _split(self, state: _State) -> list[_State]:
+        """Two kinds of cases: the simplest entry vanishes, by one of its factors, or it does not (looked at first)."""
+        candidates: dict[str, tuple[Poly, int]] = {}
+        for row in state.rows:
+            for p in row.values():
+                for q in self.factors(p):
+                    if not self._is_unit(q, state.case):
+                        candidates[str(q)] = (q, candidates.get(str(q), (q, 0))[1] + 1)
+        q = min(
+            candidates.values(), key=lambda found: (found[0].total_degree(), len(found[0].coeffs()), -found[1], str(found[0]))
+        )[0]
+        copy = [dict(row) for row in state.rows]
+        zero = _State(state.case, copy, state.rank, [q])
+        other = replace(state.case, nonzero={**state.case.nonzero, str(q): q})
+        return [zero, _State(other, state.rows, state.rank)]
+
+    # what vanishes
+
+    def factors(self, p: Poly) -> list[Poly]:
+        """The irreducible factors, monic; none of a constant."""
+        if not p or p.is_constant():
+            return []
+        return [q / q.leading_coefficient() for q, _ in p.factor()[1]]
+
+    def _is_unit(self, p: Poly, case: Case) -> bool:
+        """Whether a polynomial is known not to vanish."""
+        if not p:
+            return False
+        if p.is_constant():
+            return True
+        return all(str(q) in case.nonzero or self._never_vanishes(q) for q in self.factors(p))
+
+    def _never_vanishes(self, q: Poly) -> bool:
+        terms = self._definite_terms(q)
+        return terms is not None and any(term.is_constant() for term in terms)
+
+    def _definite_terms(self, q: Poly) -> list[Poly] | None:
+        """Its terms without positive parameters and powers, if all have one sign for real parameters and are several.
+
+        They vanish together with the polynomial.
+        """
+        signs: set[bool] = set()
+        terms: list[Poly] = []
+        count = 0
+        for monomial, coefficient in q.terms():
+            count += 1
+            signs.add(coefficient > 0)
+            powers = [int(k) for k in monomial]
+            if len(signs) > 1 or any(k % 2 and v not in self.positive for v, k in enumerate(powers)):
+                return None
+            bases = [int(bool(k) and v not in self.positive) for v, k in enumerate(powers)]
+            terms.append(self.context.from_dict({tuple(bases): 1}))
+        return terms if count > 1 or all(t.is_constant() for t in terms) else None
+
+    def _lies_in(self, case: Case, other: Case) -> bool:
+        """Whether all parameters of a case lie in the closure of another one (proved if True)."""
+        if case is other:
+            return False
+        for p in (*other.equations, *other.unsolved):
+            if self._insert_all(p, case):
+                return False
+        # where several equations were solved one after the other, their denominators must not vanish there
+        return len(other.equations) <= 1 or all(self._insert_all(b, case) for _, _, b in other.solved)
+
+    def _insert_all(self, p: Poly, case: Case) -> Poly:
+        """The numerator of a polynomial on the parameters of a case."""
+        for v, numerator, denominator in reversed(case.solved):
+            p = self._inserted(p, v, numerator, denominator)
+        return self._reduced(p, case)
+
+
+def replace_state(state: _State, case: Case, pending: Sequence[Poly]) -> _State:
+    """A copy with another case and other equations that wait."""
+    return _State(case, [dict(row) for row in state.rows], state.rank, list(pending))
