@@ -11,13 +11,16 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
+from math import lcm
 from random import Random
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import to_sympy
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
+from liepoisson.integrability.first_integrals import first_integrals
 from liepoisson.integrability.gradings import gradings
 from liepoisson.integrability.level import Level, order
 from liepoisson.integrability.monomials import in_blocks, n_monomials, of_degree
@@ -39,15 +42,14 @@ class ParameterCase:
 
     Attributes:
         conditions: Polynomials in the parameters that vanish.
-        solution: The same, solved: parameter -> expression in the others.
-        example: Values with these conditions, at which the integral was found.
-        integral: The integral at these values.
+        example: Random values with these conditions; None where the conditions are not solved by rational numbers.
+        integrals: The integrals at these values that are functionally independent of H and the Casimirs; a search there
+            has found them.
     """
 
     conditions: tuple[Expr, ...]
-    solution: dict[Symbol, Expr]
-    example: dict[Symbol, Expr]
-    integral: Expr | None
+    example: dict[Symbol, Expr] | None
+    integrals: tuple[Expr, ...]
 
     def __str__(self) -> str:
         return ", ".join(f"{c} = 0" for c in self.conditions) or "all parameters"
@@ -146,6 +148,7 @@ def integrable_families(
         work.context,
         frozenset(names.index(name) for name in positive),
         [*(work.context.gen(names.index(name)) for name in (*nonzero, *positive)), *work.denominators],
+        work.scalings(),
     )
     generators = [Generator(name, p, is_new=False) for name, p in zip(known, polynomials, strict=True)]
     search = Search(derivation, gradings(derivation), Level(), (), generators)
@@ -166,7 +169,7 @@ def integrable_families(
         degree=d,
         parameters=tuple(symbols),
         assumptions="; ".join(dict.fromkeys(["real parameters", *assumed])),
-        cases=tuple(work.described(case, system, d, splitting.positive) for case in cases.found),
+        cases=tuple(work.described(case, splitting, system, d) for case in cases.found),
         left=tuple(", ".join(f"{work.sympy(q)} = 0" for q in (*c.equations, *c.unsolved)) or "generic" for c in cases.left),
         n_closed=cases.n_closed,
     )
@@ -224,6 +227,26 @@ class _Work:
                 rows.append(new)
         return rows
 
+    def scalings(self) -> list[tuple[int, ...]]:
+        """Independent weights of the parameters for which the equations are homogeneous in coordinates and parameters."""
+        if any(not b.is_constant() for pairs in self._components for _, b in pairs.values()):
+            return []
+        n, k = len(self._components), len(self.symbols)
+        extended: list[dict[Exponents, Any]] = [
+            {(*m, *map(int, powers)): 1 for m, (a, _) in pairs.items() for powers, _ in a.terms()}  # type: ignore[misc]
+            for pairs in self._components
+        ]
+        whole = Derivation((*range(n + k),), (*extended, *({} for _ in range(k))), Coefficients())  # type: ignore[arg-type]
+        rows = [g.weights[n:] for g in gradings(whole) if not g.modulus]
+        found = Echelon(Coefficients())
+        for row in rows:
+            found.insert({i: Fraction(w) for i, w in enumerate(row) if w})
+        scalings: list[tuple[int, ...]] = []
+        for vector in found.basis():
+            scale = lcm(*(c.denominator for c in vector.values()))
+            scalings.append(tuple(int(vector.get(i, Fraction(0)) * scale) for i in range(k)))
+        return scalings
+
     def sympy(self, polynomial: Poly) -> Expr:
         """A polynomial in the parameters as an expression with whole coefficients."""
         from sympy import Add, Mul, Rational
@@ -232,11 +255,49 @@ class _Work:
             Mul(Rational(int(c.p), int(c.q)), *(s**int(k) for s, k in zip(self.symbols, m, strict=True)))
             for m, c in polynomial.terms()
         ]
-        return Add(*terms).as_numer_denom()[0]
+        whole = Add(*terms).as_numer_denom()[0]
+        return -whole if whole.could_extract_minus_sign() else whole
 
-    def described(self, case: Case, system: System, degree: int, positive: frozenset[int]) -> ParameterCase:
+    def described(self, case: Case, splitting: CaseSplitting, system: System, degree: int) -> ParameterCase:
         """A case with an example at which the integral is found again."""
-        conditions = [self.sympy(b * self.context.gen(v) - a) for v, a, b in case.solved]
-        conditions += [self.sympy(q) for q in case.unsolved]
-        solution = {self.symbols[v]: self.sympy(a) / self.sympy(b) for v, a, b in case.solved}
-        return ParameterCase(tuple(conditions), solution, {}, None)
+        conditions = tuple(self.sympy(q) for q in splitting.conditions(case))
+        example = self._example(case, splitting.positive)
+        if example is None:
+            return ParameterCase(conditions, None, ())
+        values = {str(s): v for s, v in example.items()}
+        member = type(system)(
+            system.bracket.substitute({name: Fraction(int(v.p), int(v.q)) for name, v in values.items()}),
+            system.hamiltonian.xreplace(example),
+        )
+        found = first_integrals(member, degree=degree)
+        return ParameterCase(conditions, example, tuple(f.expression for f in found.found))
+
+    def _example(self, case: Case, positive: frozenset[int]) -> dict[Any, Any] | None:
+        """Values of the parameters in a case; None if none is found."""
+        from flint import fmpq
+        from sympy import Rational
+
+        if case.unsolved:
+            return None
+        bound = {v for v, _ in case.scaled} | {v for v, _, _ in case.solved}
+        n, random = len(self.symbols), Random(1)
+        for _ in range(200):
+            values = [fmpq(1)] * n
+            for v in set(range(n)) - bound:
+                values[v] = fmpq(random.randint(1, 9) * (1 if v in positive else random.choice((-1, 1))), random.randint(1, 4))
+            at = dict(zip(map(str, self.symbols), values, strict=True))
+            for v, a, b in case.solved:
+                if not (below := _value(b, at)):
+                    break
+                values[v] = _value(a, at) / below
+            else:
+                at = dict(zip(map(str, self.symbols), values, strict=True))
+                if all(values[v] > 0 for v in positive) and all(_value(q, at) for q in case.nonzero.values()):
+                    return {
+                        s: Rational(int(x.p), int(x.q)) for s, x in zip(self.symbols, values, strict=True)
+                    }
+        return None
+
+
+def _value(polynomial: Poly, at: Mapping[str, Any]) -> Any:
+    return polynomial.subs(dict(at)).leading_coefficient() if polynomial else 0

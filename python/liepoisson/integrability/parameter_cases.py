@@ -7,6 +7,10 @@ or where no row is left.
 
 Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only with
 all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments.
+
+Scalings of the coordinates, of time and of the parameters that keep the equations keep the number of solutions. So a
+parameter that does not vanish is set to 1 where a scaling allows it; equations are made homogeneous again when they are
+written down.
 """
 
 from __future__ import annotations
@@ -29,15 +33,17 @@ class Case:
 
     Attributes:
         equations: Irreducible polynomials that vanish, in the order in which they were imposed, each reduced by those
-            before it.
+            before it; homogeneous.
         solved: Parameters that the equations give: index -> (numerator, denominator), the denominator not zero.
         unsolved: Equations that are of degree one in no parameter.
+        scaled: Parameters that were set to 1, with the weights of all parameters in the scaling that did it.
         nonzero: Irreducible polynomials that do not vanish, monic, by their text (flint's polynomials have no hash).
     """
 
     equations: tuple[Poly, ...] = ()
     solved: tuple[tuple[int, Poly, Poly], ...] = ()
     unsolved: tuple[Poly, ...] = ()
+    scaled: tuple[tuple[int, tuple[int, ...]], ...] = ()
     nonzero: Mapping[str, Poly] = field(default_factory=dict[str, Poly])
 
 
@@ -71,9 +77,17 @@ class CaseSplitting:
         context: flint's context of the parameters.
         positive: Indices of parameters that are positive.
         nonzero: Polynomials that do not vanish.
+        scalings: Weights of the parameters, one row for each independent scaling.
     """
 
-    def __init__(self, context: Any, positive: frozenset[int], nonzero: Sequence[Poly]) -> None:
+    def __init__(
+        self,
+        context: Any,
+        positive: frozenset[int],
+        nonzero: Sequence[Poly],
+        scalings: Sequence[tuple[int, ...]] = (),
+    ) -> None:
+        self.scalings = tuple(scalings)
         self.context = context
         self.n = context.nvars()
         self.positive = positive
@@ -109,6 +123,7 @@ class CaseSplitting:
             if further is not None:
                 stack += further
                 continue
+            state = self._scaled(state)
             if any(self._lies_in(state.case, case) for case in into.found):
                 continue
             self._eliminate(state, n_columns - n_known)
@@ -150,7 +165,7 @@ class CaseSplitting:
             if any(term.is_constant() for term in terms):
                 return []
             return [replace_state(state, state.case, [*terms, *state.pending])]
-        case = replace(state.case, equations=(*state.case.equations, q))
+        case = replace(state.case, equations=(*state.case.equations, self._homogeneous(q, state.case)))
         degrees = q.degrees()
         linear = [v for v in range(self.n) if degrees[v] == 1]
         parts = {v: self._in_powers(q, v) for v in linear}
@@ -159,13 +174,74 @@ class CaseSplitting:
                 return [self._with_solved(state, case, v, -parts[v][0], parts[v][1])]
         if linear:
             v = min(linear, key=lambda v: (len(parts[v][1].coeffs()), v))
-            rest, slope = parts[v]
+            rest, slope = parts[v][0], parts[v][1]
             unequal = replace(case, nonzero={**case.nonzero, **{str(f): f for f in self.factors(slope)}})
             return [
                 replace_state(state, state.case, [slope, rest, *state.pending]),
                 self._with_solved(state, unequal, v, -rest, slope),
             ]
         return [self._reduced_state(replace_state(state, replace(case, unsolved=(*case.unsolved, q)), state.pending))]
+
+    # scalings
+
+    def _free_scalings(self, case: Case) -> list[tuple[int, ...]]:
+        """The scalings that leave the parameters at 1 which were set to it."""
+        rows = [list(weights) for weights in self.scalings]
+        for v, _ in case.scaled:
+            pivot = next((row for row in rows if abs(row[v]) == 1), None)
+            if pivot is None:
+                continue
+            rows = [[a - b * row[v] * pivot[v] for a, b in zip(row, pivot, strict=True)] for row in rows if row is not pivot]
+        return [tuple(row) for row in rows if any(row)]
+
+    def _scaled(self, state: _State) -> _State:
+        """The state with parameters that do not vanish set to 1 where a scaling allows it."""
+        while True:
+            done = {v for v, _ in state.case.scaled} | {v for v, _, _ in state.case.solved}
+            choice = next(
+                (
+                    (v, weights)
+                    for weights in self._free_scalings(state.case)
+                    for v in range(self.n)
+                    if abs(weights[v]) == 1
+                    and v not in done
+                    and self._keeps_signs(v, weights)
+                    and self._is_unit(self.context.gen(v), state.case)
+                ),
+                None,
+            )
+            if choice is None:
+                return state
+            v, weights = choice
+            equations = state.case.equations
+            case = replace(state.case, scaled=(*state.case.scaled, (v, weights)))
+            state = self._with_solved(state, case, v, self._one, self._one)
+            state.case = replace(
+                state.case, equations=equations, solved=tuple(s for s in state.case.solved if s[0] != v)
+            )
+
+    def _keeps_signs(self, v: int, weights: tuple[int, ...]) -> bool:
+        """Whether positive parameters stay positive when this one becomes 1, which may have been negative."""
+        return v in self.positive or all(weights[w] % 2 == 0 for w in self.positive)
+
+    def conditions(self, case: Case) -> list[Poly]:
+        """What the parameters of a case satisfy, each solved parameter in terms of the others; homogeneous."""
+        solved = (self._homogeneous(b * self.context.gen(v) - a, case) for v, a, b in case.solved)
+        return [*solved, *(self._homogeneous(q, case) for q in case.unsolved)]
+
+    def _homogeneous(self, p: Poly, case: Case) -> Poly:
+        """A polynomial in which parameters were set to 1 with powers of these that make it homogeneous."""
+        for v, weights in reversed(case.scaled):
+            terms: dict[tuple[int, ...], Any] = {}
+            totals: list[tuple[int, tuple[int, ...], Any]] = []
+            for monomial, coefficient in p.terms():
+                powers = tuple(int(k) for k in monomial)
+                totals.append((sum(w * k for w, k in zip(weights, powers, strict=True)) * weights[v], powers, coefficient))
+            top = max(total for total, _, _ in totals)
+            for total, powers, coefficient in totals:
+                terms[(*powers[:v], powers[v] + top - total, *powers[v + 1 :])] = coefficient
+            p = self.context.from_dict(terms)
+        return p
 
     def _with_solved(self, state: _State, case: Case, v: int, numerator: Poly, denominator: Poly) -> _State:
         """The state with a parameter expressed by the others, in everything."""
@@ -180,7 +256,7 @@ class CaseSplitting:
             unsolved=tuple(insert(p) for p in case.unsolved),
             nonzero=nonzero,
         )
-        if any(not insert(p) for p in case.nonzero.values()):
+        if any(not insert(p) for p in case.nonzero.values()) or any(map(self._is_negative, new.solved)):
             return _State(new, [], 0, [self._one])  # contradicts itself
         rows = [self._inserted_row(row, v, numerator, denominator) for row in state.rows]
         return self._reduced_state(_State(new, rows, state.rank, [insert(p) for p in state.pending]))
@@ -363,6 +439,18 @@ class CaseSplitting:
             terms.append(self.context.from_dict({tuple(bases): 1}))
         return terms if count > 1 or all(t.is_constant() for t in terms) else None
 
+    def _is_negative(self, solved: tuple[int, Poly, Poly]) -> bool:
+        """Whether a positive parameter would have to be negative or zero, whatever the others are."""
+        v, numerator, denominator = solved
+        if v not in self.positive:
+            return False
+        product = numerator * denominator
+        if not product:
+            return True
+        if product.is_constant():
+            return bool(product.leading_coefficient() < 0)
+        return self._definite_terms(product) is not None and bool(product.leading_coefficient() < 0)
+
     def _lies_in(self, case: Case, other: Case) -> bool:
         """Whether all parameters of a case lie in the closure of another one (proved if True)."""
         if case is other:
@@ -371,10 +459,14 @@ class CaseSplitting:
             if self._insert_all(p, case):
                 return False
         # where several equations were solved one after the other, their denominators must not vanish there
-        return len(other.equations) <= 1 or all(self._insert_all(b, case) for _, _, b in other.solved)
+        return len(other.equations) <= 1 or all(
+            self._insert_all(self._homogeneous(b, other), case) for _, _, b in other.solved
+        )
 
     def _insert_all(self, p: Poly, case: Case) -> Poly:
         """The numerator of a polynomial on the parameters of a case."""
+        for v, _ in case.scaled:
+            p = self._inserted(p, v, self._one, self._one)
         for v, numerator, denominator in reversed(case.solved):
             p = self._inserted(p, v, numerator, denominator)
         return self._reduced(p, case)
