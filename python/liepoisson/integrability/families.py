@@ -138,7 +138,9 @@ def integrable_families(
             f"{system.name} with {', '.join(map(str, symbols)) or 'no symbols'}"
         )
     if (size := n_monomials(len(system.variables), d)) > MOST_MONOMIALS:
-        raise ParameterError(f"degree: wanted at most {MOST_MONOMIALS:,} monomials; {d} has {size:,}; take a smaller one")
+        raise ParameterError(
+            f"degree: wanted at most {MOST_MONOMIALS:,} monomials; {d} has {size:,}; take a smaller one"
+        )
     names = [str(s) for s in symbols]
     for name in (*positive, *nonzero):
         if name not in names:
@@ -154,7 +156,9 @@ def integrable_families(
     search = Search(derivation, gradings(derivation), Level(), (), generators)
     search.run(chain.from_iterable(of_degree(len(system.variables), k) for k in range(1, d + 1)))
     n_known = {count.label: count.n_known for count in search.counts}
-    blocks = in_blocks(chain.from_iterable(of_degree(len(system.variables), k) for k in range(1, d + 1)), search.gradings)
+    blocks = in_blocks(
+        chain.from_iterable(of_degree(len(system.variables), k) for k in range(1, d + 1)), search.gradings
+    )
     cases, deadline = Cases(), time.monotonic() + limit
     for k, (label, block) in enumerate(sorted(blocks.items(), key=lambda item: len(item[1]))):
         block.sort(key=order, reverse=True)
@@ -170,7 +174,9 @@ def integrable_families(
         parameters=tuple(symbols),
         assumptions="; ".join(dict.fromkeys(["real parameters", *assumed])),
         cases=tuple(work.described(case, splitting, system, d) for case in cases.found),
-        left=tuple(", ".join(f"{work.sympy(q)} = 0" for q in (*c.equations, *c.unsolved)) or "generic" for c in cases.left),
+        left=tuple(
+            ", ".join(f"{work.sympy(q)} = 0" for q in (*c.equations, *c.unsolved)) or "generic" for c in cases.left
+        ),
         n_closed=cases.n_closed,
     )
 
@@ -194,9 +200,7 @@ class _Work:
     def _read(self, polynomial: Any) -> Poly:
         from flint import fmpq
 
-        terms = {
-            tuple(map(int, m)): fmpq(int(c.numerator), int(c.denominator)) for m, c in polynomial.terms()
-        }
+        terms = {tuple(map(int, m)): fmpq(int(c.numerator), int(c.denominator)) for m, c in polynomial.terms()}
         return self.context.from_dict(terms)
 
     def rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
@@ -252,7 +256,7 @@ class _Work:
         from sympy import Add, Mul, Rational
 
         terms: list[Any] = [
-            Mul(Rational(int(c.p), int(c.q)), *(s**int(k) for s, k in zip(self.symbols, m, strict=True)))
+            Mul(Rational(int(c.p), int(c.q)), *(s ** int(k) for s, k in zip(self.symbols, m, strict=True)))
             for m, c in polynomial.terms()
         ]
         whole = Add(*terms).as_numer_denom()[0]
@@ -284,7 +288,9 @@ class _Work:
         for _ in range(200):
             values = [fmpq(1)] * n
             for v in set(range(n)) - bound:
-                values[v] = fmpq(random.randint(1, 9) * (1 if v in positive else random.choice((-1, 1))), random.randint(1, 4))
+                values[v] = fmpq(
+                    random.randint(1, 9) * (1 if v in positive else random.choice((-1, 1))), random.randint(1, 4)
+                )
             at = dict(zip(map(str, self.symbols), values, strict=True))
             for v, a, b in case.solved:
                 if not (below := _value(b, at)):
@@ -293,9 +299,7 @@ class _Work:
             else:
                 at = dict(zip(map(str, self.symbols), values, strict=True))
                 if all(values[v] > 0 for v in positive) and all(_value(q, at) for q in case.nonzero.values()):
-                    return {
-                        s: Rational(int(x.p), int(x.q)) for s, x in zip(self.symbols, values, strict=True)
-                    }
+                    return {s: Rational(int(x.p), int(x.q)) for s, x in zip(self.symbols, values, strict=True)}
         return None
 
 

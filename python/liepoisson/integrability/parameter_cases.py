@@ -180,6 +180,8 @@ class CaseSplitting:
                 replace_state(state, state.case, [slope, rest, *state.pending]),
                 self._with_solved(state, unequal, v, -rest, slope),
             ]
+        if not self._has_real_zero(q):
+            return []
         return [self._reduced_state(replace_state(state, replace(case, unsolved=(*case.unsolved, q)), state.pending))]
 
     # scalings
@@ -191,7 +193,9 @@ class CaseSplitting:
             pivot = next((row for row in rows if abs(row[v]) == 1), None)
             if pivot is None:
                 continue
-            rows = [[a - b * row[v] * pivot[v] for a, b in zip(row, pivot, strict=True)] for row in rows if row is not pivot]
+            rows = [
+                [a - b * row[v] * pivot[v] for a, b in zip(row, pivot, strict=True)] for row in rows if row is not pivot
+            ]
         return [tuple(row) for row in rows if any(row)]
 
     def _scaled(self, state: _State) -> _State:
@@ -236,7 +240,9 @@ class CaseSplitting:
             totals: list[tuple[int, tuple[int, ...], Any]] = []
             for monomial, coefficient in p.terms():
                 powers = tuple(int(k) for k in monomial)
-                totals.append((sum(w * k for w, k in zip(weights, powers, strict=True)) * weights[v], powers, coefficient))
+                totals.append(
+                    (sum(w * k for w, k in zip(weights, powers, strict=True)) * weights[v], powers, coefficient)
+                )
             top = max(total for total, _, _ in totals)
             for total, powers, coefficient in totals:
                 terms[(*powers[:v], powers[v] + top - total, *powers[v + 1 :])] = coefficient
@@ -295,9 +301,7 @@ class CaseSplitting:
         return p
 
     def _reduced_state(self, state: _State) -> _State:
-        state.rows = [
-            {c: r for c, p in row.items() if (r := self._reduced(p, state.case))} for row in state.rows
-        ]
+        state.rows = [{c: r for c, p in row.items() if (r := self._reduced(p, state.case))} for row in state.rows]
         return state
 
     # elimination
@@ -394,7 +398,8 @@ class CaseSplitting:
                     if not self._is_unit(q, state.case):
                         candidates[str(q)] = (q, candidates.get(str(q), (q, 0))[1] + 1)
         q = min(
-            candidates.values(), key=lambda found: (found[0].total_degree(), len(found[0].coeffs()), -found[1], str(found[0]))
+            candidates.values(),
+            key=lambda found: (found[0].total_degree(), len(found[0].coeffs()), -found[1], str(found[0])),
         )[0]
         copy = [dict(row) for row in state.rows]
         zero = _State(state.case, copy, state.rank, [q])
@@ -438,6 +443,20 @@ class CaseSplitting:
             bases = [int(bool(k) and v not in self.positive) for v, k in enumerate(powers)]
             terms.append(self.context.from_dict({tuple(bases): 1}))
         return terms if count > 1 or all(t.is_constant() for t in terms) else None
+
+    def _has_real_zero(self, q: Poly) -> bool:
+        """False if a polynomial in one parameter has no real (or no positive) zero; True if there may be one."""
+        occurring = [v for v, degree in enumerate(q.degrees()) if degree > 0]
+        if len(occurring) != 1:
+            return True
+        from sympy import Poly as Univariate
+        from sympy import Rational, Symbol
+
+        (v,) = occurring
+        x = Symbol("x")
+        terms = {(int(m[v]),): Rational(int(c.p), int(c.q)) for m, c in q.terms()}
+        # irreducible and not linear, so that zero is no root
+        return bool(Univariate(terms, x).count_roots(0 if v in self.positive else None, None))
 
     def _is_negative(self, solved: tuple[int, Poly, Poly]) -> bool:
         """Whether a positive parameter would have to be negative or zero, whatever the others are."""

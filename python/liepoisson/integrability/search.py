@@ -198,7 +198,11 @@ class Search:
         return [{m: field_one * c for m, c in p.items()} for p in found if p]
 
     def _insert_products(
-        self, spans: Mapping[Label, Span], highest: int, generators: Sequence[Generator], must_contain: int | None = None
+        self,
+        spans: Mapping[Label, Span],
+        highest: int,
+        generators: Sequence[Generator],
+        must_contain: int | None = None,
     ) -> None:
         """Put all products of integrals up to a degree into the spans of their blocks."""
         factors: list[tuple[int, Modular, int]] = []

@@ -1,0 +1,133 @@
+"""Cases of parameters: every point where a matrix is singular lies in one, and all points of a case are singular."""
+
+import random
+from fractions import Fraction
+from itertools import product
+
+import flint
+import pytest
+
+from liepoisson.integrability.parameter_cases import Cases, CaseSplitting
+
+CONTEXT = flint.fmpq_mpoly_ctx.get(["a", "b", "c"], "degrevlex")
+A, B, C = CONTEXT.gens()
+GRID = [Fraction(k) for k in (-2, -1, 0, 1, 2, 3)]
+
+
+def value(p, point):
+    total = Fraction(0)
+    for monomial, c in p.terms():
+        term = Fraction(int(c.p), int(c.q))
+        for x, k in zip(point, monomial, strict=True):
+            term *= x ** int(k)
+        total += term
+    return total
+
+
+def rank(rows):
+    rows, found = [list(row) for row in rows], 0
+    for column in range(len(rows[0])):
+        pivot = next((k for k in range(found, len(rows)) if rows[k][column]), None)
+        if pivot is None:
+            continue
+        rows[found], rows[pivot] = rows[pivot], rows[found]
+        for k in range(found + 1, len(rows)):
+            factor = rows[k][column] / rows[found][column]
+            rows[k] = [x - factor * y for x, y in zip(rows[k], rows[found], strict=True)]
+        found += 1
+    return found
+
+
+def nullity(rows, n, point):
+    return n - rank([[value(row[c], point) if c in row else Fraction(0) for c in range(n)] for row in rows])
+
+
+def random_entry(rng):
+    p = CONTEXT.constant(0)
+    for _ in range(rng.choice([0, 1, 1, 2])):
+        p = p + rng.choice([-2, -1, 1, 2]) * A ** rng.choice([0, 1]) * B ** rng.choice([0, 1]) * C ** rng.choice(
+            [0, 0, 1]
+        )
+    return p
+
+
+def split(rows, n, *, positive=(), nonzero=(), scalings=(), n_known=0):
+    splitting, cases = CaseSplitting(CONTEXT, frozenset(positive), list(nonzero), scalings), Cases()
+    splitting.run([dict(row) for row in rows], n, n_known, cases)
+    return splitting, cases
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_cases_are_all_points_where_a_matrix_has_a_larger_null_space(seed):
+    rng, n = random.Random(seed), 3
+    rows = [{c: p for c in range(n) if (p := random_entry(rng))} for _ in range(4)]
+    rows = [row for row in rows if row]
+    splitting, cases = split(rows, n)
+    for point in product(GRID, repeat=3):
+        if nullity(rows, n, point):
+            places = (*cases.found, *cases.left)
+            assert any(all(value(q, point) == 0 for q in splitting.conditions(case)) for case in places)
+    for case in cases.found:
+        inside = 0
+        for point in product(GRID, repeat=3):
+            bound = dict(enumerate(point))
+            for v, a, b in case.solved:
+                if not (below := value(b, point)):
+                    break
+                bound[v] = value(a, point) / below
+            else:
+                here = tuple(bound[k] for k in range(3))
+                if all(value(q, here) == 0 for q in case.unsolved):
+                    inside += 1
+                    assert nullity(rows, n, here) > 0
+        assert inside or case.unsolved
+
+
+def test_real_parameters_and_positive_ones():
+    # a^2 + b^2 = 0 only where both vanish; a + b never, if both are positive
+    _, cases = split([{0: A**2 + B**2}], 1)
+    assert [sorted(map(str, case.equations)) for case in cases.found] == [["a", "b"]]
+    _, cases = split([{0: A + B}], 1, positive=(0, 1))
+    assert not cases.found
+    # b = -2 a is no case for positive parameters, though no equation says so by its signs alone
+    _, cases = split([{0: A * B - C * A}, {0: 2 * A + C}], 1, positive=(0, 1, 2))
+    assert not cases.found
+    _, cases = split([{0: A * B - C * A}, {0: 2 * A + C}], 1)
+    assert len(cases.found) == 2
+
+
+def test_equations_without_real_or_positive_solutions_are_no_case():
+    _, cases = split([{0: A**4 + A + 1}], 1)
+    assert not cases.found
+    _, cases = split([{0: A**3 + A + 1}], 1)
+    assert len(cases.found) == 1
+    _, cases = split([{0: A**3 + A + 1}], 1, positive=(0,))
+    assert not cases.found
+    _, cases = split([{0: A**3 - A - 1}], 1, positive=(0,))
+    assert len(cases.found) == 1
+
+
+def test_a_scaling_changes_no_case():
+    rows = [{0: A * B - C**2, 1: A}, {0: C, 1: B}]
+    plain, cases = split(rows, 2, nonzero=(A, B, C))
+    scaled, same = split(rows, 2, nonzero=(A, B, C), scalings=((1, 3, 2),))
+    rows_scaled = [
+        [str(q) for q in splitting.conditions(case)]
+        for splitting, found in ((plain, cases), (scaled, same))
+        for case in found.found
+    ]
+    assert len(cases.found) == len(same.found)
+    for point in product(GRID, repeat=3):
+        holds = [
+            any(all(value(q, point) == 0 for q in splitting.conditions(case)) for case in found.found)
+            for splitting, found in ((plain, cases), (scaled, same))
+        ]
+        assert holds[0] == holds[1] or not all(point), rows_scaled
+
+
+def test_what_is_not_decided_is_left():
+    _, cases = split([{0: A**3 + B**3 - 2}, {0: A**3 * B**2 - A**2 - 3}], 1)
+    assert cases.left
+    splitting, cases = CaseSplitting(CONTEXT, frozenset(), []), Cases()
+    splitting.run([{0: A}], 1, 0, cases, lambda: False)
+    assert len(cases.left) == 1
