@@ -86,7 +86,16 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
         wrong = checker.check(data) if data["format"] == FORMAT else "it has another format"
     except FileNotFoundError as error:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
-    except (OSError, ValueError, KeyError, TypeError, IndexError, AttributeError, RecursionError, ZeroDivisionError) as error:
+    except (
+        OSError,
+        ValueError,
+        KeyError,
+        TypeError,
+        IndexError,
+        AttributeError,
+        RecursionError,
+        ZeroDivisionError,
+    ) as error:
         raise DamagedFileError(f"{path}: wanted a certificate; got a file that is none ({error!r:.80})") from error
     if wrong:
         raise DamagedFileError(f"{path}: the certificate is refused: {wrong}; it was altered, or proves nothing")

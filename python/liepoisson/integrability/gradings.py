@@ -81,7 +81,10 @@ def positive_grading(found: Iterable[Grading]) -> Grading | None:
         shift = sum(f * g.shift for f, g in zip(factors, integer, strict=True))
         common = gcd(*weights, shift)
         candidate = Grading(tuple(w // common for w in weights), shift // common)
-        if best is None or (abs(candidate.shift - 1), sum(candidate.weights)) < (abs(best.shift - 1), sum(best.weights)):
+        if best is None or (abs(candidate.shift - 1), sum(candidate.weights)) < (
+            abs(best.shift - 1),
+            sum(best.weights),
+        ):
             best = candidate
     return best
 

@@ -158,9 +158,7 @@ def integrability_report(
         verdict = "superintegrable" if len(integrals) > rank // 2 else "integrable"
     elif searches and all(s.complete for s in searches):
         verdict = "no further polynomial integral"
-    return IntegrabilityReport(
-        system, verdict, rank, integrals, commuting, tuple(searches), proof, tuple(notes)
-    )
+    return IntegrabilityReport(system, verdict, rank, integrals, commuting, tuple(searches), proof, tuple(notes))
 
 
 def _commuting(system: System, integrals: Mapping[str, Expr], rank: int) -> tuple[str, ...]:
@@ -175,7 +173,10 @@ def _commuting(system: System, integrals: Mapping[str, Expr], rank: int) -> tupl
     }
     for others in combinations(names[1:], n - 1):
         chosen = ("H", *others)
-        if all(frozenset(pair) in pairs for pair in combinations(chosen, 2)) and _fields_rank(system, [integrals[c] for c in chosen]) == n:
+        if (
+            all(frozenset(pair) in pairs for pair in combinations(chosen, 2))
+            and _fields_rank(system, [integrals[c] for c in chosen]) == n
+        ):
             return chosen
     return ()
 
@@ -195,7 +196,10 @@ def _fields_rank(system: System, functions: Sequence[Expr]) -> int:
     from liepoisson.integrability.modular import value_at
 
     slopes = [gradient_at(modular(f, residues), point, p) for f in polynomials[: len(functions)]]
-    tensor = [(i, j, value_at(modular(e, residues), point, p)) for (i, j, _), e in zip(entries, polynomials[len(functions) :], strict=True)]
+    tensor = [
+        (i, j, value_at(modular(e, residues), point, p))
+        for (i, j, _), e in zip(entries, polynomials[len(functions) :], strict=True)
+    ]
     rows: list[dict[int, int]] = []
     for slope in slopes:
         row: dict[int, int] = {}
