@@ -1,7 +1,7 @@
 r"""The matrix of D on monomials modulo a prime, row by row in arrays, as the compiled elimination takes it.
 
-A term $c\,x^e\,\partial_k$ of D sends $x^m$ to $c\,m_k\,x^{m + e - 1_k}$: one entry for each term and each monomial with
-$m_k > 0$.  All entries of a term are made at once.
+A term $c\,x^e\,\partial_k$ of D sends $x^m$ to $c\,m_k\,x^{m + e - 1_k}$: one entry for each term and each
+monomial with $m_k > 0$.  All entries of a term are made at once.
 """
 
 from __future__ import annotations

@@ -322,7 +322,7 @@ def _point_on(equations: Sequence[Modular], point: list[int], p: int) -> list[in
         for monomial, c in equation.items():
             for j, k in enumerate(monomial):
                 if j != i and k:
-                    c = c * pow(point[j], k, p) % p
+                    c = c * pow(point[j], k, p) % p  # noqa: PLW2901
             coefficients[monomial[i]] = (coefficients.get(monomial[i], 0) + c) % p
         polynomial = nmod_poly([coefficients.get(k, 0) for k in range(max(coefficients) + 1)], p)
         roots = [r for r, _ in polynomial.factor()[1] if r.degree() == 1] if polynomial.degree() > 0 else []

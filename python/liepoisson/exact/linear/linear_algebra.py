@@ -30,7 +30,7 @@ _MAX_PRIMES = 40  # numerators and denominators of up to 40 * 61 / 2 bits; longe
 _CORE_BELOW = 2**62
 """The compiled elimination takes odd primes below this."""
 _CORE_FROM = 10
-"""Columns of a matrix whose elimination modulo a prime is left to the compiled core; smaller ones are faster in Python."""
+"""Columns from which the compiled elimination is faster than Python, with odd primes."""
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
+from liepoisson.exact.printing import Formula
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
 from liepoisson.integrability.level import level_of
@@ -88,7 +89,7 @@ class FirstIntegrals:
     def scope(self) -> str:
         """Which polynomials were searched, in words."""
         size = f"up to degree {self.degree}" if self.weight is None else f"of weight {self.weight}"
-        where = f" on {', '.join(f'{f} = 0' for f in self.on)}" if self.on else ""
+        where = f" on {', '.join(f'{Formula(f).plain} = 0' for f in self.on)}" if self.on else ""
         generic = f", for generic {', '.join(self.parameters)}" if self.parameters else ""
         return f"polynomials {size}{where}{generic}"
 
@@ -103,7 +104,7 @@ class FirstIntegrals:
         lines.append(f"known: {', '.join(self.known) or 'none'}")
         for integral in self.found:
             note = "" if integral.is_independent else "   (depends on the others)"
-            lines.append(f"{integral.name} = {integral.expression}{note}")
+            lines.append(f"{integral.name} = {Formula(integral.expression).plain}{note}")
         if not self.found:
             lines.append("no others than polynomials in the known ones")
         if self.complete:
@@ -222,8 +223,8 @@ def _asked(
     grading = positive_grading(found)
     if grading is None:
         raise ParameterError(
-            "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; give "
-            "a degree instead"
+            "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; "
+            "give a degree instead"
         )
     size = sum(1 for _ in of_weight(grading.weights, w))
     if size > MOST_MONOMIALS:
