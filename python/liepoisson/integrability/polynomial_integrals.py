@@ -13,7 +13,7 @@ from liepoisson.exact.printing import Formula
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
 from liepoisson.integrability.level import level_of
-from liepoisson.integrability.monomials import n_monomials, of_degree, of_weight
+from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight
 from liepoisson.integrability.search import BlockCount, Generator, Search
 from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
@@ -226,7 +226,7 @@ def _asked(
             "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; "
             "give a degree instead"
         )
-    size = sum(1 for _ in of_weight(grading.weights, w))
+    size = n_of_weight(grading.weights, w)
     if size > MOST_MONOMIALS:
         raise ParameterError(
             f"weight: wanted at most {MOST_MONOMIALS:,} monomials; {w} has {size:,}; take a smaller weight"
