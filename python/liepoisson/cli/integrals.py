@@ -26,7 +26,7 @@ def integrals(
     *,
     degree: Annotated[int | None, typer.Option(help="Largest total degree.  [default: 2]")] = None,
     weight: Annotated[int | None, typer.Option(help=WEIGHT_HELP)] = None,
-    on: Annotated[list[str] | None, typer.Option(metavar="FUNCTION", help=ON_HELP)] = None,
+    on: Annotated[list[str] | None, typer.Option(metavar="EQUATION", help=ON_HELP)] = None,
     format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
     quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,

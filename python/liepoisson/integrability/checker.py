@@ -75,7 +75,7 @@ def faults(certificate):
     casimirs = {name: polynomial(f, n) for name, f in certificate["casimirs"].items()}
     commuting = {name: polynomial(f, n) for name, f in certificate["commuting"].items()}
     yield from (f"{name} is no Casimir" for name, f in casimirs.items() if any(bracket(f, y, matrix) for y in x))
-    for other, g in {"H": polynomial(certificate["hamiltonian"], n), **commuting}.items():
+    for other, g in [("H", polynomial(certificate["hamiltonian"], n)), *commuting.items()]:
         yield from (f"{name} does not commute with {other}" for name, f in commuting.items() if bracket(f, g, matrix))
     point = [Fraction(c) for c in certificate["point"]]
     at_point = {(i, j): value(entry, point) for i, j, entry in matrix}

@@ -58,9 +58,10 @@ class Derivation:
         for k, power in enumerate(monomial):
             if not power:
                 continue
+            factor_of_power = self.field.number(power)
             lowered = (*monomial[:k], power - 1, *monomial[k + 1 :])
             for factor, coefficient in self.components[k].items():
-                found.append((tuple(map(sum, zip(lowered, factor, strict=True))), coefficient * power))
+                found.append((tuple(map(sum, zip(lowered, factor, strict=True))), coefficient * factor_of_power))
         return found
 
     def expression(self, polynomial: Mapping[Exponents, Element]) -> Expr:

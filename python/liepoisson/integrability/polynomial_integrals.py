@@ -144,8 +144,8 @@ def first_integrals(
         degree: The total degree; 2 if neither it nor the weight is given.
         weight: The weight instead, for equations that are homogeneous for positive weights of the coordinates, which
             are found: (1, 2, 3) for l, alpha and beta of the twisted top with b = 0.
-        on: Functions that vanish on a level set to which the search is restricted, such as "C1" or "C2 - 1": partial
-            integrals, as that of Goryachev and Chaplygin.  The level must be invariant.
+        on: Equations of a level set to which the search is restricted, such as "C2 = 1", or functions that vanish on
+            it, such as "C1": partial integrals, as that of Goryachev and Chaplygin.  The level must be invariant.
         known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
         progress: As for `integrate`.
 
@@ -155,7 +155,7 @@ def first_integrals(
         ExpressionError: A text cannot be read.
     """
     given = _known(system) if known is None else {name: system.expression(f) for name, f in known.items()}
-    zeros = [system.expression(f) for f in ([on] if isinstance(on, str) else on)]
+    zeros = [_zero_on_level(system, f) for f in ([on] if isinstance(on, str) else on)]
     derivation, functions = derivation_of(system, *given.values(), *zeros)
     known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
     for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
@@ -195,6 +195,14 @@ def first_integrals(
 def _known(system: System) -> dict[str, Expr]:
     """H and the Casimirs."""
     return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+
+
+def _zero_on_level(system: System, equation: str | Expr) -> Expr:
+    """The function that vanishes where an equation holds: f for "f = 0" and for f alone."""
+    if not isinstance(equation, str) or "=" not in equation:
+        return system.expression(equation)
+    left, right = equation.split("=", 1)
+    return system.expression(left) - system.expression(right)
 
 
 def _gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:

@@ -169,10 +169,10 @@ class Search:
     def _simplest(self, polynomial: Polynomial, label: Label) -> Polynomial:
         """A sum of the polynomial and multiples of known products with few terms, by a greedy search."""
         products = [p for p in self._products(max(map(sum, polynomial)), label) if len(p) <= _MOST_TERMS]
-        best = polynomial
+        best, zero = polynomial, self.derivation.field.one - self.derivation.field.one
         while len(best) <= _MOST_TERMS:
             found = [
-                {m: c for m in best.keys() | q.keys() if (c := best.get(m, 0) - best[k] / q[k] * q.get(m, 0))}
+                {m: c for m in best.keys() | q.keys() if (c := best.get(m, zero) - best[k] / q[k] * q.get(m, zero))}
                 for q in products
                 for k in best.keys() & q.keys()
             ]
