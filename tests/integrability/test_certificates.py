@@ -132,7 +132,7 @@ def test_the_checker_is_short_and_stands_alone(tmp_path):
     assert names == {"json", "sys", "fractions", "pathlib"}
     good, bad = certified(), certified()
     doubled(bad["hamiltonian"])
-    for data, code, words in (  # fmt: skip
+    for data, code, words in (
         (good, 0, "accepted: Liouville integrable"),
         (bad, 1, "REFUSED: H does not commute with H"),
     ):
