@@ -85,7 +85,7 @@ def derivation_of(system: System, *functions: Expr) -> tuple[Derivation, list[Po
     terms = [_terms(e, system.variables, f"the rate of {x}") for x, e in system.equations.items()]
     # all rates may have a common power of pi, which changes the speed of motion and no integral
     speed = Coefficients.containing([c for one in terms for c in one.values()]).scale
-    terms = [{m: cast("Exact", _divided(c, speed)) for m, c in one.items()} for one in terms]
+    terms = [{m: _divided(c, speed) for m, c in one.items()} for one in terms]
     terms += [_terms(f, system.variables, "a function") for f in functions]
     field = Coefficients.containing([c for one in terms for c in one.values()])
     read = [{m: field.read(c) for m, c in one.items()} for one in terms]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
@@ -102,7 +102,7 @@ def _groebner(derivation: Derivation, generators: Iterable[Polynomial]) -> list[
     found: Any = groebner(expressions, *derivation.variables, order="grevlex", **options)
     read: list[Polynomial] = []
     for polynomial in found.polys:
-        terms = cast("Any", polynomial).terms()
+        terms = polynomial.terms()
         read.append({m: field.read(c) for m, c in terms})
     return read
 

@@ -110,7 +110,7 @@ class FirstIntegrals:
         if self.complete:
             others = "Every other one is a polynomial in these" if self.found else "There is none"
             lines.append(
-                f"proved over the complex numbers: {others}. ({self.n_monomials} monomials in {self.n_blocks} blocks; "
+                f"proved over the complex numbers: {others}. ({self.n_monomials} monomials in {self.n_blocks} block{'s' * (self.n_blocks != 1)}; "
                 f"{self.n_integrals} integrals, the null space modulo {self.prime}, are spanned)"
             )
         return "\n".join(lines)
