@@ -108,9 +108,10 @@ class FirstIntegrals:
         if not self.found:
             lines.append("no others than polynomials in the known ones")
         if self.complete:
+            blocks = f"{self.n_blocks} block{'s' * (self.n_blocks != 1)}"
             others = "Every other one is a polynomial in these" if self.found else "There is none"
             lines.append(
-                f"proved over the complex numbers: {others}. ({self.n_monomials} monomials in {self.n_blocks} block{'s' * (self.n_blocks != 1)}; "
+                f"proved over the complex numbers: {others}. ({self.n_monomials} monomials in {blocks}; "
                 f"{self.n_integrals} integrals, the null space modulo {self.prime}, are spanned)"
             )
         return "\n".join(lines)
