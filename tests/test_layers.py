@@ -22,7 +22,7 @@ ROOMS = (
     {"result", "dataset"},
     {"exact", "numeric"},
     {"tops", "catalog"},
-    {"phase_space"},
+    {"phase_space", "integrability"},
     {"sweeps"},
     {"repeat"},
     {"plot"},
@@ -33,7 +33,9 @@ ROOMS = (
 )  # fmt: skip
 """From the ground up: modules and folders of the package.  The last is the surface, which nothing inside imports."""
 
-STRANGERS = {("exact", "numeric"), ("numeric", "exact")}
+STRANGERS = {
+    ("exact", "numeric"), ("numeric", "exact"), ("phase_space", "integrability"), ("integrability", "phase_space"),
+}  # fmt: skip
 """Rooms of one level that do not import each other."""
 
 LEVELS = {

@@ -8,6 +8,7 @@ from liepoisson import errors as errors
 from liepoisson import extensions as extensions
 from liepoisson import fields as fields
 from liepoisson import fits as fits
+from liepoisson import integrability as integrability
 from liepoisson import methods as methods
 from liepoisson import orbits as orbits
 from liepoisson import phase_space as phase_space

@@ -1,4 +1,7 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.integrability.polynomial_integrals import FirstIntegral as FirstIntegral
+from liepoisson.integrability.polynomial_integrals import FirstIntegrals as FirstIntegrals
+from liepoisson.integrability.report import IntegrabilityReport as IntegrabilityReport
 from liepoisson.numeric.alignment import Alignment as Alignment
 from liepoisson.numeric.covariant_vectors import CovariantVectors as CovariantVectors
 from liepoisson.numeric.estimates import Estimate as Estimate

@@ -53,6 +53,8 @@ def application() -> typer.Typer:
     from liepoisson.cli.decide import decide
     from liepoisson.cli.equilibria import equilibria
     from liepoisson.cli.inspect import inspect
+    from liepoisson.cli.integrable import integrable
+    from liepoisson.cli.integrals import integrals
     from liepoisson.cli.lyapunov import lyapunov
     from liepoisson.cli.orbit import orbit
     from liepoisson.cli.reproduce import reproduce
@@ -107,7 +109,19 @@ def application() -> typer.Typer:
         """The laboratory for Lie-Poisson dynamics."""
 
     app.callback()(options)
-    for command in (reproduce, inspect, catalog, orbit, section, lyapunov, decide, equilibria, sweep):
+    for command in (
+        reproduce,
+        inspect,
+        integrals,
+        integrable,
+        catalog,
+        orbit,
+        section,
+        lyapunov,
+        decide,
+        equilibria,
+        sweep,
+    ):
         app.command(cls=Command)(command)
     return app
 

@@ -52,7 +52,7 @@ def data_file(out: str | None, example: str, endings: Sequence[str] = DATA_ENDIN
         ParameterError: it names no file, or one of another kind.
         OutputError: it is a folder, or lies in one that cannot be written to.
     """
-    return None if out is None else _checked(out, "--out", endings, example)
+    return None if out is None else checked_file(out, "--out", endings, example)
 
 
 def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:
@@ -68,10 +68,11 @@ def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:
         _check_folder(Path(default))
     if figure is None:
         return Path(default) if plot else None
-    return _checked(figure, "--figure", ("", *(f".{extension}" for extension in FORMATS)), f"{default}.png")
+    return checked_file(figure, "--figure", ("", *(f".{extension}" for extension in FORMATS)), f"{default}.png")
 
 
-def _checked(name: str, option: str, endings: Sequence[str], example: str) -> Path:
+def checked_file(name: str, option: str, endings: Sequence[str], example: str) -> Path:
+    """The path that an option names, refused before the run and not after it; `example` is one that would do."""
     if not name.strip():
         raise ParameterError(f"{option} must name a file; got {name!r}. Write for example {option} {example}.")
     path = Path(name)

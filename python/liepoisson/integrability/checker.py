@@ -2,10 +2,12 @@
 
     python -m liepoisson.integrability.checker certificate.json
 
-A polynomial is a list of terms [coefficient, exponents]; the Poisson matrix is a list of entries [i, j, polynomial], i < j.
-The certificate says: these functions are Casimirs, these commute with H and with each other, and at the point there are
-as many with independent vector fields as half the rank of the matrix, which is the largest possible.
+A polynomial is a list of terms [coefficient, exponents], the Poisson matrix one of entries [i, j, polynomial], i < j.
+The certificate says: these functions are Casimirs, these commute with H and with each other, and at the point as many
+have independent vector fields as half the rank of the matrix, which is the largest possible.
 """
+# pyright: basic
+# ruff: noqa: D103
 
 import json
 import sys
@@ -13,7 +15,9 @@ from fractions import Fraction
 from pathlib import Path
 
 
-def polynomial(terms):
+def polynomial(terms, n):
+    if any(len(m) != n or any(type(k) is not int or k < 0 for k in m) for _, m in terms):
+        raise ValueError(f"exponents are {n} whole numbers")
     return {tuple(m): Fraction(c) for c, m in terms}
 
 
@@ -21,87 +25,75 @@ def derivative(f, k):
     return {(*m[:k], m[k] - 1, *m[k + 1 :]): c * m[k] for m, c in f.items() if m[k]}
 
 
-def add_product(total, f, g, sign=1):
-    for m, c in f.items():
-        for n, d in g.items():
-            key = tuple(a + b for a, b in zip(m, n))
-            total[key] = total.get(key, 0) + sign * c * d
+def product(f, g, sign=1):
+    return [(tuple(map(int.__add__, m, n)), sign * c * d) for m, c in f.items() for n, d in g.items()]
 
 
-def bracket(f, g, matrix):
-    """{f, g} = sum_ij J_ij d_i f d_j g."""
+def summed(pairs):
     total = {}
-    for i, j, entry in matrix:
-        for first, second, sign in ((i, j, 1), (j, i, -1)):
-            inner = {}
-            add_product(inner, derivative(f, first), derivative(g, second))
-            add_product(total, entry, inner, sign)
+    for m, c in pairs:
+        total[m] = total.get(m, 0) + c
     return {m: c for m, c in total.items() if c}
 
 
-def value(f, x):
+def bracket(f, g, matrix):
+    """{f, g}, the sum of J_ij (d_i f d_j g - d_j f d_i g) over i < j."""
+    pairs = []
+    for i, j, entry in matrix:
+        inner = product(derivative(f, i), derivative(g, j)) + product(derivative(f, j), derivative(g, i), -1)
+        pairs += product(entry, summed(inner))
+    return summed(pairs)
+
+
+def value(f, point):
     total = Fraction(0)
-    for m, c in f.items():
-        for base, power in zip(x, m):
-            c *= base**power
-        total += c
+    for m, term in f.items():
+        for x, power in zip(point, m, strict=True):
+            term *= x**power  # noqa: PLW2901
+        total += term
     return total
 
 
 def rank(rows):
-    rows, found = [list(row) for row in rows], 0
-    for column in range(len(rows[0]) if rows else 0):
-        pivot = next((k for k in range(found, len(rows)) if rows[k][column]), None)
-        if pivot is None:
-            continue
-        rows[found], rows[pivot] = rows[pivot], rows[found]
-        for k in range(found + 1, len(rows)):
-            factor = rows[k][column] / rows[found][column]
-            rows[k] = [a - factor * b for a, b in zip(rows[k], rows[found])]
-        found += 1
-    return found
+    first = next((row for row in rows if any(row)), None)
+    if first is None:
+        return 0
+    k = next(k for k, entry in enumerate(first) if entry)
+    return 1 + rank([[a - row[k] / first[k] * b for a, b in zip(row, first, strict=True)] for row in rows])
+
+
+def faults(certificate):
+    n = len(certificate["variables"])
+    x = [polynomial([["1", [int(i == k) for i in range(n)]]], n) for k in range(n)]
+    matrix = [(i, j, polynomial(entry, n)) for i, j, entry in certificate["poisson_matrix"]]
+    if len({(i, j) for i, j, _ in matrix if 0 <= i < j < n}) < len(matrix):
+        yield "the Poisson matrix has not one entry for each i < j"
+    for i, j, k in [(a, b, c) for a in range(n) for b in range(a) for c in range(b)]:
+        cyclic = [bracket(bracket(x[a], x[b], matrix), x[c], matrix) for a, b, c in ((i, j, k), (j, k, i), (k, i, j))]
+        if summed(pair for f in cyclic for pair in f.items()):
+            yield f"the Jacobi identity fails for the coordinates {k}, {j}, {i}"
+    casimirs = {name: polynomial(f, n) for name, f in certificate["casimirs"].items()}
+    commuting = {name: polynomial(f, n) for name, f in certificate["commuting"].items()}
+    yield from (f"{name} is no Casimir" for name, f in casimirs.items() if any(bracket(f, y, matrix) for y in x))
+    for other, g in [("H", polynomial(certificate["hamiltonian"], n)), *commuting.items()]:
+        yield from (f"{name} does not commute with {other}" for name, f in commuting.items() if bracket(f, g, matrix))
+    point = [Fraction(c) for c in certificate["point"]]
+    at_point = {(i, j): value(entry, point) for i, j, entry in matrix}
+    tensor = [[at_point.get((i, j), Fraction(0)) - at_point.get((j, i), 0) for j in range(n)] for i in range(n)]
+    slopes = {name: [value(derivative(f, k), point) for k in range(n)] for name, f in {**casimirs, **commuting}.items()}
+    fields = [[sum(map(Fraction.__mul__, row, slopes[name])) for row in tensor] for name in commuting]
+    if rank(tensor) + rank([slopes[name] for name in casimirs]) != n:
+        yield "the point lies on a leaf of lower dimension than others, or Casimirs are missing"
+    if 2 * rank(fields) != rank(tensor):
+        yield "there are fewer independent commuting integrals than half the dimension of the leaves"
 
 
 def check(certificate):
     """What is wrong with a certificate, as a text; empty if it is right."""
-    n = len(certificate["variables"])
-    x = [polynomial([["1", [int(i == k) for i in range(n)]]]) for k in range(n)]
-    matrix = [(i, j, polynomial(entry)) for i, j, entry in certificate["poisson_matrix"]]
-    if any(not 0 <= i < j < n for i, j, _ in matrix) or len({(i, j) for i, j, _ in matrix}) < len(matrix):
-        return "the Poisson matrix is not one entry for each i < j"
-    for i in range(n):
-        for j in range(i):
-            for k in range(j):
-                total = {}
-                for a, b, c in ((i, j, k), (j, k, i), (k, i, j)):
-                    add_product(total, bracket(bracket(x[a], x[b], matrix), x[c], matrix), {(0,) * n: Fraction(1)})
-                if any(total.values()):
-                    return f"the Jacobi identity fails for {i}, {j}, {k}"
-    casimirs = {name: polynomial(f) for name, f in certificate["casimirs"].items()}
-    commuting = {name: polynomial(f) for name, f in certificate["commuting"].items()}
-    hamiltonian = polynomial(certificate["hamiltonian"])
-    for name, f in casimirs.items():
-        if any(bracket(f, y, matrix) for y in x):
-            return f"{name} is no Casimir"
-    for name, f in commuting.items():
-        if bracket(f, hamiltonian, matrix):
-            return f"{name} does not commute with H"
-        if wrong := [other for other, g in commuting.items() if bracket(f, g, matrix)]:
-            return f"{name} does not commute with {wrong[0]}"
-    point = [Fraction(c) for c in certificate["point"]]
-    tensor = [[Fraction(0)] * n for _ in range(n)]
-    for i, j, entry in matrix:
-        tensor[i][j], tensor[j][i] = value(entry, point), -value(entry, point)
-    slopes = {name: [value(derivative(f, k), point) for k in range(n)] for name, f in (casimirs | commuting).items()}
-    fields = [[sum(a * b for a, b in zip(row, slopes[name])) for row in tensor] for name in commuting]
-    if rank(tensor) != n - rank([slopes[name] for name in casimirs]):
-        return "the point lies on a leaf of lower dimension than others, or Casimirs are missing"
-    if 2 * rank(fields) != rank(tensor):
-        return "there are fewer independent commuting integrals than half the dimension of the leaves"
-    return ""
+    return next(faults(certificate), "")
 
 
 if __name__ == "__main__":
-    wrong = check(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))
-    print(f"REFUSED: {wrong}" if wrong else "accepted: Liouville integrable")
-    sys.exit(bool(wrong))
+    fault = check(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))
+    print(f"REFUSED: {fault}" if fault else "accepted: Liouville integrable")
+    sys.exit(bool(fault))

@@ -58,9 +58,10 @@ class Derivation:
         for k, power in enumerate(monomial):
             if not power:
                 continue
+            factor_of_power = self.field.number(power)
             lowered = (*monomial[:k], power - 1, *monomial[k + 1 :])
             for factor, coefficient in self.components[k].items():
-                found.append((tuple(map(sum, zip(lowered, factor, strict=True))), coefficient * power))
+                found.append((tuple(map(sum, zip(lowered, factor, strict=True))), coefficient * factor_of_power))
         return found
 
     def expression(self, polynomial: Mapping[Exponents, Element]) -> Expr:
@@ -84,7 +85,7 @@ def derivation_of(system: System, *functions: Expr) -> tuple[Derivation, list[Po
     terms = [_terms(e, system.variables, f"the rate of {x}") for x, e in system.equations.items()]
     # all rates may have a common power of pi, which changes the speed of motion and no integral
     speed = Coefficients.containing([c for one in terms for c in one.values()]).scale
-    terms = [{m: cast("Exact", _divided(c, speed)) for m, c in one.items()} for one in terms]
+    terms = [{m: _divided(c, speed) for m, c in one.items()} for one in terms]
     terms += [_terms(f, system.variables, "a function") for f in functions]
     field = Coefficients.containing([c for one in terms for c in one.values()])
     read = [{m: field.read(c) for m, c in one.items()} for one in terms]

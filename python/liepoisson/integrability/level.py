@@ -1,14 +1,16 @@
 r"""Polynomials on an invariant level set $L_1 = \dots = L_r = 0$: remainders modulo the ideal that the $L_j$ generate.
 
 The remainders modulo a Gröbner basis in a degree order are a basis of the functions on the level, and their degree is
-the smallest of all polynomials that have the same values there.  Sources: Cox, Little and O'Shea (2015), sections 2.6, 5.3.
+the smallest of all polynomials that have the same values there.
+
+References: Cox, Little and O'Shea, Ideals, Varieties, and Algorithms (2015), sections 2.6 and 5.3.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
@@ -100,7 +102,7 @@ def _groebner(derivation: Derivation, generators: Iterable[Polynomial]) -> list[
     found: Any = groebner(expressions, *derivation.variables, order="grevlex", **options)
     read: list[Polynomial] = []
     for polynomial in found.polys:
-        terms = cast("Any", polynomial).terms()
+        terms = polynomial.terms()
         read.append({m: field.read(c) for m, c in terms})
     return read
 

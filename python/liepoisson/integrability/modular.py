@@ -33,7 +33,7 @@ def value_at(polynomial: Mapping[Exponents, int], point: Sequence[int], p: int) 
     for monomial, coefficient in polynomial.items():
         for x, k in zip(point, monomial, strict=True):
             if k:
-                coefficient = coefficient * pow(x, k, p) % p
+                coefficient = coefficient * pow(x, k, p) % p  # noqa: PLW2901
         total += coefficient
     return total % p
 

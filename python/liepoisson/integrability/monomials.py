@@ -14,6 +14,15 @@ def n_monomials(n_variables: int, degree: int) -> int:
     return comb(n_variables + degree, degree)
 
 
+def n_of_weight(weights: Sequence[int], weight: int) -> int:
+    """The number of monomials of one weight, without listing them; weights are positive."""
+    counts = [1] + [0] * weight
+    for w in weights:
+        for k in range(w, weight + 1):
+            counts[k] += counts[k - w]
+    return counts[weight]
+
+
 def of_degree(n_variables: int, degree: int) -> Iterator[Exponents]:
     """All monomials of one degree."""
     return of_weight((1,) * n_variables, degree)

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
-from liepoisson.integrability.certificate import certificate, save_certificate
+from liepoisson.exact.printing import Formula
+from liepoisson.integrability.certificates import certificate, save_certificate
 from liepoisson.integrability.derivation import derivation_of
-from liepoisson.integrability.first_integrals import FirstIntegrals, first_integrals
 from liepoisson.integrability.modular import gradient_at, modular, random_point
 from liepoisson.integrability.monomials import n_monomials
+from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
 from liepoisson.scalars import as_count, as_time_limit
 
 if TYPE_CHECKING:
@@ -65,7 +66,9 @@ class IntegrabilityReport:
             OutputError: the file cannot be written.
         """
         if self.certificate is None:
-            raise ParameterError(f"save: wanted a certificate of integrability; the verdict is {self.verdict!r}")
+            raise ParameterError(
+                f"wanted a proof of integrability to write; the verdict is {self.verdict!r}. Search to a higher degree"
+            )
         return save_certificate(self.certificate, path)
 
     def __repr__(self) -> str:
@@ -88,7 +91,7 @@ class IntegrabilityReport:
     def __str__(self) -> str:
         """The verdict, the integrals, and what was searched."""
         lines = [f"{self.system.name}: {self._sentence}"]
-        lines += [f"{name} = {expression}" for name, expression in self.integrals.items()]
+        lines += [f"{name} = {Formula(expression).plain}" for name, expression in self.integrals.items()]
         if self.commuting:
             lines.append(f"commuting: {', '.join(self.commuting)}")
         lines += [

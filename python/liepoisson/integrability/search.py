@@ -24,6 +24,7 @@ from liepoisson.exact.linear.residues import Residues
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading, homogeneous_parts
 from liepoisson.integrability.level import Level, order
+from liepoisson.integrability.matrix import ModularDerivation
 from liepoisson.integrability.modular import Modular, Span, gradient_at, modular, multiply, random_point
 from liepoisson.integrability.monomials import in_blocks
 
@@ -99,12 +100,11 @@ class Search:
         """Look for integrals among the combinations of some monomials, a union of blocks."""
         blocks = in_blocks((m for m in monomials if any(m) and self.level.is_standard(m)), self.gradings)
         total, done = sum(len(b) ** 2 for b in blocks.values()), 0
-        excess: list[tuple[Label, list[Exponents], list[Modular]]] = []
+        excess: list[tuple[Label, list[Exponents], int]] = []
         for label, block in sorted(blocks.items(), key=lambda item: len(item[1])):
-            block.sort(key=order, reverse=True)
-            vectors = self._null_space(block)
-            if vectors:
-                excess.append((label, block, vectors))
+            nullity = self._nullity(block)
+            if nullity:
+                excess.append((label, sorted(block, key=order, reverse=True), nullity))
             else:
                 self.counts.append(BlockCount(label, len(block), 0, 0))
             done += len(block) ** 2
@@ -112,28 +112,34 @@ class Search:
                 progress(0.9 * done / total)
         self._compare(excess)
 
-    def _null_space(self, block: Sequence[Exponents]) -> list[Modular]:
-        """The null space modulo the prime."""
+    def _nullity(self, block: Sequence[Exponents]) -> int:
+        """The dimension of the null space modulo the prime."""
+        if not self.level.basis:
+            return self._modular_derivation.nullity(block)
         rows: dict[Exponents, dict[int, int]] = {}
         p = self.residues.p
         for column, monomial in enumerate(block):
-            for key, value in self._image(monomial).items():
-                rows.setdefault(key, {})[column] = self.residues(value) % p
-        found = nullspace_mod(list(rows.values()), len(block), p)
-        return [{block[c]: v for c, v in vector.items()} for vector in found]
+            image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
+            for key, value in self._level_mod.remainder_mod(image, p).items():
+                rows.setdefault(key, {})[column] = value
+        return len(nullspace_mod(list(rows.values()), len(block), p))
+
+    @cached_property
+    def _modular_derivation(self) -> ModularDerivation:
+        return ModularDerivation.of(self.derivation, self.residues)
 
     def _image(self, monomial: Exponents) -> Polynomial:
         return self.level.remainder(self.derivation({monomial: self.derivation.field.one}))
 
-    def _compare(self, excess: list[tuple[Label, list[Exponents], list[Modular]]]) -> None:
+    def _compare(self, excess: list[tuple[Label, list[Exponents], int]]) -> None:
         """Blocks with integrals: those that products of known ones give, and the others, lowest degree first."""
         p = self.residues.p
         highest = max((sum(block[0]) for _, block, _ in excess), default=0)
         spans = {label: Span(p) for label, _, _ in excess}
         self._insert_products(spans, highest, self.generators)
         waiting: list[tuple[int, Label, Polynomial]] = []
-        for label, block, vectors in excess:
-            if len(spans[label]) < len(vectors):
+        for label, block, nullity in excess:
+            if len(spans[label]) < nullity:
                 waiting += [(max(map(sum, v)), label, v) for v in self._exact_null_space(block)]
         for _, label, polynomial in sorted(waiting, key=lambda item: (item[0], len(item[2]))):
             image = modular(polynomial, self.residues)
@@ -144,8 +150,8 @@ class Search:
             found.is_independent = self.is_independent([g.polynomial for g in self.generators], polynomial)
             self.generators.append(found)
             self._insert_products(spans, highest, self.generators, must_contain=len(self.generators) - 1)
-        for label, block, vectors in excess:
-            self.counts.append(BlockCount(label, len(block), len(vectors), len(spans[label])))
+        for label, block, nullity in excess:
+            self.counts.append(BlockCount(label, len(block), nullity, len(spans[label])))
 
     def _exact_null_space(self, block: Sequence[Exponents]) -> list[Polynomial]:
         """The null space over the exact field, as polynomials of the lowest degrees possible."""
@@ -163,10 +169,10 @@ class Search:
     def _simplest(self, polynomial: Polynomial, label: Label) -> Polynomial:
         """A sum of the polynomial and multiples of known products with few terms, by a greedy search."""
         products = [p for p in self._products(max(map(sum, polynomial)), label) if len(p) <= _MOST_TERMS]
-        best = polynomial
+        best, zero = polynomial, self.derivation.field.one - self.derivation.field.one
         while len(best) <= _MOST_TERMS:
             found = [
-                {m: c for m in best.keys() | q.keys() if (c := best.get(m, 0) - best[k] / q[k] * q.get(m, 0))}
+                {m: c for m in best.keys() | q.keys() if (c := best.get(m, zero) - best[k] / q[k] * q.get(m, zero))}
                 for q in products
                 for k in best.keys() & q.keys()
             ]
@@ -316,7 +322,7 @@ def _point_on(equations: Sequence[Modular], point: list[int], p: int) -> list[in
         for monomial, c in equation.items():
             for j, k in enumerate(monomial):
                 if j != i and k:
-                    c = c * pow(point[j], k, p) % p
+                    c = c * pow(point[j], k, p) % p  # noqa: PLW2901
             coefficients[monomial[i]] = (coefficients.get(monomial[i], 0) + c) % p
         polynomial = nmod_poly([coefficients.get(k, 0) for k in range(max(coefficients) + 1)], p)
         roots = [r for r, _ in polynomial.factor()[1] if r.degree() == 1] if polynomial.degree() > 0 else []

@@ -5,6 +5,7 @@ import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from liepoisson.exact.linear import linear_algebra
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import echelon_columns, nullspace, nullspace_mod, rank, rank_mod, solve
 from liepoisson.exact.linear.residues import PRIME
@@ -75,3 +76,25 @@ def test_pivots_name_what_was_divided_by():
 def test_solving(target, expected):
     columns = [{0: Fraction(2)}, {1: Fraction(1)}]
     assert solve(columns, {k: Fraction(v) for k, v in target.items()}, RATIONALS) == expected
+
+
+PRIMES = st.sampled_from([3, 101, 2**31 - 1, PRIME, 2**62 - 57])
+wide = st.integers(10, 30).flatmap(
+    lambda n: st.lists(
+        st.dictionaries(st.integers(0, n - 1), st.integers(-(10**20), 10**20), max_size=5), max_size=40
+    ).map(lambda rows: (n, rows))
+)
+
+
+@exactly
+@given(wide, PRIMES)
+def test_the_core_gives_the_null_space_of_python(matrix, p):
+    n, rows = matrix
+    reduced = linear_algebra._reduced_mod(rows, p)
+    assert nullspace_mod(rows, n, p) == linear_algebra._nullspace_mod(reduced, n, p)
+
+
+def test_large_matrices_are_left_to_the_core(monkeypatch):
+    monkeypatch.delattr(linear_algebra, "_nullspace_mod")
+    found = nullspace_mod([{k: 1, k + 1: -2} for k in range(29)], 30, PRIME)
+    assert found == [{k: 2 ** (29 - k) for k in range(30)}]

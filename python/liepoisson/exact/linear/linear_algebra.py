@@ -12,7 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from math import isqrt, lcm
+from itertools import pairwise
+from math import inf, isqrt, lcm
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.exact.linear.residues import PRIME
@@ -25,6 +26,11 @@ Vector: TypeAlias = "dict[int, Any]"
 _Arithmetic: TypeAlias = "tuple[Callable[[Any], Any], Callable[[Vector, Row, Any], None], Callable[[Any], bool]]"
 
 _MAX_PRIMES = 40  # numerators and denominators of up to 40 * 61 / 2 bits; longer ones are left to exact elimination
+
+_CORE_BELOW = 2**62
+"""The compiled elimination takes odd primes below this."""
+_CORE_FROM = 10
+"""Columns from which the compiled elimination is faster than Python, with odd primes."""
 
 
 @dataclass(frozen=True)
@@ -64,9 +70,31 @@ def nullspace(rows: Sequence[Row], n_columns: int, field: Coefficients) -> NullS
 
 def nullspace_mod(rows: Iterable[Row], n_columns: int, p: int) -> list[dict[int, int]]:
     """A basis of the null space modulo the prime p, in the reduced form of `NullSpace`; entries are integers."""
+    reduced = _reduced_mod(rows, p)
+    if p % 2 and p < _CORE_BELOW and n_columns >= _CORE_FROM:
+        return _nullspace_of_core(reduced, n_columns, p)
+    return _nullspace_mod(reduced, n_columns, p)
+
+
+def _nullspace_mod(rows: list[Row], n_columns: int, p: int) -> list[dict[int, int]]:
+    """The same in Python, for small matrices and all primes."""
     arithmetic = (lambda value: pow(value, -1, p), _subtraction_mod(p), lambda value: bool(value % p))
-    vectors, _ = _nullspace(_reduced_mod(rows, p), n_columns, 1, arithmetic)
+    vectors, _ = _nullspace(rows, n_columns, 1, arithmetic)
     return [{c: v % p for c, v in vector.items()} for vector in vectors]
+
+
+def _nullspace_of_core(rows: list[Row], n_columns: int, p: int) -> list[dict[int, int]]:
+    """The same by the compiled elimination, whose basis has the same form."""
+    import numpy as np
+
+    from liepoisson import _core
+
+    starts = np.cumsum([0, *map(len, rows)]).astype(np.uint64)
+    columns = np.array([c for row in rows for c in row], dtype=np.uint32)
+    residues = np.array([v for row in rows for v in row.values()], dtype=np.uint64)
+    found = _core.modular_null_space(starts, columns, residues, n_columns, p, None, inf, None)
+    ends, places, values = found["indptr"].tolist(), found["columns"].tolist(), found["residues"].tolist()
+    return [dict(zip(places[i:j], values[i:j], strict=True)) for i, j in pairwise(ends)]
 
 
 def _nullspace(

@@ -65,6 +65,9 @@ class Integral:
         return self.derivative is None
 
 
+NONE = "none besides H and the Casimirs (to search: liepoisson integrals, integrable)"
+
+
 @final
 class IntegralFacts(Topic):
     """Known integrals besides H and the Casimirs, each proved anew."""
@@ -92,7 +95,7 @@ class IntegralFacts(Topic):
         return [_failure(integral) for integral in self.integrals if integral.refuted]
 
     def lines(self) -> list[Line]:
-        found = [_integral_line(integral) for integral in self.integrals] or [("none besides H and the Casimirs",)]
+        found = [_integral_line(integral) for integral in self.integrals] or [(NONE,)]
         return found + definition_lines(self.definitions)
 
     def record(self) -> list[dict[str, Any]]:

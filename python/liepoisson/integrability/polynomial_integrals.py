@@ -9,10 +9,11 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
+from liepoisson.exact.printing import Formula
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
 from liepoisson.integrability.level import level_of
-from liepoisson.integrability.monomials import n_monomials, of_degree, of_weight
+from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight
 from liepoisson.integrability.search import BlockCount, Generator, Search
 from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
@@ -88,7 +89,7 @@ class FirstIntegrals:
     def scope(self) -> str:
         """Which polynomials were searched, in words."""
         size = f"up to degree {self.degree}" if self.weight is None else f"of weight {self.weight}"
-        where = f" on {', '.join(f'{f} = 0' for f in self.on)}" if self.on else ""
+        where = f" on {', '.join(f'{Formula(f).plain} = 0' for f in self.on)}" if self.on else ""
         generic = f", for generic {', '.join(self.parameters)}" if self.parameters else ""
         return f"polynomials {size}{where}{generic}"
 
@@ -103,13 +104,14 @@ class FirstIntegrals:
         lines.append(f"known: {', '.join(self.known) or 'none'}")
         for integral in self.found:
             note = "" if integral.is_independent else "   (depends on the others)"
-            lines.append(f"{integral.name} = {integral.expression}{note}")
+            lines.append(f"{integral.name} = {Formula(integral.expression).plain}{note}")
         if not self.found:
             lines.append("no others than polynomials in the known ones")
         if self.complete:
+            blocks = f"{self.n_blocks} block{'s' * (self.n_blocks != 1)}"
             others = "Every other one is a polynomial in these" if self.found else "There is none"
             lines.append(
-                f"proved over the complex numbers: {others}. ({self.n_monomials} monomials in {self.n_blocks} blocks; "
+                f"proved over the complex numbers: {others}. ({self.n_monomials} monomials in {blocks}; "
                 f"{self.n_integrals} integrals, the null space modulo {self.prime}, are spanned)"
             )
         return "\n".join(lines)
@@ -143,8 +145,8 @@ def first_integrals(
         degree: The total degree; 2 if neither it nor the weight is given.
         weight: The weight instead, for equations that are homogeneous for positive weights of the coordinates, which
             are found: (1, 2, 3) for l, alpha and beta of the twisted top with b = 0.
-        on: Functions that vanish on a level set to which the search is restricted, such as "C1" or "C2 - 1": partial
-            integrals, as that of Goryachev and Chaplygin.  The level must be invariant.
+        on: Equations of a level set to which the search is restricted, such as "C2 = 1", or functions that vanish on
+            it, such as "C1": partial integrals, as that of Goryachev and Chaplygin.  The level must be invariant.
         known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
         progress: As for `integrate`.
 
@@ -154,7 +156,7 @@ def first_integrals(
         ExpressionError: A text cannot be read.
     """
     given = _known(system) if known is None else {name: system.expression(f) for name, f in known.items()}
-    zeros = [system.expression(f) for f in ([on] if isinstance(on, str) else on)]
+    zeros = [_zero_on_level(system, f) for f in ([on] if isinstance(on, str) else on)]
     derivation, functions = derivation_of(system, *given.values(), *zeros)
     known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
     for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
@@ -196,6 +198,14 @@ def _known(system: System) -> dict[str, Expr]:
     return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
 
 
+def _zero_on_level(system: System, equation: str | Expr) -> Expr:
+    """The function that vanishes where an equation holds: f for "f = 0" and for f alone."""
+    if not isinstance(equation, str) or "=" not in equation:
+        return system.expression(equation)
+    left, right = equation.split("=", 1)
+    return system.expression(left) - system.expression(right)
+
+
 def _gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
     """The gradings in which the equations of the level are homogeneous."""
     return tuple(g for g in gradings(derivation) if all(len({g.of(m) for m in zero}) <= 1 for zero in zeros))
@@ -222,10 +232,10 @@ def _asked(
     grading = positive_grading(found)
     if grading is None:
         raise ParameterError(
-            "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; give "
-            "a degree instead"
+            "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; "
+            "give a degree instead"
         )
-    size = sum(1 for _ in of_weight(grading.weights, w))
+    size = n_of_weight(grading.weights, w)
     if size > MOST_MONOMIALS:
         raise ParameterError(
             f"weight: wanted at most {MOST_MONOMIALS:,} monomials; {w} has {size:,}; take a smaller weight"

@@ -10,6 +10,7 @@ from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.files import write_atomically
 from liepoisson.integrability import checker
@@ -26,6 +27,7 @@ _LARGEST = 7
 """Coordinates of the point are whole numbers up to this."""
 
 
+@explains_its_arguments
 def certificate(system: System, commuting: Mapping[str, Expr]) -> dict[str, Any]:
     """The certificate that functions on phase space, as many as half the rank, make a system integrable; checked.
 
@@ -61,6 +63,7 @@ def certificate(system: System, commuting: Mapping[str, Expr]) -> dict[str, Any]
     return data
 
 
+@explains_its_arguments
 def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
     """Write a certificate as JSON.
 
@@ -74,6 +77,7 @@ def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
     return path
 
 
+@explains_its_arguments
 def load_certificate(path: str | Path) -> dict[str, Any]:
     """Read a certificate and check it: nothing in the file is trusted.
 

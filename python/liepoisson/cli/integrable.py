@@ -1,0 +1,64 @@
+"""The command `liepoisson integrable`: is a system integrable, by polynomial integrals, and the certificate."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from liepoisson.cli.integrals import record as search_record
+from liepoisson.cli.limits import check_limits
+from liepoisson.cli.output import FORMAT_HELP, Format, checked_file
+from liepoisson.cli.progress import QuietOption, progress_bar
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
+
+if TYPE_CHECKING:
+    from liepoisson.integrability.report import IntegrabilityReport
+
+CERTIFICATE_HELP = "Write the proof of integrability to this file, .json, which others can check."
+
+
+def integrable(
+    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    *,
+    degree: Annotated[int, typer.Option(help="Largest degree of the integrals.")] = 6,
+    time_limit: Annotated[float, typer.Option(help="Seconds after which no further degree is begun.")] = 60.0,
+    certificate: Annotated[str | None, typer.Option(metavar="FILE", help=CERTIFICATE_HELP)] = None,
+    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
+    quiet: QuietOption = False,
+    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+) -> None:
+    """Look for polynomial integrals, degree by degree, until they prove that the system is integrable.
+
+    Where none are found, it says up to which degree it is proved that there are none; the system may be integrable all
+    the same.
+    """
+    from liepoisson.integrability.report import integrability_report
+
+    check_limits(seed=0, time_limit=time_limit)
+    path = None if certificate is None else checked_file(certificate, "--certificate", (".json",), "top.json")
+    chosen = read_system(system, settings or ())
+    with progress_bar(quiet=quiet) as bar:
+        listen = None if bar is None else (lambda done: bar("searching", done, 1.0))
+        report = integrability_report(chosen, degree=degree, time_limit=time_limit, progress=listen)
+    print(json.dumps(record(report), indent=2) if format_ is Format.JSON else report)
+    if path is not None:
+        report.save(path)
+
+
+def record(report: IntegrabilityReport) -> dict[str, Any]:
+    """The report as data that JSON can write."""
+    from liepoisson.exact.printing import Formula
+
+    return {
+        "system": report.system.name,
+        "verdict": report.verdict,
+        "rank": report.rank,
+        "integrals": [{"name": name, "expression": Formula(f).plain} for name, f in report.integrals.items()],
+        "commuting": list(report.commuting),
+        "searched_degree": report.searched_degree,
+        "searches": [search_record(search) for search in report.searches],
+        "certificate": report.certificate,
+        "notes": list(report.notes),
+    }

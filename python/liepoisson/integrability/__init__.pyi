@@ -1,0 +1,6 @@
+# Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.integrability.certificates import certificate as certificate
+from liepoisson.integrability.certificates import load_certificate as load_certificate
+from liepoisson.integrability.certificates import save_certificate as save_certificate
+from liepoisson.integrability.polynomial_integrals import first_integrals as first_integrals
+from liepoisson.integrability.report import integrability_report as integrability_report

@@ -1,0 +1,57 @@
+"""The matrix that is made in arrays is that of the derivation, term by term."""
+
+import numpy as np
+import pytest
+from searched_systems import TOP
+
+import liepoisson as lp
+from liepoisson.exact.linear.linear_algebra import nullspace_mod
+from liepoisson.integrability import matrix
+from liepoisson.integrability.derivation import derivation_of
+from liepoisson.integrability.matrix import ModularDerivation
+from liepoisson.integrability.monomials import of_degree, of_weight
+
+CASES = {
+    "top": (TOP, [m for d in (1, 2, 3) for m in of_degree(9, d)]),
+    "lagrange": (lp.catalog.system("lagrange"), [m for d in (1, 2, 3, 4) for m in of_degree(6, d)]),
+    "kovalevskaya": (lp.Top.twisted_kovalevskaya(), list(of_weight((1, 1, 1, 2, 2, 2, 3, 3, 3), 8))),
+    "roots": (lp.Top(inertia=(1, 2, "sqrt(2)"), a=(1, 0, "sqrt(3)"), epsilon=1), list(of_degree(9, 2))),
+    "symbols": (lp.catalog.system("heavy-top"), [m for d in (1, 2) for m in of_degree(6, d)]),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_dimension_is_that_of_the_matrix_written_out(name):
+    system, monomials = CASES[name]
+    flow = derivation_of(system)[0]
+    residues = flow.field.residues(seed=1)
+    rows = {}
+    for column, monomial in enumerate(monomials):
+        for key, value in flow({monomial: flow.field.one}).items():
+            rows.setdefault(key, {})[column] = residues(value)
+    wanted = len(nullspace_mod(list(rows.values()), len(monomials), residues.p))
+    assert ModularDerivation.of(flow, residues).nullity(monomials) == wanted > 0
+
+
+def test_large_exponents_do_not_overflow():
+    """61-bit residues times powers: x' = y, y' = -x has x^2 + y^2 alone, and its powers."""
+    system = lp.System(lp.canonical(1), "(p1^2 + q1^2)/2", name="oscillator")
+    flow = derivation_of(system)[0]
+    residues = flow.field.residues(seed=1)
+    degree = ModularDerivation.of(flow, residues)
+    assert [degree.nullity(list(of_degree(2, d))) for d in (1, 2, 39, 40)] == [0, 1, 0, 1]
+
+
+def test_no_terms_no_rows():
+    flow = derivation_of(lp.System(lp.canonical(1), "0", name="nothing"))[0]
+    assert ModularDerivation.of(flow, flow.field.residues(seed=1)).nullity(list(of_degree(2, 3))) == 4
+
+
+def test_monomials_of_many_coordinates_get_different_numbers(monkeypatch):
+    rows = np.random.default_rng(0).integers(0, 5, (200, 40))
+    rows[100:] = rows[:100]
+    for largest in (matrix._LARGEST_KEY, 1000):
+        monkeypatch.setattr(matrix, "_LARGEST_KEY", largest)
+        numbers = matrix._numbered(rows)
+        assert (numbers[:100] == numbers[100:]).all()
+        assert sorted(set(numbers.tolist())) == list(range(100))

@@ -1,0 +1,160 @@
+"""First integrals: those of the literature are found without a hint, and where there are none it is proved."""
+
+import pytest
+import sympy as sp
+from searched_systems import TOP, is_polynomial_in, toda
+
+import liepoisson as lp
+from liepoisson.errors import ParameterError
+
+first_integrals = lp.integrability.first_integrals
+entry = lp.catalog.system
+
+
+def generators(found):
+    return [*found.known.values(), *(f.expression for f in found.found)]
+
+
+@pytest.mark.parametrize(
+    ("name", "scope", "degrees"),
+    [
+        ("twisted-lagrange", {"degree": 2}, [1, 2]),
+        ("charged-twisted-lagrange", {"degree": 2}, [1, 2]),
+        ("kovalevskaya", {"weight": 4}, [4]),
+        ("kovalevskaya", {"degree": 4}, [4]),
+        ("two-field-kovalevskaya", {"degree": 4}, [4, 4]),
+        ("clebsch", {"degree": 2}, [2]),
+        ("steklov", {"degree": 2}, [2]),
+        ("manakov-so4", {"degree": 2}, [2]),
+        ("henon-heiles-kdv", {"degree": 4}, [4]),
+        ("henon-heiles-sawada-kotera", {"degree": 3}, [3]),
+        ("henon-heiles-kaup-kupershmidt", {"degree": 6}, [6]),
+        ("three-wave", {"degree": 2}, [2, 2]),
+    ],
+)
+def test_integrals_of_the_literature_are_found_without_a_hint(name, scope, degrees):
+    system = entry(name)
+    found = first_integrals(system, **scope)
+    assert set(found.known) == {"H", *(f"C{k + 1}" for k in range(len(system.bracket.casimirs())))}
+    assert found.complete
+    for f in found.found:
+        assert sp.expand(system.derivative(f.expression)) == 0
+        assert f.expression.free_symbols <= set(system.variables)
+    if "degree" in scope:
+        assert [f.degree for f in found.independent] == degrees
+        assert all(is_polynomial_in(sp.expand(k), generators(found), system) for k in system.integrals.values())
+
+
+def test_momenta_of_symmetric_tops_are_found_as_they_are():
+    found = first_integrals(entry("twisted-lagrange"), degree=2)
+    assert [str(f.expression) for f in found.found] == ["l3", "alpha1*l1 + alpha2*l2 + alpha3*l3 + beta3"]
+
+
+def test_the_toda_lattice_has_a_cubic_integral():
+    system = toda()
+    found = first_integrals(system, degree=3)
+    a1, a2, b1, b2, b3 = system.variables
+    assert [f.expression for f in found.found] == [a1**2 * b3 + a2**2 * b1 - b1 * b2 * b3]
+
+
+def test_a_partial_integral_is_found_on_its_level_and_nowhere_else():
+    system = entry("goryachev-chaplygin")
+    claimed, level = system.partial_integrals["G"]
+    found = first_integrals(system, degree=3, on=("C1",))
+    assert found.on == (level,)
+    assert [sp.expand(claimed - f.expression) for f in found.found] == [0]
+    assert found.complete
+    assert not first_integrals(system, degree=3).found
+
+
+def test_an_inhomogeneous_level():
+    """On C2 = 1 polynomials are counted modulo |alpha|^2 - 1: 27 monomials less alpha_3^2, and no integral is new."""
+    found = first_integrals(entry("kovalevskaya"), degree=2, on="C2 = 1")
+    assert not found.found
+    assert found.complete
+    assert found.n_integrals == 2  # H and C1
+
+
+@pytest.mark.parametrize("weight", range(1, 13))
+def test_the_twisted_kovalevskaya_top_has_no_integral_up_to_weight_12(weight):
+    found = first_integrals(lp.Top.twisted_kovalevskaya(), weight=weight)
+    assert found.weights == (1, 1, 1, 2, 2, 2, 3, 3, 3)
+    assert not found.found
+    assert found.complete
+    # the products of H, C1, C2, C3, of weights 2, 4, 5, 6
+    s = sp.Symbol("s")
+    count = sp.series(1 / ((1 - s**2) * (1 - s**4) * (1 - s**5) * (1 - s**6)), s, 0, weight + 1).removeO()
+    assert found.n_integrals == count.coeff(s, weight)
+
+
+@pytest.mark.parametrize(("epsilon", "integrals"), [(0, ["alpha1*l1 + alpha2*l2 + alpha3*l3"]), (1, [])])
+def test_other_moments_than_those_of_kovalevskaya(epsilon, integrals):
+    """Of the heavy top only l.alpha is constant, which is no Casimir among nine coordinates."""
+    found = first_integrals(lp.Top(inertia=(1, 1, 2), a=(-1, 0, 0), epsilon=epsilon), degree=4)
+    assert list(found.known) == ["H", "C1", "C2", "C3"]
+    assert [str(f.expression) for f in found.found] == integrals
+    assert found.complete
+
+
+def test_a_generic_top_has_no_integral_up_to_degree_6():
+    found = first_integrals(TOP, degree=6)
+    assert (found.n_monomials, found.n_blocks, found.found, found.complete) == (5004, 1, (), True)
+    assert found.n_integrals == 34  # products of one to three of H, C1, C2, C3
+
+
+def test_parameters_that_are_symbols_are_generic():
+    found = first_integrals(entry("twisted-top"), degree=2)
+    assert set(found.parameters) == {"I1", "I2", "I3", "a1", "a2", "a3", "b1", "b2", "b3", "epsilon"}
+    assert not found.found
+    assert "for generic" in found.scope
+
+
+def test_known_integrals_are_left_out():
+    system = entry("clebsch")
+    assert first_integrals(system, degree=2).found
+    known = {"H": system.hamiltonian, "C1": "C1", "C2": "C2", "K": system.integrals["K"]}
+    assert not first_integrals(system, degree=2, known=known).found
+
+
+def test_an_integral_that_depends_on_others_is_marked():
+    """With only the square of an integral known, the integral itself is new but not independent."""
+    system = entry("twisted-lagrange")
+    found = first_integrals(system, degree=1, known={"square": "l3^2"})
+    assert [(str(f.expression), f.is_independent) for f in found.found] == [("l3", False)]
+
+
+def test_irrational_coefficients():
+    top = lp.Top(inertia=(1, 1, "sqrt(2)"), a=(0, 0, "sqrt(3)"), epsilon="sqrt(2)")
+    found = first_integrals(top, degree=2)
+    assert found.complete
+    assert len(found.independent) == 2
+    assert all(sp.simplify(sp.expand(top.derivative(f.expression))) == 0 for f in found.found)
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: first_integrals(entry("toda")), "wanted a polynomial in q1, q2, q3, p1, p2, p3; got exp"),
+        (lambda: first_integrals(entry("clebsch"), degree=40), "degree: wanted at most 15"),
+        (lambda: first_integrals(entry("clebsch"), degree=0), "degree"),
+        (lambda: first_integrals(entry("clebsch"), degree=2, weight=2), "got both"),
+        (lambda: first_integrals(entry("henon-heiles"), weight=4), "homogeneous for positive weights"),
+        (lambda: first_integrals(entry("kovalevskaya"), weight=400), "weight: wanted at most"),
+        (lambda: first_integrals(entry("clebsch"), known={"x": "m1"}), "known: wanted integrals; got x = m1"),
+        (lambda: first_integrals(entry("clebsch"), on="m1"), "orbits do not leave"),
+        (lambda: first_integrals(entry("clebsch"), on=("C1 = 0", "C1 = 1")), "contradict each other"),
+    ],
+)
+def test_what_cannot_be_searched_is_refused(call, words):
+    with pytest.raises(ParameterError, match=words.replace("(", r"\(")):
+        call()
+
+
+def test_what_is_printed():
+    found = first_integrals(entry("kovalevskaya"), weight=4)
+    assert repr(found) == "<FirstIntegrals of kovalevskaya: 1 new integral among polynomials of weight 4>"
+    lines = str(found).splitlines()
+    assert lines[1] == "known: H, C1, C2"
+    assert lines[2].startswith("F1 = ")
+    assert sp.expand(entry("kovalevskaya").expression(lines[2][5:]) - found.found[0].expression) == 0
+    assert "Every other one is a polynomial in these" in lines[3]
