@@ -7,7 +7,7 @@ The search for integrals is a linear system whose matrix contains the parameters
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import chain
@@ -20,11 +20,11 @@ from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
-from liepoisson.integrability.first_integrals import first_integrals
 from liepoisson.integrability.gradings import gradings
 from liepoisson.integrability.level import Level, order
 from liepoisson.integrability.monomials import in_blocks, n_monomials, of_degree
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly, SparseRow
+from liepoisson.integrability.polynomial_integrals import first_integrals
 from liepoisson.integrability.search import Generator, Search
 from liepoisson.scalars import as_count, as_time_limit
 
@@ -112,9 +112,10 @@ def integrable_families(
     """For which values of its parameters does a system have a polynomial integral that it does not have in general?
 
     Example:
-        >>> free = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, diag(J)*l)/2 + dot(a, alpha)", symbols=["J[3]", "a[3]"])
-        >>> print(lp.integrability.integrable_families(free, degree=1, positive=["J1", "J2", "J3"]).complete)
-        True
+        >>> body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + l2^2 + J*l3^2)/2 + a*l1", symbols=["J", "a"])
+        >>> found = lp.integrability.integrable_families(body, degree=1, positive=["J"])
+        >>> [str(case) for case in found.cases], found.complete
+        (['a = 0', 'J - 1 = 0'], True)
 
     Args:
         system: A system with symbols for parameters, which are real numbers.

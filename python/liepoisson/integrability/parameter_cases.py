@@ -2,8 +2,8 @@ r"""For which parameters does a linear system have more solutions than it has in
 
 The matrix has polynomials in the parameters for entries. Entries that cannot vanish are eliminated; where none is left,
 the simplest other entry is assumed not to vanish, and then, factor by factor, to vanish. An equation is solved for a
-parameter that occurs in it with degree one. A case ends where the rank is so large that there are no further solutions,
-or where no row is left.
+parameter that occurs in it with degree one. A case ends where the rank is so large that there are no further
+solutions, or where no row is left.
 
 Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only with
 all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments.
@@ -15,7 +15,7 @@ written down.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
@@ -317,14 +317,10 @@ class CaseSplitting:
             pivot_row = state.rows.pop(number)
             p = pivot_row[column]
             state.rank += 1
-            rows: list[SparseRow] = []
-            for row in state.rows:
-                if column in row:
-                    row = self._subtracted(row, pivot_row, column, p, state.case)
-                    if not row:
-                        continue
-                rows.append(row)
-            state.rows = rows
+            rows = (
+                self._subtracted(row, pivot_row, column, p, state.case) if column in row else row for row in state.rows
+            )
+            state.rows = [row for row in rows if row]
 
     def _subtracted(self, row: SparseRow, pivot_row: SparseRow, column: int, p: Poly, case: Case) -> SparseRow:
         e = row[column]
