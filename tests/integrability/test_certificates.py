@@ -98,6 +98,13 @@ def test_other_files_are_refused(text, tmp_path):
         lp.integrability.load_certificate(path)
 
 
+def test_a_certificate_of_another_format_is_refused(tmp_path):
+    path = tmp_path / "top.json"
+    path.write_text(json.dumps({**certified(), "format": "another"}))
+    with pytest.raises(DamagedFileError, match="format"):
+        lp.integrability.load_certificate(path)
+
+
 def test_files_that_are_missing_or_called_otherwise(tmp_path):
     with pytest.raises(MissingFileError):
         lp.integrability.load_certificate(tmp_path / "none.json")

@@ -34,8 +34,8 @@ def test_the_dimension_is_that_of_the_matrix_written_out(name):
 
 
 def test_large_exponents_do_not_overflow():
-    """61-bit residues times powers: x' = y, y' = -x has x^2 + y^2 alone, and its powers."""
-    system = lp.System(lp.canonical(1), "(p1^2 + q1^2)/2", name="oscillator")
+    """2/3 has a residue of 61 bits, here times powers: p^2 + q^2 is constant, and its powers are."""
+    system = lp.System(lp.canonical(1), "(p1^2 + q1^2)/3", name="oscillator")
     flow = derivation_of(system)[0]
     residues = flow.field.residues(seed=1)
     degree = ModularDerivation.of(flow, residues)
