@@ -23,6 +23,7 @@ def certified(name="kovalevskaya"):
     return lp.integrability.certificate(system, integrals)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_known_integrals_make_a_certificate(name, tmp_path):
     data = certified(name)
@@ -126,6 +127,7 @@ def test_irrational_coefficients_make_no_certificate():
         lp.integrability.certificate(top, {"H": top.hamiltonian})
 
 
+@pytest.mark.thorough
 def test_the_checker_is_short_and_stands_alone(tmp_path):
     path = Path(checker.__file__)
     text = path.read_text(encoding="utf-8")
