@@ -23,6 +23,7 @@ def certified(name="kovalevskaya"):
     return lp.integrability.certificate(system, integrals)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_known_integrals_make_a_certificate(name, tmp_path):
     data = certified(name)
@@ -98,6 +99,13 @@ def test_other_files_are_refused(text, tmp_path):
         lp.integrability.load_certificate(path)
 
 
+def test_a_certificate_of_another_format_is_refused(tmp_path):
+    path = tmp_path / "top.json"
+    path.write_text(json.dumps({**certified(), "format": "another"}))
+    with pytest.raises(DamagedFileError, match="format"):
+        lp.integrability.load_certificate(path)
+
+
 def test_files_that_are_missing_or_called_otherwise(tmp_path):
     with pytest.raises(MissingFileError):
         lp.integrability.load_certificate(tmp_path / "none.json")
@@ -119,6 +127,7 @@ def test_irrational_coefficients_make_no_certificate():
         lp.integrability.certificate(top, {"H": top.hamiltonian})
 
 
+@pytest.mark.thorough
 def test_the_checker_is_short_and_stands_alone(tmp_path):
     path = Path(checker.__file__)
     text = path.read_text(encoding="utf-8")

@@ -15,6 +15,7 @@ def generators(found):
     return [*found.known.values(), *(f.expression for f in found.found)]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "scope", "degrees"),
     [
@@ -75,6 +76,7 @@ def test_an_inhomogeneous_level():
     assert found.n_integrals == 2  # H and C1
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("weight", range(1, 13))
 def test_the_twisted_kovalevskaya_top_has_no_integral_up_to_weight_12(weight):
     found = first_integrals(lp.Top.twisted_kovalevskaya(), weight=weight)

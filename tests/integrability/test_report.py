@@ -10,6 +10,7 @@ from liepoisson.integrability import checker
 report = lp.integrability.integrability_report
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("name", "commuting"),
     [

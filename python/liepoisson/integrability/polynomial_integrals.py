@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.system import System
 
 MOST_MONOMIALS = 60_000
-"""Monomials of the largest search that is begun; 20 000 of a field without gradings take some minutes."""
+"""Monomials of the largest search that is begun; 49 000 of a top without gradings take some seconds."""
 
 
 @dataclass(frozen=True)
