@@ -227,12 +227,12 @@ def _arguments(
     for term in Add.make_args(function.expression):
         if term.is_polynomial(*variables) or len(found) > _MOST_TERMS:
             continue
-        nodes: Iterable[Any] = preorder_traversal(term)
-        for node in nodes:
+        for node in cast("Iterable[Any]", preorder_traversal(term)):
             if not node.args or node.is_Add or node.is_Mul or node.is_polynomial(*variables):
                 continue
             base: Any = node.base if isinstance(node, Pow) and not node.exp.has(*variables) else None
-            for part in (base,) if base is not None else node.args:
+            parts: tuple[Any, ...] = (base,) if base is not None else node.args
+            for part in parts:
                 if part.has(*variables) and part.is_polynomial(*variables):
                     constant = part.expand().as_independent(*variables, as_Add=True)[0] if base is not None else 1
                     found[part] = abs(float(constant))
