@@ -2,6 +2,7 @@
 
 import os
 import random
+import signal
 import subprocess
 import sys
 import warnings
@@ -253,3 +254,30 @@ def test_figures_do_not_need_the_backend_of_the_environment(here, monkeypatch):
     done = finished("orbit", "twisted-kovalevskaya", *ORBIT, "--figure", "a.png", stdout=subprocess.PIPE)
     assert (done.returncode, done.stderr) == (0, b"")
     assert (here / "a.png").exists()
+
+
+def test_an_interruption_that_an_import_drops_is_repeated(tmp_path):
+    """A destructor that runs while a module is imported drops the exception; the command ends all the same."""
+    (tmp_path / "dropping.py").write_text(
+        "import os, signal\n"
+        "class Dropping:\n"
+        "    def __del__(self):\n"
+        "        os.kill(os.getpid(), signal.SIGINT)\n"
+        "        for _ in range(10**6): pass\n"
+        "Dropping()\n"
+    )
+    code = (
+        "import sys, time\n"
+        "from liepoisson.cli.ending import end\n"
+        "def command():\n"
+        f"    sys.path.insert(0, {str(tmp_path)!r})\n"
+        "    import dropping\n"
+        "    print('went on', flush=True)\n"
+        "    time.sleep(30)\n"
+        "end(command)\n"
+    )
+    options = {"preexec_fn": lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), "capture_output": True, "text": True}
+    done = subprocess.run([sys.executable, "-c", code], check=False, timeout=60, **options)
+    assert done.stdout == "went on\n"
+    assert done.returncode == 130
+    assert done.stderr == "interrupted.\n"

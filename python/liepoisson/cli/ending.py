@@ -13,6 +13,7 @@ import sys
 import threading
 from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
+from types import FrameType
 
 from liepoisson.errors import LiePoissonError
 
@@ -61,15 +62,62 @@ class NobodyReadsError(Exception):
     """A pipe that is read no more."""
 
 
+class _ControlC:
+    """Raises `KeyboardInterrupt`, and once more where the first one may be lost.
+
+    Python drops an exception in a destructor or in a callback of a weak reference, of which importing a module runs
+    many: a command interrupted there would go on.  So one that comes during an import is repeated until the command
+    ends, and that the first was dropped is not reported.
+    """
+
+    PAUSE = 0.5
+
+    def __init__(self) -> None:
+        self.is_over = False
+
+    def install(self) -> None:
+        """Take the place of Python's own handler; where another one is set, or none, it stays."""
+        if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
+            return
+        signal.signal(signal.SIGINT, self)
+        report = sys.unraisablehook
+        sys.unraisablehook = lambda dropped: None if dropped.exc_type is KeyboardInterrupt else report(dropped)
+
+    def __call__(self, number: int, frame: FrameType | None) -> None:
+        if self.is_over:
+            return
+        if _is_importing(frame):
+            again = threading.Timer(self.PAUSE, self._again)
+            again.daemon = True
+            again.start()
+        raise KeyboardInterrupt
+
+    def _again(self) -> None:
+        if not self.is_over:
+            signal.raise_signal(signal.SIGINT)
+
+
+def _is_importing(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_code.co_filename.startswith("<frozen importlib"):
+            return True
+        frame = frame.f_back
+    return False
+
+
 def end(command: Callable[[], object]) -> None:
     """Run a command and leave the process with its exit code."""
+    control_c = _ControlC()
+    control_c.install()
     _open_what_is_closed()
     _write_any_text()
     try:
         code = _exit_code(command)
         sys.stdout.flush()
     except BaseException as error:
+        control_c.is_over = True
         code = _report(error)
+    control_c.is_over = True
     _leave_quietly(code)
 
 

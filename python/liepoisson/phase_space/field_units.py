@@ -17,7 +17,7 @@ untouched.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, cast
@@ -227,11 +227,12 @@ def _arguments(
     for term in Add.make_args(function.expression):
         if term.is_polynomial(*variables) or len(found) > _MOST_TERMS:
             continue
-        for node in preorder_traversal(term):
+        for node in cast("Iterable[Any]", preorder_traversal(term)):
             if not node.args or node.is_Add or node.is_Mul or node.is_polynomial(*variables):
                 continue
-            base = node.base if isinstance(node, Pow) and not node.exp.has(*variables) else None
-            for part in (base,) if base is not None else node.args:
+            base: Any = node.base if isinstance(node, Pow) and not node.exp.has(*variables) else None
+            parts: tuple[Any, ...] = (base,) if base is not None else node.args
+            for part in parts:
                 if part.has(*variables) and part.is_polynomial(*variables):
                     constant = part.expand().as_independent(*variables, as_Add=True)[0] if base is not None else 1
                     found[part] = abs(float(constant))

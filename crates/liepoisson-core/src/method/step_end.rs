@@ -10,6 +10,7 @@
 
 use crate::field::Field;
 use crate::lanes::{Body, Wide};
+use crate::method::taylor::sum_of_sizes;
 
 /// Halvings of one step at most.
 const MOST_HALVINGS: usize = 40;
@@ -32,6 +33,8 @@ pub(super) struct StepEnd<V> {
     rates: Vec<V>,
     work: Vec<V>,
     defects: Vec<f64>,
+    /// The steps that lead to `x`.
+    at: Vec<f64>,
     looks: Vec<Look>,
     allowed: f64,
 }
@@ -55,9 +58,15 @@ impl<V: Wide> StepEnd<V> {
             rates: zero,
             work: vec![V::splat(0.0); field.registers(0, 1)],
             defects: vec![0.0; V::WIDTH],
+            at: vec![f64::NAN; V::WIDTH],
             looks: vec![Look { is_open: false, proposed: 0.0, before: f64::INFINITY }; V::WIDTH],
             allowed: ROUND_OFF.max(HONEST * order as f64 * tolerance),
         }
+    }
+
+    /// The states after these steps, if they were looked at last.
+    pub(super) fn states_after(&self, steps: &[f64]) -> Option<&[V]> {
+        (self.at == steps).then_some(&self.x)
     }
 
     /// Halves the steps, one for each lane and zero for one that stays, at whose ends the series fails the equations.
@@ -98,6 +107,25 @@ impl<V: Wide> StepEnd<V> {
     }
 }
 
+impl<V: Wide> StepEnd<V> {
+    /// The values of some components and their slopes after the step, by Horner's rule; as many as were computed.
+    #[inline(always)]
+    fn expand<const M: usize>(&mut self, first: usize, rows: &[V], (row, order): (usize, usize), step: V) -> usize {
+        let (mut value, mut slope) = ([V::splat(0.0); M], [V::splat(0.0); M]);
+        value.copy_from_slice(&rows[order * row + first..][..M]);
+        for k in (0..order).rev() {
+            let coefficients = &rows[k * row + first..][..M];
+            for i in 0..M {
+                slope[i] = slope[i].mul_add(step, value[i]);
+                value[i] = value[i].mul_add(step, coefficients[i]);
+            }
+        }
+        self.x[first..first + M].copy_from_slice(&value);
+        self.slope[first..first + M].copy_from_slice(&slope);
+        M
+    }
+}
+
 /// For each lane the sum of `|x'(h) - f(x(h))| |h|` over the components, in units of the size of the state.
 struct Defects<'a, F, V> {
     field: &'a F,
@@ -114,16 +142,16 @@ impl<F: Field, V: Wide> Body for Defects<'_, F, V> {
         let Defects { field, rows, row, order, steps, to } = self;
         let mut step = V::splat(0.0);
         step.as_scalars_mut().copy_from_slice(&steps[..V::WIDTH]);
-        let mut size = V::splat(0.0);
-        for i in 0..to.x.len() {
-            let (mut value, mut slope) = (rows[order * row + i], V::splat(0.0));
-            for k in (0..order).rev() {
-                slope = slope.mul_add(step, value);
-                value = value.mul_add(step, rows[k * row + i]);
-            }
-            (to.x[i], to.slope[i]) = (value, slope);
-            size = size.add(rows[i].abs());
+        to.at.copy_from_slice(&steps[..V::WIDTH]);
+        let (mut i, n) = (0, to.x.len());
+        while i < n {
+            i += match n - i {
+                6.. => to.expand::<6>(i, rows, (row, order), step),
+                3.. => to.expand::<3>(i, rows, (row, order), step),
+                _ => to.expand::<1>(i, rows, (row, order), step),
+            };
         }
+        let size = sum_of_sizes(&rows[..n]);
         field.rates(&to.x, 0, &mut to.work, &mut to.rates);
         let mut defect = V::splat(0.0);
         for i in 0..to.x.len() {

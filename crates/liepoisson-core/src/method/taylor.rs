@@ -164,7 +164,11 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
 
     fn advance(&mut self, sizes: &[f64], _repeats: u64, outcomes: &mut [StepOutcome]) {
         outcomes.fill(StepOutcome::Taken);
-        V::outline(Advance { block: self, sizes });
+        let is_known = self.end.as_ref().is_some_and(|end| end.states_after(sizes).is_some());
+        V::outline(Advance { block: self, sizes, first_group: usize::from(is_known) });
+        if let Some(states) = self.end.as_ref().and_then(|end| end.states_after(sizes)) {
+            self.rows[..states.len()].copy_from_slice(states);
+        }
         for (largest, &size) in self.largest.iter_mut().zip(sizes) {
             *largest = if size.abs() > largest.abs() { size } else { *largest };
         }
@@ -373,16 +377,18 @@ pub(super) fn shorten(sizes: &mut [f64], allowed: &[f64], terms: &[f64], power: 
 struct Advance<'b, 'f, F, V> {
     block: &'b mut TaylorBlock<'f, F, V>,
     sizes: &'b [f64],
+    /// The state, group 0, may be known already.
+    first_group: usize,
 }
 
 impl<F: Field, V: Wide> Body for Advance<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
-        let Advance { block, sizes } = self;
+        let Advance { block, sizes, first_group } = self;
         let mut step = V::splat(0.0);
         step.as_scalars_mut().copy_from_slice(sizes);
         let (components, group) = (block.field.n_components(), block.field.group());
-        for first in (0..block.row).step_by(group) {
+        for first in (first_group * group..block.row).step_by(group) {
             let (mut i, end) = (first, first + components);
             while i < end {
                 i += match end - i {
