@@ -39,7 +39,7 @@ KOVALEVSKAYA = ("a3, 2*J1 - J3, J1 - J2", "a2, 2*J1 - J2, J1 - J3", "a1, J1 - 2*
     ],
 )
 def test_the_general_heavy_top(degree, cases):
-    """J_i = 1/I_i: up to degree 4 the tops of Euler, Lagrange (about each axis), Kovalevskaya, and the spherical one."""
+    """J_i = 1/I_i: up to degree 4 the tops of Euler, Lagrange (about each axis) and Kovalevskaya, and the spherical."""
     found = integrable_families(heavy_top(), degree=degree, positive=["J1", "J2", "J3"])
     assert found.complete
     assert sets(found) == as_sets(*cases)

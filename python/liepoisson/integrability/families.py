@@ -13,7 +13,7 @@ from fractions import Fraction
 from itertools import chain
 from math import lcm
 from random import Random
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
@@ -71,7 +71,7 @@ class IntegrableFamilies:
 
     system: System
     degree: int
-    parameters: tuple[Symbol, ...]
+    parameters: tuple[Expr, ...]
     assumptions: str
     cases: tuple[ParameterCase, ...]
     left: tuple[str, ...]
@@ -132,7 +132,7 @@ def integrable_families(
     known = {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
     derivation, polynomials = derivation_of(system, *known.values())
     symbols = derivation.field.parameters
-    ring = getattr(derivation.field.domain, "domain", None)
+    ring: Any = getattr(derivation.field.domain, "domain", None)
     if not symbols or not (ring.is_QQ or ring.is_ZZ):
         raise ParameterError(
             "integrable_families: wanted a system with symbols for parameters and rational numbers; got "
@@ -233,7 +233,7 @@ class _Work:
         return rows
 
     def scalings(self) -> list[tuple[int, ...]]:
-        """Independent weights of the parameters for which the equations are homogeneous in coordinates and parameters."""
+        """Independent weights of the parameters with which the equations are homogeneous."""
         if any(not b.is_constant() for pairs in self._components for _, b in pairs.values()):
             return []
         n, k = len(self._components), len(self.symbols)
@@ -241,7 +241,8 @@ class _Work:
             {(*m, *map(int, powers)): 1 for m, (a, _) in pairs.items() for powers, _ in a.terms()}  # type: ignore[misc]
             for pairs in self._components
         ]
-        whole = Derivation((*range(n + k),), (*extended, *({} for _ in range(k))), Coefficients())  # type: ignore[arg-type]
+        names: Any = tuple(range(n + k))  # gradings look at exponents alone
+        whole = Derivation(names, (*extended, *({} for _ in range(k))), Coefficients())
         rows = [g.weights[n:] for g in gradings(whole) if not g.modulus]
         found = Echelon(Coefficients())
         for row in rows:
@@ -272,7 +273,7 @@ class _Work:
         values = {str(s): v for s, v in example.items()}
         member = type(system)(
             system.bracket.substitute({name: Fraction(int(v.p), int(v.q)) for name, v in values.items()}),
-            system.hamiltonian.xreplace(example),
+            cast("Expr", system.hamiltonian.xreplace(example)),
         )
         found = first_integrals(member, degree=degree)
         return ParameterCase(conditions, example, tuple(f.expression for f in found.found))

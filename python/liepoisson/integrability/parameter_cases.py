@@ -5,8 +5,8 @@ the simplest other entry is assumed not to vanish, and then, factor by factor, t
 parameter that occurs in it with degree one. A case ends where the rank is so large that there are no further
 solutions, or where no row is left.
 
-Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only with
-all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments.
+Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only
+with all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments.
 
 Scalings of the coordinates, of time and of the parameters that keep the equations keep the number of solutions. So a
 parameter that does not vanish is set to 1 where a scaling allows it; equations are made homogeneous again when they are
