@@ -4,6 +4,8 @@
 weight 12 of the twisted Kovalevskaya top, each with the proof that there are no others: the whole call, without the
 imports; the least of five.  Beside it: `nmod_mat.nullspace` of python-flint for the same matrices as dense ones,
 without making them, once.  With --quick matrices of over 2500 columns, which take minutes, are left out.
+
+On two cores of a busy machine: degree 4, 5, 6 and weight 12 in 0.01, 0.03, 0.09 and 0.26 s, and 0.3, 5, 70 and 1.3 s.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from liepoisson.integrability.monomials import in_blocks, of_degree, of_weight
 REPEATS = 5
 MANY_COLUMNS = 2500
 GENERIC = lp.Top(inertia=(2, 3, 5), a=(1, 2, 3), b=(3, -1, 2), epsilon=1)
-CASES: dict[str, tuple[Any, dict[str, int]]] = {
+CASES: dict[str, tuple[Any, dict[str, Any]]] = {
     "degree 4": (GENERIC, {"degree": 4}),
     "degree 5": (GENERIC, {"degree": 5}),
     "degree 6": (GENERIC, {"degree": 6}),
