@@ -281,3 +281,10 @@ def test_an_interruption_that_an_import_drops_is_repeated(tmp_path):
     assert done.stdout == "went on\n"
     assert done.returncode == 130
     assert done.stderr == "interrupted.\n"
+
+
+def test_a_command_leaves_the_handlers_of_its_process_as_they_were():
+    before = signal.getsignal(signal.SIGINT), sys.unraisablehook
+    with pytest.raises(SystemExit):
+        ending.end(lambda: None)
+    assert (signal.getsignal(signal.SIGINT), sys.unraisablehook) == before

@@ -14,6 +14,7 @@ import threading
 from collections.abc import Callable, Generator
 from contextlib import contextmanager, suppress
 from types import FrameType
+from typing import Any, Self
 
 from liepoisson.errors import LiePoissonError
 
@@ -75,13 +76,24 @@ class _ControlC:
     def __init__(self) -> None:
         self.is_over = False
 
-    def install(self) -> None:
+    def __enter__(self) -> Self:
         """Take the place of Python's own handler; where another one is set, or none, it stays."""
-        if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-            return
-        signal.signal(signal.SIGINT, self)
-        report = sys.unraisablehook
-        sys.unraisablehook = lambda dropped: None if dropped.exc_type is KeyboardInterrupt else report(dropped)
+        self._before = signal.getsignal(signal.SIGINT), sys.unraisablehook
+        if self._before[0] is signal.default_int_handler:
+            signal.signal(signal.SIGINT, self)
+            sys.unraisablehook = self._report
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Put back what was there: a process may go on, as that of a test."""
+        self.is_over = True
+        handler, sys.unraisablehook = self._before
+        if handler is signal.default_int_handler:
+            signal.signal(signal.SIGINT, handler)
+
+    def _report(self, dropped: Any) -> None:
+        if dropped.exc_type is not KeyboardInterrupt:
+            self._before[1](dropped)
 
     def __call__(self, number: int, frame: FrameType | None) -> None:
         if self.is_over:
@@ -107,17 +119,15 @@ def _is_importing(frame: FrameType | None) -> bool:
 
 def end(command: Callable[[], object]) -> None:
     """Run a command and leave the process with its exit code."""
-    control_c = _ControlC()
-    control_c.install()
     _open_what_is_closed()
     _write_any_text()
-    try:
-        code = _exit_code(command)
-        sys.stdout.flush()
-    except BaseException as error:
-        control_c.is_over = True
-        code = _report(error)
-    control_c.is_over = True
+    with _ControlC() as control_c:
+        try:
+            code = _exit_code(command)
+            sys.stdout.flush()
+        except BaseException as error:
+            control_c.is_over = True
+            code = _report(error)
     _leave_quietly(code)
 
 
