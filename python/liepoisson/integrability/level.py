@@ -38,8 +38,8 @@ class Level:
         """Whether a monomial is no multiple of a leading one."""
         return not any(_divides(lead, monomial) for lead, _ in self.basis)
 
-    def remainder(self, polynomial: Mapping[Exponents, Any]) -> Polynomial:
-        """What is left of a polynomial modulo the ideal."""
+    def remainder(self, polynomial: Mapping[Exponents, Any], p: int = 0) -> Polynomial:
+        """What is left of a polynomial modulo the ideal; all coefficients modulo the prime p, if one is given."""
         left = {m: c for m, c in polynomial.items() if c}
         if not self.basis:
             return left
@@ -55,6 +55,7 @@ class Level:
             for m, c in generator.items():
                 key = tuple(map(sum, zip(m, shift, strict=True)))
                 value = left[key] - factor * c if key in left else -(factor * c)
+                value = value % p if p else value
                 if value:
                     left[key] = value
                 else:

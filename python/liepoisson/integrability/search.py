@@ -120,7 +120,7 @@ class Search:
         p = self.residues.p
         for column, monomial in enumerate(block):
             image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
-            for key, value in self._level_mod.remainder_mod(image, p).items():
+            for key, value in self._level_mod.remainder(image, p).items():
                 rows.setdefault(key, {})[column] = value
         return len(nullspace_mod(list(rows.values()), len(block), p))
 
@@ -221,7 +221,7 @@ class Search:
             if product is not None and contains:
                 label = tuple(g.of(next(iter(product))) for g in self.gradings)
                 if label in spans:
-                    reduced = {m: c % p for m, c in self._remainder_mod(product).items() if c % p}
+                    reduced = {m: c % p for m, c in self._level_mod.remainder(product, p).items() if c % p}
                     spans[label].insert({m: c for m, c in reduced.items() if any(m)})
             for k in range(start, len(factors)):
                 degree, factor, index = factors[k]
@@ -231,12 +231,9 @@ class Search:
 
         extend(0, highest, None, must_contain is None)
 
-    def _remainder_mod(self, product: Modular) -> Modular:
-        return self._level_mod.remainder_mod(product, self.residues.p) if self.level.basis else product
-
     @cached_property
-    def _level_mod(self) -> _LevelMod:
-        return _LevelMod([(lead, modular(b, self.residues)) for lead, b in self.level.basis])
+    def _level_mod(self) -> Level:
+        return Level(tuple((lead, modular(b, self.residues)) for lead, b in self.level.basis))
 
     @cached_property
     def residues(self) -> Residues:
@@ -280,32 +277,6 @@ def _times(first: Polynomial, second: Polynomial) -> Polynomial:
             key = tuple(map(sum, zip(m, k, strict=True)))
             product[key] = product[key] + c * d if key in product else c * d
     return {m: c for m, c in product.items() if c}
-
-
-@dataclass(frozen=True)
-class _LevelMod:
-    """A Gröbner basis modulo a prime."""
-
-    basis: Sequence[tuple[Exponents, Modular]]
-
-    def remainder_mod(self, polynomial: Modular, p: int) -> Modular:
-        left, done = dict(polynomial), {}
-        while left:
-            monomial = max(left, key=order)
-            for lead, generator in self.basis:
-                if all(a <= b for a, b in zip(lead, monomial, strict=True)):
-                    factor = left[monomial]
-                    for m, c in generator.items():
-                        key = tuple(k + a - b for k, a, b in zip(m, monomial, lead, strict=True))
-                        value = (left.get(key, 0) - factor * c) % p
-                        if value:
-                            left[key] = value
-                        else:
-                            left.pop(key, None)
-                    break
-            else:
-                done[monomial] = left.pop(monomial)
-        return done
 
 
 def _point_on(equations: Sequence[Modular], point: list[int], p: int) -> list[int] | None:
