@@ -14,6 +14,7 @@ __all__ = [
     "CocycleError",
     "CoreError",
     "DamagedFileError",
+    "EnclosureError",
     "ExpressionError",
     "InertiaWarning",
     "LeafError",
@@ -132,6 +133,10 @@ class CoreError(LiePoissonError, RuntimeError):
 
 class LeafError(LiePoissonError, ValueError):
     """A state, an energy or values of Casimirs that belong to no point of the leaf that was asked for."""
+
+
+class EnclosureError(LiePoissonError, ArithmeticError):
+    """A rigorous enclosure that cannot be made: the set is too large, the time too long, or a matrix may be singular."""
 
 
 class ChartError(LiePoissonError, ValueError):
