@@ -141,7 +141,7 @@ class _Checker:
         self.keep_going(min(1.0, self.n_done / (len(self.certificate.edges) + 14)))
         self.n_done += 1
         after = arb(edge.time) if time is None else time
-        found = transition(self.field, source, proved, after, target, self.signs if edge.symmetry else None)
+        found = transition(self.field, source, proved, target, time=after, signs=self.signs if edge.symmetry else None)
         self.n_steps += len(found.tubes) - 1
         return found
 
@@ -194,8 +194,8 @@ class _Checker:
     ) -> arb:
         """Prove that the orbit in small sets near p_a and p_b, or its image under a reverser, is gamma.
 
-        Its points are moved along it to the sections of p_a and p_b, where they lie in the sets, and the flight times between
-        them are those of the edges; there is one orbit only that does this. A bound of |q_u| and |q_s|.
+        Its points are moved along it to the sections of p_a and p_b, where they lie in the sets, and the flight times
+        between them are those of the edges; there is one orbit only that does this. A bound of |q_u| and |q_s|.
         """
         ends = (self.graph.start, self.graph.other)
         landings: list[Landing] = []
@@ -245,12 +245,11 @@ class _Checker:
         sets = [self.sets[k].scaled(ball(TINY)) for k in ends]
         maps = [t.landing.slopes.mid() for t in small_loop]
         times = [arb(e.time) for e in edges]
-        for step in range(_NEWTON_STEPS + 1):
-            charts = [chart(self.field, s, level, UNIT) for s in sets]
-            loop = [self._transition(edges[k], sets[k], charts[k], sets[1 - k], times[k]) for k in (0, 1)]
-            if step < _NEWTON_STEPS:  # proposals, of which nothing is claimed
-                sets = self._moved(sets, charts, loop, maps)
-                times = [arb(t.time.mid()) for t in loop]
+        for _ in range(_NEWTON_STEPS):  # proposals, of which nothing is claimed
+            charts, loop = self._loop(level, edges, sets, times)
+            sets = self._moved(sets, charts, loop, maps)
+            times = [arb(t.time.mid()) for t in loop]
+        charts, loop = self._loop(level, edges, sets, times)
         for k in (0, 1):
             covering(f"edge {sets[k].name} -> {sets[1 - k].name} on a neighbouring level", loop[k].landing)
         self._same_orbit(sets, charts, loop, found, None)
@@ -258,6 +257,13 @@ class _Checker:
         y = acb(trace / 2, (4 * (second - 2) - trace**2).sqrt() / 2)
         z = (y + (y * y - 4).sqrt()) / 2
         return abs(z.arg()) / arb.pi()
+
+    def _loop(
+        self, level: Vector, edges: Sequence[Edge], sets: Sequence[BallSet], times: Sequence[arb]
+    ) -> tuple[list[Chart], list[Transition]]:
+        """The charts of two sets on a level, and the maps between them."""
+        charts = [chart(self.field, s, level, UNIT) for s in sets]
+        return charts, [self._transition(edges[k], sets[k], charts[k], sets[1 - k], times[k]) for k in (0, 1)]
 
     @staticmethod
     def _moved(
@@ -339,7 +345,7 @@ class _Checker:
 
 
 def entropy_bound(short: arb, long: arb) -> float:
-    """A number h, proved to be below the solution of e^(-h t_1) + e^(-h t_2) = 1, by which entropy is bounded from below."""
+    """A number h, proved to be below the solution of e^(-h t_1) + e^(-h t_2) = 1, which bounds entropy from below."""
     below, above = 0.0, math.log(2.0) / float(short.lower()) + 1
     while (middle := (below + above) / 2) not in (below, above) and above - below > 1e-12:
         if (-arb(middle) * short).exp() + (-arb(middle) * long).exp() > 1:

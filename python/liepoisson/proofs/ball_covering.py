@@ -89,10 +89,10 @@ def transition(
     field: BallField,
     source: BallSet,
     proved: Chart,
-    time: arb,
     target: BallSet,
+    *,
+    time: arb,
     signs: Sequence[int] | None = None,
-    step: float = LARGEST_STEP,
 ) -> Transition:
     """The Poincaré map of a set to the section of another set, near a time.
 
@@ -100,15 +100,14 @@ def transition(
         field: The equations.
         source: The set where the orbits start.
         proved: Its chart over |q_i| <= 1.
-        time: When they are near the section.
         target: The set whose section it is.
+        time: When they are near the section.
         signs: The symmetry that follows, if one does.
-        step: The largest step.
 
     Raises:
         EnclosureError: the orbits do not provably cross the section once.
     """
-    end, tubes = flow(field, states_of(source, proved, UNIT), time, step)
+    end, tubes = flow(field, states_of(source, proved, UNIT), time, LARGEST_STEP)
     found = landing(field, end if signs is None else end.mapped(diagonal(signs)), proved, target)
     last = found.box if signs is None else [s * b for s, b in zip(signs, found.box, strict=True)]
     whole = Tube(time - found.window, time + found.window, last)  # the symmetry is its own inverse
@@ -185,7 +184,7 @@ def covering(name: str, found: Landing) -> CoveringMargins:
 
 
 def norm2(matrix: arb_mat) -> arb:
-    """An upper bound of the Euclidean norm of a 2 x 2 matrix: that of its midpoint, and the Frobenius norm of the rest."""
+    """An upper bound of the norm of a 2 x 2 matrix: that of its midpoint, and the Frobenius norm of the rest."""
     middle = matrix.mid()
     (a, b), (c, d) = middle.tolist()
     squares, determinant = a**2 + b**2 + c**2 + d**2, a * d - b * c
@@ -200,20 +199,12 @@ def length(vector: Sequence[arb]) -> arb:
     return arb(sum((magnitude(e) ** 2 for e in vector), arb(0)).sqrt().upper())
 
 
-def _section_projection(target: BallSet, rates: Vector, speed: arb) -> arb_mat:
-    """B^-1 (1 - f n^T / (n f)), which projects along the flow to the section, in coordinates of the target."""
-    n = len(rates)
-    identity = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
-    along = as_column([f / speed for f in rates]) * arb_mat([list(target.normal)])
-    return target.inverse * (identity - along)
-
-
 def _derivative(field: BallField, matrix: arb_mat, target: BallSet, box: Vector, window: arb) -> arb_mat:
     r"""B^-1 times the derivative of the map to the section, for crossings within the window of time.
 
     The derivative of the flow for a time $|\tau| \le \delta$ is $1 + \tau\,Df$ and at most
-    $e^{\delta|Df|} - 1 - \delta|Df|$ more; the map to the section then projects along f, by $1 - f n^T/(n\cdot f)$. Products are
-    formed from the right, where the large entries of $B^{-1}$ meet differences that are small.
+    $e^{\delta|Df|} - 1 - \delta|Df|$ more; the map to the section then projects along f, by $1 - f n^T/(n\cdot f)$.
+    Products are formed from the right, where the large entries of $B^{-1}$ meet differences that are small.
     """
     rates, jacobian = field.rates(box), field.jacobian(box)
     speed = _product(target.normal, rates)

@@ -7,7 +7,7 @@ Computers 66 (2017) 1281).
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from typing import Any, TypeAlias
@@ -24,7 +24,7 @@ PRECISION = 96
 
 
 @contextmanager
-def working(precision: int = PRECISION) -> Iterator[None]:
+def working(precision: int = PRECISION) -> Generator[None]:
     """Set the precision of FLINT, and put back what was there."""
     before = ctx.prec, ctx.cap
     ctx.prec = precision
@@ -146,40 +146,40 @@ class _Evaluator:
         self._n = n
 
         def place(m: tuple[int, ...]) -> int:
-            """-1 for the monomial 1, the variables first, then products."""
+            """The variables come first, then 1, then products."""
             if not any(m):
-                return -1
+                return n
             if sum(m) == 1:
                 return m.index(1)
             if m not in number:
                 k = max(k for k in range(n) if m[k])
                 rest = place((*m[:k], m[k] - 1, *m[k + 1 :]))
-                number[m] = n + len(self._products)
+                number[m] = n + 1 + len(self._products)
                 self._products.append((rest, k))
             return number[m]
 
-        self._sums = [[(c, place(m)) for m, c in sorted(p.items())] for p in polynomials]
+        with working():
+            self._sums = [[(*_factor(c), place(m)) for m, c in sorted(p.items())] for p in polynomials]
 
     def __call__(self, x: Sequence[Any]) -> list[Any]:
-        values: list[Any] = list(x)
+        values: list[Any] = [*x, arb(1)]
         for a, b in self._products:
             values.append(values[a] * values[b])
         return [self._sum(terms, values) for terms in self._sums]
 
     @staticmethod
-    def _sum(terms: Sequence[tuple[Fraction, int]], values: Sequence[Any]) -> Any:
+    def _sum(terms: Sequence[tuple[int, arb | None, int]], values: Sequence[Any]) -> Any:
         total: Any = None
-        for c, k in terms:
-            if k < 0:
-                term: Any = ball(c)
-            elif c == 1:
-                term = values[k]
-            elif c == -1:
-                term = -values[k]
-            else:
-                term = values[k] * ball(c)
-            total = term if total is None else total + term
+        for sign, factor, k in terms:
+            term: Any = values[k] if factor is None else values[k] * factor
+            signed: Any = term if sign > 0 else -term
+            total = signed if total is None else total + signed
         return arb(0) if total is None else total
+
+
+def _factor(coefficient: Fraction) -> tuple[int, arb | None]:
+    """The sign of a coefficient and its size, None where that is 1 and the term is no constant."""
+    return (1 if coefficient > 0 else -1), ball(abs(coefficient)) if abs(coefficient) != 1 else None
 
 
 def _series(value: Any, precision: int) -> arb_series:

@@ -1,16 +1,16 @@
 r"""Rigorous enclosures of the flow of a polynomial field and of its derivative, in balls.
 
 A set of states is kept as $x_0 + M y$ with y in a box: a point and a matrix, both enclosed. Its image is
-$\varphi(x_0) + D\varphi\,M y$ by the mean value theorem, with $D\varphi$ over the whole set (a matrix that depends on y, in
-the convex set of matrices that the balls contain). One step of length h:
+$\varphi(x_0) + D\varphi\,M y$ by the mean value theorem, with $D\varphi$ over the whole set (a matrix that depends on
+y, in the convex set of matrices that the balls contain). One step of length h:
 
 - **A priori.** Let $x^{(k)}$ be Taylor coefficients over the set X, and Y a box. If
-  $\sum_{k\le n} x^{(k)}(X)[0,h]^k + [0,h]^{n+1}x^{(n+1)}(Y)$ lies in the interior of Y, all solutions from X exist up to h and
-  stay in Y: up to the time at which one left Y, Taylor's formula with its remainder keeps it in the interior.
+  $\sum_{k\le n} x^{(k)}(X)[0,h]^k + [0,h]^{n+1}x^{(n+1)}(Y)$ lies in the interior of Y, all solutions from X exist up
+  to h and stay in Y: up to the time at which one left Y, Taylor's formula with its remainder keeps it in the interior.
 - **State.** $\varphi_h(x_0) \in \sum_{k\le n} x^{(k)}(x_0)h^k + h^{n+1}x^{(n+1)}(Y)$.
-- **Derivative.** $V' = Df(x(t))V$, $V(0) = 1$, has Taylor coefficients $V^{(k+1)} = \frac1{k+1}\sum_j A^{(j)}V^{(k-j)}$,
-  where $A^{(j)}$ are those of $Df(x(t))$. The remainder is $h^{n+1}V^{(n+1)}$ at a state of Y and a matrix V of norm at most
-  $e^{h|Df(Y)|}$; its norm is bounded by the same recursion for norms.
+- **Derivative.** $V' = Df(x(t))V$, $V(0) = 1$, has coefficients $V^{(k+1)} = \frac1{k+1}\sum_j A^{(j)}V^{(k-j)}$,
+  where $A^{(j)}$ are those of $Df(x(t))$. The remainder is $h^{n+1}V^{(n+1)}$ at a state of Y and a matrix V of norm at
+  most $e^{h|Df(Y)|}$; its norm is bounded by the same recursion for norms.
 
 The largest row sum is the norm of a matrix. Sets that are small, and times that are short, lose little; for long times
 and large boxes the intervals of the core, which turn their axes along, are the better tool.
@@ -108,8 +108,8 @@ def advance(field: BallField, states: Parallelepiped, h: arb, order: int = ORDER
     kept = (lies_inside(p + whole_power * c, t) for p, c, t in zip(polynomial, last[order + 1], tube, strict=True))
     if not all(kept):
         raise EnclosureError(
-            f"a rigorous step of length {float(h.mid()):.3g}: wanted a box that contains the orbits; found none. The set is too "
-            "large for this step; take a smaller set or smaller steps"
+            f"a rigorous step of length {float(h.mid()):.3g}: wanted a box that contains the orbits; found none. The "
+            "set is too large for this step; take a smaller set or smaller steps"
         )
     center = [
         _horner([c[i] for c in field_coefficients], h) + power * last[order + 1][i]

@@ -1,10 +1,11 @@
 r"""Charts of sets on a level of the constants of motion, in balls, with proof that they are charts.
 
-A set has a center c and a frame B with columns u (2), flow (1), s (2), gradients (m). Its chart is
-$\chi(q) = c + B\,(q_u, 0, q_s, w(q))$, where w is such that the constants of motion F have the values of the level. That w
-exists, is unique and smooth is proved by Newton's method in intervals: with $G(q, w) = F(c + B(q_u, 0, q_s, w)) - F_0$ and
-$Y \approx (\partial G/\partial w)^{-1}$, if $-YG(q, 0) + (1 - Y\,\partial G/\partial w(q, W))W$ lies in the interior of W for
-all q, then for each q there is exactly one zero in W (Krawczyk), and $\partial G/\partial w$ is invertible there.
+A set has a center c and a frame B with columns u (2), flow (1), s (2), gradients (m). Its chart is $\chi(q) = c +
+B\,(q_u, 0, q_s, w(q))$, where w is such that the constants of motion F have the values of the level. That w exists,
+is unique and smooth is proved by Newton's method in intervals: with $G(q, w) = F(c + B(q_u, 0, q_s, w)) - F_0$ and $Y
+\approx (\partial G/\partial w)^{-1}$, if $-YG(q, 0) + (1 - Y\,\partial G/\partial w(q, W))W$ lies in the interior of
+W for all q, then for each q there is exactly one zero in W (Krawczyk), and $\partial G/\partial w$ is invertible
+there.
 """
 
 from __future__ import annotations
@@ -65,7 +66,7 @@ class BallSet:
         return BallSet(f"{factor.str(2, radius=False)} {self.name}", self.center, arb_mat(rows))
 
     def states(self, q: Sequence[arb], w: Sequence[arb]) -> Vector:
-        """c + B (q_u, 0, q_s, w)."""
+        """The point c + B (q_u, 0, q_s, w)."""
         coordinates = [q[0], q[1], arb(0), q[2], q[3], *w]
         return [c + d for c, d in zip(self.center, column(self.frame * as_column(coordinates)), strict=True)]
 
@@ -101,8 +102,8 @@ def chart(field: BallField, covering_set: BallSet, level: Sequence[arb], q: Sequ
     w = _newton(field, covering_set, level, q, wide)
     if not all(lies_inside(a, b) for a, b in zip(w, wide, strict=True)):
         raise EnclosureError(
-            f"set {covering_set.name}: the constants of motion do not fix w with |w| < {LARGEST_W} over the set; it does "
-            "not lie on the level, or the gradients are not independent"
+            f"set {covering_set.name}: the constants of motion do not fix w with |w| < {LARGEST_W} over the set; it "
+            "does not lie on the level, or the gradients are not independent"
         )
     w = _narrowed(lambda box: _newton(field, covering_set, level, q, box), w)
     center = _narrowed(lambda box: _newton(field, covering_set, level, [arb(0)] * 4, box), w)
@@ -134,7 +135,7 @@ def _narrowed(step: Callable[[Sequence[arb]], Vector], box: Vector) -> Vector:
 def _newton(
     field: BallField, covering_set: BallSet, level: Sequence[arb], q: Sequence[arb], w: Sequence[arb]
 ) -> Vector:
-    """One step of Krawczyk's operator about the middle of a box of w; G(q, w) is enclosed by the mean value theorem in q."""
+    """One step of Krawczyk's operator about the middle of a box of w; G is enclosed by the mean value theorem in q."""
     m = len(level)
     middle = [arb(c.mid()) for c in w]
     by_w = _columns(_gradients(field, covering_set, q, w), range(5, 5 + m))
@@ -154,8 +155,9 @@ def _newton(
 def _gradients(field: BallField, covering_set: BallSet, q: Sequence[arb], w: Sequence[arb]) -> arb_mat:
     r"""The derivatives of the constants of motion along the columns of the frame, for all q and w in a box.
 
-    $\nabla F(x) B = \nabla F(c) B + \sum_k y_k\, B_k^T F''(X) B$ by the mean value theorem, where y are the coordinates of x;
-    multiplied in this order, since the columns of u and s are tangent to the level and $F''$ between them is small.
+    $\nabla F(x) B = \nabla F(c) B + \sum_k y_k\, B_k^T F''(X) B$ by the mean value theorem, where y are the
+    coordinates of x; multiplied in this order, since the columns of u and s are tangent to the level and $F''$
+    between them is small.
     """
     frame, y = covering_set.frame, as_column([q[0], q[1], arb(0), q[2], q[3], *w])
     curved = [

@@ -5,8 +5,8 @@ JSON: doubles as C99 hexadecimal strings, rational constants as strings.
 - `system`: `name`, and `equations` as text;
 - `level`: the values of H and of the Casimirs;
 - `symmetry`: the signs of a map that keeps the equations, R;
-- `sets`: for each a `name`, its `center` and its `frame`, whose columns are two unstable directions, the flow, two stable
-  directions, and the gradients of H and the Casimirs;
+- `sets`: for each a `name`, its `center` and its `frame`, whose columns are two unstable directions, the flow, two
+  stable directions, and the gradients of H and the Casimirs;
 - `edges`: for each the sets `from` and `to`, the `time`, and whether R follows (`symmetry`).
 """
 
@@ -69,15 +69,15 @@ def load_covering_certificate(path: str | Path) -> CoveringCertificate:
     path = Path(path)
     try:
         if path.stat().st_size > _MOST_BYTES:
-            raise _WrongFormat(f"it has more than {_MOST_BYTES} bytes")
+            raise _FormatError(f"it has more than {_MOST_BYTES} bytes")
         data = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_repetition)
         return read_certificate(data)
     except FileNotFoundError as error:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
     except (OSError, ValueError, RecursionError) as error:
         raise DamagedFileError(
-            f"{path}: wanted a certificate of covering relations; got a file that is none: {error!s:.200}. The format is "
-            "described in docs/proof.md"
+            f"{path}: wanted a certificate of covering relations; got a file that is none: {error!s:.200}. The format "
+            "is described in docs/proof.md"
         ) from error
 
 
@@ -116,7 +116,7 @@ def certificate_data(certificate: CoveringCertificate) -> dict[str, Any]:
     }
 
 
-class _WrongFormat(ValueError):
+class _FormatError(ValueError):
     """What is wrong with the form of a certificate."""
 
 
@@ -131,16 +131,16 @@ def read_certificate(data: object) -> CoveringCertificate:
     level = _mapping(_entry(record, "level", "the file"), "level")
     signs = _sequence(_entry(record, "symmetry", "the file"), "symmetry")
     if any(type(s) is not int or s not in (1, -1) for s in signs):
-        raise _WrongFormat("symmetry: wanted signs, 1 or -1")
+        raise _FormatError("symmetry: wanted signs, 1 or -1")
     n = len(signs)
     sets = tuple(
         _set(entry, n, f"set {k}") for k, entry in enumerate(_sequence(_entry(record, "sets", "the file"), "sets"))
     )
     numbers = {s.name: k for k, s in enumerate(sets)}
     if len(numbers) != len(sets):
-        raise _WrongFormat("sets: two have one name")
+        raise _FormatError("sets: two have one name")
     if not 1 <= len(sets) <= _MOST_SETS:
-        raise _WrongFormat(f"sets: wanted from 1 to {_MOST_SETS}; got {len(sets)}")
+        raise _FormatError(f"sets: wanted from 1 to {_MOST_SETS}; got {len(sets)}")
     edges = _sequence(_entry(record, "edges", "the file"), "edges")
     return CoveringCertificate(
         name=_text(_entry(system, "name", "system"), "the name of the system"),
@@ -157,7 +157,7 @@ def _set(data: object, n: int, where: str) -> CoveringSet:
     center = _numbers(_entry(record, "center", where), n, f"{where}, center")
     rows = _sequence(_entry(record, "frame", where), f"{where}, frame")
     if len(rows) != n:
-        raise _WrongFormat(f"{where}, frame: wanted {n} rows; got {len(rows)}")
+        raise _FormatError(f"{where}, frame: wanted {n} rows; got {len(rows)}")
     frame = tuple(_numbers(row, n, f"{where}, row {k} of the frame") for k, row in enumerate(rows))
     return CoveringSet(_text(_entry(record, "name", where), f"{where}, name"), center, frame)
 
@@ -167,20 +167,20 @@ def _edge(data: object, numbers: Mapping[str, int], where: str) -> Edge:
     ends = [_text(_entry(record, end, where), f"{where}, {end}") for end in ("from", "to")]
     for end in ends:
         if end not in numbers:
-            raise _WrongFormat(f"{where}: there is no set {shown(end)}")
+            raise _FormatError(f"{where}: there is no set {shown(end)}")
     symmetry = _entry(record, "symmetry", where)
     if type(symmetry) is not bool:
-        raise _WrongFormat(f"{where}, symmetry: wanted true or false; got {shown(symmetry)}")
+        raise _FormatError(f"{where}, symmetry: wanted true or false; got {shown(symmetry)}")
     time = _double(_entry(record, "time", where), f"{where}, time")
     if not time > 0:
-        raise _WrongFormat(f"{where}, time: wanted a positive number; got {time}")
+        raise _FormatError(f"{where}, time: wanted a positive number; got {time}")
     return Edge(numbers[ends[0]], numbers[ends[1]], time, symmetry)
 
 
 def _numbers(data: object, n: int, where: str) -> tuple[float, ...]:
     values = _sequence(data, where)
     if len(values) != n:
-        raise _WrongFormat(f"{where}: wanted {n} numbers; got {len(values)}")
+        raise _FormatError(f"{where}: wanted {n} numbers; got {len(values)}")
     return tuple(_double(v, where) for v in values)
 
 
@@ -190,11 +190,11 @@ def _double(value: object, where: str) -> float:
     try:
         found = float.fromhex(text)
     except (ValueError, OverflowError) as error:
-        raise _WrongFormat(f"{where}: wanted a double in hexadecimal; got {shown(text)}") from error
+        raise _FormatError(f"{where}: wanted a double in hexadecimal; got {shown(text)}") from error
     if not math.isfinite(found) or "0x" not in text.lower():
-        raise _WrongFormat(f"{where}: wanted a finite double in hexadecimal, such as 0x1.8p+0; got {shown(text)}")
+        raise _FormatError(f"{where}: wanted a finite double in hexadecimal, such as 0x1.8p+0; got {shown(text)}")
     if _exactly(text) != Fraction(found):
-        raise _WrongFormat(f"{where}: {shown(text)} has more digits than a double")
+        raise _FormatError(f"{where}: {shown(text)} has more digits than a double")
     return found
 
 
@@ -212,36 +212,36 @@ def _rational(value: object, where: str) -> Fraction:
     try:
         found = Fraction(text)
     except (ValueError, ZeroDivisionError) as error:
-        raise _WrongFormat(f"{where}: wanted a rational number as text, such as 1/2; got {shown(text)}") from error
+        raise _FormatError(f"{where}: wanted a rational number as text, such as 1/2; got {shown(text)}") from error
     return found
 
 
 def _text(value: object, where: str) -> str:
     if not isinstance(value, str):
-        raise _WrongFormat(f"{where}: wanted a text; got {shown(value)}")
+        raise _FormatError(f"{where}: wanted a text; got {shown(value)}")
     return value
 
 
 def _mapping(value: object, where: str) -> Mapping[Any, Any]:
     if not isinstance(value, dict):
-        raise _WrongFormat(f"{where}: wanted an object with named entries; got {shown(value)}")
+        raise _FormatError(f"{where}: wanted an object with named entries; got {shown(value)}")
     return cast("Mapping[Any, Any]", value)
 
 
 def _sequence(value: object, where: str) -> Sequence[Any]:
     if not isinstance(value, list):
-        raise _WrongFormat(f"{where}: wanted a list; got {shown(value)}")
+        raise _FormatError(f"{where}: wanted a list; got {shown(value)}")
     return cast("Sequence[Any]", value)
 
 
 def _entry(record: Mapping[Any, Any], key: str, where: str) -> Any:
     if key not in record:
-        raise _WrongFormat(f"{where}: {key} is missing")
+        raise _FormatError(f"{where}: {key} is missing")
     return record[key]
 
 
 def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     found = dict(pairs)
     if len(found) != len(pairs):
-        raise _WrongFormat("a name occurs twice in one object")
+        raise _FormatError("a name occurs twice in one object")
     return found

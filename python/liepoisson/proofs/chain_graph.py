@@ -33,8 +33,8 @@ def chain_graph(n_sets: int, edges: Sequence[tuple[int, int, bool]]) -> ChainGra
     """The loops of a list of edges, each (from, to, symmetry).
 
     Raises:
-        EnclosureError: the edges are not two loops through one set, of which one has two edges and each carries the symmetry
-            an odd number of times.
+        EnclosureError: the edges are not two loops through one set, of which one has two edges and each carries the
+            symmetry an odd number of times.
     """
     leaving: dict[int, list[int]] = {k: [] for k in range(n_sets)}
     arriving = dict.fromkeys(range(n_sets), 0)

@@ -96,8 +96,8 @@ def rational_terms(expression: Expr, variables: Sequence[Symbol], what: str) -> 
     for _, coefficient in terms:
         if not coefficient.is_Rational:
             raise ParameterError(
-                f"{what}: wanted rational coefficients; got {shown(coefficient)}. Give numbers for all parameters, such "
-                "as 1/3, and no roots"
+                f"{what}: wanted rational coefficients; got {shown(coefficient)}. Give numbers for all parameters, "
+                "such as 1/3, and no roots"
             )
     return {tuple(map(int, m)): Fraction(int(c.p), int(c.q)) for m, c in terms if c != 0}
 
