@@ -10,6 +10,7 @@ from collections.abc import Iterable
 
 __all__ = [
     "BracketError",
+    "CertificateError",
     "ChartError",
     "CocycleError",
     "CoreError",
@@ -133,6 +134,10 @@ class CoreError(LiePoissonError, RuntimeError):
 
 class LeafError(LiePoissonError, ValueError):
     """A state, an energy or values of Casimirs that belong to no point of the leaf that was asked for."""
+
+
+class CertificateError(LiePoissonError, ValueError):
+    """A certificate that proves nothing, or something about another system; the message names the first check that fails."""
 
 
 class EnclosureError(LiePoissonError, ArithmeticError):

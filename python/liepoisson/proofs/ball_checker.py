@@ -327,9 +327,8 @@ class _Checker:
         rest = whole - first
         spread = lambda t: t.upper() - t.lower()  # noqa: E731
         for holds in (
-            short.lower() > spread(first) + passage,
-            short.lower() > spread(rest) + passage,
-            first.lower() + rest.lower() - spread(first) - spread(rest) > passage,
+            short.lower() > spread(first) + spread(rest) + 2 * passage,
+            first.lower() + rest.lower() - spread(first) - spread(rest) > 3 * passage,
         ):
             if not holds:
                 raise EnclosureError("separation: passages of different loops may coincide in time")
