@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from liepoisson.proofs.margins import Margins
@@ -11,6 +12,7 @@ from liepoisson.proofs.margins import Margins
 if TYPE_CHECKING:
     from liepoisson.proofs.theorem import ChaosProof
 
+_WIDTH = 110
 _ROWS: tuple[tuple[str, Callable[[Margins], str]], ...] = (
     ("covering: images reach out to (> 1)", lambda m: f"{m.expansion:.4f}"),
     ("covering: stable size of images (< 1)", lambda m: f"{m.contraction:.4f}"),
@@ -37,17 +39,9 @@ def statement(proof: ChaosProof) -> str:
 
 
 def _lines(proof: ChaosProof) -> Iterator[str]:
-    radius, entropy = proof.margins[0].level_radius, proof.entropy
     yield f"Theorem. {proof.system.name}:"
     yield from (f"    {line}" for line in proof.field.equations)
-    yield f"Let E be the level {proof.level}."
-    yield "There is a hyperbolic periodic orbit gamma on E, symmetric under R and the reversers, with multipliers that are not"
-    yield "real, and an orbit homoclinic to it along which its stable and unstable manifolds intersect transversally in E."
-    yield "In E/R a map along orbits on a compact set is conjugate to the full shift on two symbols, and the topological"
-    yield f"entropy of the flow on E is greater than {math.floor(entropy * 1e6) / 1e6:.6f}. The same holds on all levels within {radius} of E."
-    yield "No function that is analytic on a connected neighbourhood of gamma and the homoclinic orbit is a constant of"
-    yield "motion, unless it depends on H and the Casimirs: dF ^ dH ^ dC1 ^ dC2 ^ dC3 = 0."
-    yield f"R: the signs of ({', '.join(n for n, s in zip(proof.field.names, proof.certificate.symmetry, strict=True) if s < 0)})."
+    yield from wrap(_theorem(proof), _WIDTH)
     yield ""
     yield f"Verified for {len(proof.certificate.sets)} sets and {len(proof.certificate.edges)} covering relations:"
     width = max(len(label) for label, _ in _ROWS) + 2
@@ -55,5 +49,21 @@ def _lines(proof: ChaosProof) -> Iterator[str]:
     for label, show in _ROWS:
         yield f"{label:{width}}" + "".join(f"{show(m):>18}" for m in proof.margins)
     yield ""
-    yield from proof.notes
+    for note in proof.notes:
+        yield from wrap(note, _WIDTH)
     yield "The lemmas are in docs/proof.md."
+
+
+def _theorem(proof: ChaosProof) -> str:
+    signs = zip(proof.field.names, proof.certificate.symmetry, strict=True)
+    constants = list(proof.certificate.level)
+    return (
+        f"Let E be the level {proof.level}, and R the change of the signs of {', '.join(n for n, s in signs if s < 0)}. "
+        "There is a hyperbolic periodic orbit gamma on E, symmetric under R and two reversers, with multipliers that are "
+        "not real, and an orbit homoclinic to it, along which its stable and unstable manifolds intersect transversally in "
+        "E. In E/R a map along orbits on a compact set is conjugate to the full shift on two symbols. The topological "
+        f"entropy of the flow on E is greater than {math.floor(proof.entropy * 1e6) / 1e6:.6f}. The same holds on all levels whose "
+        f"values differ from these by at most {proof.margins[0].level_radius}. A function F that is analytic on a connected neighbourhood of "
+        f"gamma and the homoclinic orbit and constant along orbits satisfies dF ^ d{' ^ d'.join(constants)} = 0: there is no "
+        "further analytic constant of motion."
+    )

@@ -20,11 +20,9 @@ if TYPE_CHECKING:
     from liepoisson.exact.system import System
 
 ARITHMETICS = ("intervals", "balls")
-SHIPPED = {"twisted-kovalevskaya": "twisted-kovalevskaya.json"}
+SHIPPED = {"twisted-kovalevskaya": "twisted_kovalevskaya.json"}
 """Certificates that come with the package, by the names of systems in the catalogue."""
-_NOT_PROVED = (
-    "Not proved: anything about the measure of the chaotic set, or about typical states; Lyapunov exponents are measured."
-)
+_NOT_PROVED = "Not proved: anything about the measure of the chaotic set, or about typical states; Lyapunov exponents are measured."
 
 
 @dataclass(frozen=True)
@@ -131,7 +129,8 @@ _NAMES = {"balls": "Arb balls", "intervals": "intervals"}
 
 
 def _checkers() -> dict[str, Callable[[CoveringCertificate, PolynomialField, Callable[[float], Any]], Margins]]:
-    from liepoisson.proofs.ball_checker import check_in_balls
     from liepoisson.proofs.interval_checker import check_in_intervals
+
+    from liepoisson.proofs.ball_checker import check_in_balls
 
     return {"balls": check_in_balls, "intervals": check_in_intervals}
