@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 ARITHMETICS = ("intervals", "balls")
 SHIPPED = {"twisted-kovalevskaya": "twisted_kovalevskaya.json"}
 """Certificates that come with the package, by the names of systems in the catalogue."""
-_NOT_PROVED = "Not proved: anything about the measure of the chaotic set, or about typical states; Lyapunov exponents are measured."
+_NOT_PROVED = (
+    "Not proved: anything about the measure of the chaotic set, or about typical states. Lyapunov exponents are "
+    "measured."
+)
 
 
 @dataclass(frozen=True)
