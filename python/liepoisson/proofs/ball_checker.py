@@ -36,6 +36,8 @@ SMALL = Fraction(1, 10)
 TINY = Fraction(1, 10**9)
 """Factor of the sets in which the rotation numbers are measured."""
 ENERGY_SHIFT = Fraction(1, 2**26)
+OFF_LEVEL = Fraction(1, 2**36)
+"""Centers lie on the level up to this; a certificate is about the level that it names, not one nearby."""
 NEAR = 0.3
 """Orbits near the middle set at times less than this from their own passage are no other passage."""
 DIMENSION = 9
@@ -86,9 +88,13 @@ class _Checker:
     def margins(self, started: float) -> Margins:
         """All conditions in their order."""
         edges = self.certificate.edges
+        self._require_level()
         charts = [chart(self.field, s, self.level, UNIT) for s in self.sets]
-        found = [self._transition(e, self.sets[e.source], charts[e.source], self.sets[e.target]) for e in edges]
-        judged = [covering(self._name(e), t.landing) for e, t in zip(edges, found, strict=True)]
+        found: list[Transition] = []
+        judged: list[CoveringMargins] = []
+        for e in edges:
+            found.append(self._transition(e, self.sets[e.source], charts[e.source], self.sets[e.target]))
+            judged.append(covering(self._name(e), found[-1].landing))
         self._require_charts_over_images(found)
         small, small_charts, small_loop = self._small_loop()
         symmetric_q = self._require_symmetric_orbit(small, small_charts, small_loop, found)
@@ -132,6 +138,15 @@ class _Checker:
             raise EnclosureError(
                 "the symmetry: the equations and constants of motion do not have it, or it changes nothing"
             )
+
+    def _require_level(self) -> None:
+        exact = constants_of(self.certificate.level, self.field.constant_names)
+        for s in self.sets:
+            for name, value, wanted in zip(
+                self.field.constant_names, self.field.constants(s.center), exact, strict=True
+            ):
+                if not magnitude(value - wanted) < ball(OFF_LEVEL):
+                    raise EnclosureError(f"set {s.name}: its center is not on the level, {name} differs")
 
     # coverings
 

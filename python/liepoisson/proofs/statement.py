@@ -56,15 +56,16 @@ def _lines(proof: ChaosProof) -> Iterator[str]:
 
 def _theorem(proof: ChaosProof) -> str:
     signs = zip(proof.field.names, proof.certificate.symmetry, strict=True)
+    changed = [name for name, sign in signs if sign < 0]
     constants = list(proof.certificate.level)
+    entropy = math.floor(proof.entropy * 1e6) / 1e6
     return (
-        f"Let E be the level {proof.level}, and R the change of the signs of {', '.join(n for n, s in signs if s < 0)}. "
-        "There is a hyperbolic periodic orbit gamma on E, symmetric under R and two reversers, with multipliers that are "
-        "not real, and an orbit homoclinic to it, along which its stable and unstable manifolds intersect transversally in "
-        "E. In E/R a map along orbits on a compact set is conjugate to the full shift on two symbols. The topological "
-        f"entropy of the flow on E is greater than {math.floor(proof.entropy * 1e6) / 1e6:.6f}. The same holds on all "
-        f"levels whose values differ from these by at most {proof.margins[0].level_radius}. A function F that is analytic "
-        "on a connected neighbourhood of gamma and the homoclinic orbit and constant along orbits satisfies "
-        f"dF ^ d{' ^ d'.join(constants)} = 0: there is no "
-        "further analytic constant of motion."
+        f"Let E be the level {proof.level}, and R the change of the signs of {', '.join(changed)}. "
+        "There is a hyperbolic periodic orbit gamma on E, symmetric under R and two reversers, with multipliers that "
+        "are not real, and an orbit homoclinic to it, along which its stable and unstable manifolds intersect "
+        "transversally in E. In E/R a map along orbits on a compact set is conjugate to the full shift on two symbols. "
+        f"The topological entropy of the flow on E is greater than {entropy:.6f}. The same holds on all levels whose "
+        f"values differ from these by at most {proof.margins[0].level_radius}. A function F that is analytic on a "
+        "connected neighbourhood of gamma and the homoclinic orbit and constant along orbits satisfies "
+        f"dF ^ d{' ^ d'.join(constants)} = 0: there is no further analytic constant of motion."
     )
