@@ -109,7 +109,7 @@ class CaseSplitting:
             n_columns: Number of unknowns.
             n_known: Dimension of the null space in general, or of that part of it which is known everywhere.
             into: Cases found before, of other systems; those inside of them are not looked at again.
-            keep_going: Asked before each case.
+            keep_going: Asked before each step of an elimination; what is not decided when it says no is left.
         """
         stack = [_State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0)]
         n_cases = 0
@@ -117,7 +117,7 @@ class CaseSplitting:
             state = stack.pop()
             n_cases += 1
             if n_cases > MOST_CASES or not keep_going():
-                into.left += [s.case for s in (state, *stack)]
+                into.left += [self._left(s) for s in (state, *stack)]
                 return
             further = self._impose(state)
             if further is not None:
@@ -126,7 +126,9 @@ class CaseSplitting:
             state = self._scaled(state)
             if any(self._lies_in(state.case, case) for case in into.found):
                 continue
-            self._eliminate(state, n_columns - n_known)
+            if not self._eliminate(state, n_columns - n_known, keep_going):
+                into.left += [self._left(s) for s in (state, *stack)]
+                return
             if state.rank >= n_columns - n_known:
                 into.n_closed += 1
             elif not state.rows:
@@ -135,6 +137,16 @@ class CaseSplitting:
                 into.left.append(state.case)
             else:
                 stack += self._split(state)
+
+    def settle(self, cases: Cases) -> None:
+        """Drop what was left and lies in a case that was found, and what was left twice."""
+        left = {tuple(map(str, self.conditions(case))): case for case in cases.left}
+        cases.left = [case for case in left.values() if not any(self._lies_in(case, other) for other in cases.found)]
+
+    def _left(self, state: _State) -> Case:
+        """The case of a state that is not decided, with the equations that wait."""
+        waiting = (p for q in state.pending if (p := self._reduced(q, state.case)))
+        return replace(state.case, unsolved=(*state.case.unsolved, *waiting))
 
     # equations
 
@@ -306,13 +318,15 @@ class CaseSplitting:
 
     # elimination
 
-    def _eliminate(self, state: _State, enough: int) -> None:
-        """Eliminate by entries that do not vanish, as long as there are any."""
+    def _eliminate(self, state: _State, enough: int, keep_going: Callable[[], bool]) -> bool:
+        """Eliminate by entries that do not vanish, as long as there are any; False if it was ended before."""
         state.rows = [cleaned for row in state.rows if (cleaned := self._cleaned(row, state.case))]
         while state.rows and state.rank < enough:
+            if not keep_going():
+                return False
             pivot = self._pivot(state)
             if pivot is None:
-                return
+                break
             number, column = pivot
             pivot_row = state.rows.pop(number)
             p = pivot_row[column]
@@ -321,6 +335,7 @@ class CaseSplitting:
                 self._subtracted(row, pivot_row, column, p, state.case) if column in row else row for row in state.rows
             )
             state.rows = [row for row in rows if row]
+        return True
 
     def _subtracted(self, row: SparseRow, pivot_row: SparseRow, column: int, p: Poly, case: Case) -> SparseRow:
         e = row[column]
