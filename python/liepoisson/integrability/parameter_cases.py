@@ -60,7 +60,7 @@ class Cases:
     """The cases in which there are more solutions.
 
     Attributes:
-        found: Cases with more solutions than in general; none lies in the closure of another.
+        found: Cases with more solutions than in general; as far as is seen none lies in the closure of another.
         left: Cases that were not decided.
         n_closed: Number of cases in which there are no further solutions.
     """
@@ -124,6 +124,9 @@ class CaseSplitting:
                 stack += further
                 continue
             state = self._scaled(state)
+            if state.pending:
+                stack.append(state)
+                continue
             if any(self._lies_in(state.case, case) for case in into.found):
                 continue
             if not self._eliminate(state, n_columns - n_known, keep_going):
@@ -177,7 +180,9 @@ class CaseSplitting:
             if any(term.is_constant() for term in terms):
                 return []
             return [replace_state(state, state.case, [*terms, *state.pending])]
-        case = replace(state.case, equations=(*state.case.equations, self._homogeneous(q, state.case)))
+        equation = self._homogeneous(q, state.case)
+        is_known = any(equation == known for known in state.case.equations)
+        case = state.case if is_known else replace(state.case, equations=(*state.case.equations, equation))
         degrees = q.degrees()
         linear = [v for v in range(self.n) if degrees[v] == 1]
         parts = {v: self._in_powers(q, v) for v in linear}
@@ -271,13 +276,15 @@ class CaseSplitting:
         new = replace(
             case,
             solved=(*solved, (v, numerator, denominator)),
-            unsolved=tuple(insert(p) for p in case.unsolved),
+            unsolved=tuple(p for p in case.unsolved if not p.degrees()[v]),
             nonzero=nonzero,
         )
+        # what was not solved for has other factors now, or a parameter of degree one
+        again = [insert(p) for p in case.unsolved if p.degrees()[v]]
         if any(not insert(p) for p in case.nonzero.values()) or any(map(self._is_negative, new.solved)):
             return _State(new, [], 0, [self._one])  # contradicts itself
         rows = [self._inserted_row(row, v, numerator, denominator) for row in state.rows]
-        return self._reduced_state(_State(new, rows, state.rank, [insert(p) for p in state.pending]))
+        return self._reduced_state(_State(new, rows, state.rank, [*again, *(insert(p) for p in state.pending)]))
 
     def _inserted_row(self, row: SparseRow, v: int, numerator: Poly, denominator: Poly) -> SparseRow:
         power = max((p.degrees()[v] for p in row.values()), default=0)
@@ -485,13 +492,17 @@ class CaseSplitting:
         """Whether all parameters of a case lie in the closure of another one (proved if True)."""
         if case is other:
             return False
-        for p in (*other.equations, *other.unsolved):
-            if self._insert_all(p, case):
+        if any(self._insert_all(p, case) for p in (*other.equations, *other.unsolved)):
+            return False
+        if len(other.equations) <= 1:
+            return True  # an irreducible hypersurface
+        # several equations may have other solutions, too, where a coefficient by which one was divided vanishes; that
+        # of the homogeneous equation counts, since a parameter that was set to 1 may vanish in the closure
+        for v, numerator, denominator in other.solved:
+            p = self._homogeneous(denominator * self.context.gen(v) - numerator, other)
+            if self._insert_all(p, case) or not self._insert_all(self._in_powers(p, v)[1], case):
                 return False
-        # where several equations were solved one after the other, their denominators must not vanish there
-        return len(other.equations) <= 1 or all(
-            self._insert_all(self._homogeneous(b, other), case) for _, _, b in other.solved
-        )
+        return True
 
     def _insert_all(self, p: Poly, case: Case) -> Poly:
         """The numerator of a polynomial on the parameters of a case."""
