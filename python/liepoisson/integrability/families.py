@@ -47,12 +47,15 @@ class ParameterCase:
 
     Attributes:
         conditions: Polynomials in the parameters that vanish.
+        nonzero: Polynomials that must not vanish for the conditions to suffice, besides what was assumed; where they do
+            vanish, the limits of other parameters of the case belong to it.
         example: Random values with these conditions; None where the conditions are not solved by rational numbers.
         integrals: The integrals at these values that are functionally independent of H, the Casimirs and the integrals
             that there are for all parameters; a search there has found them.
     """
 
     conditions: tuple[Expr, ...]
+    nonzero: tuple[Expr, ...]
     example: dict[Symbol, Expr] | None
     integrals: tuple[Expr, ...]
 
@@ -65,7 +68,25 @@ class ParameterCase:
 
     def __str__(self) -> str:
         words = ", ".join(f"{Formula(c).plain} = 0" for c in self.conditions) or "all parameters"
+        if self.nonzero:
+            words += f", where {' and '.join(f'{Formula(c).plain} is not 0' for c in self.nonzero)}"
         return f"{words}   ({self.remark})" if self.remark else words
+
+    def holds_at(self, values: Mapping[str, Any]) -> bool:
+        """Whether parameters, by name, satisfy the conditions, and those that must not vanish do not.
+
+        Raises:
+            ParameterError: a parameter of the conditions has no value.
+        """
+        from liepoisson.exact.parameters import to_sympy
+        from liepoisson.exact.values import read_values
+
+        at = {name: to_sympy(cast("Any", v)) for name, v in read_values(values).items()}
+        missing = {str(s) for c in (*self.conditions, *self.nonzero) for s in c.free_symbols} - at.keys()
+        if missing:
+            raise ParameterError(f"values: wanted one for each parameter; got none for {', '.join(sorted(missing))}")
+        inserted = [[c.subs(at).expand() for c in part] for part in (self.conditions, self.nonzero)]
+        return all(c == 0 for c in inserted[0]) and all(c != 0 for c in inserted[1])
 
 
 @dataclass(frozen=True, repr=False)
@@ -189,7 +210,7 @@ def integrable_families(
         ],
         matrix.scalings(),
     )
-    cases = _split(search, splitting, matrix, d, limit, progress)
+    cases = _split(search, splitting, matrix, degree=d, time_limit=limit, progress=progress)
     general = {g.name: derivation.expression(g.polynomial) for g in search.generators if g.is_new}
     members = _Members(system, d, zeros, known | general)
     assumed = [f"{', '.join(positive)} > 0"] if positive else []
@@ -229,6 +250,7 @@ def _split(
     search: Search,
     splitting: CaseSplitting,
     matrix: ParameterMatrix,
+    *,
     degree: int,
     time_limit: float,
     progress: Callable[[float], Any] | None,
@@ -261,16 +283,17 @@ class _Members:
     def described(self, case: Case, splitting: CaseSplitting, matrix: ParameterMatrix) -> ParameterCase:
         """A case with an example at which the integrals are found again."""
         conditions = tuple(matrix.sympy(q) for q in splitting.conditions(case))
+        nonzero = tuple(matrix.sympy(q) for q in splitting.divisors(case))
         example = _example(case, splitting.positive, matrix)
         if example is None:
-            return ParameterCase(conditions, None, ())
+            return ParameterCase(conditions, nonzero, None, ())
         found = first_integrals(
             self._member(example),
             degree=self.degree,
             on=[f.xreplace(example) for f in self.on],
             known={name: value for name, f in self.known.items() if not (value := _at(f, example)).is_number},
         )
-        return ParameterCase(conditions, example, tuple(f.expression for f in found.independent))
+        return ParameterCase(conditions, nonzero, example, tuple(f.expression for f in found.independent))
 
     def _member(self, example: Mapping[Any, Any]) -> System:
         from liepoisson.exact.system import System

@@ -250,6 +250,18 @@ class CaseSplitting:
         solved = (self._homogeneous(b * self.context.gen(v) - a, case) for v, a, b in case.solved)
         return [*solved, *(self._homogeneous(q, case) for q in case.unsolved)]
 
+    def divisors(self, case: Case) -> list[Poly]:
+        """Irreducible polynomials by which was divided: where they vanish the conditions say too little.
+
+        None of one irreducible condition, of which they are no factor.
+        """
+        found: dict[str, Poly] = {}
+        for p, (v, _, _) in zip(self.conditions(case), case.solved, strict=False):
+            for q in self.factors(self._in_powers(p, v)[1]):
+                if len(case.equations) > 1 and not self._is_unit(q, Case(nonzero=self.assumed)):
+                    found[str(q)] = q
+        return list(found.values())
+
     def _homogeneous(self, p: Poly, case: Case) -> Poly:
         """A polynomial in which parameters were set to 1 with powers of these that make it homogeneous."""
         for v, weights in reversed(case.scaled):
@@ -498,8 +510,7 @@ class CaseSplitting:
             return True  # an irreducible hypersurface
         # several equations may have other solutions, too, where a coefficient by which one was divided vanishes; that
         # of the homogeneous equation counts, since a parameter that was set to 1 may vanish in the closure
-        for v, numerator, denominator in other.solved:
-            p = self._homogeneous(denominator * self.context.gen(v) - numerator, other)
+        for p, (v, _, _) in zip(self.conditions(other), other.solved, strict=False):
             if self._insert_all(p, case) or not self._insert_all(self._in_powers(p, v)[1], case):
                 return False
         return True

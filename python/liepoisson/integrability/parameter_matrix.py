@@ -125,12 +125,12 @@ class ParameterMatrix:
         return scalings
 
     def sympy(self, polynomial: Poly) -> Expr:
-        """A polynomial in the parameters as an expression with whole coefficients."""
+        """A polynomial in the parameters as an expression with whole coefficients without a common factor."""
         from sympy import Add, Mul, Rational
 
         terms: list[Any] = [
             Mul(Rational(int(c.p), int(c.q)), *(s ** int(k) for s, k in zip(self.symbols, m, strict=True)))
             for m, c in polynomial.terms()
         ]
-        whole = Add(*terms).as_numer_denom()[0]
+        whole = Add(*terms).as_numer_denom()[0].primitive()[1]
         return -whole if whole.could_extract_minus_sign() else whole
