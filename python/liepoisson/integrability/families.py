@@ -183,7 +183,11 @@ def integrable_families(
     d, limit = as_count(degree, "degree", least=1), as_time_limit(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
     derivation, polynomials = derivation_of(system, *known.values(), *zeros)
-    _check_parameters(system, derivation, (*positive, *nonzero))
+    check_parameters(system, derivation, "integrable_families")
+    names = [str(s) for s in derivation.field.parameters]
+    for name in (*positive, *nonzero):
+        if name not in names:
+            raise ParameterError(f"positive, nonzero: wanted names of {', '.join(names)}; got {name!r}")
     if (size := n_monomials(len(system.variables), d)) > MOST_MONOMIALS:
         raise ParameterError(
             f"degree: wanted at most {MOST_MONOMIALS:,} monomials; {d} has {size:,}; take a smaller one"
@@ -229,17 +233,15 @@ def integrable_families(
     )
 
 
-def _check_parameters(system: System, derivation: Derivation, named: Sequence[str]) -> None:
+def check_parameters(system: System, derivation: Derivation, caller: str) -> None:
+    """Refuse a system without symbols, or with other numbers than rational ones."""
     symbols = derivation.field.parameters
     ring: Any = getattr(derivation.field.domain, "domain", None)
     if not symbols or not (ring.is_QQ or ring.is_ZZ):
         raise ParameterError(
-            "integrable_families: wanted a system with symbols for parameters and rational numbers; got "
+            f"{caller}: wanted a system with symbols for parameters and rational numbers; got "
             f"{system.name} with {', '.join(map(str, symbols)) or 'no symbols'}"
         )
-    for name in named:
-        if name not in (names := [str(s) for s in symbols]):
-            raise ParameterError(f"positive, nonzero: wanted names of {', '.join(names)}; got {name!r}")
 
 
 def _monomials(n: int, degree: int) -> Iterator[Exponents]:

@@ -53,7 +53,7 @@ class ParameterMatrix:
         self.components: list[dict[Exponents, Poly]] = [
             {m: a * (self.denominator // b) for m, (a, b) in part.items()} for part in read
         ]
-        self.zeros = [self._without_denominators(zero) for zero in zeros if zero]
+        self.zeros = [self.without_denominators(zero) for zero in zeros if zero]
         self.level = self._level(level or Level())
 
     def _read(self, polynomial: Any) -> Poly:
@@ -62,7 +62,8 @@ class ParameterMatrix:
         terms = {tuple(map(int, m)): fmpq(int(c.numerator), int(c.denominator)) for m, c in polynomial.terms()}
         return self.context.from_dict(terms)
 
-    def _without_denominators(self, polynomial: Polynomial) -> dict[Exponents, Poly]:
+    def without_denominators(self, polynomial: Polynomial) -> dict[Exponents, Poly]:
+        """A polynomial times the common denominator of its coefficients."""
         pairs = {m: (self._read(c.numer), self._read(c.denom)) for m, c in polynomial.items()}
         common = self._one
         for _, b in pairs.values():

@@ -181,7 +181,7 @@ def first_integrals(
         on=tuple(zeros),
         known=given,
         found=tuple(
-            FirstIntegral(g.name, derivation.expression(_tidied(g.polynomial)), g.degree, g.is_independent) for g in new
+            FirstIntegral(g.name, derivation.expression(tidied(g.polynomial)), g.degree, g.is_independent) for g in new
         ),
         n_monomials=size,
         n_blocks=len(search.counts),
@@ -244,7 +244,7 @@ def _asked(
     return of_weight(grading.weights, w), size, grading.weights
 
 
-def _tidied(polynomial: Polynomial) -> Polynomial:
+def tidied(polynomial: Polynomial) -> Polynomial:
     """With whole coefficients without a common factor, the leading one positive, where they are rational."""
     from fractions import Fraction
     from math import gcd, lcm
