@@ -211,7 +211,7 @@ def test_a_case_whose_integral_is_no_new_one_says_so():
     # where J = 0 the square of H has degree two
     body = lp.System(lp.so(3) @ lp.trivial(), "l3 + J*(l1^2 + 2*l2^2)", symbols=["J"])
     (case,) = integrable_families(body, degree=2).cases
-    assert (case.integrals, case.remark) == ((), "a function of H and the Casimirs at the example")
+    assert (case.integrals, case.remark) == ((), "a function of the known ones at the example")
     assert case.remark in str(case)
 
 

@@ -147,9 +147,9 @@ def test_a_denominator_that_vanishes_is_an_outcome():
     body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2)/(2*I) + l3^2", symbols=["I"])
     scan = scan_integrals(body, axes={"I": [0, 1, "1/2"]}, degree=1)
     assert scan.outcome.tolist() == ["no system", "finished", "finished"]
-    # l2 is an integral for I = 1/2, and the root of a sum of H and the Casimir
+    # symmetric about an axis: a component of l, which is the root of a sum of H and the Casimir
     assert scan.n_further.tolist() == [-1, 0, 0]
-    assert scan.found == {2: ("l2",)}
+    assert scan.found == {1: ("l1",), 2: ("l2",)}
     assert scan.complete
 
 

@@ -64,7 +64,7 @@ class ParameterCase:
         """What the example does not show; empty where it shows an independent integral."""
         if self.example is None:
             return "no rational example"
-        return "" if self.integrals else "a function of H and the Casimirs at the example"
+        return "" if self.integrals else "a function of the known ones at the example"
 
     def __str__(self) -> str:
         words = ", ".join(f"{Formula(c).plain} = 0" for c in self.conditions) or "all parameters"

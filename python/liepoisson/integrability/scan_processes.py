@@ -21,7 +21,6 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, TypeAlias
 
-import liepoisson
 from liepoisson.integrability.scan_points import PointResult, PointSearch
 
 Piece: TypeAlias = "Mapping[int, Sequence[Fraction]]"
@@ -96,7 +95,7 @@ class _Workers:
                 self._done.put(found)
 
     def _start(self, number: int) -> subprocess.Popen[bytes]:
-        folder = str(Path(liepoisson.__file__).parents[1])
+        folder = str(Path(__file__).parents[2])
         paths = os.pathsep.join(filter(None, (folder, os.environ.get("PYTHONPATH", ""))))
         process = subprocess.Popen(
             [sys.executable, "-m", "liepoisson.integrability.scan_processes"],
@@ -158,4 +157,7 @@ def serve(source: Any, sink: Any) -> None:
 
 
 if __name__ == "__main__":
-    serve(sys.stdin.buffer, sys.stdout.buffer)
+    try:
+        serve(sys.stdin.buffer, sys.stdout.buffer)
+    except BrokenPipeError:  # the process that asked was killed
+        os._exit(1)
