@@ -219,7 +219,9 @@ def integrable_families(
     members = _Members(system, d, zeros, known | general)
     assumed = [f"{', '.join(positive)} > 0"] if positive else []
     assumed += [f"{name} not 0" for name in nonzero]
-    assumed += [f"{matrix.sympy(q)} not 0" for q in splitting.factors(matrix.denominator)]
+    assumed += [
+        f"{matrix.sympy(q)} not 0" for q in splitting.factors(matrix.denominator) if str(q) not in (*positive, *nonzero)
+    ]
     return IntegrableFamilies(
         system=system,
         degree=d,
