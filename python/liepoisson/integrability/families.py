@@ -85,7 +85,7 @@ class ParameterCase:
         missing = {str(s) for c in (*self.conditions, *self.nonzero) for s in c.free_symbols} - at.keys()
         if missing:
             raise ParameterError(f"values: wanted one for each parameter; got none for {', '.join(sorted(missing))}")
-        inserted = [[c.subs(at).expand() for c in part] for part in (self.conditions, self.nonzero)]
+        inserted = [[cast("Any", c).subs(at).expand() for c in part] for part in (self.conditions, self.nonzero)]
         return all(c == 0 for c in inserted[0]) and all(c != 0 for c in inserted[1])
 
 
@@ -162,8 +162,8 @@ def integrable_families(
     """For which values of its parameters does a system have a polynomial integral that it does not have in general?
 
     Example:
-        >>> body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + l2^2 + J*l3^2)/2 + a*l1", symbols=["J", "a"])
-        >>> found = lp.integrability.integrable_families(body, degree=1, positive=["J"])
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + J*l3^2)/2 + a*alpha1", symbols=["J", "a"])
+        >>> found = lp.integrability.integrable_families(top, degree=1, positive=["J"])
         >>> [str(case) for case in found.cases], found.complete
         (['a = 0', 'J - 1 = 0'], True)
 
@@ -294,7 +294,7 @@ class _Members:
         found = first_integrals(
             self._member(example),
             degree=self.degree,
-            on=[f.xreplace(example) for f in self.on],
+            on=[cast("Expr", f.xreplace(example)) for f in self.on],
             known={name: value for name, f in self.known.items() if not (value := _at(f, example)).is_number},
         )
         return ParameterCase(conditions, nonzero, example, tuple(f.expression for f in found.independent))

@@ -72,7 +72,8 @@ def general_system(
         raise not_a("a Bracket", bracket, "bracket", "write for example so(3) @ semidirect(2)")
     degrees = [as_count(d, "degree", least=1) for d in ([degree] if isinstance(degree, int) else degree)]
     n = len(bracket.variables)
-    if not degrees or (size := n_monomials(n, max(degrees))) > _MOST_MONOMIALS:
+    size = n_monomials(n, max(degrees, default=_MOST_MONOMIALS))
+    if size > _MOST_MONOMIALS:
         raise ParameterError(
             f"degree: wanted one or several with at most {_MOST_MONOMIALS:,} monomials; got {shown(degree)}"
             + (f", with {size:,}" if degrees else "")

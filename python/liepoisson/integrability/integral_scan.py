@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from fractions import Fraction
@@ -282,7 +282,7 @@ def _described(search: PointSearch) -> str:
 
 
 @contextmanager
-def _opened(store: Any, fresh: bool, description: Mapping[str, Any]) -> Iterator[ScanStore | None]:
+def _opened(store: Any, fresh: bool, description: Mapping[str, Any]) -> Generator[ScanStore | None]:
     if store is not None and not isinstance(store, (str, PathLike)):
         raise ParameterError(f"store: wanted the path of a folder; got {shown(store)}; write for example 'scan'")
     path = None if store is None else Path(cast("str", store))
