@@ -107,6 +107,19 @@ def system_level(system):
     return {l1: -(l2 * a2 + l3 * a3) / a1}
 
 
+def test_scalings_are_those_of_the_level():
+    """A central z: on z = c the coefficient of l1^2 is c, and two equal ones give a linear integral."""
+    brackets = {(0, 1): {2: 1}, (1, 2): {0: 1}, (2, 0): {1: 1}}
+    algebra = lp.LieAlgebra.from_brackets(4, brackets, basis_names=["l1", "l2", "l3", "z"])
+    bracket = lp.Bracket(algebra, lp.trivial().rename("x"))
+    l1, l2, l3, z = bracket.variables
+    b, c, d = symbols("b c d")
+    system = lp.System(bracket, z * l1**2 + b * l2**2 + d * l3**2)
+    found = integrable_families(system, degree=1, on=[z - c], nonzero=["b", "c", "d"])
+    assert found.complete
+    assert sets(found) == as_sets("b - c", "c - d", "b - d")
+
+
 def test_levels_with_parameters():
     """On l.alpha = c with c generic there is no integral of Goryachev and Chaplygin."""
     e3 = lp.so(3) @ lp.semidirect(2)
@@ -213,6 +226,13 @@ def test_a_case_whose_integral_is_no_new_one_says_so():
     (case,) = integrable_families(body, degree=2).cases
     assert (case.integrals, case.remark) == ((), "a function of the known ones at the example")
     assert case.remark in str(case)
+
+
+def test_functions_of_the_known_integrals_are_not_shown_as_new():
+    # a free symmetric body: l3 is constant, and a root of a sum of H and |l|^2
+    body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + l2^2 + 3*l3^2)/2 + a*l1", symbols=["a"])
+    (case,) = integrable_families(body, degree=1).cases
+    assert (str(case.conditions[0]), case.integrals) == ("a", ())
 
 
 def test_integrals_that_there_are_for_all_parameters_are_not_listed_again():
