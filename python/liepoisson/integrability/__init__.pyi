@@ -5,3 +5,4 @@ from liepoisson.integrability.certificates import save_certificate as save_certi
 from liepoisson.integrability.families import integrable_families as integrable_families
 from liepoisson.integrability.polynomial_integrals import first_integrals as first_integrals
 from liepoisson.integrability.report import integrability_report as integrability_report
+from liepoisson.integrability.saved_reports import load_report as load_report

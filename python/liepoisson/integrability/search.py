@@ -31,6 +31,8 @@ from liepoisson.integrability.monomials import in_blocks
 Label = tuple[int, ...]
 _MOST_TERMS = 400
 """Terms of the longest polynomials that are made shorter by subtracting products."""
+_MOST_POINTS = 400
+"""Points that are tried: k square roots exist at one in 2^k."""
 
 
 @dataclass
@@ -198,7 +200,7 @@ class Search:
             for k in range(start, len(factors)):
                 degree, factor = factors[k]
                 if degree <= left and (product is None or len(product) * len(factor) <= _MOST_TERMS**2):
-                    extend(k, left - degree, factor if product is None else _times(product, factor))
+                    extend(k, left - degree, factor if product is None else times(product, factor))
 
         extend(0, highest, None)
         return [{m: field_one * c for m, c in p.items()} for p in found if p]
@@ -258,19 +260,29 @@ class Search:
     @cached_property
     def point(self) -> list[int]:
         """A random point modulo the prime, on the level."""
-        p, n = self.residues.p, len(self.derivation.variables)
-        if not self.equations:
-            return random_point(n, p)
-        for seed in range(1, 60):
-            found = _point_on([modular(f, self.residues) for f in self.equations], random_point(n, p, seed), p)
-            if found is not None:
-                return found
-        raise ParameterError(
-            "on: no point of the level was found modulo a prime; give equations that can be solved one after the other"
-        )
+        return point_on_level(self.equations, self.residues, len(self.derivation.variables))
 
 
-def _times(first: Polynomial, second: Polynomial) -> Polynomial:
+def point_on_level(equations: Sequence[Polynomial], residues: Residues, n: int) -> list[int]:
+    """A random point modulo the prime at which some polynomials in n variables vanish.
+
+    Raises:
+        ParameterError: none was found.
+    """
+    if not equations:
+        return random_point(n, residues.p)
+    images = [modular(f, residues) for f in equations]
+    for seed in range(1, _MOST_POINTS):
+        found = _point_on(images, random_point(n, residues.p, seed), residues.p)
+        if found is not None:
+            return found
+    raise ParameterError(
+        "on: no point of the level was found modulo a prime; give equations that can be solved one after the other"
+    )
+
+
+def times(first: Polynomial, second: Polynomial) -> Polynomial:
+    """The product of two polynomials."""
     product: Polynomial = {}
     for m, c in first.items():
         for k, d in second.items():
@@ -279,12 +291,18 @@ def _times(first: Polynomial, second: Polynomial) -> Polynomial:
     return {m: c for m, c in product.items() if c}
 
 
+def _last_and_number(equation: Modular) -> tuple[int, int]:
+    """The last variable of an equation, for which it is solved, and the number of variables."""
+    occurring = {i for m in equation for i, k in enumerate(m) if k}
+    return max(occurring, default=0), len(occurring)
+
+
 def _point_on(equations: Sequence[Modular], point: list[int], p: int) -> list[int] | None:
     """The point, moved to the level by one coordinate for each equation; None if that has no solution."""
     from flint import nmod_poly
 
     fixed: set[int] = set()
-    for equation in sorted(equations, key=lambda e: len({i for m in e for i, k in enumerate(m) if k})):
+    for equation in sorted(equations, key=_last_and_number):
         occurring = sorted({i for m in equation for i, k in enumerate(m) if k} - fixed)
         if not occurring:
             return None
