@@ -50,7 +50,7 @@ def integrable(
     if proof_file is not None:
         if report.certificate is None:
             raise ParameterError(
-                f"--certificate: wanted a proof of integrability; the verdict is {report.verdict!r}. Search to a higher "
-                "degree, or write the report with --save"
+                f"--certificate: wanted a proof of integrability; the verdict is {report.verdict!r}. Search to a "
+                "higher degree, or write the report with --save"
             )
         save_certificate(report.certificate, proof_file)

@@ -93,6 +93,23 @@ def algebraic_equations(system: System, *functions: Expr) -> tuple[AlgebraicEqua
     return AlgebraicEquations(derivation, reader.functions, tuple(read[:n])), read[n:]
 
 
+def is_algebraic(system: System, function: Expr) -> bool:
+    """Whether a function can be read along with the equations: log(x) cannot, though its derivatives may."""
+    from sympy import log
+
+    if not function.has(log):
+        return True
+    try:
+        algebraic_equations(system)
+    except ParameterError:
+        return True  # the equations are to blame, and reading them tells why
+    try:
+        algebraic_equations(system, function)
+    except ParameterError:
+        return False
+    return True
+
+
 @dataclass
 class _Reader:
     """Makes new variables for the functions that occur, with their relations."""

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import rank_mod, solve
 from liepoisson.exact.parameters import to_sympy
-from liepoisson.integrability.algebraic_functions import algebraic_equations
+from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Polynomial
 from liepoisson.integrability.level import level_of
 from liepoisson.integrability.modular import modular, value_at
@@ -57,9 +57,8 @@ class ClosedIntegrals:
 
 def are_integrals(system: System, functions: Sequence[Expr]) -> list[bool]:
     """Which functions are constant along the motion, exactly."""
-    equations, polynomials = algebraic_equations(system, *functions)
-    level = level_of(equations.derivation, equations.relations)
-    return [not level.remainder(equations.derivation(f)) for f in polynomials]
+    scale = _scale(system)
+    return _vanish(system, [(system.bracket(f, system.hamiltonian) / scale).expand() for f in functions])
 
 
 def fields_rank(system: System, functions: Sequence[Expr]) -> int:
@@ -99,13 +98,16 @@ def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -
     """The integrals, if they are closed under the bracket and as many as the theorem wants."""
     from sympy import Symbol
 
-    names, casimirs = list(integrals), system.bracket.casimirs()
+    from liepoisson.exact.trace import traces_in
+
+    # Casimirs that are traces of matrices are left out: written out they are long
+    names, casimirs = list(integrals), [c for c in system.bracket.casimirs() if not traces_in(c)]
     pairs = list(combinations(names, 2))
     scale = _scale(system)
     brackets = [(system.bracket(integrals[a], integrals[b]) / scale).expand() for a, b in pairs]
     if fields_rank(system, list(integrals.values())) < len(names):
         return None
-    generators = {Symbol(name): f for name, f in integrals.items()}
+    generators = {Symbol(name): f for name, f in integrals.items() if is_algebraic(system, f)}
     generators |= {Symbol(f"C{k}"): c for k, c in enumerate(casimirs, start=1)}
     written = _as_polynomials(system, brackets, generators)
     if written is None:
@@ -119,7 +121,7 @@ def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -
 
 def _scale(system: System) -> Any:
     """The common power of pi of all brackets, as those of the sine algebra have; numbers are exact without it."""
-    return to_sympy(Coefficients.containing([value for *_, value in system.bracket.entries]).scale)
+    return to_sympy(Coefficients.containing([value for *_, value in system.bracket.entries()]).scale)
 
 
 def _vanish(system: System, functions: Sequence[Expr]) -> list[bool]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
-from liepoisson.integrability.algebraic_functions import algebraic_equations
+from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
 from liepoisson.integrability.level import level_of
@@ -164,22 +164,29 @@ def first_integrals(
     """
     given = _known(system) if known is None else {name: system.expression(f) for name, f in known.items()}
     zeros = [_zero_on_level(system, f) for f in ([on] if isinstance(on, str) else on)]
-    equations, functions = algebraic_equations(system, *given.values(), *zeros)
-    derivation, known_polynomials = equations.derivation, functions[: len(given)]
+    used = _of_degree(given, as_count(weight or degree or 2, "weight" if weight else "degree", least=1))
+    # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
+    slopes: list[Expr] = []
+    if system.hamiltonian in used.values() and not is_algebraic(system, system.hamiltonian):
+        used = {name: f for name, f in used.items() if f != system.hamiltonian}
+        slopes = [system.hamiltonian.diff(x) for x in system.variables]
+    equations, functions = algebraic_equations(system, *used.values(), *zeros, *slopes)
+    derivation, known_polynomials = equations.derivation, functions[: len(used)]
+    slope = tuple(functions[len(used) + len(zeros) :])
     relations = level_of(derivation, equations.relations)
-    for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
+    for (name, expression), polynomial in zip(used.items(), known_polynomials, strict=True):
         if rate := relations.remainder(derivation(polynomial)):
             raise ParameterError(
                 f"known: wanted integrals; got {name} = {shown(expression)}, whose derivative "
                 f"{shown(equations.expression(rate))} is not zero"
             )
-    zero_polynomials = [*equations.relations, *functions[len(given) :]]
+    zero_polynomials = [*equations.relations, *functions[len(used) : len(used) + len(zeros)]]
     level = level_of(derivation, zero_polynomials)
     found = _gradings_of_level(derivation, zero_polynomials)
     monomials, size, weights = _asked(derivation, found, degree, weight)
     remainders = [level.remainder(polynomial) for polynomial in known_polynomials]
-    generators = [Generator(n, r, is_new=False) for n, r in zip(given, remainders, strict=True) if any(map(any, r))]
-    search = Search(derivation, found, level, tuple(z for z in zero_polynomials if z), generators)
+    generators = [Generator(n, r, is_new=False) for n, r in zip(used, remainders, strict=True) if any(map(any, r))]
+    search = Search(derivation, found, level, tuple(z for z in zero_polynomials if z), generators, slope)
     search.run(monomials, progress)
     new = [g for g in search.generators if g.is_new]
     return FirstIntegrals(
@@ -206,6 +213,18 @@ def first_integrals(
 def _known(system: System) -> dict[str, Expr]:
     """H and the Casimirs."""
     return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+
+
+def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:
+    """The known integrals, traces of products of matrices written out; those of a higher degree are not needed."""
+    from liepoisson.exact.trace import traces_in
+
+    used: dict[str, Expr] = {}
+    for name, f in known.items():
+        traces = traces_in(f)
+        if all(len(trace.word) <= degree for trace in traces):
+            used[name] = f.expand(trace=True) if traces else f
+    return used
 
 
 def _zero_on_level(system: System, equation: str | Expr) -> Expr:

@@ -99,7 +99,7 @@ class IntegrabilityReport:
             closed = f"closed under the bracket, of corank {self.closed.corank}"
             return f"superintegrable, {m} independent integrals {closed}, {leaves}: proved"
         return {
-            "integrable": f"Liouville integrable, {n} commuting integrals {leaves}: proved",
+            "integrable": f"Liouville integrable, {n} commuting integral{'s' * (n > 1)} {leaves}: proved",
             "superintegrable": f"superintegrable, {m} independent integrals, {n} of them commuting, {leaves}: proved",
             "no further polynomial integral": f"no polynomial integral up to degree {d} besides these: {proved}; "
             "integrability open",

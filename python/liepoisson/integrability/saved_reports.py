@@ -20,7 +20,7 @@ from liepoisson.integrability.completeness import (
     fields_rank,
 )
 from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals
-from liepoisson.integrability.records import report_record
+from liepoisson.integrability.records import named, report_record
 from liepoisson.integrability.report import IntegrabilityReport, verdict_of
 from liepoisson.wrong_values import shown
 
@@ -151,12 +151,16 @@ class _Reader:
 
     def _search(self, data: Mapping[str, Any], done: float) -> FirstIntegrals:
         """A search as the file says, or made again and compared."""
-        known = self._expressions(data["known"])
+        casimirs = {f"C{k}": c for k, c in enumerate(self.system.bracket.casimirs(), start=1)}
+        of_leaves = [entry for entry in data["known"] if entry["name"] in casimirs]
+        _agree("the Casimirs", of_leaves, named({entry["name"]: casimirs[entry["name"]] for entry in of_leaves}))
+        others = self._expressions([entry for entry in data["known"] if entry["name"] not in casimirs])
+        known = {entry["name"]: casimirs.get(entry["name"], others.get(entry["name"])) for entry in data["known"]}
         found = tuple(
             FirstIntegral(f["name"], self.system.expression(f["expression"]), f["degree"], f["independent"])
             for f in data["found"]
         )
-        claimed = [*known.values(), *(f.expression for f in found)]
+        claimed = [*others.values(), *(f.expression for f in found)]
         if not all(are_integrals(self.system, claimed)):
             raise ParameterError(f"the search up to degree {data['degree']} has a function that is no integral")
         proof = data["proof"]

@@ -25,7 +25,7 @@ from liepoisson.integrability.derivation import Derivation, Exponents, Polynomia
 from liepoisson.integrability.gradings import Grading, homogeneous_parts
 from liepoisson.integrability.level import Level, order
 from liepoisson.integrability.matrix import ModularDerivation
-from liepoisson.integrability.modular import Modular, Span, gradient_at, modular, multiply, random_point
+from liepoisson.integrability.modular import Modular, Span, gradient_at, modular, multiply, random_point, value_at
 from liepoisson.integrability.monomials import in_blocks
 
 Label = tuple[int, ...]
@@ -84,6 +84,7 @@ class Search:
         level: The level set, or all of phase space.
         equations: The polynomials that vanish on the level.
         generators: Integrals that are known, to which those that are found are added.
+        slope: The gradient of another known integral, which is no polynomial; empty if there is none.
         counts: What was found, block by block.
     """
 
@@ -92,6 +93,7 @@ class Search:
     level: Level
     equations: tuple[Polynomial, ...]
     generators: list[Generator]
+    slope: tuple[Polynomial, ...] = ()
     counts: list[BlockCount] = field(default_factory=list)
 
     def run(
@@ -255,6 +257,7 @@ class Search:
     def _rank(self, polynomials: Sequence[Polynomial]) -> int:
         point = self.point
         rows = [gradient_at(modular(f, self.residues), point, self.residues.p) for f in (*self.equations, *polynomials)]
+        rows.append({k: value_at(modular(f, self.residues), point, self.residues.p) for k, f in enumerate(self.slope)})
         return rank_mod(rows, len(point), self.residues.p)
 
     @cached_property
