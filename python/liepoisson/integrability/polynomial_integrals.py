@@ -187,7 +187,7 @@ def first_integrals(
     remainders = [level.remainder(polynomial) for polynomial in known_polynomials]
     generators = [Generator(n, r, is_new=False) for n, r in zip(used, remainders, strict=True) if any(map(any, r))]
     search = Search(derivation, found, level, tuple(z for z in zero_polynomials if z), generators, slope)
-    search.run(monomials, progress)
+    search.run(monomials, progress, weights)
     new = [g for g in search.generators if g.is_new]
     return FirstIntegrals(
         system=system,

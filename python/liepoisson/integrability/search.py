@@ -100,9 +100,17 @@ class Search:
         self,
         monomials: Iterator[Exponents],
         progress: Callable[[float], Any] | None = None,
+        weights: Sequence[int] = (),
     ) -> None:
-        """Look for integrals among the combinations of some monomials, a union of blocks."""
+        """Look for integrals among the combinations of some monomials, a union of blocks.
+
+        Args:
+            monomials: All up to a degree, or of one weight.
+            progress: Told the fraction that is done.
+            weights: The weights of the variables, if the monomials are those of one weight.
+        """
         blocks = in_blocks((m for m in monomials if any(m) and self.level.is_standard(m)), self.gradings)
+        self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
         total, done = sum(len(b) ** 2 for b in blocks.values()), 0
         excess: list[tuple[Label, list[Exponents], int]] = []
         for label, block in sorted(blocks.items(), key=lambda item: len(item[1])):
@@ -115,6 +123,40 @@ class Search:
             if progress:
                 progress(0.9 * done / total)
         self._compare(excess)
+
+    def _split_known(self, blocks: Mapping[Label, Sequence[Exponents]], weights: Sequence[int]) -> None:
+        """Each part of one weight of a known integral is an integral, though perhaps no polynomial in known ones.
+
+        All parts but the heaviest, which is the known one without the others, are found in this way.
+        """
+
+        def weight(polynomial: Mapping[Exponents, Any]) -> int:
+            return max(sum(w * k for w, k in zip(weights, m, strict=True)) for m in polynomial)
+
+        largest = max((weight(dict.fromkeys(block)) for block in blocks.values()), default=0)
+        homogeneous: list[Generator] = []
+        candidates: list[tuple[int, Polynomial]] = []
+        for generator in self.generators:
+            divided = homogeneous_parts(generator.polynomial, self.gradings).values()
+            parts = sorted((part for part in divided if any(map(any, part))), key=weight)
+            candidates += [(weight(part), part) for part in parts[:-1]]
+            if len(parts) == 1:
+                homogeneous.append(generator)
+        for size, part in sorted(candidates, key=lambda item: (item[0], len(item[1]))):
+            if size > largest:
+                break
+            label = tuple(g.of(next(iter(part))) for g in self.gradings)
+            span = Span(self.residues.p)
+            self._insert_products({label: span}, max(map(sum, part)), homogeneous)
+            if span.reduce(modular(part, self.residues)):
+                others = [g.polynomial for g in self.generators]
+                found = Generator(self._next_name, part, is_new=True, is_independent=self.is_independent(others, part))
+                self.generators.append(found)
+                homogeneous.append(found)
+
+    @property
+    def _next_name(self) -> str:
+        return f"F{sum(g.is_new for g in self.generators) + 1}"
 
     def _nullity(self, block: Sequence[Exponents]) -> int:
         """The dimension of the null space modulo the prime."""
@@ -150,7 +192,7 @@ class Search:
             if not spans[label].reduce(image):
                 continue
             simplest = self._simplest(polynomial, label)
-            found = Generator(f"F{sum(g.is_new for g in self.generators) + 1}", simplest, is_new=True)
+            found = Generator(self._next_name, simplest, is_new=True)
             found.is_independent = self.is_independent([g.polynomial for g in self.generators], polynomial)
             self.generators.append(found)
             self._insert_products(spans, highest, self.generators, must_contain=len(self.generators) - 1)
