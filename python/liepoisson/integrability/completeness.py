@@ -5,7 +5,7 @@ On a leaf of dimension 2n:
 * Liouville and Arnold [arnold1989]: n integrals that commute with each other and are independent.  A compact connected
   component of a common level set on which they are independent is a torus of dimension n, on which the motion is
   linear.
-* Mishchenko and Fomenko [mishchenko1978], for functions in place of a Lie algebra [nekhoroshev1972, fasso2005]: k
+* Mishchenko and Fomenko [mishchenko1978b], for functions in place of a Lie algebra [nekhoroshev1972, fasso2005]: k
   independent integrals that are closed under the bracket, $\{f_i, f_j\} = P_{ij}(f)$, with
   $k + \operatorname{corank} P = 2n$.  A compact connected component of a common level set on which they are independent
   and P has its generic rank is a torus of dimension $\operatorname{corank} P = 2n - k$, on which the motion is linear.

@@ -114,7 +114,7 @@ class Search:
         total, done = sum(len(b) ** 2 for b in blocks.values()), 0
         excess: list[tuple[Label, list[Exponents], int]] = []
         for label, block in sorted(blocks.items(), key=lambda item: len(item[1])):
-            nullity = self._nullity(block)
+            nullity = self._nullity(block, _part(progress, 0.9 * done / total, 0.9 * len(block) ** 2 / total))
             if nullity:
                 excess.append((label, sorted(block, key=order, reverse=True), nullity))
             else:
@@ -158,13 +158,15 @@ class Search:
     def _next_name(self) -> str:
         return f"F{sum(g.is_new for g in self.generators) + 1}"
 
-    def _nullity(self, block: Sequence[Exponents]) -> int:
+    def _nullity(self, block: Sequence[Exponents], progress: Callable[[float], Any] | None) -> int:
         """The dimension of the null space modulo the prime."""
         if not self.level.basis:
-            return self._modular_derivation.nullity(block)
+            return self._modular_derivation.nullity(block, progress=progress)
         rows: dict[Exponents, dict[int, int]] = {}
         p = self.residues.p
         for column, monomial in enumerate(block):
+            if progress and not column % 100:
+                progress(column / len(block))
             image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
             for key, value in self._level_mod.remainder(image, p).items():
                 rows.setdefault(key, {})[column] = value
@@ -306,6 +308,11 @@ class Search:
     def point(self) -> list[int]:
         """A random point modulo the prime, on the level."""
         return point_on_level(self.equations, self.residues, len(self.derivation.variables))
+
+
+def _part(progress: Callable[[float], Any] | None, start: float, share: float) -> Callable[[float], Any] | None:
+    """A listener for a part of what is done."""
+    return None if progress is None else lambda fraction: progress(start + share * fraction)
 
 
 def point_on_level(equations: Sequence[Polynomial], residues: Residues, n: int) -> list[int]:
