@@ -7,3 +7,4 @@ from liepoisson.integrability.hamiltonian_forms import general_system as general
 from liepoisson.integrability.integral_scan import scan_integrals as scan_integrals
 from liepoisson.integrability.polynomial_integrals import first_integrals as first_integrals
 from liepoisson.integrability.report import integrability_report as integrability_report
+from liepoisson.integrability.saved_reports import load_report as load_report

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ParameterError
@@ -97,14 +98,18 @@ def _groebner(derivation: Derivation, generators: Iterable[Polynomial]) -> list[
 
     expressions: list[Expr] = [derivation.expression(g) for g in generators]
     field: Coefficients = derivation.field
-    if field.is_cyclotomic:
+    coefficients = [field.write(c) for g in generators for c in g.values()]
+    if is_rational := all(isinstance(c, Fraction) or c.is_Rational for c in coefficients):
+        options: dict[str, Any] = {}  # whatever the field of the equations is
+    elif field.is_cyclotomic:
         raise ParameterError("on: wanted one equation, or rational coefficients; got several over a cyclotomic field")
-    options: dict[str, Any] = {} if field.is_rational else {"domain": field.domain}
+    else:
+        options = {"domain": field.domain}
     found: Any = groebner(expressions, *derivation.variables, order="grevlex", **options)
     read: list[Polynomial] = []
     for polynomial in found.polys:
         terms = polynomial.terms()
-        read.append({m: field.read(c) for m, c in terms})
+        read.append({m: field.number(Fraction(int(c.p), int(c.q))) if is_rational else field.read(c) for m, c in terms})
     return read
 
 
