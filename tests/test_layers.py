@@ -68,6 +68,7 @@ FACADES = {
     },
     "exact.lie_algebra": {"exact.bracket", "exact.describe"},
     "exact.extension": {"exact.classification"},
+    "integrability.report": {"integrability.saved_reports"},
     "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
     "numeric.section": {"phase_space.section_coordinates"},
     "phase_space.leaf": {"phase_space.leaf_sampling", "phase_space.leaf_search"},

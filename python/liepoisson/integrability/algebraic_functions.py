@@ -24,7 +24,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import combinations
 from math import gcd, lcm
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn, cast
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.coefficients import Element
@@ -70,7 +70,7 @@ class AlgebraicEquations:
 
     def expression(self, polynomial: Mapping[Exponents, Element]) -> Expr:
         """A polynomial in all variables as a function of the coordinates."""
-        return self.derivation.expression(polynomial).xreplace(self.functions)
+        return cast("Expr", self.derivation.expression(polynomial).xreplace(self.functions))
 
 
 def algebraic_equations(system: System, *functions: Expr) -> tuple[AlgebraicEquations, list[Polynomial]]:
@@ -192,7 +192,7 @@ class _Reader:
         """One over a polynomial in all variables, by an inverse for each of its factors."""
         from sympy import factor_list
 
-        content, factors = factor_list(base.expand(), *self.coordinates, *self.functions)
+        content, factors = cast("tuple[Any, Any]", factor_list(base.expand(), *self.coordinates, *self.functions))
         total: Any = 1 / content
         for factor, power in factors:
             known = next((u for r, u in self._roots.values() if factor == r), None)

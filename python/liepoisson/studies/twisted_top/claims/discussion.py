@@ -85,7 +85,7 @@ def _no_polynomial_integral(evidence: Evidence, context: Context) -> None:
     """State how the quartic is lost, and that no polynomial integral of low weight replaces it."""
     top = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=1)
     evidence.nonzero("ε = 1: dK/dt is not zero", top.rate(kovalevskaya_quartic(top)))
-    known = dict(zip(("C₁", "C₂", "C₃"), top.casimirs, strict=True))
+    known: dict[str, Any] = dict(zip(("C₁", "C₂", "C₃"), top.casimirs, strict=True))
     counts = _counts(System(top.bracket, top.hamiltonian), known, TWISTED_WEIGHT)
     evidence.search(
         f"integrals of weight ≤ {TWISTED_WEIGHT} beyond the polynomials in H, C₁, C₂, C₃ (exact; weights l 1, α 2, "
