@@ -21,7 +21,7 @@ Poly: TypeAlias = Any
 """A polynomial of FLINT over a field: fmpq_mpoly or nmod_mpoly."""
 Monomial: TypeAlias = tuple[int, ...]
 
-_CALL, _TERM = 0.4, 0.03
+_CALL, _TERM = 3.0, 0.15
 """Work of one division of polynomials, and of each term in it, with coefficients of one word (measured)."""
 
 
@@ -157,7 +157,7 @@ def buchberger(generators: Sequence[Poly], budget: Budget, idle: frozenset[int] 
     while pairs.waiting:
         count += 1
         _, multiple, i, j = pairs.next_pair()
-        budget.spend(_CALL * len(pairs.waiting) / 4, "choice of a pair")
+        budget.spend(1.0 * len(pairs.polynomials), "choice of a pair")
         if count in idle:
             continue
         if p := remainder(pairs.difference(multiple, i, j), pairs.divisors(), budget, words):

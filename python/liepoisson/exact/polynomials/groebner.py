@@ -41,9 +41,6 @@ from liepoisson.exact.polynomials.lifting import Residues, primes, residues_of
 from liepoisson.exact.polynomials.limits import Budget, Limits
 from liepoisson.exact.polynomials.monomial_ideals import degree, dimension, standard_monomials
 
-_DIRECT = 100
-"""Words of the coefficients up to which a run over the rationals itself may be worth its work; see `groebner_basis`."""
-
 
 @dataclass(frozen=True, repr=False)
 class GroebnerBasis:
@@ -88,18 +85,14 @@ class GroebnerBasis:
         """The degree of the ideal; in dimension 0 the number of complex solutions with multiplicities."""
         return degree(self.leads, len(self.names))
 
-    @property
+    @cached_property
     def words(self) -> int:
         """The size of the largest coefficient in machine words."""
         return _words(self.polynomials)
 
     def remainder(self, p: Poly, budget: Budget | None = None) -> Poly:
         """The normal form of a polynomial modulo the ideal."""
-        return remainder(p, self.polynomials, budget, self._words)
-
-    @cached_property
-    def _words(self) -> int:
-        return self.words
+        return remainder(p, self.polynomials, budget, self.words)
 
     def contains(self, p: Poly) -> bool:
         """Whether a polynomial lies in the ideal."""
