@@ -26,6 +26,7 @@ from liepoisson.phase_space.equilibrium_search import EquilibriumSearch, is_crit
 from liepoisson.phase_space.euler_characteristic import euler_characteristic
 from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.leaf import Leaf
+from liepoisson.phase_space.polynomial_equilibria import polynomial_equilibria
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
 from liepoisson.phase_space.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 from liepoisson.scalars import as_count, as_number
@@ -126,7 +127,7 @@ def _by_algebra(leaf: Leaf) -> tuple[Equilibria | None, Array]:
         return Equilibria(leaf, (analysis(leaf, leaf.state, {}),), True, 1, 1, 0), leaf.state[None]
     top = exact_top(leaf.system)
     if top is None:
-        return None, np.zeros((0, len(leaf.state)))
+        return _by_elimination(leaf)
     by_algebra, is_all = equilibria_of_top(leaf, top)
     states = np.array([one.state for one in by_algebra]).reshape(-1, len(leaf.state))
     if not is_all:
@@ -138,6 +139,18 @@ def _by_algebra(leaf: Leaf) -> tuple[Equilibria | None, Array]:
     if expected is not None and total is not None and total != expected:
         return None, states
     return Equilibria(leaf, tuple(found), True, expected, total, 0), states
+
+
+def _by_elimination(leaf: Leaf) -> tuple[Equilibria | None, Array]:
+    """The same for a polynomial system that is no top."""
+    proved = polynomial_equilibria(leaf)
+    if proved is None:
+        return None, np.zeros((0, len(leaf.state)))
+    found = sorted((_with_family(analysis(leaf, x, {}), "point") for x in proved.states), key=lambda e: e.energy)
+    expected, total = euler_characteristic(leaf), signed_sum(found)
+    if expected is not None and total is not None and total != expected:
+        return None, proved.states
+    return Equilibria(leaf, tuple(found), True, expected, total, 0, proved.degree), proved.states
 
 
 def _with_family(equilibrium: Equilibrium, kind: str) -> Equilibrium:

@@ -127,6 +127,6 @@ class Quotient:
 
     def characteristic(self, matrix: fmpq_mat) -> fmpq_poly:
         r"""The characteristic polynomial of a multiplication by f, $\prod_\xi(T - f(\xi))^{\mu(\xi)}$."""
-        self._budget.spend(0.01 * self.dimension**4 * self._words() + 50, "a characteristic polynomial")
+        self._budget.spend(0.003 * self.dimension**4 * self._words() + 50, "a characteristic polynomial")
         found: Any = matrix.charpoly()
         return found

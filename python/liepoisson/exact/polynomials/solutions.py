@@ -18,7 +18,7 @@ References: [rouillier1999].
 from __future__ import annotations
 
 from collections.abc import Generator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import count
 from typing import Any, cast
@@ -38,7 +38,7 @@ _MOST_BITS = 1 << 16
 
 @dataclass(frozen=True, repr=False)
 class Solution:
-    """One zero of a system, and the only one in its balls.
+    """One zero of a system; the balls of different zeros are disjoint.
 
     Attributes:
         values: The coordinates, real balls (`flint.arb`) for a real zero and complex ones (`flint.acb`) for others; a
@@ -184,12 +184,22 @@ class Solutions:
         found: list[Solution] = []
         for k, factor in enumerate(self.factors):
             with precision(max(64, bits)):
-                are_real = [root.imag.is_zero() for root in self._roots(k)]
+                are_real = [bool(root.imag.is_zero()) for root in self._roots(k)]
             for number, is_real in enumerate(are_real):
                 if is_real or not is_real_only:
-                    values = tuple(self._ratio(g, k, number, bits) for g in self._coordinates)
-                    found.append(Solution(values, factor.multiplicity, k, number, bool(is_real)))
+                    found.append(Solution((), factor.multiplicity, k, number, is_real))
+        close = list(range(len(found)))
+        while close:
+            for k in close:
+                found[k] = self._enclosed(found[k], bits)
+            close = _overlapping([one.values for one in found])
+            bits *= 2
         return found
+
+    def _enclosed(self, solution: Solution, bits: int) -> Solution:
+        """The solution with its coordinates to this many bits."""
+        values = tuple(self._ratio(g, solution.factor, solution.root, bits) for g in self._coordinates)
+        return replace(solution, values=values)
 
     def _ratio(self, numerator: fmpq_poly, factor: int, root: int, bits: int) -> Any:
         """The value of $g/g_1$ at a root."""
@@ -215,6 +225,16 @@ class Solutions:
                 if width * arb(2) ** bits < size:
                     return value
         raise NotDecidedError(f"not decided: a coordinate of a solution needs more than {_MOST_BITS} bits")
+
+
+def _overlapping(boxes: Sequence[tuple[Any, ...]]) -> list[int]:
+    """The numbers of the boxes that are not disjoint from all others."""
+    found: set[int] = set()
+    for j, box in enumerate(boxes):
+        for k in range(j):
+            if all(acb(x).overlaps(acb(y)) for x, y in zip(box, boxes[k], strict=True)):
+                found |= {j, k}
+    return sorted(found)
 
 
 def _growing(bits: int) -> Generator[int]:
