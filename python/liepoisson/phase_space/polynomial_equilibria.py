@@ -1,13 +1,12 @@
 r"""All equilibria of a polynomial system on a regular leaf, proved to be all, where they are finitely many.
 
-An equilibrium is a zero of $J\nabla H$ at which the Casimirs have the values of the leaf. If bracket, Hamiltonian and
-Casimirs are polynomials with rational coefficients, these equations are a polynomial system over the rationals (doubles are
-rational), and `liepoisson.exact.polynomials` finds all of its real solutions. The equations need no multipliers, and hold
-at the singular points of the level set, too: a solution at which J has the rank of the leaf is on a leaf of this level
-set, and one at which the rank is lower is not. Where the rank is not decided in ball arithmetic, nothing is.
+An equilibrium is a zero of $J\nabla H$ at which the Casimirs have the values of the leaf. Where bracket, Hamiltonian and
+Casimirs are polynomials with rational coefficients, these equations are a polynomial system over the rationals (doubles
+are rational), and `liepoisson.exact.polynomials` finds all of its real solutions. There are no multipliers in them, so
+they hold at singular points of the level set, too. A solution at which J has the rank of the leaf lies on a leaf of this
+level set; where ball arithmetic does not show this rank, nothing is decided.
 
-Infinitely many complex solutions are no obstacle where it is proved that only finitely many of them are real; families of real ones are left to the
-search.
+Families of equilibria, real or complex, are left to the search.
 """
 
 from __future__ import annotations
