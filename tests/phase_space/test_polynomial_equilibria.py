@@ -15,6 +15,7 @@ def ordered(states):
     return np.array(sorted(np.round(list(states), 8).tolist()))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", ["kovalevskaya", "heavy-top", "goryachev-chaplygin"])
 @pytest.mark.parametrize("values", [(0.5, 1.0), (3.0, 1.0), (0.0, 2.0)])
 def test_tops_have_the_equilibria_of_their_own_proof(name, values):
@@ -36,6 +37,7 @@ def test_a_rigid_body_rotates_about_its_axes():
     np.testing.assert_array_equal(ordered(found.states), ordered([s * 2 * e for s in (1, -1) for e in np.eye(3)]))
 
 
+@pytest.mark.thorough
 def test_neumann_rests_at_the_ends_of_the_axes():
     system = lp.catalog.system("neumann")
     found = lp.equilibria(system, lp.Leaf.through(system, [0.3, 0.1, 0, 0, 0, 1.0]))
@@ -44,6 +46,7 @@ def test_neumann_rests_at_the_ends_of_the_axes():
     np.testing.assert_allclose(ordered(e.state for e in found), ends)
 
 
+@pytest.mark.thorough
 def test_a_general_quadratic_hamiltonian_on_so4_has_thirty_six():
     # Milnor's sum on S^2 x S^2 is 4, and -x is an equilibrium where x is one
     so4 = lp.catalog.system("manakov-so4")
@@ -58,6 +61,7 @@ def test_a_general_quadratic_hamiltonian_on_so4_has_thirty_six():
     np.testing.assert_allclose(states, -states[::-1], atol=1e-7)
 
 
+@pytest.mark.thorough
 def test_kirchhoff_equations_in_general_have_thirty():
     system = lp.catalog.system("kirchhoff-ellipsoid")
     leaf = lp.Leaf(system, {"C1": 0.25, "C2": 1})
@@ -80,6 +84,7 @@ def test_families_are_left_to_others(name):
     assert polynomial_equilibria(lp.Leaf.through(system, x)) is None
 
 
+@pytest.mark.thorough
 def test_what_costs_too_much_is_not_decided():
     system = lp.catalog.system("kirchhoff-ellipsoid")
     leaf = lp.Leaf(system, {"C1": 0.25, "C2": 1})
@@ -88,6 +93,7 @@ def test_what_costs_too_much_is_not_decided():
     assert polynomial_equilibria(leaf, Limits(degree=30)).degree == 30
 
 
+@pytest.mark.thorough
 def test_singular_leaves_and_irrational_equations_are_not_decided():
     clebsch, sine = lp.catalog.system("clebsch"), lp.catalog.system("zeitlin-3")
     assert polynomial_equilibria(lp.Leaf.through(clebsch, [1, 2, 3, 0, 0, 0])) is None

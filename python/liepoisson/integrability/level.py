@@ -111,7 +111,9 @@ def _over_the_rationals(generators: Sequence[Polynomial]) -> list[Polynomial]:
     try:
         basis = groebner_basis(given)
     except NotDecidedError as error:
-        raise ParameterError(f"on: wanted a level whose Gröbner basis is computed within the limits; {error}") from error
+        raise ParameterError(
+            f"on: wanted a level whose Gröbner basis is computed within the limits; {error}"
+        ) from error
     return [
         {tuple(map(int, m)): Fraction(int(c.p), int(c.q)) for m, c in polynomial.terms()}
         for polynomial in basis.polynomials

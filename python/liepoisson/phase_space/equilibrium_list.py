@@ -27,7 +27,8 @@ class Equilibria(Sequence["Equilibrium"]):
         leaf: The leaf.
         found: The equilibria.
         proved: Whether it is proved that there are no others. That is so for tops whose parameters are rational
-            numbers, except where the algebra meets an isolated degenerate equilibrium.
+            numbers, except where the algebra meets an isolated degenerate equilibrium, and for other polynomial
+            systems with rational numbers on regular leaves, where the equilibria are finitely many.
         euler_characteristic: That of the leaf, if it is known and H is proper on the leaf; else None.
         euler_found: The sum over the list that must be equal to it if nothing is missing: $(-1)^{\rm index}$ for
             each point, times the Euler characteristic of the family for a family (circle 0, sphere 2). None

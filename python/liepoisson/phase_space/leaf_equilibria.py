@@ -1,4 +1,4 @@
-r"""Equilibria on symplectic leaves and relative equilibria: by algebra for tops, else by a search.
+r"""Equilibria on symplectic leaves and relative equilibria: by algebra where it decides, else by a search.
 
 An equilibrium of a Lie-Poisson system is a relative equilibrium of the system that it was reduced from: a steady
 rotation, for a top. It is a critical point of H on its leaf, $\nabla H = \sum_k\lambda_k\nabla C_k$. With a further
@@ -58,12 +58,16 @@ def equilibria(
     computed with a proof that there are no others, isolated ones and families. `proved` is then true. Heavy tops of six
     components, on so(3) @ semidirect(2), and free rigid bodies on so(3) are tops, too, by whatever name.
 
-    **Other systems**, relative equilibria (`along`), and leaves of tops on which the algebra does not decide whether an
-    isolated equilibrium is one or two: Newton's method from random starts, and from what the algebra found. What is
-    found are equilibria; that there are no others is not proved. There is one check: where H is proper on the leaf, the
-    sum of $(-1)^{\rm index}$ over nondegenerate equilibria is the Euler characteristic of the leaf (a family counts
-    with its own, a circle with 0). It is necessary and not sufficient. While it fails, the number of starts is doubled,
-    up to `most_starts`, and up to four times `n_starts` while an equilibrium was met from one start only.
+    **Other polynomial systems** with rational numbers, on regular leaves: the same, where the equations have finitely
+    many solutions, complex ones too, and are solved within limits of about three seconds.
+
+    **Other systems**, relative equilibria (`along`), families, and leaves of tops on which the algebra does not decide
+    whether an isolated equilibrium is one or two: Newton's method from random starts, and from what the algebra
+    found. What is found are equilibria; that there are no others is not proved. There is one check: where H is proper
+    on the leaf, the sum of $(-1)^{\rm index}$ over nondegenerate equilibria is the Euler characteristic of the leaf
+    (a family counts with its own, a circle with 0). It is necessary and not sufficient. While it fails, the number of
+    starts is doubled, up to `most_starts`, and up to four times `n_starts` while an equilibrium was met from one
+    start only.
     `completeness` says which of these is the case, and so does the printed result. The starts
     depend on the values of the Casimirs and the seed; the state from which a regular leaf was made does not matter.
 

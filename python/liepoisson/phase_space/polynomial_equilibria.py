@@ -1,10 +1,10 @@
 r"""All equilibria of a polynomial system on a regular leaf, proved to be all, where they are finitely many.
 
-An equilibrium is a zero of $J\nabla H$ at which the Casimirs have the values of the leaf. Where bracket, Hamiltonian and
-Casimirs are polynomials with rational coefficients, these equations are a polynomial system over the rationals (doubles
-are rational), and `liepoisson.exact.polynomials` finds all of its real solutions. There are no multipliers in them, so
-they hold at singular points of the level set, too. A solution at which J has the rank of the leaf lies on a leaf of this
-level set; where ball arithmetic does not show this rank, nothing is decided.
+An equilibrium is a zero of $J\nabla H$ at which the Casimirs have the values of the leaf. Where bracket, Hamiltonian
+and Casimirs are polynomials with rational coefficients, these equations are a polynomial system over the rationals
+(doubles are rational), and `liepoisson.exact.polynomials` finds all of its real solutions. There are no multipliers in
+them, so they hold at singular points of the level set, too. A solution at which J has the rank of the leaf lies on a
+leaf of this level set; where ball arithmetic does not show this rank, nothing is decided.
 
 Families of equilibria, real or complex, are left to the search.
 """
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
 
 LIMITS = Limits(work=3_000_000, degree=150)
-"""What the proof may cost: about three seconds. Kirchhoff's equations in general have degree 30 and take half a second."""
+"""What the proof may cost: about three seconds. Kirchhoff's equations have degree 30 in general and take one half."""
 
 _MOST_COORDINATES, _MOST_TERMS = 12, 1000
 _BITS = 100
@@ -97,7 +97,7 @@ def _equations(leaf: Leaf, limits: Limits) -> PolynomialSystem | None:
 def _is_on_leaf(leaf: Leaf, point: tuple[arb, ...]) -> bool | None:
     """Whether J has the rank of the leaf at a point, if it has; else None.
 
-    Its rank is at most that of the leaf, which is regular, and it is that if a principal minor of this size is not zero.
+    Its rank is at most that of the leaf, which is regular, and it has it if a principal minor of this size is not 0.
     """
     state = np.array([float(x.mid()) for x in point])
     chosen = _principal(np.asarray(leaf.system.functions.poisson_tensor(state)), leaf.rank)

@@ -41,7 +41,11 @@ def test_two_conics_meet_in_four_points():
 def test_multiplicities_of_a_node_and_a_tangent():
     # x^2 (x - 1)^3 = 0 on the parabola x = y^2: y^4 and (y -+ 1)^3
     found = system(X**2 * (X - 1) ** 3, Y**2 - X).real_solutions()
-    assert [(*p, s.multiplicity) for p, s in zip(points(found), found, strict=True)] == [(0, 0, 4), (1, -1, 3), (1, 1, 3)]
+    assert [(*p, s.multiplicity) for p, s in zip(points(found), found, strict=True)] == [
+        (0, 0, 4),
+        (1, -1, 3),
+        (1, 1, 3),
+    ]
     # no linear form has all of the multiplicity for its own: the ideal is not curvilinear
     fat = system(X**2, X * Y, Y**2).real_solutions()
     assert [(s.multiplicity, *map(str, s.values)) for s in fat] == [(3, "0", "0")]

@@ -5,8 +5,8 @@ which it does not and the second does, and so on. For real solutions a sum of te
 terms. What is left when nothing factors is a component; in dimension 0 it is split further, into the zeros of the
 irreducible factors of the equation for a linear form that tells them apart.
 
-A component may still be reducible over the rationals: `is_irreducible` says where it is proved not to be. Over the complex
-numbers it may be reducible in any case.
+A component may still be reducible over the rationals: `is_irreducible` says where it is proved not to be. Over the
+complex numbers it may be reducible in any case.
 
 References: [cox2015], section 4.6; [gianni1988].
 """
@@ -142,7 +142,11 @@ def _branches(
 def _is_unit(q: Poly, units: dict[str, Poly], assumptions: Assumptions) -> bool:
     if str(q) in units:
         return True
-    if q.total_degree() == 1 and len(q) == 1 and next(v for v, k in enumerate(q.degrees()) if k) in assumptions.positive:
+    if (
+        q.total_degree() == 1
+        and len(q) == 1
+        and next(v for v, k in enumerate(q.degrees()) if k) in assumptions.positive
+    ):
         return True
     return assumptions.is_real and never_vanishes(q, assumptions.positive)
 

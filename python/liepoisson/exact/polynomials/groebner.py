@@ -188,15 +188,16 @@ class _Lift:
             p = next(self._primes)
             modular = nmod_mpoly_ctx.get(self._context.names(), modulus=p, ordering=self._context.ordering())
             images = [residues_of(((tuple(map(int, m)), c) for m, c in g.terms()), p) for g in self._generators]
-            if all(image is not None for image in images):
-                return p, buchberger([modular.from_dict(image) for image in images], self._budget, idle)
+            known = [image for image in images if image is not None]
+            if len(known) == len(images):
+                return p, buchberger([modular.from_dict(image) for image in known], self._budget, idle)
 
     def _is_proved(self, candidate: list[Poly]) -> bool:
         """Steps 1 and 2; step 3 is how the candidate was made."""
         words = _words(candidate)
-        return all(
-            not remainder(g, candidate, self._budget, words) for g in self._generators
-        ) and are_groebner(candidate, self._budget, words)
+        return all(not remainder(g, candidate, self._budget, words) for g in self._generators) and are_groebner(
+            candidate, self._budget, words
+        )
 
 
 def _homogeneous(generators: Sequence[Poly]) -> list[Poly]:

@@ -59,7 +59,7 @@ class Residues:
 
 
 def _fraction(value: int, modulus: int, bound: int) -> tuple[int, int] | None:
-    """Numerator and denominator of at most the bound with this residue, by Euclid's algorithm; None if there are none."""
+    """Numerator and denominator of at most the bound with this residue, by Euclid's algorithm; None without any."""
     a, b, s, t = modulus, value, 0, 1
     while b > bound:
         quotient = a // b

@@ -1,7 +1,7 @@
 """How much work a polynomial system may cost, counted so that the answer does not depend on the machine.
 
-The unit is about a microsecond on a processor of 2020. Each step says what it is going to cost before it is taken; where
-the sum passes the limit, the question is not decided, and an error says so.
+The unit is about a microsecond of one core. Each step says what it is going to cost before it is taken; where the sum
+passes the limit, the question is not decided, and an error says so.
 """
 
 from __future__ import annotations

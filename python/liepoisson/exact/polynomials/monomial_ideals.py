@@ -48,7 +48,9 @@ def degree(leads: Sequence[Monomial], n: int) -> int:
 def _numerator(generators: Sequence[Monomial]) -> fmpz_poly:
     if not generators:
         return fmpz_poly([1])
-    if all(not any(a and b for a, b in zip(m, o, strict=True)) for i, m in enumerate(generators) for o in generators[:i]):
+    if all(
+        not any(a and b for a, b in zip(m, o, strict=True)) for i, m in enumerate(generators) for o in generators[:i]
+    ):
         total = fmpz_poly([1])
         for m in generators:
             total *= 1 - fmpz_poly([0, 1]) ** sum(m)

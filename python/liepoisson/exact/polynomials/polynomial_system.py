@@ -1,7 +1,7 @@
 r"""Systems of polynomial equations over the rational numbers, and what can be proved about their solutions.
 
-Scope: rational coefficients (doubles are rational), a few unknowns. Every answer is exact; what would cost more than the
-limits is not decided, which an error says. Nothing is decided by a tolerance.
+Scope: rational coefficients (doubles are rational), a few unknowns. Every answer is exact; what would cost more than
+the limits is not decided, which an error says. Nothing is decided by a tolerance.
 """
 
 from __future__ import annotations
@@ -156,8 +156,8 @@ class PolynomialSystem:
         """The solutions as a union of parts, none inside another; see `liepoisson.exact.polynomials.components`.
 
         Args:
-            is_real: Whether parts are left out, or made smaller, of which the terms of an equation show that they have no
-                real points, or real points in a smaller part only.
+            is_real: Whether parts are left out, or made smaller, of which the terms of an equation show that they have
+                no real points, or real points in a smaller part only.
         """
         assumptions = Assumptions(tuple(self._units()), self._positive, is_real or bool(self.positive))
         return components(self.equations or (self.context.constant(0),), assumptions, self.limits.budget())
@@ -166,8 +166,8 @@ class PolynomialSystem:
     def _solutions(self) -> Solutions:
         if self.dimension > 0:
             raise ParameterError(
-                f"wanted finitely many complex solutions; got a set of dimension {self.dimension}. Add equations, or ask "
-                "for components()"
+                f"wanted finitely many complex solutions; got a set of dimension {self.dimension}. Add equations, or "
+                "ask for components()"
             )
         return solutions(self._basis, self.limits.budget())
 

@@ -1,7 +1,7 @@
 r"""The algebra $A = \mathbb Q[x]/I$ of an ideal with finitely many complex zeros, as matrices.
 
-A has the standard monomials of a Gröbner basis for a basis, and its dimension is the number of zeros with multiplicities
-$\mu(\xi)$. Multiplication by f has the trace $\sum_\xi\mu(\xi)f(\xi)$, and the rank of the form
+A has the standard monomials of a Gröbner basis for a basis, and its dimension is the number of zeros with
+multiplicities $\mu(\xi)$. Multiplication by f has the trace $\sum_\xi\mu(\xi)f(\xi)$, and the rank of the form
 $(f,g)\mapsto\mathrm{Tr}(fg)$ is the number of distinct zeros.
 
 References: [cox2005], chapters 2 and 4.
@@ -113,9 +113,7 @@ class Quotient:
         d = self.dimension
         self._budget.spend(0.02 * d**3 * self._words(), "the rank of the trace form")
         values = {m: (self.traces * column)[0, 0] for m, column in self._products.items()}
-        entries = [
-            values[tuple(map(sum, zip(a, b, strict=True)))] for a in self.monomials for b in self.monomials
-        ]
+        entries = [values[tuple(map(sum, zip(a, b, strict=True)))] for a in self.monomials for b in self.monomials]
         return int(fmpq_mat(d, d, entries).rank())
 
     def multiplication(self, form: tuple[int, ...]) -> fmpq_mat:

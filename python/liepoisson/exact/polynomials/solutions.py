@@ -140,10 +140,7 @@ class Solutions:
         sums = [(moment * vector)[0, 0] for moment in self._moments]
         q = self.equation.coeffs()
         return fmpq_poly(
-            [
-                sum((q[j + k + 1] * sums[k] for k in range(len(q) - 1 - j)), fmpq(0))
-                for j in range(len(q) - 1)
-            ]
+            [sum((q[j + k + 1] * sums[k] for k in range(len(q) - 1 - j)), fmpq(0)) for j in range(len(q) - 1)]
         )
 
     def vanishes(self, p: Poly, factor: int) -> bool:
@@ -296,7 +293,7 @@ def solutions(basis: GroebnerBasis, budget: Budget) -> Solutions:
 
 
 def _forms(n: int) -> Generator[tuple[int, ...]]:
-    """Linear forms of which one tells the zeros apart: the variables, then $\\sum_i k^i x_i$."""
+    r"""Linear forms of which one tells the zeros apart: the variables, then sums such as $\sum_i k^i x_i$."""
     for k in reversed(range(n)):
         yield tuple(int(i == k) for i in range(n))
     for k in count(2):
