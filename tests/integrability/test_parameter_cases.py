@@ -83,6 +83,49 @@ def test_cases_are_all_points_where_a_matrix_has_a_larger_null_space(seed):
         assert inside or case.unsolved
 
 
+def random_form(rng, degree):
+    """A homogeneous polynomial, for a scaling of all parameters."""
+    p = CONTEXT.constant(0)
+    for _ in range(rng.choice([0, 1, 1, 2])):
+        term = CONTEXT.constant(rng.choice([-2, -1, 1, 2]))
+        for _ in range(degree):
+            term = term * rng.choice([A, B, C])
+        p = p + term
+    return p
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_scalings_lose_no_point_where_a_parameter_that_was_set_to_one_vanishes(seed):
+    rng, n = random.Random(seed), 2
+    rows = [{c: p for c in range(n) if (p := random_form(rng, 1 + k % 2))} for k in range(4)]
+    rows = [row for row in rows if row]
+    splitting, cases = split(rows, n, scalings=((1, 1, 1),))
+    for point in product(GRID, repeat=3):
+        if nullity(rows, n, point):
+            places = (*cases.found, *cases.left)
+            assert any(all(value(q, point) == 0 for q in splitting.conditions(case)) for case in places), point
+
+
+def test_a_case_is_not_taken_for_a_part_of_another_whose_closure_misses_it():
+    # a c = b d and a d = b c: a = b and c = d, or a = -b and c = -d, or a = b = 0, or c = d = 0
+    context = flint.fmpq_mpoly_ctx.get(["a", "b", "c", "d"], "degrevlex")
+    a, b, c, d = context.gens()
+    splitting, cases = CaseSplitting(context, frozenset(), [], [(1, 1, 1, 1)]), Cases()
+    splitting.run([{0: a * c - b * d}, {0: a * d - b * c}], 1, 0, cases)
+    points = [p for p in product(GRID, repeat=4) if p[0] * p[2] == p[1] * p[3] and p[0] * p[3] == p[1] * p[2]]
+    assert (1, 2, 0, 0) in points
+    for point in points:
+        assert any(all(value(q, point) == 0 for q in splitting.conditions(case)) for case in cases.found), point
+
+
+def test_equations_that_contradict_each_other_after_an_insertion_are_no_case():
+    # a = b (b^2 + c^2)/(b^2 + 2 c^2) in a^2 = 2 b^2: a multiple of b, and a sum of squares
+    rows = [{0: A**2 - 2 * B**2}, {0: A * (B**2 + 2 * C**2) - B * (B**2 + C**2)}]
+    splitting, cases = split(rows, 1, nonzero=(C,))
+    assert [sorted(map(str, splitting.conditions(case))) for case in cases.found] == [["a", "b"]]
+    assert not cases.left
+
+
 def test_real_parameters_and_positive_ones():
     # a^2 + b^2 = 0 only where both vanish; a + b never, if both are positive
     _, cases = split([{0: A**2 + B**2}], 1)

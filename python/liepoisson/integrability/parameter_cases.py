@@ -60,7 +60,7 @@ class Cases:
     """The cases in which there are more solutions.
 
     Attributes:
-        found: Cases with more solutions than in general; none lies in the closure of another.
+        found: Cases with more solutions than in general; as far as is seen none lies in the closure of another.
         left: Cases that were not decided.
         n_closed: Number of cases in which there are no further solutions.
     """
@@ -109,7 +109,7 @@ class CaseSplitting:
             n_columns: Number of unknowns.
             n_known: Dimension of the null space in general, or of that part of it which is known everywhere.
             into: Cases found before, of other systems; those inside of them are not looked at again.
-            keep_going: Asked before each case.
+            keep_going: Asked before each step of an elimination; what is not decided when it says no is left.
         """
         stack = [_State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0)]
         n_cases = 0
@@ -117,16 +117,21 @@ class CaseSplitting:
             state = stack.pop()
             n_cases += 1
             if n_cases > MOST_CASES or not keep_going():
-                into.left += [s.case for s in (state, *stack)]
+                into.left += [self._left(s) for s in (state, *stack)]
                 return
             further = self._impose(state)
             if further is not None:
                 stack += further
                 continue
             state = self._scaled(state)
+            if state.pending:
+                stack.append(state)
+                continue
             if any(self._lies_in(state.case, case) for case in into.found):
                 continue
-            self._eliminate(state, n_columns - n_known)
+            if not self._eliminate(state, n_columns - n_known, keep_going):
+                into.left += [self._left(s) for s in (state, *stack)]
+                return
             if state.rank >= n_columns - n_known:
                 into.n_closed += 1
             elif not state.rows:
@@ -135,6 +140,16 @@ class CaseSplitting:
                 into.left.append(state.case)
             else:
                 stack += self._split(state)
+
+    def settle(self, cases: Cases) -> None:
+        """Drop what was left and lies in a case that was found, and what was left twice."""
+        left = {tuple(map(str, self.conditions(case))): case for case in cases.left}
+        cases.left = [case for case in left.values() if not any(self._lies_in(case, other) for other in cases.found)]
+
+    def _left(self, state: _State) -> Case:
+        """The case of a state that is not decided, with the equations that wait."""
+        waiting = (p for q in state.pending if (p := self._reduced(q, state.case)))
+        return replace(state.case, unsolved=(*state.case.unsolved, *waiting))
 
     # equations
 
@@ -165,7 +180,9 @@ class CaseSplitting:
             if any(term.is_constant() for term in terms):
                 return []
             return [replace_state(state, state.case, [*terms, *state.pending])]
-        case = replace(state.case, equations=(*state.case.equations, self._homogeneous(q, state.case)))
+        equation = self._homogeneous(q, state.case)
+        is_known = any(equation == known for known in state.case.equations)
+        case = state.case if is_known else replace(state.case, equations=(*state.case.equations, equation))
         degrees = q.degrees()
         linear = [v for v in range(self.n) if degrees[v] == 1]
         parts = {v: self._in_powers(q, v) for v in linear}
@@ -233,6 +250,18 @@ class CaseSplitting:
         solved = (self._homogeneous(b * self.context.gen(v) - a, case) for v, a, b in case.solved)
         return [*solved, *(self._homogeneous(q, case) for q in case.unsolved)]
 
+    def divisors(self, case: Case) -> list[Poly]:
+        """Irreducible polynomials by which was divided: where they vanish the conditions say too little.
+
+        None of one irreducible condition, of which they are no factor.
+        """
+        found: dict[str, Poly] = {}
+        for p, (v, _, _) in zip(self.conditions(case), case.solved, strict=False):
+            for q in self.factors(self._in_powers(p, v)[1]):
+                if len(case.equations) > 1 and not self._is_unit(q, Case(nonzero=self.assumed)):
+                    found[str(q)] = q
+        return list(found.values())
+
     def _homogeneous(self, p: Poly, case: Case) -> Poly:
         """A polynomial in which parameters were set to 1 with powers of these that make it homogeneous."""
         for v, weights in reversed(case.scaled):
@@ -259,13 +288,15 @@ class CaseSplitting:
         new = replace(
             case,
             solved=(*solved, (v, numerator, denominator)),
-            unsolved=tuple(insert(p) for p in case.unsolved),
+            unsolved=tuple(p for p in case.unsolved if not p.degrees()[v]),
             nonzero=nonzero,
         )
+        # what was not solved for has other factors now, or a parameter of degree one
+        again = [insert(p) for p in case.unsolved if p.degrees()[v]]
         if any(not insert(p) for p in case.nonzero.values()) or any(map(self._is_negative, new.solved)):
             return _State(new, [], 0, [self._one])  # contradicts itself
         rows = [self._inserted_row(row, v, numerator, denominator) for row in state.rows]
-        return self._reduced_state(_State(new, rows, state.rank, [insert(p) for p in state.pending]))
+        return self._reduced_state(_State(new, rows, state.rank, [*again, *(insert(p) for p in state.pending)]))
 
     def _inserted_row(self, row: SparseRow, v: int, numerator: Poly, denominator: Poly) -> SparseRow:
         power = max((p.degrees()[v] for p in row.values()), default=0)
@@ -306,13 +337,15 @@ class CaseSplitting:
 
     # elimination
 
-    def _eliminate(self, state: _State, enough: int) -> None:
-        """Eliminate by entries that do not vanish, as long as there are any."""
+    def _eliminate(self, state: _State, enough: int, keep_going: Callable[[], bool]) -> bool:
+        """Eliminate by entries that do not vanish, as long as there are any; False if it was ended before."""
         state.rows = [cleaned for row in state.rows if (cleaned := self._cleaned(row, state.case))]
         while state.rows and state.rank < enough:
+            if not keep_going():
+                return False
             pivot = self._pivot(state)
             if pivot is None:
-                return
+                break
             number, column = pivot
             pivot_row = state.rows.pop(number)
             p = pivot_row[column]
@@ -321,6 +354,7 @@ class CaseSplitting:
                 self._subtracted(row, pivot_row, column, p, state.case) if column in row else row for row in state.rows
             )
             state.rows = [row for row in rows if row]
+        return True
 
     def _subtracted(self, row: SparseRow, pivot_row: SparseRow, column: int, p: Poly, case: Case) -> SparseRow:
         e = row[column]
@@ -470,13 +504,16 @@ class CaseSplitting:
         """Whether all parameters of a case lie in the closure of another one (proved if True)."""
         if case is other:
             return False
-        for p in (*other.equations, *other.unsolved):
-            if self._insert_all(p, case):
+        if any(self._insert_all(p, case) for p in (*other.equations, *other.unsolved)):
+            return False
+        if len(other.equations) <= 1:
+            return True  # an irreducible hypersurface
+        # several equations may have other solutions, too, where a coefficient by which one was divided vanishes; that
+        # of the homogeneous equation counts, since a parameter that was set to 1 may vanish in the closure
+        for p, (v, _, _) in zip(self.conditions(other), other.solved, strict=False):
+            if self._insert_all(p, case) or not self._insert_all(self._in_powers(p, v)[1], case):
                 return False
-        # where several equations were solved one after the other, their denominators must not vanish there
-        return len(other.equations) <= 1 or all(
-            self._insert_all(self._homogeneous(b, other), case) for _, _, b in other.solved
-        )
+        return True
 
     def _insert_all(self, p: Poly, case: Case) -> Poly:
         """The numerator of a polynomial on the parameters of a case."""

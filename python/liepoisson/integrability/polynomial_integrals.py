@@ -155,8 +155,8 @@ def first_integrals(
             no positive grading for a weight, or the search is too large.
         ExpressionError: A text cannot be read.
     """
-    given = _known(system) if known is None else {name: system.expression(f) for name, f in known.items()}
-    zeros = [_zero_on_level(system, f) for f in ([on] if isinstance(on, str) else on)]
+    given = known_functions(system) if known is None else {name: system.expression(f) for name, f in known.items()}
+    zeros = zeros_on_level(system, on)
     derivation, functions = derivation_of(system, *given.values(), *zeros)
     known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
     for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
@@ -166,7 +166,7 @@ def first_integrals(
                 f"{shown(derivation.expression(derivation(polynomial)))} is not zero"
             )
     level = level_of(derivation, zero_polynomials)
-    found = _gradings_of_level(derivation, zero_polynomials)
+    found = gradings_of_level(derivation, zero_polynomials)
     monomials, size, weights = _asked(derivation, found, degree, weight)
     remainders = [level.remainder(polynomial) for polynomial in known_polynomials]
     generators = [Generator(n, r, is_new=False) for n, r in zip(given, remainders, strict=True) if any(map(any, r))]
@@ -181,7 +181,7 @@ def first_integrals(
         on=tuple(zeros),
         known=given,
         found=tuple(
-            FirstIntegral(g.name, derivation.expression(_tidied(g.polynomial)), g.degree, g.is_independent) for g in new
+            FirstIntegral(g.name, derivation.expression(tidied(g.polynomial)), g.degree, g.is_independent) for g in new
         ),
         n_monomials=size,
         n_blocks=len(search.counts),
@@ -193,20 +193,21 @@ def first_integrals(
     )
 
 
-def _known(system: System) -> dict[str, Expr]:
+def known_functions(system: System) -> dict[str, Expr]:
     """H and the Casimirs."""
     return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
 
 
-def _zero_on_level(system: System, equation: str | Expr) -> Expr:
-    """The function that vanishes where an equation holds: f for "f = 0" and for f alone."""
-    if not isinstance(equation, str) or "=" not in equation:
-        return system.expression(equation)
-    left, right = equation.split("=", 1)
-    return system.expression(left) - system.expression(right)
+def zeros_on_level(system: System, on: str | Sequence[str | Expr]) -> list[Expr]:
+    """The functions that vanish where some equations hold: f for "f = 0" and for f alone."""
+    zeros: list[Expr] = []
+    for equation in [on] if isinstance(on, str) else on:
+        left, sign, right = equation.partition("=") if isinstance(equation, str) else (equation, "", "")
+        zeros.append(system.expression(left) - system.expression(right) if sign else system.expression(equation))
+    return zeros
 
 
-def _gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
+def gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
     """The gradings in which the equations of the level are homogeneous."""
     return tuple(g for g in gradings(derivation) if all(len({g.of(m) for m in zero}) <= 1 for zero in zeros))
 
@@ -243,7 +244,7 @@ def _asked(
     return of_weight(grading.weights, w), size, grading.weights
 
 
-def _tidied(polynomial: Polynomial) -> Polynomial:
+def tidied(polynomial: Polynomial) -> Polynomial:
     """With whole coefficients without a common factor, the leading one positive, where they are rational."""
     from fractions import Fraction
     from math import gcd, lcm
