@@ -157,13 +157,16 @@ def _last_split(
     if basis.dimension:
         return [Component(basis, _is_prime(basis.polynomials, range(len(basis.names))))]
     whole = solutions(basis, budget)
-    found: list[Component] = []
-    for k in range(len(whole.factors)):
-        if assumptions.is_real and not any(root.is_real for root in whole.real(8) if root.factor == k):
-            continue
-        if not any(whole.vanishes(q, k) for q in units.values()):
-            found.append(Component(_part(whole, k, budget), True))
-    return found
+    gens = basis.context.gens()
+    wanted = set(range(len(whole.factors)))
+    if assumptions.is_real:
+        positive = [gens[v] for v in assumptions.positive]
+        wanted = {s.factor for s in whole.real(8) if all(whole.sign(x, s) > 0 for x in positive)}
+    return [
+        Component(_part(whole, k, budget), True)
+        for k in sorted(wanted)
+        if not any(whole.vanishes(q, k) for q in units.values())
+    ]
 
 
 def _part(whole: Solutions, k: int, budget: Budget) -> GroebnerBasis:
