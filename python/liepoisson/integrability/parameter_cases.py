@@ -20,11 +20,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
+from flint import fmpq, fmpq_poly
+
 from liepoisson.exact.polynomials.buchberger import remainder
+from liepoisson.exact.polynomials.certified_roots import real_roots
 from liepoisson.exact.polynomials.components import Assumptions, components
 from liepoisson.exact.polynomials.groebner import GroebnerBasis
 from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
 from liepoisson.exact.polynomials.operations import radical_contains
+from liepoisson.exact.polynomials.signs import definite_terms
 
 Poly: TypeAlias = Any
 """A polynomial in the parameters, flint.fmpq_mpoly."""
@@ -505,32 +509,19 @@ class CaseSplitting:
 
         They vanish together with the polynomial.
         """
-        signs: set[bool] = set()
-        terms: list[Poly] = []
-        count = 0
-        for monomial, coefficient in q.terms():
-            count += 1
-            signs.add(coefficient > 0)
-            powers = [int(k) for k in monomial]
-            if len(signs) > 1 or any(k % 2 and v not in self.positive for v, k in enumerate(powers)):
-                return None
-            bases = [int(bool(k) and v not in self.positive) for v, k in enumerate(powers)]
-            terms.append(self.context.from_dict({tuple(bases): 1}))
-        return terms if count > 1 or all(t.is_constant() for t in terms) else None
+        return definite_terms(q, self.positive)
 
     def _has_real_zero(self, q: Poly) -> bool:
         """False if a polynomial in one parameter has no real (or no positive) zero; True if there may be one."""
         occurring = [v for v, degree in enumerate(q.degrees()) if degree > 0]
         if len(occurring) != 1:
             return True
-        from sympy import Poly as Univariate
-        from sympy import Rational, Symbol
-
         (v,) = occurring
-        x = Symbol("x")
-        terms = {(int(m[v]),): Rational(int(c.p), int(c.q)) for m, c in q.terms()}
+        coefficients = [fmpq(0)] * (int(q.degrees()[v]) + 1)
+        for m, c in q.terms():
+            coefficients[int(m[v])] = c
         # irreducible and not linear, so that zero is no root
-        return bool(Univariate(terms, x).count_roots(0 if v in self.positive else None, None))
+        return any(v not in self.positive or bool(root > 0) for root in real_roots(fmpq_poly(coefficients)))
 
     def _is_negative(self, solved: tuple[int, Poly, Poly]) -> bool:
         """Whether a positive parameter would have to be negative or zero, whatever the others are."""

@@ -9,6 +9,7 @@ from known_systems import cyclic, katsura
 
 from liepoisson.exact.polynomials import groebner
 from liepoisson.exact.polynomials.groebner import groebner_basis, rational_context
+from liepoisson.exact.polynomials.lifting import Residues, primes, residues_of
 from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
 from liepoisson.exact.polynomials.monomial_ideals import degree, dimension, standard_monomials
 
@@ -75,17 +76,37 @@ def test_large_coefficients_are_lifted():
     assert basis.degree == 3
 
 
-def test_a_lifted_candidate_that_is_false_is_refused(monkeypatch):
-    """The first prime divides what must not vanish, so its basis is another one, and the proof finds out."""
+def test_a_prime_that_gives_another_ideal_does_no_harm():
+    # x y = 1 and x = -p y: y^2 = -1/p, and modulo the first prime, which is p, there is no solution
     p = 2**61 - 1
+    assert next(primes()) == p
     x, y, _ = CONTEXT.gens()
-    generators = [x * y - 1, p * x + y]
-    expected = groebner_basis(generators)
-    assert expected.degree == 2
-    assert expected.contains(p * x**2 + 1)
+    basis = groebner_basis([x * y - 1, x + p * y])
+    assert [str(q) for q in basis.polynomials] == [f"x + {p}*y", f"y^2 + 1/{p}"]
+
+
+def test_without_a_proof_there_is_no_basis(monkeypatch):
+    x, y, _ = CONTEXT.gens()
     monkeypatch.setattr(groebner, "are_groebner", lambda *_: False)
     with pytest.raises(NotDecidedError):
-        groebner_basis(generators, Limits(work=20_000))
+        groebner_basis([x * y - 1, x + y], Limits(work=20_000))
+
+
+@given(st.fractions(max_denominator=10**25), st.integers(0, 2**61 - 2))
+def test_numbers_are_lifted_from_their_residues(number, residue):
+    lifting = Residues()
+    for p, _ in zip(primes(), range(6), strict=False):
+        lifting.add(residues_of([((1,), fmpq(number.numerator, number.denominator))], p), p)
+    if abs(number.numerator) < 10**50:
+        assert lifting.lifted() == ({(1,): fmpq(number.numerator, number.denominator)} if number else {})
+    # of other residues there is a number within the bound, or none
+    one = Residues()
+    one.add({(1,): residue}, 2**61 - 1)
+    found = one.lifted()
+    if residue and found is not None:
+        c = found[(1,)]
+        assert 2 * max(abs(int(c.p)), int(c.q)) ** 2 <= 2**61 - 1
+        assert (int(c.p) - residue * int(c.q)) % (2**61 - 1) == 0
 
 
 def test_work_that_is_too_much_is_not_decided():

@@ -157,7 +157,7 @@ class _Lift:
                 return None
             terms = [{tuple(map(int, m)): int(c) for m, c in q.terms()} for q in run.basis]
             if candidate is not None and self._predicts(candidate, terms, p):
-                return candidate if self._is_proved(candidate) else None
+                return candidate if self._is_proved(candidate, shape) else None
             for kept, new in zip(residues, terms, strict=True):
                 kept.add(new, p)
             n_primes += 1
@@ -192,12 +192,13 @@ class _Lift:
             if len(known) == len(images):
                 return p, buchberger([modular.from_dict(image) for image in known], self._budget, idle)
 
-    def _is_proved(self, candidate: list[Poly]) -> bool:
-        """Steps 1 and 2; step 3 is how the candidate was made."""
+    def _is_proved(self, candidate: list[Poly], shape: list[Monomial]) -> bool:
+        """The three steps; the shape is that of a complete run."""
+        if [leading(p) for p in candidate] != shape:
+            return False
         words = _words(candidate)
-        return all(not remainder(g, candidate, self._budget, words) for g in self._generators) and are_groebner(
-            candidate, self._budget, words
-        )
+        in_ideal = all(not remainder(g, candidate, self._budget, words) for g in self._generators)
+        return in_ideal and are_groebner(candidate, self._budget, words)
 
 
 def _homogeneous(generators: Sequence[Poly]) -> list[Poly]:
