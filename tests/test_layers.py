@@ -41,6 +41,7 @@ STRANGERS = {
 LEVELS = {
     "names and numbers": {"names", "parameters", "rounded", "values", "tensors", "styles"},
     "linear algebra": {"linear"},
+    "polynomial systems": {"polynomials"},
     "algebras": {
         "commutative", "lie",
         "extension", "extensions", "normal_forms", "classification", "lie_algebra", "lie_algebras",

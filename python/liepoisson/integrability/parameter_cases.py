@@ -2,8 +2,9 @@ r"""For which parameters does a linear system have more solutions than it has in
 
 The matrix has polynomials in the parameters for entries. Entries that cannot vanish are eliminated; where none is left,
 the simplest other entry is assumed not to vanish, and then, factor by factor, to vanish. An equation is solved for a
-parameter that occurs in it with degree one. A case ends where the rank is so large that there are no further
-solutions, or where no row is left.
+parameter that occurs in it with degree one; several that are not are taken apart by
+`liepoisson.exact.polynomials.components`, and entries are reduced by their Gröbner basis. A case ends where the rank is
+so large that there are no further solutions, or where no row is left.
 
 Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only
 with all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments.
@@ -19,9 +20,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
+from flint import fmpq, fmpq_poly
+
+from liepoisson.exact.polynomials.buchberger import remainder
+from liepoisson.exact.polynomials.certified_roots import real_roots
+from liepoisson.exact.polynomials.components import Assumptions, components
+from liepoisson.exact.polynomials.groebner import GroebnerBasis
+from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
+from liepoisson.exact.polynomials.operations import radical_contains
+from liepoisson.exact.polynomials.signs import definite_terms
+
 Poly: TypeAlias = Any
 """A polynomial in the parameters, flint.fmpq_mpoly."""
 SparseRow: TypeAlias = "dict[int, Poly]"
+
+LIMITS = Limits(work=3_000_000)
+"""What one question about several equations that are not solved for a parameter may cost."""
 
 MOST_CASES = 20_000
 """Cases after which the rest is left and said to be."""
@@ -119,7 +133,11 @@ class CaseSplitting:
             if n_cases > MOST_CASES or not keep_going():
                 into.left += [self._left(s) for s in (state, *stack)]
                 return
-            further = self._impose(state)
+            try:
+                further = self._impose(state)
+            except NotDecidedError:
+                into.left.append(self._left(state))
+                continue
             if further is not None:
                 stack += further
                 continue
@@ -136,10 +154,11 @@ class CaseSplitting:
                 into.n_closed += 1
             elif not state.rows:
                 into.found = [c for c in into.found if not self._lies_in(c, state.case)] + [state.case]
-            elif len(state.case.unsolved) > 1:
-                into.left.append(state.case)
             else:
-                stack += self._split(state)
+                try:
+                    stack += self._split(state)
+                except NotDecidedError:
+                    into.left.append(state.case)
 
     def settle(self, cases: Cases) -> None:
         """Drop what was left and lies in a case that was found, and what was left twice."""
@@ -199,7 +218,27 @@ class CaseSplitting:
             ]
         if not self._has_real_zero(q):
             return []
-        return [self._reduced_state(replace_state(state, replace(case, unsolved=(*case.unsolved, q)), state.pending))]
+        new = replace_state(state, replace(case, unsolved=(*case.unsolved, q)), state.pending)
+        return [self._reduced_state(new)] if len(new.case.unsolved) == 1 else self._components(new)
+
+    def _components(self, state: _State) -> list[_State]:
+        """The cases into which several equations fall that were not solved, each with a Gröbner basis of them.
+
+        An element of a basis may be of degree one in a parameter: then they wait to be solved.
+
+        Raises:
+            NotDecidedError: the limits were reached.
+        """
+        case, found = state.case, list[_State]()
+        assumptions = Assumptions(tuple(case.nonzero.values()), self.positive, is_real=True)
+        for component in components(case.unsolved, assumptions, LIMITS.budget()):
+            basis = sorted(component.equations, key=lambda p: 1 not in p.degrees())
+            if any(1 in p.degrees() for p in basis):
+                found.append(replace_state(state, replace(case, unsolved=()), [*basis, *state.pending]))
+            else:
+                settled = replace(case, unsolved=component.equations)
+                found.append(self._reduced_state(replace_state(state, settled, state.pending)))
+        return found
 
     # scalings
 
@@ -326,10 +365,7 @@ class CaseSplitting:
         return {k: self.context.from_dict(terms) for k, terms in parts.items()}
 
     def _reduced(self, p: Poly, case: Case) -> Poly:
-        for q in case.unsolved:
-            if q:
-                p = divmod(p, q)[1]
-        return p
+        return remainder(p, (q for q in case.unsolved if q))
 
     def _reduced_state(self, state: _State) -> _State:
         state.rows = [{c: r for c, p in row.items() if (r := self._reduced(p, state.case))} for row in state.rows]
@@ -433,10 +469,22 @@ class CaseSplitting:
         )[0]
         copy = [dict(row) for row in state.rows]
         zero = _State(state.case, copy, state.rank, [q])
+        if len(state.case.unsolved) > 1 and self._vanishes_everywhere(q, state.case):
+            return [zero]
         other = replace(state.case, nonzero={**state.case.nonzero, str(q): q})
         return [zero, _State(other, state.rows, state.rank)]
 
     # what vanishes
+
+    def _vanishes_everywhere(self, q: Poly, case: Case) -> bool:
+        """Whether a polynomial vanishes at all complex parameters of a case.
+
+        Raises:
+            NotDecidedError: the limits were reached.
+        """
+        for p in case.nonzero.values():
+            q = q * p
+        return radical_contains(GroebnerBasis(self.context, case.unsolved), q, LIMITS.budget())
 
     def factors(self, p: Poly) -> list[Poly]:
         """The irreducible factors, monic; none of a constant."""
@@ -461,32 +509,19 @@ class CaseSplitting:
 
         They vanish together with the polynomial.
         """
-        signs: set[bool] = set()
-        terms: list[Poly] = []
-        count = 0
-        for monomial, coefficient in q.terms():
-            count += 1
-            signs.add(coefficient > 0)
-            powers = [int(k) for k in monomial]
-            if len(signs) > 1 or any(k % 2 and v not in self.positive for v, k in enumerate(powers)):
-                return None
-            bases = [int(bool(k) and v not in self.positive) for v, k in enumerate(powers)]
-            terms.append(self.context.from_dict({tuple(bases): 1}))
-        return terms if count > 1 or all(t.is_constant() for t in terms) else None
+        return definite_terms(q, self.positive)
 
     def _has_real_zero(self, q: Poly) -> bool:
         """False if a polynomial in one parameter has no real (or no positive) zero; True if there may be one."""
         occurring = [v for v, degree in enumerate(q.degrees()) if degree > 0]
         if len(occurring) != 1:
             return True
-        from sympy import Poly as Univariate
-        from sympy import Rational, Symbol
-
         (v,) = occurring
-        x = Symbol("x")
-        terms = {(int(m[v]),): Rational(int(c.p), int(c.q)) for m, c in q.terms()}
+        coefficients = [fmpq(0)] * (int(q.degrees()[v]) + 1)
+        for m, c in q.terms():
+            coefficients[int(m[v])] = c
         # irreducible and not linear, so that zero is no root
-        return bool(Univariate(terms, x).count_roots(0 if v in self.positive else None, None))
+        return any(v not in self.positive or bool(root > 0) for root in real_roots(fmpq_poly(coefficients)))
 
     def _is_negative(self, solved: tuple[int, Poly, Poly]) -> bool:
         """Whether a positive parameter would have to be negative or zero, whatever the others are."""
