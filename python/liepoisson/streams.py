@@ -26,6 +26,8 @@ class Purpose(IntEnum):
     """Independent states on a leaf."""
     CHAINS = 11
     """Markov chains on a leaf."""
+    SYMMETRIC_ORBITS = 12
+    """Starts in the fixed sets of reversers."""
     SECTION = 0x5EC7
     """Starts on a surface of section."""
 
