@@ -28,6 +28,8 @@ class Purpose(IntEnum):
     """Markov chains on a leaf."""
     SYMMETRIC_ORBITS = 12
     """Starts in the fixed sets of reversers."""
+    HOMOCLINIC_ORBITS = 13
+    """Amplitudes on linear unstable spaces."""
     SECTION = 0x5EC7
     """Starts on a surface of section."""
 

@@ -217,7 +217,7 @@ def _distinct(
     reversers: Sequence[DiscreteSymmetry],
 ) -> list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]]:
     """One segment for each orbit, and for its images under the group that the reversers generate."""
-    group = _group([one.matrix for one in reversers])
+    group = group_of([one.matrix for one in reversers])
     flow = Flow(level.system, 1)
     kept: list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]] = []
     images: list[Array] = []
@@ -240,7 +240,7 @@ def _distinct(
     return kept
 
 
-def _group(generators: list[Array]) -> list[Array]:
+def group_of(generators: list[Array]) -> list[Array]:
     """The finite group that signed permutations generate."""
     found = {one.tobytes(): one for one in [np.eye(len(generators[0]))]}
     waiting = list(found.values())
