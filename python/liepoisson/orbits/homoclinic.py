@@ -17,7 +17,7 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
-from liepoisson.errors import ParameterError
+from liepoisson.errors import OrbitError, ParameterError
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Taylor
 from liepoisson.numeric.sampling import as_seed
@@ -47,6 +47,7 @@ _MOST_STEPS = 24
 _CONVERGING = 1e-3
 _LONGEST_STEP = 0.3
 _SAME_STATE = 1e-5
+_SAME_TIME = 1e-2
 _GUESSES_PER_START = 1.0
 _OFF = 0.05
 """A midpoint is at least so far from the orbit that it is homoclinic to, in units of the level."""
@@ -122,19 +123,19 @@ def symmetric_homoclinic_orbits(
 class _Search:
     """Flights from the linear unstable space to fixed sets."""
 
-    def __init__(self, space: UnstableSpace, flow: Flow, longest: float) -> None:
-        self.space, self.flow, self.longest = space, flow, longest
+    def __init__(self, space: UnstableSpace, flow: Flow, longest: float, size: float = AMPLITUDE) -> None:
+        self.space, self.flow, self.longest, self.size = space, flow, longest, size
         self.units = space.level.units
         # one loop multiplies amplitudes by at most this; at an equilibrium the flow covers all amplitudes
         self.factor = float(np.abs(np.linalg.eigvals(space.matrix)).max()) if space.loop_time else 1.0
 
     def drawn(self, n: int, seed: int) -> Array:
-        """Random amplitudes of the size `AMPLITUDE`, up to what one loop makes of it, shape (n, k)."""
+        """Random amplitudes of the size that is searched, up to what one loop makes of it, shape (n, k)."""
         k = self.space.basis.shape[1]
         draw = stream(seed, Purpose.HOMOCLINIC_ORBITS)
         direction = draw.standard_normal((n, k))
         direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        return AMPLITUDE * direction * self.factor ** draw.random((n, 1))
+        return self.size * direction * self.factor ** draw.random((n, 1))
 
     def near(
         self, amplitudes: Array, reversers: Sequence[DiscreteSymmetry], n_wanted: int
@@ -148,7 +149,7 @@ class _Search:
         )
         state = orbit.state / units
         speed = np.linalg.norm(np.gradient(state, grid, axis=1), axis=-1)
-        early = grid[1:-1] < 0.5 * np.log(1 / AMPLITUDE) / self.fastest
+        early = grid[1:-1] < 0.5 * np.log(1 / self.size) / self.fastest
         found: list[tuple[Array, Array]] = []
         for one in reversers:
             distance = np.linalg.norm(state @ mirror_basis(one), axis=-1)
@@ -181,7 +182,7 @@ class _Search:
             if not active.size:
                 break
             starts, slopes = self.space.states(a[active])
-            ends, tangents = self.flow.ends(starts, T[active], slopes * AMPLITUDE)
+            ends, tangents = self.flow.ends(starts, T[active], slopes * self.size)
             with np.errstate(all="ignore"):
                 good = np.isfinite(ends).all(axis=1)
                 rate = np.where(good[:, None], self.flow.system.vector_field(ends), 0.0)
@@ -196,17 +197,35 @@ class _Search:
             slope = np.concatenate([rows @ tangents, (rate @ rows.T)[..., None]], axis=-1)
             move = -np.einsum("nij,nj->ni", np.linalg.pinv(np.where(go[:, None, None], slope, 0.0), rcond=1e-12),
                               np.where(go[:, None], values, 0.0))  # fmt: skip
-            length = np.linalg.norm(a[active], axis=1) / AMPLITUDE
+            length = np.linalg.norm(a[active], axis=1) / self.size
             shift, delay = np.linalg.norm(move[:, :-1], axis=1) / length, np.abs(move[:, -1]) * self.fastest
             factor = 1.0 / np.maximum(1.0, np.maximum(shift, delay) / _LONGEST_STEP)
-            a[active] += AMPLITUDE * factor[:, None] * move[:, :-1]
+            a[active] += self.size * factor[:, None] * move[:, :-1]
             T[active] += factor * move[:, -1]
-            size_of_a = np.linalg.norm(a[active], axis=1) / AMPLITUDE
+            size_of_a = np.linalg.norm(a[active], axis=1) / self.size
             inside = (size_of_a > 1 / (3 * self.factor)) & (size_of_a < 3 * self.factor**2) & (T[active] > 0)
             active = active[go & inside & (T[active] < 1.2 * self.longest)]
         return [
             (*one, float(residual[k])) for k, one in enumerate(best) if one is not None and residual[k] <= MEETS
         ]
+
+
+def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
+    """The same orbit, or its image under the symmetry of the loop, from so many loops before.
+
+    The amplitude is found anew: that on the linear space is a coordinate of the manifold up to its square only.
+
+    Raises:
+        OrbitError: Newton's method does not lead back to it.
+    """
+    space = orbit.space
+    amplitude = np.linalg.solve(np.linalg.matrix_power(space.matrix, n_loops), orbit.amplitude)
+    time = orbit.time + n_loops * space.loop_time
+    search = _Search(space, Flow(orbit.system, 1), 2 * time, float(np.linalg.norm(amplitude)))
+    found = search.solved(orbit.reverser, amplitude[None], np.array([time]))
+    if not found or abs(found[0][1] - time) > _SAME_TIME * time:
+        raise OrbitError(f"a homoclinic orbit must be found again {n_loops} loops before; Newton's method left {orbit!r}")
+    return _described(orbit.origin, space, search.flow, orbit.reverser, *found[0])
 
 
 def _points_of(origin: SymmetricOrbit | Equilibrium, space: UnstableSpace) -> Array:

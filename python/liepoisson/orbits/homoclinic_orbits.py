@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
     from liepoisson.exact.system import System
     from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+    from liepoisson.orbits.polish_homoclinic import PreciseMidpoint
     from liepoisson.phase_space.stability import Equilibrium
 
 _LONGEST = 60
@@ -77,6 +78,17 @@ class HomoclinicOrbit(ReadOnlyArrays):
         first[-1] = self.midpoint
         states = np.concatenate([first, self.reverser(first[:-1])[::-1]])
         return np.concatenate([half - self.time, (self.time - half[:-1])[::-1]]), states
+
+    def polished(self, *, digits: int = 20) -> PreciseMidpoint:
+        """The midpoint to any number of digits, for an orbit homoclinic to a periodic orbit.
+
+        Raises:
+            ParameterError: it is homoclinic to an equilibrium, or the equations are no polynomials.
+            OrbitError: Newton's method does not converge.
+        """
+        from liepoisson.orbits.polish_homoclinic import polished_midpoint
+
+        return polished_midpoint(self, digits)
 
     def __repr__(self) -> str:
         return (

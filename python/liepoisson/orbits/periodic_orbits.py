@@ -106,7 +106,8 @@ class SymmetricOrbit(ReadOnlyArrays):
         """The segment to any number of digits, by Newton's method in the arithmetic of Arb.
 
         Raises:
-            ParameterError: the equations are no polynomials, or Newton's method does not converge.
+            ParameterError: the equations are no polynomials.
+            OrbitError: Newton's method does not converge.
         """
         from liepoisson.orbits.polish import polished_segment
 

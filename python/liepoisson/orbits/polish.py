@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from liepoisson.errors import ParameterError
+from liepoisson.errors import OrbitError
 from liepoisson.orbits.precise_flow import (
     Ball,
     Matrix,
@@ -58,7 +58,8 @@ def polished_segment(orbit: SymmetricOrbit, digits: int) -> PreciseSegment:
     """The segment of an orbit to so many digits.
 
     Raises:
-        ParameterError: the equations are no polynomials, or Newton's method does not converge.
+        ParameterError: the equations are no polynomials.
+        OrbitError: Newton's method does not converge.
     """
     from flint import ctx
 
@@ -98,7 +99,7 @@ def solved_segment(orbit: SymmetricOrbit, digits: int) -> tuple[list[Ball], list
         moved = max(float(abs(value)) for value in [*change, step[-1]])
         if moved < 10.0 ** (-0.5 * digits - 1) and moved * moved < 10.0 ** -(digits + 2):
             return x, in_fixed_set(orbit.last, flow.end(x, T)[0]), T, moved
-    raise ParameterError(
+    raise OrbitError(
         f"the orbit must close; Newton's method in {digits} digits still moves by {moved:.1e} after {_MOST_STEPS} steps"
     )
 

@@ -14,7 +14,7 @@ from fractions import Fraction
 from math import ceil, log
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from liepoisson.errors import ParameterError
+from liepoisson.errors import OrbitError, ParameterError
 from liepoisson.exact.parameters import Exact, to_sympy
 from liepoisson.wrong_values import shown
 
@@ -70,14 +70,14 @@ def solved(matrix: Matrix, right: Matrix) -> Matrix:
     """The solution of linear equations of full rank, that of least squares if there are more equations than unknowns.
 
     Raises:
-        ParameterError: the equations are singular.
+        OrbitError: the equations are singular.
     """
     if matrix.nrows() != matrix.ncols():
         matrix, right = matrix.transpose() * matrix, matrix.transpose() * right
     try:
         return midpoints(matrix.solve(right))
     except ZeroDivisionError as error:
-        raise ParameterError("Newton's equations must be regular; they are singular here: no isolated solution") from error
+        raise OrbitError("Newton's equations must be regular; they are singular here: no isolated solution") from error
 
 
 @dataclass(frozen=True)

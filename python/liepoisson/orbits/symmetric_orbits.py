@@ -125,7 +125,7 @@ def symmetric_periodic_orbits(
             segments = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
             found.append((chosen[i], chosen[j], segments))
     shortest = _distinct(level, [s for f, l, one in found for s in _shortest(level, flow, chosen, f, l, one)], chosen)
-    orbits = [symmetric_orbit(level, flow, *segment) for segment in shortest]
+    orbits = [symmetric_orbit(level, flow, *_named_image(level, flow, segment, chosen)) for segment in shortest]
     isolated = [one for one in orbits if not (np.abs(one.multipliers - 1) < _FAMILY).any()]
     isolated.sort(key=lambda one: (-round(one.rate, 9), one.period))
     return SymmetricOrbits(
@@ -238,6 +238,34 @@ def _distinct(
             kept.append(segments[k])
             images.append(np.array([g @ y for g in group for y in (x, ends[k])]))
     return kept
+
+
+def _named_image(
+    level: Level,
+    flow: Flow,
+    segment: tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float],
+    reversers: Sequence[DiscreteSymmetry],
+) -> tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]:
+    """The image of an orbit that stands for all of them, which does not depend on the starts of the search.
+
+    It begins in the fixed set of the reverser that comes first in the list, at the state that is the last in the order
+    of its components.
+    """
+    first, last, start, time = segment
+    numbers = {id(one): k for k, one in enumerate(reversers)}
+    (end,), _ = flow.ends(start[None], np.array([time]))
+    ways = [(first, last, start)]
+    if numbers[id(last)] <= numbers[id(first)]:
+        ways.append((last, first, end))
+    if numbers[id(last)] < numbers[id(first)]:
+        ways.pop(0)
+    group = group_of([one.matrix for one in reversers])
+    images = [(f, l, g @ x) for f, l, x in ways for g in group]
+    images = [one for one in images if np.abs((one[0](one[2]) - one[2]) / level.units).max() < _SAME_STATE]
+    chosen = max(images, key=lambda one: tuple(np.round(one[2] / level.units, 6) + 0.0))
+    if np.array_equal(chosen[2], start):
+        return segment
+    return _improved(level, flow, *chosen, time)
 
 
 def group_of(generators: list[Array]) -> list[Array]:
