@@ -5,12 +5,7 @@ import json
 import pytest
 
 from liepoisson.errors import CertificateError, DamagedFileError, MissingFileError
-from liepoisson.proofs.certificate import (
-    certificate_data,
-    load_covering_certificate,
-    read_certificate,
-    save_covering_certificate,
-)
+from liepoisson.proofs.certificate import load_covering_certificate
 from liepoisson.proofs.claimed_system import compare_equations
 
 REFUSED = {
@@ -55,13 +50,6 @@ def test_what_is_no_json_is_refused(tmp_path):
             load_covering_certificate(path)
     with pytest.raises(MissingFileError):
         load_covering_certificate(tmp_path / "none.json")
-
-
-def test_a_saved_certificate_is_the_same(shipped, tmp_path):
-    certificate = read_certificate(shipped)
-    path = save_covering_certificate(certificate, tmp_path / "proof.json")
-    assert load_covering_certificate(path) == certificate
-    assert certificate_data(certificate) == shipped
 
 
 def test_equations_are_compared_in_any_order_and_form(shipped, twisted):

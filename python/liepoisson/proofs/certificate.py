@@ -20,8 +20,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
 
-from liepoisson.errors import DamagedFileError, MissingFileError, OutputError
-from liepoisson.files import write_atomically
+from liepoisson.errors import DamagedFileError, MissingFileError
 from liepoisson.wrong_values import shown
 
 _MOST_BYTES = 20_000_000
@@ -79,41 +78,6 @@ def load_covering_certificate(path: str | Path) -> CoveringCertificate:
             f"{path}: wanted a certificate of covering relations; got a file that is none: {error!s:.200}. The format "
             "is described in docs/proof.md"
         ) from error
-
-
-def save_covering_certificate(certificate: CoveringCertificate, path: str | Path) -> Path:
-    """Write a certificate as JSON.
-
-    Raises:
-        OutputError: the file cannot be written, or its name does not end in .json.
-    """
-    path = Path(path)
-    if path.suffix != ".json":
-        raise OutputError(f"wanted a name that ends in .json; got {shown(str(path))}; write for example proof.json")
-    write_atomically(path, (json.dumps(certificate_data(certificate), indent=1) + "\n").encode())
-    return path
-
-
-def certificate_data(certificate: CoveringCertificate) -> dict[str, Any]:
-    """A certificate as data that JSON can write."""
-    names = [s.name for s in certificate.sets]
-    return {
-        "system": {"name": certificate.name, "equations": certificate.equations},
-        "level": {name: str(value) for name, value in certificate.level.items()},
-        "symmetry": list(certificate.symmetry),
-        "sets": [
-            {
-                "name": s.name,
-                "center": [c.hex() for c in s.center],
-                "frame": [[e.hex() for e in row] for row in s.frame],
-            }
-            for s in certificate.sets
-        ],
-        "edges": [
-            {"from": names[e.source], "to": names[e.target], "time": e.time.hex(), "symmetry": e.symmetry}
-            for e in certificate.edges
-        ],
-    }
 
 
 class _FormatError(ValueError):

@@ -258,9 +258,7 @@ class ChainMaker:
         return self.radius * U @ (vectors / np.sqrt(values)) @ vectors.T
 
     def _frame(self, x: Array, unstable: Array, stable: Array) -> Array:
-        return np.column_stack(
-            [unstable, self.orbit.system.vector_field(x), stable, self.orbit.level.gradients(x).T]
-        )
+        return np.column_stack([unstable, self.orbit.system.vector_field(x), stable, self.orbit.level.gradients(x).T])
 
     def _lengthened(self, homoclinic: HomoclinicOrbit, norm: Array) -> HomoclinicOrbit:
         """The same from a start so near to the periodic orbit that it is well inside of its set."""

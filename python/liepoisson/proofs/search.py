@@ -117,7 +117,14 @@ def find_certificate(
     level = level_of(system, leaf, energy)
     _check_that_it_has_no_equilibrium(level)
     orbits = symmetric_periodic_orbits(
-        system, leaf, energy, n_starts=n_starts, t_end=t_end, seed=seed, threads=threads, progress=part_of(progress, 0, 0.4)
+        system,
+        leaf,
+        energy,
+        n_starts=n_starts,
+        t_end=t_end,
+        seed=seed,
+        threads=threads,
+        progress=part_of(progress, 0, 0.4),
     )
     hyperbolic = [one for one in orbits if one.stability == "hyperbolic"]
     # two different reversers first: the symmetry that closes the loop halves it
@@ -160,7 +167,9 @@ def _check_that_it_has_no_equilibrium(level: Level) -> None:
     scale = max(float(np.ptp(energies)), abs(wanted), 1e-300)
     near = np.abs(energies - wanted) <= _CRITICAL * scale
     if near.any():
-        raise LeafError(f"a level must be regular; {level.text} has an equilibrium, {every[int(np.argmax(near))].state}")
+        raise LeafError(
+            f"a level must be regular; {level.text} has an equilibrium, {every[int(np.argmax(near))].state}"
+        )
 
 
 def _positive(value: Any, name: str) -> float:

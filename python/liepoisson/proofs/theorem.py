@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import CertificateError, EnclosureError, ParameterError
-from liepoisson.proofs.certificate import CoveringCertificate, load_covering_certificate
+from liepoisson.exact.polynomials.limits import NotDecidedError
+from liepoisson.proofs.certificate import CoveringCertificate, load_covering_certificate, read_certificate
 from liepoisson.proofs.claimed_system import compare_equations
 from liepoisson.proofs.margins import Margins
 from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
+from liepoisson.proofs.regularity import is_regular
+from liepoisson.proofs.search import CertificateCandidate
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -67,7 +70,7 @@ class ChaosProof:
 @explains_its_arguments
 def prove_chaos(
     system: System,
-    certificate: CoveringCertificate | str | Path | None = None,
+    certificate: CertificateCandidate | CoveringCertificate | str | Path | None = None,
     *,
     arithmetics: Sequence[str] = ARITHMETICS,
     progress: Callable[[float], object] | None = None,
@@ -76,7 +79,8 @@ def prove_chaos(
 
     Args:
         system: A polynomial system with rational constants: nine coordinates, H and three Casimirs.
-        certificate: A certificate or its file; the one that is shipped, if there is one for the system.
+        certificate: A certificate, what `find_certificate` found, or a file; the one that is shipped, if there is one
+            for the system.
         arithmetics: "intervals" (doubles with outward rounding) and "balls" (Arb), which share no code.
         progress: Called with the fraction that is done.
 
@@ -91,9 +95,11 @@ def prove_chaos(
     field = polynomial_field(system)
     if certificate is None:
         certificate = shipped_certificate(system)
+    elif isinstance(certificate, CertificateCandidate):
+        certificate = read_certificate(certificate.chain.record())
     elif not isinstance(certificate, CoveringCertificate):
         certificate = load_covering_certificate(certificate)
-    notes = [compare_equations(certificate.equations, field)]
+    notes = [compare_equations(certificate.equations, field), _regularity(field, certificate)]
     margins: list[Margins] = []
     for number, name in enumerate(chosen):
 
@@ -108,6 +114,26 @@ def prove_chaos(
     if progress is not None:
         progress(1.0)
     return ChaosProof(system, certificate, field, tuple(margins), (*notes, _NOT_PROVED))
+
+
+def _regularity(field: PolynomialField, certificate: CoveringCertificate) -> str:
+    """What is known of the level, exactly.
+
+    Raises:
+        CertificateError: the level is not regular.
+    """
+    if set(certificate.level) != set(field.constants):
+        raise CertificateError(
+            f"the certificate is refused: wanted a level with values of {', '.join(field.constants)}; got "
+            f"{', '.join(certificate.level)}"
+        )
+    try:
+        regular = is_regular(field, certificate.level)
+    except NotDecidedError:
+        return "Whether all of the level is regular was not decided; it is along the orbits."
+    if not regular:
+        return "The level has critical points, perhaps complex ones; it is regular along the orbits."
+    return "The level is regular: the ideal of its critical points contains 1, exactly."
 
 
 def shipped_certificate(system: System) -> CoveringCertificate:
@@ -132,8 +158,7 @@ _NAMES = {"balls": "Arb balls", "intervals": "intervals"}
 
 
 def _checkers() -> dict[str, Callable[[CoveringCertificate, PolynomialField, Callable[[float], Any]], Margins]]:
-    from liepoisson.proofs.interval_checker import check_in_intervals
-
     from liepoisson.proofs.ball_checker import check_in_balls
+    from liepoisson.proofs.interval_checker import check_in_intervals
 
     return {"balls": check_in_balls, "intervals": check_in_intervals}
