@@ -2,6 +2,7 @@
 from liepoisson.integrability.certificates import certificate as certificate
 from liepoisson.integrability.certificates import load_certificate as load_certificate
 from liepoisson.integrability.certificates import save_certificate as save_certificate
+from liepoisson.integrability.darboux import darboux_polynomials as darboux_polynomials
 from liepoisson.integrability.families import integrable_families as integrable_families
 from liepoisson.integrability.polynomial_integrals import first_integrals as first_integrals
 from liepoisson.integrability.report import integrability_report as integrability_report

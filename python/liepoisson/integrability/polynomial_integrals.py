@@ -155,18 +155,9 @@ def first_integrals(
             no positive grading for a weight, or the search is too large.
         ExpressionError: A text cannot be read.
     """
-    given = _known(system) if known is None else {name: system.expression(f) for name, f in known.items()}
-    zeros = [_zero_on_level(system, f) for f in ([on] if isinstance(on, str) else on)]
-    derivation, functions = derivation_of(system, *given.values(), *zeros)
-    known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
-    for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
-        if derivation(polynomial):
-            raise ParameterError(
-                f"known: wanted integrals; got {name} = {shown(expression)}, whose derivative "
-                f"{shown(derivation.expression(derivation(polynomial)))} is not zero"
-            )
+    given, zeros, derivation, known_polynomials, zero_polynomials = read_search(system, known, on)
     level = level_of(derivation, zero_polynomials)
-    found = _gradings_of_level(derivation, zero_polynomials)
+    found = gradings_of_level(derivation, zero_polynomials)
     monomials, size, weights = _asked(derivation, found, degree, weight)
     remainders = [level.remainder(polynomial) for polynomial in known_polynomials]
     generators = [Generator(n, r, is_new=False) for n, r in zip(given, remainders, strict=True) if any(map(any, r))]
@@ -181,7 +172,7 @@ def first_integrals(
         on=tuple(zeros),
         known=given,
         found=tuple(
-            FirstIntegral(g.name, derivation.expression(_tidied(g.polynomial)), g.degree, g.is_independent) for g in new
+            FirstIntegral(g.name, derivation.expression(tidied(g.polynomial)), g.degree, g.is_independent) for g in new
         ),
         n_monomials=size,
         n_blocks=len(search.counts),
@@ -191,6 +182,27 @@ def first_integrals(
         parameters=tuple(map(str, derivation.field.parameters)),
         counts=tuple(search.counts),
     )
+
+
+def read_search(
+    system: System, known: Mapping[str, str | Expr] | None, on: Sequence[str | Expr]
+) -> tuple[dict[str, Expr], list[Expr], Derivation, list[Polynomial], list[Polynomial]]:
+    """The known integrals and the functions that vanish on the level, the equations, and both as polynomials.
+
+    Raises:
+        ParameterError: the equations are no polynomials, or a known integral is none.
+    """
+    given = _known(system) if known is None else {name: system.expression(f) for name, f in known.items()}
+    zeros = [_zero_on_level(system, f) for f in ([on] if isinstance(on, str) else on)]
+    derivation, functions = derivation_of(system, *given.values(), *zeros)
+    known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
+    for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
+        if derivation(polynomial):
+            raise ParameterError(
+                f"known: wanted integrals; got {name} = {shown(expression)}, whose derivative "
+                f"{shown(derivation.expression(derivation(polynomial)))} is not zero"
+            )
+    return given, zeros, derivation, known_polynomials, zero_polynomials
 
 
 def _known(system: System) -> dict[str, Expr]:
@@ -206,7 +218,7 @@ def _zero_on_level(system: System, equation: str | Expr) -> Expr:
     return system.expression(left) - system.expression(right)
 
 
-def _gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
+def gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
     """The gradings in which the equations of the level are homogeneous."""
     return tuple(g for g in gradings(derivation) if all(len({g.of(m) for m in zero}) <= 1 for zero in zeros))
 
@@ -243,7 +255,7 @@ def _asked(
     return of_weight(grading.weights, w), size, grading.weights
 
 
-def _tidied(polynomial: Polynomial) -> Polynomial:
+def tidied(polynomial: Polynomial) -> Polynomial:
     """With whole coefficients without a common factor, the leading one positive, where they are rational."""
     from fractions import Fraction
     from math import gcd, lcm

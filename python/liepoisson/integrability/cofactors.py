@@ -1,0 +1,263 @@
+r"""Which cofactors can Darboux polynomials have, and which have some up to a degree?
+
+A Darboux polynomial p satisfies $D p = k p$ with a polynomial k, its cofactor. For given k this is a linear system for
+p; the coefficients of k are its parameters, and `liepoisson.integrability.parameter_cases` splits it into cases. There
+are finitely many cofactors of polynomials of bounded degree: along a curve on which k went to infinity the equation
+$D p = k p$, divided by the size of k, would become $0 = k p$.
+
+Which monomials k has: the exponents $e - 1_k$ of the terms $x^e\,\partial_k$ of D move those of p. For any weights of the
+coordinates the parts of highest weight of $k p$ and $D p$ must agree, so that the exponents of k lie in the convex hull
+of the $e - 1_k$.
+
+References: Goriely, Integrability and Nonintegrability of Dynamical Systems (2001), sections 2.5 and 5.3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import product
+from math import prod
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from liepoisson.exact.linear.coefficients import Element
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.gradings import Grading
+from liepoisson.integrability.level import Level
+from liepoisson.integrability.monomials import of_degree
+from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly, SparseRow, State
+from liepoisson.integrability.square_roots import element, field_of, roots
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+Field: TypeAlias = Literal["complex", "real", "rational"]
+Values: TypeAlias = "tuple[Expr, ...]"
+"""The coefficients of a cofactor, rational or with square roots, in the order of its monomials."""
+
+_MOST_STEPS = 2000
+"""Steps of the search for weights that exclude a monomial; where it does not end, the monomial stays."""
+
+
+def cofactor_monomials(derivation: Derivation, gradings: Sequence[Grading], level: Level) -> list[Exponents]:
+    """The monomials that cofactors can have.
+
+    On a level, which may have several components, these are the cofactors that are looked for.
+    """
+    n = len(derivation.variables)
+    found = [
+        m
+        for degree in range(derivation.degree)
+        for m in of_degree(n, degree)
+        if level.is_standard(m) and all(g.of(m) == g.shift for g in gradings)
+    ]
+    if level.basis:
+        return found
+    shifts = {
+        tuple(e - (i == k) for i, e in enumerate(m)) for k, c in enumerate(derivation.components) for m in c
+    }
+    return [m for m in found if not _separates(m, sorted(shifts))]
+
+
+def _separates(monomial: Exponents, shifts: Sequence[Exponents]) -> bool:
+    """Whether weights are found in which a monomial is heavier than all shifts: a perceptron."""
+    differences = [tuple(a - b for a, b in zip(monomial, shift, strict=True)) for shift in shifts]
+    weights = [0] * len(monomial)
+    for _ in range(_MOST_STEPS):
+        wrong = next((d for d in differences if sum(w * x for w, x in zip(weights, d, strict=True)) <= 0), None)
+        if wrong is None:
+            return True
+        weights = [w + x for w, x in zip(weights, wrong, strict=True)]
+    return False
+
+
+def image(
+    derivation: Derivation, cofactor: Mapping[Exponents, Element], monomial: Exponents, level: Level
+) -> Polynomial:
+    """The polynomial (D - k) m for a monomial m."""
+    total = derivation({monomial: derivation.field.one})
+    for m, c in cofactor.items():
+        key = tuple(map(sum, zip(m, monomial, strict=True)))
+        total[key] = total[key] - c if key in total else -c
+    return level.remainder(total)
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """What the splitting of one block gave.
+
+    Attributes:
+        values: Coefficients of cofactors, among them all that occur, but for those in `left`.
+        left: Cases that were not decided, as conditions.
+        n_cases: Number of cases that were looked at.
+    """
+
+    values: tuple[Values, ...]
+    left: tuple[str, ...]
+    n_cases: int
+
+
+class CofactorCases(CaseSplitting):
+    """The splitting of the system $(D - k) p = 0$ by the coefficients of k.
+
+    Args:
+        derivation: The equations, with rational coefficients.
+        level: The level set, or all of phase space.
+        monomials: Those of the cofactor.
+        field: Which numbers the coefficients of the cofactor may be.
+        keep_going: Asked before each step of an elimination.
+    """
+
+    def __init__(
+        self,
+        derivation: Derivation,
+        level: Level,
+        monomials: Sequence[Exponents],
+        field: Field,
+        keep_going: Callable[[], bool],
+    ) -> None:
+        from flint import fmpq_mpoly_ctx
+
+        self.derivation, self.level, self.monomials = derivation, level, tuple(monomials)
+        self.number_field, self.keep_going = field, keep_going
+        names = [f"k_{'_'.join(_name(derivation, m)) or '0'}" for m in monomials]
+        super().__init__(fmpq_mpoly_ctx.get(names, "degrevlex"), frozenset(), [])
+
+    def candidates(self, block: Sequence[Exponents]) -> Candidates:
+        """The cofactors of polynomials with the monomials of a block."""
+        stack = [State(Case(nonzero=self.assumed), self._rows(block), 0)]
+        values: list[Values] = []
+        left: list[Case] = []
+        n_cases = 0
+        while stack:
+            state = stack.pop()
+            n_cases += 1
+            try:
+                further = self._impose(state)
+                if further is not None:
+                    stack += further
+                    continue
+                self._eliminate(state, len(block))
+            except _OutOfTimeError:
+                left += [s.case for s in (state, *stack)]
+                break
+            if state.rank >= len(block):
+                continue
+            if not state.rows or self._is_finite(state.case):
+                points = self._points(state.case)
+                if points is None:
+                    left.append(state.case)
+                else:
+                    values += points
+            else:
+                stack += self._split(state)
+        return Candidates(tuple(dict.fromkeys(values)), tuple(map(self._text, left)), n_cases)
+
+    def _rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
+        rows: dict[Exponents, SparseRow] = {}
+        one = self.derivation.field.one
+        for column, monomial in enumerate(block):
+            parts = [(self._one, image(self.derivation, {}, monomial, self.level))]
+            for v, m in enumerate(self.monomials):
+                parts.append((-self.context.gen(v), self.level.remainder({_sum(m, monomial): one})))
+            for factor, part in parts:
+                for key, value in part.items():
+                    row = rows.setdefault(key, {})
+                    row[column] = row.get(column, self._zero) + factor * _flint(value)
+        return [{c: p for c, p in row.items() if p} for row in rows.values()]
+
+    # the numbers that coefficients may be
+
+    def _definite_terms(self, q: Poly) -> list[Poly] | None:
+        if self.number_field == "complex":
+            return [self._one] if q.is_constant() else None
+        return super()._definite_terms(q)
+
+    def _has_real_zero(self, q: Poly) -> bool:
+        if self.number_field == "complex":
+            return True
+        if self.number_field == "rational" and sum(degree > 0 for degree in q.degrees()) == 1:
+            return False  # irreducible and not linear
+        return super()._has_real_zero(q)
+
+    # the splitting
+
+    def _pivot(self, state: State) -> tuple[int, int] | None:
+        if not self.keep_going():
+            raise _OutOfTimeError
+        return super()._pivot(state)
+
+    def _with_solved(self, state: State, case: Case, v: int, numerator: Poly, denominator: Poly) -> State:
+        # an equation that was irreducible may split, be of degree one or contradict the others after the insertion
+        waiting = State(state.case, state.rows, state.rank, [*case.unsolved, *state.pending])
+        return super()._with_solved(waiting, replace(case, unsolved=()), v, numerator, denominator)
+
+    def _is_finite(self, case: Case) -> bool:
+        """Whether each coefficient is solved for, or has an equation of its own."""
+        return set(range(self.n)) == {v for v, _, _ in case.solved} | set(self._equations(case))
+
+    def _equations(self, case: Case) -> dict[int, Poly]:
+        """The unsolved equations in one coefficient, by this."""
+        found: dict[int, Poly] = {}
+        for q in case.unsolved:
+            occurring = [v for v, degree in enumerate(q.degrees()) if degree > 0]
+            if len(occurring) == 1:
+                found.setdefault(occurring[0], q)
+        return found
+
+    def _points(self, case: Case) -> list[Values] | None:
+        """The coefficients in a case; None where they are not found, having others than square roots."""
+        equations = self._equations(case)
+        if not self._is_finite(case) or any(q.degrees()[v] != 2 for v, q in equations.items()):
+            return None
+        choices = {v: self._roots(q, v) for v, q in equations.items()}
+        field = field_of(root for pair in choices.values() for root in pair)
+        found: list[Values] = []
+        for chosen in product(*choices.values()):
+            values = [field.one - field.one] * self.n
+            for v, root in zip(choices, chosen, strict=True):
+                values[v] = element(root, field)
+            solved = {v: (self._value(a, values, field), self._value(b, values, field)) for v, a, b in case.solved}
+            if not all(b for _, b in solved.values()):
+                continue
+            for v, (a, b) in solved.items():
+                values[v] = a / b
+            if not any(self._value(q, values, field) for q in case.unsolved):
+                found.append(tuple(field.to_sympy(value) for value in values))
+        return found
+
+    def _roots(self, q: Poly, v: int) -> tuple[Expr, ...]:
+        coefficients = [Fraction(0)] * 3
+        for monomial, c in q.terms():
+            coefficients[int(monomial[v])] = Fraction(int(c.p), int(c.q))
+        found = roots(*reversed(coefficients))
+        return tuple(x for x in found if self.number_field == "complex" or x.is_real)
+
+    def _value(self, q: Poly, values: Sequence[Element], field: Any) -> Element:
+        total = field.one - field.one
+        for monomial, c in q.terms():
+            power = prod((x ** int(k) for x, k in zip(values, monomial, strict=True) if k), start=field.one)
+            total = total + field.number(Fraction(int(c.p), int(c.q))) * power
+        return total
+
+    def _text(self, case: Case) -> str:
+        return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"
+
+
+class _OutOfTimeError(Exception):
+    """The time is over."""
+
+
+def _sum(first: Exponents, second: Exponents) -> Exponents:
+    return tuple(map(sum, zip(first, second, strict=True)))
+
+
+def _flint(value: Fraction) -> Any:
+    from flint import fmpq
+
+    return fmpq(value.numerator, value.denominator)
+
+
+def _name(derivation: Derivation, monomial: Exponents) -> list[str]:
+    return [f"{x}" if k == 1 else f"{x}{k}" for x, k in zip(derivation.variables, monomial, strict=True) if k]

@@ -1,0 +1,194 @@
+r"""All Darboux polynomials with given cofactors, and those of them that others do not give.
+
+For each cofactor k the polynomials with $D p = k p$ are a vector space, which contains the products of others whose
+cofactors add up to k. Its dimension modulo a prime is at least the true one. Where products span as much, there is
+nothing else; otherwise the space is computed exactly, and what is no sum of products is taken, lowest degree first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.coefficients import Coefficients, Element
+from liepoisson.exact.linear.echelon import Echelon
+from liepoisson.exact.linear.linear_algebra import nullspace, nullspace_mod
+from liepoisson.exact.linear.residues import Residues
+from liepoisson.integrability.cofactors import image
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.gradings import Grading, homogeneous_parts
+from liepoisson.integrability.level import Level, order
+from liepoisson.integrability.modular import Modular, Span, modular, multiply
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+Cofactor: TypeAlias = "tuple[Element, ...]"
+"""The coefficients of a cofactor, in the order of its monomials."""
+Label: TypeAlias = "tuple[int, ...]"
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A Darboux polynomial of which products are made.
+
+    Attributes:
+        polynomial: It, homogeneous in the gradings.
+        cofactor: Its cofactor.
+        is_new: Whether the search found it.
+    """
+
+    polynomial: Polynomial
+    cofactor: Cofactor
+    is_new: bool
+
+    @property
+    def degree(self) -> int:
+        """Its total degree."""
+        return max(map(sum, self.polynomial))
+
+
+@dataclass
+class DarbouxSearch:
+    """The search with given cofactors.
+
+    Attributes:
+        derivation: The equations, over a field that contains the cofactors.
+        gradings: Integer gradings, in which the cofactors are homogeneous.
+        level: The level set, or all of phase space.
+        monomials: Those of the cofactors.
+        factors: What is known, to which is added what is found.
+    """
+
+    derivation: Derivation
+    gradings: tuple[Grading, ...]
+    level: Level
+    monomials: tuple[Exponents, ...]
+    factors: list[Factor] = field(default_factory=list[Factor])
+
+    @property
+    def field(self) -> Coefficients:
+        """Where coefficients live."""
+        return self.derivation.field
+
+    def add_known(self, polynomial: Polynomial) -> None:
+        """Take the homogeneous parts of an integral as known."""
+        zero = self.field.one - self.field.one
+        for part in homogeneous_parts(self.level.remainder(polynomial), self.gradings).values():
+            if any(map(any, part)):
+                self.factors.append(Factor(part, (zero,) * len(self.monomials), is_new=False))
+
+    def run(
+        self,
+        blocks: Sequence[tuple[Label, list[Exponents], Sequence[Cofactor]]],
+        progress: Callable[[float], Any] = lambda _: None,
+    ) -> None:
+        """Look for Darboux polynomials with the monomials of some blocks and the cofactors named with each.
+
+        Blocks are sorted by the degrees of their monomials.
+        """
+        known = list(self.factors)
+        candidates: list[tuple[int, Label, Factor]] = []
+        highest = max((sum(m) for _, block, _ in blocks for m in block), default=0)
+        for n, (label, block, cofactors) in enumerate(blocks):
+            columns = sorted(block, key=order, reverse=True)
+            for cofactor in cofactors:
+                if len(self._span(label, cofactor, highest)) >= self._nullity(columns, cofactor):
+                    continue
+                for polynomial in self._exact(columns, cofactor):
+                    found = Factor(polynomial, cofactor, is_new=True)
+                    if not any(map(any, polynomial)):
+                        continue
+                    candidates.append((found.degree, label, found))
+                    if self._span(label, cofactor, highest).reduce(modular(polynomial, self.residues)):
+                        self.factors.append(found)
+            progress((n + 1) / len(blocks))
+        # once more by degree: one that was found first may be a product of others of lower degree
+        self.factors = known
+        for _, label, found in sorted(candidates, key=lambda c: (c[0], len(c[2].polynomial))):
+            span = self._span(label, found.cofactor, highest)
+            if span.reduce(modular(found.polynomial, self.residues)):
+                self.factors.append(found)
+
+    def cofactor_expression(self, factor: Factor) -> Expr:
+        """The cofactor of a Darboux polynomial."""
+        return self.derivation.expression(self._of(factor.cofactor))
+
+    @cached_property
+    def residues(self) -> Residues:
+        """The homomorphism modulo a prime."""
+        found = self.field.residues(seed=1)
+        if found is None:
+            raise ParameterError("the square roots in the cofactors generate a field that is too large; take field='real'")
+        return found
+
+    @cached_property
+    def _level_mod(self) -> Level:
+        return Level(tuple((lead, modular(b, self.residues)) for lead, b in self.level.basis))
+
+    def _of(self, cofactor: Cofactor) -> dict[Exponents, Element]:
+        return {m: c for m, c in zip(self.monomials, cofactor, strict=True) if c}
+
+    def _rows(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[dict[int, Element]]:
+        rows: dict[Exponents, dict[int, Element]] = {}
+        for column, monomial in enumerate(block):
+            for key, value in image(self.derivation, self._of(cofactor), monomial, self.level).items():
+                rows.setdefault(key, {})[column] = value
+        return list(rows.values())
+
+    def _nullity(self, block: Sequence[Exponents], cofactor: Cofactor) -> int:
+        """The dimension of the null space modulo the prime, at least the true one."""
+        rows = [
+            {c: residue for c, v in row.items() if (residue := self.residues(v))} for row in self._rows(block, cofactor)
+        ]
+        return len(nullspace_mod(rows, len(block), self.residues.p))
+
+    def _exact(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[Polynomial]:
+        """The null space, as polynomials of the lowest degrees possible; columns begin with the highest degree."""
+        lowest = Echelon(self.field)
+        for vector in nullspace(self._rows(block, cofactor), len(block), self.field).vectors:
+            lowest.insert(vector)
+        return [{block[c]: v for c, v in vector.items()} for vector in lowest.basis()]
+
+    def _span(self, label: Label, cofactor: Cofactor, highest: int) -> Span:
+        """The products of factors up to a degree with a cofactor and in a block, modulo the prime."""
+        p = self.residues.p
+        span = Span(p)
+        wanted = tuple(self.residues(c) for c in cofactor)
+        one: Modular = {(0,) * len(self.derivation.variables): 1}
+        factors = [
+            (
+                f.degree,
+                modular(f.polynomial, self.residues),
+                tuple(self.residues(c) for c in f.cofactor),
+                tuple(g.of(next(iter(f.polynomial))) for g in self.gradings),
+            )
+            for f in self.factors
+        ]
+
+        def extend(start: int, left: int, chosen: tuple[int, ...], rate: tuple[int, ...], weights: Label) -> None:
+            if rate == wanted and weights == label:
+                product = one
+                for k in chosen:
+                    product = multiply(product, factors[k][1], p)
+                span.insert({m: v for m, c in self._level_mod.remainder(product, p).items() if (v := c % p)})
+            for k in range(start, len(factors)):
+                degree, _, more, moved = factors[k]
+                if 0 < degree <= left:
+                    further = tuple((a + b) % p for a, b in zip(rate, more, strict=True))
+                    extend(k, left - degree, (*chosen, k), further, _sum(weights, moved))
+
+        extend(0, highest, (), (0,) * len(self.monomials), (0,) * len(self.gradings))
+        return span
+
+
+def _sum(first: Label, second: Label) -> Label:
+    return tuple(a + b for a, b in zip(first, second, strict=True))
+
+
+def over(field: Coefficients, polynomials: Sequence[Mapping[Exponents, Any]]) -> list[Polynomial]:
+    """Polynomials with rational coefficients over a larger field."""
+    return [{m: field.number(c) for m, c in polynomial.items()} for polynomial in polynomials]
