@@ -14,14 +14,16 @@ References: Goriely, Integrability and Nonintegrability of Dynamical Systems (20
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import product
+from itertools import islice, product
 from math import prod
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from liepoisson.exact.linear.coefficients import Element
+from liepoisson.exact.linear.linear_algebra import nullspace_mod
+from liepoisson.exact.linear.residues import PRIME
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading
 from liepoisson.integrability.level import Level
@@ -36,6 +38,8 @@ Field: TypeAlias = Literal["complex", "real", "rational"]
 Values: TypeAlias = "tuple[Expr, ...]"
 """The coefficients of a cofactor, rational or with square roots, in the order of its monomials."""
 
+_MOST_PRIMES = 50
+"""Primes modulo which zeros of irreducible equations are looked for."""
 _MOST_STEPS = 2000
 """Steps of the search for weights that exclude a monomial; where it does not end, the monomial stays."""
 
@@ -52,6 +56,7 @@ def cofactor_monomials(derivation: Derivation, gradings: Sequence[Grading], leve
         for m in of_degree(n, degree)
         if level.is_standard(m) and all(g.of(m) == g.shift for g in gradings)
     ]
+    found.sort(reverse=True)
     if level.basis:
         return found
     shifts = {
@@ -146,6 +151,8 @@ class CofactorCases(CaseSplitting):
                 continue
             if not state.rows or self._is_finite(state.case):
                 points = self._points(state.case)
+                if points is None and self._has_none(state.case, block):
+                    continue
                 if points is None:
                     left.append(state.case)
                 else:
@@ -193,6 +200,17 @@ class CofactorCases(CaseSplitting):
         waiting = State(state.case, state.rows, state.rank, [*case.unsolved, *state.pending])
         return super()._with_solved(waiting, replace(case, unsolved=()), v, numerator, denominator)
 
+    def _vanishing(self, q: Poly, state: State) -> list[State]:
+        own = self._own(q)
+        if own is not None and own in self._equations(state.case):
+            return []  # two irreducible polynomials in one coefficient have no common zero
+        return super()._vanishing(q, state)
+
+    def _own(self, q: Poly) -> int | None:
+        """The coefficient that is alone in an equation."""
+        occurring = [v for v, degree in enumerate(q.degrees()) if degree > 0]
+        return occurring[0] if len(occurring) == 1 else None
+
     def _is_finite(self, case: Case) -> bool:
         """Whether each coefficient is solved for, or has an equation of its own."""
         return set(range(self.n)) == {v for v, _, _ in case.solved} | set(self._equations(case))
@@ -201,9 +219,8 @@ class CofactorCases(CaseSplitting):
         """The unsolved equations in one coefficient, by this."""
         found: dict[int, Poly] = {}
         for q in case.unsolved:
-            occurring = [v for v, degree in enumerate(q.degrees()) if degree > 0]
-            if len(occurring) == 1:
-                found.setdefault(occurring[0], q)
+            if (own := self._own(q)) is not None:
+                found[own] = q
         return found
 
     def _points(self, case: Case) -> list[Values] | None:
@@ -227,6 +244,47 @@ class CofactorCases(CaseSplitting):
                 found.append(tuple(field.to_sympy(value) for value in values))
         return found
 
+    def _has_none(self, case: Case, block: Sequence[Exponents]) -> bool:
+        """Whether a case in which coefficients are other than square roots has no Darboux polynomial; proved if True.
+
+        Modulo a prime ranks can only drop. With one irreducible equation all of its zeros are alike, so that one of them
+        modulo the prime suffices; with several all must be there.
+        """
+        from flint import nmod_poly
+
+        equations = self._equations(case)
+        if not self._is_finite(case):
+            return False
+        for p in islice(_primes(), _MOST_PRIMES):
+            choices: dict[int, list[int]] = {}
+            for v, q in equations.items():
+                coefficients = [0] * (q.degrees()[v] + 1)
+                for monomial, c in q.terms():
+                    coefficients[int(monomial[v])] = _residue(c, p)
+                factors = nmod_poly(coefficients, p).factor()[1]
+                choices[v] = [int(-f[0] / f[1]) for f, _ in factors if f.degree() == 1]
+            if len(equations) == 1 and all(choices.values()):
+                choices = {v: zeros[:1] for v, zeros in choices.items()}
+            elif any(len(zeros) < equations[v].degrees()[v] for v, zeros in choices.items()):
+                continue
+            return all(
+                self._nullity(dict(zip(choices, chosen, strict=True)), case, block, p) == 0
+                for chosen in product(*choices.values())
+            )
+        return False
+
+    def _nullity(self, given: Mapping[int, int], case: Case, block: Sequence[Exponents], p: int) -> int:
+        """The dimension modulo a prime of the Darboux polynomials with the cofactor that some coefficients give."""
+        values = [given.get(v, 0) for v in range(self.n)]
+        solved = {v: (_at(a, values, p), _at(b, values, p)) for v, a, b in case.solved}
+        if not all(b for _, b in solved.values()):
+            # a denominator that does not vanish may do so modulo the prime
+            return len(block)
+        for v, (a, b) in solved.items():
+            values[v] = a * pow(b, -1, p) % p
+        rows = [{c: x for c, q in row.items() if (x := _at(q, values, p))} for row in self._rows(block)]
+        return len(nullspace_mod(rows, len(block), p))
+
     def _roots(self, q: Poly, v: int) -> tuple[Expr, ...]:
         coefficients = [Fraction(0)] * 3
         for monomial, c in q.terms():
@@ -243,6 +301,28 @@ class CofactorCases(CaseSplitting):
 
     def _text(self, case: Case) -> str:
         return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"
+
+
+def _at(q: Poly, values: Sequence[int], p: int) -> int:
+    """The value of a polynomial modulo a prime."""
+    total = 0
+    for monomial, c in q.terms():
+        term = _residue(c, p)
+        for x, k in zip(values, monomial, strict=True):
+            if k:
+                term = term * pow(x, int(k), p) % p
+        total += term
+    return total % p
+
+
+def _residue(value: Any, p: int) -> int:
+    return int(value.p) * pow(int(value.q), -1, p) % p
+
+
+def _primes() -> Iterator[int]:
+    from flint import fmpz
+
+    return (p for p in range(PRIME, 2, -2) if fmpz(p).is_probable_prime())
 
 
 class _OutOfTimeError(Exception):

@@ -162,7 +162,7 @@ class DarbouxPolynomials:
             return [f"incomplete {effort}, these cofactors k are left:", *(f"  {text}" for text in self.left)]
         others = "these and the known integrals" if self.found else "the known integrals"
         return [
-            f"proved {_WORDS[self.field]}: Every other one is a sum of products of {others} with one cofactor. {effort}"
+            f"proved {_WORDS[self.field]}: Every other one is a sum of products of {others}, all with one cofactor. {effort}"
         ]
 
     def _repr_html_(self) -> str:
@@ -218,7 +218,7 @@ def darboux_polynomials(
     if not derivation.field.is_rational:
         raise ParameterError(
             f"darboux_polynomials: wanted rational numbers in the equations; got {system.name} with "
-            f"{', '.join(map(str, derivation.field.parameters)) or 'irrational ones'}; give the parameters values"
+            f"{', '.join(map(str, derivation.field.parameters)) or 'irrational ones'}; give rational values"
         )
     level = level_of(derivation, zero_polynomials)
     gradings = tuple(g for g in gradings_of_level(derivation, zero_polynomials) if not g.modulus)
@@ -231,7 +231,7 @@ def darboux_polynomials(
         derivation, level, monomials, [block for _, block in ordered], field, limit, lambda f: listen(0.7 * f)
     )
     numbers = field_of(v for of_block in values for one in of_block for v in one)
-    search = _search(derivation, level, gradings, monomials, numbers)
+    search = _search(derivation, level, gradings, monomials, [z for z in zero_polynomials if z], numbers)
     for polynomial in known_polynomials:
         search.add_known(over(numbers, [polynomial])[0])
     n_known = len(search.factors)
@@ -327,6 +327,7 @@ def _search(
     level: Level,
     gradings: tuple[Grading, ...],
     monomials: Sequence[Exponents],
+    equations: Sequence[Polynomial],
     numbers: Coefficients,
 ) -> DarbouxSearch:
     """The search over the field of the cofactors."""
@@ -335,6 +336,7 @@ def _search(
         Derivation(derivation.variables, tuple(over(numbers, derivation.components)), numbers),
         gradings,
         Level(tuple((lead, generator) for (lead, _), generator in zip(level.basis, basis, strict=True))),
+        tuple(over(numbers, equations)),
         tuple(monomials),
     )
 

@@ -59,6 +59,7 @@ class DarbouxSearch:
         derivation: The equations, over a field that contains the cofactors.
         gradings: Integer gradings, in which the cofactors are homogeneous.
         level: The level set, or all of phase space.
+        equations: The polynomials that vanish on the level.
         monomials: Those of the cofactors.
         factors: What is known, to which is added what is found.
     """
@@ -66,6 +67,7 @@ class DarbouxSearch:
     derivation: Derivation
     gradings: tuple[Grading, ...]
     level: Level
+    equations: tuple[Polynomial, ...]
     monomials: tuple[Exponents, ...]
     factors: list[Factor] = field(default_factory=list[Factor])
 

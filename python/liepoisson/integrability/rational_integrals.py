@@ -87,10 +87,9 @@ class _Point:
     """A random point modulo a prime, on the level of a search, and gradients of logarithms there."""
 
     def __init__(self, search: DarbouxSearch) -> None:
-        equations = tuple(generator for _, generator in search.level.basis)
-        here = Search(search.derivation, search.gradings, search.level, equations, [])
+        here = Search(search.derivation, search.gradings, search.level, search.equations, [])
         self.point, self.residues = here.point, here.residues
-        self.level = [gradient_at(modular(e, self.residues), self.point, self.residues.p) for e in equations]
+        self.level = [gradient_at(modular(e, self.residues), self.point, self.residues.p) for e in search.equations]
 
     def gradient(self, factors: Sequence[Factor], powers: Sequence[int]) -> dict[int, int]:
         """The gradient of the logarithm of a product of powers."""
@@ -99,10 +98,13 @@ class _Point:
         for factor, power in zip(factors, powers, strict=True):
             if power:
                 polynomial = modular(factor.polynomial, self.residues)
-                scale = power * pow(value_at(polynomial, self.point, p), -1, p)
+                value = value_at(polynomial, self.point, p)
+                if not value:
+                    return {}  # it vanishes on a component of the level
+                scale = power * pow(value, -1, p)
                 for i, slope in gradient_at(polynomial, self.point, p).items():
                     total[i] = (total.get(i, 0) + scale * slope) % p
-        return {i: value for i, value in total.items() if value}
+        return {i: slope for i, slope in total.items() if slope}
 
     def rank(self, rows: Sequence[dict[int, int]]) -> int:
         """The rank of gradients, along the level."""
