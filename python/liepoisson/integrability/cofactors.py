@@ -5,11 +5,11 @@ p; the coefficients of k are its parameters, and `liepoisson.integrability.param
 are finitely many cofactors of polynomials of bounded degree: along a curve on which k went to infinity the equation
 $D p = k p$, divided by the size of k, would become $0 = k p$.
 
-Which monomials k has: the exponents $e - 1_k$ of the terms $x^e\,\partial_k$ of D move those of p. For any weights of the
-coordinates the parts of highest weight of $k p$ and $D p$ must agree, so that the exponents of k lie in the convex hull
-of the $e - 1_k$.
+Which monomials k has: the terms $x^e\,\partial_k$ of D add $e - 1_k$ to the exponents of p. For any weights of the
+coordinates the parts of highest weight of $k p$ and $D p$ agree, so that the exponents of k lie in the convex hull of
+the $e - 1_k$.
 
-References: Goriely, Integrability and Nonintegrability of Dynamical Systems (2001), sections 2.5 and 5.3.
+References: Goriely, Integrability and Nonintegrability of Dynamical Systems (2001), chapter 2.
 """
 
 from __future__ import annotations
@@ -59,9 +59,7 @@ def cofactor_monomials(derivation: Derivation, gradings: Sequence[Grading], leve
     found.sort(reverse=True)
     if level.basis:
         return found
-    shifts = {
-        tuple(e - (i == k) for i, e in enumerate(m)) for k, c in enumerate(derivation.components) for m in c
-    }
+    shifts = {tuple(e - (i == k) for i, e in enumerate(m)) for k, c in enumerate(derivation.components) for m in c}
     return [m for m in found if not _separates(m, sorted(shifts))]
 
 
@@ -131,6 +129,8 @@ class CofactorCases(CaseSplitting):
 
     def candidates(self, block: Sequence[Exponents]) -> Candidates:
         """The cofactors of polynomials with the monomials of a block."""
+        if not self.monomials:
+            return Candidates(((),), (), 1)
         stack = [State(Case(nonzero=self.assumed), self._rows(block), 0)]
         values: list[Values] = []
         left: list[Case] = []
@@ -247,8 +247,8 @@ class CofactorCases(CaseSplitting):
     def _has_none(self, case: Case, block: Sequence[Exponents]) -> bool:
         """Whether a case in which coefficients are other than square roots has no Darboux polynomial; proved if True.
 
-        Modulo a prime ranks can only drop. With one irreducible equation all of its zeros are alike, so that one of them
-        modulo the prime suffices; with several all must be there.
+        Modulo a prime ranks can only drop. The zeros of one irreducible equation are all alike, so that one of them
+        modulo the prime suffices; with several equations all must be there.
         """
         from flint import nmod_poly
 

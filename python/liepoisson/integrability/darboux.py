@@ -3,8 +3,7 @@ r"""Darboux polynomials of a system: invariant hypersurfaces p = 0, and rational
 p is a Darboux polynomial if $\dot p = k p$ with a polynomial k, its cofactor.  A product of powers of some is constant
 along the motion if the powers times the cofactors add up to zero.
 
-References: Goriely, Integrability and Nonintegrability of Dynamical Systems (2001), section 2.5; Christopher, Llibre and
-Pereira, Pacific J. Math. 229 (2007) 63.
+References: Goriely, Integrability and Nonintegrability of Dynamical Systems (2001), chapter 2.
 """
 
 from __future__ import annotations
@@ -21,11 +20,11 @@ from liepoisson.display import as_text
 from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.printing import Formula
-from liepoisson.integrability.cofactors import CofactorCases, Field, Values, cofactor_monomials
+from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
 from liepoisson.integrability.darboux_search import DarbouxSearch, over
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading, positive_grading
-from liepoisson.integrability.level import Level, level_of, order
+from liepoisson.integrability.level import level_of, order
 from liepoisson.integrability.monomials import in_blocks, n_monomials, n_of_weight, of_degree, of_weight
 from liepoisson.integrability.polynomial_integrals import gradings_of_level, read_search, tidied
 from liepoisson.integrability.rational_integrals import RationalIntegral, rational_integrals
@@ -95,7 +94,8 @@ class DarbouxPolynomials:
         on: Functions that vanish on the level set that was searched; empty for all of phase space.
         field: Which numbers the coefficients of cofactors may be: "complex", "real" or "rational".
         known: The integrals that were known, by name.
-        found: The Darboux polynomials that are no sums of products of others and of known integrals, lowest degree first.
+        found: The Darboux polynomials that are no sums of products of others and of known integrals, lowest degree
+            first. They are irreducible, over the numbers of `field`, if the search is complete.
         rational_integrals: Products of powers of these that are constant, from which all others are made.
         cofactor_monomials: The monomials of cofactors that were looked for; on all of phase space there are no others.
         n_monomials: Number of monomials of the search.
@@ -145,10 +145,7 @@ class DarbouxPolynomials:
         """The polynomials with their cofactors, the integrals made of them, and what is proved."""
         lines = [f"{self.system.name}: Darboux polynomials among {self.scope}, {_WORDS[self.field]}"]
         lines.append(f"known integrals: {', '.join(self.known) or 'none'}")
-        lines += [
-            f"{p.name} = {Formula(p.expression).plain}, cofactor {Formula(p.cofactor).plain}"
-            for p in self.found
-        ]
+        lines += [f"{p.name} = {Formula(p.expression).plain}, cofactor {Formula(p.cofactor).plain}" for p in self.found]
         if not self.found:
             lines.append("no others than the known integrals")
         lines += [f"{r.name} = {r} is constant{r.remark}" for r in self.rational_integrals]
@@ -162,7 +159,8 @@ class DarbouxPolynomials:
             return [f"incomplete {effort}, these cofactors k are left:", *(f"  {text}" for text in self.left)]
         others = "these and the known integrals" if self.found else "the known integrals"
         return [
-            f"proved {_WORDS[self.field]}: Every other one is a sum of products of {others}, all with one cofactor. {effort}"
+            f"proved {_WORDS[self.field]}: Every other one is a sum of products of {others}, all with one cofactor. "
+            f"{effort}"
         ]
 
     def _repr_html_(self) -> str:
@@ -193,7 +191,7 @@ def darboux_polynomials(
         >>> body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2 + 6*l3^2)/2")
         >>> found = lp.integrability.darboux_polynomials(body, degree=1, field="real")
         >>> [(str(p.expression), str(p.cofactor)) for p in found.found]
-        [('l1 - 2*l3', '-2*l2'), ('l1 + 2*l3', '2*l2')]
+        [('l1 + 2*l3', '2*l2'), ('l1 - 2*l3', '-2*l2')]
 
     Args:
         system: A system with polynomial equations and rational numbers in them.
@@ -226,12 +224,12 @@ def darboux_polynomials(
     blocks = in_blocks((m for m in asked if level.is_standard(m)), gradings)
     monomials = cofactor_monomials(derivation, gradings, level)
     ordered = sorted(blocks.items(), key=lambda item: (max(map(sum, item[1])), len(item[1])))
-    listen = progress or (lambda _: None)
-    values, left, n_cases = _cofactors(
-        derivation, level, monomials, [block for _, block in ordered], field, limit, lambda f: listen(0.7 * f)
-    )
+    listen, deadline = progress or (lambda _: None), time.monotonic() + limit
+    cases = CofactorCases(derivation, level, monomials, field, lambda: time.monotonic() < deadline)
+    values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
     numbers = field_of(v for of_block in values for one in of_block for v in one)
-    search = _search(derivation, level, gradings, monomials, [z for z in zero_polynomials if z], numbers)
+    equations = tuple(zero for zero in zero_polynomials if zero)
+    search = DarbouxSearch(derivation, gradings, level, equations, tuple(monomials)).over(numbers)
     for polynomial in known_polynomials:
         search.add_known(over(numbers, [polynomial])[0])
     n_known = len(search.factors)
@@ -296,49 +294,17 @@ def _asked(
 
 
 def _cofactors(
-    derivation: Derivation,
-    level: Level,
-    monomials: Sequence[Exponents],
-    blocks: Sequence[Sequence[Exponents]],
-    field: Field,
-    limit: float,
-    listen: Callable[[float], Any],
+    cases: CofactorCases, blocks: Sequence[Sequence[Exponents]], listen: Callable[[float], Any]
 ) -> tuple[list[tuple[Values, ...]], tuple[str, ...], int]:
     """The cofactors that may occur in each block, the cases that were not decided, and the number of cases."""
-    if not monomials:
-        return [((),) for _ in blocks], (), 1
-    deadline = time.monotonic() + limit
-    cases = CofactorCases(derivation, level, monomials, field, lambda: time.monotonic() < deadline)
-    values: list[tuple[Values, ...]] = []
-    left: list[str] = []
-    n_cases, done, total = 0, 0, sum(len(block) ** 2 for block in blocks)
+    found: list[Candidates] = []
+    done, total = 0, sum(len(block) ** 2 for block in blocks)
     for block in blocks:
-        found = cases.candidates(sorted(block, key=order, reverse=True))
-        values.append(found.values)
-        left += found.left
-        n_cases += found.n_cases
+        found.append(cases.candidates(sorted(block, key=order, reverse=True)))
         done += len(block) ** 2
         listen(done / total)
-    return values, tuple(dict.fromkeys(left)), n_cases
-
-
-def _search(
-    derivation: Derivation,
-    level: Level,
-    gradings: tuple[Grading, ...],
-    monomials: Sequence[Exponents],
-    equations: Sequence[Polynomial],
-    numbers: Coefficients,
-) -> DarbouxSearch:
-    """The search over the field of the cofactors."""
-    basis = over(numbers, [generator for _, generator in level.basis])
-    return DarbouxSearch(
-        Derivation(derivation.variables, tuple(over(numbers, derivation.components)), numbers),
-        gradings,
-        Level(tuple((lead, generator) for (lead, _), generator in zip(level.basis, basis, strict=True))),
-        tuple(over(numbers, equations)),
-        tuple(monomials),
-    )
+    left = dict.fromkeys(text for one in found for text in one.left)
+    return [one.values for one in found], tuple(left), sum(one.n_cases for one in found)
 
 
 def _tidied(polynomial: Polynomial, field: Coefficients) -> Polynomial:
@@ -347,6 +313,6 @@ def _tidied(polynomial: Polynomial, field: Coefficients) -> Polynomial:
         return tidied(polynomial)
     leading = polynomial[max(polynomial, key=lambda m: (sum(m), m))]
     monic = {m: c / leading for m, c in polynomial.items()}
-    parts = [field.to_sympy(c).as_coefficients_dict().values() for c in monic.values()]
-    scale = field.number(lcm(*(int(x.q) for part in parts for x in part)))
+    numbers: list[Any] = [x for c in monic.values() for x in field.to_sympy(c).as_coefficients_dict().values()]
+    scale = field.number(lcm(*(int(x.q) for x in numbers)))
     return {m: c * scale for m, c in monic.items()}

@@ -76,6 +76,17 @@ class DarbouxSearch:
         """Where coefficients live."""
         return self.derivation.field
 
+    def over(self, field: Coefficients) -> DarbouxSearch:
+        """The same search over a larger field than the rational numbers, with nothing known."""
+        basis = over(field, [generator for _, generator in self.level.basis])
+        return DarbouxSearch(
+            Derivation(self.derivation.variables, tuple(over(field, self.derivation.components)), field),
+            self.gradings,
+            Level(tuple((lead, generator) for (lead, _), generator in zip(self.level.basis, basis, strict=True))),
+            tuple(over(field, self.equations)),
+            self.monomials,
+        )
+
     def add_known(self, polynomial: Polynomial) -> None:
         """Take the homogeneous parts of an integral as known."""
         zero = self.field.one - self.field.one
@@ -124,7 +135,9 @@ class DarbouxSearch:
         """The homomorphism modulo a prime."""
         found = self.field.residues(seed=1)
         if found is None:
-            raise ParameterError("the square roots in the cofactors generate a field that is too large; take field='real'")
+            raise ParameterError(
+                "the square roots in the cofactors generate a field that is too large; take field='real'"
+            )
         return found
 
     @cached_property
@@ -191,6 +204,6 @@ def _sum(first: Label, second: Label) -> Label:
     return tuple(a + b for a, b in zip(first, second, strict=True))
 
 
-def over(field: Coefficients, polynomials: Sequence[Mapping[Exponents, Any]]) -> list[Polynomial]:
+def over(field: Coefficients, polynomials: Sequence[Mapping[Exponents, Element]]) -> list[Polynomial]:
     """Polynomials with rational coefficients over a larger field."""
     return [{m: field.number(c) for m, c in polynomial.items()} for polynomial in polynomials]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from fractions import Fraction
+from functools import cache
 from itertools import combinations
 from math import isqrt, prod
 from typing import TYPE_CHECKING, Any
@@ -27,19 +28,47 @@ def roots(a: Fraction, b: Fraction, c: Fraction) -> tuple[Expr, Expr]:
 
 def field_of(values: Iterable[Expr]) -> Coefficients:
     """The field that the square roots in some numbers generate."""
-    from sympy import QQ, sqrt
-
     independent: list[int] = []
     for d in sorted({d for value in values for d in _radicands(value)}, key=lambda d: (abs(d), d)):
         subsets = (s for n in range(len(independent) + 1) for s in combinations(independent, n))
         if not any(_is_square(d * prod(s)) for s in subsets):
             independent.append(d)
-    return Coefficients(QQ.algebraic_field(*map(sqrt, independent))) if independent else Coefficients()
+    return _field(tuple(independent))
 
 
 def element(value: Expr, field: Coefficients) -> Any:
     """A number with these square roots as an element of the field."""
-    return field.read(value)
+    from sympy import Add, I, Mul
+
+    total = field.one - field.one
+    for term in Add.make_args(value.expand()):
+        product = field.one
+        for factor in Mul.make_args(term):
+            number: Any = factor
+            if number.is_Rational:
+                product = product * field.number(Fraction(int(number.p), int(number.q)))
+            elif number == I:
+                product = product * _root(-1, field.domain)
+            else:
+                product = product * _root(int(number**2), field.domain)  # SymPy has sqrt(2/3) as sqrt(6)/3
+        total = total + product
+    return total
+
+
+@cache
+def _field(independent: tuple[int, ...]) -> Coefficients:
+    """The field of some square roots, none of which is a product of others."""
+    from sympy import QQ, sqrt
+
+    return Coefficients(QQ.algebraic_field(*map(sqrt, independent))) if independent else Coefficients()
+
+
+@cache
+def _root(d: int, domain: Any) -> Any:
+    """The square root of an integer as an element of a field, for which SymPy factors a polynomial over it."""
+    from sympy import sqrt
+
+    return domain.from_sympy(sqrt(d))
 
 
 def _radicands(value: Expr) -> set[int]:
