@@ -100,6 +100,21 @@ def test_on_a_level_there_are_more():
     assert not darboux_polynomials(system, degree=3).found
 
 
+def test_chaplygins_integral_is_a_product_of_four_planes():
+    """For m.p = 0 the integral is ((m1 + i m2)^2 + p3^2) ((m1 - i m2)^2 + p3^2), and each factor a product."""
+    system = entry("chaplygin")
+    (claimed, level), *_ = system.partial_integrals.values()
+    found = darboux_polynomials(system, degree=1, on="C1 = 0")
+    assert (found.on, [p.degree for p in found.found], found.complete) == ((level,), [1] * 4, True)
+    for p in found.found:
+        rate = sp.expand(system.derivative(p.expression) - p.cofactor * p.expression)
+        assert sp.rem(rate, level, *system.variables) == 0
+    (product,) = found.rational_integrals
+    assert product.powers == {"P1": 1, "P2": 1, "P3": 1, "P4": 1}
+    assert product.is_independent
+    assert sp.expand(product.expression - claimed) == 0
+
+
 def test_kovalevskayas_integral_is_a_product():
     """K = |xi|^2 with xi = (l1 + i l2)^2 + 4 (alpha1 + i alpha2) and the rate of xi = -i l3 xi, up to signs."""
     system = entry("kovalevskaya")

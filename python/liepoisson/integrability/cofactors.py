@@ -195,6 +195,11 @@ class CofactorCases(CaseSplitting):
             raise _OutOfTimeError
         return super()._pivot(state)
 
+    def _subtracted(self, row: SparseRow, pivot_row: SparseRow, column: int, p: Poly, case: Case) -> SparseRow:
+        if not self.keep_going():
+            raise _OutOfTimeError
+        return super()._subtracted(row, pivot_row, column, p, case)
+
     def _with_solved(self, state: State, case: Case, v: int, numerator: Poly, denominator: Poly) -> State:
         # an equation that was irreducible may split, be of degree one or contradict the others after the insertion
         waiting = State(state.case, state.rows, state.rank, [*case.unsolved, *state.pending])
@@ -204,6 +209,11 @@ class CofactorCases(CaseSplitting):
         own = self._own(q)
         if own is not None and own in self._equations(state.case):
             return []  # two irreducible polynomials in one coefficient have no common zero
+        if own is not None:
+            # the others may be simpler, or reducible, modulo this one
+            waiting = [u for u in state.case.unsolved if u.degrees()[own] > 0]
+            others = tuple(u for u in state.case.unsolved if u.degrees()[own] == 0)
+            state = State(replace(state.case, unsolved=others), state.rows, state.rank, [*waiting, *state.pending])
         return super()._vanishing(q, state)
 
     def _own(self, q: Poly) -> int | None:

@@ -158,9 +158,10 @@ class DarbouxPolynomials:
         if self.left:
             return [f"incomplete {effort}, these cofactors k are left:", *(f"  {text}" for text in self.left)]
         others = "these and the known integrals" if self.found else "the known integrals"
+        such = " with such a cofactor" if self.on else ""
         return [
-            f"proved {_WORDS[self.field]}: Every other one is a sum of products of {others}, all with one cofactor. "
-            f"{effort}"
+            f"proved {_WORDS[self.field]}: Every other one{such} is a sum of products of {others}, all with one "
+            f"cofactor. {effort}"
         ]
 
     def _repr_html_(self) -> str:
@@ -197,7 +198,8 @@ def darboux_polynomials(
         system: A system with polynomial equations and rational numbers in them.
         degree: The total degree; 2 if neither it nor the weight is given.
         weight: The largest weight instead, for equations that are homogeneous for positive weights of the coordinates.
-        on: Equations of an invariant level set to which the search is restricted, as for `first_integrals`.
+        on: Equations of an invariant level set to which the search is restricted, as for `first_integrals`. There only
+            cofactors are looked for that are homogeneous where the equations are.
         known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
         field: Which numbers the coefficients of cofactors may be: "complex", "real" or "rational". Those that are
             found have rational numbers and square roots; others are named in `left`.
