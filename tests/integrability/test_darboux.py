@@ -183,6 +183,23 @@ def test_factors_of_the_hamiltonian_are_darboux_polynomials(seed):
     assert found.complete
 
 
+def test_the_lowest_degrees_are_taken():
+    """Without gradings l3 and its square are found together."""
+    gyrostat = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + l2^2 + 2*l3^2)/2 + l3", name="gyrostat")
+    found = darboux_polynomials(gyrostat, degree=2)
+    check(found)
+    l3 = gyrostat.variables[2]
+    assert [p.degree for p in found.found] == [1, 1, 1]
+    rate = sp.expand(sp.I * (l3 + 1))
+    assert {sp.expand(p.cofactor) for p in found.found} == {0, rate, sp.expand(-rate)}
+
+
+def test_on_a_level_its_equations_count():
+    """Where C1 = 1 the product of two planes is a function of H, which it is not elsewhere."""
+    found = darboux_polynomials(SQUARES_OF_RATIOS, degree=1, on="C1 = 1", field="rational")
+    assert [(str(r), r.is_independent) for r in found.rational_integrals] == [("P1*P2", False)]
+
+
 def test_a_function_of_known_integrals_is_marked():
     """H = p^2/2 is known; p itself has the cofactor zero and depends on it."""
     found = darboux_polynomials(lp.System(lp.canonical(1), "p1^2/2"), degree=1)

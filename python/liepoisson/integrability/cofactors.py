@@ -299,8 +299,7 @@ class CofactorCases(CaseSplitting):
         coefficients = [Fraction(0)] * 3
         for monomial, c in q.terms():
             coefficients[int(monomial[v])] = Fraction(int(c.p), int(c.q))
-        found = roots(*reversed(coefficients))
-        return tuple(x for x in found if self.number_field == "complex" or x.is_real)
+        return roots(*reversed(coefficients))  # real if that is wanted: `_has_real_zero` has excluded the others
 
     def _value(self, q: Poly, values: Sequence[Element], field: Any) -> Element:
         total = field.one - field.one

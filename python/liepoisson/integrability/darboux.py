@@ -26,7 +26,7 @@ from liepoisson.integrability.derivation import Derivation, Exponents, Polynomia
 from liepoisson.integrability.gradings import Grading, positive_grading
 from liepoisson.integrability.level import level_of, order
 from liepoisson.integrability.monomials import in_blocks, n_monomials, n_of_weight, of_degree, of_weight
-from liepoisson.integrability.polynomial_integrals import gradings_of_level, read_search, tidied
+from liepoisson.integrability.polynomial_integrals import gradings_of_known, gradings_of_level, read_search, tidied
 from liepoisson.integrability.rational_integrals import RationalIntegral, rational_integrals
 from liepoisson.integrability.square_roots import element, field_of
 from liepoisson.scalars import as_count, as_time_limit
@@ -223,9 +223,10 @@ def darboux_polynomials(
     level = level_of(derivation, zero_polynomials)
     gradings = tuple(g for g in gradings_of_level(derivation, zero_polynomials) if not g.modulus)
     asked, size, weights = _asked(derivation, gradings, degree, weight)
-    blocks = in_blocks((m for m in asked if level.is_standard(m)), gradings)
     monomials = cofactor_monomials(derivation, gradings, level)
-    ordered = sorted(blocks.items(), key=lambda item: (max(map(sum, item[1])), len(item[1])))
+    gradings = gradings_of_known(gradings, known_polynomials, weights)
+    blocks = in_blocks((m for m in asked if level.is_standard(m)), gradings)
+    ordered = sorted(blocks.items(), key=lambda item: len(item[1]))
     listen, deadline = progress or (lambda _: None), time.monotonic() + limit
     cases = CofactorCases(derivation, level, monomials, field, lambda: time.monotonic() < deadline)
     values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.coefficients import Coefficients, Element
-from liepoisson.exact.linear.echelon import Echelon
 from liepoisson.exact.linear.linear_algebra import nullspace, nullspace_mod
 from liepoisson.exact.linear.residues import Residues
 from liepoisson.integrability.cofactors import image
@@ -49,6 +48,17 @@ class Factor:
     def degree(self) -> int:
         """Its total degree."""
         return max(map(sum, self.polynomial))
+
+
+@dataclass
+class _Entry:
+    """One linear system of a search: the monomials of a block and a cofactor."""
+
+    label: Label
+    block: list[Exponents]
+    cofactor: Cofactor
+    degrees: list[int] = field(default_factory=list[int])
+    exact: list[Polynomial] | None = None
 
 
 @dataclass
@@ -101,30 +111,32 @@ class DarbouxSearch:
     ) -> None:
         """Look for Darboux polynomials with the monomials of some blocks and the cofactors named with each.
 
-        Blocks are sorted by the degrees of their monomials.
+        Degree by degree, so that what is found is no product: factors have lower degrees, and were found before.
         """
-        known = list(self.factors)
-        candidates: list[tuple[int, Label, Factor]] = []
-        highest = max((sum(m) for _, block, _ in blocks for m in block), default=0)
-        for n, (label, block, cofactors) in enumerate(blocks):
-            columns = sorted(block, key=order, reverse=True)
-            for cofactor in cofactors:
-                if len(self._span(label, cofactor, highest)) >= self._nullity(columns, cofactor):
+        entries = [
+            _Entry(label, sorted(block, key=order), cofactor)
+            for label, block, cofactors in blocks
+            for cofactor in cofactors
+        ]
+        for entry in entries:
+            entry.degrees = self._degrees(entry.block, entry.cofactor)
+        highest = max((e for entry in entries for e in entry.degrees), default=0)
+        for degree in range(1, highest + 1):
+            new: list[Factor] = []
+            for entry in entries:
+                if degree not in entry.degrees:
                     continue
-                for polynomial in self._exact(columns, cofactor):
-                    found = Factor(polynomial, cofactor, is_new=True)
-                    if not any(map(any, polynomial)):
-                        continue
-                    candidates.append((found.degree, label, found))
-                    if self._span(label, cofactor, highest).reduce(modular(polynomial, self.residues)):
-                        self.factors.append(found)
-            progress((n + 1) / len(blocks))
-        # once more by degree: one that was found first may be a product of others of lower degree
-        self.factors = known
-        for _, label, found in sorted(candidates, key=lambda c: (c[0], len(c[2].polynomial))):
-            span = self._span(label, found.cofactor, highest)
-            if span.reduce(modular(found.polynomial, self.residues)):
-                self.factors.append(found)
+                span = self._span(entry.label, entry.cofactor, degree)
+                if len(span) >= sum(e <= degree for e in entry.degrees):
+                    continue
+                if entry.exact is None:
+                    entry.exact = self._exact(entry.block, entry.cofactor)
+                for polynomial in entry.exact:
+                    found = Factor(polynomial, entry.cofactor, is_new=True)
+                    if found.degree == degree and span.insert(modular(polynomial, self.residues)):
+                        new.append(found)
+            self.factors += new
+            progress(degree / highest)
 
     def cofactor_expression(self, factor: Factor) -> Expr:
         """The cofactor of a Darboux polynomial."""
@@ -154,19 +166,21 @@ class DarbouxSearch:
                 rows.setdefault(key, {})[column] = value
         return list(rows.values())
 
-    def _nullity(self, block: Sequence[Exponents], cofactor: Cofactor) -> int:
-        """The dimension of the null space modulo the prime, at least the true one."""
+    def _degrees(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[int]:
+        """The degrees of a basis of the null space modulo the prime, as low as possible.
+
+        For no degree there are fewer up to it than there are exactly.
+        """
         rows = [
             {c: residue for c, v in row.items() if (residue := self.residues(v))} for row in self._rows(block, cofactor)
         ]
-        return len(nullspace_mod(rows, len(block), self.residues.p))
+        # vectors end in columns of their own, which increase with the degree
+        return [sum(block[max(vector)]) for vector in nullspace_mod(rows, len(block), self.residues.p)]
 
     def _exact(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[Polynomial]:
-        """The null space, as polynomials of the lowest degrees possible; columns begin with the highest degree."""
-        lowest = Echelon(self.field)
-        for vector in nullspace(self._rows(block, cofactor), len(block), self.field).vectors:
-            lowest.insert(vector)
-        return [{block[c]: v for c, v in vector.items()} for vector in lowest.basis()]
+        """The null space, as polynomials of the lowest degrees possible, those with few terms first."""
+        vectors = nullspace(self._rows(block, cofactor), len(block), self.field).vectors
+        return sorted(({block[c]: v for c, v in vector.items()} for vector in vectors), key=len)
 
     def _span(self, label: Label, cofactor: Cofactor, highest: int) -> Span:
         """The products of factors up to a degree with a cofactor and in a block, modulo the prime."""

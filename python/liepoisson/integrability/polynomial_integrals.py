@@ -159,6 +159,7 @@ def first_integrals(
     level = level_of(derivation, zero_polynomials)
     found = gradings_of_level(derivation, zero_polynomials)
     monomials, size, weights = _asked(derivation, found, degree, weight)
+    found = gradings_of_known(found, known_polynomials, weights)
     remainders = [level.remainder(polynomial) for polynomial in known_polynomials]
     generators = [Generator(n, r, is_new=False) for n, r in zip(given, remainders, strict=True) if any(map(any, r))]
     search = Search(derivation, found, level, tuple(z for z in zero_polynomials if z), generators)
@@ -221,6 +222,17 @@ def _zero_on_level(system: System, equation: str | Expr) -> Expr:
 def gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
     """The gradings in which the equations of the level are homogeneous."""
     return tuple(g for g in gradings(derivation) if all(len({g.of(m) for m in zero}) <= 1 for zero in zeros))
+
+
+def gradings_of_known(
+    found: Sequence[Grading], known: Sequence[Polynomial], weights: tuple[int, ...]
+) -> tuple[Grading, ...]:
+    """The gradings in which the known integrals are homogeneous, and that of the weights by which is searched, if any.
+
+    In others the parts of an integral are integrals, too, but need not be polynomials in the known ones.
+    """
+    kept = tuple(g for g in found if all(len({g.of(m) for m in f}) <= 1 for f in known))
+    return (*kept, Grading(weights, 0)) if weights else kept
 
 
 def _asked(
