@@ -138,6 +138,17 @@ def test_parameters_that_are_symbols_are_generic():
     assert "for generic" in found.scope
 
 
+def test_parts_of_known_integrals_are_not_known():
+    """2 H - C1 = l3^2 + 2 l3 is a polynomial in l3, but l3 is none in H and C1, although the equations have a grading
+    with weights (1, 1, 0), in which the parts of H and C1 are integrals.
+    """
+    gyrostat = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + l2^2 + 2*l3^2)/2 + l3", name="gyrostat")
+    for degree in (1, 2, 3):
+        found = first_integrals(gyrostat, degree=degree)
+        assert [(str(f.expression), f.is_independent) for f in found.found] == [("l3", False)]
+        assert found.complete
+
+
 def test_known_integrals_are_left_out():
     system = entry("clebsch")
     assert first_integrals(system, degree=2).found

@@ -50,6 +50,7 @@ def application() -> typer.Typer:
     from typer.core import TyperCommand, TyperGroup
 
     from liepoisson.cli.catalog import catalog
+    from liepoisson.cli.darboux import darboux
     from liepoisson.cli.decide import decide
     from liepoisson.cli.equilibria import equilibria
     from liepoisson.cli.families import families
@@ -116,6 +117,7 @@ def application() -> typer.Typer:
         integrals,
         integrable,
         families,
+        darboux,
         catalog,
         orbit,
         section,

@@ -2,6 +2,7 @@
 from liepoisson.integrability.certificates import certificate as certificate
 from liepoisson.integrability.certificates import load_certificate as load_certificate
 from liepoisson.integrability.certificates import save_certificate as save_certificate
+from liepoisson.integrability.darboux import darboux_polynomials as darboux_polynomials
 from liepoisson.integrability.families import integrable_families as integrable_families
 from liepoisson.integrability.hamiltonian_forms import general_system as general_system
 from liepoisson.integrability.integral_scan import scan_integrals as scan_integrals

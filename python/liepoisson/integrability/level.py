@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.linear.coefficients import Coefficients
-    from liepoisson.exact.parameters import Exact
 
 
 def order(monomial: Exponents) -> tuple[int, ...]:
@@ -105,7 +104,7 @@ def _groebner(derivation: Derivation, generators: Sequence[Polynomial]) -> list[
     return _over_a_domain(derivation, generators)
 
 
-def _as_rational(value: Exact) -> Fraction | None:
+def _as_rational(value: Any) -> Fraction | None:
     if isinstance(value, Fraction):
         return value
     return Fraction(int(value.p), int(value.q)) if value.is_Rational else None

@@ -562,3 +562,7 @@ class CaseSplitting:
 def replace_state(state: _State, case: Case, pending: Sequence[Poly]) -> _State:
     """A copy with another case and other equations that wait."""
     return _State(case, [dict(row) for row in state.rows], state.rank, list(pending))
+
+
+State = _State
+"""A case with the rows that are left of the matrix, for other ways to split."""

@@ -11,7 +11,7 @@ from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
-from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
 from liepoisson.integrability.level import level_of
 from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight
@@ -184,6 +184,7 @@ def first_integrals(
     level = level_of(derivation, zero_polynomials)
     found = gradings_of_level(derivation, zero_polynomials)
     monomials, size, weights = _asked(derivation, found, degree, weight)
+    found = gradings_of_known(found, known_polynomials, weights)
     remainders = [level.remainder(polynomial) for polynomial in known_polynomials]
     generators = [Generator(n, r, is_new=False) for n, r in zip(used, remainders, strict=True) if any(map(any, r))]
     search = Search(derivation, found, level, tuple(z for z in zero_polynomials if z), generators, slope)
@@ -208,6 +209,27 @@ def first_integrals(
         parameters=tuple(map(str, derivation.field.parameters)),
         counts=tuple(search.counts),
     )
+
+
+def read_search(
+    system: System, known: Mapping[str, str | Expr] | None, on: Sequence[str | Expr]
+) -> tuple[dict[str, Expr], list[Expr], Derivation, list[Polynomial], list[Polynomial]]:
+    """The known integrals and the functions that vanish on the level, the equations, and both as polynomials.
+
+    Raises:
+        ParameterError: the equations are no polynomials, or a known integral is none.
+    """
+    given = known_functions(system) if known is None else {name: system.expression(f) for name, f in known.items()}
+    zeros = zeros_on_level(system, on)
+    derivation, functions = derivation_of(system, *given.values(), *zeros)
+    known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
+    for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
+        if derivation(polynomial):
+            raise ParameterError(
+                f"known: wanted integrals; got {name} = {shown(expression)}, whose derivative "
+                f"{shown(derivation.expression(derivation(polynomial)))} is not zero"
+            )
+    return given, zeros, derivation, known_polynomials, zero_polynomials
 
 
 def known_functions(system: System) -> dict[str, Expr]:
@@ -239,6 +261,17 @@ def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:
 def gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
     """The gradings in which the equations of the level are homogeneous."""
     return tuple(g for g in gradings(derivation) if all(len({g.of(m) for m in zero}) <= 1 for zero in zeros))
+
+
+def gradings_of_known(
+    found: Sequence[Grading], known: Sequence[Polynomial], weights: tuple[int, ...]
+) -> tuple[Grading, ...]:
+    """The gradings in which the known integrals are homogeneous, and that of the weights by which is searched, if any.
+
+    In others the parts of an integral are integrals, too, but need not be polynomials in the known ones.
+    """
+    kept = tuple(g for g in found if all(len({g.of(m) for m in f}) <= 1 for f in known))
+    return (*kept, Grading(weights, 0)) if weights else kept
 
 
 def _asked(
