@@ -69,7 +69,7 @@ def load_report(
         DamagedFileError: it is no report, or something in it is not true; the message says what.
     """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
+        data = json.loads(Path(path).read_text(encoding="utf-8"), object_pairs_hook=checker.once)
         if data["format"] != FORMAT:
             raise ParameterError("it has another format")
         return _Reader(data, prove_again=prove_again, progress=progress).report()
@@ -85,7 +85,7 @@ def load_report(
         IndexError,
         AttributeError,
         RecursionError,
-        ZeroDivisionError,
+        ArithmeticError,
     ) as error:
         raise DamagedFileError(f"{path}: wanted a report; got a file that is none ({error!r:.80})") from error
 
