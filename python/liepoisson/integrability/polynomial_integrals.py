@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
+from liepoisson.exact.names import check_title
 from liepoisson.exact.printing import Formula
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
@@ -101,7 +102,8 @@ class FirstIntegrals:
     def __repr__(self) -> str:
         n = len(self.found)
         what = f"{n} new integral{'s' * (n != 1)}" if n else "no new integral"
-        return f"<FirstIntegrals of {self.system.name}: {what} among {self.scope}>"
+        state = "" if self.complete else ", incomplete"
+        return f"<FirstIntegrals of {self.system.name}: {what} among {self.scope}{state}>"
 
     def __str__(self) -> str:
         """The integrals, and what is proved."""
@@ -110,9 +112,12 @@ class FirstIntegrals:
         for integral in self.found:
             note = "" if integral.is_independent else "   (depends on the others)"
             lines.append(f"{integral.name} = {Formula(integral.expression).plain}{note}")
-        if not self.found:
-            lines.append("no others than polynomials in the known ones")
-        if self.complete:
+        if not self.complete:
+            lines.append("not proved that these are all: there may be others" if self.found else "none was found")
+            lines.append(f"incomplete: modulo {self.prime} the null space is larger than what known integrals span")
+        else:
+            if not self.found:
+                lines.append("no others than polynomials in the known ones")
             blocks = f"{self.n_blocks} block{'s' * (self.n_blocks != 1)}"
             others = "Every other one is a polynomial in these" if self.found else "There is none"
             lines.append(
@@ -162,7 +167,9 @@ def first_integrals(
             no positive grading for a weight, or the search is too large.
         ExpressionError: A text cannot be read.
     """
-    given = known_functions(system) if known is None else {name: system.expression(f) for name, f in known.items()}
+    given = known_functions(system)
+    if known is not None:
+        given = {check_title(name, "known: the name of an integral"): system.expression(f) for name, f in known.items()}
     zeros = zeros_on_level(system, on)
     used = _of_degree(given, as_count(weight or degree or 2, "weight" if weight else "degree", least=1))
     # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
@@ -203,9 +210,9 @@ def first_integrals(
         n_monomials=size,
         n_blocks=len(search.counts),
         n_integrals=sum(c.nullity for c in search.counts),
-        complete=all(c.nullity == c.n_known for c in search.counts),
+        complete=search.complete,
         prime=search.residues.p,
-        parameters=tuple(map(str, derivation.field.parameters)),
+        parameters=tuple(str(s) for s in derivation.field.parameters if s.is_Symbol),
         counts=tuple(search.counts),
     )
 
@@ -216,11 +223,25 @@ def known_functions(system: System) -> dict[str, Expr]:
 
 
 def zeros_on_level(system: System, on: str | Sequence[str | Expr]) -> list[Expr]:
-    """The functions that vanish where some equations hold: f for "f = 0" and for f alone."""
+    """The functions that vanish where some equations hold: f for "f = 0" and for f alone, H and C1 by name.
+
+    Raises:
+        ParameterError: an equation holds everywhere.
+        ExpressionError: a text cannot be read.
+    """
     zeros: list[Expr] = []
     for equation in [on] if isinstance(on, str) else on:
-        left, sign, right = equation.partition("=") if isinstance(equation, str) else (equation, "", "")
-        zeros.append(system.expression(left) - system.expression(right) if sign else system.expression(equation))
+        if isinstance(equation, str):
+            left, sign, right = equation.partition("=")
+            zero: Any = system.function_of_invariants(left)
+            zero = zero - system.function_of_invariants(right) if sign else zero
+        else:
+            zero = system.expression(equation)
+        if zero.expand() == 0:
+            raise ParameterError(
+                f"on: wanted equations of a level set; {shown(equation)} holds everywhere; leave it out"
+            )
+        zeros.append(zero)
     return zeros
 
 
