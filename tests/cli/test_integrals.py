@@ -29,6 +29,8 @@ def test_integrals_for_programs_are_read_again(command):
         "known",
         "found",
         "complete",
+        "modulo_ideal",
+        "notes",
         "proof",
     ]
     system = lp.catalog.system("goryachev-chaplygin")

@@ -14,7 +14,7 @@ from liepoisson.exact.printing import Formula
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
-from liepoisson.integrability.level import level_of
+from liepoisson.integrability.level import level_of, real_points, squarefree
 from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight
 from liepoisson.integrability.search import BlockCount, Generator, Search
 from liepoisson.scalars import as_count
@@ -99,6 +99,25 @@ class FirstIntegrals:
         of = f" in the coordinates and {', '.join(Formula(f).plain for f in self.functions)}" if self.functions else ""
         return f"polynomials {size}{of}{where}{generic}"
 
+    @property
+    def modulo_ideal(self) -> bool:
+        """Whether functions count as zero on the level only if they are combinations of its equations.
+
+        Of one equation those are all functions that vanish on the complex level; of several there may be more.
+        """
+        return bool(self.on) and len(self.on) + len(self.functions) > 1
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What else is to be known of the level: at which real points a sum of squares vanishes."""
+        vanishing = [(f, real_points(f, self.system.variables)) for f in self.on]
+        return tuple(
+            f"on the complex level {Formula(f).plain} = 0; at its real points {' = '.join(map(str, names))} = 0, which "
+            "can be given instead"
+            for f, names in vanishing
+            if names and f not in names
+        )
+
     def __repr__(self) -> str:
         n = len(self.found)
         what = f"{n} new integral{'s' * (n != 1)}" if n else "no new integral"
@@ -119,12 +138,13 @@ class FirstIntegrals:
             if not self.found:
                 lines.append("no others than polynomials in the known ones")
             blocks = f"{self.n_blocks} block{'s' * (self.n_blocks != 1)}"
+            where = ", modulo the ideal of these equations" if self.modulo_ideal else ""
             others = "Every other one is a polynomial in these" if self.found else "There is none"
             lines.append(
-                f"proved over the complex numbers: {others}. ({self.n_monomials} monomials in {blocks}; "
+                f"proved over the complex numbers{where}: {others}. ({self.n_monomials} monomials in {blocks}; "
                 f"{self.n_integrals} integrals, the null space modulo {self.prime}, are spanned)"
             )
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.notes])
 
 
 @explains_its_arguments
@@ -158,7 +178,9 @@ def first_integrals(
         weight: The weight instead, for equations that are homogeneous for positive weights of the coordinates, which
             are found: (1, 2, 3) for l, alpha and beta of the twisted top with b = 0.
         on: Equations of a level set to which the search is restricted, such as "C2 = 1", or functions that vanish on
-            it, such as "C1": partial integrals, as that of Goryachev and Chaplygin.  The level must be invariant.
+            it, such as "C1" or "C2 - 1": partial integrals, as that of Goryachev and Chaplygin.  The level must be
+            invariant, and is the complex one.  Of one equation the squarefree part counts; with several, polynomials
+            count modulo the ideal that these generate.
         known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
         progress: As for `integrate`.
 
@@ -241,7 +263,8 @@ def zeros_on_level(system: System, on: str | Sequence[str | Expr]) -> list[Expr]
             raise ParameterError(
                 f"on: wanted equations of a level set; {shown(equation)} holds everywhere; leave it out"
             )
-        zeros.append(zero)
+        real_points(zero, system.variables)
+        zeros.append(squarefree(zero, system.variables))
     return zeros
 
 

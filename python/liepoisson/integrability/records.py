@@ -34,6 +34,8 @@ def search_record(found: FirstIntegrals) -> dict[str, Any]:
             for f in found.found
         ],
         "complete": found.complete,
+        "modulo_ideal": found.modulo_ideal,
+        "notes": list(found.notes),
         "proof": {
             "monomials": found.n_monomials,
             "blocks": found.n_blocks,
