@@ -39,7 +39,7 @@ def certificate(system: System, commuting: Mapping[str, Expr]) -> dict[str, Any]
     Raises:
         ParameterError: coefficients are not rational, or the functions do not prove it; the message says what fails.
     """
-    x, casimirs = system.variables, system.bracket.casimirs()
+    x, casimirs = system.bracket.variables, system.bracket.casimirs()  # quadratures are no functions on phase space
     data: dict[str, Any] = {
         "format": FORMAT,
         "system": system.name,

@@ -52,7 +52,9 @@ def report_record(report: IntegrabilityReport) -> dict[str, Any]:
         "system": report.system.name,
         "verdict": report.verdict,
         "rank": report.rank,
+        "degree": report.degree,
         "integrals": named(report.integrals),
+        "dependent": named(report.dependent),
         "commuting": list(report.commuting),
         "closed": closed
         and {
