@@ -239,7 +239,7 @@ def check_parameters(system: System, derivation: Derivation, caller: str) -> Non
     """Refuse a system without symbols, or with other numbers than rational ones."""
     symbols = derivation.field.parameters
     ring: Any = getattr(derivation.field.domain, "domain", None)
-    if not symbols or not (ring.is_QQ or ring.is_ZZ):
+    if not symbols or not (ring.is_QQ or ring.is_ZZ) or not all(s.is_Symbol for s in symbols):
         raise ParameterError(
             f"{caller}: wanted a system with symbols for parameters and rational numbers; got "
             f"{system.name} with {', '.join(map(str, symbols)) or 'no symbols'}"
