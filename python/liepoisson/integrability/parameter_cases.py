@@ -7,7 +7,8 @@ parameter that occurs in it with degree one; several that are not are taken apar
 so large that there are no further solutions, or where no row is left.
 
 Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only
-with all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments.
+with all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments. Of
+quadratic polynomials completed squares show the same.
 
 Scalings of the coordinates, of time and of the parameters that keep the equations keep the number of solutions. So a
 parameter that does not vanish is set to 1 where a scaling allows it; equations are made homogeneous again when they are
@@ -28,7 +29,7 @@ from liepoisson.exact.polynomials.components import Assumptions, components
 from liepoisson.exact.polynomials.groebner import GroebnerBasis
 from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
 from liepoisson.exact.polynomials.operations import radical_contains
-from liepoisson.exact.polynomials.signs import definite_terms
+from liepoisson.exact.polynomials.signs import vanishing_parts
 
 Poly: TypeAlias = Any
 """A polynomial in the parameters, flint.fmpq_mpoly."""
@@ -505,11 +506,11 @@ class CaseSplitting:
         return terms is not None and any(term.is_constant() for term in terms)
 
     def _definite_terms(self, q: Poly) -> list[Poly] | None:
-        """Its terms without positive parameters and powers, if all have one sign for real parameters and are several.
+        """Its terms without positive parameters and powers, or its squares, if all have one sign and are several.
 
-        They vanish together with the polynomial.
+        For real parameters they vanish together with the polynomial.
         """
-        return definite_terms(q, self.positive)
+        return vanishing_parts(q, self.positive)
 
     def _has_real_zero(self, q: Poly) -> bool:
         """False if a polynomial in one parameter has no real (or no positive) zero; True if there may be one."""
