@@ -1,5 +1,7 @@
 """Families: the classical conditions, completely."""
 
+import re
+
 import pytest
 from sympy import Rational, Symbol, expand, symbols, sympify
 
@@ -311,10 +313,21 @@ def test_integrals_that_there_are_for_all_parameters_are_not_listed_again():
 def test_what_makes_no_sense_is_refused():
     with pytest.raises(ParameterError, match="symbols for parameters"):
         integrable_families(lp.catalog.system("kovalevskaya"))
-    with pytest.raises(ParameterError, match="wanted names of"):
+    with pytest.raises(ParameterError, match=r"^positive: wanted names of .*; got .I1.$"):
         integrable_families(heavy_top(), positive=["I1"])
+    with pytest.raises(ParameterError, match=r"^nonzero: wanted names of .*; got .zz.$"):
+        integrable_families(heavy_top(), nonzero=["zz"])
     with pytest.raises(ParameterError, match="take a smaller one"):
         integrable_families(heavy_top(), degree=30)
+
+
+@pytest.mark.parametrize("number", ["exp(a)", "log(6)", "sqrt(2)", "pi", "sin(1)^2 + cos(1)^2", "sqrt(a)"])
+def test_other_numbers_than_rational_ones_are_named(number):
+    """They are no free parameters: log(6) = log(2) + log(3), exp(a) is never zero."""
+    body = lp.System(lp.so(3) @ lp.semidirect(2), f"({number})*l1^2 + l2^2 + J*l3^2 + a*alpha3", symbols=["J", "a"])
+    named = "cos(1), sin(1)" if "sin" in number else number
+    with pytest.raises(ParameterError, match=f"got {re.escape(named)} in"):
+        integrable_families(body, degree=1)
 
 
 def test_a_limit_of_time_leaves_cases():
@@ -322,4 +335,5 @@ def test_a_limit_of_time_leaves_cases():
     assert not found.complete
     assert "incomplete" in str(found)
     assert "incomplete" in repr(found)
+    assert "never" not in str(found)
     assert "all parameters" in found.left

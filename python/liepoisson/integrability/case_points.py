@@ -53,10 +53,9 @@ class CasePoints:
             values = {v: self._random.randrange(2, p) for v in self._free}
             if self.case.unsolved:
                 rational, rest, found = self._finitely_many()
-                root = _root(found, p, self._random)
-                if root is None:
+                t = _root(found, p, self._random)
+                if t is None:
                     continue
-                k, t = root
                 below = _at_mod(found.numerator(found.quotient.ideal.context.constant(1)), t, p)
                 gens = dict(zip(rest, found.quotient.ideal.context.gens(), strict=True))
                 if not below:
@@ -140,15 +139,15 @@ def _ball(x: fmpq) -> arb:
     return arb(x.p) / arb(x.q)
 
 
-def _root(found: Solutions, p: int, random: Random) -> tuple[int, int] | None:
-    """The number of a factor and a root of it modulo p, if it has one."""
+def _root(found: Solutions, p: int, random: Random) -> int | None:
+    """A root modulo p of the equation of some solutions, if it has one."""
     numbers = list(range(len(found.factors)))
     random.shuffle(numbers)
     for k in numbers:
         polynomial = nmod_poly([int(c) % p for c in found.factors[k].polynomial.coeffs()], p)
         roots = [int(-f[0] / f[1]) for f, multiplicity in polynomial.factor()[1] if f.degree() == multiplicity == 1]
         if roots:
-            return k, random.choice(roots)
+            return random.choice(roots)
     return None
 
 

@@ -215,11 +215,12 @@ def integrable_families(
     d, limit = as_count(degree, "degree", least=1), as_time_limit(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
     derivation, polynomials = derivation_of(system, *known.values(), *zeros)
-    check_parameters(system, derivation, "integrable_families")
+    check_parameters(system, derivation, "integrable_families", zeros)
     names = [str(s) for s in derivation.field.parameters]
-    for name in (*positive, *nonzero):
-        if name not in names:
-            raise ParameterError(f"positive, nonzero: wanted names of {', '.join(names)}; got {name!r}")
+    for argument, given in (("positive", positive), ("nonzero", nonzero)):
+        for name in given:
+            if name not in names:
+                raise ParameterError(f"{argument}: wanted names of {', '.join(names)}; got {name!r}")
     if (size := n_monomials(len(system.variables), d)) > MOST_MONOMIALS:
         raise ParameterError(
             f"degree: wanted at most {MOST_MONOMIALS:,} monomials; {d} has {size:,}; take a smaller one"
@@ -287,11 +288,21 @@ def integrable_families(
     )
 
 
-def check_parameters(system: System, derivation: Derivation, caller: str) -> None:
-    """Refuse a system without symbols, or with other numbers than rational ones."""
+def check_parameters(system: System, derivation: Derivation, caller: str, functions: Sequence[Expr] = ()) -> None:
+    """Refuse a system without symbols, or with other numbers than rational ones: between these relations may hide."""
+    from sympy import Function, I, NumberSymbol, Pow
+
     symbols = derivation.field.parameters
+    expressions: list[Any] = [system.hamiltonian, *system.equations.values(), *functions]
+    kinds: Any = (Function, NumberSymbol, Pow, type(I))
+    others = {a for e in expressions for a in e.atoms(*kinds) if not (a.is_Pow and a.exp.is_Integer)}
+    if others:
+        raise ParameterError(
+            f"{caller}: wanted symbols for parameters and rational numbers; got "
+            f"{', '.join(sorted(Formula(a).plain for a in others))} in {system.name}; write a symbol for each of them"
+        )
     ring: Any = getattr(derivation.field.domain, "domain", None)
-    if not symbols or not (ring.is_QQ or ring.is_ZZ):
+    if not symbols or not all(s.is_Symbol for s in symbols) or not (ring.is_QQ or ring.is_ZZ):
         raise ParameterError(
             f"{caller}: wanted a system with symbols for parameters and rational numbers; got "
             f"{system.name} with {', '.join(map(str, symbols)) or 'no symbols'}"
@@ -391,10 +402,11 @@ def _excepted(one: FurtherCase, splitting: CaseSplitting) -> list[Poly]:
     """Polynomials that vanish, on the parameters of a case, where there is no further integral."""
     found: list[Poly] = []
     for exception in one.exceptions:
-        further = [q for p in splitting.conditions(exception) if (q := splitting.inserted(p, one.case))]
-        equations = [splitting.homogeneous(splitting.without_units(q, one.case), one.case) for q in further]
+        further = [q for p in splitting.conditions(exception) if (q := splitting.inserted(p, one.closure))]
+        equations = [splitting.homogeneous(splitting.without_units(q, one.closure), one.closure) for q in further]
+        different = list({str(q): q for q in equations}.values())
         # several that do not all vanish: the sum of their squares does not
-        found.append(equations[0] if len(equations) == 1 else sum((q * q for q in equations), equations[0] * 0))
+        found.append(different[0] if len(different) == 1 else sum((q * q for q in different), different[0] * 0))
     return found
 
 

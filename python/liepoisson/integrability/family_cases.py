@@ -1,10 +1,10 @@
 r"""The cases of parameters in which there is a further integral, from those in which a null space is larger.
 
 Where a null space is larger than in general, H may have a lower degree, so that more of its powers fit, or the bracket
-more Casimirs. In each case the integrals are compared with polynomials in H and the Casimirs of that case. Where all are
-such, the search goes on inside of the case. Where some are not, they may become polynomials in H and the Casimirs for
-special parameters of the case: only there the leading forms of these can become dependent. Such parameters are
-excepted, and searched by themselves.
+more Casimirs. In each case the integrals are compared with polynomials in H and the Casimirs of that case. Where all
+are such, the search goes on inside of the case. Where some are not, they may become polynomials in H and the Casimirs
+for special parameters of the case, for which the leading forms of these become dependent. Such parameters are excepted,
+and searched by themselves.
 """
 
 from __future__ import annotations
@@ -31,12 +31,14 @@ class FurtherCase:
 
     Attributes:
         case: They.
-        exceptions: Cases inside of this one in which there is none, except where they say so.
+        closure: They and their limits, without what does not vanish in the case.
+        exceptions: Cases inside of the closure in which there is none, except where other cases say so.
         is_independent: Whether one is functionally independent of the known ones.
         is_real: Whether real parameters of the case were found.
     """
 
     case: Case
+    closure: Case
     exceptions: list[Case]
     is_independent: bool
     is_real: bool
@@ -75,14 +77,14 @@ class FamilyCases:
     def search(
         self,
         n_known: dict[Label, int],
-        within: Case | None = None,
+        equations: Sequence[Poly] = (),
         progress: Callable[[float], Any] | None = None,
     ) -> None:
         """Find the cases in which there are more integrals than the known ones, of all blocks, small ones first.
 
         Args:
             n_known: The number of known integrals in each block.
-            within: Parameters to which the search is restricted.
+            equations: Polynomials that vanish on the parameters to which the search is restricted.
             progress: Told the fraction that is done.
         """
         whole = [one.case for one in self.found if not one.exceptions]
@@ -90,7 +92,7 @@ class FamilyCases:
         blocks = self.integrals.blocks
         for k, block in enumerate(blocks):
             n = len(block.monomials)
-            self.splitting.run(block.rows, n, n_known[block.label], cases, self.keep_going, within)
+            self.splitting.run(block.rows, n, n_known[block.label], cases, self.keep_going, equations=equations)
             if progress:
                 progress((k + 1) / len(blocks))
         self.splitting.settle(cases)
@@ -104,22 +106,22 @@ class FamilyCases:
             if compared is None or compared.is_further is None:
                 self.left.append(case)
             elif compared.is_further:
-                exceptions = self._exceptions(case)
+                closure, exceptions = self._closure_and_exceptions(case)
                 is_real = CasePoints(case, self.splitting.context, self.splitting.positive).is_real()
-                self.found.append(FurtherCase(case, exceptions, compared.is_independent, is_real))
+                self.found.append(FurtherCase(case, closure, exceptions, compared.is_independent, is_real))
             else:
                 self.n_closed += 1
                 without.append((case, compared.nullities))
         for case, nullities in without:
-            self.search(nullities, case)
+            self.search(nullities, self.splitting.conditions(case))
 
     def settle(self) -> None:
         """Drop what lies in another case that was found."""
-        self.found = [
-            one
-            for one in self.found
-            if not any(self._covers(other, one.case) for other in self.found if other is not one)
-        ]
+        kept: list[FurtherCase] = []
+        for one in self.found:
+            if not any(self._covers(other, one.case) for other in kept):
+                kept = [other for other in kept if not self._covers(one, other.case)] + [one]
+        self.found = kept
         self.left = [case for case in self.left if not any(self._covers(other, case) for other in self.found)]
 
     def _covers(self, one: FurtherCase, case: Case) -> bool:
@@ -149,26 +151,44 @@ class FamilyCases:
 
     # parameters of a case for which H and the Casimirs have dependent leading forms
 
-    def _exceptions(self, case: Case, depth: int = 0) -> list[Case]:
-        """The cases inside of one with a further integral in which it is a polynomial in the known ones."""
-        found: list[Case] = []
-        for equations in self._degenerate(case):
-            try:
-                parts = self.splitting.subcases(case, equations)
-            except NotDecidedError:
+    def _closure_and_exceptions(self, case: Case) -> tuple[Case, list[Case]]:
+        """The closure of a case with a further integral, and cases in it without."""
+        closure, found = case, list[Case]()
+        try:
+            parts = self.splitting.closure(case)
+        except NotDecidedError:
+            parts = [case]
+        for part in parts:
+            if not self.splitting.lies_in(case, part):
+                self._add_exceptions(part, found)
                 continue
-            for part in parts:
-                if any(part is other or self.splitting.lies_in(part, other) for other in found):
-                    continue
-                compared = self._compared(part)
-                if compared is None or compared.is_further is None:
-                    self.left.append(part)
-                elif not compared.is_further:
-                    found.append(part)
-                    self.search(compared.nullities, part)
-                elif depth < self.splitting.n:
-                    found += self._exceptions(part, depth + 1)
-        return found
+            closure = part
+            for equations in self._degenerate(part):
+                self._add_parts(part, equations, found)
+        return closure, found
+
+    def _add_parts(self, case: Case, equations: list[Poly], found: list[Case], depth: int = 0) -> None:
+        try:
+            parts = self.splitting.subcases(case, equations)
+        except NotDecidedError:
+            self.left.append(case)
+            return
+        for part in parts:
+            self._add_exceptions(part, found, depth)
+
+    def _add_exceptions(self, part: Case, found: list[Case], depth: int = 0) -> None:
+        """Add a part of a case, or parts of it, in which no integral is further."""
+        if any(self.splitting.lies_in(part, other) for other in found):
+            return
+        compared = self._compared(part)
+        if compared is None or compared.is_further is None:
+            self.left.append(part)
+        elif not compared.is_further:
+            found.append(part)
+            self.search(compared.nullities, self.splitting.conditions(part))
+        elif depth < self.splitting.n:
+            for equations in self._degenerate(part):
+                self._add_parts(part, equations, found, depth + 1)
 
     def _degenerate(self, case: Case) -> list[list[Poly]]:
         r"""Equations for parameters where the parts of H from some degree on depend on the Casimirs.

@@ -1,4 +1,4 @@
-r"""Whether the integrals at a point of the parameters are polynomials in the known ones: in H, the Casimirs, and others.
+r"""Whether the integrals at a point of the parameters are polynomials in known ones: in H, the Casimirs, and others.
 
 The known integrals $f_1,\dots,f_r$ generate an algebra A, and the null space N of D up to a degree d is compared with
 the part of A up to that degree. Three arguments decide it:
@@ -129,9 +129,9 @@ class _Algebra:
         self.functions = sorted((f for f in functions if f), key=lambda f: (_degree(f), len(f)))
 
     def contains(self, vectors: Sequence[Modular]) -> tuple[bool | None, bool]:
-        """Whether all of some polynomials up to the degree are polynomials in the functions, if decided; and whether
+        """Whether all of some polynomials up to the degree are polynomials in the functions; None if not decided.
 
-        one is functionally independent of them.
+        And whether one of them is functionally independent of the functions.
         """
         if not vectors:
             return True, False

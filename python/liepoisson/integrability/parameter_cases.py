@@ -116,7 +116,8 @@ class CaseSplitting:
         n_known: int,
         into: Cases,
         keep_going: Callable[[], bool] = lambda: True,
-        within: Case | None = None,
+        *,
+        equations: Sequence[Poly] = (),
     ) -> None:
         """Find all cases in which the null space is larger than `n_known`.
 
@@ -126,10 +127,9 @@ class CaseSplitting:
             n_known: Dimension of the null space in general, or of that part of it which is known everywhere.
             into: Cases found before, of other systems; those inside of them are not looked at again.
             keep_going: Asked before each step of an elimination; what is not decided when it says no is left.
-            within: Parameters to which the search is restricted.
+            equations: Polynomials that vanish on all parameters that are looked at.
         """
-        start = within or Case(nonzero=self.assumed)
-        stack = [_State(start, self.rows_in(rows, start), 0)]
+        stack = [_State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0, list(equations))]
         n_cases = 0
         while stack:
             state = stack.pop()
@@ -163,6 +163,14 @@ class CaseSplitting:
                     stack += self._split(state)
                 except NotDecidedError:
                     into.left.append(state.case)
+
+    def closure(self, case: Case) -> list[Case]:
+        """The cases into which the conditions of a case fall, without what does not vanish in it.
+
+        Raises:
+            NotDecidedError: the limits were reached.
+        """
+        return self.subcases(Case(nonzero=self.assumed), self.conditions(case))
 
     def subcases(self, case: Case, equations: Sequence[Poly]) -> list[Case]:
         """The cases in which more polynomials vanish, which are reduced on the case.

@@ -2,8 +2,8 @@ r"""Splitting the solutions of a system into components, by factors.
 
 Where an element of a Gröbner basis is a product, the solutions are those at which the first factor vanishes, those at
 which it does not and the second does, and so on. For real solutions a sum of terms, or squares, of one sign vanishes
-with all of them. What is left when nothing factors is a component; in dimension 0 it is split further, into the zeros of the
-irreducible factors of the equation for a linear form that tells them apart.
+with all of them. What is left when nothing factors is a component; in dimension 0 it is split further, into the zeros
+of the irreducible factors of the equation for a linear form that tells them apart.
 
 A component may still be reducible over the rationals: `is_irreducible` says where it is proved not to be. Over the
 complex numbers it may be reducible in any case.
