@@ -214,8 +214,9 @@ def integrable_families(
     """
     d, limit = as_count(degree, "degree", least=1), as_time_limit(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
+    check_numbers(system, "integrable_families", zeros)
     derivation, polynomials = derivation_of(system, *known.values(), *zeros)
-    check_parameters(system, derivation, "integrable_families", zeros)
+    check_parameters(system, derivation, "integrable_families")
     names = [str(s) for s in derivation.field.parameters]
     for argument, given in (("positive", positive), ("nonzero", nonzero)):
         for name in given:
@@ -288,11 +289,10 @@ def integrable_families(
     )
 
 
-def check_parameters(system: System, derivation: Derivation, caller: str, functions: Sequence[Expr] = ()) -> None:
-    """Refuse a system without symbols, or with other numbers than rational ones: between these relations may hide."""
+def check_numbers(system: System, caller: str, functions: Sequence[Expr] = ()) -> None:
+    """Refuse other numbers than rational ones: between these relations may hide."""
     from sympy import Function, I, NumberSymbol, Pow
 
-    symbols = derivation.field.parameters
     expressions: list[Any] = [system.hamiltonian, *system.equations.values(), *functions]
     kinds: Any = (Function, NumberSymbol, Pow, type(I))
     others = {a for e in expressions for a in e.atoms(*kinds) if not (a.is_Pow and a.exp.is_Integer)}
@@ -301,6 +301,11 @@ def check_parameters(system: System, derivation: Derivation, caller: str, functi
             f"{caller}: wanted symbols for parameters and rational numbers; got "
             f"{', '.join(sorted(Formula(a).plain for a in others))} in {system.name}; write a symbol for each of them"
         )
+
+
+def check_parameters(system: System, derivation: Derivation, caller: str) -> None:
+    """Refuse a system without symbols."""
+    symbols = derivation.field.parameters
     ring: Any = getattr(derivation.field.domain, "domain", None)
     if not symbols or not all(s.is_Symbol for s in symbols) or not (ring.is_QQ or ring.is_ZZ):
         raise ParameterError(
