@@ -29,6 +29,8 @@ def test_integrals_for_programs_are_read_again(command):
         "known",
         "found",
         "complete",
+        "modulo_ideal",
+        "notes",
         "proof",
     ]
     system = lp.catalog.system("goryachev-chaplygin")
@@ -115,3 +117,9 @@ def test_no_proof_no_certificate(command, tmp_path):
     assert "no polynomial integral up to degree 3" in out
     assert "wanted a proof of integrability" in err
     assert not path.exists()
+
+
+def test_a_level_by_the_names_of_invariants(command):
+    same = [command("integrals", "kovalevskaya", "--on", on) for on in ("C2-1", "C2 = 1")]
+    assert same[0] == same[1]
+    assert "on alpha1^2 - 1 + alpha2^2 + alpha3^2 = 0" in same[0][1]

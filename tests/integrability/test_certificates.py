@@ -49,7 +49,6 @@ ALTERED = {
     "an exponent of an integral": (lambda data: squared(data["commuting"]["K"]), "K does not commute with H"),
     "a sign of the bracket": (lambda data: negated(data["poisson_matrix"][0][2]), "the Jacobi identity fails"),
     "a coefficient of the bracket": (lambda data: doubled(data["poisson_matrix"][0][2]), "the Jacobi identity fails"),
-    "an entry twice": (lambda data: data["poisson_matrix"].append(data["poisson_matrix"][0]), "one entry for each"),
     "a parameter": (lambda data: doubled(data["hamiltonian"]), "does not commute with H"),
     "a Casimir": (lambda data: doubled(data["casimirs"]["C1"]), "C1 is no Casimir"),
     "a Casimir left out": (lambda data: data["casimirs"].pop("C1"), "Casimirs are missing"),
@@ -73,11 +72,91 @@ def test_an_altered_certificate_is_refused(what, tmp_path):
         lp.integrability.load_certificate(path)
 
 
-def test_a_coordinate_of_the_point_that_is_taken_away():
-    data = certified()
-    data["point"].pop()
-    with pytest.raises(ValueError, match="zip"):
+def renamed(data):
+    """The commuting functions under the names of the Casimirs."""
+    data["commuting"] = dict(zip(data["casimirs"], data["commuting"].values(), strict=True))
+
+
+def other_hamiltonian(data):
+    data["commuting"]["H"] = data["casimirs"]["C1"]
+
+
+MALFORMED = {
+    "an entry twice": (lambda data: data["poisson_matrix"].append(data["poisson_matrix"][0]), "wrong entries"),
+    "an entry i > j": (lambda data: data["poisson_matrix"].append([2, 1, [["1", [0] * 6]]]), "wrong entries"),
+    "an index that is true": (lambda data: data["poisson_matrix"].append([0, True, []]), "wrong entries"),
+    "no coordinate": (lambda data: data["point"].pop(), "a coordinate for each"),
+    "no variables": (lambda data: data.update(variables=[], point=[]), "1 to 100 variables"),
+    "a variable twice": (lambda data: data["variables"].__setitem__(0, "l2"), "or one twice"),
+    "equal names": (renamed, "or one twice"),
+    "a name of two lines": (lambda data: data["commuting"].update({"F\n1": []}), "unprintable"),
+    "a monomial twice": (lambda data: data["hamiltonian"].insert(0, ["5", data["hamiltonian"][0][1]]), "twice"),
+    "an exponent that is true": (lambda data: data["hamiltonian"].append(["1", [True] * 6]), "exponents"),
+    "an exponent without end": (lambda data: data["commuting"]["K"].append(["1", [10**9, 0, 0, 0, 0, 0]]), "at most"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", MALFORMED)
+def test_a_certificate_that_can_be_read_in_two_ways_is_refused(what, tmp_path):
+    alter, words = MALFORMED[what]
+    alter(data := certified())
+    with pytest.raises(ValueError, match=words):
         checker.check(data)
+    path = tmp_path / "top.json"
+    path.write_text(json.dumps(data))
+    with pytest.raises(DamagedFileError, match=words):
+        lp.integrability.load_certificate(path)
+    with pytest.raises(ParameterError, match=words):
+        lp.integrability.save_certificate(data, tmp_path / "again.json")
+
+
+@pytest.mark.parametrize(
+    "number",
+    [
+        "1e3000000000", "1_0", "\uff11", " 1", "+1", "1.5", "1/-2", "1/2/3", "", "-", "9" * 1001, 1, 1.0, True, None,
+        float("inf"), float("nan"), ["1"],
+    ],
+)  # fmt: skip
+def test_numbers_are_fractions_in_digits(number, tmp_path):
+    path = tmp_path / "top.json"
+    for place in ("point", "coefficient"):
+        data = certified()
+        if place == "point":
+            data["point"][0] = number
+        else:
+            data["commuting"]["K"][0][0] = number
+        path.write_text(json.dumps(data))
+        with pytest.raises(DamagedFileError, match="numbers are texts"):
+            lp.integrability.load_certificate(path)
+
+
+def test_a_key_that_occurs_twice_is_refused(tmp_path):
+    text = json.dumps(certified())
+    path = tmp_path / "top.json"
+    path.write_text(text.replace('"hamiltonian"', '"hamiltonian": [["1", [0, 0, 0, 0, 0, 0]]], "hamiltonian"'))
+    with pytest.raises(DamagedFileError, match="occurs twice"):
+        lp.integrability.load_certificate(path)
+
+
+def test_a_function_with_a_known_name_is_that_function():
+    other_hamiltonian(data := certified())
+    assert checker.check(data) == "H is another function"
+    data = certified()
+    data["casimirs"]["alpha1"] = data["casimirs"].pop("C1")
+    assert checker.check(data) == "alpha1 is another function"
+
+
+def test_a_system_without_motion_is_not_integrable():
+    data = certified() | {"poisson_matrix": [], "commuting": {}}
+    data["casimirs"] = {f"C{k}": [["1", [int(i == k) for i in range(6)]]] for k in range(6)}
+    assert "leaf of lower dimension" in checker.check(data)
+
+
+def test_other_entries_are_refused():
+    with pytest.raises(ParameterError, match="entries should be"):
+        lp.integrability.save_certificate(certified() | {"remark": "a chaotic system"}, "top.json")
+    with pytest.raises(ParameterError, match="entries should be"):
+        lp.integrability.save_certificate({"a": 1}, "top.json")
 
 
 @pytest.mark.parametrize("exponents", [[1], [0.5, 0, 0, 0, 0, 0], [-1, 0, 0, 0, 0, 0], ["1", 0, 0, 0, 0, 0]])

@@ -1,5 +1,7 @@
 """Families: the classical conditions, completely."""
 
+import re
+
 import pytest
 from sympy import Rational, Symbol, expand, symbols, sympify
 
@@ -220,12 +222,71 @@ def test_so4_from_its_symmetry():
     assert as_sets("h11 - h66, h22 - h55, h33 - h44") <= sets(found)
 
 
-def test_a_case_whose_integral_is_no_new_one_says_so():
+def test_powers_of_h_are_no_further_integrals_where_its_degree_drops():
     # where J = 0 the square of H has degree two
     body = lp.System(lp.so(3) @ lp.trivial(), "l3 + J*(l1^2 + 2*l2^2)", symbols=["J"])
-    (case,) = integrable_families(body, degree=2).cases
-    assert (case.integrals, case.remark) == ((), "a function of the known ones at the example")
-    assert case.remark in str(case)
+    assert "never" in str(integrable_families(body, degree=2))
+    # a scattering potential of degree 4, cubic at a = 0: H^2 has degree 6
+    potential = "q1^2 + 3*q2^2 + q1^2*q2 + 5*q2^3 + q1^3 + a*(q1^4 + 7*q1^2*q2^2 + q1*q2^3)"
+    family = lp.System(lp.canonical(2), f"p1^2/2 + p2^2/2 + {potential}", symbols=["a"])
+    assert "never" in str(integrable_families(family, degree=6))
+    # H itself, at b = 0 and a multiple of a l3 - 4 l2
+    body = lp.System(lp.so(3) @ lp.trivial(), "a*l3 + (b^2 - 4)*l2 + b^2*l1*l2", symbols=["a", "b"])
+    assert not any(case.holds_at({"a": 1, "b": 0}) for case in integrable_families(body, degree=1).cases)
+
+
+def test_polynomials_in_h_and_the_casimirs_whose_highest_terms_cancel_are_no_further_integrals():
+    """At equal moments k.l = H - a C1/2; at two equal ones, with k along the axis, l3 is new."""
+    body = lp.System(
+        lp.so(3) @ lp.trivial(),
+        "(a1*l1^2 + a2*l2^2 + a3*l3^2)/2 + k1*l1 + k2*l2 + k3*l3",
+        symbols=["a1", "a2", "a3", "k1", "k2", "k3"],
+    )
+    for degree in (1, 2):
+        found = integrable_families(body, degree=degree, positive=["a1", "a2", "a3"])
+        equal = {"a1": 1, "a2": 1, "a3": 1, "k1": 1, "k2": -2, "k3": 5}
+        assert found.complete
+        assert not any(case.holds_at(equal) for case in found.cases)
+        axial = {"a1": 1, "a2": 1, "a3": 3, "k1": 0, "k2": 0, "k3": 5}
+        assert any(case.holds_at(axial) for case in found.cases)
+
+
+def test_where_the_integral_of_a_case_becomes_h_it_is_excepted():
+    # l3 is no polynomial in H = b l3^2 + c l3 at a = 0, but at b = 0, unless c = 0, too
+    body = lp.System(lp.so(3) @ lp.trivial(), "a*l1^2 + b*l3^2 + c*l3", symbols=["a", "b", "c"])
+    found = integrable_families(body, degree=1)
+    assert found.complete
+    holds = lambda **at: any(case.holds_at(at) for case in found.cases)  # noqa: E731
+    assert holds(a=0, b=1, c=1)
+    assert holds(a=0, b=1, c=0)
+    assert not holds(a=0, b=0, c=1)
+    assert holds(a=0, b=0, c=0)
+    assert "a = 0, where b is not 0" in str(found)
+
+
+def test_casimirs_of_special_parameters_do_not_count():
+    """The extension is a semidirect product at epsilon = 0, with two more Casimirs; inside of it l3 is an integral."""
+    bracket = lp.so(3) @ lp.leibniz(4, "epsilon")
+    x = [str(v) for v in bracket.variables]
+    linear = f"{x[3]} + 2*{x[4]} + 3*{x[5]} + {x[6]} - {x[7]} + 2*{x[8]} - 3*{x[9]} + {x[10]} + 5*{x[11]}"
+    family = lp.System(bracket, f"({x[0]}^2 + 2*{x[1]}^2 + 3*{x[2]}^2)/2 + {linear}", symbols=["epsilon"])
+    found = integrable_families(family, degree=2)
+    assert found.complete
+    assert not found.cases
+    (casimirs,) = found.casimirs
+    assert str(casimirs.conditions[0]) == "epsilon"
+    assert len(casimirs.casimirs) > len(bracket.casimirs())
+    assert "more Casimirs, which do not count, if epsilon = 0" in str(found)
+    inside = lp.System(bracket, f"({x[0]}^2 + {x[1]}^2 + J*{x[2]}^2)/2 + {x[5]} + 2*{x[8]}", symbols=["epsilon", "J"])
+    found = integrable_families(inside, degree=1)
+    assert [str(f) for f in found.general] == [x[2]]
+
+
+def test_separable_cases_show_the_integral():
+    family = lp.System(lp.canonical(2), "p1^2/2 + p2^2/2 + q1^4 + 3*q2^2 + c*q1^2*q2", symbols=["c"])
+    (case,) = integrable_families(family, degree=2).cases
+    assert [str(c) for c in case.conditions] == ["c"]
+    assert len(case.integrals) == 1
 
 
 def test_functions_of_the_known_integrals_are_not_shown_as_new():
@@ -233,6 +294,8 @@ def test_functions_of_the_known_integrals_are_not_shown_as_new():
     body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + l2^2 + 3*l3^2)/2 + a*l1", symbols=["a"])
     (case,) = integrable_families(body, degree=1).cases
     assert (str(case.conditions[0]), case.integrals) == ("a", ())
+    assert (case.is_independent, case.remark) == (False, "a function of the known ones")
+    assert case.remark in str(case)
 
 
 def test_integrals_that_there_are_for_all_parameters_are_not_listed_again():
@@ -250,10 +313,21 @@ def test_integrals_that_there_are_for_all_parameters_are_not_listed_again():
 def test_what_makes_no_sense_is_refused():
     with pytest.raises(ParameterError, match="symbols for parameters"):
         integrable_families(lp.catalog.system("kovalevskaya"))
-    with pytest.raises(ParameterError, match="wanted names of"):
+    with pytest.raises(ParameterError, match=r"^positive: wanted names of .*; got .I1.$"):
         integrable_families(heavy_top(), positive=["I1"])
+    with pytest.raises(ParameterError, match=r"^nonzero: wanted names of .*; got .zz.$"):
+        integrable_families(heavy_top(), nonzero=["zz"])
     with pytest.raises(ParameterError, match="take a smaller one"):
         integrable_families(heavy_top(), degree=30)
+
+
+@pytest.mark.parametrize("number", ["exp(a)", "log(6)", "sqrt(2)", "pi", "sin(1)^2 + cos(1)^2", "sqrt(a)"])
+def test_other_numbers_than_rational_ones_are_named(number):
+    """They are no free parameters: log(6) = log(2) + log(3), exp(a) is never zero."""
+    body = lp.System(lp.so(3) @ lp.semidirect(2), f"({number})*l1^2 + l2^2 + J*l3^2 + a*alpha3", symbols=["J", "a"])
+    named = "cos(1), sin(1)" if "sin" in number else number
+    with pytest.raises(ParameterError, match=f"got {re.escape(named)} in"):
+        integrable_families(body, degree=1)
 
 
 def test_a_limit_of_time_leaves_cases():
@@ -261,4 +335,5 @@ def test_a_limit_of_time_leaves_cases():
     assert not found.complete
     assert "incomplete" in str(found)
     assert "incomplete" in repr(found)
+    assert "never" not in str(found)
     assert "all parameters" in found.left

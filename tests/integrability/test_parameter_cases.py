@@ -217,3 +217,18 @@ def test_what_is_not_decided_is_left():
     splitting, cases = CaseSplitting(CONTEXT, frozenset(), []), Cases()
     splitting.run([{0: A}], 1, 0, cases, lambda: False)
     assert len(cases.left) == 1
+
+
+def test_quadratic_equations_without_real_solutions_are_no_case():
+    # (a - 1/2)^2 + b^2 + 3/4 and (a - b)^2 + 1 never vanish; a^2 + a b + b^2 does at a = b = 0
+    assert conditions([{0: A**2 - A + B**2 + 1}]) == []
+    assert conditions([{0: A**2 - 2 * A * B + B**2 + 1}]) == []
+    assert conditions([{0: A**2 + A * B + B**2}]) == [["a", "b"]]
+    assert conditions([{0: A**2 + B**2 - 1}]) == [["a^2 + b^2 - 1"]]
+
+
+def test_equations_that_are_solved_into_a_contradiction_are_no_case():
+    # at a^2 = 2 the second is a - 1
+    assert conditions([{0: A**2 - 2}, {0: A**3 + A**2 - A - 3}]) == []
+    # a = 1 leaves a unit, or a product
+    assert conditions([{0: A - 1}, {0: A**2 * B - B + C}], nonzero=(C,)) == []

@@ -1,11 +1,16 @@
 """First integrals: those of the literature are found without a hint, and where there are none it is proved."""
 
+from dataclasses import replace
+
 import pytest
 import sympy as sp
 from searched_systems import TOP, is_polynomial_in, toda
 
 import liepoisson as lp
+from liepoisson.cli.integrals import latex_lines
 from liepoisson.errors import ParameterError
+from liepoisson.integrability.polynomial_integrals import zeros_on_level
+from liepoisson.integrability.records import search_record
 
 first_integrals = lp.integrability.first_integrals
 entry = lp.catalog.system
@@ -201,3 +206,98 @@ def test_what_is_printed():
     assert lines[2].startswith("F1 = ")
     assert sp.expand(entry("kovalevskaya").expression(lines[2][5:]) - found.found[0].expression) == 0
     assert "Every other one is a polynomial in these" in lines[3]
+
+
+PRIME = 2**61 - 1
+
+
+@pytest.mark.parametrize(
+    "coefficients",
+    [
+        # log 6 = log 2 + log 3, sin^2 + cos^2 = 1, cosh^2 - sinh^2 = 1, 4 atan(1/5) - atan(1/239) = pi/4 (Machin): the
+        # moments of l1 and l2 are equal, l3 is an integral
+        ("log(6)", "log(2) + log(3)"),
+        ("sin(1)^2 + cos(1)^2", "1"),
+        ("cosh(1)^2 - sinh(1)^2", "1"),
+        ("4*atan(1/5) - atan(1/239)", "pi/4"),
+    ],
+)
+def test_nothing_is_proved_where_relations_between_numbers_may_hide(coefficients):
+    first, second = coefficients
+    system = lp.System(lp.so(3) @ lp.semidirect(2), f"({first})*l1^2 + ({second})*l2^2 + 3*l3^2 + alpha3")
+    for search in (lp.integrability.first_integrals, lp.integrability.integrability_report):
+        with pytest.raises(ParameterError, match=r"relations may hide.* Write a symbol for each"):
+            search(system, degree=1)
+    family = lp.System(
+        lp.so(3) @ lp.semidirect(2), f"J*({first})*l1^2 + ({second})*l2^2 + l3^2 + alpha3", symbols=["J"]
+    )
+    with pytest.raises(ParameterError, match="relations may hide"):
+        lp.integrability.integrable_families(family, degree=1)
+
+
+def test_one_transcendental_number_is_no_parameter():
+    bracket = lp.so(3) @ lp.semidirect(2)
+    found = first_integrals(lp.System(bracket, "pi*(l1^2 + l2^2) + 3*l3^2 + alpha3"), degree=1)
+    assert ([str(f.expression) for f in found.found], found.complete, found.parameters) == (["l3"], True, ())
+    with pytest.raises(ParameterError, match="rational numbers"):
+        lp.integrability.integrable_families(lp.System(bracket, "pi*l1^2 + J*l2^2 + alpha3", symbols=["J"]), degree=1)
+
+
+@pytest.mark.parametrize(
+    ("hamiltonian", "n"),
+    [
+        # separable: the energy of each coordinate, and H is their sum
+        (f"p1^2/2 + p2^2/2 + q1^2/{PRIME} + q2^2", 1),
+        (f"p1^2/2 + p2^2/2 + {PRIME}*q1^2 + q2^2", 1),
+        # modulo the prime it separates, in fact it does not
+        (f"p1^2/2 + p2^2/2 + {PRIME}*q1^2*q2 + q1^2 + q2^2", 0),
+        # the difference of the stiffnesses is the prime: the angular momentum is an integral modulo the prime only
+        (f"p1^2/2 + p2^2/2 + {PRIME + 1}*q1^2 + q2^2", 1),
+    ],
+)
+def test_coefficients_that_vanish_modulo_a_prime(hamiltonian, n):
+    system = lp.System(lp.canonical(2), hamiltonian)
+    found = first_integrals(system, degree=2)
+    assert (found.complete, len(found.found)) == (True, n)
+    assert found.prime != PRIME
+    assert lp.integrability.integrability_report(system, degree=2).verdict == (
+        "integrable" if n else "no further polynomial integral"
+    )
+
+
+def test_what_is_not_proved_is_said_everywhere():
+    found = replace(first_integrals(lp.catalog.system("henon-heiles"), degree=2), complete=False)
+    assert "no others" not in str(found)
+    assert "incomplete" in str(found)
+    assert "incomplete" in repr(found)
+    assert any("incomplete" in line for line in latex_lines(found))
+    assert search_record(found)["complete"] is False
+
+
+@pytest.mark.parametrize("name", ["H", "C1 - 1", "C2-1", "C2 = H", "2*C1 + l1 - l1 = K"])
+def test_levels_name_the_invariants(name):
+    system = lp.catalog.system("kovalevskaya")
+    zeros = zeros_on_level(system, name)
+    known = system.invariants
+    left, _, right = name.partition("=")
+    names = {sp.Symbol(n): f for n, f in known.items()}
+    assert sp.expand(zeros[0] - (sp.sympify(left, {}) - sp.sympify(right or "0", {})).xreplace(names)) == 0
+
+
+@pytest.mark.parametrize("equation", ["0 = 0", "C1 = C1", "l1 - l1"])
+def test_equations_that_hold_everywhere_are_refused(equation):
+    with pytest.raises(ParameterError, match="holds everywhere"):
+        first_integrals(lp.catalog.system("kovalevskaya"), on=equation)
+
+
+def test_names_of_integrals_are_not_given_twice():
+    found = first_integrals(lp.catalog.system("kovalevskaya"), degree=2, known={"F1": "H"})
+    assert [f.name for f in found.found] == ["F2", "F3"]
+    with pytest.raises(ParameterError, match="the name of an integral"):
+        first_integrals(lp.catalog.system("kovalevskaya"), degree=2, known={"F\n1": "H"})
+
+
+def test_parts_of_known_integrals_are_not_listed_twice():
+    # H = l2 + (l1^2 + l3^2) and C1 = l2^2 + (l1^2 + l3^2) fall into parts: l2 and H give all of them
+    found = first_integrals(lp.System(lp.so(3) @ lp.trivial(), "l3^2 + l2 + l1^2"), degree=2)
+    assert [str(f.expression) for f in found.found] == ["l2"]

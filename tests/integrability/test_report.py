@@ -52,7 +52,10 @@ def test_where_there_are_no_integrals_the_degree_is_said(system):
 def test_the_limit_of_time_is_kept():
     found = report(TOP, degree=20, time_limit=0.01)
     assert len(found.searches) < 5
-    assert found.verdict == "no further polynomial integral"
+    assert found.verdict == "open"
+    assert repr(found).startswith(
+        "<IntegrabilityReport of twisted top: open, not searched up to degree 20; no polynomial"
+    )
 
 
 def test_too_large_degrees_are_left_out_with_a_note():
@@ -86,6 +89,65 @@ def test_brackets_of_integrals_are_integrals():
     integrals = {
         name: system.expression(f) for name, f in [("H", "H"), ("F1", "y*p_z - z*p_y"), ("F2", "z*p_x - x*p_z")]
     }
-    notes = _add_brackets(system, integrals, 6)
+    notes = _add_brackets(system, integrals, {}, 6)
     assert notes == ["F3 = {F1, F2}, by Poisson's theorem"]
     assert integrals["F3"] in {system.expression("x*p_y - y*p_x"), system.expression("y*p_x - x*p_y")}
+
+
+E3 = lp.so(3) @ lp.semidirect(2).rename("l", "alpha")
+
+
+@pytest.mark.parametrize(
+    ("bracket", "hamiltonian", "wanted"),
+    [
+        (E3, "dot(l, alpha)", "l1 l2 l3 alpha1 alpha2 alpha3"),
+        (lp.so(5) @ lp.trivial(), "l12^2 + l13^2 + l14^2 + l23^2 + l24^2 + l34^2", "l12 l13 l14 l23 l24 l34"),
+        (lp.so(3) @ lp.trivial(), "dot(l, l)", "l1 l2 l3"),
+    ],
+)
+def test_all_generators_of_the_integrals_are_listed(bracket, hamiltonian, wanted):
+    # each of these is an integral, but only some are independent
+    found = report(lp.System(bracket, hamiltonian), degree=1)
+    listed = {str(f) for f in (*found.integrals.values(), *found.dependent.values())}
+    assert set(wanted.split()) <= listed
+    text = str(found)
+    assert all(f"{name} = " in text for name in (*found.integrals, *found.dependent))
+    assert text.count("(depends on the others)") == len(found.dependent) > 0
+
+
+def test_generators_are_found_once():
+    found = report(lp.System(E3, "dot(l, alpha)"), degree=3)
+    assert [len(s.found) for s in found.searches] == [6, 0, 0]
+    assert "besides polynomials in these and the Casimirs: proved" in repr(found)
+
+
+@pytest.mark.parametrize(
+    ("bracket", "hamiltonian", "degree"),
+    [
+        # central forces: H, L3 and L^2; so(4) in so(5): H, the Pfaffian, l12 and l34
+        (lp.canonical(3), "(p1^2 + p2^2 + p3^2)/2 + (q1^2 + q2^2 + q3^2)^2", 2),
+        (lp.canonical(4), "(p1^2 + p2^2 + p3^2 + p4^2)/2 + (q1^2 + q2^2 + q3^2 + q4^2)^2", 2),
+        (lp.so(5) @ lp.trivial(), "l12^2 + l13^2 + l14^2 + l23^2 + l24^2 + l34^2", 2),
+        (lp.canonical(3), "(p1^2 + p2^2 + p3^2 + q1^2 + q2^2 + q3^2)/2", 2),
+    ],
+)
+def test_combinations_that_commute_are_found(bracket, hamiltonian, degree, tmp_path):
+    system = lp.System(bracket, hamiltonian)
+    found = report(system, degree=degree)
+    assert found.verdict == "superintegrable"
+    assert len(found.commuting) == found.rank // 2
+    functions = [(found.integrals | found.dependent)[name] for name in found.commuting]
+    assert all(system.bracket(f, g).expand() == 0 for f in functions for g in functions)
+    assert checker.check(found.certificate) == ""
+    assert str(lp.integrability.load_report(found.save(tmp_path / "report.json"), prove_again=True)) == str(found)
+
+
+def test_quadratures_are_left_out():
+    found = report(lp.systems.CanonicalSystem(["q"], ["p"], "p^2/2 + q^4", quadratures={"psi": "q^2"}))
+    assert found.verdict == "integrable"
+    assert checker.check(found.certificate) == ""
+    assert "quadratures were left out" in str(found)
+
+
+def test_a_function_on_which_nothing_depends_moves_nothing():
+    assert "nothing moves" in str(report(lp.System(lp.canonical(1), "1"), degree=1))

@@ -419,6 +419,27 @@ class System:
             error.position,
         ) from None
 
+    def function_of_invariants(self, text: str) -> Expr:
+        """A text like that of a Hamiltonian in which the names of invariants may occur, too: "C1 - 2*H".
+
+        Raises:
+            ExpressionError: the text is not in the grammar, or a name in it is not known; with the position.
+        """
+        from sympy import Symbol
+
+        from liepoisson.exact.expression import read_expression
+        from liepoisson.exact.formula.scope import Scope
+
+        try:
+            return self.expression(text)
+        except ExpressionError:
+            names = [name for name in self.invariants if name in set(_NAME.findall(text))]
+            if not names:
+                raise
+        scope = Scope.of_bracket(self.symbolic_bracket, self.values, (*self._given_symbols, *names))
+        read: Any = self._with_parameters(read_expression(text, scope))
+        return read.xreplace({Symbol(name): self.invariants[name] for name in names})
+
     def function_tape(self, *functions: str | Expr) -> TapeFunction:
         """Functions on phase space as plain data for the numeric core, one output each.
 

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from liepoisson.exact.system import System
 
 FORMAT = "liepoisson certificate of Liouville integrability/1"
+KEYS = {"format", "system", "variables", "poisson_matrix", "hamiltonian", "casimirs", "commuting", "point"}
 _MOST_POINTS = 50
 _LARGEST = 7
 """Coordinates of the point are whole numbers up to this."""
@@ -38,7 +39,7 @@ def certificate(system: System, commuting: Mapping[str, Expr]) -> dict[str, Any]
     Raises:
         ParameterError: coefficients are not rational, or the functions do not prove it; the message says what fails.
     """
-    x, casimirs = system.variables, system.bracket.casimirs()
+    x, casimirs = system.bracket.variables, system.bracket.casimirs()  # quadratures are no functions on phase space
     data: dict[str, Any] = {
         "format": FORMAT,
         "system": system.name,
@@ -65,12 +66,15 @@ def certificate(system: System, commuting: Mapping[str, Expr]) -> dict[str, Any]
 
 @explains_its_arguments
 def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
-    """Write a certificate as JSON.
+    """Check a certificate and write it as JSON.
 
     Raises:
+        ParameterError: it proves nothing; the message says what fails.
         OutputError: the file cannot be written, or its name does not end in .json.
     """
     path = Path(path)
+    if wrong := fault(data):
+        raise ParameterError(f"a certificate of integrability: wanted a proof; got one that fails: {wrong}")
     if path.suffix != ".json":
         raise OutputError(f"wanted a name that ends in .json; got {shown(str(path))}; write for example top.json")
     write_atomically(path, (json.dumps(data, indent=1) + "\n").encode())
@@ -86,24 +90,28 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
         DamagedFileError: it is no certificate, or one that proves nothing; the message says what fails.
     """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
-        wrong = checker.check(data) if data["format"] == FORMAT else "it has another format"
+        data = json.loads(Path(path).read_text(encoding="utf-8"), object_pairs_hook=checker.once)
     except FileNotFoundError as error:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
-    except (
-        OSError,
-        ValueError,
-        KeyError,
-        TypeError,
-        IndexError,
-        AttributeError,
-        RecursionError,
-        ZeroDivisionError,
-    ) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise DamagedFileError(f"{path}: wanted a certificate; got a file that is none ({error!r:.80})") from error
-    if wrong:
+    if wrong := fault(data):
         raise DamagedFileError(f"{path}: the certificate is refused: {wrong}; it was altered, or proves nothing")
     return data
+
+
+def fault(data: Any) -> str:
+    """What is wrong with something that should be a certificate; empty if it is right."""
+    try:
+        if set(data) != KEYS:
+            return f"its entries should be {', '.join(sorted(KEYS))}"
+        if data["format"] != FORMAT or not isinstance(data["system"], str) or not data["system"].isprintable():
+            return "it has another format"
+        return checker.check(data)
+    except ValueError as error:
+        return str(error)
+    except (KeyError, TypeError, IndexError, AttributeError, RecursionError, ArithmeticError) as error:
+        return f"it is none ({error!r:.80})"
 
 
 def _terms(expression: Any, variables: Sequence[Any]) -> list[list[Any]]:

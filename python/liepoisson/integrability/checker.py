@@ -1,13 +1,10 @@
 """A short, separate check of a certificate of integrability: Python's fractions, and nothing of the search.
 
-    python -m liepoisson.integrability.checker certificate.json
-
-A polynomial is a list of terms [coefficient, exponents], the Poisson matrix one of entries [i, j, polynomial], i < j.
-The certificate says: these functions are Casimirs, these commute with H and with each other, and at the point as many
-have independent vector fields as half the rank of the matrix, which is the largest possible.
+A polynomial is a list of [coefficient, exponents], the Poisson matrix one of [i, j, polynomial], i < j.  What is
+proved: these are Casimirs, these commute with H and each other, and at the point as many of them have independent
+vector fields as half the rank of the matrix, which is the largest possible.
 """
 # pyright: basic
-# ruff: noqa: D103
 
 import json
 import sys
@@ -15,13 +12,30 @@ from fractions import Fraction
 from pathlib import Path
 
 
+def want(condition, words):
+    if not condition:
+        raise ValueError(words)
+
+
+def once(pairs):
+    want(len(dict(pairs)) == len(pairs), "a key occurs twice")
+    return dict(pairs)
+
+
+def number(text):
+    digits = text.removeprefix("-").split("/") if type(text) is str and len(text) <= 1000 and text.isascii() else [""]
+    want(len(digits) < 3 and all(map(str.isdigit, digits)), "numbers are texts such as '-1/2'")
+    return Fraction(text)
+
+
 def polynomial(terms, n):
-    if any(len(m) != n or any(type(k) is not int or k < 0 for k in m) for _, m in terms):
-        raise ValueError(f"exponents are {n} whole numbers")
-    return {tuple(m): Fraction(c) for c, m in terms}
+    whole = all(len(m) == n and all(type(k) is int and k >= 0 for k in m) and sum(m) <= 100 for _, m in terms)
+    want(whole and type(terms) is list, f"exponents are {n} whole numbers, together at most 100")
+    want(len({tuple(m) for _, m in terms}) == len(terms), "a monomial occurs twice")
+    return summed((tuple(m), number(c)) for c, m in terms)
 
 
-def derivative(f, k):
+def d(f, k):  # the derivative of f by coordinate k
     return {(*m[:k], m[k] - 1, *m[k + 1 :]): c * m[k] for m, c in f.items() if m[k]}
 
 
@@ -36,64 +50,50 @@ def summed(pairs):
     return {m: c for m, c in total.items() if c}
 
 
-def bracket(f, g, matrix):
-    """{f, g}, the sum of J_ij (d_i f d_j g - d_j f d_i g) over i < j."""
-    pairs = []
-    for i, j, entry in matrix:
-        inner = product(derivative(f, i), derivative(g, j)) + product(derivative(f, j), derivative(g, i), -1)
-        pairs += product(entry, summed(inner))
-    return summed(pairs)
+def bracket(f, g, matrix):  # the sum of J_ij (d_i f d_j g - d_j f d_i g) over i < j
+    terms = [(e, summed(product(d(f, i), d(g, j)) + product(d(f, j), d(g, i), -1))) for i, j, e in matrix]
+    return summed(pair for e, inner in terms for pair in product(e, inner))
 
 
 def value(f, point):
-    total = Fraction(0)
-    for m, term in f.items():
-        for x, power in zip(point, m, strict=True):
-            term *= x**power  # noqa: PLW2901
-        total += term
-    return total
+    for k, x in enumerate(point):
+        f = {m: c * x ** m[k] for m, c in f.items()}
+    return sum(f.values(), Fraction(0))
 
 
 def rank(rows):
-    first = next((row for row in rows if any(row)), None)
-    if first is None:
-        return 0
-    k = next(k for k, entry in enumerate(first) if entry)
-    return 1 + rank([[a - row[k] / first[k] * b for a, b in zip(row, first, strict=True)] for row in rows])
+    first = next((row for row in rows if any(row)), [])
+    k = next((k for k, entry in enumerate(first) if entry), 0)
+    return 1 + rank([[a - r[k] / first[k] * b for a, b in zip(r, first, strict=True)] for r in rows]) if first else 0
 
 
-def faults(certificate):
-    n = len(certificate["variables"])
-    x = [polynomial([["1", [int(i == k) for i in range(n)]]], n) for k in range(n)]
-    matrix = [(i, j, polynomial(entry, n)) for i, j, entry in certificate["poisson_matrix"]]
-    if len({(i, j) for i, j, _ in matrix if 0 <= i < j < n}) < len(matrix):
-        yield "the Poisson matrix has not one entry for each i < j"
+def check(data):  # what is wrong with a certificate, as a text; empty if it is right
+    n, names = len(data["variables"]), (data["variables"], [*data["casimirs"], *data["commuting"]])
+    want(0 < n <= 100 and len(data["point"]) == n, "the point has a coordinate for each of 1 to 100 variables")
+    want(all(len({*a}) == len(a) and all(map(str.isprintable, a)) for a in names), "an unprintable name, or one twice")
+    x = [{(*[0] * k, 1, *[0] * (n - k - 1)): Fraction(1)} for k in range(n)]
+    casimirs, commuting = ({a: polynomial(f, n) for a, f in data[key].items()} for key in ("casimirs", "commuting"))
+    point, matrix = [number(c) for c in data["point"]], [(i, j, polynomial(e, n)) for i, j, e in data["poisson_matrix"]]
+    want(len({(i, j) for i, j, _ in matrix if i < j < n and f"{i}{j}".isdigit()}) == len(matrix), "wrong entries i, j")
     for i, j, k in [(a, b, c) for a in range(n) for b in range(a) for c in range(b)]:
         cyclic = [bracket(bracket(x[a], x[b], matrix), x[c], matrix) for a, b, c in ((i, j, k), (j, k, i), (k, i, j))]
         if summed(pair for f in cyclic for pair in f.items()):
-            yield f"the Jacobi identity fails for the coordinates {k}, {j}, {i}"
-    casimirs = {name: polynomial(f, n) for name, f in certificate["casimirs"].items()}
-    commuting = {name: polynomial(f, n) for name, f in certificate["commuting"].items()}
-    yield from (f"{name} is no Casimir" for name, f in casimirs.items() if any(bracket(f, y, matrix) for y in x))
-    for other, g in [("H", polynomial(certificate["hamiltonian"], n)), *commuting.items()]:
-        yield from (f"{name} does not commute with {other}" for name, f in commuting.items() if bracket(f, g, matrix))
-    point = [Fraction(c) for c in certificate["point"]]
-    at_point = {(i, j): value(entry, point) for i, j, entry in matrix}
-    tensor = [[at_point.get((i, j), Fraction(0)) - at_point.get((j, i), 0) for j in range(n)] for i in range(n)]
-    slopes = {name: [value(derivative(f, k), point) for k in range(n)] for name, f in {**casimirs, **commuting}.items()}
-    fields = [[sum(map(Fraction.__mul__, row, slopes[name])) for row in tensor] for name in commuting]
-    if rank(tensor) + rank([slopes[name] for name in casimirs]) != n:
-        yield "the point lies on a leaf of lower dimension than others, or Casimirs are missing"
+            return f"the Jacobi identity fails for the coordinates {k}, {j}, {i}"
+    wrong = [f"{name} is no Casimir" for name, f in casimirs.items() if any(bracket(f, y, matrix) for y in x)]
+    meant = {**dict(zip(data["variables"], x, strict=True)), "H": polynomial(data["hamiltonian"], n)}
+    for a, g in [("H", meant["H"]), *commuting.items()]:
+        wrong += [f"{name} does not commute with {a}" for name, f in commuting.items() if bracket(f, g, matrix)]
+    wrong += [f"{a} is another function" for a, f in {**casimirs, **commuting}.items() if meant.get(a, f) != f]
+    tensor, fields = ([[value(bracket(f, y, matrix), point) for y in x] for f in fs] for fs in (x, commuting.values()))
+    slopes = [[value(d(f, k), point) for k in range(n)] for f in casimirs.values()]
+    if not any(map(any, tensor)) or rank(tensor) + rank(slopes) != n:
+        wrong.append("the point lies on a leaf of lower dimension than others, or Casimirs are missing")
     if 2 * rank(fields) != rank(tensor):
-        yield "there are fewer independent commuting integrals than half the dimension of the leaves"
-
-
-def check(certificate):
-    """What is wrong with a certificate, as a text; empty if it is right."""
-    return next(faults(certificate), "")
+        wrong.append("there are fewer independent commuting integrals than half the dimension of the leaves")
+    return next(iter(wrong), "")
 
 
 if __name__ == "__main__":
-    fault = check(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8")))
+    fault = check(json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"), object_pairs_hook=once))
     print(f"REFUSED: {fault}" if fault else "accepted: Liouville integrable")
     sys.exit(bool(fault))

@@ -28,7 +28,7 @@ from liepoisson.exact.parameters import to_sympy
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Polynomial
 from liepoisson.integrability.level import level_of
-from liepoisson.integrability.modular import modular, value_at
+from liepoisson.integrability.modular import modular, residues_of, value_at
 from liepoisson.integrability.search import point_on_level, times
 
 if TYPE_CHECKING:
@@ -36,6 +36,8 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
 
+_MOST_PRIMES = 2
+"""Primes of which one may be unlucky: modulo it a rank drops."""
 _MOST_PRODUCTS = 2000
 """Products of integrals of which a bracket may be a sum."""
 
@@ -66,14 +68,19 @@ def fields_rank(system: System, functions: Sequence[Expr]) -> int:
     scale = _scale(system)
     fields = [[(e / scale).expand() for e in system.bracket.vector_field(f)] for f in functions]
     equations, entries = algebraic_equations(system, *(e for one in fields for e in one))
-    residues = equations.derivation.field.residues(seed=1)
-    if residues is None or not functions:
+    if not functions:
         return 0
-    p, n = residues.p, len(system.variables)
-    point = point_on_level(equations.relations, residues, len(equations.derivation.variables))
-    values = [value_at(modular(e, residues), point, p) for e in entries]
-    rows = [{k: v for k, v in enumerate(values[i : i + n]) if v} for i in range(0, len(values), n)]
-    return rank_mod(rows, n, p)
+    n, variables = len(system.variables), len(equations.derivation.variables)
+    found = 0
+    for skipped in range(_MOST_PRIMES):
+        residues = residues_of(equations.derivation.field, (*entries, *equations.relations), skipped)
+        p, point = residues.p, point_on_level(equations.relations, residues, variables)
+        values = [value_at(modular(e, residues), point, p) for e in entries]
+        rows = [{k: v for k, v in enumerate(values[i : i + n]) if v} for i in range(0, len(values), n)]
+        found = max(found, rank_mod(rows, n, p))
+        if found == len(functions):
+            break
+    return found
 
 
 def commuting_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -> tuple[str, ...]:

@@ -98,9 +98,23 @@ def derivation_of_rates(
     terms = [{m: _divided(c, speed) for m, c in one.items()} for one in terms]
     terms += [polynomial_terms(f, variables, "a function") for f in functions]
     field = Coefficients.containing([c for one in terms for c in one.values()])
+    if not field.decides:
+        raise ParameterError(undecided(field))
     read = [{m: field.read(c) for m, c in one.items()} for one in terms]
     n = len(variables)
     return Derivation(tuple(variables), tuple(read[:n]), field), read[n:]
+
+
+def undecided(field: Coefficients) -> str:
+    """Why nothing is proved with these coefficients, and what to write instead."""
+    from sympy import Symbol
+
+    numbers = sorted(str(g) for g in field.parameters if not isinstance(g, Symbol))
+    return (
+        "coefficients: wanted rational numbers, roots, symbols and at most one number such as pi or log(2), of which "
+        f"equality is decided; got {shown(', '.join(numbers) or 'others')}, between which relations may "
+        "hide, such as log(6) = log(2) + log(3). Write a symbol for each, which counts as generic, or rational values"
+    )
 
 
 def _divided(value: Exact, scale: Exact) -> Exact:

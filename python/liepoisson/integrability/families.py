@@ -1,7 +1,8 @@
 r"""Families: for which parameters does a system have a further first integral?
 
 The search for integrals is a linear system whose matrix contains the parameters. It is split into cases
-(`liepoisson.integrability.parameter_cases`), which are proved: in all other cases there is no further integral.
+(`liepoisson.integrability.parameter_cases`), which are proved: in all other cases the null space is not larger. A case
+counts if not all integrals in it are polynomials in H and the Casimirs (`liepoisson.integrability.family_cases`).
 """
 
 from __future__ import annotations
@@ -17,10 +18,13 @@ from typing import TYPE_CHECKING, Any, cast
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
+from liepoisson.integrability.case_points import CasePoints
 from liepoisson.integrability.derivation import Derivation, Exponents, derivation_of
+from liepoisson.integrability.family_cases import FamilyCases, FurtherCase
+from liepoisson.integrability.further_integrals import Block, IntegralsAtPoints
 from liepoisson.integrability.level import level_of, order
 from liepoisson.integrability.monomials import in_blocks, n_monomials, of_degree
-from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting, Poly
+from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly
 from liepoisson.integrability.parameter_matrix import ParameterMatrix
 from liepoisson.integrability.polynomial_integrals import (
     first_integrals,
@@ -52,19 +56,27 @@ class ParameterCase:
         example: Random values with these conditions; None where the conditions are not solved by rational numbers.
         integrals: The integrals at these values that are functionally independent of H, the Casimirs and the integrals
             that there are for all parameters; a search there has found them.
+        is_independent: Whether there is an integral that is functionally independent of these; others are functions of
+            them, though no polynomials in them.
+        is_real: Whether real parameters of the case were found; if not, it was not decided whether there are any.
     """
 
     conditions: tuple[Expr, ...]
     nonzero: tuple[Expr, ...]
     example: dict[Symbol, Expr] | None
     integrals: tuple[Expr, ...]
+    is_independent: bool = True
+    is_real: bool = True
 
     @property
     def remark(self) -> str:
-        """What the example does not show; empty where it shows an independent integral."""
-        if self.example is None:
-            return "no rational example"
-        return "" if self.integrals else "a function of the known ones at the example"
+        """What is missing: an independent integral, a rational example, or any real one; empty if nothing is."""
+        remarks = [] if self.is_independent else ["a function of the known ones"]
+        if not self.is_real:
+            remarks.append("real parameters not decided")
+        elif self.example is None:
+            remarks.append("no rational example")
+        return "; ".join(remarks)
 
     def __str__(self) -> str:
         words = ", ".join(f"{Formula(c).plain} = 0" for c in self.conditions) or "all parameters"
@@ -89,6 +101,23 @@ class ParameterCase:
         return all(c == 0 for c in inserted[0]) and all(c != 0 for c in inserted[1])
 
 
+@dataclass(frozen=True)
+class FurtherCasimirs:
+    """Parameters for which the bracket has more Casimirs than in general; these do not count as further integrals.
+
+    Attributes:
+        conditions: Polynomials in the parameters that vanish.
+        casimirs: The Casimirs of the bracket there.
+    """
+
+    conditions: tuple[Expr, ...]
+    casimirs: tuple[Expr, ...]
+
+    def __str__(self) -> str:
+        words = ", ".join(f"{Formula(c).plain} = 0" for c in self.conditions)
+        return f"{words}: {', '.join(Formula(c).plain for c in self.casimirs)}"
+
+
 @dataclass(frozen=True, repr=False)
 class IntegrableFamilies:
     """For which parameters a system has further polynomial integrals.
@@ -103,6 +132,7 @@ class IntegrableFamilies:
         cases: The cases with a further integral.
         left: Cases that were not decided, as conditions; empty if the answer is complete.
         n_closed: Number of cases in which it was proved that there is none.
+        casimirs: The cases in which the bracket has more Casimirs up to the degree, which do not count.
     """
 
     system: System
@@ -114,6 +144,7 @@ class IntegrableFamilies:
     cases: tuple[ParameterCase, ...]
     left: tuple[str, ...]
     n_closed: int
+    casimirs: tuple[FurtherCasimirs, ...] = ()
 
     @property
     def complete(self) -> bool:
@@ -140,6 +171,7 @@ class IntegrableFamilies:
             lines.append(f"and in no other case: proved ({self.n_closed} cases without)")
         else:
             lines += [f"incomplete, {_counted(len(self.left))} left:", *(f"  {text}" for text in self.left)]
+        lines += [f"more Casimirs, which do not count, if {case}" for case in self.casimirs]
         return "\n".join(lines)
 
 
@@ -182,12 +214,14 @@ def integrable_families(
     """
     d, limit = as_count(degree, "degree", least=1), as_time_limit(time_limit)
     known, zeros = known_functions(system), zeros_on_level(system, on)
+    check_numbers(system, "integrable_families", zeros)
     derivation, polynomials = derivation_of(system, *known.values(), *zeros)
     check_parameters(system, derivation, "integrable_families")
     names = [str(s) for s in derivation.field.parameters]
-    for name in (*positive, *nonzero):
-        if name not in names:
-            raise ParameterError(f"positive, nonzero: wanted names of {', '.join(names)}; got {name!r}")
+    for argument, given in (("positive", positive), ("nonzero", nonzero)):
+        for name in given:
+            if name not in names:
+                raise ParameterError(f"{argument}: wanted names of {', '.join(names)}; got {name!r}")
     if (size := n_monomials(len(system.variables), d)) > MOST_MONOMIALS:
         raise ParameterError(
             f"degree: wanted at most {MOST_MONOMIALS:,} monomials; {d} has {size:,}; take a smaller one"
@@ -214,8 +248,22 @@ def integrable_families(
         ],
         matrix.scalings(),
     )
-    cases = _split(search, splitting, matrix, degree=d, time_limit=limit, progress=progress)
-    general = {g.name: derivation.expression(g.polynomial) for g in search.generators if g.is_new}
+    h, *casimirs = (
+        matrix.without_denominators(search.level.remainder(polynomial)) for polynomial in polynomials[: len(known)]
+    )
+    deadline = time.monotonic() + limit
+    cases = FamilyCases(
+        splitting,
+        IntegralsAtPoints(matrix, _blocks(search, matrix, d), d),
+        h,
+        casimirs,
+        [matrix.without_denominators(g.polynomial) for g in search.generators if g.is_new],
+        lambda case: [matrix.read(c, system.variables) for c in _casimirs_of(system, case, matrix)],
+        lambda: time.monotonic() < deadline,
+    )
+    cases.search({count.label: count.n_known for count in search.counts}, progress=progress)
+    cases.settle()
+    general = _general(search, cases, splitting)
     members = _Members(system, d, zeros, known | general)
     assumed = [f"{', '.join(positive)} > 0"] if positive else []
     assumed += [f"{name} not 0" for name in nonzero]
@@ -230,16 +278,36 @@ def integrable_families(
         assumptions="; ".join(dict.fromkeys(["real parameters", *assumed])),
         general=tuple(general.values()),
         cases=tuple(members.described(case, splitting, matrix) for case in cases.found),
-        left=tuple(_words(case, splitting, matrix) for case in cases.left),
+        left=tuple(dict.fromkeys(_words(case, splitting, matrix) for case in cases.left)),
         n_closed=cases.n_closed,
+        casimirs=tuple(
+            FurtherCasimirs(
+                tuple(matrix.sympy(q) for q in splitting.conditions(case)), tuple(_casimirs_of(system, case, matrix))
+            )
+            for case in cases.with_casimirs
+        ),
     )
 
 
+def check_numbers(system: System, caller: str, functions: Sequence[Expr] = ()) -> None:
+    """Refuse other numbers than rational ones: between these relations may hide."""
+    from sympy import Function, I, NumberSymbol, Pow
+
+    expressions: list[Any] = [system.hamiltonian, *system.equations.values(), *functions]
+    kinds: Any = (Function, NumberSymbol, Pow, type(I))
+    others = {a for e in expressions for a in e.atoms(*kinds) if not (a.is_Pow and a.exp.is_Integer)}
+    if others:
+        raise ParameterError(
+            f"{caller}: wanted symbols for parameters and rational numbers; got "
+            f"{', '.join(sorted(Formula(a).plain for a in others))} in {system.name}; write a symbol for each of them"
+        )
+
+
 def check_parameters(system: System, derivation: Derivation, caller: str) -> None:
-    """Refuse a system without symbols, or with other numbers than rational ones."""
+    """Refuse a system without symbols."""
     symbols = derivation.field.parameters
     ring: Any = getattr(derivation.field.domain, "domain", None)
-    if not symbols or not (ring.is_QQ or ring.is_ZZ):
+    if not symbols or not all(s.is_Symbol for s in symbols) or not (ring.is_QQ or ring.is_ZZ):
         raise ParameterError(
             f"{caller}: wanted a system with symbols for parameters and rational numbers; got "
             f"{system.name} with {', '.join(map(str, symbols)) or 'no symbols'}"
@@ -250,27 +318,39 @@ def _monomials(n: int, degree: int) -> Iterator[Exponents]:
     return chain.from_iterable(of_degree(n, k) for k in range(1, degree + 1))
 
 
-def _split(
-    search: Search,
-    splitting: CaseSplitting,
-    matrix: ParameterMatrix,
-    *,
-    degree: int,
-    time_limit: float,
-    progress: Callable[[float], Any] | None,
-) -> Cases:
-    """The cases of all blocks, small ones first: what lies in a case that is known is not looked at again."""
-    n_known = {count.label: count.n_known for count in search.counts}
+def _blocks(search: Search, matrix: ParameterMatrix, degree: int) -> list[Block]:
+    """The blocks with their matrices, small ones first: what lies in a case that is known is not looked at again."""
     standard = (m for m in _monomials(len(matrix.components), degree) if search.level.is_standard(m))
     blocks = in_blocks(standard, search.gradings)
-    cases, deadline = Cases(), time.monotonic() + time_limit
-    for k, (label, block) in enumerate(sorted(blocks.items(), key=lambda item: len(item[1]))):
-        block.sort(key=order, reverse=True)
-        splitting.run(matrix.rows(block), len(block), n_known[label], cases, lambda: time.monotonic() < deadline)
-        if progress:
-            progress((k + 1) / len(blocks))
-    splitting.settle(cases)
-    return cases
+    ordered = [
+        (label, sorted(block, key=order, reverse=True))
+        for label, block in sorted(blocks.items(), key=lambda item: len(item[1]))
+    ]
+    return [Block(label, block, matrix.rows(block)) for label, block in ordered]
+
+
+def _general(search: Search, cases: FamilyCases, splitting: CaseSplitting) -> dict[str, Expr]:
+    """The integrals for all parameters that are no polynomials in H and the Casimirs."""
+    drawn = CasePoints(Case(nonzero=splitting.assumed), splitting.context, splitting.positive).modular()
+    new = [g for g in search.generators if g.is_new]
+    found: dict[str, Expr] = {}
+    for g, polynomial in zip(new, cases.general, strict=True):
+        known = [cases.hamiltonian, *cases.casimirs]
+        if drawn is None or not cases.integrals.contains(drawn[1], drawn[0], known, polynomial):
+            found[g.name] = search.derivation.expression(g.polynomial)
+    return found
+
+
+def _casimirs_of(system: System, case: Case, matrix: ParameterMatrix) -> list[Expr]:
+    """The Casimirs of the bracket in a case that gives values to some of its parameters; empty if it does not."""
+    from sympy import Integer
+
+    values: dict[str, Any] = {matrix.names[v]: Integer(1) for v, _ in case.scaled}
+    values |= {matrix.names[v]: matrix.fraction(a, b) for v, a, b in case.solved}
+    own = {name: value for name, value in values.items() if name in set(map(str, system.bracket.symbols))}
+    if not own or all(matrix.names[v] not in own for v, _, _ in case.solved):
+        return []
+    return [c.expand(trace=True) for c in system.bracket.substitute(own).casimirs()]
 
 
 def _words(case: Case, splitting: CaseSplitting, matrix: ParameterMatrix) -> str:
@@ -284,20 +364,28 @@ class _Members:
     def __init__(self, system: System, degree: int, on: Sequence[Expr], known: Mapping[str, Expr]) -> None:
         self.system, self.degree, self.on, self.known = system, degree, on, known
 
-    def described(self, case: Case, splitting: CaseSplitting, matrix: ParameterMatrix) -> ParameterCase:
+    def described(self, one: FurtherCase, splitting: CaseSplitting, matrix: ParameterMatrix) -> ParameterCase:
         """A case with an example at which the integrals are found again."""
+        case = one.case
         conditions = tuple(matrix.sympy(q) for q in splitting.conditions(case))
-        nonzero = tuple(matrix.sympy(q) for q in splitting.divisors(case))
-        example = _example(case, splitting.positive, matrix)
+        excepted = _excepted(one, splitting)
+        nonzero = tuple(dict.fromkeys(matrix.sympy(q) for q in (*splitting.divisors(case), *excepted)))
+        example = _example(case, excepted, splitting.positive, matrix)
         if example is None:
-            return ParameterCase(conditions, nonzero, None, ())
+            return ParameterCase(conditions, nonzero, None, (), one.is_independent, one.is_real)
+        member = self._member(example)
+        functions = {name: value for name, f in self.known.items() if not (value := _at(f, example)).is_number}
+        if self.system.bracket.symbols:
+            own = enumerate(member.bracket.casimirs(), start=1)
+            functions |= {f"C{k}": c for k, c in own}
         found = first_integrals(
-            self._member(example),
+            member,
             degree=self.degree,
             on=[cast("Expr", f.xreplace(example)) for f in self.on],
-            known={name: value for name, f in self.known.items() if not (value := _at(f, example)).is_number},
+            known=functions,
         )
-        return ParameterCase(conditions, nonzero, example, tuple(f.expression for f in found.independent))
+        integrals = tuple(f.expression for f in found.independent)
+        return ParameterCase(conditions, nonzero, example, integrals, one.is_independent)
 
     def _member(self, example: Mapping[Any, Any]) -> System:
         from liepoisson.exact.system import System
@@ -315,7 +403,21 @@ def _at(function: Expr, example: Mapping[Any, Any]) -> Expr:
     return cast("Expr", cast("Any", function).as_numer_denom()[0].xreplace(dict(example)))
 
 
-def _example(case: Case, positive: frozenset[int], matrix: ParameterMatrix) -> dict[Any, Any] | None:
+def _excepted(one: FurtherCase, splitting: CaseSplitting) -> list[Poly]:
+    """Polynomials that vanish, on the parameters of a case, where there is no further integral."""
+    found: list[Poly] = []
+    for exception in one.exceptions:
+        further = [q for p in splitting.conditions(exception) if (q := splitting.inserted(p, one.closure))]
+        equations = [splitting.homogeneous(splitting.without_units(q, one.closure), one.closure) for q in further]
+        different = list({str(q): q for q in equations}.values())
+        # several that do not all vanish: the sum of their squares does not
+        found.append(different[0] if len(different) == 1 else sum((q * q for q in different), different[0] * 0))
+    return found
+
+
+def _example(
+    case: Case, excepted: Sequence[Poly], positive: frozenset[int], matrix: ParameterMatrix
+) -> dict[Any, Any] | None:
     """Values of the parameters in a case; None if none is found."""
     from flint import fmpq
     from sympy import Rational
@@ -337,7 +439,7 @@ def _example(case: Case, positive: frozenset[int], matrix: ParameterMatrix) -> d
             values[v] = _value(a, at) / below
         else:
             at = dict(zip(matrix.names, values, strict=True))
-            if all(values[v] > 0 for v in positive) and all(_value(q, at) for q in case.nonzero.values()):
+            if all(values[v] > 0 for v in positive) and all(_value(q, at) for q in (*case.nonzero.values(), *excepted)):
                 return {s: Rational(int(x.p), int(x.q)) for s, x in zip(matrix.symbols, values, strict=True)}
     return None
 

@@ -3,6 +3,10 @@ r"""Polynomials on an invariant level set $L_1 = \dots = L_r = 0$: remainders mo
 The remainders modulo a Gröbner basis in a degree order are a basis of the functions on the level, and their degree is
 the smallest of all polynomials that have the same values there.
 
+A function vanishes on the level where some power of it is in the ideal.  One equation is replaced by its squarefree
+part, which generates all functions that vanish on the complex level (Hilbert's Nullstellensatz).  Of several equations
+each is; the ideal of all may still be smaller than that of the functions that vanish.
+
 References: Cox, Little and O'Shea, Ideals, Varieties, and Algorithms (2015), sections 2.6 and 5.3.
 """
 
@@ -11,13 +15,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from random import Random
 from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.printing import Formula
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 
 if TYPE_CHECKING:
-    from sympy import Expr
+    from sympy import Expr, Symbol
 
     from liepoisson.exact.linear.coefficients import Coefficients
 
@@ -64,6 +70,49 @@ class Level:
                 else:
                     left.pop(key, None)
         return done
+
+
+def squarefree(function: Any, variables: Sequence[Symbol]) -> Any:
+    """A polynomial without repeated factors that vanishes where the given one does: itself if it has none."""
+    from sympy import Dummy, Poly, PolynomialError
+
+    if not function.is_polynomial(*variables):
+        return function
+    random, t = Random(1), Dummy("t")
+    line = {x: random.randint(-99, 99) + random.randint(1, 99) * t for x in variables}
+    try:
+        polynomial: Any = Poly(function, *variables, extension=True)
+        on_line: Any = Poly(function.xreplace(line), t, extension=True)
+        # a square would be one on each line, if its degree does not drop there
+        if on_line.degree() < polynomial.total_degree() or not on_line.is_sqf:
+            part = polynomial.sqf_part()
+            return function if part.total_degree() == polynomial.total_degree() else part.as_expr()
+    except (PolynomialError, NotImplementedError):  # coefficients in no field, which is refused later
+        return function
+    return function
+
+
+def real_points(function: Any, variables: Sequence[Symbol]) -> tuple[Symbol, ...] | None:
+    """The coordinates that vanish at all real zeros of a sum of squares, as C2 = |alpha|^2 is one; None for others.
+
+    Raises:
+        ParameterError: a positive number is added to the squares, so that there are no real zeros.
+    """
+    from sympy import Poly
+
+    if not function.is_polynomial(*variables):
+        return None
+    terms = cast("Any", Poly(function, *variables)).terms()
+    even = all(k % 2 == 0 for m, _ in terms for k in m)
+    if not even or not (all(c.is_positive for _, c in terms) or all(c.is_negative for _, c in terms)):
+        return None
+    if any(not any(m) for m, _ in terms):
+        raise ParameterError(
+            f"on: wanted a level with real points; got {Formula(function).plain} = 0, a sum of squares and "
+            "a number of the same sign"
+        )
+    alone = [[x for x, k in zip(variables, m, strict=True) if k] for m, _ in terms]
+    return tuple(dict.fromkeys(x for factors in alone if len(factors) == 1 for x in factors)) or None
 
 
 def level_of(derivation: Derivation, zeros: Sequence[Polynomial]) -> Level:

@@ -5,16 +5,46 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from random import Random
 
+from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.coefficients import Coefficients, Element
 from liepoisson.exact.linear.residues import Residues
 from liepoisson.integrability.derivation import Exponents, Polynomial
 
 Modular = dict[Exponents, int]
+_MOST_PRIMES = 20
 
 
 def modular(polynomial: Polynomial, residues: Residues) -> Modular:
     """The polynomial with its coefficients modulo the prime."""
     image = {m: residues(c) for m, c in polynomial.items()}
     return {m: c for m, c in image.items() if c}
+
+
+def residues_of(field: Coefficients, polynomials: Iterable[Polynomial], skipped: int = 0) -> Residues:
+    """The homomorphism modulo the first prime, after some that are skipped, modulo which no coefficient vanishes.
+
+    Raises:
+        ParameterError: there is none.
+    """
+    values = [c for polynomial in polynomials for c in polynomial.values()]
+    for attempt in range(_MOST_PRIMES):
+        found = field.residues(seed=1 + attempt, skipped=attempt)
+        if found is None:
+            break
+        if _all_nonzero(found, values):
+            if not skipped:
+                return found
+            skipped -= 1
+    raise ParameterError(
+        "the coefficients have no images modulo primes, which every search begins with; give rational numbers or roots"
+    )
+
+
+def _all_nonzero(residues: Residues, values: Iterable[Element]) -> bool:
+    try:
+        return all(residues(value) for value in values)
+    except (ValueError, ZeroDivisionError):  # a denominator vanishes modulo the prime
+        return False
 
 
 def multiply(first: Mapping[Exponents, int], second: Mapping[Exponents, int], p: int) -> Modular:

@@ -7,7 +7,8 @@ parameter that occurs in it with degree one; several that are not are taken apar
 so large that there are no further solutions, or where no row is left.
 
 Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only
-with all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments.
+with all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments. Of
+quadratic polynomials completed squares show the same.
 
 Scalings of the coordinates, of time and of the parameters that keep the equations keep the number of solutions. So a
 parameter that does not vanish is set to 1 where a scaling allows it; equations are made homogeneous again when they are
@@ -28,7 +29,7 @@ from liepoisson.exact.polynomials.components import Assumptions, components
 from liepoisson.exact.polynomials.groebner import GroebnerBasis
 from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
 from liepoisson.exact.polynomials.operations import radical_contains
-from liepoisson.exact.polynomials.signs import definite_terms
+from liepoisson.exact.polynomials.signs import vanishing_parts
 
 Poly: TypeAlias = Any
 """A polynomial in the parameters, flint.fmpq_mpoly."""
@@ -115,6 +116,8 @@ class CaseSplitting:
         n_known: int,
         into: Cases,
         keep_going: Callable[[], bool] = lambda: True,
+        *,
+        equations: Sequence[Poly] = (),
     ) -> None:
         """Find all cases in which the null space is larger than `n_known`.
 
@@ -124,8 +127,9 @@ class CaseSplitting:
             n_known: Dimension of the null space in general, or of that part of it which is known everywhere.
             into: Cases found before, of other systems; those inside of them are not looked at again.
             keep_going: Asked before each step of an elimination; what is not decided when it says no is left.
+            equations: Polynomials that vanish on all parameters that are looked at.
         """
-        stack = [_State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0)]
+        stack = [_State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0, list(equations))]
         n_cases = 0
         while stack:
             state = stack.pop()
@@ -145,7 +149,7 @@ class CaseSplitting:
             if state.pending:
                 stack.append(state)
                 continue
-            if any(self._lies_in(state.case, case) for case in into.found):
+            if any(self.lies_in(state.case, case) for case in into.found):
                 continue
             if not self._eliminate(state, n_columns - n_known, keep_going):
                 into.left += [self._left(s) for s in (state, *stack)]
@@ -153,21 +157,57 @@ class CaseSplitting:
             if state.rank >= n_columns - n_known:
                 into.n_closed += 1
             elif not state.rows:
-                into.found = [c for c in into.found if not self._lies_in(c, state.case)] + [state.case]
+                into.found = [c for c in into.found if not self.lies_in(c, state.case)] + [state.case]
             else:
                 try:
                     stack += self._split(state)
                 except NotDecidedError:
                     into.left.append(state.case)
 
+    def closure(self, case: Case) -> list[Case]:
+        """The cases into which the conditions of a case fall, without what does not vanish in it.
+
+        Raises:
+            NotDecidedError: the limits were reached.
+        """
+        return self.subcases(Case(nonzero=self.assumed), self.conditions(case))
+
+    def subcases(self, case: Case, equations: Sequence[Poly]) -> list[Case]:
+        """The cases in which more polynomials vanish, which are reduced on the case.
+
+        Raises:
+            NotDecidedError: the limits were reached.
+        """
+        stack, found = [_State(case, [], 0, list(equations))], list[Case]()
+        while stack:
+            further = self._impose(state := stack.pop())
+            if further is not None:
+                stack += further
+                continue
+            state = self._scaled(state)
+            if state.pending:
+                stack.append(state)
+            elif not any(self.lies_in(state.case, other) for other in found):
+                found = [c for c in found if not self.lies_in(c, state.case)] + [state.case]
+        return found
+
+    def rows_in(self, rows: Sequence[Mapping[Any, Poly]], case: Case) -> list[dict[Any, Poly]]:
+        """Rows, each times a polynomial that does not vanish, on the parameters of a case."""
+        inserted = [dict(row) for row in rows]
+        for v, _ in case.scaled:
+            inserted = [self._inserted_row(row, v, self._one, self._one) for row in inserted]
+        for v, numerator, denominator in reversed(case.solved):
+            inserted = [self._inserted_row(row, v, numerator, denominator) for row in inserted]
+        return [{c: r for c, p in row.items() if (r := self.reduced(p, case))} for row in inserted]
+
     def settle(self, cases: Cases) -> None:
         """Drop what was left and lies in a case that was found, and what was left twice."""
         left = {tuple(map(str, self.conditions(case))): case for case in cases.left}
-        cases.left = [case for case in left.values() if not any(self._lies_in(case, other) for other in cases.found)]
+        cases.left = [case for case in left.values() if not any(self.lies_in(case, other) for other in cases.found)]
 
     def _left(self, state: _State) -> Case:
         """The case of a state that is not decided, with the equations that wait."""
-        waiting = (p for q in state.pending if (p := self._reduced(q, state.case)))
+        waiting = (p for q in state.pending if (p := self.reduced(q, state.case)))
         return replace(state.case, unsolved=(*state.case.unsolved, *waiting))
 
     # equations
@@ -175,7 +215,7 @@ class CaseSplitting:
     def _impose(self, state: _State) -> list[_State] | None:
         """The cases in which the next equation that waits holds; None if none waits."""
         while state.pending:
-            p = self._reduced(state.pending[0], state.case)
+            p = self.reduced(state.pending[0], state.case)
             rest = state.pending[1:]
             if not p:
                 state.pending = rest
@@ -199,7 +239,7 @@ class CaseSplitting:
             if any(term.is_constant() for term in terms):
                 return []
             return [replace_state(state, state.case, [*terms, *state.pending])]
-        equation = self._homogeneous(q, state.case)
+        equation = self.homogeneous(q, state.case)
         is_known = any(equation == known for known in state.case.equations)
         case = state.case if is_known else replace(state.case, equations=(*state.case.equations, equation))
         degrees = q.degrees()
@@ -286,8 +326,8 @@ class CaseSplitting:
 
     def conditions(self, case: Case) -> list[Poly]:
         """What the parameters of a case satisfy, each solved parameter in terms of the others; homogeneous."""
-        solved = (self._homogeneous(b * self.context.gen(v) - a, case) for v, a, b in case.solved)
-        return [*solved, *(self._homogeneous(q, case) for q in case.unsolved)]
+        solved = (self.homogeneous(b * self.context.gen(v) - a, case) for v, a, b in case.solved)
+        return [*solved, *(self.homogeneous(q, case) for q in case.unsolved)]
 
     def divisors(self, case: Case) -> list[Poly]:
         """Irreducible polynomials by which was divided: where they vanish the conditions say too little.
@@ -301,7 +341,7 @@ class CaseSplitting:
                     found[str(q)] = q
         return list(found.values())
 
-    def _homogeneous(self, p: Poly, case: Case) -> Poly:
+    def homogeneous(self, p: Poly, case: Case) -> Poly:
         """A polynomial in which parameters were set to 1 with powers of these that make it homogeneous."""
         for v, weights in reversed(case.scaled):
             terms: dict[tuple[int, ...], Any] = {}
@@ -337,7 +377,7 @@ class CaseSplitting:
         rows = [self._inserted_row(row, v, numerator, denominator) for row in state.rows]
         return self._reduced_state(_State(new, rows, state.rank, [*again, *(insert(p) for p in state.pending)]))
 
-    def _inserted_row(self, row: SparseRow, v: int, numerator: Poly, denominator: Poly) -> SparseRow:
+    def _inserted_row(self, row: Mapping[Any, Poly], v: int, numerator: Poly, denominator: Poly) -> dict[Any, Poly]:
         power = max((p.degrees()[v] for p in row.values()), default=0)
         return {c: self._inserted(p, v, numerator, denominator, power) for c, p in row.items()}
 
@@ -364,11 +404,12 @@ class CaseSplitting:
             parts.setdefault(key[v], {})[(*key[:v], 0, *key[v + 1 :])] = coefficient
         return {k: self.context.from_dict(terms) for k, terms in parts.items()}
 
-    def _reduced(self, p: Poly, case: Case) -> Poly:
+    def reduced(self, p: Poly, case: Case) -> Poly:
+        """What is left of a polynomial modulo the equations of a case that were not solved."""
         return remainder(p, (q for q in case.unsolved if q))
 
     def _reduced_state(self, state: _State) -> _State:
-        state.rows = [{c: r for c, p in row.items() if (r := self._reduced(p, state.case))} for row in state.rows]
+        state.rows = [{c: r for c, p in row.items() if (r := self.reduced(p, state.case))} for row in state.rows]
         return state
 
     # elimination
@@ -405,7 +446,7 @@ class CaseSplitting:
                 value = value + a * row[c]
             if c in pivot_row:
                 value = value - b * pivot_row[c]
-            value = self._reduced(value, case)
+            value = self.reduced(value, case)
             if value:
                 new[c] = value
         return self._cleaned(new, case)
@@ -428,11 +469,7 @@ class CaseSplitting:
         if len(row) == 1 and not common.is_constant():
             # a multiple of one unknown: only its squarefree part matters
             ((c, p),) = row.items()
-            product = self._one
-            for q in self.factors(p):
-                if not self._is_unit(q, case):
-                    product = product * q
-            return {c: product}
+            return {c: self.without_units(p, case)}
         leading = next(iter(row.values())).leading_coefficient()
         return {c: (p // divisor) / leading for c, p in row.items()}
 
@@ -492,6 +529,14 @@ class CaseSplitting:
             return []
         return [q / q.leading_coefficient() for q, _ in p.factor()[1]]
 
+    def without_units(self, p: Poly, case: Case) -> Poly:
+        """The product of the irreducible factors of a polynomial that may vanish."""
+        product = self._one
+        for q in self.factors(p):
+            if not self._is_unit(q, case):
+                product = product * q
+        return product
+
     def _is_unit(self, p: Poly, case: Case) -> bool:
         """Whether a polynomial is known not to vanish."""
         if not p:
@@ -505,11 +550,11 @@ class CaseSplitting:
         return terms is not None and any(term.is_constant() for term in terms)
 
     def _definite_terms(self, q: Poly) -> list[Poly] | None:
-        """Its terms without positive parameters and powers, if all have one sign for real parameters and are several.
+        """Its terms without positive parameters and powers, or its squares, if all have one sign and are several.
 
-        They vanish together with the polynomial.
+        For real parameters they vanish together with the polynomial.
         """
-        return definite_terms(q, self.positive)
+        return vanishing_parts(q, self.positive)
 
     def _has_real_zero(self, q: Poly) -> bool:
         """False if a polynomial in one parameter has no real (or no positive) zero; True if there may be one."""
@@ -535,28 +580,28 @@ class CaseSplitting:
             return bool(product.leading_coefficient() < 0)
         return self._definite_terms(product) is not None and bool(product.leading_coefficient() < 0)
 
-    def _lies_in(self, case: Case, other: Case) -> bool:
+    def lies_in(self, case: Case, other: Case) -> bool:
         """Whether all parameters of a case lie in the closure of another one (proved if True)."""
         if case is other:
             return False
-        if any(self._insert_all(p, case) for p in (*other.equations, *other.unsolved)):
+        if any(self.inserted(p, case) for p in (*other.equations, *other.unsolved)):
             return False
         if len(other.equations) <= 1:
             return True  # an irreducible hypersurface
         # several equations may have other solutions, too, where a coefficient by which one was divided vanishes; that
         # of the homogeneous equation counts, since a parameter that was set to 1 may vanish in the closure
         for p, (v, _, _) in zip(self.conditions(other), other.solved, strict=False):
-            if self._insert_all(p, case) or not self._insert_all(self._in_powers(p, v)[1], case):
+            if self.inserted(p, case) or not self.inserted(self._in_powers(p, v)[1], case):
                 return False
         return True
 
-    def _insert_all(self, p: Poly, case: Case) -> Poly:
+    def inserted(self, p: Poly, case: Case) -> Poly:
         """The numerator of a polynomial on the parameters of a case."""
         for v, _ in case.scaled:
             p = self._inserted(p, v, self._one, self._one)
         for v, numerator, denominator in reversed(case.solved):
             p = self._inserted(p, v, numerator, denominator)
-        return self._reduced(p, case)
+        return self.reduced(p, case)
 
 
 def replace_state(state: _State, case: Case, pending: Sequence[Poly]) -> _State:

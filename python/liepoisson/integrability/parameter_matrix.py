@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from math import lcm
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.coefficients import Coefficients
@@ -20,7 +20,7 @@ from liepoisson.integrability.level import Level
 from liepoisson.integrability.parameter_cases import Poly, SparseRow
 
 if TYPE_CHECKING:
-    from sympy import Expr
+    from sympy import Expr, Symbol
 
 
 class ParameterMatrix:
@@ -69,6 +69,20 @@ class ParameterMatrix:
         for _, b in pairs.values():
             common = common * (b // common.gcd(b))
         return {m: a * (common // b) for m, (a, b) in pairs.items()}
+
+    def read(self, function: Expr, variables: Sequence[Symbol]) -> dict[Exponents, Poly]:
+        """A function, a polynomial whose coefficients are rational functions of the parameters, without denominators.
+
+        Modulo the level.
+        """
+        from flint import fmpq
+        from sympy import Poly as SymPyPoly
+
+        n, numerator = len(variables), cast("Any", function).together().as_numer_denom()[0]
+        found: dict[Exponents, dict[tuple[int, ...], Any]] = {}
+        for m, c in cast("Any", SymPyPoly(numerator, *variables, *self.symbols)).terms():
+            found.setdefault(m[:n], {})[m[n:]] = fmpq(int(c.p), int(c.q))
+        return self.level.remainder({m: self.context.from_dict(terms) for m, terms in found.items()})
 
     def _level(self, level: Level) -> Level:
         """The level over polynomials: division by its basis must be the same for all values of the parameters."""
@@ -125,13 +139,22 @@ class ParameterMatrix:
             scalings.append(tuple(int(vector.get(i, Fraction(0)) * scale) for i in range(k)))
         return scalings
 
-    def sympy(self, polynomial: Poly) -> Expr:
-        """A polynomial in the parameters as an expression with whole coefficients without a common factor."""
+    def fraction(self, numerator: Poly, denominator: Poly) -> Expr:
+        """A fraction of polynomials in the parameters as an expression."""
         from sympy import Add, Mul, Rational
 
-        terms: list[Any] = [
-            Mul(Rational(int(c.p), int(c.q)), *(s ** int(k) for s, k in zip(self.symbols, m, strict=True)))
-            for m, c in polynomial.terms()
+        parts: list[Any] = [
+            Add(
+                *(
+                    Mul(Rational(int(c.p), int(c.q)), *(s ** int(k) for s, k in zip(self.symbols, m, strict=True)))
+                    for m, c in polynomial.terms()
+                )
+            )
+            for polynomial in (numerator, denominator)
         ]
-        whole = Add(*terms).as_numer_denom()[0].primitive()[1]
+        return parts[0] / parts[1]
+
+    def sympy(self, polynomial: Poly) -> Expr:
+        """A polynomial in the parameters as an expression with whole coefficients without a common factor."""
+        whole = cast("Any", self.fraction(polynomial, self._one)).as_numer_denom()[0].primitive()[1]
         return -whole if whole.could_extract_minus_sign() else whole

@@ -9,11 +9,12 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
+from liepoisson.exact.names import check_title
 from liepoisson.exact.printing import Formula
 from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
-from liepoisson.integrability.level import level_of
+from liepoisson.integrability.level import level_of, real_points, squarefree
 from liepoisson.integrability.monomials import n_monomials, n_of_weight, of_degree, of_weight
 from liepoisson.integrability.search import BlockCount, Generator, Search
 from liepoisson.scalars import as_count
@@ -98,10 +99,30 @@ class FirstIntegrals:
         of = f" in the coordinates and {', '.join(Formula(f).plain for f in self.functions)}" if self.functions else ""
         return f"polynomials {size}{of}{where}{generic}"
 
+    @property
+    def modulo_ideal(self) -> bool:
+        """Whether functions count as zero on the level only if they are combinations of its equations.
+
+        Of one equation those are all functions that vanish on the complex level; of several there may be more.
+        """
+        return bool(self.on) and len(self.on) + len(self.functions) > 1
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What else is to be known of the level: at which real points a sum of squares vanishes."""
+        vanishing = [(f, real_points(f, self.system.variables)) for f in self.on]
+        return tuple(
+            f"on the complex level {Formula(f).plain} = 0; at its real points {' = '.join(map(str, names))} = 0, which "
+            "can be given instead"
+            for f, names in vanishing
+            if names and f not in names
+        )
+
     def __repr__(self) -> str:
         n = len(self.found)
         what = f"{n} new integral{'s' * (n != 1)}" if n else "no new integral"
-        return f"<FirstIntegrals of {self.system.name}: {what} among {self.scope}>"
+        state = "" if self.complete else ", incomplete"
+        return f"<FirstIntegrals of {self.system.name}: {what} among {self.scope}{state}>"
 
     def __str__(self) -> str:
         """The integrals, and what is proved."""
@@ -110,16 +131,20 @@ class FirstIntegrals:
         for integral in self.found:
             note = "" if integral.is_independent else "   (depends on the others)"
             lines.append(f"{integral.name} = {Formula(integral.expression).plain}{note}")
-        if not self.found:
-            lines.append("no others than polynomials in the known ones")
-        if self.complete:
+        if not self.complete:
+            lines.append("not proved that these are all: there may be others" if self.found else "none was found")
+            lines.append(f"incomplete: modulo {self.prime} the null space is larger than what known integrals span")
+        else:
+            if not self.found:
+                lines.append("no others than polynomials in the known ones")
             blocks = f"{self.n_blocks} block{'s' * (self.n_blocks != 1)}"
+            where = ", modulo the ideal of these equations" if self.modulo_ideal else ""
             others = "Every other one is a polynomial in these" if self.found else "There is none"
             lines.append(
-                f"proved over the complex numbers: {others}. ({self.n_monomials} monomials in {blocks}; "
+                f"proved over the complex numbers{where}: {others}. ({self.n_monomials} monomials in {blocks}; "
                 f"{self.n_integrals} integrals, the null space modulo {self.prime}, are spanned)"
             )
-        return "\n".join(lines)
+        return "\n".join([*lines, *self.notes])
 
 
 @explains_its_arguments
@@ -153,7 +178,9 @@ def first_integrals(
         weight: The weight instead, for equations that are homogeneous for positive weights of the coordinates, which
             are found: (1, 2, 3) for l, alpha and beta of the twisted top with b = 0.
         on: Equations of a level set to which the search is restricted, such as "C2 = 1", or functions that vanish on
-            it, such as "C1": partial integrals, as that of Goryachev and Chaplygin.  The level must be invariant.
+            it, such as "C1" or "C2 - 1": partial integrals, as that of Goryachev and Chaplygin.  The level must be
+            invariant, and is the complex one.  Of one equation the squarefree part counts; with several, polynomials
+            count modulo the ideal that these generate.
         known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
         progress: As for `integrate`.
 
@@ -162,7 +189,9 @@ def first_integrals(
             no positive grading for a weight, or the search is too large.
         ExpressionError: A text cannot be read.
     """
-    given = known_functions(system) if known is None else {name: system.expression(f) for name, f in known.items()}
+    given = known_functions(system)
+    if known is not None:
+        given = {check_title(name, "known: the name of an integral"): system.expression(f) for name, f in known.items()}
     zeros = zeros_on_level(system, on)
     used = _of_degree(given, as_count(weight or degree or 2, "weight" if weight else "degree", least=1))
     # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
@@ -204,9 +233,9 @@ def first_integrals(
         n_monomials=size,
         n_blocks=len(search.counts),
         n_integrals=sum(c.nullity for c in search.counts),
-        complete=all(c.nullity == c.n_known for c in search.counts),
+        complete=search.complete,
         prime=search.residues.p,
-        parameters=tuple(map(str, derivation.field.parameters)),
+        parameters=tuple(str(s) for s in derivation.field.parameters if s.is_Symbol),
         counts=tuple(search.counts),
     )
 
@@ -238,11 +267,26 @@ def known_functions(system: System) -> dict[str, Expr]:
 
 
 def zeros_on_level(system: System, on: str | Sequence[str | Expr]) -> list[Expr]:
-    """The functions that vanish where some equations hold: f for "f = 0" and for f alone."""
+    """The functions that vanish where some equations hold: f for "f = 0" and for f alone, H and C1 by name.
+
+    Raises:
+        ParameterError: an equation holds everywhere.
+        ExpressionError: a text cannot be read.
+    """
     zeros: list[Expr] = []
     for equation in [on] if isinstance(on, str) else on:
-        left, sign, right = equation.partition("=") if isinstance(equation, str) else (equation, "", "")
-        zeros.append(system.expression(left) - system.expression(right) if sign else system.expression(equation))
+        if isinstance(equation, str):
+            left, sign, right = equation.partition("=")
+            zero: Any = system.function_of_invariants(left)
+            zero = zero - system.function_of_invariants(right) if sign else zero
+        else:
+            zero = system.expression(equation)
+        if zero.expand() == 0:
+            raise ParameterError(
+                f"on: wanted equations of a level set; {shown(equation)} holds everywhere; leave it out"
+            )
+        real_points(zero, system.variables)
+        zeros.append(squarefree(zero, system.variables))
     return zeros
 
 

@@ -34,6 +34,8 @@ def search_record(found: FirstIntegrals) -> dict[str, Any]:
             for f in found.found
         ],
         "complete": found.complete,
+        "modulo_ideal": found.modulo_ideal,
+        "notes": list(found.notes),
         "proof": {
             "monomials": found.n_monomials,
             "blocks": found.n_blocks,
@@ -50,7 +52,9 @@ def report_record(report: IntegrabilityReport) -> dict[str, Any]:
         "system": report.system.name,
         "verdict": report.verdict,
         "rank": report.rank,
+        "degree": report.degree,
         "integrals": named(report.integrals),
+        "dependent": named(report.dependent),
         "commuting": list(report.commuting),
         "closed": closed
         and {

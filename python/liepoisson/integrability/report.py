@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import combinations
+from itertools import combinations, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +13,7 @@ from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
 from liepoisson.integrability.certificates import certificate
+from liepoisson.integrability.commuting_combinations import commuting_combinations
 from liepoisson.integrability.completeness import (
     ClosedIntegrals,
     closed_integrals,
@@ -41,8 +42,12 @@ class IntegrabilityReport:
         verdict: "integrable", "superintegrable", "no further polynomial integral", or "open".
         rank: Dimension of a generic leaf.
         integrals: Independent integrals besides the Casimirs, by name: H first.
-        commuting: Names of those that commute with each other and are as many as half the rank; empty if not found.
-        closed: Where no commuting ones were found: integrals that are closed under the bracket, and enough by the
+        dependent: Other integrals that were found, by name: functions of those and of Casimirs, though no polynomials
+            in what stands before them; and polynomials of degree two that commute where the integrals themselves do
+            not.
+        degree: The degree up to which was to be searched.
+        commuting: Names of integrals that commute with each other and are as many as half the rank; empty if not found.
+        closed: Where none of the integrals commute: integrals that are closed under the bracket, and enough by the
             theorem of Mishchenko and Fomenko (`liepoisson.integrability.completeness` states it); None if not found.
         searches: The searches, in their order.
         certificate: Plain data that proves Liouville integrability, for `liepoisson.integrability.checker`; None if
@@ -56,6 +61,8 @@ class IntegrabilityReport:
     verdict: str
     rank: int
     integrals: dict[str, Expr]
+    dependent: dict[str, Expr]
+    degree: int
     commuting: tuple[str, ...]
     closed: ClosedIntegrals | None
     searches: tuple[FirstIntegrals, ...]
@@ -98,18 +105,26 @@ class IntegrabilityReport:
         if self.closed is not None:
             closed = f"closed under the bracket, of corank {self.closed.corank}"
             return f"superintegrable, {m} independent integrals {closed}, {leaves}: proved"
+        among = (
+            "of them commuting" if self.integrals.keys() >= {*self.commuting} else "commuting polynomials in integrals"
+        )
+        none = f"no polynomial integral up to degree {d} besides polynomials in these{self._and_casimirs}: {proved}"
         return {
             "integrable": f"Liouville integrable, {n} commuting integral{'s' * (n > 1)} {leaves}: proved",
-            "superintegrable": f"superintegrable, {m} independent integrals, {n} of them commuting, {leaves}: proved",
-            "no further polynomial integral": f"no polynomial integral up to degree {d} besides these: {proved}; "
-            "integrability open",
-            "open": "open",
+            "superintegrable": f"superintegrable, {m} independent integrals, {n} {among}, {leaves}: proved",
+            "no further polynomial integral": f"{none}; integrability open",
+            "open": f"open, not searched up to degree {self.degree}" + (f"; {none}" if d else ""),
         }[self.verdict]
+
+    @property
+    def _and_casimirs(self) -> str:
+        return " and the Casimirs" if self.system.bracket.casimirs() else ""
 
     def __str__(self) -> str:
         """The verdict, the integrals, and what was searched."""
         lines = [f"{self.system.name}: {self._sentence}"]
         lines += [f"{name} = {Formula(expression).plain}" for name, expression in self.integrals.items()]
+        lines += [f"{name} = {Formula(f).plain}   (depends on the others)" for name, f in self.dependent.items()]
         if self.commuting:
             lines.append(f"commuting: {', '.join(self.commuting)}")
         if self.closed is not None:
@@ -147,12 +162,20 @@ def integrability_report(
         ParameterError: the equations are not such as `first_integrals` searches.
     """
     most, limit = as_count(degree, "degree", least=1), as_time_limit(time_limit)
+    notes: list[str] = []
+    if len(system.variables) > len(system.bracket.variables):
+        from liepoisson.exact.system import System
+
+        system = System(system.bracket, system.hamiltonian, name=system.name)
+        notes.append("quadratures were left out: they are no functions on phase space")
     rank = system.bracket.rank()
     casimirs = {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
     integrals: dict[str, Expr] = {"H": system.hamiltonian}
+    dependent: dict[str, Expr] = {}
     searches: list[FirstIntegrals] = []
-    notes: list[str] = []
-    commuting, closed = _enough(system, integrals, rank, notes)
+    if not any(system.bracket.vector_field(system.hamiltonian)):
+        notes.append("nothing moves: H commutes with all functions")
+    commuting, closed = _enough(system, integrals, dependent, rank, notes)
     started, last = time.monotonic(), 0.0
     for d in range(1, most + 1):
         used = time.monotonic() - started
@@ -162,7 +185,7 @@ def integrability_report(
             notes.append(f"degree {d} was not searched: it may take longer than the time limit of {limit:g} s")
             break
         try:
-            found = first_integrals(system, degree=d, known=casimirs | integrals)
+            found = first_integrals(system, degree=d, known=casimirs | integrals | dependent)
         except ParameterError:
             if d == 1:
                 raise
@@ -170,21 +193,25 @@ def integrability_report(
             break
         last = time.monotonic() - started - used
         searches.append(found)
-        integrals |= {f"F{len(integrals) + k}": f.expression for k, f in enumerate(found.independent)}
-        commuting, closed = _enough(system, integrals, rank, notes)
+        for f in found.found:
+            (integrals if f.is_independent else dependent)[_next_name(integrals, dependent)] = f.expression
+        if found.found:
+            commuting, closed = _enough(system, integrals, dependent, rank, notes)
         if progress:
             progress(d / most)
     proof = None
     if commuting:
         try:
-            proof = certificate(system, {name: integrals[name] for name in commuting})
+            proof = certificate(system, {name: (integrals | dependent)[name] for name in commuting})
         except ParameterError as error:
             notes.append(f"no certificate: {error}")
     return IntegrabilityReport(
         system,
-        verdict_of(rank, integrals, commuting, closed, searches),
+        verdict_of(rank, integrals, commuting, closed, searches, degree=most),
         rank,
         integrals,
+        dependent,
+        most,
         commuting,
         closed,
         tuple(searches),
@@ -199,29 +226,49 @@ def verdict_of(
     commuting: Sequence[str],
     closed: ClosedIntegrals | None,
     searches: Sequence[FirstIntegrals],
+    *,
+    degree: int,
 ) -> str:
     """What these facts prove."""
     if closed is not None:
         return "superintegrable"
     if commuting:
         return "superintegrable" if len(integrals) > rank // 2 else "integrable"
-    return "no further polynomial integral" if searches and all(s.complete for s in searches) else "open"
+    searched = all(s.complete for s in searches) and any(s.degree == degree for s in searches)
+    return "no further polynomial integral" if searched else "open"
 
 
 def _enough(
-    system: System, integrals: dict[str, Expr], rank: int, notes: list[str]
+    system: System, integrals: dict[str, Expr], dependent: dict[str, Expr], rank: int, notes: list[str]
 ) -> tuple[tuple[str, ...], ClosedIntegrals | None]:
-    """Commuting integrals that are enough; if there are none, closed ones, after independent brackets were added."""
-    commuting = commuting_integrals(system, integrals, rank)
+    """Commuting integrals that are enough, or closed ones, after independent brackets were added.
+
+    Where none commute, combinations of degree two are looked for.
+    """
+    commuting = commuting_integrals(system, integrals | dependent, rank)
     if not commuting:
-        notes += _add_brackets(system, integrals, rank)
-        commuting = commuting_integrals(system, integrals, rank)
-    if commuting or len(integrals) <= rank // 2:
+        notes += _add_brackets(system, integrals, dependent, rank)
+        commuting = commuting_integrals(system, integrals | dependent, rank)
+    if commuting or len(integrals) < max(rank // 2, 2):
         return commuting, None
-    return (), closed_integrals(system, integrals, rank)
+    closed = closed_integrals(system, integrals, rank) if len(integrals) > rank // 2 else None
+    chosen: list[str] = []
+    for function, formula in commuting_combinations(system, integrals | dependent, rank):
+        name = str(formula)
+        if name not in integrals | dependent:
+            name = _next_name(integrals, dependent)
+            dependent[name] = function
+            notes.append(f"{name} = {Formula(formula).plain}")
+        chosen.append(name)
+    return tuple(chosen), closed
 
 
-def _add_brackets(system: System, integrals: dict[str, Expr], rank: int) -> list[str]:
+def _next_name(*known: Mapping[str, Expr]) -> str:
+    """F1, F2, ..., the first that is free."""
+    return next(name for k in count(1) if all((name := f"F{k}") not in names for names in known))
+
+
+def _add_brackets(system: System, integrals: dict[str, Expr], dependent: Mapping[str, Expr], rank: int) -> list[str]:
     """Brackets of integrals that are independent of all, which are integrals by Poisson's theorem; says which."""
     notes: list[str] = []
     while True:
@@ -230,7 +277,7 @@ def _add_brackets(system: System, integrals: dict[str, Expr], rank: int) -> list
             if bracket == 0 or len(integrals) >= rank - 1:
                 continue
             if fields_rank(system, [*integrals.values(), bracket]) > len(integrals):
-                name = f"F{len(integrals)}"
+                name = _next_name(integrals, dependent)
                 integrals[name] = bracket
                 notes.append(f"{name} = {{{a}, {b}}}, by Poisson's theorem")
                 break

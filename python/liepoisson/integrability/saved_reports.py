@@ -22,6 +22,7 @@ from liepoisson.integrability.completeness import (
 from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals
 from liepoisson.integrability.records import named, report_record
 from liepoisson.integrability.report import IntegrabilityReport, verdict_of
+from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ def load_report(
         DamagedFileError: it is no report, or something in it is not true; the message says what.
     """
     try:
-        data = json.loads(Path(path).read_text(encoding="utf-8"))
+        data = json.loads(Path(path).read_text(encoding="utf-8"), object_pairs_hook=checker.once)
         if data["format"] != FORMAT:
             raise ParameterError("it has another format")
         return _Reader(data, prove_again=prove_again, progress=progress).report()
@@ -85,7 +86,7 @@ def load_report(
         IndexError,
         AttributeError,
         RecursionError,
-        ZeroDivisionError,
+        ArithmeticError,
     ) as error:
         raise DamagedFileError(f"{path}: wanted a report; got a file that is none ({error!r:.80})") from error
 
@@ -100,12 +101,16 @@ class _Reader:
     def report(self) -> IntegrabilityReport:
         data, system = self.data, self.system
         rank, integrals = system.bracket.rank(), self._expressions(data["integrals"])
+        dependent, degree = self._expressions(data["dependent"]), as_count(data["degree"], "degree", least=1)
+        functions = integrals | dependent
+        if len(functions) < len(integrals) + len(dependent):
+            raise ParameterError("two integrals have the same name")
         _agree("the system", data["system"], system.name)
         _agree("the rank", data["rank"], rank)
-        self._verify(integrals)
+        self._verify(integrals, dependent)
         commuting, closed = tuple(data["commuting"]), None
         if commuting:
-            chosen = {name: integrals[name] for name in commuting}
+            chosen = {name: functions[name] for name in commuting}
             _agree("the commuting integrals", commuting, commuting_integrals(system, chosen, rank))
         if data["closed"] is not None:
             closed = closed_integrals(system, integrals, rank)
@@ -116,12 +121,14 @@ class _Reader:
         if proof is not None:
             if wrong := checker.check(proof):
                 raise ParameterError(f"the certificate fails: {wrong}")
-            _agree("the certificate", proof, certificate(system, {name: integrals[name] for name in commuting}))
+            _agree("the certificate", proof, certificate(system, {name: functions[name] for name in commuting}))
         report = IntegrabilityReport(
             system,
-            verdict_of(rank, integrals, commuting, closed, searches),
+            verdict_of(rank, integrals, commuting, closed, searches, degree=degree),
             rank,
             integrals,
+            dependent,
+            degree,
             commuting,
             closed,
             searches,
@@ -137,12 +144,13 @@ class _Reader:
     def _expressions(self, entries: list[dict[str, str]]) -> dict[str, Expr]:
         return {entry["name"]: self.system.expression(entry["expression"]) for entry in entries}
 
-    def _verify(self, integrals: Mapping[str, Expr]) -> None:
-        """That all are constant along the motion, and independent."""
+    def _verify(self, integrals: Mapping[str, Expr], dependent: Mapping[str, Expr]) -> None:
+        """That all are constant along the motion, and those independent that are said to be."""
         if (integrals["H"] - self.system.hamiltonian).expand() != 0:
             raise ParameterError("H is not the Hamiltonian of the system")
+        functions = {**integrals, **dependent}
         for (name, f), is_constant in zip(
-            integrals.items(), are_integrals(self.system, list(integrals.values())), strict=True
+            functions.items(), are_integrals(self.system, list(functions.values())), strict=True
         ):
             if not is_constant:
                 raise ParameterError(f"{name} = {shown(f)} is no integral")

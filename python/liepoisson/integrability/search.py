@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import count
 from typing import Any
 
 from liepoisson.errors import ParameterError
@@ -25,12 +26,23 @@ from liepoisson.integrability.derivation import Derivation, Exponents, Polynomia
 from liepoisson.integrability.gradings import Grading, homogeneous_parts
 from liepoisson.integrability.level import Level, order
 from liepoisson.integrability.matrix import ModularDerivation
-from liepoisson.integrability.modular import Modular, Span, gradient_at, modular, multiply, random_point, value_at
+from liepoisson.integrability.modular import (
+    Modular,
+    Span,
+    gradient_at,
+    modular,
+    multiply,
+    random_point,
+    residues_of,
+    value_at,
+)
 from liepoisson.integrability.monomials import in_blocks
 
 Label = tuple[int, ...]
 _MOST_TERMS = 400
 """Terms of the longest polynomials that are made shorter by subtracting products."""
+_MOST_PRIMES = 2
+"""Primes that are given up where a search modulo one proves nothing."""
 _MOST_POINTS = 400
 """Points that are tried: k square roots exist at one in 2^k."""
 
@@ -86,6 +98,7 @@ class Search:
         generators: Integrals that are known, to which those that are found are added.
         slope: The gradient of another known integral, which is no polynomial; empty if there is none.
         counts: What was found, block by block.
+        skipped_primes: Primes that proved nothing: modulo them the rank of a matrix drops.
     """
 
     derivation: Derivation
@@ -95,6 +108,12 @@ class Search:
     generators: list[Generator]
     slope: tuple[Polynomial, ...] = ()
     counts: list[BlockCount] = field(default_factory=list)
+    skipped_primes: int = 0
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is proved that products of integrals span all."""
+        return all(count.nullity == count.n_known for count in self.counts)
 
     def run(
         self,
@@ -110,7 +129,22 @@ class Search:
             weights: The weights of the variables, if the monomials are those of one weight.
         """
         blocks = in_blocks((m for m in monomials if any(m) and self.level.is_standard(m)), self.gradings)
-        self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
+        known = list(self.generators)
+        while True:
+            self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
+            self._search(blocks, progress)
+            if self.complete or self.skipped_primes == _MOST_PRIMES:
+                return
+            self.skipped_primes += 1
+            self.generators[:] = known
+            self.counts.clear()
+            for name in ("residues", "point", "_level_mod", "_modular_derivation"):
+                self.__dict__.pop(name, None)
+
+    def _search(
+        self, blocks: Mapping[Label, Sequence[Exponents]], progress: Callable[[float], Any] | None = None
+    ) -> None:
+        """Look for integrals in each block, modulo one prime."""
         total, done = sum(len(b) ** 2 for b in blocks.values()), 0
         excess: list[tuple[Label, list[Exponents], int]] = []
         for label, block in sorted(blocks.items(), key=lambda item: len(item[1])):
@@ -134,29 +168,28 @@ class Search:
             return max(sum(w * k for w, k in zip(weights, m, strict=True)) for m in polynomial)
 
         largest = max((weight(dict.fromkeys(block)) for block in blocks.values()), default=0)
-        homogeneous: list[Generator] = []
         candidates: list[tuple[int, Polynomial]] = []
+        highest = 0
         for generator in self.generators:
             divided = homogeneous_parts(generator.polynomial, self.gradings).values()
             parts = sorted((part for part in divided if any(map(any, part))), key=weight)
             candidates += [(weight(part), part) for part in parts[:-1]]
-            if len(parts) == 1:
-                homogeneous.append(generator)
+            highest = max(highest, generator.degree if parts[1:] else 0)
         for size, part in sorted(candidates, key=lambda item: (item[0], len(item[1]))):
             if size > largest:
                 break
-            label = tuple(g.of(next(iter(part))) for g in self.gradings)
             span = Span(self.residues.p)
-            self._insert_products({label: span}, max(map(sum, part)), homogeneous)
+            self._insert_products({(): span}, highest, self.generators, whole=True)
             if span.reduce(modular(part, self.residues)):
                 others = [g.polynomial for g in self.generators]
-                found = Generator(self._next_name, part, is_new=True, is_independent=self.is_independent(others, part))
-                self.generators.append(found)
-                homogeneous.append(found)
+                self.generators.append(
+                    Generator(self._next_name, part, is_new=True, is_independent=self.is_independent(others, part))
+                )
 
     @property
     def _next_name(self) -> str:
-        return f"F{sum(g.is_new for g in self.generators) + 1}"
+        names = {g.name for g in self.generators}
+        return next(name for k in count(1) if (name := f"F{k}") not in names)
 
     def _nullity(self, block: Sequence[Exponents], progress: Callable[[float], Any] | None) -> int:
         """The dimension of the null space modulo the prime."""
@@ -256,18 +289,24 @@ class Search:
         spans: Mapping[Label, Span],
         highest: int,
         generators: Sequence[Generator],
+        *,
         must_contain: int | None = None,
+        whole: bool = False,
     ) -> None:
-        """Put all products of integrals up to a degree into the spans of their blocks."""
+        """Put all products of integrals up to a degree into the spans of their blocks.
+
+        Those of parts of one weight; of whole integrals into one span, with an empty label.
+        """
+        gradings = () if whole else self.gradings
         factors: list[tuple[int, Modular, int]] = []
         for index, generator in enumerate(generators):
-            for part in homogeneous_parts(generator.polynomial, self.gradings).values():
+            for part in homogeneous_parts(generator.polynomial, gradings).values():
                 factors.append((max(map(sum, part)), modular(part, self.residues), index))
         p = self.residues.p
 
         def extend(start: int, left: int, product: Modular | None, contains: bool) -> None:
             if product is not None and contains:
-                label = tuple(g.of(next(iter(product))) for g in self.gradings)
+                label = tuple(g.of(next(iter(product))) for g in gradings)
                 if label in spans:
                     reduced = {m: c % p for m, c in self._level_mod.remainder(product, p).items() if c % p}
                     spans[label].insert({m: c for m, c in reduced.items() if any(m)})
@@ -286,13 +325,10 @@ class Search:
     @cached_property
     def residues(self) -> Residues:
         """The homomorphism modulo a prime."""
-        found = self.derivation.field.residues(seed=1)
-        if found is None:
-            raise ParameterError(
-                "the coefficients are no algebraic numbers, so that zero cannot be decided; give rational numbers or "
-                "roots"
-            )
-        return found
+        known = [g.polynomial for g in self.generators]
+        basis = [polynomial for _, polynomial in self.level.basis]
+        coefficients = (*self.derivation.components, *self.slope, *self.equations, *basis, *known)
+        return residues_of(self.derivation.field, coefficients, self.skipped_primes)
 
     def is_independent(self, others: Sequence[Polynomial], polynomial: Polynomial) -> bool:
         """Whether a polynomial is functionally independent of others: proved if True, by ranks at random points."""

@@ -83,3 +83,27 @@ def test_hidden_relations_between_numbers_vanish():
     assert not field.decides
     assert field.vanishes(six - two - three)
     assert not field.vanishes(six - two)
+
+
+@pytest.mark.parametrize("number", [sp.pi, sp.E, sp.log(2), sp.sin(1), sp.exp(2), sp.atan(sp.Rational(1, 5))])
+def test_one_transcendental_number_has_no_hidden_relations(number):
+    # Hermite and Lindemann: it satisfies no algebraic equation, so that Q(number) is a field of rational functions
+    assert Coefficients.containing([number, sp.S.One]).decides
+    assert Coefficients.containing([number, s]).decides
+
+
+@pytest.mark.parametrize(
+    "values", [[sp.pi, sp.E], [sp.E, sp.sqrt(sp.E)], [sp.EulerGamma], [sp.exp(s), s], [sp.zeta(3)]]
+)
+def test_numbers_of_which_less_is_known_are_not_decided(values):
+    assert not Coefficients.containing([*values, sp.S.One]).decides
+
+
+@pytest.mark.parametrize("name", ["rational", "over pi", "roots", "cube roots", "symbols"])
+def test_each_prime_has_another_homomorphism(name):
+    field = Coefficients.containing(VALUES[name])
+    a, b = (field.read(value) for value in VALUES[name])
+    images = [field.residues(seed=1, skipped=k) for k in range(3)]
+    assert len({image.p for image in images}) == 3
+    for image in images:
+        assert image(a * b - a) == (image(a) * image(b) - image(a)) % image.p

@@ -7,8 +7,9 @@ r"""The exact field that given coefficients generate: structure constants, entri
 * other algebraic numbers, and symbols: a SymPy domain such as $\mathbb Q(\sqrt[3]{2})$ or $\mathbb Q(\epsilon)$.
   Symbols are generic.
 
-In these equality is decided exactly.  Beyond them (functions of symbols, logarithms) SymPy is asked to simplify, which
-may fail to see that a number vanishes; `decides` says so.
+In these equality is decided exactly, and so it is with one number such as pi or log(2).  Beyond them (functions of
+symbols, several logarithms) SymPy is asked to simplify, which may fail to see that a number vanishes; `decides` says
+so.
 """
 
 from __future__ import annotations
@@ -95,9 +96,11 @@ class Coefficients:
     def decides(self) -> bool:
         """Whether an element that is not found zero is certainly not zero: no relations hide in the field.
 
-        They do between generators such as sin(a) and cos(a), which SymPy takes for independent.
+        They do between generators such as sin(a) and cos(a), which SymPy takes for independent.  One transcendental
+        number beside symbols has none.
         """
-        return not getattr(self.domain, "is_EX", False) and all(s.is_Symbol for s in self.parameters)
+        others = [s for s in self.parameters if not s.is_Symbol]
+        return not getattr(self.domain, "is_EX", False) and len(others) <= 1 and all(map(_is_transcendental, others))
 
     @property
     def one(self) -> Element:
@@ -139,16 +142,30 @@ class Coefficients:
         """Whether an element is zero; where the field does not decide, SymPy is asked to simplify it."""
         return not element or (not self.decides and is_zero(self.to_sympy(element)))
 
-    def residues(self, seed: int) -> Residues | None:
+    def residues(self, seed: int, skipped: int = 0) -> Residues | None:
         """A homomorphism to the integers modulo a 61-bit prime; parameters go to random residues.
 
         None for domains in which SymPy only simplifies expressions.
+
+        Args:
+            seed: Of the random residues.
+            skipped: How many primes to pass over: those modulo which a coefficient is not defined, say.
         """
         if self.is_rational:
-            return Residues.of_rationals()
+            return Residues.of_rationals(skipped)
         if self.is_cyclotomic:
-            return Residues.of_cyclotomic(self.domain.order)
-        return Residues.of_domain(self.domain, seed)
+            return Residues.of_cyclotomic(self.domain.order, skipped)
+        return Residues.of_domain(self.domain, seed, skipped)
+
+
+def _is_transcendental(number: Any) -> bool:
+    """Whether a number certainly is, by the theorem of Hermite and Lindemann."""
+    from sympy import E, atan, cos, cosh, exp, log, pi, sin, sinh, tan, tanh
+
+    if isinstance(number, (exp, log, sin, cos, tan, sinh, cosh, tanh, atan)):
+        x: Any = number.args[0]
+        return bool(x.is_Rational and x != 0 and not (isinstance(number, log) and x == 1))
+    return number in {pi, E}
 
 
 def _domain(expressions: list[Any]) -> tuple[Any, list[Element]]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import islice
 from random import Random
 from typing import Any
 
@@ -31,22 +32,22 @@ class Residues:
     values: tuple[int, ...] = ()
 
     @classmethod
-    def of_rationals(cls) -> Residues:
-        """The rationals modulo `PRIME`."""
-        return cls(PRIME)
+    def of_rationals(cls, skipped: int = 0) -> Residues:
+        """The rationals modulo `PRIME`, or a prime below it after some that are skipped."""
+        return cls(_prime(skipped))
 
     @classmethod
-    def of_cyclotomic(cls, order: int) -> Residues:
+    def of_cyclotomic(cls, order: int, skipped: int = 0) -> Residues:
         """A prime p = 1 modulo the order, and a root of unity of exactly this order."""
         from sympy import primefactors
 
-        p = next(q for q in _probable_primes((2**61 // order) * order + 1, order))
+        p = next(islice(_probable_primes((2**61 // order) * order + 1, order), skipped, None))
         powers = (pow(g, (p - 1) // order, p) for g in range(2, 1000))
         root = next(z for z in powers if all(pow(z, order // q, p) != 1 for q in primefactors(order)))
         return cls(p, root)
 
     @classmethod
-    def of_domain(cls, domain: Any, seed: int) -> Residues | None:
+    def of_domain(cls, domain: Any, seed: int, skipped: int = 0) -> Residues | None:
         """Parameters go to random residues; None for SymPy domains that only simplify expressions."""
         values: tuple[int, ...] = ()
         if domain.is_FractionField:
@@ -54,20 +55,21 @@ class Residues:
             values = tuple(random.randrange(2, PRIME) for _ in domain.symbols)
             domain = domain.domain
         if domain.is_Algebraic:
-            return cls.of_number_field(domain, values)
-        return cls(PRIME, values=values) if domain.is_QQ or domain.is_ZZ else None
+            return cls.of_number_field(domain, values, skipped)
+        return cls(_prime(skipped), values=values) if domain.is_QQ or domain.is_ZZ else None
 
     @classmethod
-    def of_number_field(cls, domain: Any, values: tuple[int, ...]) -> Residues | None:
+    def of_number_field(cls, domain: Any, values: tuple[int, ...], skipped: int = 0) -> Residues | None:
         """A prime modulo which the defining polynomial of the number field has a simple root."""
         from flint import nmod_poly
 
         coefficients = [Fraction(int(c.numerator), int(c.denominator)) for c in domain.mod.to_list()]
-        for _, p in zip(range(200), _probable_primes(PRIME, 2), strict=False):
+        for p in islice(_probable_primes(PRIME, 2), 200 * (skipped + 1)):
             polynomial = nmod_poly([_residue(c, p) for c in reversed(coefficients)], p)
-            for factor, multiplicity in polynomial.factor()[1]:
-                if factor.degree() == 1 and multiplicity == 1:
-                    return cls(p, int(-factor[0] / factor[1]), values)
+            roots = [f for f, multiplicity in polynomial.factor()[1] if f.degree() == 1 and multiplicity == 1]
+            if roots and not skipped:
+                return cls(p, int(-roots[0][0] / roots[0][1]), values)
+            skipped -= bool(roots)
         return None
 
     def __call__(self, element: Any) -> int:
@@ -112,6 +114,10 @@ def _residue(number: Any, p: int) -> int:
     if hasattr(number, "p") and hasattr(number, "q"):
         return int(number.p) * pow(int(number.q), -1, p) % p
     return int(number) % p
+
+
+def _prime(skipped: int) -> int:
+    return next(islice(_probable_primes(PRIME, 2), skipped, None))
 
 
 def _probable_primes(start: int, step: int) -> Iterable[int]:

@@ -1,9 +1,9 @@
 r"""Splitting the solutions of a system into components, by factors.
 
 Where an element of a Gröbner basis is a product, the solutions are those at which the first factor vanishes, those at
-which it does not and the second does, and so on. For real solutions a sum of terms of one sign vanishes with all of its
-terms. What is left when nothing factors is a component; in dimension 0 it is split further, into the zeros of the
-irreducible factors of the equation for a linear form that tells them apart.
+which it does not and the second does, and so on. For real solutions a sum of terms, or squares, of one sign vanishes
+with all of them. What is left when nothing factors is a component; in dimension 0 it is split further, into the zeros
+of the irreducible factors of the equation for a linear form that tells them apart.
 
 A component may still be reducible over the rationals: `is_irreducible` says where it is proved not to be. Over the
 complex numbers it may be reducible in any case.
@@ -23,7 +23,7 @@ from liepoisson.exact.polynomials.buchberger import Poly
 from liepoisson.exact.polynomials.groebner import GroebnerBasis, groebner_basis
 from liepoisson.exact.polynomials.limits import Budget
 from liepoisson.exact.polynomials.operations import radical_contains, saturation
-from liepoisson.exact.polynomials.signs import definite_terms, never_vanishes
+from liepoisson.exact.polynomials.signs import never_vanishes, vanishing_parts
 from liepoisson.exact.polynomials.solutions import Solutions, solutions
 
 
@@ -126,7 +126,7 @@ def _branches(
         if not factors:
             return []
         if len(factors) == 1 and factors[0] == p:
-            terms = definite_terms(p, assumptions.positive) if assumptions.is_real else None
+            terms = vanishing_parts(p, assumptions.positive) if assumptions.is_real else None
             if terms is None or (len(terms) == 1 and terms[0] == p):
                 continue
             return [([*basis.polynomials, *terms], units)]

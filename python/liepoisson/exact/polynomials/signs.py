@@ -1,10 +1,11 @@
-"""Signs of polynomials that can be read off their terms, for real values of the variables."""
+"""Signs of polynomials that can be read off their terms or their squares, for real values of the variables."""
 
 from __future__ import annotations
 
 from collections.abc import Collection
 
 from liepoisson.exact.polynomials.buchberger import Poly
+from liepoisson.exact.polynomials.quadratic_forms import vanishing_squares
 
 
 def definite_terms(p: Poly, positive: Collection[int] = ()) -> list[Poly] | None:
@@ -30,7 +31,16 @@ def definite_terms(p: Poly, positive: Collection[int] = ()) -> list[Poly] | None
     return terms if len(terms) > 1 or all(t.is_constant() for t in terms) else None
 
 
-def never_vanishes(p: Poly, positive: Collection[int] = ()) -> bool:
-    """Whether the terms of a polynomial show that it has no real zero."""
+def vanishing_parts(p: Poly, positive: Collection[int] = ()) -> list[Poly] | None:
+    """Polynomials that vanish together where this one does, if its terms or completed squares show it.
+
+    They have smaller degree, or are fewer terms; one of them is a constant if there is no real zero.
+    """
     terms = definite_terms(p, positive)
-    return terms is not None and any(t.is_constant() for t in terms)
+    return terms if terms is not None else vanishing_squares(p)
+
+
+def never_vanishes(p: Poly, positive: Collection[int] = ()) -> bool:
+    """Whether the terms or the squares of a polynomial show that it has no real zero."""
+    parts = vanishing_parts(p, positive)
+    return parts is not None and any(t.is_constant() for t in parts)

@@ -1,0 +1,182 @@
+r"""Random points of a case of parameters: modulo a prime, and real ones.
+
+The free parameters of a case are drawn; where equations are left that no parameter is solved for, so many of their
+parameters are drawn that finitely many solutions are left, of which one is a point of the case. Modulo a prime it is a
+root of the equation for a linear form (`liepoisson.exact.polynomials.solutions`).
+"""
+
+from __future__ import annotations
+
+from random import Random
+from typing import Any
+
+from flint import arb, fmpq, nmod_poly
+
+from liepoisson.exact.polynomials.groebner import groebner_basis, rational_context
+from liepoisson.exact.polynomials.limits import NotDecidedError
+from liepoisson.exact.polynomials.operations import in_context
+from liepoisson.exact.polynomials.solutions import Solutions, solutions
+from liepoisson.integrability.parameter_cases import LIMITS, Case, Poly
+
+_MOST_DRAWS = 60
+_PRIMES = tuple(2**61 - k for k in (1, 31, 45, 229, 259, 283, 339, 391, 403, 465))
+"""The largest primes below 2^61."""
+
+
+class CasePoints:
+    """Points of one case.
+
+    Args:
+        case: The case.
+        context: FLINT's context of the parameters.
+        positive: Indices of parameters that are positive.
+        seed: Of the random numbers.
+    """
+
+    def __init__(self, case: Case, context: Any, positive: frozenset[int], seed: int = 1) -> None:
+        self.case, self.context, self.positive = case, context, positive
+        self.names = tuple(context.names())
+        self._random = Random(seed)
+        bound = {v for v, _ in case.scaled} | {v for v, _, _ in case.solved}
+        self._free = [v for v in range(len(self.names)) if v not in bound]
+        occurring = {v for q in case.unsolved for v, k in enumerate(q.degrees()) if k}
+        self._tied = [v for v in self._free if v in occurring]
+
+    def modular(self) -> tuple[int, list[int]] | None:
+        """A prime and the parameters modulo it, at a random point of the case; None if none was found.
+
+        Raises:
+            NotDecidedError: the limits were reached.
+        """
+        for _ in range(_MOST_DRAWS):
+            p = self._random.choice(_PRIMES)
+            values = {v: self._random.randrange(2, p) for v in self._free}
+            if self.case.unsolved:
+                rational, rest, found = self._finitely_many()
+                t = _root(found, p, self._random)
+                if t is None:
+                    continue
+                below = _at_mod(found.numerator(found.quotient.ideal.context.constant(1)), t, p)
+                gens = dict(zip(rest, found.quotient.ideal.context.gens(), strict=True))
+                if not below:
+                    continue
+                for v, x in gens.items():
+                    values[v] = _at_mod(found.numerator(x), t, p) * pow(below, -1, p) % p
+                for v, x in rational.items():
+                    values[v] = int(x.p) * pow(int(x.q), -1, p) % p
+            if (point := self._completed_mod(values, p)) is not None:
+                return p, point
+        return None
+
+    def _completed_mod(self, values: dict[int, int], p: int) -> list[int] | None:
+        """All parameters, with those that are solved for; None where something vanishes that must not."""
+        point = [values.get(v, 1) for v in range(len(self.names))]
+        if any(not value_mod(q, point, p) for q in self.case.nonzero.values()):
+            return None
+        solved: dict[int, int] = {}
+        for v, a, b in self.case.solved:
+            if not (below := value_mod(b, point, p)):
+                return None
+            solved[v] = value_mod(a, point, p) * pow(below, -1, p) % p
+        return [solved.get(v, x) for v, x in enumerate(point)]
+
+    def is_real(self) -> bool:
+        """Whether a real point was found, with positive values where this is demanded (proved if True)."""
+        try:
+            return any(self._has_real_point() for _ in range(_MOST_DRAWS))
+        except NotDecidedError:
+            return False
+
+    def _has_real_point(self) -> bool:
+        drawn = {
+            v: fmpq(
+                self._random.randint(1, 12) * (1 if v in self.positive else self._sign()), self._random.randint(1, 6)
+            )
+            for v in self._free
+        }
+        known = {v: _ball(x) for v, x in drawn.items()}
+        if not self.case.unsolved:
+            return self._is_admissible(known)
+        rational, rest, found = self._finitely_many(drawn)
+        known |= {v: _ball(x) for v, x in rational.items()}
+        return any(
+            self._is_admissible(known | dict(zip(rest, solution.values, strict=True))) for solution in found.real(60)
+        )
+
+    def _is_admissible(self, known: dict[int, arb]) -> bool:
+        """Whether nothing vanishes that must not, and positive parameters are positive, at balls (proved if True)."""
+        at = [known.get(v, arb(1)) for v in range(len(self.names))]
+        if any(value_of_ball(q, at).contains(0) for q in self.case.nonzero.values()):
+            return False
+        for v, a, b in self.case.solved:
+            below = value_of_ball(b, at)
+            if below.contains(0):
+                return False
+            known = known | {v: value_of_ball(a, at) / below}
+        return all(v not in known or bool(known[v] > 0) for v in self.positive)
+
+    def _sign(self) -> int:
+        return self._random.choice((-1, 1))
+
+    def _finitely_many(self, drawn: dict[int, fmpq] | None = None) -> tuple[dict[int, fmpq], list[int], Solutions]:
+        """Values for some of the parameters of the equations, the others, and their finitely many solutions."""
+        budget = LIMITS.budget()
+        rational: dict[int, fmpq] = {}
+        rest = list(self._tied)
+        self._random.shuffle(rest)
+        while True:
+            context = rational_context([self.names[v] for v in rest])
+            at = {self.names[v]: x for v, x in rational.items()}
+            left = [in_context(q.subs(at) if at else q, context) for q in self.case.unsolved]
+            basis = groebner_basis(left, budget)
+            if basis.dimension <= 0:
+                return rational, rest, solutions(basis, budget)
+            v = rest.pop()
+            rational[v] = drawn[v] if drawn else fmpq(self._random.randint(-50, 50), self._random.randint(1, 20))
+
+
+def _ball(x: fmpq) -> arb:
+    return arb(x.p) / arb(x.q)
+
+
+def _root(found: Solutions, p: int, random: Random) -> int | None:
+    """A root modulo p of the equation of some solutions, if it has one."""
+    numbers = list(range(len(found.factors)))
+    random.shuffle(numbers)
+    for k in numbers:
+        polynomial = nmod_poly([int(c) % p for c in found.factors[k].polynomial.coeffs()], p)
+        roots = [int(-f[0] / f[1]) for f, multiplicity in polynomial.factor()[1] if f.degree() == multiplicity == 1]
+        if roots:
+            return random.choice(roots)
+    return None
+
+
+def _at_mod(polynomial: Any, t: int, p: int) -> int:
+    total = 0
+    for c in reversed(polynomial.coeffs()):
+        total = (total * t + int(c.p) * pow(int(c.q), -1, p)) % p
+    return total
+
+
+def value_mod(q: Poly, point: list[int], p: int) -> int:
+    """A polynomial in the parameters at a point modulo p."""
+    total = 0
+    for m, c in q.terms():
+        term = int(c.p) * pow(int(c.q), -1, p)
+        for x, k in zip(point, m, strict=True):
+            if k:
+                term = term * pow(x, int(k), p) % p
+        total += term
+    return total % p
+
+
+def value_of_ball(q: Poly, at: list[arb]) -> arb:
+    """A polynomial in the parameters at balls."""
+    total = arb(0)
+    for m, c in q.terms():
+        term = _ball(c)
+        for x, k in zip(at, m, strict=True):
+            if k:
+                term *= x ** int(k)
+        total += term
+    return total
