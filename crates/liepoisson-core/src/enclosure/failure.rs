@@ -17,6 +17,8 @@ pub enum Failure {
     },
     /// At the time that was given it is not sure that every orbit crosses the section once, and transversally.
     NoCrossing,
+    /// Images may lie outside the part of the level on which a chart is unique.
+    OutsideChart,
     /// A matrix of intervals may contain a singular one.
     Singular,
     /// The operator of Newton's method does not map the box into itself, so that it proves no zero.
@@ -31,6 +33,7 @@ impl fmt::Display for Failure {
             Failure::NoStep { time } => write!(f, "no enclosure of a step from time {time}"),
             Failure::Steps { time } => write!(f, "no steps left at time {time}"),
             Failure::NoCrossing => f.write_str("no certain transversal crossing of the section"),
+            Failure::OutsideChart => f.write_str("images that may lie beyond the reach of a chart"),
             Failure::Singular => f.write_str("a matrix that may be singular"),
             Failure::NotContracted => f.write_str("Newton's operator does not map the box into itself"),
             Failure::Stopped => f.write_str("stopped"),

@@ -5,12 +5,17 @@
 
 pub mod apriori;
 mod balls;
+pub mod chart;
+pub mod covering;
+pub mod elementary;
 pub mod failure;
 pub mod flow;
 pub mod interval;
 pub mod linear;
 pub mod lohner;
 pub mod matrix;
+pub mod passage;
+pub mod periodic;
 pub mod polynomial;
 pub mod program;
 pub mod rational;
@@ -18,3 +23,23 @@ pub mod rounding;
 pub mod section;
 pub mod series;
 pub mod sum;
+
+use crate::ensemble::{Control, beside};
+use crate::error::Error;
+use std::time::Duration;
+
+/// Runs `work` on a thread of its own, and `watch` on the calling thread meanwhile: the function that it is given waits for
+/// the end, at most so long, and says whether it has come.
+///
+/// # Errors
+/// No thread.
+///
+/// # Panics
+/// As `work` does.
+pub fn watched<R: Send>(
+    control: &Control,
+    watch: impl FnOnce(&dyn Fn(Duration) -> bool),
+    work: impl FnOnce() -> R + Send,
+) -> Result<R, Error> {
+    beside(control, watch, work)
+}

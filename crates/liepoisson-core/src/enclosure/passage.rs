@@ -1,0 +1,103 @@
+//! The map from a chart on one section to a chart on another, along the flow, with its derivative.
+//!
+//! With `P` the map along the flow, `q'(q) = L (P(chi(q)) - c')` and `L` the rows of the inverse of the frame that is
+//! reached. By the mean value theorem
+//! ```text
+//! q'(q)  in  q'(q_0) + R (q - q_0),   R contains  L DP(chi(q)) (B_q + B_w dw/dq)  for all q of the box.
+//! ```
+
+use super::chart::Frame;
+use super::failure::Failure;
+use super::flow::{Bundle, Flow, Tube};
+use super::interval::Interval;
+use super::matrix::{IntervalVector, Matrix, combine, points};
+use super::program::Program;
+use super::section::cross;
+use crate::ensemble::Control;
+
+/// The constants of motion, the level on which orbits are followed, and how far charts reach.
+#[derive(Clone, Debug)]
+pub struct Level {
+    /// The constants of motion.
+    pub constants: Program,
+    /// Their values; what is proved holds for every value within.
+    pub values: IntervalVector,
+    /// Greatest absolute value of the coordinates `w`.
+    pub reach: f64,
+}
+
+/// What is known of the map from section to section on a box.
+#[derive(Clone, Debug)]
+pub struct Passage {
+    /// Image of `q_0`.
+    pub offset: IntervalVector,
+    /// Derivatives on the whole box.
+    pub derivative: Matrix<Interval>,
+    /// Coordinates `w` of the image of the box.
+    pub w: IntervalVector,
+    /// Flight times of all orbits.
+    pub time: Interval,
+    /// The times within which every orbit crosses exactly once.
+    pub window: Interval,
+    /// Rate of change of the coordinate of the flow where orbits cross, and around.
+    pub rate: Interval,
+    /// Where the orbits are during the flight.
+    pub tubes: Vec<Tube>,
+}
+
+impl Passage {
+    /// A box that contains the image of the box `q` around `q_0`.
+    pub fn image(&self, q: &[Interval], q_0: &[Interval]) -> IntervalVector {
+        let moved = self.derivative.apply(&combine(q, q_0, |q, q_0| q - q_0));
+        combine(&self.offset, &moved, |offset, moved| offset + moved)
+    }
+}
+
+/// Follows the orbits that start at `q`, which contains `q_0`, for about `time`, up to the section of another frame.
+///
+/// # Errors
+/// A chart, an enclosure of the flow, or the crossing is not certain.
+#[allow(clippy::too_many_arguments)] // from where, to where, how long
+pub fn pass(
+    flow: &mut Flow,
+    level: &Level,
+    (from, q, q_0): (&Frame, &[Interval], &[f64]),
+    to: &Frame,
+    time: f64,
+    control: &Control,
+) -> Result<Passage, Failure> {
+    let lift = |q: &[Interval]| from.lift(&level.constants, &level.values, q, level.reach);
+    let (whole, small) = (lift(q)?, lift(&points(q_0))?);
+    let states = vec![from.set(&whole, &small), from.set(&small, &small)];
+    let mut bundle = Bundle::new(states, from.columns().clone());
+    let mut tubes = vec![];
+    flow.advance(&mut bundle, time, control, |tube| tubes.push(tube.clone()))?;
+
+    let (field, section) = (flow.field().clone(), to.section());
+    let crossing = cross(flow, &bundle.states[0], &section)?;
+    let first = cross(flow, &bundle.states[1], &section)?;
+    let reached = to.relative(&first.of_small_set(flow, &bundle.states[1])?);
+    let (by_q, by_w) = from.split(&bundle.derivative.hull());
+    let tangent = by_q.plus(&by_w.times(&whole.slope));
+    let along = crossing.derivative(&field, &section);
+    let derivative = to.to_directions().times(&along).times(&tangent);
+    let w_derivative = to.to_constants().times(&along).times(&tangent);
+    let extent = combine(q, &points(q_0), |q, q_0| q - q_0);
+    let w = combine(&to.to_constants().apply(&reached), &w_derivative.apply(&extent), |w, more| w + more);
+
+    // then the point with these coordinates is the point of the chart: there is only one within its reach
+    if !w.iter().all(|w| w.is_within(Interval::symmetric(level.reach))) {
+        return Err(Failure::OutsideChart);
+    }
+    let duration = Interval::point(time);
+    tubes.push(Tube { time: duration + crossing.window, states: crossing.tube });
+    Ok(Passage {
+        offset: to.to_directions().apply(&reached),
+        derivative,
+        w,
+        time: duration + crossing.delay,
+        window: duration + crossing.window,
+        rate: crossing.rate,
+        tubes,
+    })
+}
