@@ -6,7 +6,9 @@
 pub mod apriori;
 mod balls;
 pub mod chart;
+mod complex;
 pub mod covering;
+pub mod eigenvalues;
 pub mod elementary;
 pub mod failure;
 pub mod flow;
@@ -23,6 +25,7 @@ pub mod rounding;
 pub mod section;
 pub mod series;
 pub mod sum;
+pub mod zeros;
 
 use crate::ensemble::{Control, beside};
 use crate::error::Error;
