@@ -10,10 +10,12 @@ from collections.abc import Iterable
 
 __all__ = [
     "BracketError",
+    "CertificateError",
     "ChartError",
     "CocycleError",
     "CoreError",
     "DamagedFileError",
+    "EnclosureError",
     "ExpressionError",
     "InertiaWarning",
     "LeafError",
@@ -132,6 +134,14 @@ class CoreError(LiePoissonError, RuntimeError):
 
 class LeafError(LiePoissonError, ValueError):
     """A state, an energy or values of Casimirs that belong to no point of the leaf that was asked for."""
+
+
+class CertificateError(LiePoissonError, ValueError):
+    """A certificate that proves nothing, or something about another system; the message names the first check that fails."""
+
+
+class EnclosureError(LiePoissonError, ArithmeticError):
+    """A rigorous enclosure that cannot be made: the set is too large, the time too long, or a matrix may be singular."""
 
 
 class ChartError(LiePoissonError, ValueError):

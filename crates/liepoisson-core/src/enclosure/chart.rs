@@ -11,7 +11,7 @@
 use super::failure::Failure;
 use super::interval::Interval;
 use super::linear::{approximate_inverse, inverse};
-use super::lohner::StateSet;
+use super::lohner::orthonormal;
 use super::matrix::{IntervalVector, Matrix, combine, is_inside, meet, mid, points};
 use super::polynomial::Sign;
 use super::program::Program;
@@ -62,6 +62,32 @@ impl Frame {
         let directions = (0..n - n_constants).filter(|&column| column != n_first).collect();
         let constants = (n - n_constants..n).collect();
         Ok(Frame { center: center.to_vec(), columns, back, directions, flow: n_first, constants })
+    }
+
+    /// Coordinates around a point: orthonormal directions `q` across the flow and the gradients, the flow, the gradients.
+    ///
+    /// # Errors
+    /// The gradients and the flow may be dependent at the point, as at an equilibrium.
+    pub fn around(point: &[f64], field: &Program, constants: &Program) -> Result<Frame, Failure> {
+        let (n, m) = (point.len(), constants.n_rows());
+        let at = points(point);
+        let gradients = constants.jacobian(&at).mid();
+        let rates = mid(&field.values(&at));
+        if m + 1 >= n || rates.iter().chain(gradients.entries()).any(|entry| !entry.is_finite()) {
+            return Err(Failure::Singular);
+        }
+        let across = Matrix::from_fn(n, m + 1, |i, j| if j == 0 { rates[i] } else { gradients[(j - 1, i)] });
+        let basis = orthonormal(&across, &vec![1.0; m + 1]);
+        let n_directions = n - m - 1;
+        let columns =
+            Matrix::from_fn(
+                n,
+                n,
+                |i, j| {
+                    if j < n_directions { basis[(i, m + 1 + j)] } else { across[(i, j - n_directions)] }
+                },
+            );
+        Frame::new(point, columns, n_directions, m)
     }
 
     /// The center.
@@ -128,17 +154,22 @@ impl Frame {
         combine(&points(&self.center), &moved, |center, moved| center + moved)
     }
 
-    /// The states of a lift, described from a point of another one: `m + B (y - y_m) + (c + B y_m - m)`.
-    pub(super) fn set(&self, lift: &Lift, from: &Lift) -> StateSet {
-        let n = self.center.len();
+    /// A double near a small lift, the states of a lift described from there, and their coordinates in the frame `[B, I]`:
+    /// `m + B (y - y_m) + (c + B y_m - m)`.
+    pub(super) fn described(&self, lift: &Lift, from: &Lift) -> (Vec<f64>, IntervalVector) {
         let middle = mid(&from.coordinates);
         let exact = self.states(&points(&middle));
         let center = mid(&exact);
         let moved = combine(&lift.coordinates, &points(&middle), |y, middle| y - middle);
         let rounded = combine(&exact, &points(&center), |exact, center| exact - center);
+        (center, [moved, rounded].concat())
+    }
+
+    /// `[B, I]`.
+    pub(super) fn columns_and_identity(&self) -> Matrix<f64> {
+        let n = self.center.len();
         let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
-        let frame = Matrix::from_fn(n, 2 * n, |i, j| if j < n { self.columns[(i, j)] } else { unit(i, j - n) });
-        StateSet::new(&center, frame, [moved, rounded].concat())
+        Matrix::from_fn(n, 2 * n, |i, j| if j < n { self.columns[(i, j)] } else { unit(i, j - n) })
     }
 
     /// Proves that for every `q` of a box and every value of the constants in `level` there is exactly one `w` with
@@ -149,23 +180,23 @@ impl Frame {
     /// # Errors
     /// It is not sure that there is exactly one.
     pub fn lift(&self, constants: &Program, level: &[Interval], q: &[Interval], reach: f64) -> Result<Lift, Failure> {
-        let defect = combine(&constants.values(&points(&self.center)), level, |value, level| value - level);
         let jacobians = |q: &[Interval], w: &[Interval]| {
             let states = self.states(&self.coordinates(q, w));
             self.split(&constants.jacobian(&states).times(&self.columns.enclosed()))
         };
-        // mean values are taken between the center and what it is the center of
-        let with_center = |box_: &[Interval]| -> IntervalVector {
-            box_.iter().map(|component| component.hull(Interval::ZERO)).collect()
-        };
+        let around = |box_: &[Interval], middle: &[Interval]| combine(box_, middle, |box_, middle| box_ - middle);
+        let q_middle = points(&mid(q));
         let mut w = vec![Interval::symmetric(reach); self.constants.len()];
         for improvement in 0..4 {
-            let (by_q, by_w) = jacobians(&with_center(q), &with_center(&w));
+            let (by_q, by_w) = jacobians(q, &w);
             let guess = approximate_inverse(&by_w.mid()).ok_or(Failure::Singular)?.enclosed();
+            let middle = points(&mid(&w));
+            let values = constants.values(&self.states(&self.coordinates(&q_middle, &middle)));
+            let defect = combine(&around(&values, level), &by_q.apply(&around(q, &q_middle)), |a, b| a + b);
             let unit = Matrix::identity(w.len()).enclosed();
-            let at_zero = combine(&defect, &by_q.apply(q), |a, b| a + b);
-            let rest = unit.minus(&guess.times(&by_w)).apply(&w);
-            let image = combine(&rest, &guess.apply(&at_zero), |rest, newton| rest - newton);
+            let rest = unit.minus(&guess.times(&by_w)).apply(&around(&w, &middle));
+            let step = combine(&rest, &guess.apply(&defect), |rest, newton| rest - newton);
+            let image = combine(&middle, &step, |middle, step| middle + step);
             if improvement == 0 && !is_inside(&image, &w) {
                 return Err(Failure::NotContracted);
             }

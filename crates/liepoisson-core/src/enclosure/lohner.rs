@@ -47,7 +47,7 @@ impl Rest {
 
 /// An orthonormal frame that begins with the columns that are longest, weighted. Whether it is one exactly is nobody's
 /// concern: its inverse is enclosed afterwards.
-fn orthonormal(columns: &Matrix<f64>, weights: &[f64]) -> Matrix<f64> {
+pub(super) fn orthonormal(columns: &Matrix<f64>, weights: &[f64]) -> Matrix<f64> {
     let n = columns.n_rows();
     let length = |column: &[f64]| column.iter().map(|entry| entry * entry).sum::<f64>().sqrt();
     let mut given: Vec<(f64, Vec<f64>)> =

@@ -36,6 +36,8 @@ pub struct Leg {
 pub struct PeriodicOrbit {
     /// Where it crosses each section, in its chart.
     pub q: Vec<IntervalVector>,
+    /// The same points as states.
+    pub states: Vec<IntervalVector>,
     /// The box in which it is the only one.
     pub unique_within: Vec<IntervalVector>,
     /// The passages on the narrow boxes.
@@ -192,7 +194,11 @@ impl Chain<'_> {
             q = q.iter().zip(&image).map(|(q, image)| meet(q, image)).collect();
             passages = self.passages(&hulls(&q, middle), middle)?;
         }
-        Ok(PeriodicOrbit { q, unique_within, passages })
+        let lift = |(leg, q): (&Leg, &IntervalVector)| {
+            leg.from.lift(&self.level.constants, &self.level.values, q, self.level.reach).map(|lift| lift.states)
+        };
+        let states = self.legs.iter().zip(&q).map(lift).collect::<Result<_, _>>()?;
+        Ok(PeriodicOrbit { q, states, unique_within, passages })
     }
 }
 

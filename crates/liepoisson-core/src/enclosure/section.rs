@@ -9,11 +9,12 @@
 
 use super::apriori;
 use super::failure::Failure;
-use super::flow::Flow;
+use super::flow::{Bundle, Flow};
 use super::interval::Interval;
 use super::lohner::StateSet;
 use super::matrix::{IntervalVector, Matrix, combine, dot, hull, meet, points};
 use super::program::Program;
+use crate::ensemble::Control;
 
 /// A surface `s = 0`.
 #[derive(Clone, Debug)]
@@ -124,4 +125,43 @@ impl Crossing {
         let moved = flow.image(&set.hull(), self.delay).ok_or(Failure::NoCrossing)?;
         Ok(meet(&moved, &self.states))
     }
+}
+
+/// The map of a set of states to a section, with its derivative.
+#[derive(Clone, Debug)]
+pub struct SectionMap {
+    /// Flight times.
+    pub time: Interval,
+    /// A box that contains the crossings.
+    pub states: IntervalVector,
+    /// The derivative by the state, for all states of the set.
+    pub derivative: Matrix<Interval>,
+    /// The crossing itself.
+    pub crossing: Crossing,
+}
+
+/// Follows `center + frame box` for about `time`, up to a section: the image of the center and, by the mean value theorem,
+/// of the others.
+///
+/// # Errors
+/// No enclosure of the flow, or it is not sure that every orbit crosses once, near that time.
+pub fn section_map(
+    flow: &mut Flow,
+    (center, frame, coordinates): (&[f64], &Matrix<f64>, &[Interval]),
+    section: &Section,
+    time: f64,
+    control: &Control,
+) -> Result<SectionMap, Failure> {
+    let n = center.len();
+    let with_center: IntervalVector = coordinates.iter().map(|entry| entry.hull(Interval::ZERO)).collect();
+    let whole = StateSet::new(center, frame.clone(), with_center);
+    let point = StateSet::new(center, Matrix::from_fn(n, 0, |_, _| 0.0), vec![]);
+    let mut bundle = Bundle::new(vec![whole, point], Matrix::identity(n));
+    flow.advance(&mut bundle, time, control, |_| ())?;
+    let crossing = cross(flow, &bundle.states[0], section)?;
+    let first = cross(flow, &bundle.states[1], section)?.of_small_set(flow, &bundle.states[1])?;
+    let derivative = crossing.derivative(flow.field(), section).times(&bundle.derivative.hull());
+    let moved = derivative.times(&frame.enclosed()).apply(coordinates);
+    let states = meet(&crossing.states, &combine(&first, &moved, |first, moved| first + moved));
+    Ok(SectionMap { time: Interval::point(time) + crossing.delay, states, derivative, crossing })
 }

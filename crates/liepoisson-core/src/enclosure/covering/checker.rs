@@ -6,7 +6,7 @@ use super::relation::{Relation, relation};
 use super::reversal::ShortLoop;
 use super::rotation::{Multipliers, discriminant, multipliers};
 use super::separation::Paths;
-use super::{Certificate, Check, Margins, Place, Refusal, Settings, form};
+use super::{Certificate, Check, Margins, Place, Refusal, Rotation, Settings, form};
 use crate::enclosure::chart::{Frame, Lift};
 use crate::enclosure::failure::Failure;
 use crate::enclosure::flow::{Flow, Options};
@@ -72,8 +72,10 @@ impl Checker<'_> {
         };
         let separation = paths.distances()?;
 
-        let discriminant = self.complex_multipliers(&small_passages)?;
-        let (rotation, orbit, of_orbit) = self.rotations(&passages)?;
+        let rotation = match self.settings.shift {
+            Some(shift) => Some(self.rotation(&passages, &small_passages, shift)?),
+            None => None,
+        };
         let loops = self.flight_times(&passages);
         let entropy = entropy([loops[0].0.hi(), loops[1].0.hi()]);
         if entropy.is_nan() || entropy <= 0.0 {
@@ -91,10 +93,7 @@ impl Checker<'_> {
             separation,
             loops,
             entropy,
-            discriminant,
             rotation,
-            period: orbit.period(),
-            modulus: of_orbit.modulus,
         })
     }
 
@@ -220,21 +219,26 @@ impl Checker<'_> {
         Ok(discriminant)
     }
 
-    /// Angles on two levels, and the periodic orbit on the level of the certificate.
-    fn rotations(&mut self, passages: &[Passage]) -> Result<([Interval; 2], PeriodicOrbit, Multipliers), Refusal> {
+    /// Complex multipliers on all levels, different angles on two of them, and the periodic orbit of the certificate.
+    fn rotation(
+        &mut self,
+        passages: &[Passage],
+        small_passages: &[Passage],
+        shift: Rational,
+    ) -> Result<Rotation, Refusal> {
         let refused = |wanted| Refusal::new(Check::Rotation, Place::Everywhere, wanted);
-        let shift = self.settings.shift;
-        if shift > self.settings.level_radius || shift <= Rational::ZERO {
+        let discriminant = self.complex_multipliers(small_passages)?;
+        let is_in_ball = shift > Rational::ZERO && shift <= self.settings.level_radius;
+        if !is_in_ball {
             return Err(refused("two levels of the ball"));
         }
-        let below = self.periodic_orbit(passages, shift.negative())?.1;
-        let above = self.periodic_orbit(passages, shift)?.1;
-        let difference = below.rotation - above.rotation;
-        if difference.is_unknown() || difference.contains(0.0) {
+        let mut angle = |shift| self.periodic_orbit(passages, shift).map(|(_, multipliers)| multipliers.rotation);
+        let angles = [angle(shift.negative())?, angle(shift)?];
+        if angles[0].is_unknown() || angles[1].is_unknown() || !angles[0].meet(angles[1]).is_unknown() {
             return Err(refused("different angles on two levels"));
         }
         let (orbit, multipliers) = self.periodic_orbit(passages, Rational::ZERO)?;
-        Ok(([below.rotation, above.rotation], orbit, multipliers))
+        Ok(Rotation { discriminant, angles, period: orbit.period(), modulus: multipliers.modulus })
     }
 
     /// The orbit that follows the short loop on one level, and its multipliers.

@@ -93,8 +93,9 @@ pub struct Settings {
     pub small: f64,
     /// The excursion is apart from its middle set at times that differ by more than this.
     pub near: f64,
-    /// The two levels on which the angles are compared: the first constant less and more by this.
-    pub shift: Rational,
+    /// The two levels on which the angles of the multipliers are compared: the first constant less and more by this, which
+    /// must not leave the ball. Without it they are not looked at.
+    pub shift: Option<Rational>,
 }
 
 impl Default for Settings {
@@ -106,7 +107,7 @@ impl Default for Settings {
             reach: 1e-3,
             small: 0.1,
             near: 0.3,
-            shift: Rational::new(1, 1 << 26).expect("not zero"),
+            shift: Rational::new(1, 1 << 26),
         }
     }
 }
@@ -136,12 +137,19 @@ pub struct Margins {
     pub loops: [(Interval, usize); 2],
     /// Lower bound of the topological entropy of the flow.
     pub entropy: f64,
-    /// `T^2/4 - S + 2` of the periodic orbit, on all levels; negative.
+    /// What was asked for of the multipliers of the periodic orbit.
+    pub rotation: Option<Rotation>,
+}
+
+/// The multipliers of the periodic orbit.
+#[derive(Clone, Copy, Debug)]
+pub struct Rotation {
+    /// `T^2/4 - S + 2`, on all levels; negative.
     pub discriminant: Interval,
-    /// The angle of its multipliers, divided by pi, on the two levels.
-    pub rotation: [Interval; 2],
-    /// The periodic orbit on the level itself: its period (modulo the symmetry), modulus of the multipliers.
+    /// The angle, divided by pi, on the two levels.
+    pub angles: [Interval; 2],
+    /// On the level itself the period, modulo the symmetry.
     pub period: Interval,
-    /// Their absolute value, the one above one.
+    /// There, the absolute value that is above one.
     pub modulus: Interval,
 }

@@ -112,19 +112,26 @@ impl Refusal {
     }
 }
 
+impl Refusal {
+    /// What to print, with a place of the caller's words.
+    pub fn message(&self, place: &str) -> String {
+        let separator = if place.is_empty() { "" } else { ", " };
+        let got = match self.failure {
+            Some(failure) => format!("; got {failure}"),
+            None if self.value.is_nan() => String::new(),
+            None => format!("; got {}", self.value),
+        };
+        format!("{}{separator}{place}: wanted {}{got}", self.check.name(), self.wanted)
+    }
+}
+
 impl fmt::Display for Refusal {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}", self.check.name())?;
-        match self.place {
-            Place::Everywhere => Ok(()),
-            Place::Set(set) => write!(f, ", set {set}"),
-            Place::Edge(edge) => write!(f, ", edge {edge}"),
-        }?;
-        write!(f, ": wanted {}", self.wanted)?;
-        match self.failure {
-            Some(failure) => write!(f, "; got {failure}"),
-            None if self.value.is_nan() => Ok(()),
-            None => write!(f, "; got {}", self.value),
-        }
+        let place = match self.place {
+            Place::Everywhere => String::new(),
+            Place::Set(set) => format!("set {set}"),
+            Place::Edge(edge) => format!("edge {edge}"),
+        };
+        f.write_str(&self.message(&place))
     }
 }
