@@ -29,6 +29,14 @@ pub fn check(certificate: &Certificate, settings: &Settings, control: &Control) 
     form::shapes(certificate, settings)?;
     form::identities(certificate)?;
     let loops = loops(&certificate.edges, certificate.sets.len())?;
+    for path in &loops {
+        // then the periodic orbit is mapped to itself by the symmetry
+        let n_reflections = path.iter().filter(|&&edge| certificate.edges[edge].is_reflected).count();
+        if n_reflections % 2 == 0 {
+            let wanted = "an odd number of reflections in each loop";
+            return Err(Refusal::new(Check::Graph, Place::Edge(path[0]), wanted));
+        }
+    }
     let frames = form::frames(certificate)?;
     let n = certificate.field.len();
     let field = Program::new(n, &certificate.field);

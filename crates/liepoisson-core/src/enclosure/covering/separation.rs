@@ -4,7 +4,8 @@
 //! set. By one of them it is in the middle set M at a time in `[t_M]` after it. By the other it has gone around the short
 //! loop at least once before it began an excursion, so that it is near the periodic orbit, or on the excursion at a time
 //! that is earlier, relative to its own passage of M, by at least `T_1 - width[t_M]`, up to the symmetry. If M is apart from
-//! the tubes of all of these, the orbit has one code. The same holds to the left, with times from M to the end.
+//! the tubes of all of these, the orbit has one code. The same holds to the left, with times from M to the end. The bound of
+//! the entropy asks for a little more: three times the time that is left out must be short against the loops.
 
 use super::graph::Loop;
 use super::{Check, Place, Refusal};
@@ -77,15 +78,16 @@ impl Paths<'_> {
         let (orbit, excursion) = (self.along(0), self.along(1));
         let (before, after) = excursion.split_at(place);
 
-        // another passage of M is at least one turn around the short loop away, less what the flight times vary
+        // another passage of M is at least one turn around the short loop away, less what the flight times vary; for the
+        // entropy the number of turns between two passages must follow from the time between them
+        let near = Interval::point(self.near);
         let turn = total(orbit.iter().copied());
-        for flight in [before, after] {
-            let flight = total(flight.iter().copied());
-            let earliest = turn - Interval::point(flight.width()) - Interval::point(self.near);
-            let is_within = turn + total(excursion.iter().copied()) - flight;
-            if !(earliest.is_positive() && is_within.is_positive()) {
-                return Err(refused("a time near the middle set that is short against the loops", earliest.lo()));
-            }
+        let flights = [before, after].map(|flight| total(flight.iter().copied()));
+        let widths = Interval::point(flights[0].width()) + Interval::point(flights[1].width());
+        let spare = turn - widths - near - near - near;
+        let between = flights[0] + flights[1] - widths - near - near - near;
+        if !(spare.is_positive() && between.is_positive()) {
+            return Err(refused("a time near the middle set that is short against the loops", spare.lo()));
         }
         let apart = |states: &[Interval]| distance(self.states, states);
         let both = |states: &[Interval]| least([apart(states), apart(&self.image(states))].into_iter());
