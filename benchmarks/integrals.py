@@ -6,6 +6,7 @@ imports; the least of five.  Beside it: `nmod_mat.nullspace` of python-flint for
 without making them, once.  With --quick matrices of over 2500 columns, which take minutes, are left out.
 
 On two cores of a busy machine: degree 4, 5, 6 and weight 12 in 0.01, 0.03, 0.09 and 0.26 s, and 0.3, 5, 70 and 1.3 s.
+The process needs 0.1 GB of memory for each; for degrees 8, 9 and 10 0.2, 0.3 and 0.5 GB.
 """
 
 from __future__ import annotations

@@ -41,6 +41,7 @@ STRANGERS = {
 LEVELS = {
     "names and numbers": {"names", "parameters", "rounded", "values", "tensors", "styles"},
     "linear algebra": {"linear"},
+    "polynomial systems": {"polynomials"},
     "algebras": {
         "commutative", "lie",
         "extension", "extensions", "normal_forms", "classification", "lie_algebra", "lie_algebras",
@@ -68,6 +69,7 @@ FACADES = {
     },
     "exact.lie_algebra": {"exact.bracket", "exact.describe"},
     "exact.extension": {"exact.classification"},
+    "integrability.report": {"integrability.saved_reports"},
     "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
     "numeric.section": {"phase_space.section_coordinates"},
     "phase_space.leaf": {"phase_space.leaf_sampling", "phase_space.leaf_search"},

@@ -23,6 +23,7 @@ __all__ = [
     "MemoryLimitError",
     "MissingFileError",
     "MixingWarning",
+    "OrbitError",
     "OutputError",
     "ParameterError",
     "ShapeError",
@@ -157,6 +158,10 @@ class ChartError(LiePoissonError, ValueError):
 
     def __reduce__(self) -> tuple[type[ChartError], tuple[str, str]]:
         return type(self), (str(self), self.condition)
+
+
+class OrbitError(LiePoissonError, ValueError):
+    """A periodic or homoclinic orbit that does not close, or a chain of sets along such orbits that was not found."""
 
 
 class OutputError(LiePoissonError, OSError):

@@ -43,6 +43,7 @@ RUNS = {
     "attitude": ("liepoisson.phase_space.frames", "Attitude", "attitude"),
     "chart orbit": ("liepoisson.phase_space.chart_orbit", "ChartOrbit", "chart_orbit"),
     "sweep": ("liepoisson.sweeps.run", "Sweep", "sweep"),
+    "integral scan": ("liepoisson.integrability.integral_scan", "IntegralScan", "scan_integrals"),
     "rod": ("liepoisson.phase_space.rod", "Rod", "rod"),
 }
 """By kind: the module, the class of the result, and the function that makes it."""

@@ -1,4 +1,7 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.integrability.families import IntegrableFamilies as IntegrableFamilies
+from liepoisson.integrability.families import ParameterCase as ParameterCase
+from liepoisson.integrability.integral_scan import IntegralScan as IntegralScan
 from liepoisson.integrability.polynomial_integrals import FirstIntegral as FirstIntegral
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals as FirstIntegrals
 from liepoisson.integrability.report import IntegrabilityReport as IntegrabilityReport

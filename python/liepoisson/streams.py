@@ -26,6 +26,10 @@ class Purpose(IntEnum):
     """Independent states on a leaf."""
     CHAINS = 11
     """Markov chains on a leaf."""
+    SYMMETRIC_ORBITS = 12
+    """Starts in the fixed sets of reversers."""
+    HOMOCLINIC_ORBITS = 13
+    """Amplitudes on linear unstable spaces."""
     SECTION = 0x5EC7
     """Starts on a surface of section."""
 

@@ -28,7 +28,6 @@ TRANSCENDENTAL = ("double-pendulum", "spring-pendulum", "toda")  # rates that ar
 # Not known to be integrable, or known not to be; all others have a complete set of integrals.
 NOT_INTEGRABLE = (
     "charged-heavy-top",
-    "compressible-reduced-mhd",
     "double-pendulum",
     "heavy-top",
     "henon-heiles",
@@ -169,7 +168,13 @@ def pairs_of_integrals(name):
 
 INTEGRABLE = tuple(name for name in NAMES if name not in (*NOT_INTEGRABLE, *SUPERINTEGRABLE))
 # With one integral besides H there is no pair: that it commutes with H is the test of constancy.
-WITH_PAIRS = ("charged-lagrange", "charged-twisted-lagrange", "leibniz-lagrange-4", "leibniz-lagrange-5")
+WITH_PAIRS = (
+    "charged-lagrange",
+    "charged-twisted-lagrange",
+    "compressible-reduced-mhd",
+    "leibniz-lagrange-4",
+    "leibniz-lagrange-5",
+)
 WITH_PAIRS += ("so21-twisted-top", "three-wave", "toda", "twisted-lagrange")
 WITH_PAIRS += ("two-field-kovalevskaya", "two-field-spherical")
 

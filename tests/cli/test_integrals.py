@@ -20,7 +20,17 @@ def test_integrals_for_programs_are_read_again(command):
     code, out, _ = command("integrals", "goryachev-chaplygin", "--on", "C1 = 0", "--degree", "3", "--format", "json")
     assert code == 0
     record = json.loads(out)
-    assert list(record) == ["system", "degree", "on", "generic_parameters", "known", "found", "complete", "proof"]
+    assert list(record) == [
+        "system",
+        "degree",
+        "functions",
+        "on",
+        "generic_parameters",
+        "known",
+        "found",
+        "complete",
+        "proof",
+    ]
     system = lp.catalog.system("goryachev-chaplygin")
     claimed, level = system.partial_integrals["G"]
     assert [system.expression(f) for f in record["on"]] == [level]
@@ -72,21 +82,30 @@ def test_a_verdict_for_programs(command):
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["integrals", "toda"], "wanted a polynomial"),
+        (["integrals", "logarithm.toml"], "wanted a polynomial"),
         (["integrals", "clebsch", "--degree", "2", "--weight", "2"], "got both"),
         (["integrals", "clebsch", "--degree", "0"], "degree"),
         (["integrals", "clebsch", "--on", "m1=0"], "orbits do not leave"),
         (["integrals", "clebsch", "--on", "C9=0"], "C9"),
-        (["integrable", "toda"], "wanted a polynomial"),
+        (["integrable", "logarithm.toml"], "wanted a polynomial"),
         (["integrable", "clebsch", "--certificate", "clebsch.txt"], "--certificate"),
         (["integrable", "clebsch", "--time-limit", "-1"], "time"),
     ],
 )
-def test_refusals_are_plain(command, arguments, words):
+def test_refusals_are_plain(command, arguments, words, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    lp.systems.write_system(lp.System(lp.canonical(2), "dot(p, p)/2 + q1*log(q2)", name="log"), "logarithm.toml")
     code, out, err = command(*arguments)
     assert (code, out) == (2, "")
     assert words in err
     assert "Traceback" not in err
+
+
+def test_the_whole_report_is_saved(command, tmp_path):
+    path = tmp_path / "henon.json"
+    code, out, _ = command("integrable", "henon-heiles", "--degree", "3", "--save", path)
+    assert code == 0
+    assert str(lp.integrability.load_report(path, prove_again=True)) == out.rstrip("\n")
 
 
 def test_no_proof_no_certificate(command, tmp_path):

@@ -15,18 +15,20 @@ def toda():
     return lp.System(bracket, (b1**2 + b2**2 + b3**2) / 2 + a1**2 + a2**2, name="Toda lattice")
 
 
-def is_polynomial_in(function, generators, system):
-    """Whether a function is a combination of products of others of at most its degree, by values at random points."""
+def is_polynomial_in(function, generators, system, *, degree=None, degrees=None, points=None):
+    """Whether a function is a combination of products of others of at most its degree, by values at random points.
+
+    Degrees and points are needed for functions that are no polynomials, whose values at the points must be rational.
+    """
     from itertools import combinations_with_replacement
     from math import prod
-    from random import Random
 
     import sympy as sp
     from flint import fmpq, fmpq_mat
 
-    x, random = system.variables, Random(3)
-    degree = sp.Poly(function, *x).total_degree()
-    degrees = [sp.Poly(g, *x).total_degree() for g in generators]
+    x = system.variables
+    degree = degree or sp.Poly(function, *x).total_degree()
+    degrees = degrees or [sp.Poly(g, *x).total_degree() for g in generators]
     products = [
         chosen
         for n in range(degree + 1)
@@ -34,9 +36,17 @@ def is_polynomial_in(function, generators, system):
         if sum(degrees[k] for k in chosen) <= degree
     ]
     rows = []
-    for _ in range(len(products) + 5):
-        point = {v: random.randint(-9, 9) for v in x}
+    for point, _ in zip(points or random_points(system), range(len(products) + 5), strict=False):
         values = [g.subs(point) for g in generators]
         row = [prod((values[k] for k in chosen), start=sp.Integer(1)) for chosen in products]
         rows.append([fmpq(int(v.p), int(v.q)) for v in (*row, function.subs(point))])
     return fmpq_mat([row[:-1] for row in rows]).rank() == fmpq_mat(rows).rank()
+
+
+def random_points(system):
+    """Points with whole coordinates."""
+    from random import Random
+
+    random = Random(3)
+    while True:
+        yield {v: random.randint(-9, 9) for v in system.variables}

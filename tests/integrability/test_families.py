@@ -82,6 +82,171 @@ def test_the_diagonal_hamiltonian_on_so4_gives_the_condition_of_manakov():
     assert {frozenset(by_size[1].conditions)} == as_sets("b12 - b34, b13 - b24, b14 - b23")
 
 
+GORYACHEV_CHAPLYGIN = ("a3, J1 - J2, 4*J1 - J3", "a2, J1 - J3, 4*J1 - J2", "a1, J1 - 4*J2, J1 - 4*J3")
+
+
+def test_a_level_has_the_top_of_goryachev_and_chaplygin_besides():
+    """I1 = I2 = 4 I3 and a3 = 0, about each axis: a cubic integral on l.alpha = 0 alone (Chaplygin 1901)."""
+    found = integrable_families(heavy_top(), degree=3, on="C1 = 0", positive=["J1", "J2", "J3"])
+    assert found.complete
+    assert sets(found) == as_sets(EULER, SPHERICAL, *LAGRANGE, *GORYACHEV_CHAPLYGIN)
+    cubic = next(case for case in found.cases if frozenset(case.conditions) in as_sets(GORYACHEV_CHAPLYGIN[0]))
+    # l3 (l1^2 + l2^2) - (alpha3/J3') (a1 l1 + a2 l2), up to a factor, with the scale of the example
+    (integral,) = cubic.integrals
+    member = heavy_top().hamiltonian.xreplace(cubic.example)
+    system = lp.System(heavy_top().bracket, member)
+    remainder = sympify(str(system.derivative(integral))).subs(system_level(system))
+    assert remainder.expand() == 0
+    assert system.derivative(integral).expand() != 0
+    assert "on alpha1*l1 + alpha2*l2 + alpha3*l3 = 0" in str(found)
+
+
+def system_level(system):
+    """l1 from l.alpha = 0, with l1 alpha1 for the rest."""
+    l1, l2, l3, a1, a2, a3 = (Symbol(str(v)) for v in system.variables)
+    return {l1: -(l2 * a2 + l3 * a3) / a1}
+
+
+def test_scalings_are_those_of_the_level():
+    """A central z: on z = c the coefficient of l1^2 is c, and two equal ones give a linear integral."""
+    brackets = {(0, 1): {2: 1}, (1, 2): {0: 1}, (2, 0): {1: 1}}
+    algebra = lp.LieAlgebra.from_brackets(4, brackets, basis_names=["l1", "l2", "l3", "z"])
+    bracket = lp.Bracket(algebra, lp.trivial().rename("x"))
+    l1, l2, l3, z = bracket.variables
+    b, c, d = symbols("b c d")
+    system = lp.System(bracket, z * l1**2 + b * l2**2 + d * l3**2)
+    found = integrable_families(system, degree=1, on=[z - c], nonzero=["b", "c", "d"])
+    assert found.complete
+    assert sets(found) == as_sets("b - c", "c - d", "b - d")
+
+
+def test_levels_with_parameters():
+    """On l.alpha = c with c generic there is no integral of Goryachev and Chaplygin."""
+    e3 = lp.so(3) @ lp.semidirect(2)
+    top = lp.System(e3, "(l1^2 + l2^2 + J*l3^2)/2 + c*alpha1 + alpha2", symbols=["J", "c"])
+    found = integrable_families(top, degree=3, on="C1 = c", positive=["J"])
+    assert found.complete
+    # J = 4 needs c = 0, and J = 1 is the spherical top
+    assert sets(found) == as_sets("J - 1", "c, J - 4")
+    with pytest.raises(ParameterError, match="several without parameters"):
+        integrable_families(top, degree=1, on=["C1 = c", "C2 = 1"])
+    with pytest.raises(ParameterError, match="not invariant"):
+        integrable_families(top, degree=1, on="l1 = c")
+
+
+KIRCHHOFF = ("h11 - h22, h14 - h25, h44 - h55", "h22 - h33, h25 - h36, h55 - h66", "h11 - h33, h14 - h36, h44 - h66")
+
+
+def test_all_quadratic_hamiltonians_on_e3_with_the_symmetry_of_a_box():
+    """H = sum h_ii m_i^2 + h_i,i+3 m_i p_i + h_i+3,i+3 p_i^2: Kirchhoff, Clebsch, Steklov, Lyapunov, and no other case.
+
+    A. V. Borisov and I. S. Mamaev, Rigid Body Dynamics (2001), section 3.1.
+    """
+    system = box()
+    assert system.hamiltonian == sympify("h11*m1**2 + h22*m2**2 + h33*m3**2 + h14*m1*p1 + h25*m2*p2 + h36*m3*p3"
+                                         "+ h44*p1**2 + h55*p2**2 + h66*p3**2")  # fmt: skip
+    found = integrable_families(system, degree=2, positive=["h11", "h22", "h33"])
+    assert found.complete
+    assert all(case.integrals for case in found.cases)
+    assert as_sets(*KIRCHHOFF) <= sets(found)
+    assert len(found.cases) == 7
+    # h_ii = a_i/2, h_i,i+3 = -mu a1 a2 a3/a_i + nu, h_i+3,i+3 = mu^2 a_i (a_j - a_k)^2/2 + nu', as in the catalog
+    a, mu, nu, shift = (2, 3, 7), Rational(5, 3), 4, 11
+    steklov = values(
+        [Rational(c, 2) for c in a],
+        [-mu * a[(k + 1) % 3] * a[(k + 2) % 3] + nu for k in range(3)],
+        [mu**2 * a[k] * (a[(k + 1) % 3] - a[(k + 2) % 3]) ** 2 / 2 + shift for k in range(3)],
+    )
+    # h_ii = 1/2, h_i,i+3 = mu a_i + nu, h_i+3,i+3 = mu^2 (a_j - a_k)^2/2 + nu'
+    lyapunov = values(
+        [Rational(1, 2)] * 3,
+        [mu * c + nu for c in a],
+        [mu**2 * (a[(k + 1) % 3] - a[(k + 2) % 3]) ** 2 / 2 + shift for k in range(3)],
+    )
+    # (c2 - c3)/a1 + (c3 - c1)/a2 + (c1 - c2)/a3 = 0
+    clebsch = values(a, [nu] * 3, [5, 8, Rational(80, 7)])
+    for member in (steklov, lyapunov, clebsch):
+        assert sum(case.holds_at(member) for case in found.cases) == 1
+        assert not any(case.holds_at(member | {"h44": 13}) for case in found.cases)
+
+
+def box(**options):
+    turns = [{"m1": "-m1", "m2": "-m2", "p1": "-p1", "p2": "-p2"}, {"m2": "-m2", "m3": "-m3", "p2": "-p2", "p3": "-p3"}]
+    e3 = lp.so(3) @ lp.semidirect(2).rename("m", "p")
+    return lp.integrability.general_system(e3, symmetries=turns, **options)
+
+
+def values(*rows):
+    names = ("h11", "h22", "h33", "h14", "h25", "h36", "h44", "h55", "h66")
+    return dict(zip(names, (value for row in rows for value in row), strict=True))
+
+
+def test_casimirs_in_the_hamiltonian_change_no_condition():
+    found = integrable_families(box(), degree=2, positive=["h11", "h22", "h33"])
+    for case in found.cases:
+        shifted = dict(case.example)
+        for name in ("h14", "h25", "h36"):
+            shifted[Symbol(name)] += 3
+        for name in ("h44", "h55", "h66"):
+            shifted[Symbol(name)] -= 5
+        assert all(c.xreplace(shifted) == 0 for c in case.conditions)
+
+
+def test_modulo_casimirs_there_are_the_same_cases():
+    """The bodies of revolution about each axis among them: h14 = h44 = 0, what is left of h14 = h36 and h44 = h66."""
+    reduced = box(modulo_casimirs=True)
+    assert len(reduced.hamiltonian.free_symbols - set(reduced.variables)) == 7
+    whole = integrable_families(box(), degree=2, positive=["h11", "h22", "h33"])
+    found = integrable_families(reduced, degree=2, positive=["h11", "h22", "h33"])
+    assert found.complete
+    for case in whole.cases:
+        at = dict(case.example)
+        for first, *others in (("h14", "h25", "h36"), ("h44", "h55", "h66")):
+            shift = at.pop(Symbol(first))
+            at |= {Symbol(name): at[Symbol(name)] - shift for name in others}
+        assert any(all(c.xreplace(at) == 0 for c in other.conditions) for other in found.cases), case
+
+
+def test_so4_from_its_symmetry():
+    """Changes of sign of each axis leave squares alone; Manakov's condition for any signs, and two rigid bodies."""
+    bracket = lp.so(4) @ lp.trivial()
+    names = [str(v) for v in bracket.variables]
+    signs = [{v: f"-{v}" for v in names if str(axis) in v} for axis in range(1, 5)]
+    system = lp.integrability.general_system(bracket, symmetries=signs)
+    assert system.hamiltonian == sum(Symbol(f"h{k}{k}") * v**2 for k, v in enumerate(bracket.variables, start=1))
+    found = integrable_families(system, degree=2)
+    assert found.complete
+    assert sorted(len(case.conditions) for case in found.cases) == [1, 3]
+    assert as_sets("h11 - h66, h22 - h55, h33 - h44") <= sets(found)
+
+
+def test_a_case_whose_integral_is_no_new_one_says_so():
+    # where J = 0 the square of H has degree two
+    body = lp.System(lp.so(3) @ lp.trivial(), "l3 + J*(l1^2 + 2*l2^2)", symbols=["J"])
+    (case,) = integrable_families(body, degree=2).cases
+    assert (case.integrals, case.remark) == ((), "a function of the known ones at the example")
+    assert case.remark in str(case)
+
+
+def test_functions_of_the_known_integrals_are_not_shown_as_new():
+    # a free symmetric body: l3 is constant, and a root of a sum of H and |l|^2
+    body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + l2^2 + 3*l3^2)/2 + a*l1", symbols=["a"])
+    (case,) = integrable_families(body, degree=1).cases
+    assert (str(case.conditions[0]), case.integrals) == ("a", ())
+
+
+def test_integrals_that_there_are_for_all_parameters_are_not_listed_again():
+    top = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + J*l3^2)/2 + a*alpha3", symbols=["J", "a"])
+    found = integrable_families(top, degree=2)
+    assert [str(f) for f in found.general] == ["l3"]
+    assert sets(found) == as_sets("a, J - 1")
+    assert [str(f) in ("l1", "l2") for f in found.cases[0].integrals] == [True]
+    assert found.cases[0].holds_at({"a": 0, "J": "1"})
+    assert not found.cases[0].holds_at({"a": "1/1000", "J": 1})
+    with pytest.raises(ParameterError, match="got none for J"):
+        found.cases[0].holds_at({"a": 0})
+
+
 def test_what_makes_no_sense_is_refused():
     with pytest.raises(ParameterError, match="symbols for parameters"):
         integrable_families(lp.catalog.system("kovalevskaya"))
@@ -95,3 +260,5 @@ def test_a_limit_of_time_leaves_cases():
     found = integrable_families(heavy_top(), degree=2, positive=["J1", "J2", "J3"], time_limit=1e-9)
     assert not found.complete
     assert "incomplete" in str(found)
+    assert "incomplete" in repr(found)
+    assert "all parameters" in found.left

@@ -7,6 +7,8 @@ from itertools import product
 import flint
 import pytest
 
+from liepoisson.exact.polynomials.limits import Limits
+from liepoisson.integrability import parameter_cases
 from liepoisson.integrability.parameter_cases import Cases, CaseSplitting
 
 CONTEXT = flint.fmpq_mpoly_ctx.get(["a", "b", "c"], "degrevlex")
@@ -83,6 +85,49 @@ def test_cases_are_all_points_where_a_matrix_has_a_larger_null_space(seed):
         assert inside or case.unsolved
 
 
+def random_form(rng, degree):
+    """A homogeneous polynomial, for a scaling of all parameters."""
+    p = CONTEXT.constant(0)
+    for _ in range(rng.choice([0, 1, 1, 2])):
+        term = CONTEXT.constant(rng.choice([-2, -1, 1, 2]))
+        for _ in range(degree):
+            term = term * rng.choice([A, B, C])
+        p = p + term
+    return p
+
+
+@pytest.mark.parametrize("seed", range(60))
+def test_scalings_lose_no_point_where_a_parameter_that_was_set_to_one_vanishes(seed):
+    rng, n = random.Random(seed), 2
+    rows = [{c: p for c in range(n) if (p := random_form(rng, 1 + k % 2))} for k in range(4)]
+    rows = [row for row in rows if row]
+    splitting, cases = split(rows, n, scalings=((1, 1, 1),))
+    for point in product(GRID, repeat=3):
+        if nullity(rows, n, point):
+            places = (*cases.found, *cases.left)
+            assert any(all(value(q, point) == 0 for q in splitting.conditions(case)) for case in places), point
+
+
+def test_a_case_is_not_taken_for_a_part_of_another_whose_closure_misses_it():
+    # a c = b d and a d = b c: a = b and c = d, or a = -b and c = -d, or a = b = 0, or c = d = 0
+    context = flint.fmpq_mpoly_ctx.get(["a", "b", "c", "d"], "degrevlex")
+    a, b, c, d = context.gens()
+    splitting, cases = CaseSplitting(context, frozenset(), [], [(1, 1, 1, 1)]), Cases()
+    splitting.run([{0: a * c - b * d}, {0: a * d - b * c}], 1, 0, cases)
+    points = [p for p in product(GRID, repeat=4) if p[0] * p[2] == p[1] * p[3] and p[0] * p[3] == p[1] * p[2]]
+    assert (1, 2, 0, 0) in points
+    for point in points:
+        assert any(all(value(q, point) == 0 for q in splitting.conditions(case)) for case in cases.found), point
+
+
+def test_equations_that_contradict_each_other_after_an_insertion_are_no_case():
+    # a = b (b^2 + c^2)/(b^2 + 2 c^2) in a^2 = 2 b^2: a multiple of b, and a sum of squares
+    rows = [{0: A**2 - 2 * B**2}, {0: A * (B**2 + 2 * C**2) - B * (B**2 + C**2)}]
+    splitting, cases = split(rows, 1, nonzero=(C,))
+    assert [sorted(map(str, splitting.conditions(case))) for case in cases.found] == [["a", "b"]]
+    assert not cases.left
+
+
 def test_real_parameters_and_positive_ones():
     # a^2 + b^2 = 0 only where both vanish; a + b never, if both are positive
     _, cases = split([{0: A**2 + B**2}], 1)
@@ -105,6 +150,49 @@ def test_equations_without_real_or_positive_solutions_are_no_case():
     assert not cases.found
     _, cases = split([{0: A**3 - A - 1}], 1, positive=(0,))
     assert len(cases.found) == 1
+
+
+def conditions(rows, n=1, **more):
+    splitting, cases = split(rows, n, **more)
+    assert not cases.left
+    return sorted(sorted(map(str, splitting.conditions(case))) for case in cases.found)
+
+
+def test_several_equations_of_higher_degree_are_taken_apart():
+    # a^2 = b^2 = 2: a = b, or else c = 0
+    rows = [{0: A**2 - 2}, {0: B**2 - 2}, {0: C * (A - B)}]
+    assert conditions(rows) == [["a - b", "b^2 - 2"], ["a^2 - 2", "b^2 - 2", "c"]]
+    # the second unknown is free where a b is not a root of six; a^2 b^2 = 6 follows
+    rows = [{0: A**2 - 2}, {0: B**2 - 3}, {1: A**2 * B**2 - 6}]
+    assert conditions(rows, 2, n_known=1) == [["a^2 - 2", "b^2 - 3"]]
+    # a real c exists for two of the four signs
+    rows = [{0: A**2 - 2}, {0: B**2 - 3}, {0: A * B * C**2 - 6}]
+    assert len(conditions(rows)) == 1
+
+
+def test_consequences_of_several_equations_are_seen():
+    # b^2 (a^3 - b^2) - a (a^2 b^2 - 2 c^2) = -b^4 + 2 a c^2, so a = b^4/2c^2 and b^10 = 8 c^6, or all vanish
+    both = [{0: A**3 - B**2}, {0: A**2 * B**2 - 2 * C**2}]
+    found = conditions([*both, {0: B**4 - 2 * A * C**2}])
+    assert ["b^10 - 8*c^6", "b^4 - 2*a*c^2"] in [
+        sorted(q.replace("-b^4 + 2*a*c^2", "b^4 - 2*a*c^2") for q in c) for c in found
+    ]
+    assert conditions([*both, {0: B**4 - 2 * A * C**2 - 1}]) == []
+
+
+def test_several_equations_of_higher_degree_that_contradict_each_other_are_no_case():
+    # the last says c^2 = -1, and 5 = 4
+    for last in (A**2 + B**2 + C**2 - 4, A**2 + B**2 - 4):
+        assert conditions([{0: A**2 - 2}, {0: B**2 - 3}, {0: last}]) == []
+    # positive parameters: a = -b is none, and of a^4 = 4 only a^2 = 2 is left
+    rows = [{0: A**2 - 2}, {0: B**4 - 4}, {0: C**3 * (A - B)}]
+    assert conditions(rows, positive=(0, 1, 2)) == [["a - b", "b^2 - 2"]]
+
+
+def test_what_would_cost_too_much_is_left(monkeypatch):
+    monkeypatch.setattr(parameter_cases, "LIMITS", Limits(work=10))
+    _, cases = split([{0: A**2 - 2}, {0: B**2 - 2}, {0: C * (A - B)}], 1)
+    assert cases.left
 
 
 def test_a_scaling_changes_no_case():

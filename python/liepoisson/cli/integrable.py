@@ -3,19 +3,16 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
-from liepoisson.cli.integrals import record as search_record
 from liepoisson.cli.limits import check_limits
 from liepoisson.cli.output import FORMAT_HELP, Format, checked_file
 from liepoisson.cli.progress import QuietOption, progress_bar
 from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_system
 
-if TYPE_CHECKING:
-    from liepoisson.integrability.report import IntegrabilityReport
-
+SAVE_HELP = "Write the whole report to this file, .json, which lp.integrability.load_report verifies."
 CERTIFICATE_HELP = "Write the proof of integrability to this file, .json, which others can check."
 
 
@@ -25,6 +22,7 @@ def integrable(
     degree: Annotated[int, typer.Option(help="Largest degree of the integrals.")] = 6,
     time_limit: Annotated[float, typer.Option(help="Seconds after which no further degree is begun.")] = 60.0,
     certificate: Annotated[str | None, typer.Option(metavar="FILE", help=CERTIFICATE_HELP)] = None,
+    save: Annotated[str | None, typer.Option(metavar="FILE", help=SAVE_HELP)] = None,
     format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
     quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
@@ -34,31 +32,25 @@ def integrable(
     Where none are found, it says up to which degree it is proved that there are none; the system may be integrable all
     the same.
     """
+    from liepoisson.errors import ParameterError
+    from liepoisson.integrability.certificates import save_certificate
+    from liepoisson.integrability.records import report_record
     from liepoisson.integrability.report import integrability_report
 
     check_limits(seed=0, time_limit=time_limit)
-    path = None if certificate is None else checked_file(certificate, "--certificate", (".json",), "top.json")
+    proof_file = None if certificate is None else checked_file(certificate, "--certificate", (".json",), "top.json")
+    report_file = None if save is None else checked_file(save, "--save", (".json",), "report.json")
     chosen = read_system(system, settings or ())
     with progress_bar(quiet=quiet) as bar:
         listen = None if bar is None else (lambda done: bar("searching", done, 1.0))
         report = integrability_report(chosen, degree=degree, time_limit=time_limit, progress=listen)
-    print(json.dumps(record(report), indent=2) if format_ is Format.JSON else report)
-    if path is not None:
-        report.save(path)
-
-
-def record(report: IntegrabilityReport) -> dict[str, Any]:
-    """The report as data that JSON can write."""
-    from liepoisson.exact.printing import Formula
-
-    return {
-        "system": report.system.name,
-        "verdict": report.verdict,
-        "rank": report.rank,
-        "integrals": [{"name": name, "expression": Formula(f).plain} for name, f in report.integrals.items()],
-        "commuting": list(report.commuting),
-        "searched_degree": report.searched_degree,
-        "searches": [search_record(search) for search in report.searches],
-        "certificate": report.certificate,
-        "notes": list(report.notes),
-    }
+    print(json.dumps(report_record(report), indent=2) if format_ is Format.JSON else report)
+    if report_file is not None:
+        report.save(report_file)
+    if proof_file is not None:
+        if report.certificate is None:
+            raise ParameterError(
+                f"--certificate: wanted a proof of integrability; the verdict is {report.verdict!r}. Search to a "
+                "higher degree, or write the report with --save"
+            )
+        save_certificate(report.certificate, proof_file)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -36,6 +36,7 @@ def integrals(
     What is found is proved, and so is that there are no others.  Parameters without a value count as generic.
     """
     from liepoisson.integrability.polynomial_integrals import first_integrals
+    from liepoisson.integrability.records import search_record
 
     chosen = read_system(system, settings or ())
     with progress_bar(quiet=quiet) as bar:
@@ -47,7 +48,7 @@ def integrals(
         case Format.LATEX:
             print("\n".join(latex_lines(found)))
         case Format.JSON:
-            print(json.dumps(record(found), indent=2))
+            print(json.dumps(search_record(found), indent=2))
 
 
 def latex_lines(found: FirstIntegrals) -> list[str]:
@@ -63,33 +64,3 @@ def latex_lines(found: FirstIntegrals) -> list[str]:
 def _summary(found: FirstIntegrals) -> list[str]:
     names = {f"{f.name} =" for f in found.found}
     return [line for line in str(found).splitlines() if not any(line.startswith(name) for name in names)]
-
-
-def record(found: FirstIntegrals) -> dict[str, Any]:
-    """The integrals as data that JSON can write, expressions in the grammar of system files."""
-    from liepoisson.exact.printing import Formula
-
-    size = {"degree": found.degree} if found.weight is None else {"weight": found.weight, "weights": found.weights}
-    return {
-        "system": found.system.name,
-        **size,
-        "on": [Formula(f).plain for f in found.on],
-        "generic_parameters": list(found.parameters),
-        "known": [{"name": name, "expression": Formula(f).plain} for name, f in found.known.items()],
-        "found": [
-            {
-                "name": f.name,
-                "expression": Formula(f.expression).plain,
-                "degree": f.degree,
-                "independent": f.is_independent,
-            }
-            for f in found.found
-        ],
-        "complete": found.complete,
-        "proof": {
-            "monomials": found.n_monomials,
-            "blocks": found.n_blocks,
-            "integrals": found.n_integrals,
-            "prime": found.prime,
-        },
-    }

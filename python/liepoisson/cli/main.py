@@ -29,9 +29,9 @@ def _heard() -> Generator[None]:
 def main() -> None:
     """Run the command line and leave the process with its exit code.
 
-    0: done.  1: a claim about the system that was inspected is false, or a sweep is not complete.  2: refused or
-    failed, with the reason on standard error and no traceback.  130: interrupted by Ctrl-C.  141: who read the output
-    has gone.
+    0: done.  1: a claim about the system that was inspected is false, or a sweep or the cases of a family are not
+    complete.  2: refused or failed, with the reason on standard error and no traceback.  130: interrupted by Ctrl-C.
+    141: who read the output has gone.
     """
     end(_run)
 
@@ -50,8 +50,10 @@ def application() -> typer.Typer:
     from typer.core import TyperCommand, TyperGroup
 
     from liepoisson.cli.catalog import catalog
+    from liepoisson.cli.darboux import darboux
     from liepoisson.cli.decide import decide
     from liepoisson.cli.equilibria import equilibria
+    from liepoisson.cli.families import families
     from liepoisson.cli.inspect import inspect
     from liepoisson.cli.integrable import integrable
     from liepoisson.cli.integrals import integrals
@@ -114,6 +116,8 @@ def application() -> typer.Typer:
         inspect,
         integrals,
         integrable,
+        families,
+        darboux,
         catalog,
         orbit,
         section,

@@ -48,11 +48,14 @@ def progress_bar(*, quiet: bool = False) -> Generator[Progress | None]:
     from rich.text import Text
 
     class RateColumn(ProgressColumn):
-        """Trajectories x time per second."""
+        """Trajectories x time per second; nothing where only a fraction is known."""
 
         def render(self, task: Task) -> Text:
             speed = task.finished_speed or task.speed
-            return Text("" if speed is None else f"{speed / 1e6:.2f} M/s", style="progress.data.speed")
+            return Text(
+                "" if speed is None or (task.total or 0.0) <= 1.0 else f"{speed / 1e6:.2f} M/s",
+                style="progress.data.speed",
+            )
 
     columns = (
         TextColumn("{task.description:<34}"),

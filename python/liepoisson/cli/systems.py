@@ -83,6 +83,26 @@ def with_settings(file: SystemFile, settings: Sequence[str]) -> SystemFile:
     return replace(file, parameters=values, symbols=tuple(declared.values())) if settings else file
 
 
+def with_symbols(file: SystemFile, names: Sequence[str]) -> SystemFile:
+    """The file with symbols for some parameters that have values, vectors by their components.
+
+    Raises:
+        ParameterError: a name that has no value, or that of a matrix.
+    """
+    values, declared = dict(file.parameters), list(file.symbols)
+    for name in names:
+        shape = file.scope.shapes.get(name, ())
+        if name not in values or len(shape) > 1:
+            known = ", ".join(known for known in values if len(file.scope.shapes[known]) < 2) or "none"
+            raise ParameterError(
+                f"--free must name a parameter of {file.name!r} that has a value; got {name!r:.60}. "
+                f"{did_you_mean(name, values)}Known: {known}."
+            )
+        del values[name]
+        declared.append(f"{name}[{shape[0]}]" if shape else name)
+    return replace(file, parameters=values, symbols=tuple(declared)) if names else file
+
+
 def setting_words(settings: Sequence[str]) -> str:
     """What follows the name of a system with other parameters, as it was typed: ", epsilon = 1/3, a = (1, 0, 0)"."""
     words: list[str] = []

@@ -109,6 +109,8 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
 def _terms(expression: Any, variables: Sequence[Any]) -> list[list[Any]]:
     from sympy import Poly
 
+    if not expression.is_polynomial(*variables):
+        raise ParameterError(f"a certificate: wanted polynomials, which a short checker understands; got {expression}")
     found: list[list[Any]] = []
     for monomial, coefficient in Poly(expression, *variables).terms():
         if not coefficient.is_Rational:

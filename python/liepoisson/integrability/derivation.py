@@ -81,23 +81,38 @@ def derivation_of(system: System, *functions: Expr) -> tuple[Derivation, list[Po
     Raises:
         ParameterError: the equations or a function are no polynomials.
     """
-    equations = list(system.equations.values())
-    terms = [_terms(e, system.variables, f"the rate of {x}") for x, e in system.equations.items()]
+    return derivation_of_rates(system.variables, list(system.equations.values()), functions)
+
+
+def derivation_of_rates(
+    variables: Sequence[Symbol], rates: Sequence[Expr], functions: Sequence[Expr] = ()
+) -> tuple[Derivation, list[Polynomial]]:
+    """Rates of some variables as a derivation, and functions as polynomials over the same field.
+
+    Raises:
+        ParameterError: they are no polynomials.
+    """
+    terms = [polynomial_terms(e, variables, f"the rate of {x}") for x, e in zip(variables, rates, strict=True)]
     # all rates may have a common power of pi, which changes the speed of motion and no integral
     speed = Coefficients.containing([c for one in terms for c in one.values()]).scale
     terms = [{m: _divided(c, speed) for m, c in one.items()} for one in terms]
-    terms += [_terms(f, system.variables, "a function") for f in functions]
+    terms += [polynomial_terms(f, variables, "a function") for f in functions]
     field = Coefficients.containing([c for one in terms for c in one.values()])
     read = [{m: field.read(c) for m, c in one.items()} for one in terms]
-    n = len(equations)
-    return Derivation(system.variables, tuple(read[:n]), field), read[n:]
+    n = len(variables)
+    return Derivation(tuple(variables), tuple(read[:n]), field), read[n:]
 
 
 def _divided(value: Exact, scale: Exact) -> Exact:
     return value if scale == 1 else value / scale
 
 
-def _terms(expression: Any, variables: Sequence[Symbol], what: str) -> dict[Exponents, Exact]:
+def polynomial_terms(expression: Any, variables: Sequence[Symbol], what: str) -> dict[Exponents, Exact]:
+    """The exact coefficients of a polynomial.
+
+    Raises:
+        ParameterError: it is none; `what` says what it should have been.
+    """
     from fractions import Fraction
 
     from sympy import Poly, PolynomialError

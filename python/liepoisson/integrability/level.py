@@ -8,15 +8,18 @@ References: Cox, Little and O'Shea, Ideals, Varieties, and Algorithms (2015), se
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, cast
 
 from liepoisson.errors import ParameterError
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
 
 if TYPE_CHECKING:
     from sympy import Expr
+
+    from liepoisson.exact.linear.coefficients import Coefficients
 
 
 def order(monomial: Exponents) -> tuple[int, ...]:
@@ -90,22 +93,51 @@ def level_of(derivation: Derivation, zeros: Sequence[Polynomial]) -> Level:
     return level
 
 
-def _groebner(derivation: Derivation, generators: Iterable[Polynomial]) -> list[Polynomial]:
-    from sympy import groebner
-
-    from liepoisson.exact.linear.coefficients import Coefficients
-
-    expressions: list[Expr] = [derivation.expression(g) for g in generators]
+def _groebner(derivation: Derivation, generators: Sequence[Polynomial]) -> list[Polynomial]:
     field: Coefficients = derivation.field
+    rational = [{m: _as_rational(field.write(c)) for m, c in g.items()} for g in generators]
+    if all(c is not None for g in rational for c in g.values()):  # whatever the field of the equations is
+        found = _over_the_rationals(cast("list[dict[Exponents, Fraction]]", rational))
+        return [{m: field.number(c) for m, c in g.items()} for g in found]
     if field.is_cyclotomic:
         raise ParameterError("on: wanted one equation, or rational coefficients; got several over a cyclotomic field")
-    options: dict[str, Any] = {} if field.is_rational else {"domain": field.domain}
-    found: Any = groebner(expressions, *derivation.variables, order="grevlex", **options)
-    read: list[Polynomial] = []
-    for polynomial in found.polys:
-        terms = polynomial.terms()
-        read.append({m: field.read(c) for m, c in terms})
-    return read
+    return _over_a_domain(derivation, generators)
+
+
+def _as_rational(value: Any) -> Fraction | None:
+    if isinstance(value, Fraction):
+        return value
+    return Fraction(int(value.p), int(value.q)) if value.is_Rational else None
+
+
+def _over_the_rationals(generators: Sequence[Mapping[Exponents, Fraction]]) -> list[dict[Exponents, Fraction]]:
+    from flint import fmpq
+
+    from liepoisson.exact.polynomials.groebner import groebner_basis, rational_context
+    from liepoisson.exact.polynomials.limits import NotDecidedError
+
+    context = rational_context([f"x{k}" for k in range(len(next(iter(generators[0]))))])
+    given = [context.from_dict({m: fmpq(c.numerator, c.denominator) for m, c in g.items()}) for g in generators]
+    try:
+        basis = groebner_basis(given)
+    except NotDecidedError as error:
+        raise ParameterError(
+            f"on: wanted a level whose Gröbner basis is computed within the limits; {error}"
+        ) from error
+    return [
+        {tuple(map(int, m)): Fraction(int(c.p), int(c.q)) for m, c in polynomial.terms()}
+        for polynomial in basis.polynomials
+    ]
+
+
+def _over_a_domain(derivation: Derivation, generators: Sequence[Polynomial]) -> list[Polynomial]:
+    """Over a field with irrational numbers or parameters, by SymPy."""
+    from sympy import groebner
+
+    field: Coefficients = derivation.field
+    expressions: list[Expr] = [derivation.expression(g) for g in generators]
+    found: Any = groebner(expressions, *derivation.variables, order="grevlex", domain=field.domain)
+    return [{m: field.read(c) for m, c in polynomial.terms()} for polynomial in found.polys]
 
 
 def _divides(first: Exponents, second: Exponents) -> bool:

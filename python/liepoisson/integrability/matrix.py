@@ -6,7 +6,7 @@ monomial with $m_k > 0$.  All entries of a term are made at once.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING, Any
@@ -44,7 +44,12 @@ class ModularDerivation:
         ]
         return cls(tuple(terms), residues.p)
 
-    def nullity(self, monomials: Sequence[Exponents], enough_rank: int | None = None) -> int:
+    def nullity(
+        self,
+        monomials: Sequence[Exponents],
+        enough_rank: int | None = None,
+        progress: Callable[[float], Any] | None = None,
+    ) -> int:
         """Dimension of the null space of D on some monomials.
 
         The elimination costs least if those of low degree come first.
@@ -52,6 +57,7 @@ class ModularDerivation:
         Args:
             monomials: The columns.
             enough_rank: The rank, if it is known to be at most this, at which the elimination may end.
+            progress: Told the fraction of the elimination that is done.
         """
         import numpy as np
 
@@ -72,7 +78,7 @@ class ModularDerivation:
             self.p,
             enough_rank,
             inf,
-            None,
+            progress,
         )
         return len(monomials) - found["rank"]
 

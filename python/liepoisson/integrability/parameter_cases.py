@@ -2,8 +2,9 @@ r"""For which parameters does a linear system have more solutions than it has in
 
 The matrix has polynomials in the parameters for entries. Entries that cannot vanish are eliminated; where none is left,
 the simplest other entry is assumed not to vanish, and then, factor by factor, to vanish. An equation is solved for a
-parameter that occurs in it with degree one. A case ends where the rank is so large that there are no further
-solutions, or where no row is left.
+parameter that occurs in it with degree one; several that are not are taken apart by
+`liepoisson.exact.polynomials.components`, and entries are reduced by their Gröbner basis. A case ends where the rank is
+so large that there are no further solutions, or where no row is left.
 
 Parameters are real. A sum of terms of one sign that are products of squares and of positive parameters vanishes only
 with all of its terms: so a_1^2 + a_2^2 = 0 is a_1 = a_2 = 0, and I_1 + I_2 is never zero for positive moments.
@@ -19,9 +20,22 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any, TypeAlias
 
+from flint import fmpq, fmpq_poly
+
+from liepoisson.exact.polynomials.buchberger import remainder
+from liepoisson.exact.polynomials.certified_roots import real_roots
+from liepoisson.exact.polynomials.components import Assumptions, components
+from liepoisson.exact.polynomials.groebner import GroebnerBasis
+from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
+from liepoisson.exact.polynomials.operations import radical_contains
+from liepoisson.exact.polynomials.signs import definite_terms
+
 Poly: TypeAlias = Any
 """A polynomial in the parameters, flint.fmpq_mpoly."""
 SparseRow: TypeAlias = "dict[int, Poly]"
+
+LIMITS = Limits(work=3_000_000)
+"""What one question about several equations that are not solved for a parameter may cost."""
 
 MOST_CASES = 20_000
 """Cases after which the rest is left and said to be."""
@@ -60,7 +74,7 @@ class Cases:
     """The cases in which there are more solutions.
 
     Attributes:
-        found: Cases with more solutions than in general; none lies in the closure of another.
+        found: Cases with more solutions than in general; as far as is seen none lies in the closure of another.
         left: Cases that were not decided.
         n_closed: Number of cases in which there are no further solutions.
     """
@@ -109,7 +123,7 @@ class CaseSplitting:
             n_columns: Number of unknowns.
             n_known: Dimension of the null space in general, or of that part of it which is known everywhere.
             into: Cases found before, of other systems; those inside of them are not looked at again.
-            keep_going: Asked before each case.
+            keep_going: Asked before each step of an elimination; what is not decided when it says no is left.
         """
         stack = [_State(Case(nonzero=self.assumed), [dict(row) for row in rows], 0)]
         n_cases = 0
@@ -117,24 +131,44 @@ class CaseSplitting:
             state = stack.pop()
             n_cases += 1
             if n_cases > MOST_CASES or not keep_going():
-                into.left += [s.case for s in (state, *stack)]
+                into.left += [self._left(s) for s in (state, *stack)]
                 return
-            further = self._impose(state)
+            try:
+                further = self._impose(state)
+            except NotDecidedError:
+                into.left.append(self._left(state))
+                continue
             if further is not None:
                 stack += further
                 continue
             state = self._scaled(state)
+            if state.pending:
+                stack.append(state)
+                continue
             if any(self._lies_in(state.case, case) for case in into.found):
                 continue
-            self._eliminate(state, n_columns - n_known)
+            if not self._eliminate(state, n_columns - n_known, keep_going):
+                into.left += [self._left(s) for s in (state, *stack)]
+                return
             if state.rank >= n_columns - n_known:
                 into.n_closed += 1
             elif not state.rows:
                 into.found = [c for c in into.found if not self._lies_in(c, state.case)] + [state.case]
-            elif len(state.case.unsolved) > 1:
-                into.left.append(state.case)
             else:
-                stack += self._split(state)
+                try:
+                    stack += self._split(state)
+                except NotDecidedError:
+                    into.left.append(state.case)
+
+    def settle(self, cases: Cases) -> None:
+        """Drop what was left and lies in a case that was found, and what was left twice."""
+        left = {tuple(map(str, self.conditions(case))): case for case in cases.left}
+        cases.left = [case for case in left.values() if not any(self._lies_in(case, other) for other in cases.found)]
+
+    def _left(self, state: _State) -> Case:
+        """The case of a state that is not decided, with the equations that wait."""
+        waiting = (p for q in state.pending if (p := self._reduced(q, state.case)))
+        return replace(state.case, unsolved=(*state.case.unsolved, *waiting))
 
     # equations
 
@@ -165,7 +199,9 @@ class CaseSplitting:
             if any(term.is_constant() for term in terms):
                 return []
             return [replace_state(state, state.case, [*terms, *state.pending])]
-        case = replace(state.case, equations=(*state.case.equations, self._homogeneous(q, state.case)))
+        equation = self._homogeneous(q, state.case)
+        is_known = any(equation == known for known in state.case.equations)
+        case = state.case if is_known else replace(state.case, equations=(*state.case.equations, equation))
         degrees = q.degrees()
         linear = [v for v in range(self.n) if degrees[v] == 1]
         parts = {v: self._in_powers(q, v) for v in linear}
@@ -182,7 +218,27 @@ class CaseSplitting:
             ]
         if not self._has_real_zero(q):
             return []
-        return [self._reduced_state(replace_state(state, replace(case, unsolved=(*case.unsolved, q)), state.pending))]
+        new = replace_state(state, replace(case, unsolved=(*case.unsolved, q)), state.pending)
+        return [self._reduced_state(new)] if len(new.case.unsolved) == 1 else self._components(new)
+
+    def _components(self, state: _State) -> list[_State]:
+        """The cases into which several equations fall that were not solved, each with a Gröbner basis of them.
+
+        An element of a basis may be of degree one in a parameter: then they wait to be solved.
+
+        Raises:
+            NotDecidedError: the limits were reached.
+        """
+        case, found = state.case, list[_State]()
+        assumptions = Assumptions(tuple(case.nonzero.values()), self.positive, is_real=True)
+        for component in components(case.unsolved, assumptions, LIMITS.budget()):
+            basis = sorted(component.equations, key=lambda p: 1 not in p.degrees())
+            if any(1 in p.degrees() for p in basis):
+                found.append(replace_state(state, replace(case, unsolved=()), [*basis, *state.pending]))
+            else:
+                settled = replace(case, unsolved=component.equations)
+                found.append(self._reduced_state(replace_state(state, settled, state.pending)))
+        return found
 
     # scalings
 
@@ -233,6 +289,18 @@ class CaseSplitting:
         solved = (self._homogeneous(b * self.context.gen(v) - a, case) for v, a, b in case.solved)
         return [*solved, *(self._homogeneous(q, case) for q in case.unsolved)]
 
+    def divisors(self, case: Case) -> list[Poly]:
+        """Irreducible polynomials by which was divided: where they vanish the conditions say too little.
+
+        None of one irreducible condition, of which they are no factor.
+        """
+        found: dict[str, Poly] = {}
+        for p, (v, _, _) in zip(self.conditions(case), case.solved, strict=False):
+            for q in self.factors(self._in_powers(p, v)[1]):
+                if len(case.equations) > 1 and not self._is_unit(q, Case(nonzero=self.assumed)):
+                    found[str(q)] = q
+        return list(found.values())
+
     def _homogeneous(self, p: Poly, case: Case) -> Poly:
         """A polynomial in which parameters were set to 1 with powers of these that make it homogeneous."""
         for v, weights in reversed(case.scaled):
@@ -259,13 +327,15 @@ class CaseSplitting:
         new = replace(
             case,
             solved=(*solved, (v, numerator, denominator)),
-            unsolved=tuple(insert(p) for p in case.unsolved),
+            unsolved=tuple(p for p in case.unsolved if not p.degrees()[v]),
             nonzero=nonzero,
         )
+        # what was not solved for has other factors now, or a parameter of degree one
+        again = [insert(p) for p in case.unsolved if p.degrees()[v]]
         if any(not insert(p) for p in case.nonzero.values()) or any(map(self._is_negative, new.solved)):
             return _State(new, [], 0, [self._one])  # contradicts itself
         rows = [self._inserted_row(row, v, numerator, denominator) for row in state.rows]
-        return self._reduced_state(_State(new, rows, state.rank, [insert(p) for p in state.pending]))
+        return self._reduced_state(_State(new, rows, state.rank, [*again, *(insert(p) for p in state.pending)]))
 
     def _inserted_row(self, row: SparseRow, v: int, numerator: Poly, denominator: Poly) -> SparseRow:
         power = max((p.degrees()[v] for p in row.values()), default=0)
@@ -295,10 +365,7 @@ class CaseSplitting:
         return {k: self.context.from_dict(terms) for k, terms in parts.items()}
 
     def _reduced(self, p: Poly, case: Case) -> Poly:
-        for q in case.unsolved:
-            if q:
-                p = divmod(p, q)[1]
-        return p
+        return remainder(p, (q for q in case.unsolved if q))
 
     def _reduced_state(self, state: _State) -> _State:
         state.rows = [{c: r for c, p in row.items() if (r := self._reduced(p, state.case))} for row in state.rows]
@@ -306,13 +373,15 @@ class CaseSplitting:
 
     # elimination
 
-    def _eliminate(self, state: _State, enough: int) -> None:
-        """Eliminate by entries that do not vanish, as long as there are any."""
+    def _eliminate(self, state: _State, enough: int, keep_going: Callable[[], bool]) -> bool:
+        """Eliminate by entries that do not vanish, as long as there are any; False if it was ended before."""
         state.rows = [cleaned for row in state.rows if (cleaned := self._cleaned(row, state.case))]
         while state.rows and state.rank < enough:
+            if not keep_going():
+                return False
             pivot = self._pivot(state)
             if pivot is None:
-                return
+                break
             number, column = pivot
             pivot_row = state.rows.pop(number)
             p = pivot_row[column]
@@ -321,6 +390,7 @@ class CaseSplitting:
                 self._subtracted(row, pivot_row, column, p, state.case) if column in row else row for row in state.rows
             )
             state.rows = [row for row in rows if row]
+        return True
 
     def _subtracted(self, row: SparseRow, pivot_row: SparseRow, column: int, p: Poly, case: Case) -> SparseRow:
         e = row[column]
@@ -399,10 +469,22 @@ class CaseSplitting:
         )[0]
         copy = [dict(row) for row in state.rows]
         zero = _State(state.case, copy, state.rank, [q])
+        if len(state.case.unsolved) > 1 and self._vanishes_everywhere(q, state.case):
+            return [zero]
         other = replace(state.case, nonzero={**state.case.nonzero, str(q): q})
         return [zero, _State(other, state.rows, state.rank)]
 
     # what vanishes
+
+    def _vanishes_everywhere(self, q: Poly, case: Case) -> bool:
+        """Whether a polynomial vanishes at all complex parameters of a case.
+
+        Raises:
+            NotDecidedError: the limits were reached.
+        """
+        for p in case.nonzero.values():
+            q = q * p
+        return radical_contains(GroebnerBasis(self.context, case.unsolved), q, LIMITS.budget())
 
     def factors(self, p: Poly) -> list[Poly]:
         """The irreducible factors, monic; none of a constant."""
@@ -427,32 +509,19 @@ class CaseSplitting:
 
         They vanish together with the polynomial.
         """
-        signs: set[bool] = set()
-        terms: list[Poly] = []
-        count = 0
-        for monomial, coefficient in q.terms():
-            count += 1
-            signs.add(coefficient > 0)
-            powers = [int(k) for k in monomial]
-            if len(signs) > 1 or any(k % 2 and v not in self.positive for v, k in enumerate(powers)):
-                return None
-            bases = [int(bool(k) and v not in self.positive) for v, k in enumerate(powers)]
-            terms.append(self.context.from_dict({tuple(bases): 1}))
-        return terms if count > 1 or all(t.is_constant() for t in terms) else None
+        return definite_terms(q, self.positive)
 
     def _has_real_zero(self, q: Poly) -> bool:
         """False if a polynomial in one parameter has no real (or no positive) zero; True if there may be one."""
         occurring = [v for v, degree in enumerate(q.degrees()) if degree > 0]
         if len(occurring) != 1:
             return True
-        from sympy import Poly as Univariate
-        from sympy import Rational, Symbol
-
         (v,) = occurring
-        x = Symbol("x")
-        terms = {(int(m[v]),): Rational(int(c.p), int(c.q)) for m, c in q.terms()}
+        coefficients = [fmpq(0)] * (int(q.degrees()[v]) + 1)
+        for m, c in q.terms():
+            coefficients[int(m[v])] = c
         # irreducible and not linear, so that zero is no root
-        return bool(Univariate(terms, x).count_roots(0 if v in self.positive else None, None))
+        return any(v not in self.positive or bool(root > 0) for root in real_roots(fmpq_poly(coefficients)))
 
     def _is_negative(self, solved: tuple[int, Poly, Poly]) -> bool:
         """Whether a positive parameter would have to be negative or zero, whatever the others are."""
@@ -470,13 +539,16 @@ class CaseSplitting:
         """Whether all parameters of a case lie in the closure of another one (proved if True)."""
         if case is other:
             return False
-        for p in (*other.equations, *other.unsolved):
-            if self._insert_all(p, case):
+        if any(self._insert_all(p, case) for p in (*other.equations, *other.unsolved)):
+            return False
+        if len(other.equations) <= 1:
+            return True  # an irreducible hypersurface
+        # several equations may have other solutions, too, where a coefficient by which one was divided vanishes; that
+        # of the homogeneous equation counts, since a parameter that was set to 1 may vanish in the closure
+        for p, (v, _, _) in zip(self.conditions(other), other.solved, strict=False):
+            if self._insert_all(p, case) or not self._insert_all(self._in_powers(p, v)[1], case):
                 return False
-        # where several equations were solved one after the other, their denominators must not vanish there
-        return len(other.equations) <= 1 or all(
-            self._insert_all(self._homogeneous(b, other), case) for _, _, b in other.solved
-        )
+        return True
 
     def _insert_all(self, p: Poly, case: Case) -> Poly:
         """The numerator of a polynomial on the parameters of a case."""
@@ -490,3 +562,7 @@ class CaseSplitting:
 def replace_state(state: _State, case: Case, pending: Sequence[Poly]) -> _State:
     """A copy with another case and other equations that wait."""
     return _State(case, [dict(row) for row in state.rows], state.rank, list(pending))
+
+
+State = _State
+"""A case with the rows that are left of the matrix, for other ways to split."""

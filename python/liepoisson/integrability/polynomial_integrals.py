@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
+from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
 from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial, derivation_of
 from liepoisson.integrability.gradings import Grading, gradings, positive_grading
 from liepoisson.integrability.level import level_of
@@ -23,8 +24,8 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
 
-MOST_MONOMIALS = 60_000
-"""Monomials of the largest search that is begun; 49 000 of a top without gradings take some seconds."""
+MOST_MONOMIALS = 100_000
+"""Monomials of the largest search that is begun; 92 000 of a top without gradings take half a minute and 0.5 GB."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,8 @@ class FirstIntegrals:
         complete: Whether it is proved that there are no others.
         prime: The prime modulo which null spaces were bounded.
         parameters: Names of the parameters for whose generic values this holds; empty where all are numbers.
+        functions: Functions of the coordinates, such as sqrt(x^2 + y^2), in which the polynomials are, besides the
+            coordinates.
     """
 
     system: System
@@ -78,6 +81,7 @@ class FirstIntegrals:
     complete: bool
     prime: int
     parameters: tuple[str, ...] = ()
+    functions: tuple[Expr, ...] = ()
     counts: tuple[BlockCount, ...] = field(default=(), repr=False)
 
     @property
@@ -91,7 +95,8 @@ class FirstIntegrals:
         size = f"up to degree {self.degree}" if self.weight is None else f"of weight {self.weight}"
         where = f" on {', '.join(f'{Formula(f).plain} = 0' for f in self.on)}" if self.on else ""
         generic = f", for generic {', '.join(self.parameters)}" if self.parameters else ""
-        return f"polynomials {size}{where}{generic}"
+        of = f" in the coordinates and {', '.join(Formula(f).plain for f in self.functions)}" if self.functions else ""
+        return f"polynomials {size}{of}{where}{generic}"
 
     def __repr__(self) -> str:
         n = len(self.found)
@@ -141,7 +146,9 @@ def first_integrals(
         ['l3', 'alpha1*l1 + alpha2*l2 + alpha3*l3 - 2*beta3']
 
     Args:
-        system: A system with polynomial equations.  Parameters that are symbols count as generic.
+        system: A system whose equations are polynomials in the coordinates and in fractions, square roots of
+            polynomials, and exp, sin and cos of linear forms, which count as further coordinates.  Parameters that are
+            symbols count as generic.
         degree: The total degree; 2 if neither it nor the weight is given.
         weight: The weight instead, for equations that are homogeneous for positive weights of the coordinates, which
             are found: (1, 2, 3) for l, alpha and beta of the twisted top with b = 0.
@@ -155,23 +162,33 @@ def first_integrals(
             no positive grading for a weight, or the search is too large.
         ExpressionError: A text cannot be read.
     """
-    given = _known(system) if known is None else {name: system.expression(f) for name, f in known.items()}
-    zeros = [_zero_on_level(system, f) for f in ([on] if isinstance(on, str) else on)]
-    derivation, functions = derivation_of(system, *given.values(), *zeros)
-    known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
-    for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
-        if derivation(polynomial):
+    given = known_functions(system) if known is None else {name: system.expression(f) for name, f in known.items()}
+    zeros = zeros_on_level(system, on)
+    used = _of_degree(given, as_count(weight or degree or 2, "weight" if weight else "degree", least=1))
+    # of a Hamiltonian with log(x) only the gradient can be read, which tells what is independent of it
+    slopes: list[Expr] = []
+    if system.hamiltonian in used.values() and not is_algebraic(system, system.hamiltonian):
+        used = {name: f for name, f in used.items() if f != system.hamiltonian}
+        slopes = [system.hamiltonian.diff(x) for x in system.variables]
+    equations, functions = algebraic_equations(system, *used.values(), *zeros, *slopes)
+    derivation, known_polynomials = equations.derivation, functions[: len(used)]
+    slope = tuple(functions[len(used) + len(zeros) :])
+    relations = level_of(derivation, equations.relations)
+    for (name, expression), polynomial in zip(used.items(), known_polynomials, strict=True):
+        if rate := relations.remainder(derivation(polynomial)):
             raise ParameterError(
                 f"known: wanted integrals; got {name} = {shown(expression)}, whose derivative "
-                f"{shown(derivation.expression(derivation(polynomial)))} is not zero"
+                f"{shown(equations.expression(rate))} is not zero"
             )
+    zero_polynomials = [*equations.relations, *functions[len(used) : len(used) + len(zeros)]]
     level = level_of(derivation, zero_polynomials)
-    found = _gradings_of_level(derivation, zero_polynomials)
+    found = gradings_of_level(derivation, zero_polynomials)
     monomials, size, weights = _asked(derivation, found, degree, weight)
+    found = gradings_of_known(found, known_polynomials, weights)
     remainders = [level.remainder(polynomial) for polynomial in known_polynomials]
-    generators = [Generator(n, r, is_new=False) for n, r in zip(given, remainders, strict=True) if any(map(any, r))]
-    search = Search(derivation, found, level, tuple(z for z in zero_polynomials if z), generators)
-    search.run(monomials, progress)
+    generators = [Generator(n, r, is_new=False) for n, r in zip(used, remainders, strict=True) if any(map(any, r))]
+    search = Search(derivation, found, level, tuple(z for z in zero_polynomials if z), generators, slope)
+    search.run(monomials, progress, weights)
     new = [g for g in search.generators if g.is_new]
     return FirstIntegrals(
         system=system,
@@ -181,8 +198,9 @@ def first_integrals(
         on=tuple(zeros),
         known=given,
         found=tuple(
-            FirstIntegral(g.name, derivation.expression(_tidied(g.polynomial)), g.degree, g.is_independent) for g in new
+            FirstIntegral(g.name, equations.expression(tidied(g.polynomial)), g.degree, g.is_independent) for g in new
         ),
+        functions=tuple(equations.functions.values()),
         n_monomials=size,
         n_blocks=len(search.counts),
         n_integrals=sum(c.nullity for c in search.counts),
@@ -193,22 +211,67 @@ def first_integrals(
     )
 
 
-def _known(system: System) -> dict[str, Expr]:
+def read_search(
+    system: System, known: Mapping[str, str | Expr] | None, on: Sequence[str | Expr]
+) -> tuple[dict[str, Expr], list[Expr], Derivation, list[Polynomial], list[Polynomial]]:
+    """The known integrals and the functions that vanish on the level, the equations, and both as polynomials.
+
+    Raises:
+        ParameterError: the equations are no polynomials, or a known integral is none.
+    """
+    given = known_functions(system) if known is None else {name: system.expression(f) for name, f in known.items()}
+    zeros = zeros_on_level(system, on)
+    derivation, functions = derivation_of(system, *given.values(), *zeros)
+    known_polynomials, zero_polynomials = functions[: len(given)], functions[len(given) :]
+    for (name, expression), polynomial in zip(given.items(), known_polynomials, strict=True):
+        if derivation(polynomial):
+            raise ParameterError(
+                f"known: wanted integrals; got {name} = {shown(expression)}, whose derivative "
+                f"{shown(derivation.expression(derivation(polynomial)))} is not zero"
+            )
+    return given, zeros, derivation, known_polynomials, zero_polynomials
+
+
+def known_functions(system: System) -> dict[str, Expr]:
     """H and the Casimirs."""
     return {"H": system.hamiltonian} | {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
 
 
-def _zero_on_level(system: System, equation: str | Expr) -> Expr:
-    """The function that vanishes where an equation holds: f for "f = 0" and for f alone."""
-    if not isinstance(equation, str) or "=" not in equation:
-        return system.expression(equation)
-    left, right = equation.split("=", 1)
-    return system.expression(left) - system.expression(right)
+def zeros_on_level(system: System, on: str | Sequence[str | Expr]) -> list[Expr]:
+    """The functions that vanish where some equations hold: f for "f = 0" and for f alone."""
+    zeros: list[Expr] = []
+    for equation in [on] if isinstance(on, str) else on:
+        left, sign, right = equation.partition("=") if isinstance(equation, str) else (equation, "", "")
+        zeros.append(system.expression(left) - system.expression(right) if sign else system.expression(equation))
+    return zeros
 
 
-def _gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
+def _of_degree(known: Mapping[str, Expr], degree: int) -> dict[str, Expr]:
+    """The known integrals, traces of products of matrices written out; those of a higher degree are not needed."""
+    from liepoisson.exact.trace import traces_in
+
+    used: dict[str, Expr] = {}
+    for name, f in known.items():
+        traces = traces_in(f)
+        if all(len(trace.word) <= degree for trace in traces):
+            used[name] = f.expand(trace=True) if traces else f
+    return used
+
+
+def gradings_of_level(derivation: Derivation, zeros: Sequence[Polynomial]) -> tuple[Grading, ...]:
     """The gradings in which the equations of the level are homogeneous."""
     return tuple(g for g in gradings(derivation) if all(len({g.of(m) for m in zero}) <= 1 for zero in zeros))
+
+
+def gradings_of_known(
+    found: Sequence[Grading], known: Sequence[Polynomial], weights: tuple[int, ...]
+) -> tuple[Grading, ...]:
+    """The gradings in which the known integrals are homogeneous, and that of the weights by which is searched, if any.
+
+    In others the parts of an integral are integrals, too, but need not be polynomials in the known ones.
+    """
+    kept = tuple(g for g in found if all(len({g.of(m) for m in f}) <= 1 for f in known))
+    return (*kept, Grading(weights, 0)) if weights else kept
 
 
 def _asked(
@@ -243,7 +306,7 @@ def _asked(
     return of_weight(grading.weights, w), size, grading.weights
 
 
-def _tidied(polynomial: Polynomial) -> Polynomial:
+def tidied(polynomial: Polynomial) -> Polynomial:
     """With whole coefficients without a common factor, the leading one positive, where they are rational."""
     from fractions import Fraction
     from math import gcd, lcm

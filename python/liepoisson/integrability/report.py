@@ -12,9 +12,13 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import ParameterError
 from liepoisson.exact.printing import Formula
-from liepoisson.integrability.certificates import certificate, save_certificate
-from liepoisson.integrability.derivation import derivation_of
-from liepoisson.integrability.modular import gradient_at, modular, random_point
+from liepoisson.integrability.certificates import certificate
+from liepoisson.integrability.completeness import (
+    ClosedIntegrals,
+    closed_integrals,
+    commuting_integrals,
+    fields_rank,
+)
 from liepoisson.integrability.monomials import n_monomials
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
 from liepoisson.scalars import as_count, as_time_limit
@@ -38,10 +42,14 @@ class IntegrabilityReport:
         rank: Dimension of a generic leaf.
         integrals: Independent integrals besides the Casimirs, by name: H first.
         commuting: Names of those that commute with each other and are as many as half the rank; empty if not found.
+        closed: Where no commuting ones were found: integrals that are closed under the bracket, and enough by the
+            theorem of Mishchenko and Fomenko (`liepoisson.integrability.completeness` states it); None if not found.
         searches: The searches, in their order.
         certificate: Plain data that proves Liouville integrability, for `liepoisson.integrability.checker`; None if
             there is none.
         notes: What else was done, or left.
+        searched_here: Whether the searches were made in this process.  In a report that was loaded they are what the
+            file says; integrals, brackets and the certificate are verified all the same.
     """
 
     system: System
@@ -49,44 +57,54 @@ class IntegrabilityReport:
     rank: int
     integrals: dict[str, Expr]
     commuting: tuple[str, ...]
+    closed: ClosedIntegrals | None
     searches: tuple[FirstIntegrals, ...]
     certificate: dict[str, Any] | None = field(repr=False)
     notes: tuple[str, ...] = ()
+    searched_here: bool = True
 
     @property
     def searched_degree(self) -> int:
         """The degree up to which all polynomial integrals are known."""
         return max((s.degree or 0 for s in self.searches if s.complete), default=0)
 
+    @property
+    def not_tried(self) -> tuple[str, ...]:
+        """What might exist and was not looked for."""
+        functions = {f for s in self.searches for f in s.functions}
+        kind = "polynomials in these functions" if functions else "polynomials"
+        searched = f"{kind} above degree {self.searched_degree}" if self.searches else kind
+        return searched, "integrals that are no polynomials", "integrals on one level only"
+
     def save(self, path: str | Path) -> Path:
-        """Write the certificate as JSON; `load_certificate` and the module `checker` read and check it.
+        """Write the report as JSON; `load_report` reads it and verifies what it says.
 
         Raises:
-            ParameterError: there is none.
-            OutputError: the file cannot be written.
+            OutputError: the file cannot be written, or its name does not end in .json.
+            SystemFileError: the system has no text, as one that was made with a Python function of other symbols.
         """
-        if self.certificate is None:
-            raise ParameterError(
-                f"wanted a proof of integrability to write; the verdict is {self.verdict!r}. Search to a higher degree"
-            )
-        return save_certificate(self.certificate, path)
+        from liepoisson.integrability.saved_reports import save_report
+
+        return save_report(self, path)
 
     def __repr__(self) -> str:
         return f"<IntegrabilityReport of {self.system.name}: {self._sentence}>"
 
     @property
     def _sentence(self) -> str:
-        n = self.rank // 2
-        if self.verdict == "integrable":
-            return f"Liouville integrable, {n} commuting integrals on leaves of dimension {self.rank}: proved"
-        if self.verdict == "superintegrable":
-            return (
-                f"superintegrable, {len(self.integrals)} independent integrals, {n} of them commuting, on leaves of "
-                f"dimension {self.rank}: proved"
-            )
-        if self.verdict == "open":
-            return "open"
-        return f"no polynomial integral up to degree {self.searched_degree} besides these: proved; integrability open"
+        n, m, d = self.rank // 2, len(self.integrals), self.searched_degree
+        leaves = f"on leaves of dimension {self.rank}"
+        proved = "proved" if self.searched_here else "as the file says, not proved again"
+        if self.closed is not None:
+            closed = f"closed under the bracket, of corank {self.closed.corank}"
+            return f"superintegrable, {m} independent integrals {closed}, {leaves}: proved"
+        return {
+            "integrable": f"Liouville integrable, {n} commuting integral{'s' * (n > 1)} {leaves}: proved",
+            "superintegrable": f"superintegrable, {m} independent integrals, {n} of them commuting, {leaves}: proved",
+            "no further polynomial integral": f"no polynomial integral up to degree {d} besides these: {proved}; "
+            "integrability open",
+            "open": "open",
+        }[self.verdict]
 
     def __str__(self) -> str:
         """The verdict, the integrals, and what was searched."""
@@ -94,11 +112,14 @@ class IntegrabilityReport:
         lines += [f"{name} = {Formula(expression).plain}" for name, expression in self.integrals.items()]
         if self.commuting:
             lines.append(f"commuting: {', '.join(self.commuting)}")
+        if self.closed is not None:
+            lines += [f"{{{a}, {b}}} = {Formula(value).plain}" for (a, b), value in self.closed.brackets.items()]
+        again = "" if self.searched_here else ", not proved again"
         lines += [
-            f"searched: {s.scope}: {len(s.found)} new, " + ("all of them" if s.complete else "perhaps not all")
+            f"searched: {s.scope}: {len(s.found)} new, " + (f"all of them{again}" if s.complete else "perhaps not all")
             for s in self.searches
         ]
-        return "\n".join([*lines, *self.notes])
+        return "\n".join([*lines, *self.notes, f"not tried: {'; '.join(self.not_tried)}"])
 
 
 @explains_its_arguments
@@ -117,13 +138,13 @@ def integrability_report(
         integrable
 
     Args:
-        system: A system with polynomial equations.
+        system: A system as for `first_integrals`.
         degree: The largest degree.
         time_limit: Seconds after which no further degree is begun.
         progress: As for `integrate`.
 
     Raises:
-        ParameterError: the equations are no polynomials.
+        ParameterError: the equations are not such as `first_integrals` searches.
     """
     most, limit = as_count(degree, "degree", least=1), as_time_limit(time_limit)
     rank = system.bracket.rank()
@@ -131,11 +152,14 @@ def integrability_report(
     integrals: dict[str, Expr] = {"H": system.hamiltonian}
     searches: list[FirstIntegrals] = []
     notes: list[str] = []
-    commuting: tuple[str, ...] = _commuting(system, integrals, rank)
+    commuting, closed = _enough(system, integrals, rank, notes)
     started, last = time.monotonic(), 0.0
     for d in range(1, most + 1):
         used = time.monotonic() - started
-        if commuting or used + _GROWTH * last > limit:
+        if commuting or closed:
+            break
+        if used + _GROWTH * last > limit:
+            notes.append(f"degree {d} was not searched: it may take longer than the time limit of {limit:g} s")
             break
         try:
             found = first_integrals(system, degree=d, known=casimirs | integrals)
@@ -147,7 +171,7 @@ def integrability_report(
         last = time.monotonic() - started - used
         searches.append(found)
         integrals |= {f"F{len(integrals) + k}": f.expression for k, f in enumerate(found.independent)}
-        commuting = _commuting(system, integrals, rank)
+        commuting, closed = _enough(system, integrals, rank, notes)
         if progress:
             progress(d / most)
     proof = None
@@ -156,58 +180,59 @@ def integrability_report(
             proof = certificate(system, {name: integrals[name] for name in commuting})
         except ParameterError as error:
             notes.append(f"no certificate: {error}")
-    verdict = "open"
+    return IntegrabilityReport(
+        system,
+        verdict_of(rank, integrals, commuting, closed, searches),
+        rank,
+        integrals,
+        commuting,
+        closed,
+        tuple(searches),
+        proof,
+        tuple(notes),
+    )
+
+
+def verdict_of(
+    rank: int,
+    integrals: Mapping[str, Expr],
+    commuting: Sequence[str],
+    closed: ClosedIntegrals | None,
+    searches: Sequence[FirstIntegrals],
+) -> str:
+    """What these facts prove."""
+    if closed is not None:
+        return "superintegrable"
     if commuting:
-        verdict = "superintegrable" if len(integrals) > rank // 2 else "integrable"
-    elif searches and all(s.complete for s in searches):
-        verdict = "no further polynomial integral"
-    return IntegrabilityReport(system, verdict, rank, integrals, commuting, tuple(searches), proof, tuple(notes))
+        return "superintegrable" if len(integrals) > rank // 2 else "integrable"
+    return "no further polynomial integral" if searches and all(s.complete for s in searches) else "open"
 
 
-def _commuting(system: System, integrals: Mapping[str, Expr], rank: int) -> tuple[str, ...]:
-    """Names of as many commuting integrals with independent vector fields as half the rank, H among them, if found."""
-    names, n = list(integrals), rank // 2
-    if len(names) < n or not n:
-        return ()
-    pairs = {
-        frozenset(pair)
-        for pair in combinations(names, 2)
-        if "H" in pair or system.bracket(integrals[pair[0]], integrals[pair[1]]).expand() == 0
-    }
-    for others in combinations(names[1:], n - 1):
-        chosen = ("H", *others)
-        if (
-            all(frozenset(pair) in pairs for pair in combinations(chosen, 2))
-            and _fields_rank(system, [integrals[c] for c in chosen]) == n
-        ):
-            return chosen
-    return ()
+def _enough(
+    system: System, integrals: dict[str, Expr], rank: int, notes: list[str]
+) -> tuple[tuple[str, ...], ClosedIntegrals | None]:
+    """Commuting integrals that are enough; if there are none, closed ones, after independent brackets were added."""
+    commuting = commuting_integrals(system, integrals, rank)
+    if not commuting:
+        notes += _add_brackets(system, integrals, rank)
+        commuting = commuting_integrals(system, integrals, rank)
+    if commuting or len(integrals) <= rank // 2:
+        return commuting, None
+    return (), closed_integrals(system, integrals, rank)
 
 
-def _fields_rank(system: System, functions: Sequence[Expr]) -> int:
-    """The rank of the vector fields of functions at a random point modulo a prime, a lower bound."""
-    from liepoisson.exact.linear.linear_algebra import rank_mod
-
-    x = system.variables
-    entries = [(i, j, system.bracket(x[i], x[j])) for i, j in combinations(range(len(x)), 2)]
-    entries = [(i, j, e) for i, j, e in entries if e != 0]
-    derivation, polynomials = derivation_of(system, *functions, *(e for _, _, e in entries))
-    residues = derivation.field.residues(seed=1)
-    if residues is None:
-        return 0
-    p, point = residues.p, random_point(len(x), residues.p)
-    from liepoisson.integrability.modular import value_at
-
-    slopes = [gradient_at(modular(f, residues), point, p) for f in polynomials[: len(functions)]]
-    tensor = [
-        (i, j, value_at(modular(e, residues), point, p))
-        for (i, j, _), e in zip(entries, polynomials[len(functions) :], strict=True)
-    ]
-    rows: list[dict[int, int]] = []
-    for slope in slopes:
-        row: dict[int, int] = {}
-        for i, j, value in tensor:
-            row[i] = (row.get(i, 0) + value * slope.get(j, 0)) % p
-            row[j] = (row.get(j, 0) - value * slope.get(i, 0)) % p
-        rows.append({k: v for k, v in row.items() if v})
-    return rank_mod(rows, len(x), p)
+def _add_brackets(system: System, integrals: dict[str, Expr], rank: int) -> list[str]:
+    """Brackets of integrals that are independent of all, which are integrals by Poisson's theorem; says which."""
+    notes: list[str] = []
+    while True:
+        for a, b in combinations([name for name in integrals if name != "H"], 2):
+            bracket = system.bracket(integrals[a], integrals[b]).expand()
+            if bracket == 0 or len(integrals) >= rank - 1:
+                continue
+            if fields_rank(system, [*integrals.values(), bracket]) > len(integrals):
+                name = f"F{len(integrals)}"
+                integrals[name] = bracket
+                notes.append(f"{name} = {{{a}, {b}}}, by Poisson's theorem")
+                break
+        else:
+            return notes

@@ -25,12 +25,14 @@ from liepoisson.integrability.derivation import Derivation, Exponents, Polynomia
 from liepoisson.integrability.gradings import Grading, homogeneous_parts
 from liepoisson.integrability.level import Level, order
 from liepoisson.integrability.matrix import ModularDerivation
-from liepoisson.integrability.modular import Modular, Span, gradient_at, modular, multiply, random_point
+from liepoisson.integrability.modular import Modular, Span, gradient_at, modular, multiply, random_point, value_at
 from liepoisson.integrability.monomials import in_blocks
 
 Label = tuple[int, ...]
 _MOST_TERMS = 400
 """Terms of the longest polynomials that are made shorter by subtracting products."""
+_MOST_POINTS = 400
+"""Points that are tried: k square roots exist at one in 2^k."""
 
 
 @dataclass
@@ -82,6 +84,7 @@ class Search:
         level: The level set, or all of phase space.
         equations: The polynomials that vanish on the level.
         generators: Integrals that are known, to which those that are found are added.
+        slope: The gradient of another known integral, which is no polynomial; empty if there is none.
         counts: What was found, block by block.
     """
 
@@ -90,19 +93,28 @@ class Search:
     level: Level
     equations: tuple[Polynomial, ...]
     generators: list[Generator]
+    slope: tuple[Polynomial, ...] = ()
     counts: list[BlockCount] = field(default_factory=list)
 
     def run(
         self,
         monomials: Iterator[Exponents],
         progress: Callable[[float], Any] | None = None,
+        weights: Sequence[int] = (),
     ) -> None:
-        """Look for integrals among the combinations of some monomials, a union of blocks."""
+        """Look for integrals among the combinations of some monomials, a union of blocks.
+
+        Args:
+            monomials: All up to a degree, or of one weight.
+            progress: Told the fraction that is done.
+            weights: The weights of the variables, if the monomials are those of one weight.
+        """
         blocks = in_blocks((m for m in monomials if any(m) and self.level.is_standard(m)), self.gradings)
+        self._split_known(blocks, weights or (1,) * len(self.derivation.variables))
         total, done = sum(len(b) ** 2 for b in blocks.values()), 0
         excess: list[tuple[Label, list[Exponents], int]] = []
         for label, block in sorted(blocks.items(), key=lambda item: len(item[1])):
-            nullity = self._nullity(block)
+            nullity = self._nullity(block, _part(progress, 0.9 * done / total, 0.9 * len(block) ** 2 / total))
             if nullity:
                 excess.append((label, sorted(block, key=order, reverse=True), nullity))
             else:
@@ -112,13 +124,49 @@ class Search:
                 progress(0.9 * done / total)
         self._compare(excess)
 
-    def _nullity(self, block: Sequence[Exponents]) -> int:
+    def _split_known(self, blocks: Mapping[Label, Sequence[Exponents]], weights: Sequence[int]) -> None:
+        """Each part of one weight of a known integral is an integral, though perhaps no polynomial in known ones.
+
+        All parts but the heaviest, which is the known one without the others, are found in this way.
+        """
+
+        def weight(polynomial: Mapping[Exponents, Any]) -> int:
+            return max(sum(w * k for w, k in zip(weights, m, strict=True)) for m in polynomial)
+
+        largest = max((weight(dict.fromkeys(block)) for block in blocks.values()), default=0)
+        homogeneous: list[Generator] = []
+        candidates: list[tuple[int, Polynomial]] = []
+        for generator in self.generators:
+            divided = homogeneous_parts(generator.polynomial, self.gradings).values()
+            parts = sorted((part for part in divided if any(map(any, part))), key=weight)
+            candidates += [(weight(part), part) for part in parts[:-1]]
+            if len(parts) == 1:
+                homogeneous.append(generator)
+        for size, part in sorted(candidates, key=lambda item: (item[0], len(item[1]))):
+            if size > largest:
+                break
+            label = tuple(g.of(next(iter(part))) for g in self.gradings)
+            span = Span(self.residues.p)
+            self._insert_products({label: span}, max(map(sum, part)), homogeneous)
+            if span.reduce(modular(part, self.residues)):
+                others = [g.polynomial for g in self.generators]
+                found = Generator(self._next_name, part, is_new=True, is_independent=self.is_independent(others, part))
+                self.generators.append(found)
+                homogeneous.append(found)
+
+    @property
+    def _next_name(self) -> str:
+        return f"F{sum(g.is_new for g in self.generators) + 1}"
+
+    def _nullity(self, block: Sequence[Exponents], progress: Callable[[float], Any] | None) -> int:
         """The dimension of the null space modulo the prime."""
         if not self.level.basis:
-            return self._modular_derivation.nullity(block)
+            return self._modular_derivation.nullity(block, progress=progress)
         rows: dict[Exponents, dict[int, int]] = {}
         p = self.residues.p
         for column, monomial in enumerate(block):
+            if progress and not column % 100:
+                progress(column / len(block))
             image = modular(self.derivation({monomial: self.derivation.field.one}), self.residues)
             for key, value in self._level_mod.remainder(image, p).items():
                 rows.setdefault(key, {})[column] = value
@@ -146,7 +194,7 @@ class Search:
             if not spans[label].reduce(image):
                 continue
             simplest = self._simplest(polynomial, label)
-            found = Generator(f"F{sum(g.is_new for g in self.generators) + 1}", simplest, is_new=True)
+            found = Generator(self._next_name, simplest, is_new=True)
             found.is_independent = self.is_independent([g.polynomial for g in self.generators], polynomial)
             self.generators.append(found)
             self._insert_products(spans, highest, self.generators, must_contain=len(self.generators) - 1)
@@ -198,7 +246,7 @@ class Search:
             for k in range(start, len(factors)):
                 degree, factor = factors[k]
                 if degree <= left and (product is None or len(product) * len(factor) <= _MOST_TERMS**2):
-                    extend(k, left - degree, factor if product is None else _times(product, factor))
+                    extend(k, left - degree, factor if product is None else times(product, factor))
 
         extend(0, highest, None)
         return [{m: field_one * c for m, c in p.items()} for p in found if p]
@@ -253,24 +301,40 @@ class Search:
     def _rank(self, polynomials: Sequence[Polynomial]) -> int:
         point = self.point
         rows = [gradient_at(modular(f, self.residues), point, self.residues.p) for f in (*self.equations, *polynomials)]
+        rows.append({k: value_at(modular(f, self.residues), point, self.residues.p) for k, f in enumerate(self.slope)})
         return rank_mod(rows, len(point), self.residues.p)
 
     @cached_property
     def point(self) -> list[int]:
         """A random point modulo the prime, on the level."""
-        p, n = self.residues.p, len(self.derivation.variables)
-        if not self.equations:
-            return random_point(n, p)
-        for seed in range(1, 60):
-            found = _point_on([modular(f, self.residues) for f in self.equations], random_point(n, p, seed), p)
-            if found is not None:
-                return found
-        raise ParameterError(
-            "on: no point of the level was found modulo a prime; give equations that can be solved one after the other"
-        )
+        return point_on_level(self.equations, self.residues, len(self.derivation.variables))
 
 
-def _times(first: Polynomial, second: Polynomial) -> Polynomial:
+def _part(progress: Callable[[float], Any] | None, start: float, share: float) -> Callable[[float], Any] | None:
+    """A listener for a part of what is done."""
+    return None if progress is None else lambda fraction: progress(start + share * fraction)
+
+
+def point_on_level(equations: Sequence[Polynomial], residues: Residues, n: int) -> list[int]:
+    """A random point modulo the prime at which some polynomials in n variables vanish.
+
+    Raises:
+        ParameterError: none was found.
+    """
+    if not equations:
+        return random_point(n, residues.p)
+    images = [modular(f, residues) for f in equations]
+    for seed in range(1, _MOST_POINTS):
+        found = _point_on(images, random_point(n, residues.p, seed), residues.p)
+        if found is not None:
+            return found
+    raise ParameterError(
+        "on: no point of the level was found modulo a prime; give equations that can be solved one after the other"
+    )
+
+
+def times(first: Polynomial, second: Polynomial) -> Polynomial:
+    """The product of two polynomials."""
     product: Polynomial = {}
     for m, c in first.items():
         for k, d in second.items():
@@ -279,12 +343,18 @@ def _times(first: Polynomial, second: Polynomial) -> Polynomial:
     return {m: c for m, c in product.items() if c}
 
 
+def _last_and_number(equation: Modular) -> tuple[int, int]:
+    """The last variable of an equation, for which it is solved, and the number of variables."""
+    occurring = {i for m in equation for i, k in enumerate(m) if k}
+    return max(occurring, default=0), len(occurring)
+
+
 def _point_on(equations: Sequence[Modular], point: list[int], p: int) -> list[int] | None:
     """The point, moved to the level by one coordinate for each equation; None if that has no solution."""
     from flint import nmod_poly
 
     fixed: set[int] = set()
-    for equation in sorted(equations, key=lambda e: len({i for m in e for i, k in enumerate(m) if k})):
+    for equation in sorted(equations, key=_last_and_number):
         occurring = sorted({i for m in equation for i, k in enumerate(m) if k} - fixed)
         if not occurring:
             return None

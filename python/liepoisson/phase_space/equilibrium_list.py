@@ -27,12 +27,14 @@ class Equilibria(Sequence["Equilibrium"]):
         leaf: The leaf.
         found: The equilibria.
         proved: Whether it is proved that there are no others. That is so for tops whose parameters are rational
-            numbers, except where the algebra meets an isolated degenerate equilibrium.
+            numbers, except where the algebra meets an isolated degenerate equilibrium, and for other polynomial
+            systems with rational numbers on regular leaves, where the equilibria are finitely many.
         euler_characteristic: That of the leaf, if it is known and H is proper on the leaf; else None.
         euler_found: The sum over the list that must be equal to it if nothing is missing: $(-1)^{\rm index}$ for
             each point, times the Euler characteristic of the family for a family (circle 0, sphere 2). None
             where a degenerate equilibrium has no known share.
         n_starts: How many starts the search took; 0 if the algebra gave the list.
+        n_complex: The number of complex solutions of the equations, with multiplicities, where these were all computed.
     """
 
     leaf: Leaf
@@ -41,13 +43,15 @@ class Equilibria(Sequence["Equilibrium"]):
     euler_characteristic: int | None
     euler_found: int | None
     n_starts: int
+    n_complex: int | None = None
 
     @property
     def completeness(self) -> str:
         """What is proved about the list, and what is not, in one sentence."""
         if self.proved:
             families = any(e.family not in {"point", "degenerate"} for e in self.found)
-            return f"these are all{', with the families that they form' if families else ''} (proved by algebra)"
+            how = "by algebra" if self.n_complex is None else f"by algebra, from {self.n_complex} complex solutions"
+            return f"these are all{', with the families that they form' if families else ''} (proved {how})"
         searched = f"found from {self.n_starts} random starts; that there are no others is not proved"
         if self.euler_characteristic is None:
             return f"{searched}, and no check is known"

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, cast
 
 from flint import fmpq
 
-from liepoisson.phase_space.certified_roots import rational
+from liepoisson.exact.polynomials.certified_roots import rational
 from liepoisson.phase_space.heavy_equilibria import Vector
 
 if TYPE_CHECKING:

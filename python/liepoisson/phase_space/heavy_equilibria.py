@@ -29,7 +29,7 @@ from typing import TypeAlias
 
 from flint import arb, fmpq, fmpq_poly
 
-from liepoisson.phase_space.certified_roots import (
+from liepoisson.exact.polynomials.certified_roots import (
     ball,
     evaluate,
     positive_roots_of,

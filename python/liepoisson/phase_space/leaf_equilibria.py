@@ -1,4 +1,4 @@
-r"""Equilibria on symplectic leaves and relative equilibria: by algebra for tops, else by a search.
+r"""Equilibria on symplectic leaves and relative equilibria: by algebra where it decides, else by a search.
 
 An equilibrium of a Lie-Poisson system is a relative equilibrium of the system that it was reduced from: a steady
 rotation, for a top. It is a critical point of H on its leaf, $\nabla H = \sum_k\lambda_k\nabla C_k$. With a further
@@ -26,6 +26,7 @@ from liepoisson.phase_space.equilibrium_search import EquilibriumSearch, is_crit
 from liepoisson.phase_space.euler_characteristic import euler_characteristic
 from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.leaf import Leaf
+from liepoisson.phase_space.polynomial_equilibria import polynomial_equilibria
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
 from liepoisson.phase_space.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 from liepoisson.scalars import as_count, as_number
@@ -57,12 +58,16 @@ def equilibria(
     computed with a proof that there are no others, isolated ones and families. `proved` is then true. Heavy tops of six
     components, on so(3) @ semidirect(2), and free rigid bodies on so(3) are tops, too, by whatever name.
 
-    **Other systems**, relative equilibria (`along`), and leaves of tops on which the algebra does not decide whether an
-    isolated equilibrium is one or two: Newton's method from random starts, and from what the algebra found. What is
-    found are equilibria; that there are no others is not proved. There is one check: where H is proper on the leaf, the
-    sum of $(-1)^{\rm index}$ over nondegenerate equilibria is the Euler characteristic of the leaf (a family counts
-    with its own, a circle with 0). It is necessary and not sufficient. While it fails, the number of starts is doubled,
-    up to `most_starts`, and up to four times `n_starts` while an equilibrium was met from one start only.
+    **Other polynomial systems** with rational numbers, on regular leaves: the same, where the equations have finitely
+    many solutions, complex ones too, and are solved within limits of about three seconds.
+
+    **Other systems**, relative equilibria (`along`), families, and leaves of tops on which the algebra does not decide
+    whether an isolated equilibrium is one or two: Newton's method from random starts, and from what the algebra
+    found. What is found are equilibria; that there are no others is not proved. There is one check: where H is proper
+    on the leaf, the sum of $(-1)^{\rm index}$ over nondegenerate equilibria is the Euler characteristic of the leaf
+    (a family counts with its own, a circle with 0). It is necessary and not sufficient. While it fails, the number of
+    starts is doubled, up to `most_starts`, and up to four times `n_starts` while an equilibrium was met from one
+    start only.
     `completeness` says which of these is the case, and so does the printed result. The starts
     depend on the values of the Casimirs and the seed; the state from which a regular leaf was made does not matter.
 
@@ -126,7 +131,7 @@ def _by_algebra(leaf: Leaf) -> tuple[Equilibria | None, Array]:
         return Equilibria(leaf, (analysis(leaf, leaf.state, {}),), True, 1, 1, 0), leaf.state[None]
     top = exact_top(leaf.system)
     if top is None:
-        return None, np.zeros((0, len(leaf.state)))
+        return _by_elimination(leaf)
     by_algebra, is_all = equilibria_of_top(leaf, top)
     states = np.array([one.state for one in by_algebra]).reshape(-1, len(leaf.state))
     if not is_all:
@@ -138,6 +143,18 @@ def _by_algebra(leaf: Leaf) -> tuple[Equilibria | None, Array]:
     if expected is not None and total is not None and total != expected:
         return None, states
     return Equilibria(leaf, tuple(found), True, expected, total, 0), states
+
+
+def _by_elimination(leaf: Leaf) -> tuple[Equilibria | None, Array]:
+    """The same for a polynomial system that is no top."""
+    proved = polynomial_equilibria(leaf)
+    if proved is None:
+        return None, np.zeros((0, len(leaf.state)))
+    found = sorted((_with_family(analysis(leaf, x, {}), "point") for x in proved.states), key=lambda e: e.energy)
+    expected, total = euler_characteristic(leaf), signed_sum(found)
+    if expected is not None and total is not None and total != expected:
+        return None, proved.states
+    return Equilibria(leaf, tuple(found), True, expected, total, 0, proved.degree), proved.states
 
 
 def _with_family(equilibrium: Equilibrium, kind: str) -> Equilibrium:

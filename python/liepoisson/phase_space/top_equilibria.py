@@ -31,7 +31,7 @@ import numpy as np
 from flint import arb, fmpq
 
 from liepoisson.arrays import Array
-from liepoisson.phase_space.certified_roots import PRECISIONS, UndecidedError, ball, precision, rational
+from liepoisson.exact.polynomials.certified_roots import PRECISIONS, UndecidedError, ball, precision, rational
 from liepoisson.phase_space.exact_top import ExactTop
 from liepoisson.phase_space.heavy_equilibria import (
     BY_COUNT,

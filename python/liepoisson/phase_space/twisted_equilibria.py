@@ -41,7 +41,7 @@ from typing import Any
 
 from flint import Ordering, arb, fmpq, fmpq_mpoly_ctx, fmpq_poly, fmpz_poly
 
-from liepoisson.phase_space.certified_roots import (
+from liepoisson.exact.polynomials.certified_roots import (
     UndecidedError,
     ball,
     enclosures,

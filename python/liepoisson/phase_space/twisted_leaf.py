@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from flint import arb, fmpq
 
-from liepoisson.phase_space.certified_roots import ball
+from liepoisson.exact.polynomials.certified_roots import ball
 from liepoisson.phase_space.heavy_equilibria import POINT, Critical, Vector, dot, groups_of, is_zero
 
 

@@ -26,7 +26,7 @@ from __future__ import annotations
 
 from flint import arb, fmpq, fmpq_poly
 
-from liepoisson.phase_space.certified_roots import (
+from liepoisson.exact.polynomials.certified_roots import (
     ball,
     evaluate,
     is_positive,

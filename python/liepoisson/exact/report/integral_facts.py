@@ -66,6 +66,7 @@ class Integral:
 
 
 NONE = "none besides H and the Casimirs (to search: liepoisson integrals, integrable)"
+MORE = "to search for others: liepoisson integrals, integrable"
 
 
 @final
@@ -95,8 +96,9 @@ class IntegralFacts(Topic):
         return [_failure(integral) for integral in self.integrals if integral.refuted]
 
     def lines(self) -> list[Line]:
-        found = [_integral_line(integral) for integral in self.integrals] or [(NONE,)]
-        return found + definition_lines(self.definitions)
+        if not self.integrals:
+            return [(NONE,)]
+        return [*map(_integral_line, self.integrals), *definition_lines(self.definitions), (MORE,)]
 
     def record(self) -> list[dict[str, Any]]:
         return [

@@ -21,6 +21,7 @@ from liepoisson.studies.twisted_top.figures import ENSEMBLE_LABELS
 from liepoisson.studies.twisted_top.front_page import front_page
 from liepoisson.studies.twisted_top.mathematics import mathematics
 from liepoisson.studies.twisted_top.measurements import PRINTED, RESAMPLING, RunResult, by_energy, command
+from liepoisson.studies.twisted_top.open_questions import STATUS_CLASSES, open_questions
 from liepoisson.studies.twisted_top.runs import ENSEMBLES, Moments
 from liepoisson.studies.twisted_top.symbols import SYMBOLS
 
@@ -108,6 +109,8 @@ def _context(study: StudyResult, figures: Mapping[str, Path]) -> dict[str, Any]:
             for verdict, words in KINDS.items()
         ],
         "front": front_page(claims, errata),
+        "questions": open_questions(claims),
+        "statuses": STATUS_CLASSES,
         "symbols": SYMBOLS,
         "repeats": {entry["id"]: entry["follows_from"] for entry in errata if entry["follows_from"]},
         "repeated": len(claims) - sum(counts.values()),

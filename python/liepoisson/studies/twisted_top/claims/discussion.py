@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
+from liepoisson.exact.extensions import semidirect
+from liepoisson.exact.system import System
+from liepoisson.integrability.families import integrable_families
+from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
 from liepoisson.studies.twisted_top.claims.common import complete_integrability
-from liepoisson.studies.twisted_top.claims.evidence import Evidence, written
-from liepoisson.studies.twisted_top.claims.integral_search import COUNT_HEADING, IntegralCount, count_integrals
+from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
 from liepoisson.studies.twisted_top.claims.phase_space import SymbolicTop, symbolic_top
 
@@ -16,9 +19,15 @@ AS_PRINTED = (1, 1, 2)
 KOVALEVSKAYA = (2, 2, 1)
 # Every polynomial of degree d in (l, alpha) has weight at most 2d, in (l, alpha, beta) at most 3d.
 HEAVY_WEIGHT, TWISTED_WEIGHT = 10, 12
-HEAVY_WEIGHTS = (1, 1, 1, 2, 2, 2)
 _WEIGHT = "in a monomial a component of l counts one, of α two"
-TWISTED_WEIGHTS = (*HEAVY_WEIGHTS, 3, 3, 3)
+_EXACT = (
+    "Exact: the rank of d/dt on the monomials, taken modulo 2⁶¹ − 1, bounds the number of integrals from above, the "
+    "known ones from below."
+)
+# Weights 1, 2, 3 of l, α, β, as many as there are fields.
+_WEIGHTS = (1, 1, 1, 2, 2, 2, 3, 3, 3)
+_COUNT_HEADING = ("weight", "monomials", "rank", "integrals", "known")
+_FAMILY_DEGREE = 2
 
 
 def kovalevskaya_quartic(top: SymbolicTop) -> Any:
@@ -48,18 +57,17 @@ def kovalevskaya_inertia(context: Context) -> Verdict:
         decisive=True,
     )
     right = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
-    counts = [_heavy_count(right, weight) for weight in range(1, 5)]
+    counts = _heavy_counts(context, right, 4)
     what = f"I = {KOVALEVSKAYA}: integrals of weight ≤ 4 ({_WEIGHT}) beyond the polynomials in H, l·α, |α|², namely K"
-    evidence.search(what, _table(counts), sum(count.excess for count in counts), 1)
+    evidence.search(what, _table(counts), _excess(counts), 1)
     printed = symbolic_top(context, inertia=AS_PRINTED, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=0)
-    counts = [_heavy_count(printed, weight) for weight in range(1, HEAVY_WEIGHT + 1)]
+    counts = _heavy_counts(context, printed, HEAVY_WEIGHT)
     what = f"I = {AS_PRINTED}: integrals of weight ≤ {HEAVY_WEIGHT} ({_WEIGHT}) beyond the polynomials in H, l·α, |α|²"
-    evidence.search(what, _table(counts), sum(count.excess for count in counts), 0, decisive=True)
-    evidence.note(
-        "A polynomial of degree ≤ 5 in (l, α) has weight ≤ 10: there is no further one. Exact: the rank of d/dt on the "
-        "monomials, taken modulo 2⁶¹ − 1, bounds the number of integrals from above, the known ones from below."
-    )
-    evidence.data = {"found_and_known_by_weight": [[count.found, len(count.known)] for count in counts]}
+    evidence.search(what, _table(counts), _excess(counts), 0, decisive=True)
+    evidence.note(f"A polynomial of degree ≤ 5 in (l, α) has weight ≤ 10: there is no further one. {_EXACT}")
+    evidence.data = {
+        "found_and_known_by_weight": [[count.n_integrals, count.n_integrals - len(count.found)] for count in counts]
+    }
     return evidence.conclude("misprint", "Kovalevskaya's condition is I₁ = I₂ = 2I₃ (with a₃ = 0), not I₃ = 2I₁.")
 
 
@@ -77,19 +85,34 @@ def _no_polynomial_integral(evidence: Evidence, context: Context) -> None:
     """State how the quartic is lost, and that no polynomial integral of low weight replaces it."""
     top = symbolic_top(context, inertia=KOVALEVSKAYA, a=CENTRE_OF_MASS, b=(0, 0, 0), epsilon=1)
     evidence.nonzero("ε = 1: dK/dt is not zero", top.rate(kovalevskaya_quartic(top)))
-    C1, C2, C3 = top.casimirs
-    known = {"H": (top.hamiltonian, 2), "C₁": (C1, 4), "C₂": (C2, 5), "C₃": (C3, 6)}
-    variables = top.bracket.variables
-    equations = top.bracket.vector_field(top.hamiltonian)
-    counts = [
-        count_integrals(equations, variables, TWISTED_WEIGHTS, known, weight) for weight in range(1, TWISTED_WEIGHT + 1)
-    ]
+    known: dict[str, Any] = dict(zip(("C₁", "C₂", "C₃"), top.casimirs, strict=True))
+    counts = _counts(System(top.bracket, top.hamiltonian), known, TWISTED_WEIGHT)
     evidence.search(
         f"integrals of weight ≤ {TWISTED_WEIGHT} beyond the polynomials in H, C₁, C₂, C₃ (exact; weights l 1, α 2, "
         f"β 3, in particular of degree ≤ {TWISTED_WEIGHT // 3})",
         _table(counts),
-        sum(count.excess for count in counts),
+        _excess(counts),
         0,
+    )
+
+
+def _families(evidence: Evidence, context: Context) -> None:
+    """State for which inertia and centre of mass there is a polynomial integral of low degree."""
+    moments, centre = ("J1", "J2", "J3"), ("a1", "a2", "a3")
+    energy = "(J1*l1^2 + J2*l2^2 + J3*l3^2)/2 + a1*alpha1 + a2*alpha2 + a3*alpha3"
+    family = System(context.bracket(1), energy, symbols=(*moments, *centre), name="uncharged top")
+    found = integrable_families(family, degree=_FAMILY_DEGREE, positive=moments)
+    cases = {frozenset(map(str, case.conditions)) for case in found.cases}
+    axes = ((1, 2, 3), (2, 3, 1), (3, 1, 2))
+    symmetric = {frozenset((f"J{min(j, k)} - J{max(j, k)}", f"a{j}", f"a{k}")) for _, j, k in axes}
+    wanted = {frozenset(("J1 - J2", "J1 - J3")), frozenset(centre), *symmetric}
+    evidence.proof(
+        "search",
+        f"b = 0, ε = 1, any moments of inertia Iᵢ = 1/Jᵢ > 0 and any a: integrals of degree ≤ {_FAMILY_DEGREE} beyond "
+        "the polynomials in H, C₁, C₂, C₃ exist for the spherical top, for symmetric tops with a on the axis and for "
+        "a = 0, and in no other case",
+        found.complete and cases == wanted,
+        [", ".join(f"{show(c)} = 0" for c in case.conditions) for case in found.cases],
     )
 
 
@@ -98,7 +121,10 @@ def nearby_integrable_case(context: Context) -> Verdict:
     evidence = Evidence()
     evidence.note("I = (2, 2, 1), a = (−1, 0, 0), b = 0, ε = 1:")
     _no_polynomial_integral(evidence, context)
-    evidence.note("Other parameters and integrals that are not polynomial are not examined here.")
+    _families(evidence, context)
+    evidence.note(
+        "Integrals of higher degree at other parameters, and any that are not polynomial, are not examined here."
+    )
     return evidence.conclude(
         "not settled",
         "At the Kovalevskaya values themselves there is no further polynomial integral of degree ≤ 4; whether changed "
@@ -170,17 +196,36 @@ def _hyperbolic(expression: Any, c: Any, s: Any, k: Any, k_squared: Any) -> Any:
     return sum(f * (c**2 - 1) ** (i // 2) * s ** (i % 2) * k_squared ** (j // 2) * k ** (j % 2) for (i, j), f in terms)
 
 
-def _table(counts: Sequence[IntegralCount]) -> list[tuple[object, ...]]:
-    return [COUNT_HEADING, *(count.row for count in counts)]
+def _table(counts: Sequence[FirstIntegrals]) -> list[tuple[object, ...]]:
+    """The sizes of the searches; products of known integrals span all integrals but those that were found."""
+    rows = [
+        (c.weight, c.n_monomials, c.n_monomials - c.n_integrals, c.n_integrals, c.n_integrals - len(c.found))
+        for c in counts
+    ]
+    return [_COUNT_HEADING, *rows]
 
 
-def _heavy_count(top: SymbolicTop, weight: int) -> IntegralCount:
-    """Integrals of the heavy top (l, alpha) of one weight; the known ones are H, l.alpha, |alpha|^2."""
-    l, alpha, _ = top.vectors
-    variables = top.bracket.variables[:6]
-    equations = top.bracket.vector_field(top.hamiltonian)[:6]
-    known = {"H": (top.hamiltonian, 2), "l·α": (l.dot(alpha), 3), "|α|²": (alpha.dot(alpha), 4)}
-    return count_integrals(equations, variables, HEAVY_WEIGHTS, known, weight)
+def _excess(counts: Sequence[FirstIntegrals]) -> int:
+    """How many integrals there are beyond the known ones."""
+    return sum(len(count.found) for count in counts)
+
+
+def _heavy_counts(context: Context, top: SymbolicTop, largest: int) -> list[FirstIntegrals]:
+    """Integrals of the heavy top (l, alpha) of the weights from one; the known ones are H, l.alpha, |alpha|^2."""
+    system = System(context.extended(semidirect(2)).rename("l", "alpha"), top.hamiltonian)
+    l, alpha = system.bracket.fields.values()
+    return _counts(system, {"l·α": l.dot(alpha), "|α|²": alpha.dot(alpha)}, largest)
+
+
+def _counts(system: System, known: Mapping[str, Any], largest: int) -> list[FirstIntegrals]:
+    """The searches of the weights from one; what is claimed to be known is left out where it is no integral."""
+    constant = {name: f for name, f in known.items() if system.is_constant(f)}
+    counts = [
+        first_integrals(system, weight=weight, known={"H": system.hamiltonian, **constant})
+        for weight in range(1, largest + 1)
+    ]
+    assert all(c.complete and c.weights == _WEIGHTS[: len(system.variables)] for c in counts)
+    return counts
 
 
 CLAIMS: tuple[Claim, ...] = (

@@ -1,0 +1,117 @@
+"""The command `liepoisson families`: for which parameters is there a further integral?"""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from liepoisson.cli.inspect import Format
+from liepoisson.cli.integrals import FORMAT_HELP, ON_HELP
+from liepoisson.cli.limits import check_limits
+from liepoisson.cli.progress import QuietOption, progress_bar
+from liepoisson.cli.systems import SET_HELP, SYSTEM_HELP, read_file, with_settings, with_symbols
+
+if TYPE_CHECKING:
+    from liepoisson.integrability.families import IntegrableFamilies, ParameterCase
+
+INCOMPLETE = 1
+
+FREE_HELP = "A parameter that has a value and becomes a symbol: --free mu.  Repeat it for more."
+POSITIVE_HELP = "Parameters that are positive: --positive J1,J2,J3.  [default: all may be any real numbers]"
+NONZERO_HELP = "Parameters that are not zero: --nonzero a3."
+LIMIT_HELP = "Seconds after which the cases that are left are named."
+
+
+def families(
+    system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
+    *,
+    degree: Annotated[int, typer.Option(help="Largest total degree of the integrals.")] = 2,
+    on: Annotated[list[str] | None, typer.Option(metavar="EQUATION", help=ON_HELP)] = None,
+    free: Annotated[list[str] | None, typer.Option(metavar="NAME", help=FREE_HELP)] = None,
+    positive: Annotated[list[str] | None, typer.Option(metavar="NAMES", help=POSITIVE_HELP)] = None,
+    nonzero: Annotated[list[str] | None, typer.Option(metavar="NAMES", help=NONZERO_HELP)] = None,
+    time_limit: Annotated[float, typer.Option(help=LIMIT_HELP)] = 600.0,
+    format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
+    quiet: QuietOption = False,
+    settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
+) -> None:
+    """Find the parameters for which there is a polynomial integral that there is not in general.
+
+    Parameters without a value are unknown real numbers.  The cases that are found are proved to be all, unless some are
+    left: these are named, and the exit code is 1.
+    """
+    from liepoisson.integrability.families import integrable_families
+
+    check_limits(seed=0, time_limit=time_limit)
+    chosen = with_symbols(with_settings(read_file(system), settings or ()), free or ()).system()
+    with progress_bar(quiet=quiet) as bar:
+        listen = None if bar is None else (lambda done: bar("splitting", done, 1.0))
+        found = integrable_families(
+            chosen,
+            degree=degree,
+            on=on or (),
+            positive=_names(positive),
+            nonzero=_names(nonzero),
+            time_limit=time_limit,
+            progress=listen,
+        )
+    match format_:
+        case Format.TEXT:
+            print(found)
+        case Format.LATEX:
+            print("\n".join(latex_lines(found)))
+        case Format.JSON:
+            print(json.dumps(record(found), indent=2))
+    if not found.complete:
+        raise typer.Exit(INCOMPLETE)
+
+
+def _names(given: list[str] | None) -> list[str]:
+    return [name.strip() for names in given or () for name in names.split(",") if name.strip()]
+
+
+def latex_lines(found: IntegrableFamilies) -> list[str]:
+    """One displayed line of conditions for each case, and what is proved, as a comment."""
+    from liepoisson.exact.printing import Formula
+
+    lines = str(found).splitlines()
+    last = lines[1 + max(1, len(found.cases)) :]
+    shown: list[str] = []
+    for case in found.cases:
+        parts = [f"{Formula(c).latex} = 0" for c in case.conditions]
+        parts += [rf"{Formula(c).latex} \neq 0" for c in case.nonzero]
+        shown += [f"% {case.remark}"] if case.remark else []
+        shown.append(r"\[ " + r",\quad ".join(parts) + r" \]")
+    return [f"% {lines[0]}", *shown, *(f"% {line}" for line in last)]
+
+
+def record(found: IntegrableFamilies) -> dict[str, Any]:
+    """The cases as data that JSON can write, expressions in the grammar of system files."""
+    from liepoisson.exact.printing import Formula
+
+    return {
+        "system": found.system.name,
+        "degree": found.degree,
+        "on": [Formula(f).plain for f in found.on],
+        "parameters": [str(p) for p in found.parameters],
+        "assumptions": found.assumptions,
+        "general": [Formula(f).plain for f in found.general],
+        "cases": [_case_record(case) for case in found.cases],
+        "complete": found.complete,
+        "left": list(found.left),
+        "cases_without": found.n_closed,
+    }
+
+
+def _case_record(case: ParameterCase) -> dict[str, Any]:
+    from liepoisson.exact.printing import Formula
+
+    example = None if case.example is None else {str(p): str(value) for p, value in case.example.items()}
+    return {
+        "zero": [Formula(c).plain for c in case.conditions],
+        "not_zero": [Formula(c).plain for c in case.nonzero],
+        "example": example,
+        "integrals": [Formula(f).plain for f in case.integrals],
+    }

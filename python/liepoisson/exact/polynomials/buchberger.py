@@ -1,0 +1,198 @@
+r"""Buchberger's algorithm over any field that FLINT has, with the criteria of Gebauer and Möller.
+
+A pair of polynomials whose leading monomials have the least common multiple m gives an S-polynomial; the pairs of
+smallest degree of m come first. For homogeneous polynomials this goes from degree to degree, and nothing is computed
+that a later degree would have made shorter.
+
+Which pairs reduce to zero is the same modulo almost all primes. A run remembers it, and the next run leaves them out.
+
+References: [gebauer1988], for the criteria; [traverso1988], for runs that remember.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any, TypeAlias
+
+from liepoisson.exact.polynomials.limits import Budget
+
+Poly: TypeAlias = Any
+"""A polynomial of FLINT over a field: fmpq_mpoly or nmod_mpoly."""
+Monomial: TypeAlias = tuple[int, ...]
+
+_CALL, _TERM = 3.0, 0.15
+"""Work of one division of polynomials, and of each term in it, with coefficients of one word (measured)."""
+
+
+def leading(p: Poly) -> Monomial:
+    """The exponents of the leading monomial."""
+    return tuple(int(k) for k in p.monomial(0))
+
+
+def divides(first: Monomial, second: Monomial) -> bool:
+    """Whether a monomial divides another."""
+    return all(a <= b for a, b in zip(first, second, strict=True))
+
+
+def common_multiple(first: Monomial, second: Monomial) -> Monomial:
+    """The least common multiple of two monomials."""
+    return tuple(max(a, b) for a, b in zip(first, second, strict=True))
+
+
+def remainder(p: Poly, basis: Iterable[Poly], budget: Budget | None = None, words: int = 1) -> Poly:
+    """What is left of a polynomial when no leading monomial of the basis divides a term any more.
+
+    Args:
+        p: The polynomial.
+        basis: Polynomials that are not zero.
+        budget: Where the work is accounted.
+        words: Size of the coefficients in machine words, for the account.
+    """
+    divisors = list(basis)
+    while p:
+        before = p
+        for divisor in divisors:
+            if budget is not None:
+                budget.spend(_CALL + _TERM * (len(p) + len(divisor)) * words, "division of polynomials")
+            p = p % divisor
+            if not p:
+                return p
+        if p == before:
+            return p
+    return p
+
+
+def monic(p: Poly) -> Poly:
+    """The polynomial with leading coefficient 1."""
+    return p * (1 / p.leading_coefficient())
+
+
+@dataclass(frozen=True)
+class Run:
+    """What one run of the algorithm gave.
+
+    Attributes:
+        basis: The reduced Gröbner basis, monic, by increasing leading monomials.
+        idle: The numbers of the pairs that reduced to zero, in the order in which pairs were taken.
+    """
+
+    basis: tuple[Poly, ...]
+    idle: frozenset[int]
+
+
+@dataclass
+class _Pairs:
+    """The polynomials so far and the pairs that wait: (degree, least common multiple, first, second)."""
+
+    polynomials: list[Poly]
+    leads: list[Monomial]
+    needed: list[bool]
+    waiting: list[tuple[int, Monomial, int, int]]
+
+    def add(self, p: Poly) -> None:
+        """Add a polynomial with its pairs, without those that the criteria find superfluous."""
+        new, k = leading(p), len(self.polynomials)
+        self.waiting = [
+            pair
+            for pair in self.waiting
+            if not (
+                divides(new, pair[1])
+                and common_multiple(new, self.leads[pair[2]]) != pair[1]
+                and common_multiple(new, self.leads[pair[3]]) != pair[1]
+            )
+        ]
+        fresh = [(common_multiple(new, self.leads[i]), i) for i in range(k) if self.needed[i]]
+        coprime = {i for _, i in fresh if not any(a and b for a, b in zip(new, self.leads[i], strict=True))}
+        # of the pairs with one least common multiple a coprime one comes first, and none of them is needed then
+        fresh.sort(key=lambda pair: (sum(pair[0]), pair[1] not in coprime))
+        kept: list[Monomial] = []
+        for multiple, i in fresh:
+            if any(divides(m, multiple) for m in kept):
+                continue
+            kept.append(multiple)
+            if i not in coprime:
+                self.waiting.append((sum(multiple), multiple, i, k))
+        for i in range(k):
+            self.needed[i] = self.needed[i] and not divides(new, self.leads[i])
+        self.polynomials.append(p)
+        self.leads.append(new)
+        self.needed.append(True)
+
+    def next_pair(self) -> tuple[int, Monomial, int, int]:
+        first = min(range(len(self.waiting)), key=lambda k: self.waiting[k][:2])
+        return self.waiting.pop(first)
+
+    def difference(self, multiple: Monomial, i: int, j: int) -> Poly:
+        """The S-polynomial of two monic polynomials."""
+        context = self.polynomials[i].context()
+        shifts = [
+            context.from_dict({tuple(a - b for a, b in zip(multiple, self.leads[k], strict=True)): 1}) for k in (i, j)
+        ]
+        return shifts[0] * self.polynomials[i] - shifts[1] * self.polynomials[j]
+
+    def divisors(self) -> list[Poly]:
+        """The polynomials whose leading monomial is no multiple of another one."""
+        return [p for p, needed in zip(self.polynomials, self.needed, strict=True) if needed]
+
+
+def buchberger(generators: Sequence[Poly], budget: Budget, idle: frozenset[int] = frozenset(), words: int = 1) -> Run:
+    """The reduced Gröbner basis of the ideal that some polynomials generate, in the order of their context.
+
+    Args:
+        generators: Polynomials over a field.
+        budget: Where the work is accounted.
+        idle: Pairs that are known to reduce to zero, from a run modulo another prime: they are left out.
+        words: Size of the coefficients in machine words, for the account.
+
+    Raises:
+        NotDecidedError: the budget was spent.
+    """
+    pairs = _Pairs([], [], [], [])
+    for generator in sorted((g for g in generators if g), key=lambda g: (g.total_degree(), len(g))):
+        if p := remainder(generator, pairs.divisors(), budget, words):
+            pairs.add(monic(p))
+    zeros: set[int] = set()
+    count = -1
+    while pairs.waiting:
+        count += 1
+        _, multiple, i, j = pairs.next_pair()
+        budget.spend(1.0 * len(pairs.polynomials), "choice of a pair")
+        if count in idle:
+            continue
+        if p := remainder(pairs.difference(multiple, i, j), pairs.divisors(), budget, words):
+            pairs.add(monic(p))
+        else:
+            zeros.add(count)
+    return Run(reduced(pairs.divisors(), budget, words), frozenset(zeros) | idle)
+
+
+def reduced(basis: Sequence[Poly], budget: Budget | None = None, words: int = 1) -> tuple[Poly, ...]:
+    """The reduced Gröbner basis, from one of the same ideal."""
+    leads = [leading(p) for p in basis]
+    minimal = [
+        k
+        for k, lead in enumerate(leads)
+        if not any(divides(other, lead) and (other != lead or j < k) for j, other in enumerate(leads) if j != k)
+    ]
+    found: list[Poly] = []
+    for k in minimal:
+        others = [basis[j] for j in minimal if j != k]
+        found.append(monic(remainder(basis[k], others, budget, words)))
+    return tuple(sorted(found, key=lambda p: (sum(leading(p)), leading(p))))
+
+
+def are_groebner(basis: Sequence[Poly], budget: Budget, words: int = 1) -> bool:
+    """Whether monic polynomials are a Gröbner basis of the ideal that they generate: all S-polynomials reduce to zero.
+
+    Raises:
+        NotDecidedError: the budget was spent.
+    """
+    pairs = _Pairs([], [], [], [])
+    for p in basis:
+        pairs.add(p)
+    while pairs.waiting:
+        _, multiple, i, j = pairs.next_pair()
+        if remainder(pairs.difference(multiple, i, j), basis, budget, words):
+            return False
+    return True

@@ -1,0 +1,356 @@
+r"""Which cofactors can Darboux polynomials have, and which have some up to a degree?
+
+A Darboux polynomial p satisfies $D p = k p$ with a polynomial k, its cofactor. For given k this is a linear system for
+p; the coefficients of k are its parameters, and `liepoisson.integrability.parameter_cases` splits it into cases. There
+are finitely many cofactors of polynomials of bounded degree: along a curve on which k went to infinity the equation
+$D p = k p$, divided by the size of k, would become $0 = k p$.
+
+Which monomials k has: the terms $x^e\,\partial_k$ of D add $e - 1_k$ to the exponents of p. For any weights of the
+coordinates the parts of highest weight of $k p$ and $D p$ agree, so that the exponents of k lie in the convex hull of
+the $e - 1_k$.
+
+References: Goriely, Integrability and Nonintegrability of Dynamical Systems (2001), chapter 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import islice, product
+from math import prod
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from liepoisson.exact.linear.coefficients import Element
+from liepoisson.exact.linear.linear_algebra import nullspace_mod
+from liepoisson.exact.linear.residues import PRIME
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.gradings import Grading
+from liepoisson.integrability.level import Level
+from liepoisson.integrability.monomials import of_degree
+from liepoisson.integrability.parameter_cases import Case, CaseSplitting, Poly, SparseRow, State
+from liepoisson.integrability.square_roots import element, field_of, roots
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+Field: TypeAlias = Literal["complex", "real", "rational"]
+Values: TypeAlias = "tuple[Expr, ...]"
+"""The coefficients of a cofactor, rational or with square roots, in the order of its monomials."""
+
+_MOST_PRIMES = 50
+"""Primes modulo which zeros of irreducible equations are looked for."""
+_MOST_STEPS = 2000
+"""Steps of the search for weights that exclude a monomial; where it does not end, the monomial stays."""
+
+
+def cofactor_monomials(derivation: Derivation, gradings: Sequence[Grading], level: Level) -> list[Exponents]:
+    """The monomials that cofactors can have.
+
+    On a level, which may have several components, these are the cofactors that are looked for.
+    """
+    n = len(derivation.variables)
+    found = [
+        m
+        for degree in range(derivation.degree)
+        for m in of_degree(n, degree)
+        if level.is_standard(m) and all(g.of(m) == g.shift for g in gradings)
+    ]
+    found.sort(reverse=True)
+    if level.basis:
+        return found
+    shifts = {tuple(e - (i == k) for i, e in enumerate(m)) for k, c in enumerate(derivation.components) for m in c}
+    return [m for m in found if not _separates(m, sorted(shifts))]
+
+
+def _separates(monomial: Exponents, shifts: Sequence[Exponents]) -> bool:
+    """Whether weights are found in which a monomial is heavier than all shifts: a perceptron."""
+    differences = [tuple(a - b for a, b in zip(monomial, shift, strict=True)) for shift in shifts]
+    weights = [0] * len(monomial)
+    for _ in range(_MOST_STEPS):
+        wrong = next((d for d in differences if sum(w * x for w, x in zip(weights, d, strict=True)) <= 0), None)
+        if wrong is None:
+            return True
+        weights = [w + x for w, x in zip(weights, wrong, strict=True)]
+    return False
+
+
+def image(
+    derivation: Derivation, cofactor: Mapping[Exponents, Element], monomial: Exponents, level: Level
+) -> Polynomial:
+    """The polynomial (D - k) m for a monomial m."""
+    total = derivation({monomial: derivation.field.one})
+    for m, c in cofactor.items():
+        key = tuple(map(sum, zip(m, monomial, strict=True)))
+        total[key] = total[key] - c if key in total else -c
+    return level.remainder(total)
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """What the splitting of one block gave.
+
+    Attributes:
+        values: Coefficients of cofactors, among them all that occur, but for those in `left`.
+        left: Cases that were not decided, as conditions.
+        n_cases: Number of cases that were looked at.
+    """
+
+    values: tuple[Values, ...]
+    left: tuple[str, ...]
+    n_cases: int
+
+
+class CofactorCases(CaseSplitting):
+    """The splitting of the system $(D - k) p = 0$ by the coefficients of k.
+
+    Args:
+        derivation: The equations, with rational coefficients.
+        level: The level set, or all of phase space.
+        monomials: Those of the cofactor.
+        field: Which numbers the coefficients of the cofactor may be.
+        keep_going: Asked before each step of an elimination.
+    """
+
+    def __init__(
+        self,
+        derivation: Derivation,
+        level: Level,
+        monomials: Sequence[Exponents],
+        field: Field,
+        keep_going: Callable[[], bool],
+    ) -> None:
+        from flint import fmpq_mpoly_ctx
+
+        self.derivation, self.level, self.monomials = derivation, level, tuple(monomials)
+        self.number_field, self.keep_going = field, keep_going
+        names = [f"k_{'_'.join(_name(derivation, m)) or '0'}" for m in monomials]
+        super().__init__(fmpq_mpoly_ctx.get(names, "degrevlex"), frozenset(), [])
+
+    def candidates(self, block: Sequence[Exponents]) -> Candidates:
+        """The cofactors of polynomials with the monomials of a block."""
+        if not self.monomials:
+            return Candidates(((),), (), 1)
+        stack = [State(Case(nonzero=self.assumed), self._rows(block), 0)]
+        values: list[Values] = []
+        left: list[Case] = []
+        n_cases = 0
+        while stack:
+            state = stack.pop()
+            n_cases += 1
+            try:
+                further = self._impose(state)
+                if further is not None:
+                    stack += further
+                    continue
+                if not self._eliminate(state, len(block), self.keep_going):
+                    raise _OutOfTimeError
+            except _OutOfTimeError:
+                left += [s.case for s in (state, *stack)]
+                break
+            if state.rank >= len(block):
+                continue
+            if not state.rows or self._is_finite(state.case):
+                points = self._points(state.case)
+                if points is None and self._has_none(state.case, block):
+                    continue
+                if points is None:
+                    left.append(state.case)
+                else:
+                    values += points
+            else:
+                stack += self._split(state)
+        return Candidates(tuple(dict.fromkeys(values)), tuple(map(self._text, left)), n_cases)
+
+    def _rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
+        rows: dict[Exponents, SparseRow] = {}
+        one = self.derivation.field.one
+        for column, monomial in enumerate(block):
+            parts = [(self._one, image(self.derivation, {}, monomial, self.level))]
+            for v, m in enumerate(self.monomials):
+                parts.append((-self.context.gen(v), self.level.remainder({_sum(m, monomial): one})))
+            for factor, part in parts:
+                for key, value in part.items():
+                    row = rows.setdefault(key, {})
+                    row[column] = row.get(column, self._zero) + factor * _flint(value)
+        return [{c: p for c, p in row.items() if p} for row in rows.values()]
+
+    # the numbers that coefficients may be
+
+    def _definite_terms(self, q: Poly) -> list[Poly] | None:
+        if self.number_field == "complex":
+            return [self._one] if q.is_constant() else None
+        return super()._definite_terms(q)
+
+    def _has_real_zero(self, q: Poly) -> bool:
+        if self.number_field == "complex":
+            return True
+        if self.number_field == "rational" and sum(degree > 0 for degree in q.degrees()) == 1:
+            return False  # irreducible and not linear
+        return super()._has_real_zero(q)
+
+    # the splitting
+
+    def _pivot(self, state: State) -> tuple[int, int] | None:
+        if not self.keep_going():
+            raise _OutOfTimeError
+        return super()._pivot(state)
+
+    def _subtracted(self, row: SparseRow, pivot_row: SparseRow, column: int, p: Poly, case: Case) -> SparseRow:
+        if not self.keep_going():
+            raise _OutOfTimeError
+        return super()._subtracted(row, pivot_row, column, p, case)
+
+    def _with_solved(self, state: State, case: Case, v: int, numerator: Poly, denominator: Poly) -> State:
+        # an equation that was irreducible may split, be of degree one or contradict the others after the insertion
+        waiting = State(state.case, state.rows, state.rank, [*case.unsolved, *state.pending])
+        return super()._with_solved(waiting, replace(case, unsolved=()), v, numerator, denominator)
+
+    def _vanishing(self, q: Poly, state: State) -> list[State]:
+        own = self._own(q)
+        if own is not None and own in self._equations(state.case):
+            return []  # two irreducible polynomials in one coefficient have no common zero
+        if own is not None:
+            # the others may be simpler, or reducible, modulo this one
+            waiting = [u for u in state.case.unsolved if u.degrees()[own] > 0]
+            others = tuple(u for u in state.case.unsolved if u.degrees()[own] == 0)
+            state = State(replace(state.case, unsolved=others), state.rows, state.rank, [*waiting, *state.pending])
+        return super()._vanishing(q, state)
+
+    def _components(self, state: State) -> list[State]:
+        return [self._reduced_state(state)]  # each coefficient has an equation of its own, over any field
+
+    def _own(self, q: Poly) -> int | None:
+        """The coefficient that is alone in an equation."""
+        occurring = [v for v, degree in enumerate(q.degrees()) if degree > 0]
+        return occurring[0] if len(occurring) == 1 else None
+
+    def _is_finite(self, case: Case) -> bool:
+        """Whether each coefficient is solved for, or has an equation of its own."""
+        return set(range(self.n)) == {v for v, _, _ in case.solved} | set(self._equations(case))
+
+    def _equations(self, case: Case) -> dict[int, Poly]:
+        """The unsolved equations in one coefficient, by this."""
+        found: dict[int, Poly] = {}
+        for q in case.unsolved:
+            if (own := self._own(q)) is not None:
+                found[own] = q
+        return found
+
+    def _points(self, case: Case) -> list[Values] | None:
+        """The coefficients in a case; None where they are not found, having others than square roots."""
+        equations = self._equations(case)
+        if not self._is_finite(case) or any(q.degrees()[v] != 2 for v, q in equations.items()):
+            return None
+        choices = {v: self._roots(q, v) for v, q in equations.items()}
+        field = field_of(root for pair in choices.values() for root in pair)
+        found: list[Values] = []
+        for chosen in product(*choices.values()):
+            values = [field.one - field.one] * self.n
+            for v, root in zip(choices, chosen, strict=True):
+                values[v] = element(root, field)
+            solved = {v: (self._value(a, values, field), self._value(b, values, field)) for v, a, b in case.solved}
+            if not all(b for _, b in solved.values()):
+                continue
+            for v, (a, b) in solved.items():
+                values[v] = a / b
+            if not any(self._value(q, values, field) for q in case.unsolved):
+                found.append(tuple(field.to_sympy(value) for value in values))
+        return found
+
+    def _has_none(self, case: Case, block: Sequence[Exponents]) -> bool:
+        """Whether a case in which coefficients are other than square roots has no Darboux polynomial; proved if True.
+
+        Modulo a prime ranks can only drop. The zeros of one irreducible equation are all alike, so that one of them
+        modulo the prime suffices; with several equations all must be there.
+        """
+        from flint import nmod_poly
+
+        equations = self._equations(case)
+        if not self._is_finite(case):
+            return False
+        for p in islice(_primes(), _MOST_PRIMES):
+            choices: dict[int, list[int]] = {}
+            for v, q in equations.items():
+                coefficients = [0] * (q.degrees()[v] + 1)
+                for monomial, c in q.terms():
+                    coefficients[int(monomial[v])] = _residue(c, p)
+                factors = nmod_poly(coefficients, p).factor()[1]
+                choices[v] = [int(-f[0] / f[1]) for f, _ in factors if f.degree() == 1]
+            if len(equations) == 1 and all(choices.values()):
+                choices = {v: zeros[:1] for v, zeros in choices.items()}
+            elif any(len(zeros) < equations[v].degrees()[v] for v, zeros in choices.items()):
+                continue
+            return all(
+                self._nullity(dict(zip(choices, chosen, strict=True)), case, block, p) == 0
+                for chosen in product(*choices.values())
+            )
+        return False
+
+    def _nullity(self, given: Mapping[int, int], case: Case, block: Sequence[Exponents], p: int) -> int:
+        """The dimension modulo a prime of the Darboux polynomials with the cofactor that some coefficients give."""
+        values = [given.get(v, 0) for v in range(self.n)]
+        solved = {v: (_at(a, values, p), _at(b, values, p)) for v, a, b in case.solved}
+        if not all(b for _, b in solved.values()):
+            # a denominator that does not vanish may do so modulo the prime
+            return len(block)
+        for v, (a, b) in solved.items():
+            values[v] = a * pow(b, -1, p) % p
+        rows = [{c: x for c, q in row.items() if (x := _at(q, values, p))} for row in self._rows(block)]
+        return len(nullspace_mod(rows, len(block), p))
+
+    def _roots(self, q: Poly, v: int) -> tuple[Expr, ...]:
+        coefficients = [Fraction(0)] * 3
+        for monomial, c in q.terms():
+            coefficients[int(monomial[v])] = Fraction(int(c.p), int(c.q))
+        return roots(*reversed(coefficients))  # real if that is wanted: `_has_real_zero` has excluded the others
+
+    def _value(self, q: Poly, values: Sequence[Element], field: Any) -> Element:
+        total = field.one - field.one
+        for monomial, c in q.terms():
+            power = prod((x ** int(k) for x, k in zip(values, monomial, strict=True) if k), start=field.one)
+            total = total + field.number(Fraction(int(c.p), int(c.q))) * power
+        return total
+
+    def _text(self, case: Case) -> str:
+        return ", ".join(f"{q} = 0" for q in self.conditions(case)) or "generic cofactors"
+
+
+def _at(q: Poly, values: Sequence[int], p: int) -> int:
+    """The value of a polynomial modulo a prime."""
+    total = 0
+    for monomial, c in q.terms():
+        term = _residue(c, p)
+        for x, k in zip(values, monomial, strict=True):
+            if k:
+                term = term * pow(x, int(k), p) % p
+        total += term
+    return total % p
+
+
+def _residue(value: Any, p: int) -> int:
+    return int(value.p) * pow(int(value.q), -1, p) % p
+
+
+def _primes() -> Iterator[int]:
+    from flint import fmpz
+
+    return (p for p in range(PRIME, 2, -2) if fmpz(p).is_probable_prime())
+
+
+class _OutOfTimeError(Exception):
+    """The time is over."""
+
+
+def _sum(first: Exponents, second: Exponents) -> Exponents:
+    return tuple(map(sum, zip(first, second, strict=True)))
+
+
+def _flint(value: Fraction) -> Any:
+    from flint import fmpq
+
+    return fmpq(value.numerator, value.denominator)
+
+
+def _name(derivation: Derivation, monomial: Exponents) -> list[str]:
+    return [f"{x}" if k == 1 else f"{x}{k}" for x, k in zip(derivation.variables, monomial, strict=True) if k]

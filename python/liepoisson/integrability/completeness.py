@@ -1,0 +1,181 @@
+r"""When are there enough integrals?  Two theorems, and their hypotheses checked exactly.
+
+On a leaf of dimension 2n:
+
+* Liouville and Arnold [arnold1989]: n integrals that commute with each other and are independent.  A compact connected
+  component of a common level set on which they are independent is a torus of dimension n, on which the motion is
+  linear.
+* Mishchenko and Fomenko [mishchenko1978b], for functions in place of a Lie algebra [nekhoroshev1972, fasso2005]: k
+  independent integrals that are closed under the bracket, $\{f_i, f_j\} = P_{ij}(f)$, with
+  $k + \operatorname{corank} P = 2n$.  A compact connected component of a common level set on which they are independent
+  and P has its generic rank is a torus of dimension $\operatorname{corank} P = 2n - k$, on which the motion is linear.
+
+Independence is that of the Hamiltonian vector fields, at a point modulo a prime, which proves it for generic points.
+The brackets are written as polynomials in the integrals and Casimirs, which is an identity of polynomials, and the rank
+of P is that over the field of rational functions of them.  Compactness is not examined.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.linear_algebra import rank_mod, solve
+from liepoisson.exact.parameters import to_sympy
+from liepoisson.integrability.algebraic_functions import algebraic_equations, is_algebraic
+from liepoisson.integrability.derivation import Polynomial
+from liepoisson.integrability.level import level_of
+from liepoisson.integrability.modular import modular, value_at
+from liepoisson.integrability.search import point_on_level, times
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+
+_MOST_PRODUCTS = 2000
+"""Products of integrals of which a bracket may be a sum."""
+
+
+@dataclass(frozen=True)
+class ClosedIntegrals:
+    """Independent integrals that are closed under the bracket, as many as the theorem of Mishchenko and Fomenko wants.
+
+    Attributes:
+        names: The integrals.
+        corank: Of the matrix of their brackets, the dimension of the tori.
+        brackets: Those that do not vanish, as polynomials in the names of integrals and Casimirs.
+    """
+
+    names: tuple[str, ...]
+    corank: int
+    brackets: dict[tuple[str, str], Expr]
+
+
+def are_integrals(system: System, functions: Sequence[Expr]) -> list[bool]:
+    """Which functions are constant along the motion, exactly."""
+    scale = _scale(system)
+    return _vanish(system, [(system.bracket(f, system.hamiltonian) / scale).expand() for f in functions])
+
+
+def fields_rank(system: System, functions: Sequence[Expr]) -> int:
+    """The rank of the Hamiltonian vector fields of functions at a random point modulo a prime, a lower bound."""
+    scale = _scale(system)
+    fields = [[(e / scale).expand() for e in system.bracket.vector_field(f)] for f in functions]
+    equations, entries = algebraic_equations(system, *(e for one in fields for e in one))
+    residues = equations.derivation.field.residues(seed=1)
+    if residues is None or not functions:
+        return 0
+    p, n = residues.p, len(system.variables)
+    point = point_on_level(equations.relations, residues, len(equations.derivation.variables))
+    values = [value_at(modular(e, residues), point, p) for e in entries]
+    rows = [{k: v for k, v in enumerate(values[i : i + n]) if v} for i in range(0, len(values), n)]
+    return rank_mod(rows, n, p)
+
+
+def commuting_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -> tuple[str, ...]:
+    """Names of as many commuting integrals with independent vector fields as half the rank, H among them, if found."""
+    names, n = list(integrals), rank // 2
+    if len(names) < n or not n:
+        return ()
+    others = [pair for pair in combinations(names, 2) if "H" not in pair]
+    scale = _scale(system)
+    zero = _vanish(system, [(system.bracket(integrals[a], integrals[b]) / scale).expand() for a, b in others])
+    commuting = {frozenset(pair) for pair, vanishes in zip(others, zero, strict=True) if vanishes}
+    for chosen in combinations(names[1:], n - 1):
+        if (
+            all(frozenset(pair) in commuting for pair in combinations(chosen, 2))
+            and fields_rank(system, [integrals[c] for c in ("H", *chosen)]) == n
+        ):
+            return ("H", *chosen)
+    return ()
+
+
+def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -> ClosedIntegrals | None:
+    """The integrals, if they are closed under the bracket and as many as the theorem wants."""
+    from sympy import Symbol
+
+    from liepoisson.exact.trace import traces_in
+
+    # Casimirs that are traces of matrices are left out: written out they are long
+    names, casimirs = list(integrals), [c for c in system.bracket.casimirs() if not traces_in(c)]
+    pairs = list(combinations(names, 2))
+    scale = _scale(system)
+    brackets = [(system.bracket(integrals[a], integrals[b]) / scale).expand() for a, b in pairs]
+    if fields_rank(system, list(integrals.values())) < len(names):
+        return None
+    generators = {Symbol(name): f for name, f in integrals.items() if is_algebraic(system, f)}
+    generators |= {Symbol(f"C{k}"): c for k, c in enumerate(casimirs, start=1)}
+    written = _as_polynomials(system, brackets, generators)
+    if written is None:
+        return None
+    matrix = {pair: p for pair, p in zip(pairs, written, strict=True) if p != 0}
+    corank = len(names) - _generic_rank(names, matrix, list(generators))
+    if len(names) + corank != rank:
+        return None
+    return ClosedIntegrals(tuple(names), corank, {pair: (scale * p).expand() for pair, p in matrix.items()})
+
+
+def _scale(system: System) -> Any:
+    """The common power of pi of all brackets, as those of the sine algebra have; numbers are exact without it."""
+    return to_sympy(Coefficients.containing([value for *_, value in system.bracket.entries()]).scale)
+
+
+def _vanish(system: System, functions: Sequence[Expr]) -> list[bool]:
+    equations, polynomials = algebraic_equations(system, *functions)
+    level = level_of(equations.derivation, equations.relations)
+    return [not level.remainder(f) for f in polynomials]
+
+
+def _as_polynomials(system: System, functions: Sequence[Expr], generators: Mapping[Any, Expr]) -> list[Expr] | None:
+    """Functions as polynomials in generators of no higher degree; None if one is none."""
+    from sympy import Add, Integer, Mul
+
+    equations, read = algebraic_equations(system, *functions, *generators.values())
+    level, field = level_of(equations.derivation, equations.relations), equations.derivation.field
+    remainders = [level.remainder(f) for f in read]
+    targets, factors = remainders[: len(functions)], remainders[len(functions) :]
+    degrees = [max(map(sum, f), default=0) for f in factors]
+    highest = max((max(map(sum, f), default=0) for f in targets), default=0)
+    products: list[tuple[int, Any, Polynomial]] = [
+        (0, Integer(1), {(0,) * len(equations.derivation.variables): field.one})
+    ]
+    for symbol, degree, factor in zip(generators, degrees, factors, strict=True):
+        for d, name, product in products:  # grows while it is read: powers of the factor
+            if degree and d + degree <= highest:
+                if len(products) == _MOST_PRODUCTS:
+                    return None
+                products.append((d + degree, name * symbol, level.remainder(times(product, factor))))
+    rows: dict[Any, int] = {}
+    columns = [{rows.setdefault(m, len(rows)): c for m, c in f.items()} for _, _, f in products]
+    found: list[Expr] = []
+    for target in targets:
+        if not all(m in rows for m in target):
+            return None
+        solution = solve(columns, {rows[m]: c for m, c in target.items()}, field)
+        if solution is None:
+            return None
+        terms = [Mul(field.to_sympy(c), name) for c, (_, name, _) in zip(solution, products, strict=True) if c]
+        found.append(Add(*terms))
+    return found
+
+
+def _generic_rank(names: Sequence[str], matrix: Mapping[tuple[str, str], Expr], generators: Sequence[Any]) -> int:
+    """The rank of the antisymmetric matrix over the field of rational functions of the generators."""
+    from sympy import Poly
+    from sympy.polys.matrices import DomainMatrix
+
+    if not matrix:
+        return 0
+    domain = Poly(sum(matrix.values()) + sum(generators), *generators, extension=True).domain
+    fractions: Any = domain.get_field().frac_field(*generators)
+    size = len(names)
+    entries = [[fractions.zero] * size for _ in names]
+    for (a, b), value in matrix.items():
+        i, j = names.index(a), names.index(b)
+        entries[i][j] = fractions.from_sympy(value)
+        entries[j][i] = -entries[i][j]
+    return DomainMatrix(entries, (size, size), fractions).rank()

@@ -1,0 +1,321 @@
+r"""Darboux polynomials of a system: invariant hypersurfaces p = 0, and rational integrals made of them.
+
+p is a Darboux polynomial if $\dot p = k p$ with a polynomial k, its cofactor.  A product of powers of some is constant
+along the motion if the powers times the cofactors add up to zero.
+
+References: Goriely, Integrability and Nonintegrability of Dynamical Systems (2001), chapter 2.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import accumulate, chain
+from math import lcm
+from typing import TYPE_CHECKING, Any, get_args
+
+from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.display import as_text
+from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.printing import Formula
+from liepoisson.integrability.cofactors import Candidates, CofactorCases, Field, Values, cofactor_monomials
+from liepoisson.integrability.darboux_search import DarbouxSearch, over
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.gradings import Grading, positive_grading
+from liepoisson.integrability.level import level_of, order
+from liepoisson.integrability.monomials import in_blocks, n_monomials, n_of_weight, of_degree, of_weight
+from liepoisson.integrability.polynomial_integrals import gradings_of_known, gradings_of_level, read_search, tidied
+from liepoisson.integrability.rational_integrals import RationalIntegral, rational_integrals
+from liepoisson.integrability.square_roots import element, field_of
+from liepoisson.scalars import as_count, as_time_limit
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+    from liepoisson.exact.system import System
+
+MOST_MONOMIALS = 1000
+"""Monomials of the largest search that is begun; the systems of equations contain the cofactor as parameters."""
+
+_WORDS = {
+    "complex": "over the complex numbers",
+    "real": "over the real numbers",
+    "rational": "over the rational numbers",
+}
+
+
+@dataclass(frozen=True)
+class DarbouxPolynomial:
+    """A polynomial p that was found, with its cofactor k: the rate of p is k p.
+
+    Attributes:
+        name: P1, P2, ...
+        expression: p, with the smallest whole coefficients if they are rational.
+        cofactor: k; zero for a first integral.
+        degree: The total degree of p.
+    """
+
+    name: str
+    expression: Expr
+    cofactor: Expr
+    degree: int
+
+    @property
+    def is_real(self) -> bool:
+        """Whether all coefficients are real."""
+        from sympy import I
+
+        return not self.expression.has(I)
+
+    @property
+    def equations(self) -> tuple[Expr, ...]:
+        """The real polynomials that vanish on the invariant set p = 0: p, or its real and imaginary part."""
+        from sympy import I, S, expand
+
+        if self.is_real:
+            return (self.expression,)
+        expanded: Any = expand(self.expression)
+        imaginary = expanded.coeff(I)
+        return tuple(part for part in (expand(expanded - I * imaginary), expand(imaginary)) if part != S.Zero)
+
+
+@dataclass(frozen=True, repr=False)
+class DarbouxPolynomials:
+    """What a search for Darboux polynomials found, and what it proves.
+
+    Attributes:
+        system: The system.
+        degree: The total degree up to which was searched, or None.
+        weight: The weight up to which was searched, or None.
+        weights: The weights of the coordinates, if a weight was given.
+        on: Functions that vanish on the level set that was searched; empty for all of phase space.
+        field: Which numbers the coefficients of cofactors may be: "complex", "real" or "rational".
+        known: The integrals that were known, by name.
+        found: The Darboux polynomials that are no sums of products of others and of known integrals, lowest degree
+            first. They are irreducible, over the numbers of `field`, if the search is complete.
+        rational_integrals: Products of powers of these that are constant, from which all others are made.
+        cofactor_monomials: The monomials of cofactors that were looked for; on all of phase space there are no others.
+        n_monomials: Number of monomials of the search.
+        n_blocks: Number of blocks, between which the equations do not mix.
+        n_cases: Number of cases into which the cofactors were divided.
+        left: Cases that were not decided, as conditions on the coefficients of cofactors; empty if all are found.
+    """
+
+    system: System
+    degree: int | None
+    weight: int | None
+    weights: tuple[int, ...]
+    on: tuple[Expr, ...]
+    field: Field
+    known: dict[str, Expr]
+    found: tuple[DarbouxPolynomial, ...]
+    rational_integrals: tuple[RationalIntegral, ...]
+    cofactor_monomials: tuple[Expr, ...]
+    n_monomials: int
+    n_blocks: int
+    n_cases: int
+    left: tuple[str, ...]
+
+    @property
+    def complete(self) -> bool:
+        """Whether it is proved that all others are sums of products of those found and of the known integrals."""
+        return not self.left
+
+    @property
+    def invariant_hypersurfaces(self) -> tuple[Expr, ...]:
+        """The real polynomials p for which p = 0 is invariant, integrals left out: their levels all are."""
+        return tuple(p.expression for p in self.found if p.is_real and p.cofactor != 0)
+
+    @property
+    def scope(self) -> str:
+        """Which polynomials were searched, in words."""
+        size = f"degree {self.degree}" if self.weight is None else f"weight {self.weight}"
+        where = f" on {', '.join(f'{Formula(f).plain} = 0' for f in self.on)}" if self.on else ""
+        return f"polynomials up to {size}{where}"
+
+    def __repr__(self) -> str:
+        n = len(self.found)
+        state = "complete" if self.complete else "incomplete"
+        return f"<DarbouxPolynomials of {self.system.name}: {n} among {self.scope} {_WORDS[self.field]}, {state}>"
+
+    def __str__(self) -> str:
+        """The polynomials with their cofactors, the integrals made of them, and what is proved."""
+        lines = [f"{self.system.name}: Darboux polynomials among {self.scope}, {_WORDS[self.field]}"]
+        lines.append(f"known integrals: {', '.join(self.known) or 'none'}")
+        lines += [f"{p.name} = {Formula(p.expression).plain}, cofactor {Formula(p.cofactor).plain}" for p in self.found]
+        if not self.found:
+            lines.append("no others than the known integrals")
+        lines += [f"{r.name} = {r} is constant{r.remark}" for r in self.rational_integrals]
+        return "\n".join([*lines, *self._proof()])
+
+    def _proof(self) -> list[str]:
+        blocks = f"{self.n_blocks} block{'s' * (self.n_blocks != 1)}"
+        cofactors = ", ".join(Formula(m).plain for m in self.cofactor_monomials) or "0"
+        effort = f"({self.n_monomials} monomials in {blocks}; cofactors with {cofactors}; {self.n_cases} cases)"
+        if self.left:
+            return [f"incomplete {effort}, these cofactors k are left:", *(f"  {text}" for text in self.left)]
+        others = "these and the known integrals" if self.found else "the known integrals"
+        such = " with such a cofactor" if self.on else ""
+        return [
+            f"proved {_WORDS[self.field]}: Every other one{such} is a sum of products of {others}, all with one "
+            f"cofactor. {effort}"
+        ]
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the text."""
+        return as_text(str(self))
+
+
+@explains_its_arguments
+@shows_progress
+def darboux_polynomials(
+    system: System,
+    *,
+    degree: int | None = None,
+    weight: int | None = None,
+    on: Sequence[str | Expr] = (),
+    known: Mapping[str, str | Expr] | None = None,
+    field: Field = "complex",
+    time_limit: float = 60.0,
+    progress: Callable[[float], Any] | None = None,
+) -> DarbouxPolynomials:
+    r"""All Darboux polynomials up to a total degree or a weight: $\dot p = k p$ with a polynomial k, the cofactor.
+
+    p = 0 is then invariant, and products of powers whose cofactors add up to zero are rational integrals. Cofactors are
+    found by splitting the linear system $(D - k) p = 0$, whose parameters are the coefficients of k, into cases; there
+    are finitely many.
+
+    Example:
+        >>> body = lp.System(lp.so(3) @ lp.trivial(), "(l1^2 + 2*l2^2 + 6*l3^2)/2")
+        >>> found = lp.integrability.darboux_polynomials(body, degree=1, field="real")
+        >>> [(str(p.expression), str(p.cofactor)) for p in found.found]
+        [('l1 + 2*l3', '2*l2'), ('l1 - 2*l3', '-2*l2')]
+
+    Args:
+        system: A system with polynomial equations and rational numbers in them.
+        degree: The total degree; 2 if neither it nor the weight is given.
+        weight: The largest weight instead, for equations that are homogeneous for positive weights of the coordinates.
+        on: Equations of an invariant level set to which the search is restricted, as for `first_integrals`. There only
+            cofactors are looked for that are homogeneous where the equations are.
+        known: Integrals by name, of which polynomials are not looked for; by default H and the Casimirs.
+        field: Which numbers the coefficients of cofactors may be: "complex", "real" or "rational". Those that are
+            found have rational numbers and square roots; others are named in `left`.
+        time_limit: Seconds after which the cases that are left are named.
+        progress: As for `integrate`.
+
+    Raises:
+        ParameterError: the equations are no polynomials or their numbers are not rational, a known integral is none,
+            the level is not invariant, there is no positive grading for a weight, or the search is too large.
+        ExpressionError: a text cannot be read.
+    """
+    if field not in get_args(Field):
+        raise ParameterError(f"field: wanted 'complex', 'real' or 'rational'; got {shown(field)}")
+    limit = as_time_limit(time_limit)
+    given, zeros, derivation, known_polynomials, zero_polynomials = read_search(system, known, on)
+    if not derivation.field.is_rational:
+        raise ParameterError(
+            f"darboux_polynomials: wanted rational numbers in the equations; got {system.name} with "
+            f"{', '.join(map(str, derivation.field.parameters)) or 'irrational ones'}; give rational values"
+        )
+    level = level_of(derivation, zero_polynomials)
+    gradings = tuple(g for g in gradings_of_level(derivation, zero_polynomials) if not g.modulus)
+    asked, size, weights = _asked(derivation, gradings, degree, weight)
+    monomials = cofactor_monomials(derivation, gradings, level)
+    gradings = gradings_of_known(gradings, known_polynomials, weights)
+    blocks = in_blocks((m for m in asked if level.is_standard(m)), gradings)
+    ordered = sorted(blocks.items(), key=lambda item: len(item[1]))
+    listen, deadline = progress or (lambda _: None), time.monotonic() + limit
+    cases = CofactorCases(derivation, level, monomials, field, lambda: time.monotonic() < deadline)
+    values, left, n_cases = _cofactors(cases, [block for _, block in ordered], lambda f: listen(0.7 * f))
+    numbers = field_of(v for of_block in values for one in of_block for v in one)
+    equations = tuple(zero for zero in zero_polynomials if zero)
+    search = DarbouxSearch(derivation, gradings, level, equations, tuple(monomials)).over(numbers)
+    for polynomial in known_polynomials:
+        search.add_known(over(numbers, [polynomial])[0])
+    n_known = len(search.factors)
+    elements = [[tuple(element(v, numbers) for v in one) for one in of_block] for of_block in values]
+    search.run(
+        [(label, block, of_block) for (label, block), of_block in zip(ordered, elements, strict=True)],
+        lambda f: listen(0.7 + 0.3 * f),
+    )
+    new = sorted(search.factors[n_known:], key=lambda f: (f.degree, len(f.polynomial)))
+    expressions = [search.derivation.expression(_tidied(f.polynomial, numbers)) for f in new]
+    found = tuple(
+        DarbouxPolynomial(f"P{k}", e, search.cofactor_expression(f), f.degree)
+        for k, (f, e) in enumerate(zip(new, expressions, strict=True), start=1)
+    )
+    return DarbouxPolynomials(
+        system=system,
+        degree=None if weight is not None else (2 if degree is None else degree),
+        weight=weight,
+        weights=weights,
+        on=tuple(zeros),
+        field=field,
+        known=given,
+        found=found,
+        rational_integrals=rational_integrals(search, new, [p.name for p in found], expressions),
+        cofactor_monomials=tuple(derivation.expression({m: derivation.field.one}) for m in monomials),
+        n_monomials=size,
+        n_blocks=len(ordered),
+        n_cases=n_cases,
+        left=left,
+    )
+
+
+def _asked(
+    derivation: Derivation, gradings: Sequence[Grading], degree: int | None, weight: int | None
+) -> tuple[Iterator[Exponents], int, tuple[int, ...]]:
+    """The monomials of the search, the number of those that are not constant, and the weights of the coordinates."""
+    n = len(derivation.variables)
+    if weight is None:
+        d = 2 if degree is None else as_count(degree, "degree", least=1)
+        size = n_monomials(n, d) - 1
+        if size > MOST_MONOMIALS:
+            fits = max(k for k in range(d) if n_monomials(n, k) <= MOST_MONOMIALS)
+            raise ParameterError(
+                f"degree: wanted at most {fits}, with {n_monomials(n, fits):,} monomials in {n} coordinates; got {d}, "
+                f"with {size:,}. Search by weight, or on a level"
+            )
+        return chain.from_iterable(of_degree(n, k) for k in range(d + 1)), size, ()
+    if degree is not None:
+        raise ParameterError(f"wanted a degree or a weight; got both, {degree} and {weight}; leave one out")
+    w = as_count(weight, "weight", least=1)
+    grading = positive_grading(gradings)
+    if grading is None:
+        raise ParameterError(
+            "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; "
+            "give a degree instead"
+        )
+    sizes = list(accumulate(n_of_weight(grading.weights, k) for k in range(1, w + 1)))
+    if sizes[-1] > MOST_MONOMIALS:
+        fits = sum(size <= MOST_MONOMIALS for size in sizes)
+        raise ParameterError(f"weight: wanted at most {fits}, of {MOST_MONOMIALS:,} monomials; {w} has {sizes[-1]:,}")
+    return chain.from_iterable(of_weight(grading.weights, k) for k in range(w + 1)), sizes[-1], grading.weights
+
+
+def _cofactors(
+    cases: CofactorCases, blocks: Sequence[Sequence[Exponents]], listen: Callable[[float], Any]
+) -> tuple[list[tuple[Values, ...]], tuple[str, ...], int]:
+    """The cofactors that may occur in each block, the cases that were not decided, and the number of cases."""
+    found: list[Candidates] = []
+    done, total = 0, sum(len(block) ** 2 for block in blocks)
+    for block in blocks:
+        found.append(cases.candidates(sorted(block, key=order, reverse=True)))
+        done += len(block) ** 2
+        listen(done / total)
+    left = dict.fromkeys(text for one in found for text in one.left)
+    return [one.values for one in found], tuple(left), sum(one.n_cases for one in found)
+
+
+def _tidied(polynomial: Polynomial, field: Coefficients) -> Polynomial:
+    """With whole coefficients as far as possible: without denominators if the leading one is rational."""
+    if field.is_rational:
+        return tidied(polynomial)
+    leading = polynomial[max(polynomial, key=lambda m: (sum(m), m))]
+    monic = {m: c / leading for m, c in polynomial.items()}
+    numbers: list[Any] = [x for c in monic.values() for x in field.to_sympy(c).as_coefficients_dict().values()]
+    scale = field.number(lcm(*(int(x.q) for x in numbers)))
+    return {m: c * scale for m, c in monic.items()}

@@ -1,0 +1,223 @@
+r"""All Darboux polynomials with given cofactors, and those of them that others do not give.
+
+For each cofactor k the polynomials with $D p = k p$ are a vector space, which contains the products of others whose
+cofactors add up to k. Its dimension modulo a prime is at least the true one. Where products span as much, there is
+nothing else; otherwise the space is computed exactly, and what is no sum of products is taken, lowest degree first.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.coefficients import Coefficients, Element
+from liepoisson.exact.linear.linear_algebra import nullspace, nullspace_mod
+from liepoisson.exact.linear.residues import Residues
+from liepoisson.integrability.cofactors import image
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.gradings import Grading, homogeneous_parts
+from liepoisson.integrability.level import Level, order
+from liepoisson.integrability.modular import Modular, Span, modular, multiply
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+Cofactor: TypeAlias = "tuple[Element, ...]"
+"""The coefficients of a cofactor, in the order of its monomials."""
+Label: TypeAlias = "tuple[int, ...]"
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A Darboux polynomial of which products are made.
+
+    Attributes:
+        polynomial: It, homogeneous in the gradings.
+        cofactor: Its cofactor.
+        is_new: Whether the search found it.
+    """
+
+    polynomial: Polynomial
+    cofactor: Cofactor
+    is_new: bool
+
+    @property
+    def degree(self) -> int:
+        """Its total degree."""
+        return max(map(sum, self.polynomial))
+
+
+@dataclass
+class _Entry:
+    """One linear system of a search: the monomials of a block and a cofactor."""
+
+    label: Label
+    block: list[Exponents]
+    cofactor: Cofactor
+    degrees: list[int] = field(default_factory=list[int])
+    exact: list[Polynomial] | None = None
+
+
+@dataclass
+class DarbouxSearch:
+    """The search with given cofactors.
+
+    Attributes:
+        derivation: The equations, over a field that contains the cofactors.
+        gradings: Integer gradings, in which the cofactors are homogeneous.
+        level: The level set, or all of phase space.
+        equations: The polynomials that vanish on the level.
+        monomials: Those of the cofactors.
+        factors: What is known, to which is added what is found.
+    """
+
+    derivation: Derivation
+    gradings: tuple[Grading, ...]
+    level: Level
+    equations: tuple[Polynomial, ...]
+    monomials: tuple[Exponents, ...]
+    factors: list[Factor] = field(default_factory=list[Factor])
+
+    @property
+    def field(self) -> Coefficients:
+        """Where coefficients live."""
+        return self.derivation.field
+
+    def over(self, field: Coefficients) -> DarbouxSearch:
+        """The same search over a larger field than the rational numbers, with nothing known."""
+        basis = over(field, [generator for _, generator in self.level.basis])
+        return DarbouxSearch(
+            Derivation(self.derivation.variables, tuple(over(field, self.derivation.components)), field),
+            self.gradings,
+            Level(tuple((lead, generator) for (lead, _), generator in zip(self.level.basis, basis, strict=True))),
+            tuple(over(field, self.equations)),
+            self.monomials,
+        )
+
+    def add_known(self, polynomial: Polynomial) -> None:
+        """Take the homogeneous parts of an integral as known."""
+        zero = self.field.one - self.field.one
+        for part in homogeneous_parts(self.level.remainder(polynomial), self.gradings).values():
+            if any(map(any, part)):
+                self.factors.append(Factor(part, (zero,) * len(self.monomials), is_new=False))
+
+    def run(
+        self,
+        blocks: Sequence[tuple[Label, list[Exponents], Sequence[Cofactor]]],
+        progress: Callable[[float], Any] = lambda _: None,
+    ) -> None:
+        """Look for Darboux polynomials with the monomials of some blocks and the cofactors named with each.
+
+        Degree by degree, so that what is found is no product: factors have lower degrees, and were found before.
+        """
+        entries = [
+            _Entry(label, sorted(block, key=order), cofactor)
+            for label, block, cofactors in blocks
+            for cofactor in cofactors
+        ]
+        for entry in entries:
+            entry.degrees = self._degrees(entry.block, entry.cofactor)
+        highest = max((e for entry in entries for e in entry.degrees), default=0)
+        for degree in range(1, highest + 1):
+            new: list[Factor] = []
+            for entry in entries:
+                if degree not in entry.degrees:
+                    continue
+                span = self._span(entry.label, entry.cofactor, degree)
+                if len(span) >= sum(e <= degree for e in entry.degrees):
+                    continue
+                if entry.exact is None:
+                    entry.exact = self._exact(entry.block, entry.cofactor)
+                for polynomial in entry.exact:
+                    found = Factor(polynomial, entry.cofactor, is_new=True)
+                    if found.degree == degree and span.insert(modular(polynomial, self.residues)):
+                        new.append(found)
+            self.factors += new
+            progress(degree / highest)
+
+    def cofactor_expression(self, factor: Factor) -> Expr:
+        """The cofactor of a Darboux polynomial."""
+        return self.derivation.expression(self._of(factor.cofactor))
+
+    @cached_property
+    def residues(self) -> Residues:
+        """The homomorphism modulo a prime."""
+        found = self.field.residues(seed=1)
+        if found is None:
+            raise ParameterError(
+                "the square roots in the cofactors generate a field that is too large; take field='real'"
+            )
+        return found
+
+    @cached_property
+    def _level_mod(self) -> Level:
+        return Level(tuple((lead, modular(b, self.residues)) for lead, b in self.level.basis))
+
+    def _of(self, cofactor: Cofactor) -> dict[Exponents, Element]:
+        return {m: c for m, c in zip(self.monomials, cofactor, strict=True) if c}
+
+    def _rows(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[dict[int, Element]]:
+        rows: dict[Exponents, dict[int, Element]] = {}
+        for column, monomial in enumerate(block):
+            for key, value in image(self.derivation, self._of(cofactor), monomial, self.level).items():
+                rows.setdefault(key, {})[column] = value
+        return list(rows.values())
+
+    def _degrees(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[int]:
+        """The degrees of a basis of the null space modulo the prime, as low as possible.
+
+        For no degree there are fewer up to it than there are exactly.
+        """
+        rows = [
+            {c: residue for c, v in row.items() if (residue := self.residues(v))} for row in self._rows(block, cofactor)
+        ]
+        # vectors end in columns of their own, which increase with the degree
+        return [sum(block[max(vector)]) for vector in nullspace_mod(rows, len(block), self.residues.p)]
+
+    def _exact(self, block: Sequence[Exponents], cofactor: Cofactor) -> list[Polynomial]:
+        """The null space, as polynomials of the lowest degrees possible, those with few terms first."""
+        vectors = nullspace(self._rows(block, cofactor), len(block), self.field).vectors
+        return sorted(({block[c]: v for c, v in vector.items()} for vector in vectors), key=len)
+
+    def _span(self, label: Label, cofactor: Cofactor, highest: int) -> Span:
+        """The products of factors up to a degree with a cofactor and in a block, modulo the prime."""
+        p = self.residues.p
+        span = Span(p)
+        wanted = tuple(self.residues(c) for c in cofactor)
+        one: Modular = {(0,) * len(self.derivation.variables): 1}
+        factors = [
+            (
+                f.degree,
+                modular(f.polynomial, self.residues),
+                tuple(self.residues(c) for c in f.cofactor),
+                tuple(g.of(next(iter(f.polynomial))) for g in self.gradings),
+            )
+            for f in self.factors
+        ]
+
+        def extend(start: int, left: int, chosen: tuple[int, ...], rate: tuple[int, ...], weights: Label) -> None:
+            if rate == wanted and weights == label:
+                product = one
+                for k in chosen:
+                    product = multiply(product, factors[k][1], p)
+                span.insert({m: v for m, c in self._level_mod.remainder(product, p).items() if (v := c % p)})
+            for k in range(start, len(factors)):
+                degree, _, more, moved = factors[k]
+                if 0 < degree <= left:
+                    further = tuple((a + b) % p for a, b in zip(rate, more, strict=True))
+                    extend(k, left - degree, (*chosen, k), further, _sum(weights, moved))
+
+        extend(0, highest, (), (0,) * len(self.monomials), (0,) * len(self.gradings))
+        return span
+
+
+def _sum(first: Label, second: Label) -> Label:
+    return tuple(a + b for a, b in zip(first, second, strict=True))
+
+
+def over(field: Coefficients, polynomials: Sequence[Mapping[Exponents, Element]]) -> list[Polynomial]:
+    """Polynomials with rational coefficients over a larger field."""
+    return [{m: field.number(c) for m, c in polynomial.items()} for polynomial in polynomials]

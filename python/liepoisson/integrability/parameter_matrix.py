@@ -1,0 +1,137 @@
+"""The matrix of a search for integrals with polynomials in the parameters for entries, and the scalings that keep it.
+
+The equations of motion are multiplied by the common denominator of their coefficients, which changes the speed of the
+motion and no integral, where it does not vanish.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from math import lcm
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.echelon import Echelon
+from liepoisson.integrability.derivation import Derivation, Exponents, Polynomial
+from liepoisson.integrability.gradings import gradings
+from liepoisson.integrability.level import Level
+from liepoisson.integrability.parameter_cases import Poly, SparseRow
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+
+class ParameterMatrix:
+    """The equations of motion, on a level or in all of phase space, with flint's polynomials for coefficients.
+
+    Args:
+        derivation: The equations; the field of their coefficients has parameters.
+        zeros: The polynomials that vanish on the level.
+        level: The level.
+
+    Raises:
+        ParameterError: the highest terms of the equations of the level have no numbers for coefficients, or there are
+            several with parameters.
+    """
+
+    def __init__(self, derivation: Derivation, zeros: Sequence[Polynomial] = (), level: Level | None = None) -> None:
+        from flint import fmpq_mpoly_ctx
+
+        self.symbols = derivation.field.parameters
+        self.names = [str(s) for s in self.symbols]
+        self.context: Any = fmpq_mpoly_ctx.get(self.names, "degrevlex")
+        self._zero, self._one = self.context.constant(0), self.context.constant(1)
+        read = [
+            {m: (self._read(c.numer), self._read(c.denom)) for m, c in part.items()} for part in derivation.components
+        ]
+        self.denominator: Poly = self._one
+        for part in read:
+            for _, b in part.values():
+                self.denominator = self.denominator * (b // self.denominator.gcd(b))
+        self.components: list[dict[Exponents, Poly]] = [
+            {m: a * (self.denominator // b) for m, (a, b) in part.items()} for part in read
+        ]
+        self.zeros = [self.without_denominators(zero) for zero in zeros if zero]
+        self.level = self._level(level or Level())
+
+    def _read(self, polynomial: Any) -> Poly:
+        from flint import fmpq
+
+        terms = {tuple(map(int, m)): fmpq(int(c.numerator), int(c.denominator)) for m, c in polynomial.terms()}
+        return self.context.from_dict(terms)
+
+    def without_denominators(self, polynomial: Polynomial) -> dict[Exponents, Poly]:
+        """A polynomial times the common denominator of its coefficients."""
+        pairs = {m: (self._read(c.numer), self._read(c.denom)) for m, c in polynomial.items()}
+        common = self._one
+        for _, b in pairs.values():
+            common = common * (b // common.gcd(b))
+        return {m: a * (common // b) for m, (a, b) in pairs.items()}
+
+    def _level(self, level: Level) -> Level:
+        """The level over polynomials: division by its basis must be the same for all values of the parameters."""
+        basis: list[tuple[Exponents, dict[Exponents, Poly]]] = []
+        for lead, generator in level.basis:
+            divided = {m: (self._read(c.numer), self._read(c.denom)) for m, c in generator.items()}
+            is_constant = all(a.is_constant() for a, _ in divided.values())
+            if not all(b.is_constant() for _, b in divided.values()) or (len(self.zeros) > 1 and not is_constant):
+                raise ParameterError(
+                    "on: wanted one equation whose highest term has a number for its coefficient, or several without "
+                    "parameters; got others; give numbers for the parameters of the level"
+                )
+            basis.append((lead, {m: a / b.leading_coefficient() for m, (a, b) in divided.items()}))
+        return Level(tuple(basis))
+
+    def rows(self, block: Sequence[Exponents]) -> list[SparseRow]:
+        """The matrix of D on some monomials that are standard on the level."""
+        rows: dict[Exponents, SparseRow] = {}
+        for column, monomial in enumerate(block):
+            for key, value in self.level.remainder(self._image(monomial)).items():
+                rows.setdefault(key, {})[column] = value
+        return list(rows.values())
+
+    def _image(self, monomial: Exponents) -> dict[Exponents, Poly]:
+        total: dict[Exponents, Poly] = {}
+        for k, power in enumerate(monomial):
+            if power:
+                lowered = (*monomial[:k], power - 1, *monomial[k + 1 :])
+                for factor, coefficient in self.components[k].items():
+                    key = tuple(map(sum, zip(lowered, factor, strict=True)))
+                    total[key] = total.get(key, self._zero) + coefficient * power
+        return total
+
+    def scalings(self) -> list[tuple[int, ...]]:
+        """Independent weights of the parameters with which the equations, and those of the level, are homogeneous.
+
+        An equation f = 0 is homogeneous if there are weights of the equations with one more coordinate whose rate is f.
+        """
+        equations = [*self.components, *self.zeros]
+        n, k, more = len(self.components), len(self.symbols), len(self.zeros)
+        extended: list[dict[Exponents, Any]] = [
+            {(*m, *(0,) * more, *map(int, powers)): 1 for m, a in part.items() for powers, _ in a.terms()}
+            for part in equations
+        ]
+        names: Any = tuple(range(n + more + k))  # gradings look at exponents alone
+        whole = Derivation(names, (*extended, *({} for _ in range(k))), Coefficients())
+        found = Echelon(Coefficients())
+        for grading in gradings(whole):
+            if not grading.modulus:
+                found.insert({i: Fraction(w) for i, w in enumerate(grading.weights[n + more :]) if w})
+        scalings: list[tuple[int, ...]] = []
+        for vector in found.basis():
+            scale = lcm(*(c.denominator for c in vector.values()))
+            scalings.append(tuple(int(vector.get(i, Fraction(0)) * scale) for i in range(k)))
+        return scalings
+
+    def sympy(self, polynomial: Poly) -> Expr:
+        """A polynomial in the parameters as an expression with whole coefficients without a common factor."""
+        from sympy import Add, Mul, Rational
+
+        terms: list[Any] = [
+            Mul(Rational(int(c.p), int(c.q)), *(s ** int(k) for s, k in zip(self.symbols, m, strict=True)))
+            for m, c in polynomial.terms()
+        ]
+        whole = Add(*terms).as_numer_denom()[0].primitive()[1]
+        return -whole if whole.could_extract_minus_sign() else whole

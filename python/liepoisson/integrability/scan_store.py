@@ -1,0 +1,110 @@
+"""The folder of a scan: one file of lines, the first of which says what is scanned; each other one has some points.
+
+Each line begins with its checksum.  A line that is damaged, such as the last one of a process that was killed, is left
+out, and its points are computed again.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+from zlib import crc32
+
+from liepoisson.errors import DamagedFileError, OutputError
+from liepoisson.files import write_atomically, writing
+from liepoisson.integrability.scan_points import PointResult
+
+FORMAT = "liepoisson integral scan 1"
+_FILE = "points.jsonl"
+
+
+class ScanStore:
+    """The points of a scan that are known.
+
+    Args:
+        folder: The folder; it exists, and no other process works in it.
+        description: What is scanned, as plain data.
+        fresh: Discard what is there.
+
+    Raises:
+        OutputError: the folder holds another scan or something else, or cannot be written.
+        DamagedFileError: its description cannot be read.
+    """
+
+    def __init__(self, folder: Path, description: Mapping[str, Any], *, fresh: bool = False) -> None:
+        self.path = folder / _FILE
+        self.known: dict[int, PointResult] = {}
+        head = json.loads(json.dumps({"format": FORMAT, **description}))
+        with writing(folder):
+            is_there, is_used = self.path.exists(), any(p.name not in (".lock", _FILE) for p in folder.iterdir())
+        if is_there and not fresh:
+            self._read(head)
+        elif is_used:
+            raise OutputError(f"{folder} is not empty and holds no scan. Choose another name for the store.")
+        else:
+            write_atomically(self.path, _line(head).encode())
+
+    def _read(self, head: Mapping[str, Any]) -> None:
+        with writing(self.path):
+            content = self.path.read_bytes()
+        lines = content.decode("utf-8", "replace").split("\n")
+        found = _content(lines[0])
+        if not isinstance(found, dict) or found.get("format") != FORMAT:
+            raise DamagedFileError(f"{self.path} holds no scan that can be read. Start over with fresh=True.")
+        if found != head:
+            names = [name for name in head if found.get(name) != head[name]]
+            raise OutputError(
+                f"{self.path} holds another scan: {', '.join(names) or 'its description'} differs. Choose another "
+                "store, or discard it with fresh=True."
+            )
+        for line in lines[1:]:
+            try:
+                self.known |= {int(point): _result(record) for point, record in (_content(line) or {}).items()}
+            except (ValueError, TypeError, KeyError, AttributeError):  # it had a right sum, and is none of ours
+                continue
+        if not content.endswith(b"\n"):
+            with writing(self.path), self.path.open("ab") as stream:
+                stream.write(b"\n")
+
+    def keep(self, results: Mapping[int, PointResult]) -> None:
+        """Add points; one whose process failed is tried again next time.
+
+        Raises:
+            OutputError: they cannot be written; what is stored stays.
+        """
+        if records := {str(k): _record(r) for k, r in results.items() if r.outcome != "failed"}:
+            with writing(self.path), self.path.open("a", encoding="utf-8") as stream:
+                stream.write(_line(records))
+                stream.flush()
+                os.fsync(stream.fileno())
+
+
+def _line(content: Any) -> str:
+    text = json.dumps(content, separators=(",", ":"))
+    return f"{crc32(text.encode()):08x} {text}\n"
+
+
+def _content(line: str) -> Any:
+    """What a line says, or None."""
+    total, _, text = line.partition(" ")
+    if total != f"{crc32(text.encode()):08x}":
+        return None
+    try:
+        return json.loads(text)
+    except ValueError:
+        return None
+
+
+def _record(result: PointResult) -> list[Any]:
+    found = [[[str(c), list(m)] for m, c in polynomial.items()] for polynomial in result.found]
+    return [result.outcome, result.n_further, found]
+
+
+def _result(record: list[Any]) -> PointResult:
+    outcome, n_further, found = record
+    polynomials = tuple({tuple(map(int, m)): Fraction(c) for c, m in polynomial} for polynomial in found)
+    return PointResult(str(outcome), int(n_further), polynomials)

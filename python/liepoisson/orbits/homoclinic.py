@@ -1,0 +1,303 @@
+r"""Symmetric homoclinic orbits to symmetric periodic orbits and to equilibria.
+
+An orbit on the unstable manifold that meets $\mathrm{Fix}\,\rho$ is its own mirror image, and so it is on the stable
+manifold of the mirror image of where it came from, too.  With k unstable directions (m - 1 for a periodic orbit, m for an
+equilibrium, on a leaf of dimension 2m), the unknowns are the amplitudes a on the linear unstable space and the time; the
+equations say that the end is in the fixed set.
+
+References: [devaney1976]; [champneys1998].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.arrays import Array
+from liepoisson.calls import shows_progress
+from liepoisson.errors import OrbitError, ParameterError
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.sampling import as_seed
+from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit, HomoclinicOrbits
+from liepoisson.orbits.level import Level
+from liepoisson.orbits.multipliers import transversal_basis
+from liepoisson.orbits.shooting import Flow, mirror_basis
+from liepoisson.orbits.symmetric_orbits import group_of, reversers_of
+from liepoisson.orbits.unstable import AMPLITUDE, UnstableSpace, unstable_space
+from liepoisson.scalars import as_count, as_number, as_threads
+from liepoisson.streams import Purpose, stream
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+    from liepoisson.phase_space.stability import Equilibrium
+
+MEETS = 1e-9
+"""Largest distance of a midpoint from the fixed set, in units of the level; 1e-12 is usual (see `unstable`)."""
+
+_EXCURSION = 6.0
+"""By default flights go on for so many times 1 / rate after the amplitude would have grown to 1."""
+
+_TIMES_PER_RATE = 24.0
+_MOST_STEPS = 24
+_CONVERGING = 1e-3
+_LONGEST_STEP = 0.3
+_SAME_STATE = 1e-5
+_SAME_TIME = 1e-2
+_GUESSES_PER_START = 1.0
+_OFF = 0.05
+"""A midpoint is at least so far from the orbit that it is homoclinic to, in units of the level."""
+
+
+@shows_progress
+def symmetric_homoclinic_orbits(
+    origin: SymmetricOrbit | Equilibrium,
+    *,
+    reversers: Sequence[DiscreteSymmetry] | None = None,
+    n_starts: int = 400,
+    t_end: float | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Callable[[float], Any] | None = None,
+) -> HomoclinicOrbits:
+    r"""Homoclinic orbits that are their own mirror images, to a hyperbolic periodic orbit or equilibrium.
+
+    From random states of the linear unstable space, at an amplitude of 1e-4, orbits are followed; the moments when they
+    come near the fixed set of a reverser are improved by Newton's method in amplitudes and time.  The second half is
+    the mirror image of the first.  Orbits that are images of one another under the reversers are listed once, those
+    with the shortest flight first.
+
+    A homoclinic orbit to a periodic orbit may approach an image of it under the symmetry $\rho_1\rho_0$ of the loop,
+    which is the same orbit.
+
+    Args:
+        origin: A hyperbolic orbit of `symmetric_periodic_orbits`, or a hyperbolic equilibrium.
+        reversers: The reversers in whose fixed sets midpoints are looked for; by default all that suit the level, and
+            keep the equilibrium.
+        n_starts: How many starts.
+        t_end: The longest time from the amplitude 1e-4 to the midpoint; by default $(\ln 10^4 + 6)/\lambda$ with the
+            slowest unstable rate.
+        seed: Draws the starts.
+        threads: By default all processors.
+        progress: Called with the fraction that is done.
+
+    Returns:
+        The orbits by increasing time of flight; that there are no others is not proved.
+
+    Raises:
+        ParameterError: `origin` is not hyperbolic, or no reverser suits it.
+        LeafError: the leaf of an equilibrium is not regular.
+    """
+    n_starts, seed, threads = as_count(n_starts, "n_starts", least=1), as_seed(seed), as_threads(threads)
+    space = unstable_space(origin)
+    level = space.level
+    chosen = reversers_of(level, reversers)
+    if space.loop_time == 0.0:
+        chosen = [one for one in chosen if np.abs((one(space.state) - space.state) / level.units).max() < _SAME_STATE]
+        if not chosen:
+            raise ParameterError("origin: wanted an equilibrium in the fixed set of a reverser; none keeps this one")
+    longest = (np.log(1 / AMPLITUDE) + _EXCURSION) / space.rate if t_end is None else as_number(t_end, "t_end", "a time")
+    if not (np.isfinite(longest) and longest > 0):
+        raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out to have it chosen")
+    search = _Search(space, Flow(level.system, threads), float(longest))
+    amplitudes = search.drawn(n_starts, seed)
+    guesses = search.near(amplitudes, chosen, round(_GUESSES_PER_START * n_starts))
+    solved: list[tuple[DiscreteSymmetry, Array, float, Array, float]] = []
+    for k, one in enumerate(chosen):
+        if progress is not None:
+            progress(0.2 + 0.7 * k / len(chosen))
+        solved += [(one, *found) for found in search.solved(one, *guesses[k])]
+    path = _points_of(origin, space)
+    found = [
+        _described(origin, space, search.flow, *one)
+        for one in _distinct(level, solved, [one.matrix for one in reversers_of(level)], path)
+    ]
+    found.sort(key=lambda one: one.time)
+    return HomoclinicOrbits(origin, tuple(found), tuple(chosen), float(longest), n_starts)
+
+
+class _Search:
+    """Flights from the linear unstable space to fixed sets."""
+
+    def __init__(self, space: UnstableSpace, flow: Flow, longest: float, size: float = AMPLITUDE) -> None:
+        self.space, self.flow, self.longest, self.size = space, flow, longest, size
+        self.units = space.level.units
+        # one loop multiplies amplitudes by at most this; at an equilibrium the flow covers all amplitudes
+        self.factor = float(np.abs(np.linalg.eigvals(space.matrix)).max()) if space.loop_time else 1.0
+
+    def drawn(self, n: int, seed: int) -> Array:
+        """Random amplitudes of the size that is searched, up to what one loop makes of it, shape (n, k)."""
+        k = self.space.basis.shape[1]
+        draw = stream(seed, Purpose.HOMOCLINIC_ORBITS)
+        direction = draw.standard_normal((n, k))
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        return self.size * direction * self.factor ** draw.random((n, 1))
+
+    def near(
+        self, amplitudes: Array, reversers: Sequence[DiscreteSymmetry], n_wanted: int
+    ) -> list[tuple[Array, Array]]:
+        """Amplitudes and times at which flights come near the fixed set of each reverser."""
+        space, units = self.space, self.units
+        grid = np.linspace(0.0, self.longest, 1 + int(np.ceil(_TIMES_PER_RATE * self.longest * self.fastest)))
+        starts, _ = space.states(amplitudes)
+        orbit = integrate(
+            self.flow.system, starts, times=grid, method=Taylor(), kernel="lanes", threads=self.flow.threads
+        )
+        state = orbit.state / units
+        speed = np.linalg.norm(np.gradient(state, grid, axis=1), axis=-1)
+        early = grid[1:-1] < 0.5 * np.log(1 / self.size) / self.fastest
+        found: list[tuple[Array, Array]] = []
+        for one in reversers:
+            distance = np.linalg.norm(state @ mirror_basis(one), axis=-1)
+            inner = (distance[:, 1:-1] <= distance[:, :-2]) & (distance[:, 1:-1] < distance[:, 2:]) & ~early
+            rows, places = np.nonzero(inner)
+            size = distance[rows, places + 1] / np.maximum(speed[rows, places + 1], 1e-300)
+            best = np.argsort(size, kind="stable")[:n_wanted]
+            found.append((amplitudes[rows[best]], grid[places[best] + 1]))
+        return found
+
+    @property
+    def fastest(self) -> float:
+        """The largest rate of the unstable space."""
+        values = np.linalg.eigvals(self.space.matrix)
+        if self.space.loop_time:
+            return float(np.log(np.abs(values).max())) / self.space.loop_time
+        return float(np.abs(values).max())
+
+    def solved(
+        self, reverser: DiscreteSymmetry, amplitudes: Array, times: Array
+    ) -> list[tuple[Array, float, Array, float]]:
+        """Amplitudes, times, midpoints and residuals where Newton's method converges."""
+        a, T = amplitudes.copy(), times.copy()
+        mirror = mirror_basis(reverser)
+        rows = mirror.T / self.units
+        residual = np.full(len(T), np.inf)
+        best: list[tuple[Array, float, Array] | None] = [None] * len(T)
+        active = np.arange(len(T))
+        for step in range(_MOST_STEPS):
+            if not active.size:
+                break
+            starts, slopes = self.space.states(a[active])
+            ends, tangents = self.flow.ends(starts, T[active], slopes * self.size)
+            with np.errstate(all="ignore"):
+                good = np.isfinite(ends).all(axis=1)
+                rate = np.where(good[:, None], self.flow.system.vector_field(ends), 0.0)
+            values = np.where(good[:, None], ends @ rows.T, np.inf)
+            size = np.abs(values).max(axis=1, initial=0.0)
+            better = size < residual[active]
+            for k in np.flatnonzero(better):
+                best[active[k]] = (a[active[k]].copy(), float(T[active[k]]), ends[k].copy())
+            stalled = ~better & (residual[active] < _CONVERGING)
+            residual[active[better]] = size[better]
+            go = good & ~stalled & ((step < 10) | (size < _CONVERGING))
+            slope = np.concatenate([rows @ tangents, (rate @ rows.T)[..., None]], axis=-1)
+            move = -np.einsum("nij,nj->ni", np.linalg.pinv(np.where(go[:, None, None], slope, 0.0), rcond=1e-12),
+                              np.where(go[:, None], values, 0.0))  # fmt: skip
+            length = np.linalg.norm(a[active], axis=1) / self.size
+            shift, delay = np.linalg.norm(move[:, :-1], axis=1) / length, np.abs(move[:, -1]) * self.fastest
+            factor = 1.0 / np.maximum(1.0, np.maximum(shift, delay) / _LONGEST_STEP)
+            a[active] += self.size * factor[:, None] * move[:, :-1]
+            T[active] += factor * move[:, -1]
+            size_of_a = np.linalg.norm(a[active], axis=1) / self.size
+            inside = (size_of_a > 1 / (3 * self.factor)) & (size_of_a < 3 * self.factor**2) & (T[active] > 0)
+            active = active[go & inside & (T[active] < 1.2 * self.longest)]
+        return [
+            (*one, float(residual[k])) for k, one in enumerate(best) if one is not None and residual[k] <= MEETS
+        ]
+
+
+def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
+    """The same orbit, or its image under the symmetry of the loop, from so many loops before.
+
+    The amplitude is found anew: that on the linear space is a coordinate of the manifold up to its square only.
+
+    Raises:
+        OrbitError: Newton's method does not lead back to it.
+    """
+    space = orbit.space
+    amplitude = np.linalg.solve(np.linalg.matrix_power(space.matrix, n_loops), orbit.amplitude)
+    time = orbit.time + n_loops * space.loop_time
+    search = _Search(space, Flow(orbit.system, 1), 2 * time, float(np.linalg.norm(amplitude)))
+    found = search.solved(orbit.reverser, amplitude[None], np.array([time]))
+    if not found or abs(found[0][1] - time) > _SAME_TIME * time:
+        raise OrbitError(f"a homoclinic orbit must be found again {n_loops} loops before; Newton's method left {orbit!r}")
+    return _described(orbit.origin, space, search.flow, orbit.reverser, *found[0])
+
+
+def _points_of(origin: SymmetricOrbit | Equilibrium, space: UnstableSpace) -> Array:
+    """States of the periodic orbit or the equilibrium itself."""
+    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+
+    return origin.states(400) if isinstance(origin, SymmetricOrbit) else space.state[None]
+
+
+def _distinct(
+    level: Level,
+    found: list[tuple[DiscreteSymmetry, Array, float, Array, float]],
+    generators: list[Array],
+    path: Array,
+) -> list[tuple[DiscreteSymmetry, Array, float, Array, float]]:
+    """One for each midpoint and its images under the reversers, the most accurate; none on the origin itself."""
+    group = np.array(group_of(generators))
+    kept: list[tuple[DiscreteSymmetry, Array, float, Array, float]] = []
+    images = np.zeros((0, len(level.units)))
+    every = np.einsum("gij,tj->gti", group, path).reshape(-1, path.shape[1])
+    for one in sorted(found, key=lambda one: one[4]):
+        middle = one[3]
+        if np.linalg.norm((every - middle) / level.units, axis=1).min() < _OFF:
+            continue
+        if len(images) and (np.abs((images - middle) / level.units).max(axis=1) < _SAME_STATE).any():
+            continue
+        kept.append(one)
+        images = np.concatenate([images, group @ middle])
+    return kept
+
+
+def _described(
+    origin: SymmetricOrbit | Equilibrium,
+    space: UnstableSpace,
+    flow: Flow,
+    reverser: DiscreteSymmetry,
+    amplitude: Array,
+    time: float,
+    middle: Array,
+    residual: float,
+) -> HomoclinicOrbit:
+    """A homoclinic orbit, with the angles between the manifolds at its midpoint."""
+    starts, slopes = space.states(amplitude[None])
+    middle = (middle + reverser(middle)) / 2
+    tangents = pushed(flow, starts[0], time, slopes[0])
+    level, rate = space.level, flow.system.vector_field(middle)
+    across = transversal_basis(level.gradients(middle), rate)
+    n = (level.dimension - 1) // 2
+    unstable = np.linalg.svd(across.T @ tangents, full_matrices=False)[0][:, :n]
+    stable = np.linalg.svd(across.T @ (reverser.matrix @ tangents), full_matrices=False)[0][:, :n]
+    cosines = np.linalg.svd(unstable.T @ stable, compute_uv=False)
+    sines = np.linalg.svd(stable - unstable @ (unstable.T @ stable), compute_uv=False)[::-1]
+    angles = np.sort(np.where(cosines > 0.7, np.arcsin(np.minimum(sines, 1)), np.arccos(np.minimum(cosines, 1))))
+    path = _points_of(origin, space)
+    return HomoclinicOrbit(
+        origin=origin,
+        space=space,
+        reverser=reverser,
+        amplitude=amplitude,
+        start=starts[0],
+        midpoint=middle,
+        time=time,
+        residual=residual,
+        angles=angles,
+        distance=float(np.linalg.norm(path - middle, axis=1).min()),
+    )
+
+
+def pushed(flow: Flow, start: Array, time: float, tangents: Array, n_pieces: int = 12) -> Array:
+    """An orthonormal basis of the space that tangent vectors span after a time, carried on in pieces."""
+    x, V = start, np.linalg.qr(tangents)[0]
+    for _ in range(n_pieces):
+        ends, moved = flow.ends(x[None], np.array([time / n_pieces]), V)
+        x, V = ends[0], np.linalg.qr(moved[0])[0]
+    return V

@@ -1,0 +1,156 @@
+"""Symmetric homoclinic orbits, and lists of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
+
+from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.calls import explains_its_methods
+from liepoisson.display import as_line, as_table
+from liepoisson.orbits.unstable import UnstableSpace
+from liepoisson.scalars import as_count
+
+if TYPE_CHECKING:
+    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.exact.system import System
+    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+    from liepoisson.orbits.polish_homoclinic import PreciseMidpoint
+    from liepoisson.phase_space.stability import Equilibrium
+
+_LONGEST = 60
+"""Rows of a table."""
+
+
+@explains_its_methods
+@dataclass(frozen=True, eq=False)
+class HomoclinicOrbit(ReadOnlyArrays):
+    r"""An orbit that tends to a periodic orbit or an equilibrium for $t \to \pm\infty$ and is its own mirror image.
+
+    Attributes:
+        origin: The periodic orbit or the equilibrium.
+        space: The linear unstable space where it begins.
+        reverser: The reverser $\rho$, with $\varphi_t(m) = \rho\varphi_{-t}(m)$ for the midpoint m.
+        amplitude: The coordinates a of the start on the unstable space, shape (k,).
+        start: The state x(a), shape (N,).
+        midpoint: The state m in $\mathrm{Fix}\,\rho$, shape (N,).
+        time: From the start to the midpoint.
+        residual: How far the computed midpoint was from the fixed set, in units of the level.
+        angles: The angles between the tangent spaces of the unstable and the stable manifold at the midpoint, in the
+            level across the flow, in rad, increasing, shape (m - 1,). The manifolds are transversal in the level if
+            none is 0.
+        distance: The distance of the midpoint from the orbit or equilibrium.
+    """
+
+    origin: SymmetricOrbit | Equilibrium
+    space: UnstableSpace
+    reverser: DiscreteSymmetry
+    amplitude: Array
+    start: Array
+    midpoint: Array
+    time: float
+    residual: float
+    angles: Array
+    distance: float
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.space.level.system
+
+    def time_from(self, amplitude: float) -> float:
+        """About the time from an amplitude to the midpoint, at the slowest unstable rate."""
+        return self.time - float(np.log(amplitude / np.linalg.norm(self.amplitude))) / self.space.rate
+
+    def states(self, n_times: int = 401) -> tuple[Array, Array]:
+        """Times, shape (n_times,), 0 at the midpoint, and states, shape (n_times, N), from the start to its mirror image.
+
+        Each half is integrated towards the midpoint, from which errors do not grow.
+        """
+        from liepoisson.numeric.integrate import integrate
+
+        n_times = as_count(n_times, "n_times", least=3)
+        half = np.linspace(0.0, self.time, n_times // 2 + 1)
+        first = integrate(self.system, self.start, times=half).state[0]
+        first[-1] = self.midpoint
+        states = np.concatenate([first, self.reverser(first[:-1])[::-1]])
+        return np.concatenate([half - self.time, (self.time - half[:-1])[::-1]]), states
+
+    def polished(self, *, digits: int = 20) -> PreciseMidpoint:
+        """The midpoint to any number of digits, for an orbit homoclinic to a periodic orbit.
+
+        Raises:
+            ParameterError: it is homoclinic to an equilibrium, or the equations are no polynomials.
+            OrbitError: Newton's method does not converge.
+        """
+        from liepoisson.orbits.polish_homoclinic import polished_midpoint
+
+        return polished_midpoint(self, digits)
+
+    def __repr__(self) -> str:
+        return (
+            f"<HomoclinicOrbit of {self.system.name!r}: half flight {self.time:.6g}, angles "
+            f"{', '.join(f'{angle:.5g}' for angle in self.angles)} rad>"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class HomoclinicOrbits(Sequence[HomoclinicOrbit]):
+    """Symmetric homoclinic orbits to one periodic orbit or equilibrium, those with the shortest flight first.
+
+    Attributes:
+        origin: The periodic orbit or the equilibrium.
+        found: The orbits; of those that symmetries of the system take to one another, one.
+        reversers: The reversers in whose fixed sets midpoints were looked for.
+        t_end: The longest half flight that was looked for.
+        n_starts: How many starts there were.
+    """
+
+    origin: SymmetricOrbit | Equilibrium
+    found: tuple[HomoclinicOrbit, ...]
+    reversers: tuple[DiscreteSymmetry, ...]
+    t_end: float
+    n_starts: int
+
+    @overload
+    def __getitem__(self, index: int) -> HomoclinicOrbit: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[HomoclinicOrbit]: ...
+    def __getitem__(self, index: int | slice) -> HomoclinicOrbit | list[HomoclinicOrbit]:
+        """One of them, or a list of several."""
+        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
+
+    def __len__(self) -> int:
+        """How many."""
+        return len(self.found)
+
+    def __repr__(self) -> str:
+        rows = self._rows()
+        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+        return "\n".join([self._head(), *table] if self.found else [self._head()])
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a line and a table."""
+        return as_line(self._head()) + as_table(self._rows())
+
+    def _head(self) -> str:
+        n = len(self.found)
+        what = "an equilibrium" if not hasattr(self.origin, "period") else "a periodic orbit"
+        return (
+            f"{n or 'No'} symmetric homoclinic orbit{'' if n == 1 else 's'} to {what} of "
+            f"{self.origin.system.name!r}, with half flights up to {self.t_end:.6g}, found from {self.n_starts} starts; "
+            "that there are no others is not proved."
+        )
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        rows: list[tuple[str, ...]] = [("half flight", "angles (rad)", "distance", "residual")]
+        for one in self.found[:_LONGEST]:
+            angles = ", ".join(f"{angle:.5f}" for angle in one.angles)
+            rows.append((f"{one.time:.6f}", angles, f"{one.distance:.4f}", f"{one.residual:.0e}"))
+        if (more := len(self.found) - _LONGEST) > 0:
+            rows.append((f"and {more} more", "", "", ""))
+        return rows

@@ -1,0 +1,154 @@
+"""Levels: the states with given values of the Hamiltonian and of the Casimirs, on which orbits of one energy live."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, cast
+
+import numpy as np
+
+from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.errors import LeafError, ParameterError
+from liepoisson.exact.parameters import Exact, read_parameter, to_sympy
+from liepoisson.exact.phase_functions import PhaseFunction
+from liepoisson.phase_space._checks import are_equal, as_energy, as_system
+from liepoisson.phase_space.casimir_names import by_name
+from liepoisson.phase_space.leaf import Leaf
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system import System
+
+_MOST_STEPS = 60
+_ON_LEVEL = 1e-13
+_INDEPENDENT = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Level(ReadOnlyArrays):
+    """The states of a regular leaf with one energy.
+
+    Attributes:
+        system: The system.
+        leaf: The leaf.
+        values: The values of H and of the Casimirs by name, exact: texts as they were given, doubles as the rational
+            numbers that they are.
+        units: Sizes of the components, in which states of the level are of order one, shape (N,).
+    """
+
+    system: System
+    leaf: Leaf
+    values: Mapping[str, Exact]
+    units: Array
+
+    @property
+    def functions(self) -> dict[str, PhaseFunction]:
+        """H and the Casimirs, by name."""
+        return {"H": self.system.functions.energy, **self.system.functions.casimirs}
+
+    @property
+    def dimension(self) -> int:
+        """The dimension of the level, rank J - 1."""
+        return self.leaf.rank - 1
+
+    @property
+    def text(self) -> str:
+        """The values in words: "H = 1/2, C1 = 1"."""
+        return ", ".join(f"{name} = {short(value)}" for name, value in self.values.items())
+
+    def deviations(self, states: Array) -> Array:
+        """How far H and the Casimirs are from their values, shape (..., function)."""
+        wanted = [float(cast("Any", to_sympy(value))) for value in self.values.values()]
+        return np.stack([f(states) - c for f, c in zip(self.functions.values(), wanted, strict=True)], axis=-1)
+
+    def gradients(self, states: Array) -> Array:
+        """The gradients of H and the Casimirs, shape (..., function, N)."""
+        return np.stack([f.gradient(states) for f in self.functions.values()], axis=-2)
+
+    @np.errstate(all="ignore")  # functions need not exist at guesses; such states do not converge
+    def projected(self, states: Array, directions: Array) -> tuple[Array, np.ndarray[Any, np.dtype[np.bool_]]]:
+        """States moved onto the level along some directions by Newton steps of minimum norm, and which arrived.
+
+        Args:
+            states: Guesses, shape (n, N).
+            directions: Columns along which they may be moved, shape (N, d) or (n, N, d).
+        """
+        x = states.copy()
+        for _ in range(_MOST_STEPS):
+            rest = self.deviations(x)
+            slopes = self.gradients(x) @ directions
+            good = np.isfinite(rest).all(axis=-1) & np.isfinite(slopes).all(axis=(-1, -2))
+            slopes[~good], rest[~good] = 0.0, 0.0
+            move = -np.einsum("nij,nj->ni", np.linalg.pinv(slopes, rcond=1e-10), rest)
+            step = np.einsum("...ij,...j->...i", directions, move)
+            size = np.linalg.norm(step / self.units, axis=-1, keepdims=True)
+            x = x + step / np.maximum(1.0, 2.0 * size)
+            if size.max(initial=0.0) < 1e-15:
+                break
+        return x, self.distance(x) < _ON_LEVEL
+
+    def distance(self, states: Array) -> Array:
+        """The largest deviation of H and the Casimirs, relative to the size of their terms, shape (...)."""
+        scale = np.abs(self.gradients(states)) @ self.units
+        with np.errstate(divide="ignore", invalid="ignore"):
+            found = np.abs(self.deviations(states)) / np.maximum(scale, 1e-300)
+        return np.where(np.isfinite(found), found, np.inf).max(axis=-1)
+
+    def is_regular_at(self, states: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:
+        """Whether dH and the dC are independent at states, shape (...)."""
+        slopes = self.gradients(states) * self.units
+        slopes = slopes / np.maximum(np.linalg.norm(slopes, axis=-1, keepdims=True), 1e-300)
+        return np.linalg.svd(slopes, compute_uv=False)[..., -1] > _INDEPENDENT
+
+
+def short(value: Exact) -> str:
+    """A value as text: a fraction if it is a short one, else a decimal of twelve digits."""
+    if isinstance(value, Fraction):
+        return str(value) if value.denominator < 10**6 else f"{float(value):.12g}"
+    return str(value)
+
+
+def level_of(system: System, leaf: Leaf | Mapping[str, float | str], energy: float | str) -> Level:
+    """A level of a system.
+
+    Args:
+        system: A system whose parameters are all numbers.
+        leaf: The leaf, or the values of the Casimirs by name.
+        energy: The value of the Hamiltonian.
+
+    Raises:
+        LeafError: no state has these values of the Casimirs, or the leaf is not regular.
+        ParameterError: `leaf` is neither a leaf of the system nor values of its Casimirs, or a value is not finite.
+    """
+    system = as_system(system)
+    given: Any = leaf
+    if isinstance(given, Leaf):
+        if not are_equal(given.system, system):
+            raise ParameterError(f"leaf must be one of {shown(system)}; got one of {given.system.name!r}.")
+        values: dict[str, Any] = {name: Fraction(value) for name, value in given.casimirs.items()}
+    elif isinstance(given, Mapping):
+        named = cast("Mapping[str, Any]", given)
+        values = {name: _as_exact(value, name) for name, value in by_name(system, named).items()}
+        given = Leaf(system, named)
+    else:
+        raise ParameterError(
+            f"leaf must be a Leaf, or values of the Casimirs by name; got {shown(given)}. Write for example "
+            "Leaf.through(system, state)."
+        )
+    if not given.is_regular or not given.place.is_known:
+        raise LeafError(
+            f"leaf must be a regular one, where J has its largest rank and H and all Casimirs say which states belong "
+            f"to a level; got {given!r}"
+        )
+    number = as_energy(energy)
+    exact = {"H": _as_exact(energy, "energy"), **{name: values[name] for name in system.functions.casimirs}}
+    return Level(system, given, exact, np.array(given.in_units(number).units, dtype=np.float64))
+
+
+def _as_exact(value: Any, name: str) -> Exact:
+    """The number as it was given: a text is exact, a double is the rational number that it is."""
+    if isinstance(value, str):
+        return read_parameter(value, name)
+    return Fraction(as_energy(value, name))

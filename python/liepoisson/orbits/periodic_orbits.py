@@ -1,0 +1,197 @@
+"""Symmetric periodic orbits, and lists of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, overload
+
+import numpy as np
+
+from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.calls import explains_its_methods
+from liepoisson.display import as_line, as_table
+from liepoisson.orbits.level import Level
+from liepoisson.orbits.multipliers import ComplexArray, kind_of
+from liepoisson.scalars import as_count
+
+if TYPE_CHECKING:
+    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.exact.system import System
+    from liepoisson.orbits.polish import PreciseSegment
+
+_CLOSED = 1e-9
+_LONGEST = 60
+"""Rows of a table."""
+
+
+@explains_its_methods
+@dataclass(frozen=True, eq=False)
+class SymmetricOrbit(ReadOnlyArrays):
+    r"""A periodic orbit that meets the fixed sets of two reversers $\rho_0$ and $\rho_1$, perhaps one and the same.
+
+    It is made of one segment, from `start` to `end`, and its mirror images: with $P = \rho_1\rho_0$,
+
+    $$ \varphi_{2T}(x) = P x , \qquad x = \rho_0 x, \quad \varphi_T(x) = \rho_1\varphi_T(x) . $$
+
+    Attributes:
+        level: The energy and the leaf.
+        first: $\rho_0$.
+        last: $\rho_1$.
+        start: The state x in $\mathrm{Fix}\,\rho_0$, shape (N,).
+        end: The state $\varphi_T(x)$ in $\mathrm{Fix}\,\rho_1$, shape (N,).
+        time: T, the time of the segment.
+        residual: How far the computed end is from the fixed set, or the start from the level, in units of the level.
+        multipliers: Those of the loop $P^{-1}\varphi_{2T}$ on the level across the flow, the largest first, then their
+            reciprocals in the same order, shape (2m - 2,).
+        pair_defect: A check of the multipliers: how far they are from reciprocal pairs (see
+            `liepoisson.orbits.multipliers`); round-off.
+        trivial_defect: Another: how far the flow, H and the Casimirs are from the multiplier 1; round-off.
+    """
+
+    level: Level
+    first: DiscreteSymmetry
+    last: DiscreteSymmetry
+    start: Array
+    end: Array
+    time: float
+    residual: float
+    multipliers: ComplexArray
+    pair_defect: float
+    trivial_defect: float
+
+    @property
+    def system(self) -> System:
+        """The system."""
+        return self.level.system
+
+    @property
+    def return_time(self) -> float:
+        """2T: after this time the orbit is at the image of its start under P."""
+        return 2 * self.time
+
+    @cached_property
+    def period(self) -> float:
+        """The time after which it closes: 2T times the number of images of the start under P."""
+        closing = self.last.matrix @ self.first.matrix
+        x, n = closing @ self.start, 1
+        while np.abs((x - self.start) / self.level.units).max() > _CLOSED:
+            x, n = closing @ x, n + 1
+        return n * self.return_time
+
+    @property
+    def rate(self) -> float:
+        r"""$\ln\max|\mu| / 2T$, the growth rate of neighbours, in inverse time; 0 if no multiplier is off the circle."""
+        if kind_of(self.multipliers) in {"neutral", "elliptic"}:
+            return 0.0
+        return float(np.log(np.abs(self.multipliers).max())) / self.return_time
+
+    @property
+    def stability(self) -> str:
+        """The multipliers are off the unit circle ("hyperbolic"), on it ("elliptic"), or both ("mixed").
+
+        "neutral" on a leaf of dimension 2, where there are no multipliers but the trivial ones.
+        """
+        return kind_of(self.multipliers)
+
+    def states(self, n_times: int = 201) -> Array:
+        """States at evenly spaced times over one period, from the start to the start, shape (n_times, N)."""
+        from liepoisson.numeric.integrate import integrate
+
+        n_times = as_count(n_times, "n_times", least=2)
+        return integrate(self.system, self.start, times=np.linspace(0.0, self.period, n_times)).state[0].copy()
+
+    def polished(self, *, digits: int = 30) -> PreciseSegment:
+        """The segment to any number of digits, by Newton's method in the arithmetic of Arb.
+
+        Raises:
+            ParameterError: the equations are no polynomials.
+            OrbitError: Newton's method does not converge.
+        """
+        from liepoisson.orbits.polish import polished_segment
+
+        return polished_segment(self, digits)
+
+    def __repr__(self) -> str:
+        big = f", |mu| = {abs(self.multipliers[0]):.6g}" if self.multipliers.size else ""
+        return f"<SymmetricOrbit of {self.system.name!r}: period {self.period:.8g}, {self.stability}{big}>"
+
+
+@dataclass(frozen=True, eq=False)
+class SymmetricOrbits(Sequence[SymmetricOrbit]):
+    """Symmetric periodic orbits of a level, those with the largest growth rate first.
+
+    Attributes:
+        level: The level.
+        found: The orbits; of those that symmetries of the system take to one another, one.
+        reversers: The reversers that were used.
+        t_end: The longest segment that was looked for.
+        n_starts: How many starts there were for each pair of reversers.
+        n_families: How many segments were left out since they have a further multiplier 1, and so are most likely not
+            isolated on the level.
+    """
+
+    level: Level
+    found: tuple[SymmetricOrbit, ...]
+    reversers: tuple[DiscreteSymmetry, ...]
+    t_end: float
+    n_starts: int
+    n_families: int
+
+    @overload
+    def __getitem__(self, index: int) -> SymmetricOrbit: ...
+    @overload
+    def __getitem__(self, index: slice) -> list[SymmetricOrbit]: ...
+    def __getitem__(self, index: int | slice) -> SymmetricOrbit | list[SymmetricOrbit]:
+        """One of them, or a list of several."""
+        return list(self.found[index]) if isinstance(index, slice) else self.found[index]
+
+    def __len__(self) -> int:
+        """How many."""
+        return len(self.found)
+
+    def __repr__(self) -> str:
+        rows = self._rows()
+        widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+        table = ["  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip() for row in rows]
+        return "\n".join([self._head(), *table] if self.found else [self._head()])
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: a line and a table."""
+        return as_line(self._head()) + as_table(self._rows())
+
+    def _head(self) -> str:
+        n = len(self.found)
+        families = f"; {self.n_families} segments that belong to families are left out" if self.n_families else ""
+        return (
+            f"{n or 'No'} symmetric periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on "
+            f"{self.level.text}, with segments up to {self.t_end:g}, found from {self.n_starts} starts for each pair of "
+            f"{len(self.reversers)} reverser{'' if len(self.reversers) == 1 else 's'}{families}; that there are no others "
+            "is not proved."
+        )
+
+    def _rows(self) -> list[tuple[str, ...]]:
+        rows: list[tuple[str, ...]] = [("period", "rate", "stability", "multipliers", "residual", "pairs")]
+        for one in self.found[:_LONGEST]:
+            half = one.multipliers[: len(one.multipliers) // 2]
+            values = ", ".join(_number(m) for m in half)
+            rows.append(
+                (
+                    f"{one.period:.8f}",
+                    f"{one.rate:.4f}",
+                    one.stability,
+                    values,
+                    f"{one.residual:.0e}",
+                    f"{one.pair_defect:.0e}",
+                )
+            )
+        if (more := len(self.found) - _LONGEST) > 0:
+            rows.append((f"and {more} more", "", "", "", "", ""))
+        return rows
+
+
+def _number(m: complex) -> str:
+    if abs(m.imag) <= 1e-9 * abs(m):
+        return f"{m.real:.5g}"
+    return f"{m.real:.5g}{'+' if m.imag > 0 else '-'}{abs(m.imag):.5g}i"

@@ -1,0 +1,170 @@
+r"""Midpoints of homoclinic orbits to any number of digits.
+
+The orbit begins at an amplitude a on the linear unstable space so small that $|a|^3$ is below the tolerance (see
+`liepoisson.orbits.unstable`), some loops before it did in doubles, and Newton's method in amplitude and time puts its
+end into the fixed set.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil, log
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from liepoisson.errors import OrbitError, ParameterError
+from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+from liepoisson.orbits.polish import (
+    MOST_DIGITS,
+    beside,
+    exact_matrix,
+    in_fixed_set,
+    level_functions,
+    solved_segment,
+    text_of,
+)
+from liepoisson.orbits.precise_flow import (
+    Ball,
+    Matrix,
+    Polynomials,
+    PreciseFlow,
+    as_ball,
+    bits,
+    column,
+    midpoints,
+    solved,
+)
+from liepoisson.orbits.shooting import mirror_basis
+from liepoisson.scalars import as_count
+
+if TYPE_CHECKING:
+    from liepoisson.arrays import Array
+    from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
+
+_MOST_STEPS = 15
+_TO_LEVEL = 12
+
+
+@dataclass(frozen=True)
+class PreciseMidpoint:
+    """The midpoint of a homoclinic orbit as decimal texts, which liepoisson reads as exact numbers.
+
+    Attributes:
+        midpoint: The components of the state in the fixed set of the reverser.
+        digits: How many digits of them are right.
+        amplitude: The amplitude at which the orbit began.
+        time: The time from there to the midpoint.
+        residual: How far the last step of Newton's method moved, relative to amplitude and time.
+    """
+
+    midpoint: tuple[str, ...]
+    digits: int
+    amplitude: float
+    time: str
+    residual: float
+
+
+def polished_midpoint(orbit: HomoclinicOrbit, digits: int) -> PreciseMidpoint:
+    """The midpoint of an orbit that is homoclinic to a periodic orbit.
+
+    Raises:
+        ParameterError: it is homoclinic to an equilibrium, or the equations are no polynomials.
+        OrbitError: Newton's method does not converge.
+    """
+    from flint import ctx
+
+    digits = as_count(digits, "digits", least=10, most=MOST_DIGITS)
+    if not isinstance(orbit.origin, SymmetricOrbit):
+        raise ParameterError("polished: wanted an orbit that is homoclinic to a periodic orbit; got one to an equilibrium")
+    size = float(np.linalg.norm(orbit.amplitude))
+    slowest = float(np.abs(np.linalg.eigvals(orbit.space.matrix)).min())
+    n_loops = max(0, ceil((digits / 3 + 1) * log(10) / log(slowest) + log(size) / log(slowest)))
+    # what is lost on the way from an amplitude of 10^(-digits/3) to 1
+    working = digits + ceil(digits / 3) + 4
+    with ctx.workprec(bits(working)):
+        flow = PreciseFlow(orbit.system, working)
+        start = _Start(orbit, orbit.origin, flow, working)
+        found = start.solved(n_loops, digits)
+        closing = orbit.origin.last.matrix @ orbit.origin.first.matrix
+        middle, a, T, moved = found
+        for _ in range(n_loops):  # an odd number of loops leads to the image
+            middle = (exact_columns(closing.T) * column(middle)).entries()
+        return PreciseMidpoint(
+            tuple(text_of(value, digits) for value in middle),
+            digits,
+            float(sum((float(v) ** 2 for v in a), 0.0) ** 0.5),
+            text_of(T, digits),
+            moved,
+        )
+
+
+def exact_columns(values: Array) -> Matrix:
+    """A matrix of doubles, exactly."""
+    from flint import arb_mat
+
+    return arb_mat(*values.shape, [as_ball(float(v)) for v in values.ravel()])
+
+
+class _Start:
+    """The linear unstable space of a periodic orbit in many digits, and the states near."""
+
+    def __init__(self, orbit: HomoclinicOrbit, origin: SymmetricOrbit, flow: PreciseFlow, digits: int) -> None:
+        self.orbit, self.flow = orbit, flow
+        level = origin.level
+        self.functions: Polynomials = level_functions(level)
+        self.wanted = [as_ball(value) for value in level.values.values()]
+        self.state, _, T, _ = solved_segment(origin, digits)
+        n = flow.n
+        closing = exact_columns((origin.last.matrix @ origin.first.matrix).T)
+        loop = midpoints(closing * flow.end(self.state, 2 * T, exact_columns(np.eye(n)))[1])
+        # coordinates as in doubles: those with respect to the basis there
+        dual = exact_columns(np.linalg.pinv(orbit.space.basis))
+        U = exact_columns(orbit.space.basis)
+        change = 1.0
+        slowest = float(np.abs(np.linalg.eigvals(orbit.space.matrix)).min())
+        for _ in range(ceil(digits * log(10) / log(slowest)) + 10):
+            new = loop * U
+            new = midpoints(new * midpoints((dual * new).inv()))
+            change = max(float(abs(v)) for v in (new - U).entries())
+            U = new
+        if not change < 10.0 ** -(digits - 8):
+            raise OrbitError(f"the unstable space must converge; its last change is {change:.1e}")
+        self.basis, self.loop, self.loop_time = U, midpoints(dual * loop * U), (2 * T).mid()
+        self.constant = midpoints(self.functions.derivatives(self.state).transpose())
+
+    def at(self, amplitude: Matrix) -> tuple[list[Ball], Matrix]:
+        """The state x(a), on the level, and its derivative."""
+        x = [(p + v).mid() for p, v in zip(self.state, (self.basis * amplitude).entries(), strict=True)]
+        for _ in range(_TO_LEVEL):
+            rest = [v - c for v, c in zip(self.functions.values(x), self.wanted, strict=True)]
+            move = solved(self.functions.derivatives(x) * self.constant, column(rest))
+            x = [(v - m).mid() for v, m in zip(x, (self.constant * move).entries(), strict=True)]
+            if max(float(abs(v)) for v in rest) < 10.0 ** -(self.flow.digits + 4):
+                break
+        slopes = self.functions.derivatives(x)
+        return x, midpoints(self.basis - self.constant * solved(slopes * self.constant, slopes * self.basis))
+
+    def solved(self, n_loops: int, digits: int) -> tuple[list[Ball], list[Ball], Ball, float]:
+        """Midpoint, amplitude, time and the size of the last step."""
+        mirror = exact_matrix(mirror_basis(self.orbit.reverser)).transpose()
+        a = column([as_ball(float(v)) for v in self.orbit.amplitude])
+        for _ in range(n_loops):
+            a = solved(self.loop, a)
+        T = (as_ball(float(self.orbit.time)) + n_loops * self.loop_time).mid()
+        moved = 1.0
+        for _ in range(_MOST_STEPS):
+            x, slopes = self.at(a)
+            size = max((abs(v) for v in a.entries()), key=float)
+            end, tangents = self.flow.end(x, T, midpoints(slopes * size))
+            rate = column(self.flow.rate(end))
+            step = solved(beside(mirror * tangents, mirror * rate), -(mirror * column(end))).entries()
+            a = column([(v + size * s).mid() for v, s in zip(a.entries(), step[:-1], strict=True)])
+            T = (T + step[-1]).mid()
+            moved = max(float(abs(v)) for v in step)
+            if moved < 10.0 ** (-0.5 * digits - 2):
+                end, _ = self.flow.end(self.at(a)[0], T)
+                return in_fixed_set(self.orbit.reverser, end), a.entries(), T, moved
+        raise OrbitError(
+            f"a homoclinic orbit must meet the fixed set; Newton's method in {digits} digits still moves by {moved:.1e}"
+        )

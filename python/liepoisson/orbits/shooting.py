@@ -1,0 +1,224 @@
+r"""Shooting from one fixed set to another: many segments at once, by Newton's method in starts and times.
+
+A segment begins in $\mathrm{Fix}\,\rho_0$ on a level and ends after the time T in $\mathrm{Fix}\,\rho_1$.  With a basis
+F of $\mathrm{Fix}\,\rho_0$, the start $x = Fz$, and a basis A of the vectors with $\rho_1 a = -a$, the equations are
+
+$$ C(Fz) = c, \qquad A^T\varphi_T(Fz) = 0 . $$
+
+For the reversers of a system on leaves of dimension 2m they are as many as the unknowns (z, T), once the functions C
+(H and the Casimirs) are counted; where there are more, or other solutions beside, steps have minimum norm.
+
+References: [devogelaere1958]; [lamb1998].
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from liepoisson.arrays import Array
+from liepoisson.numeric.integrate import integrate
+from liepoisson.numeric.methods import Taylor
+
+if TYPE_CHECKING:
+    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
+    from liepoisson.exact.system import System
+    from liepoisson.orbits.level import Level
+
+TOGETHER = 16
+"""Trajectories of about the same length that are integrated in one call: two registers of eight."""
+
+_MOST_STEPS = 20
+_LONGEST_STEP, _LONGEST_DELAY = 0.3, 0.2
+_MEETS = 1e-4
+"""Norm of the residual from which on Newton's method converges quadratically: it must get there in some steps."""
+
+
+def fixed_basis(symmetry: DiscreteSymmetry) -> Array:
+    """An orthonormal basis of the fixed space, as columns, shape (N, d)."""
+    n = len(symmetry.signs)
+    rows = np.array(symmetry.fixed_space, dtype=np.float64).reshape(-1, n)
+    return (rows / np.linalg.norm(rows, axis=1, keepdims=True)).T
+
+
+def mirror_basis(symmetry: DiscreteSymmetry) -> Array:
+    r"""An orthonormal basis of the vectors that are orthogonal to the fixed space, as columns, shape (N, N - d).
+
+    A signed permutation is an orthogonal matrix, so for an involution these are the vectors with $\rho a = -a$.
+    """
+    fixed = fixed_basis(symmetry)
+    vectors, sizes, _ = np.linalg.svd(np.eye(len(fixed)) - fixed @ fixed.T)
+    return vectors[:, sizes > 0.5]
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Ends of trajectories that have each a time of its own.
+
+    Attributes:
+        system: The system.
+        threads: How many; None for all.
+    """
+
+    system: System
+    threads: int | None = None
+
+    def ends(self, starts: Array, times: Array, tangents: Array | None = None) -> tuple[Array, Array]:
+        """States and tangent vectors of each trajectory at its own time; NaN where it did not reach it.
+
+        Args:
+            starts: Shape (n, N).
+            times: Shape (n,), all of one sign, none zero.
+            tangents: Tangent vectors as columns, shape (N, k) for all or (n, N, k).
+
+        Returns:
+            States, shape (n, N), and tangent vectors as columns, shape (n, N, k).
+        """
+        n, N = starts.shape
+        vectors = np.zeros((n, N, 0)) if tangents is None else np.broadcast_to(tangents, (n, N, tangents.shape[-1]))
+        states, moved = np.full((n, N), np.nan), np.full(vectors.shape, np.nan)
+        backwards = bool(n) and times[0] < 0
+        order = np.argsort(np.abs(times), kind="stable")
+        for first in range(0, n, TOGETHER):
+            some = order[first : first + TOGETHER]
+            grid = np.unique(np.append(0.0, np.abs(times[some])))
+            orbit = integrate(
+                self.system,
+                starts[some],
+                times=-grid if backwards else grid,
+                tangents=np.swapaxes(vectors[some], 1, 2) if vectors.shape[2] else None,
+                method=Taylor(),
+                kernel="lanes",  # one trajectory alone is then the same as among others
+                threads=self.threads,
+            )
+            places = np.searchsorted(grid, np.abs(times[some]))
+            rows = np.arange(len(some))
+            states[some] = orbit.state[rows, places]
+            if vectors.shape[2]:
+                moved[some] = np.swapaxes(orbit.tangent[rows, places], 1, 2)
+        return states, moved
+
+    def matrix(self, start: Array, time: float) -> tuple[Array, Array]:
+        """The end of one trajectory and the derivative of the flow along it, shapes (N,) and (N, N)."""
+        ends, tangents = self.ends(start[None], np.array([time]), np.eye(len(start)))
+        return ends[0], tangents[0]
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Segments from one fixed set to another.
+
+    Attributes:
+        start: Shape (n, N).
+        time: Shape (n,).
+        residual: How far the end is from the fixed set, in units of the level, shape (n,).
+    """
+
+    start: Array
+    time: Array
+    residual: Array
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def of(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Segments:
+        """Some of them."""
+        return Segments(self.start[rows], self.time[rows], self.residual[rows])
+
+
+@dataclass(frozen=True)
+class Shooting:
+    """The equations for segments between two fixed sets of a level.
+
+    Attributes:
+        level: The level.
+        first: The reverser in whose fixed set segments begin.
+        last: That in whose fixed set they end.
+        flow: How they are integrated.
+    """
+
+    level: Level
+    first: DiscreteSymmetry
+    last: DiscreteSymmetry
+    flow: Flow
+
+    def near(self, starts: Array, t_end: float, n_times: int, n_wanted: int) -> Segments:
+        """Starts and times at which trajectories come near the last fixed set, the nearest first.
+
+        They are local minima in time of the distance; each start gives several.
+        """
+        grid = np.linspace(0.0, t_end, n_times + 1)
+        orbit = integrate(
+            self.flow.system, starts, times=grid, method=Taylor(), kernel="lanes", threads=self.flow.threads
+        )
+        mirror = mirror_basis(self.last)
+        distance = np.linalg.norm((orbit.state / self.level.units) @ mirror, axis=-1)
+        speed = np.linalg.norm(np.gradient(orbit.state / self.level.units, grid, axis=1), axis=-1)
+        inner = (distance[:, 1:-1] <= distance[:, :-2]) & (distance[:, 1:-1] < distance[:, 2:])
+        rows, places = np.nonzero(inner)
+        places = places + 1
+        # how far off it is, in units of the time that it would take to get there
+        size = distance[rows, places] / np.maximum(speed[rows, places], 1e-300)
+        best = np.argsort(size, kind="stable")[:n_wanted]
+        rows, places = rows[best], places[best]
+        return Segments(starts[rows], grid[places], distance[rows, places])
+
+    def solved(self, guesses: Segments, *, tolerance: float, least: float, most: float) -> Segments:
+        """What Newton's method makes of guesses; those that leave the range of times or do not converge are dropped.
+
+        Args:
+            guesses: Starts and times.
+            tolerance: Largest residual of what is kept.
+            least: Smallest time.
+            most: Largest time.
+        """
+        x, T = guesses.start.copy(), guesses.time.copy()
+        residual = np.full(len(T), np.inf)
+        best_x, best_T = x.copy(), T.copy()
+        active = np.arange(len(T))
+        basis, mirror = fixed_basis(self.first), mirror_basis(self.last)
+        units = self.level.units
+        for k in range(_MOST_STEPS):
+            if not active.size:
+                break
+            ends, tangents = self.flow.ends(x[active], T[active], basis)
+            values, slopes = self._equations(x[active], ends, tangents, basis, mirror)
+            size = np.abs(values).max(axis=-1)
+            size[~np.isfinite(size)] = np.inf
+            better = size < residual[active]
+            best_x[active[better]], best_T[active[better]] = x[active[better]], T[active[better]]
+            # at round-off a step helps no more; one that is still far off after some steps is given up
+            stalled = ~better & (residual[active] < _MEETS)
+            residual[active[better]] = size[better]
+            go = np.isfinite(size) & ~stalled & (size > 1e-16) & ((k < 8) | (size < _MEETS))
+            move = -np.einsum("nij,nj->ni", np.linalg.pinv(np.where(go[:, None, None], slopes, 0.0), rcond=1e-11),
+                              np.where(go[:, None], values, 0.0))  # fmt: skip
+            step, delay = move[:, :-1] @ basis.T, move[:, -1]
+            length = np.linalg.norm(step / units, axis=1)
+            factor = 1.0 / np.maximum(1.0, np.maximum(length / _LONGEST_STEP, np.abs(delay / T[active]) / _LONGEST_DELAY))
+            x[active] += factor[:, None] * step
+            T[active] += factor * delay
+            active = active[go & (T[active] > 0.5 * least) & (T[active] < 1.5 * most)]
+        good = (residual <= tolerance) & (best_T >= least) & (best_T <= most)
+        return Segments(best_x[good], best_T[good], residual[good])
+
+    def _equations(self, x: Array, ends: Array, tangents: Array, basis: Array, mirror: Array) -> tuple[Array, Array]:
+        """Values (n, e) and derivatives (n, e, d + 1) of all equations in (z, T), in units of the level."""
+        level, units = self.level, self.level.units
+        scale = np.maximum(np.abs(level.gradients(x)) @ units, 1e-300)
+        on_level = level.deviations(x) / scale
+        slopes = (level.gradients(x) @ basis) / scale[..., None]
+        with np.errstate(all="ignore"):
+            rate = np.where(np.isfinite(ends).all(axis=1)[:, None], self.flow.system.vector_field(ends), np.nan)
+        rows = mirror.T / units
+        # a signed permutation may only exchange components of one unit, so the rows stay mirror vectors
+        at_end = ends @ rows.T
+        end_slopes = np.concatenate([rows @ tangents, (rate @ rows.T)[..., None]], axis=-1)
+        zeros = np.zeros((*slopes.shape[:-1], 1))
+        return (
+            np.concatenate([on_level, at_end], axis=-1),
+            np.concatenate([np.concatenate([slopes, zeros], axis=-1), end_slopes], axis=-2),
+        )

@@ -1,0 +1,300 @@
+r"""Symmetric periodic orbits of a level: a search by shooting between the fixed sets of reversers.
+
+An orbit that meets $\mathrm{Fix}\,\rho_0$ and, after the time T, $\mathrm{Fix}\,\rho_1$ closes up to $\rho_1\rho_0$
+after 2T.  On a level of a leaf of dimension 2m both fixed sets usually have the dimension m - 1, so such segments are
+isolated zeros of as many equations as unknowns, and every orbit that meets the fixed sets twice is found by a search
+that is fine enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from itertools import combinations_with_replacement
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.arrays import Array
+from liepoisson.calls import shows_progress
+from liepoisson.errors import LeafError, ParameterError
+from liepoisson.exact.discrete_symmetries import DiscreteSymmetry, discrete_symmetries
+from liepoisson.numeric.sampling import as_seed
+from liepoisson.numeric.time_scale import natural_duration, time_scale
+from liepoisson.orbits.level import Level, level_of
+from liepoisson.orbits.multipliers import loop_spectrum
+from liepoisson.orbits.periodic_orbits import SymmetricOrbit, SymmetricOrbits
+from liepoisson.orbits.shooting import Flow, Segments, Shooting, fixed_basis
+from liepoisson.phase_space._checks import are_equal
+from liepoisson.scalars import as_count, as_number, as_threads
+from liepoisson.streams import Purpose, stream
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system import System
+    from liepoisson.phase_space.leaf import Leaf
+
+CLOSES = 1e-12
+"""Largest residual of an orbit, in units of the level; longer orbits that are too unstable for it are not kept."""
+
+_NATURAL_TIMES, _TIMES_PER_UNIT = 12.0, 12.0
+_SHORTEST = 0.1
+"""A segment is at least so many natural times long: near an equilibrium none is shorter than a quarter of a turn."""
+
+_GUESSES_PER_START = 2
+_SAME_TIME, _SAME_STATE = 1e-7, 1e-5
+_LONGEST_MULTIPLE = 12
+_FAMILY = 1e-5
+"""A further multiplier this near to 1: a double one scatters by the root of the round-off."""
+
+
+@shows_progress
+def symmetric_periodic_orbits(
+    system: System,
+    leaf: Leaf | Mapping[str, float | str],
+    energy: float | str,
+    *,
+    reversers: Sequence[DiscreteSymmetry] | None = None,
+    n_starts: int = 200,
+    t_end: float | None = None,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Callable[[float], Any] | None = None,
+) -> SymmetricOrbits:
+    r"""Periodic orbits that meet the fixed sets of reversers twice, on one level of H and the Casimirs.
+
+    From random states in the fixed set of one reverser, the moments when their orbits come near that of another (or the
+    same) are improved by Newton's method in the start and the time.  Each orbit is listed once, with its shortest
+    segment, and of orbits that are images of one another under the reversers one is listed.  Those with a further
+    multiplier 1 belong to families, as in integrable systems, and are only counted.
+
+    Example:
+        >>> oscillator = lp.System(lp.canonical(1), "p^2/2 + 9*q^2/2")
+        >>> found = lp.orbits.symmetric_periodic_orbits(oscillator, {}, energy=1)
+        >>> [round(orbit.period, 12) for orbit in found]  # 2 pi / 3
+        [2.094395102393]
+
+    Args:
+        system: A system whose parameters are all numbers.
+        leaf: A regular leaf, or the values of the Casimirs by name.
+        energy: The value of the Hamiltonian; a text is exact.
+        reversers: Those of `liepoisson.systems.discrete_symmetries` that are used; by default all that map the level to
+            itself and have fixed sets of dimension m - 1 on it.
+        n_starts: How many starts, for each pair of reversers.
+        t_end: The longest time of a segment, a half of the time in which an orbit returns up to a symmetry; by default
+            12 natural times (see `liepoisson.orbits.time_scale`).
+        seed: Draws the starts.
+        threads: By default all processors.  Results do not depend on it, bit for bit.
+        progress: Called with the fraction that is done.
+
+    Returns:
+        The orbits by decreasing growth rate; that there are no others is not proved.
+
+    Raises:
+        LeafError: the leaf is not regular, no state of it has this energy, or H and the Casimirs depend on each other
+            at all states that were found.
+        ParameterError: the system has no reverser that maps the level to itself, or a value is not as it must be.
+
+    References: [devogelaere1958], for the method; [lamb1998].
+    """
+    n_starts, seed, threads = as_count(n_starts, "n_starts", least=1), as_seed(seed), as_threads(threads)
+    level = level_of(system, leaf, energy)
+    chosen = reversers_of(level, reversers)
+    flow = Flow(level.system, threads)
+    starts = [_starts(level, one, n_starts, seed, k) for k, one in enumerate(chosen)]
+    if not any(len(x) for x in starts):
+        raise LeafError(
+            f"a symmetric orbit must meet a fixed set; none of {len(chosen)} was found to have states on {level.text}. "
+            f"The energies of the leaf are {level.leaf.energy_range()}."
+        )
+    every = np.concatenate(starts)
+    if not level.is_regular_at(every).any():
+        raise LeafError(f"H and the Casimirs must be independent on {level.text}; their gradients are dependent there.")
+    unit = natural_duration(1.0, time_scale(level.system, every[:: max(1, len(every) // 64)]), otherwise=1.0)
+    longest = _NATURAL_TIMES * unit if t_end is None else as_number(t_end, "t_end", "a positive time")
+    if not (np.isfinite(longest) and longest > 0):
+        raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out for 12 natural times")
+    found: list[tuple[DiscreteSymmetry, DiscreteSymmetry, Segments]] = []
+    pairs = list(combinations_with_replacement(range(len(chosen)), 2))
+    for k, (i, j) in enumerate(pairs):
+        if progress is not None:
+            progress(0.9 * k / len(pairs))
+        if len(starts[i]):
+            shooting = Shooting(level, chosen[i], chosen[j], flow)
+            n_times = max(16, int(np.ceil(_TIMES_PER_UNIT * longest / unit)))
+            guesses = shooting.near(starts[i], longest, n_times, _GUESSES_PER_START * n_starts)
+            segments = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
+            found.append((chosen[i], chosen[j], segments))
+    shortest = _distinct(level, [s for f, l, one in found for s in _shortest(level, flow, chosen, f, l, one)], chosen)
+    orbits = [symmetric_orbit(level, flow, *_named_image(level, flow, segment, chosen)) for segment in shortest]
+    isolated = [one for one in orbits if not (np.abs(one.multipliers - 1) < _FAMILY).any()]
+    isolated.sort(key=lambda one: (-round(one.rate, 9), one.period))
+    return SymmetricOrbits(
+        level, tuple(isolated), tuple(chosen), float(longest), n_starts, len(orbits) - len(isolated)
+    )
+
+
+def reversers_of(level: Level, given: Sequence[DiscreteSymmetry] | None = None) -> list[DiscreteSymmetry]:
+    """The reversers of a level: those that are given, or all that suit shooting.
+
+    Raises:
+        ParameterError: there is none, or one that is given does not map the level to itself.
+    """
+    system = level.system
+    if given is not None:
+        for one in given:
+            if not isinstance(one, DiscreteSymmetry) or not one.is_reverser or not are_equal(one.system, system):  # pyright: ignore[reportUnnecessaryIsInstance]
+                raise ParameterError(
+                    f"reversers: wanted involutions of {system.name} that reverse time, as discrete_symmetries(system)."
+                    f"reversers has them; got {shown(one)}"
+                )
+            if not one.meets(level.values):
+                raise ParameterError(f"reversers must map {level.text} to itself; {one.text} does not")
+        if given:
+            return list(given)
+    half = (level.dimension - 1) // 2
+    every = discrete_symmetries(system).reversers
+    found = [one for one in every if one.meets(level.values) and one.fixed_space and one.fixed_dimension == half]
+    if not found:
+        raise ParameterError(
+            f"{system.name} must have a reverser that maps {level.text} to itself and has a fixed set of dimension "
+            f"{half} on it; of {len(every)} changes of signs and exchanges of components that reverse time none does"
+        )
+    return found
+
+
+def _starts(level: Level, reverser: DiscreteSymmetry, n_starts: int, seed: int, number: int) -> Array:
+    """Random states in the fixed set, on the level."""
+    basis = fixed_basis(reverser)
+    draw = stream(seed, Purpose.SYMMETRIC_ORBITS, number)
+    guesses = (draw.standard_normal((n_starts, basis.shape[1])) @ basis.T) * level.units
+    states, arrived = level.projected(guesses, basis)
+    return states[arrived]
+
+
+def _shortest(
+    level: Level,
+    flow: Flow,
+    reversers: Sequence[DiscreteSymmetry],
+    first: DiscreteSymmetry,
+    last: DiscreteSymmetry,
+    found: Segments,
+) -> list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]]:
+    """The shortest segment of each orbit: where a part 1/k of the time leads to a fixed set, that part.
+
+    The moments when an orbit is in a fixed set are evenly spaced, so no others need be looked at.
+    """
+    if not len(found):
+        return []
+    parts = np.arange(2, _LONGEST_MULTIPLE + 1)
+    starts, times = np.repeat(found.start, len(parts), axis=0), (found.time[:, None] / parts).ravel()
+    ends = flow.ends(starts, times)[0].reshape(len(found), len(parts), -1)
+    shortest: list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]] = []
+    for k in range(len(found)):
+        segment = (first, last, found.start[k], float(found.time[k]))
+        for j in reversed(range(len(parts))):
+            met = [r for r in reversers if np.abs((r(ends[k, j]) - ends[k, j]) / level.units).max() < _SAME_STATE]
+            if met:
+                segment = _improved(level, flow, first, met[0], found.start[k], float(found.time[k] / parts[j]))
+                break
+        shortest.append(segment)
+    return shortest
+
+
+def _improved(
+    level: Level, flow: Flow, first: DiscreteSymmetry, last: DiscreteSymmetry, start: Array, time: float
+) -> tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]:
+    """A segment after Newton's method, or as it was."""
+    guess = Segments(start[None], np.array([time]), np.zeros(1))
+    solved = Shooting(level, first, last, flow).solved(guess, tolerance=CLOSES, least=0.5 * time, most=2 * time)
+    if not len(solved):
+        return first, last, start, time
+    return first, last, solved.start[0], float(solved.time[0])
+
+
+def _distinct(
+    level: Level,
+    segments: list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]],
+    reversers: Sequence[DiscreteSymmetry],
+) -> list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]]:
+    """One segment for each orbit, and for its images under the group that the reversers generate."""
+    group = group_of([one.matrix for one in reversers])
+    flow = Flow(level.system, 1)
+    kept: list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]] = []
+    images: list[Array] = []
+    if not segments:
+        return kept
+    order = sorted(range(len(segments)), key=lambda k: (segments[k][3], k))
+    ends = flow.ends(np.array([s[2] for s in segments]), np.array([s[3] for s in segments]))[0]
+    for k in order:
+        x, T = segments[k][2], segments[k][3]
+        seen = False
+        for other, places in zip(reversed(kept), reversed(images), strict=True):
+            if T - other[3] > _SAME_TIME * T:
+                break
+            if (np.abs((places - x) / level.units).max(axis=1) < _SAME_STATE).any():
+                seen = True
+                break
+        if not seen:
+            kept.append(segments[k])
+            images.append(np.array([g @ y for g in group for y in (x, ends[k])]))
+    return kept
+
+
+def _named_image(
+    level: Level,
+    flow: Flow,
+    segment: tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float],
+    reversers: Sequence[DiscreteSymmetry],
+) -> tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]:
+    """The image of an orbit that stands for all of them, which does not depend on the starts of the search.
+
+    It begins in the fixed set of the reverser that comes first in the list, at the state that is the last in the order
+    of its components.
+    """
+    first, last, start, time = segment
+    numbers = {id(one): k for k, one in enumerate(reversers)}
+    (end,), _ = flow.ends(start[None], np.array([time]))
+    ways = [(first, last, start)]
+    if numbers[id(last)] <= numbers[id(first)]:
+        ways.append((last, first, end))
+    if numbers[id(last)] < numbers[id(first)]:
+        ways.pop(0)
+    group = group_of([one.matrix for one in reversers])
+    images = [(f, l, g @ x) for f, l, x in ways for g in group]
+    images = [one for one in images if np.abs((one[0](one[2]) - one[2]) / level.units).max() < _SAME_STATE]
+    chosen = max(images, key=lambda one: tuple(np.round(one[2] / level.units, 6) + 0.0))
+    if np.array_equal(chosen[2], start):
+        return segment
+    return _improved(level, flow, *chosen, time)
+
+
+def group_of(generators: list[Array]) -> list[Array]:
+    """The finite group that signed permutations generate."""
+    found = {one.tobytes(): one for one in [np.eye(len(generators[0]))]}
+    waiting = list(found.values())
+    while waiting:
+        current = waiting.pop()
+        for generator in generators:
+            product = np.round(generator @ current) + 0.0  # no negative zeros
+            if product.tobytes() not in found:
+                found[product.tobytes()] = product
+                waiting.append(product)
+    return list(found.values())
+
+
+def symmetric_orbit(
+    level: Level, flow: Flow, first: DiscreteSymmetry, last: DiscreteSymmetry, start: Array, time: float
+) -> SymmetricOrbit:
+    """The orbit of a segment, with its multipliers."""
+    system, units = level.system, level.units
+    closing = last.matrix @ first.matrix
+    (end,), _ = flow.ends(start[None], np.array([time]))
+    _, forwards = flow.matrix(start, 2 * time)
+    _, backwards = flow.matrix(start, -2 * time)
+    spectrum = loop_spectrum(
+        closing.T @ forwards, closing @ backwards, level.gradients(start), system.vector_field(start)
+    )
+    residual = max(float(np.abs((last(end) - end) / units).max()) / 2, float(level.distance(start)))
+    return SymmetricOrbit(
+        level, first, last, start, end, time, residual, spectrum.values, spectrum.pair_defect, spectrum.trivial_defect
+    )

@@ -1,0 +1,1 @@
+"""Proofs by computer: statements on orbits whose certificates are checked in rigorous arithmetic."""

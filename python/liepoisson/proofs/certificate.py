@@ -1,0 +1,211 @@
+"""The certificate of a chain of covering relations: a small file of exact numbers, about which nothing is trusted.
+
+JSON: doubles as C99 hexadecimal strings, rational constants as strings.
+
+- `system`: `name`, and `equations` as text;
+- `level`: the values of H and of the Casimirs;
+- `symmetry`: the signs of a map that keeps the equations, R;
+- `sets`: for each a `name`, its `center` and its `frame`, whose columns are two unstable directions, the flow, two
+  stable directions, and the gradients of H and the Casimirs;
+- `edges`: for each the sets `from` and `to`, the `time`, and whether R follows (`symmetry`).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any, cast
+
+from liepoisson.errors import DamagedFileError, MissingFileError
+from liepoisson.wrong_values import shown
+
+_MOST_BYTES = 20_000_000
+_MOST_SETS = 2_000
+
+
+@dataclass(frozen=True)
+class CoveringSet:
+    """A set { c + B (q_u, 0, q_s, w) : |q_u| <= 1, |q_s| <= 1 } on a level, with w fixed by the constants of motion."""
+
+    name: str
+    center: tuple[float, ...]
+    frame: tuple[tuple[float, ...], ...]
+
+
+@dataclass(frozen=True)
+class Edge:
+    """The claim that one set covers another after a time, perhaps followed by the symmetry; sets by their numbers."""
+
+    source: int
+    target: int
+    time: float
+    symmetry: bool
+
+
+@dataclass(frozen=True)
+class CoveringCertificate:
+    """What a certificate says."""
+
+    name: str
+    equations: Any
+    level: Mapping[str, Fraction]
+    symmetry: tuple[int, ...]
+    sets: tuple[CoveringSet, ...]
+    edges: tuple[Edge, ...]
+
+
+def load_covering_certificate(path: str | Path) -> CoveringCertificate:
+    """Read a certificate. Only its form is looked at here.
+
+    Raises:
+        MissingFileError: there is no such file.
+        DamagedFileError: it has another format; the message says where.
+    """
+    path = Path(path)
+    try:
+        if path.stat().st_size > _MOST_BYTES:
+            raise _FormatError(f"it has more than {_MOST_BYTES} bytes")
+        data = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=_without_repetition)
+        return read_certificate(data)
+    except FileNotFoundError as error:
+        raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
+    except (OSError, ValueError, RecursionError) as error:
+        raise DamagedFileError(
+            f"{path}: wanted a certificate of covering relations; got a file that is none: {error!s:.200}. The format "
+            "is described in docs/proof.md"
+        ) from error
+
+
+class _FormatError(ValueError):
+    """What is wrong with the form of a certificate."""
+
+
+def read_certificate(data: object) -> CoveringCertificate:
+    """A certificate from the data of its file.
+
+    Raises:
+        ValueError: the data have another form.
+    """
+    record = _mapping(data, "the file")
+    system = _mapping(_entry(record, "system", "the file"), "system")
+    level = _mapping(_entry(record, "level", "the file"), "level")
+    signs = _sequence(_entry(record, "symmetry", "the file"), "symmetry")
+    if any(type(s) is not int or s not in (1, -1) for s in signs):
+        raise _FormatError("symmetry: wanted signs, 1 or -1")
+    n = len(signs)
+    sets = tuple(
+        _set(entry, n, f"set {k}") for k, entry in enumerate(_sequence(_entry(record, "sets", "the file"), "sets"))
+    )
+    numbers = {s.name: k for k, s in enumerate(sets)}
+    if len(numbers) != len(sets):
+        raise _FormatError("sets: two have one name")
+    if not 1 <= len(sets) <= _MOST_SETS:
+        raise _FormatError(f"sets: wanted from 1 to {_MOST_SETS}; got {len(sets)}")
+    edges = _sequence(_entry(record, "edges", "the file"), "edges")
+    return CoveringCertificate(
+        name=_text(_entry(system, "name", "system"), "the name of the system"),
+        equations=_entry(system, "equations", "system"),
+        level={_text(k, "a name in level"): _rational(v, f"level {k}") for k, v in level.items()},
+        symmetry=tuple(cast("list[int]", signs)),
+        sets=sets,
+        edges=tuple(_edge(entry, numbers, f"edge {k}") for k, entry in enumerate(edges)),
+    )
+
+
+def _set(data: object, n: int, where: str) -> CoveringSet:
+    record = _mapping(data, where)
+    center = _numbers(_entry(record, "center", where), n, f"{where}, center")
+    rows = _sequence(_entry(record, "frame", where), f"{where}, frame")
+    if len(rows) != n:
+        raise _FormatError(f"{where}, frame: wanted {n} rows; got {len(rows)}")
+    frame = tuple(_numbers(row, n, f"{where}, row {k} of the frame") for k, row in enumerate(rows))
+    return CoveringSet(_text(_entry(record, "name", where), f"{where}, name"), center, frame)
+
+
+def _edge(data: object, numbers: Mapping[str, int], where: str) -> Edge:
+    record = _mapping(data, where)
+    ends = [_text(_entry(record, end, where), f"{where}, {end}") for end in ("from", "to")]
+    for end in ends:
+        if end not in numbers:
+            raise _FormatError(f"{where}: there is no set {shown(end)}")
+    symmetry = _entry(record, "symmetry", where)
+    if type(symmetry) is not bool:
+        raise _FormatError(f"{where}, symmetry: wanted true or false; got {shown(symmetry)}")
+    time = _double(_entry(record, "time", where), f"{where}, time")
+    if not time > 0:
+        raise _FormatError(f"{where}, time: wanted a positive number; got {time}")
+    return Edge(numbers[ends[0]], numbers[ends[1]], time, symmetry)
+
+
+def _numbers(data: object, n: int, where: str) -> tuple[float, ...]:
+    values = _sequence(data, where)
+    if len(values) != n:
+        raise _FormatError(f"{where}: wanted {n} numbers; got {len(values)}")
+    return tuple(_double(v, where) for v in values)
+
+
+def _double(value: object, where: str) -> float:
+    """A double from its hexadecimal form, without rounding."""
+    text = _text(value, where)
+    try:
+        found = float.fromhex(text)
+    except (ValueError, OverflowError) as error:
+        raise _FormatError(f"{where}: wanted a double in hexadecimal; got {shown(text)}") from error
+    if not math.isfinite(found) or "0x" not in text.lower():
+        raise _FormatError(f"{where}: wanted a finite double in hexadecimal, such as 0x1.8p+0; got {shown(text)}")
+    if _exactly(text) != Fraction(found):
+        raise _FormatError(f"{where}: {shown(text)} has more digits than a double")
+    return found
+
+
+def _exactly(text: str) -> Fraction:
+    """The value of a hexadecimal number, of which `float.fromhex` has accepted the form."""
+    mantissa, _, exponent = text.strip().lower().replace("0x", "").partition("p")
+    negative = mantissa.startswith("-")
+    whole, _, part = mantissa.lstrip("+-").partition(".")
+    value = Fraction(int(whole + part or "0", 16), 16 ** len(part)) * Fraction(2) ** int(exponent or 0)
+    return -value if negative else value
+
+
+def _rational(value: object, where: str) -> Fraction:
+    text = _text(value, where)
+    try:
+        found = Fraction(text)
+    except (ValueError, ZeroDivisionError) as error:
+        raise _FormatError(f"{where}: wanted a rational number as text, such as 1/2; got {shown(text)}") from error
+    return found
+
+
+def _text(value: object, where: str) -> str:
+    if not isinstance(value, str):
+        raise _FormatError(f"{where}: wanted a text; got {shown(value)}")
+    return value
+
+
+def _mapping(value: object, where: str) -> Mapping[Any, Any]:
+    if not isinstance(value, dict):
+        raise _FormatError(f"{where}: wanted an object with named entries; got {shown(value)}")
+    return cast("Mapping[Any, Any]", value)
+
+
+def _sequence(value: object, where: str) -> Sequence[Any]:
+    if not isinstance(value, list):
+        raise _FormatError(f"{where}: wanted a list; got {shown(value)}")
+    return cast("Sequence[Any]", value)
+
+
+def _entry(record: Mapping[Any, Any], key: str, where: str) -> Any:
+    if key not in record:
+        raise _FormatError(f"{where}: {key} is missing")
+    return record[key]
+
+
+def _without_repetition(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    found = dict(pairs)
+    if len(found) != len(pairs):
+        raise _FormatError("a name occurs twice in one object")
+    return found

@@ -1,0 +1,179 @@
+r"""The search for a certificate of chaos on a level: a periodic orbit, a homoclinic orbit, and the chain along them.
+
+Nothing here is rigorous and nothing need be: what is found is checked by a program that does not trust it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.calls import explains_its_methods, shows_progress
+from liepoisson.errors import LeafError, OrbitError, ParameterError
+from liepoisson.files import write_json
+from liepoisson.numeric.progress import part_of
+from liepoisson.orbits.homoclinic import symmetric_homoclinic_orbits
+from liepoisson.orbits.level import Level, level_of
+from liepoisson.orbits.symmetric_orbits import symmetric_periodic_orbits
+from liepoisson.phase_space._checks import as_system
+from liepoisson.phase_space.leaf_equilibria import equilibria
+from liepoisson.proofs.chain import Chain, ChainMaker, with_polished_ends
+from liepoisson.proofs.float_check import FloatCheck, float_check
+from liepoisson.scalars import as_count, as_number
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system import System
+    from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
+    from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+    from liepoisson.phase_space.leaf import Leaf
+
+_MOST_ORBITS, _MOST_HOMOCLINIC = 4, 12
+_CRITICAL = 1e-9
+"""Energies this near to that of an equilibrium, relative to the range of equilibria, count as equal."""
+
+
+@explains_its_methods
+@dataclass(frozen=True, eq=False)
+class CertificateCandidate:
+    """A chain of sets that a checker may accept.
+
+    Attributes:
+        orbit: The periodic orbit.
+        homoclinic: The homoclinic orbit.
+        chain: Sets and edges.
+        check: Its conditions in floating-point numbers, which prove nothing.
+    """
+
+    orbit: SymmetricOrbit
+    homoclinic: HomoclinicOrbit
+    chain: Chain
+    check: FloatCheck
+
+    def save(self, path: str | Path) -> Path:
+        """Writes the certificate as JSON.
+
+        Raises:
+            OutputError: the file cannot be written.
+            OrbitError: a value of the level is no rational number.
+        """
+        path = Path(path)
+        write_json(path, self.chain.record())
+        return path
+
+    def __repr__(self) -> str:
+        return (
+            f"<CertificateCandidate of {self.orbit.system.name!r} on {self.orbit.level.text}: {len(self.chain.sets)} sets, "
+            f"{len(self.chain.edges)} edges; covering {self.check.covering:.4f} (> 1), stable {self.check.stable:.4f} "
+            f"(< 1), in floating-point numbers; not proved>"
+        )
+
+
+@shows_progress
+def find_certificate(
+    system: System,
+    leaf: Leaf | Mapping[str, float | str],
+    energy: float | str,
+    *,
+    radius: float = 1e-4,
+    kappa: float = 1.3,
+    n_starts: int = 200,
+    t_end: float | None = None,
+    seed: int = 0,
+    threads: int | None = 1,
+    progress: Callable[[float], Any] | None = None,
+) -> CertificateCandidate:
+    """Searches a periodic orbit with a transversal homoclinic orbit and sets along both that map across one another.
+
+    The hyperbolic symmetric periodic orbits with the largest growth rates are tried in turn, with the symmetric
+    homoclinic orbits to them that have the shortest flights; the first chain whose conditions hold in floating-point
+    numbers is returned.
+
+    Args:
+        system: A system with polynomial equations and reversers.
+        leaf: A regular leaf, or the values of the Casimirs by name; texts are exact.
+        energy: The value of the Hamiltonian; a text is exact.
+        radius: The size of the sets.
+        kappa: The growth per segment that the adapted norm is made for.
+        n_starts: How many starts the searches for orbits have, for each pair of reversers.
+        t_end: The longest segment of a periodic orbit.
+        seed: Draws them.
+        threads: How many.
+        progress: Called with the fraction that is done.
+
+    Raises:
+        LeafError: the leaf is not regular, or the level has an equilibrium.
+        OrbitError: no chain was found; the message says how far the search came.
+        ParameterError: the system has no suitable reversers, or no polynomial equations.
+    """
+    system, radius = as_system(system), _positive(radius, "radius")
+    kappa = _positive(kappa, "kappa")
+    n_starts = as_count(n_starts, "n_starts", least=1)
+    if kappa <= 1:
+        raise ParameterError(f"kappa: wanted a number above 1; got {kappa:g}; try 1.3")
+    level = level_of(system, leaf, energy)
+    _check_that_it_has_no_equilibrium(level)
+    orbits = symmetric_periodic_orbits(
+        system,
+        leaf,
+        energy,
+        n_starts=n_starts,
+        t_end=t_end,
+        seed=seed,
+        threads=threads,
+        progress=part_of(progress, 0, 0.4),
+    )
+    hyperbolic = [one for one in orbits if one.stability == "hyperbolic"]
+    # two different reversers first: the symmetry that closes the loop halves it
+    hyperbolic.sort(key=lambda one: (one.first is one.last, -round(one.rate, 9), one.period))
+    tried: list[str] = []
+    for k, orbit in enumerate(hyperbolic[:_MOST_ORBITS]):
+        maker = ChainMaker(with_polished_ends(orbit), radius, kappa)
+        found = symmetric_homoclinic_orbits(
+            orbit,
+            reversers=list({id(one): one for one in (orbit.first, orbit.last)}.values()),
+            n_starts=2 * n_starts,
+            seed=seed,
+            threads=threads,
+            progress=part_of(progress, 0.4 + 0.6 * k / _MOST_ORBITS, 0.6 / _MOST_ORBITS),
+        )
+        tried.append(f"{len(found)} homoclinic orbits to that of period {orbit.period:.6g}")
+        for homoclinic in found[:_MOST_HOMOCLINIC]:
+            try:
+                chain = maker.along(homoclinic)
+            except OrbitError as error:
+                tried.append(str(error))
+                break
+            check = float_check(chain, seed=seed)
+            tried.append(f"covering {check.covering:.3g}, stable {check.stable:.3g}")
+            if check.passes:
+                return CertificateCandidate(maker.orbit, homoclinic, chain, check)
+    raise OrbitError(
+        f"no chain of sets was found on {level.text}: {len(orbits)} symmetric periodic orbits, {len(hyperbolic)} of them "
+        f"hyperbolic; {'; '.join(tried) or 'nothing to try'}. Take more starts, another level, or a smaller radius."
+    )
+
+
+def _check_that_it_has_no_equilibrium(level: Level) -> None:
+    """Refuse a level on which H is critical: it is not regular there."""
+    every = equilibria(level.system, level.leaf, n_starts=50)
+    energies = np.array([one.energy for one in every])
+    wanted = float(level.values["H"])  # pyright: ignore[reportArgumentType]  # a number
+    if not len(energies):
+        return
+    scale = max(float(np.ptp(energies)), abs(wanted), 1e-300)
+    near = np.abs(energies - wanted) <= _CRITICAL * scale
+    if near.any():
+        raise LeafError(
+            f"a level must be regular; {level.text} has an equilibrium, {every[int(np.argmax(near))].state}"
+        )
+
+
+def _positive(value: Any, name: str) -> float:
+    number = as_number(value, name, "a positive number")
+    if not (np.isfinite(number) and number > 0):
+        raise ParameterError(f"{name}: wanted a positive number; got {number!r}")
+    return number

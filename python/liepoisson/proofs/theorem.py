@@ -1,0 +1,164 @@
+"""The theorem that a top is chaotic: a certificate, checked by two arithmetics, and what follows from it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.calls import explains_its_arguments
+from liepoisson.errors import CertificateError, EnclosureError, ParameterError
+from liepoisson.exact.polynomials.limits import NotDecidedError
+from liepoisson.proofs.certificate import CoveringCertificate, load_covering_certificate, read_certificate
+from liepoisson.proofs.claimed_system import compare_equations
+from liepoisson.proofs.margins import Margins
+from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
+from liepoisson.proofs.regularity import is_regular
+from liepoisson.proofs.search import CertificateCandidate
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system import System
+
+ARITHMETICS = ("intervals", "balls")
+SHIPPED = {"twisted-kovalevskaya": "twisted_kovalevskaya.json"}
+"""Certificates that come with the package, by the names of systems in the catalogue."""
+_NOT_PROVED = (
+    "Not proved: anything about the measure of the chaotic set, or about typical states. Lyapunov exponents are "
+    "measured."
+)
+
+
+@dataclass(frozen=True)
+class ChaosProof:
+    """A certificate that was accepted, and the theorem that it proves.
+
+    Attributes:
+        system: The system.
+        certificate: What was checked.
+        field: The exact equations and constants of motion that were used.
+        margins: What each arithmetic has verified.
+        notes: What else is to be said.
+    """
+
+    system: System
+    certificate: CoveringCertificate
+    field: PolynomialField
+    margins: tuple[Margins, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def entropy(self) -> float:
+        """A lower bound of the topological entropy of the flow on the level."""
+        return max(m.entropy for m in self.margins)
+
+    @property
+    def level(self) -> str:
+        """The level as text."""
+        return ", ".join(f"{name} = {value}" for name, value in self.certificate.level.items())
+
+    def __str__(self) -> str:
+        from liepoisson.proofs.statement import statement
+
+        return statement(self)
+
+    __repr__ = __str__
+
+
+@explains_its_arguments
+def prove_chaos(
+    system: System,
+    certificate: CertificateCandidate | CoveringCertificate | str | Path | None = None,
+    *,
+    arithmetics: Sequence[str] = ARITHMETICS,
+    progress: Callable[[float], object] | None = None,
+) -> ChaosProof:
+    """Verify a certificate of chaos by covering relations; the theorem is in docs/proof.md.
+
+    Args:
+        system: A polynomial system with rational constants: nine coordinates, H and three Casimirs.
+        certificate: A certificate, what `find_certificate` found, or a file; the one that is shipped, if there is one
+            for the system.
+        arithmetics: "intervals" (doubles with outward rounding) and "balls" (Arb), which share no code.
+        progress: Called with the fraction that is done.
+
+    Raises:
+        CertificateError: it is about another system, or a check fails; the message names the first one.
+        DamagedFileError: the file has another format.
+        ParameterError: the system is not polynomial or has symbols, or an arithmetic has another name.
+    """
+    chosen = tuple(dict.fromkeys(arithmetics))
+    if not chosen or set(chosen) - set(ARITHMETICS):
+        raise ParameterError(f"arithmetics: wanted one or both of {ARITHMETICS}; got {shown(arithmetics)}")
+    field = polynomial_field(system)
+    if certificate is None:
+        certificate = shipped_certificate(system)
+    elif isinstance(certificate, CertificateCandidate):
+        certificate = read_certificate(certificate.chain.record())
+    elif not isinstance(certificate, CoveringCertificate):
+        certificate = load_covering_certificate(certificate)
+    notes = [compare_equations(certificate.equations, field), _regularity(field, certificate)]
+    margins: list[Margins] = []
+    for number, name in enumerate(chosen):
+
+        def listen(done: float, number: int = number) -> None:
+            if progress is not None:
+                progress((number + done) / len(chosen))
+
+        try:
+            margins.append(_checkers()[name](certificate, field, listen))
+        except EnclosureError as error:
+            raise CertificateError(f"the certificate is refused by {_NAMES[name]}: {error}") from error
+    if progress is not None:
+        progress(1.0)
+    return ChaosProof(system, certificate, field, tuple(margins), (*notes, _NOT_PROVED))
+
+
+def _regularity(field: PolynomialField, certificate: CoveringCertificate) -> str:
+    """What is known of the level, exactly.
+
+    Raises:
+        CertificateError: the level is not regular.
+    """
+    if set(certificate.level) != set(field.constants):
+        raise CertificateError(
+            f"the certificate is refused: wanted a level with values of {', '.join(field.constants)}; got "
+            f"{', '.join(certificate.level)}"
+        )
+    try:
+        regular = is_regular(field, certificate.level)
+    except NotDecidedError:
+        return "Whether all of the level is regular was not decided; it is along the orbits."
+    if not regular:
+        return "The level has critical points, perhaps complex ones; it is regular along the orbits."
+    return "The level is regular: the ideal of its critical points contains 1, exactly."
+
+
+def shipped_certificate(system: System) -> CoveringCertificate:
+    """The certificate that comes with the package for a system.
+
+    Raises:
+        CertificateError: there is none.
+    """
+    from liepoisson import catalog
+
+    field = polynomial_field(system)
+    for name, file in SHIPPED.items():
+        if polynomial_field(catalog.system(name)) == field:
+            return load_covering_certificate(Path(str(files("liepoisson.proofs").joinpath(file))))
+    raise CertificateError(
+        f"no certificate is shipped for {shown(system.name)}; give one, or search for one. There are certificates for "
+        f"{', '.join(SHIPPED)}"
+    )
+
+
+_NAMES = {"balls": "Arb balls", "intervals": "intervals"}
+
+
+def _checkers() -> dict[str, Callable[[CoveringCertificate, PolynomialField, Callable[[float], Any]], Margins]]:
+    from liepoisson.proofs.ball_checker import check_in_balls
+    from liepoisson.proofs.interval_checker import check_in_intervals
+
+    return {"balls": check_in_balls, "intervals": check_in_intervals}

@@ -1,0 +1,139 @@
+"""Gröbner bases against SymPy's, against systems whose number of solutions is known, and against false candidates."""
+
+import pytest
+import sympy as sp
+from flint import fmpq
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from known_systems import cyclic, katsura
+
+from liepoisson.exact.polynomials import groebner
+from liepoisson.exact.polynomials.groebner import groebner_basis, rational_context
+from liepoisson.exact.polynomials.lifting import Residues, primes, residues_of
+from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
+from liepoisson.exact.polynomials.monomial_ideals import degree, dimension, standard_monomials
+
+X, Y, Z = symbols = sp.symbols("x y z")
+CONTEXT = rational_context(["x", "y", "z"])
+LEX = rational_context(["x", "y", "z"], lexicographic=True)
+
+
+def in_flint(expression, context=CONTEXT):
+    terms = sp.Poly(expression, *symbols).terms()
+    return context.from_dict({m: fmpq(int(c.p), int(c.q)) for m, c in terms})
+
+
+def in_sympy(p):
+    terms = {tuple(map(int, m)): sp.Rational(int(c.p), int(c.q)) for m, c in p.terms()}
+    return sp.Poly.from_dict(terms, *symbols).as_expr()
+
+
+monomials = st.tuples(*[st.integers(0, 2)] * 3)
+coefficients = st.fractions(-5, 5, max_denominator=7).map(lambda c: sp.Rational(c.numerator, c.denominator))
+polynomials = st.dictionaries(monomials, coefficients, min_size=1, max_size=4).map(
+    lambda terms: sp.Add(*(c * X**i * Y**j * Z**k for (i, j, k), c in terms.items()))
+)
+
+
+@pytest.mark.thorough
+@given(st.lists(polynomials, min_size=1, max_size=3), st.booleans())
+@settings(max_examples=25, deadline=None)
+def test_reduced_bases_are_those_of_sympy(expressions, lexicographic):
+    context = LEX if lexicographic else CONTEXT
+    try:
+        found = groebner_basis([in_flint(e, context) for e in expressions], Limits(work=2_000_000))
+    except NotDecidedError:
+        return
+    expected = sp.groebner(expressions, *symbols, order="lex" if lexicographic else "grevlex", domain=sp.QQ)
+    expected = {sp.Poly(e, *symbols, domain=sp.QQ).as_expr() for e in expected.exprs if e != 0}
+    order = sp.polys.orderings.monomial_key("lex" if lexicographic else "grevlex")
+    expected = {sp.expand(e / sp.Poly(e, *symbols).LC(order=order)) for e in expected}
+    assert {sp.expand(in_sympy(p)) for p in found.polynomials} == expected
+
+
+@pytest.mark.parametrize(
+    ("n", "dim", "deg"), [(3, 0, 6), (4, 1, 4), (5, 0, 70), pytest.param(6, 0, 156, marks=pytest.mark.thorough)]
+)
+def test_cyclic_roots_are_as_many_as_known(n, dim, deg):
+    basis = groebner_basis(cyclic(n))
+    assert (basis.dimension, basis.degree) == (dim, deg)
+    if dim == 0:
+        assert len(basis.standard_monomials()) == deg
+
+
+@pytest.mark.parametrize("n", [2, 3, 4, 5])
+def test_katsura_has_two_to_the_n(n):
+    basis = groebner_basis(katsura(n))
+    assert (basis.dimension, basis.degree) == (0, 2**n)
+
+
+def test_large_coefficients_are_lifted():
+    x, y, _ = CONTEXT.gens()
+    big = fmpq(10**40 + 7, 3**50)
+    basis = groebner_basis([x**2 - big * y - 1, x * y - big])
+    # x^3 - x = big^2 where y = big/x
+    assert basis.contains(x**3 - x - big**2)
+    assert basis.degree == 3
+
+
+def test_a_prime_that_gives_another_ideal_does_no_harm():
+    # x y = 1 and x = -p y: y^2 = -1/p, and modulo the first prime, which is p, there is no solution
+    p = 2**61 - 1
+    assert next(primes()) == p
+    x, y, _ = CONTEXT.gens()
+    basis = groebner_basis([x * y - 1, x + p * y])
+    assert [str(q) for q in basis.polynomials] == [f"x + {p}*y", f"y^2 + 1/{p}"]
+
+
+def test_without_a_proof_there_is_no_basis(monkeypatch):
+    x, y, _ = CONTEXT.gens()
+    monkeypatch.setattr(groebner, "are_groebner", lambda *_: False)
+    with pytest.raises(NotDecidedError):
+        groebner_basis([x * y - 1, x + y], Limits(work=20_000))
+
+
+@given(st.fractions(max_denominator=10**25), st.integers(0, 2**61 - 2))
+def test_numbers_are_lifted_from_their_residues(number, residue):
+    lifting = Residues()
+    for p, _ in zip(primes(), range(6), strict=False):
+        lifting.add(residues_of([((1,), fmpq(number.numerator, number.denominator))], p), p)
+    if abs(number.numerator) < 10**50:
+        assert lifting.lifted() == ({(1,): fmpq(number.numerator, number.denominator)} if number else {})
+    # of other residues there is a number within the bound, or none
+    one = Residues()
+    one.add({(1,): residue}, 2**61 - 1)
+    found = one.lifted()
+    if residue and found is not None:
+        c = found[(1,)]
+        assert 2 * max(abs(int(c.p)), int(c.q)) ** 2 <= 2**61 - 1
+        assert (int(c.p) - residue * int(c.q)) % (2**61 - 1) == 0
+
+
+def test_work_that_is_too_much_is_not_decided():
+    with pytest.raises(NotDecidedError, match=r"not decided within 1e\+04 units of work"):
+        groebner_basis(katsura(5), Limits(work=10_000))
+
+
+def test_the_zero_ideal_and_the_whole_ring():
+    x, y, z = CONTEXT.gens()
+    assert groebner_basis([0 * x]).dimension == 3
+    one = groebner_basis([x * y - 1, x, z])
+    assert one.is_one
+    assert (one.dimension, one.degree, one.polynomials) == (-1, 0, (CONTEXT.constant(1),))
+
+
+@pytest.mark.parametrize(
+    ("leads", "n", "dim", "deg"),
+    [
+        ([], 3, 3, 1),
+        ([(1, 1, 0), (1, 0, 1)], 3, 2, 1),  # x = 0 and the line y = z = 0
+        ([(2, 0, 0), (0, 3, 0), (0, 0, 5)], 3, 0, 30),
+        ([(2, 0), (1, 1), (0, 2)], 2, 0, 3),
+        ([(3, 0, 0)], 3, 2, 3),
+        ([(0, 0)], 2, -1, 0),
+    ],
+)
+def test_dimension_and_degree_of_monomial_ideals(leads, n, dim, deg):
+    assert (dimension(leads, n), degree(leads, n)) == (dim, deg)
+    if dim <= 0:
+        assert len(standard_monomials(leads, n)) == deg

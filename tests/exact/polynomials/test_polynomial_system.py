@@ -1,0 +1,190 @@
+"""Solutions, components and projections of systems that are solved by hand."""
+
+from math import sqrt
+
+import pytest
+import sympy as sp
+from flint import arb
+from known_systems import cyclic, katsura
+
+from liepoisson.errors import ParameterError
+from liepoisson.exact.polynomials.certified_roots import precision
+from liepoisson.exact.polynomials.groebner import rational_context
+from liepoisson.exact.polynomials.limits import Limits, NotDecidedError
+from liepoisson.exact.polynomials.polynomial_system import PolynomialSystem
+
+X, Y, Z, A = sp.symbols("x y z a")
+
+
+def system(*equations, **more):
+    return PolynomialSystem.of(equations, [X, Y, Z] if any(sp.sympify(e).has(Z) for e in equations) else [X, Y], **more)
+
+
+def points(found):
+    return [tuple(float(v.mid()) for v in s.values) for s in found]
+
+
+def shown(components):
+    return {" ".join(sorted(str(p) for p in c.equations)) for c in components}
+
+
+def test_two_conics_meet_in_four_points():
+    both = system(X**2 + Y**2 - 5, X * Y - 2)
+    assert points(both.real_solutions()) == [(-2, -1), (-1, -2), (1, 2), (2, 1)]
+    assert repr(both.solutions()) == (
+        "<Solutions: 4 complex, 4 real; 4 with multiplicities; factors of degree 1, 1, 1, 1>"
+    )
+    far = system(X**2 + Y**2 - 5, X * Y - 3)
+    assert (far.degree, far.real_solutions(), far.is_inconsistent) == (4, [], True)
+
+
+def test_multiplicities_of_a_node_and_a_tangent():
+    # x^2 (x - 1)^3 = 0 on the parabola x = y^2: y^4 and (y -+ 1)^3
+    found = system(X**2 * (X - 1) ** 3, Y**2 - X).real_solutions()
+    assert [(*p, s.multiplicity) for p, s in zip(points(found), found, strict=True)] == [
+        (0, 0, 4),
+        (1, -1, 3),
+        (1, 1, 3),
+    ]
+    # no linear form has all of the multiplicity for its own: the ideal is not curvilinear
+    fat = system(X**2, X * Y, Y**2).real_solutions()
+    assert [(s.multiplicity, *map(str, s.values)) for s in fat] == [(3, "0", "0")]
+
+
+def test_all_seventy_cyclic_roots_are_distinct_and_ten_are_real():
+    roots = PolynomialSystem(cyclic(5)[0].context(), tuple(cyclic(5))).solutions()
+    assert (roots.degree, roots.n_distinct, roots.n_real) == (70, 70, 10)
+
+
+def test_katsura_solutions_satisfy_their_equations():
+    equations = katsura(4)
+    of = PolynomialSystem(equations[0].context(), tuple(equations))
+    found = of.solutions()
+    assert found.n_real == 12
+    for s in found.complex(80):
+        with precision(200):
+            x = s.values
+            first = x[0] + 2 * sum(x[1:], arb(0)) - 1
+            squares = x[0] ** 2 + 2 * sum((v**2 for v in x[1:]), arb(0)) - x[0]
+            assert first.contains(0)
+            assert squares.contains(0)
+            assert abs(first) < 1e-20
+
+
+def test_coordinates_have_the_accuracy_that_is_asked_for():
+    (low, high) = system(X**2 - 2, Y - X**3).real_solutions(300)
+    root = arb(2)
+    assert high.values[0].rel_accuracy_bits() >= 299
+    assert float(low.values[1].mid()) == pytest.approx(-2 * sqrt(2))
+    assert (high.values[0] ** 2 - root).contains(0)
+
+
+def test_close_solutions_are_told_apart():
+    gap = sp.Rational(1, 10**40)
+    found = system((X - 1) ** 2 - gap**2, Y - X).real_solutions()
+    assert len(found) == 2
+    assert not found[0].values[0].overlaps(found[1].values[0])
+    assert system((X - 1) ** 2 + gap**2, Y - X).real_solutions() == []
+
+
+def test_signs_are_exact():
+    of = system(X**2 - 2, Y**2 - X)
+    found = of.solutions()
+    (low, high) = of.real_solutions()
+    assert [found.sign(of.read(Y**4 - 2), s) for s in (low, high)] == [0, 0]
+    almost = of.read(X - sp.Rational(sp.sqrt(2).evalf(60)))
+    assert abs(found.sign(almost, high)) == 1
+    assert [found.sign(of.read(Y), s) for s in (low, high)] == [-1, 1]
+    assert found.vanishes(of.read((X**2 - 2) * Y), 0)
+
+
+def test_positive_variables_choose_solutions():
+    assert points(system(X**2 - 4, Y - X, positive=[Y]).real_solutions()) == [(2, 2)]
+    assert system(X**2 + 3 * X + 2, Y - X, positive=[X]).is_inconsistent
+    assert system(X + Y**2, positive=[X]).is_inconsistent
+
+
+def test_infinitely_many_solutions_are_refused():
+    with pytest.raises(ParameterError, match="set of dimension 1"):
+        system(X * Y - 1).real_solutions()
+
+
+def test_too_many_solutions_are_not_decided():
+    with pytest.raises(NotDecidedError, match="4 complex solutions"):
+        system(X**2 - 2, Y**2 - 3, limits=Limits(degree=3)).real_solutions()
+
+
+def test_a_plane_and_a_line():
+    of = system(X * Y, X * Z)
+    assert [(c.dimension, c.degree, c.is_irreducible) for c in of.components()] == [(2, 1, True), (1, 1, True)]
+    assert shown(of.components()) == {"x", "y z"}
+    assert shown(system(X * Y, X * Z, nonzero=[X]).components()) == {"y z"}
+    assert str(of.saturated(X).groebner().polynomials) == str(system(Y, Z).groebner().polynomials)
+
+
+def test_a_sphere_and_three_planes_are_three_circles():
+    found = system(X**2 + Y**2 + Z**2 - 1, X * Y * Z).components()
+    assert shown(found) == {"x y^2 + z^2 - 1", "x^2 + z^2 - 1 y", "x^2 + y^2 - 1 z"}
+    assert all(c.is_irreducible for c in found)
+
+
+def test_points_are_split_into_conjugate_ones():
+    # x = y and x = -y on x^2 = 2: each pair has a linear form of its own
+    assert shown(system(X**2 - 2, Y**2 - 2).components()) == {"x + y y^2 - 2", "x - y y^2 - 2"}
+    assert shown(system(X**2, Y**2 - Y**3).components()) == {"x y", "x y - 1"}
+
+
+def test_sums_of_squares_vanish_with_all_of_their_terms():
+    assert shown(system(X**2 + Y**2).components()) == {"x^2 + y^2"}
+    assert shown(system(X**2 + Y**2).components(is_real=True)) == {"x y"}
+    assert system(X**2 + Y**4 + 1).components(is_real=True) == []
+    assert system(X**2 + Y**4 + 1).is_inconsistent
+    assert not system(X**2 + Y**4 - 1).is_inconsistent
+    assert system(X**2 + 1, Y).components(is_real=True) == []
+
+
+def test_a_component_inside_another_is_left_out():
+    assert shown(system((X - Y**2) * X, (X - Y**2) * Y).components()) == {"y^2 - x"}
+
+
+def test_projection_of_the_twisted_cubic():
+    t = sp.Symbol("t")
+    curve = PolynomialSystem.of([X - t, Y - t**2, Z - t**3], [t], [X, Y, Z])
+    found = curve.eliminate(t)
+    assert found.names == ("x", "y", "z")
+    assert (found.dimension, found.degree) == (1, 3)
+    for e in (X * Z - Y**2, X**2 - Y, X * Y - Z):
+        assert found.contains(PolynomialSystem.of([e], [X, Y, Z]).equations[0])
+
+
+def test_conditions_on_a_parameter():
+    # x^2 + a x + 1 has a double root where a^2 = 4
+    both = PolynomialSystem.of([X**2 + A * X + 1, 2 * X + A], [X], [A])
+    assert [str(p) for p in both.eliminate(X).polynomials] == ["a^2 - 4"]
+
+
+def test_membership_in_the_ideal_and_in_its_radical():
+    of = system(X**2 * Y, Y**3)
+    assert of.contains(X**2 * Y**2)
+    assert not of.contains(X * Y)
+    assert of.radical_contains(X * Y)
+    assert not of.radical_contains(X)
+
+
+def test_an_assumption_that_contradicts_the_equations():
+    assert system(X, nonzero=[X]).is_inconsistent
+    assert system(X, Y, nonzero=[0]).is_inconsistent
+    assert system(X * Y, nonzero=[X, Y]).components() == []
+
+
+@pytest.mark.parametrize("wrong", [sp.sin(X), X * A, sp.sqrt(2) * X, sp.pi, 1 / X])
+def test_what_is_no_polynomial_is_refused(wrong):
+    with pytest.raises(ParameterError, match="wanted a polynomial"):
+        PolynomialSystem.of([wrong], [X, Y])
+
+
+def test_polynomials_of_another_context_are_read_by_name():
+    b, x = rational_context(["b", "x"]).gens()
+    assert str(PolynomialSystem.of([x**2 - 1], [X, Y]).equations[0]) == "x^2 - 1"
+    with pytest.raises(ParameterError, match="wanted polynomials in x, y"):
+        PolynomialSystem.of([b * x], [X, Y])
