@@ -2,12 +2,12 @@
 
 use super::{Check, Edge, Place, Refusal};
 
-/// A loop: numbers of edges, in their order, from the first set back to it.
+/// A loop: numbers of edges, in their order, from the common set back to it.
 pub type Loop = Vec<usize>;
 
-/// The loop of the periodic orbit, with fewer sets, and the excursion.
+/// The loop of the periodic orbit, which has fewer sets, and the excursion.
 ///
-/// Every set must be in one of them, and only the first one in both; every set but this has one edge in and one out.
+/// Every set must be in one of them, and exactly one set in both, so that it has two edges in and two out, every other one.
 ///
 /// # Errors
 /// The edges form anything else.
@@ -24,22 +24,21 @@ pub fn loops(edges: &[Edge], n_sets: usize) -> Result<[Loop; 2], Refusal> {
             return refused(Place::Edge(number), "a positive finite time");
         }
     }
-    for set in 0..n_sets {
-        let wanted = if set == 0 { 2 } else { 1 };
+    let degrees = |set: usize| {
         let n_out = edges.iter().filter(|edge| edge.from == set).count();
-        let n_in = edges.iter().filter(|edge| edge.to == set).count();
-        if (n_out, n_in) != (wanted, wanted) {
-            return refused(
-                Place::Set(set),
-                "two edges out of and into the first set, one out of and into every other",
-            );
-        }
+        (n_out, edges.iter().filter(|edge| edge.to == set).count())
+    };
+    let Some(common) = (0..n_sets).find(|&set| degrees(set) == (2, 2)) else {
+        return refused(Place::Everywhere, "a set with two edges in and two out");
+    };
+    if let Some(set) = (0..n_sets).find(|&set| set != common && degrees(set) != (1, 1)) {
+        return refused(Place::Set(set), "one edge in and one out");
     }
-    let starts: Vec<usize> = (0..edges.len()).filter(|&number| edges[number].from == 0).collect();
+    let starts: Vec<usize> = (0..edges.len()).filter(|&number| edges[number].from == common).collect();
     let mut found: Vec<Loop> = starts.into_iter().map(|start| follow(edges, start)).collect();
-    // what is left after two loops through the first set would be a loop of its own
+    // what is left after two loops through the common set would be a loop of its own
     if found.iter().map(Vec::len).sum::<usize>() != edges.len() {
-        return refused(Place::Everywhere, "two loops through the first set that contain all edges");
+        return refused(Place::Everywhere, "two loops through one set that contain all edges");
     }
     found.sort_by_key(Vec::len);
     match <[Loop; 2]>::try_from(found) {
@@ -48,13 +47,17 @@ pub fn loops(edges: &[Edge], n_sets: usize) -> Result<[Loop; 2], Refusal> {
     }
 }
 
-/// The edges from the first set back to it. Since each other set has one edge in and one out, it comes back.
+/// The edges from the common set back to it. Since each other set has one edge in and one out, it comes back.
 fn follow(edges: &[Edge], start: usize) -> Loop {
+    let common = edges[start].from;
     let mut path = vec![start];
-    while edges[path[path.len() - 1]].to != 0 && path.len() <= edges.len() {
-        let at = edges[path[path.len() - 1]].to;
+    let mut at = edges[start].to;
+    while at != common && path.len() <= edges.len() {
         match edges.iter().position(|edge| edge.from == at) {
-            Some(next) => path.push(next),
+            Some(next) => {
+                path.push(next);
+                at = edges[next].to;
+            }
             None => break,
         }
     }
@@ -70,10 +73,11 @@ mod tests {
     }
 
     #[test]
-    fn two_loops_through_the_first_set_are_found_in_any_order() {
+    fn two_loops_through_one_set_are_found_in_any_order() {
         let shuffled = edges(&[(3, 4), (1, 0), (0, 2), (2, 3), (0, 1), (4, 0)]);
         assert_eq!(loops(&shuffled, 5), Ok([vec![4, 1], vec![2, 3, 0, 5]]));
         assert_eq!(loops(&edges(&[(0, 0), (0, 1), (1, 0)]), 2), Ok([vec![0], vec![1, 2]]));
+        assert_eq!(loops(&edges(&[(0, 2), (2, 1), (1, 2), (2, 3), (3, 0)]), 4), Ok([vec![1, 2], vec![3, 4, 0]]));
     }
 
     #[test]

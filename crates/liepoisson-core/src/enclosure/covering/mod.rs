@@ -5,8 +5,8 @@
 //!
 //! 1. form: shapes, finite numbers; the constants of motion are constant, the symmetry and the reversing symmetries are
 //!    such, exactly, as identities of polynomials with rational coefficients;
-//! 2. graph: the edges form two loops through the first set: one through few sets, followed by the periodic orbit, and one
-//!    excursion, through all of the others;
+//! 2. graph: the edges form two loops through one set: one through few sets, followed by the periodic orbit, and an
+//!    excursion through all of the others;
 //! 3. charts: on each set the level is a graph over the coordinates `q`, and the flow crosses the section there;
 //! 4. edges: the flow takes each set across the next one ([`relation`]): covering relations, and cone conditions;
 //! 5. the periodic orbit is symmetric ([`reversal`]), in sets that are smaller by a factor;
@@ -71,7 +71,7 @@ pub struct Certificate {
     pub reversers: Vec<Vec<Sign>>,
     /// Number of unstable directions, the first columns of each frame.
     pub n_unstable: usize,
-    /// The sets; the first one is in both loops.
+    /// The sets.
     pub sets: Vec<CoveringSet>,
     /// The edges.
     pub edges: Vec<Edge>,
