@@ -1,7 +1,7 @@
 """Types of the compiled core. Arrays of trajectories are flat, float64, row-major."""
 
 from collections.abc import Callable, Sequence
-from typing import TypedDict, final
+from typing import NotRequired, TypedDict, final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +13,11 @@ __all__ = [
     "Method",
     "__version__",
     "available_simd",
+    "check_covering_relations",
+    "enclose_equilibria",
+    "enclose_flow",
+    "enclose_periodic_orbit",
+    "enclose_section_map",
     "growth",
     "modular_null_space",
     "orbits",
@@ -152,3 +157,138 @@ def sections(
     time_limit: float,
     progress: Callable[[float], object] | None,
 ) -> _Sections: ...
+
+# Rigorous enclosures. A polynomial is a sequence of terms: a rational coefficient as text ("-1/3", "0.25"), and the exponents
+# of all variables. Bounds come in pairs, lower and upper; matrices are flat, row by row. What cannot be enclosed is an
+# EnclosureError.
+
+_Terms = Sequence[tuple[str, Sequence[int]]]
+_Pair = tuple[float, float]
+_How = tuple[int, float, float | None, int]
+"""Order of the Taylor series; longest step; size of the remainders, or None for equal steps; most steps."""
+
+class _Bounds(TypedDict):
+    lower: _Array
+    upper: _Array
+    derivative_lower: _Array
+    derivative_upper: _Array
+
+class _FlowBounds(_Bounds):
+    n_steps: int
+    tube_start: NotRequired[_Array]
+    tube_end: NotRequired[_Array]
+    tube_lower: NotRequired[_Array]
+    tube_upper: NotRequired[_Array]
+
+class _SectionMapBounds(_Bounds):
+    time: _Pair
+    rate: _Pair
+
+class _PeriodicOrbit(_Bounds):
+    period: _Pair
+    times_lower: _Array
+    times_upper: _Array
+    unique_radius: float
+    multipliers_real_lower: _Array
+    multipliers_real_upper: _Array
+    multipliers_imaginary_lower: _Array
+    multipliers_imaginary_upper: _Array
+    multipliers_alone: NDArray[np.bool_]
+
+class _Equilibria(TypedDict):
+    lower: _Array
+    upper: _Array
+    unique_lower: _Array
+    unique_upper: _Array
+    undecided_lower: _Array
+    undecided_upper: _Array
+    eigenvalues_real_lower: _Array
+    eigenvalues_real_upper: _Array
+    eigenvalues_imaginary_lower: _Array
+    eigenvalues_imaginary_upper: _Array
+    eigenvalues_alone: NDArray[np.bool_]
+
+class _CoveringRotation(TypedDict):
+    discriminant: _Pair
+    angles: tuple[_Pair, _Pair]
+    period: _Pair
+    modulus: _Pair
+
+class _CoveringMargins(TypedDict):
+    n_steps: int
+    expansion: _Array
+    contraction: _Array
+    cone: _Array
+    chart: _Array
+    crossing_rate: float
+    small_expansion: float
+    small_contraction: float
+    reversal: float
+    middle: int
+    apart_from_orbit: float
+    apart_from_excursion: float
+    apart_from_image: float
+    loop_times: tuple[_Pair, _Pair]
+    loop_reflections: tuple[int, int]
+    entropy: float
+    rotation: _CoveringRotation | None
+
+def enclose_flow(
+    field: Sequence[_Terms],
+    center: _Array,
+    frame: _Array,
+    lower: _Array,
+    upper: _Array,
+    time: float,
+    how: _How,
+    tube: bool,
+    time_limit: float,
+    progress: Callable[[float], object] | None,
+) -> _FlowBounds: ...
+def enclose_section_map(
+    field: Sequence[_Terms],
+    section: _Terms,
+    center: _Array,
+    frame: _Array,
+    lower: _Array,
+    upper: _Array,
+    time: float,
+    how: _How,
+    time_limit: float,
+    progress: Callable[[float], object] | None,
+) -> _SectionMapBounds: ...
+def enclose_periodic_orbit(
+    field: Sequence[_Terms],
+    constants: Sequence[_Terms],
+    level: Sequence[str] | None,
+    symmetry: Sequence[int] | None,
+    states: _Array,
+    times: _Array,
+    reach: float,
+    how: _How,
+    time_limit: float,
+    progress: Callable[[float], object] | None,
+) -> _PeriodicOrbit: ...
+def enclose_equilibria(
+    field: Sequence[_Terms],
+    lower: _Array,
+    upper: _Array,
+    max_boxes: int,
+    time_limit: float,
+    progress: Callable[[float], object] | None,
+) -> _Equilibria: ...
+def check_covering_relations(
+    field: Sequence[_Terms],
+    constants: Sequence[_Terms],
+    level: Sequence[str],
+    symmetry: Sequence[int],
+    reversers: Sequence[Sequence[int]],
+    n_unstable: int,
+    names: Sequence[str],
+    centers: _Array,
+    frames: _Array,
+    edges: Sequence[tuple[int, int, float, bool]],
+    how: tuple[str, int, float, float, float, float, str | None],
+    time_limit: float,
+    progress: Callable[[float], object] | None,
+) -> _CoveringMargins: ...

@@ -28,6 +28,13 @@ pub enum Error {
         /// What came.
         got: usize,
     },
+    /// A text that is no rational number, or one with a numerator or denominator of more than 127 bits.
+    RationalText {
+        /// What came.
+        got: String,
+    },
+    /// Rational numbers whose sums or products have more than 127 bits.
+    RationalSize,
     /// A tolerance outside `[2^-53, 0.1]`.
     Tolerance {
         /// What came.
@@ -209,6 +216,15 @@ impl fmt::Display for Error {
                 f,
                 "{name}: wanted indices of components from 0 to {}; got {got}; they count from 0",
                 n_components - 1
+            ),
+            Error::RationalText { got } => write!(
+                f,
+                "number: wanted a fraction such as -1/3, or a decimal such as 0.25, of at most 38 digits; got {got:?}; \
+                 write it as text"
+            ),
+            Error::RationalSize => f.write_str(
+                "polynomial: wanted coefficients whose sums and products have at most 38 digits; got longer ones; \
+                 try simpler fractions",
             ),
             Error::Tolerance { got } => {
                 write!(f, "tol: wanted a number from 1.1e-16 to 0.1; got {got}; try 1e-15 for round-off accuracy")

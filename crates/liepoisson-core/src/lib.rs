@@ -23,6 +23,7 @@
 //! ```
 
 pub mod analysis;
+pub mod enclosure;
 pub mod ensemble;
 pub mod error;
 pub mod field;

@@ -37,6 +37,8 @@ pub(crate) fn translate(error: Error) -> PyErr {
         | Error::InstructionNumber { .. }
         | Error::OutputRegister { .. }
         | Error::Prime { .. }
+        | Error::RationalText { .. }
+        | Error::RationalSize
         | Error::MatrixColumns { .. }
         | Error::MatrixColumn { .. }
         | Error::SimdNotAvailable { .. } => "ParameterError",

@@ -3,6 +3,7 @@
 //! Whatever comes in, an exception or a result goes out: arrays are copied before the interpreter is released, since other
 //! threads may write into them, and a panic becomes a `CoreError`.
 
+mod enclosures;
 mod errors;
 mod fields;
 mod methods;
@@ -332,6 +333,11 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sections, module)?)?;
     module.add_function(wrap_pyfunction!(orthonormal, module)?)?;
     module.add_function(wrap_pyfunction!(modular_null_space, module)?)?;
+    module.add_function(wrap_pyfunction!(enclosures::enclose_flow, module)?)?;
+    module.add_function(wrap_pyfunction!(enclosures::enclose_section_map, module)?)?;
+    module.add_function(wrap_pyfunction!(enclosures::enclose_periodic_orbit, module)?)?;
+    module.add_function(wrap_pyfunction!(enclosures::enclose_equilibria, module)?)?;
+    module.add_function(wrap_pyfunction!(enclosures::check_covering_relations, module)?)?;
     module.add_function(wrap_pyfunction!(simd, module)?)?;
     module.add_function(wrap_pyfunction!(available_simd, module)?)?;
     module.add_function(wrap_pyfunction!(outcomes, module)?)

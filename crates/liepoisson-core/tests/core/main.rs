@@ -2,6 +2,7 @@
 //! them compiles them anew.
 
 mod common;
+mod enclosure;
 mod ensemble;
 mod frame;
 mod gauss;

@@ -1,0 +1,123 @@
+//! Rows of balls `[m - r, m + r]`: sums of their multiples by plain loops, with one bound for all that is rounded.
+//!
+//! A product of balls lies in the ball of middle `m m'` and radius `|m| r' + r (|m'| + r')`. A sum of `K` products `m m'`,
+//! rounded in any order, is off by at most `K u / (1 - K u) < 2 K u` times the sum of the `|m m'|` (`u = 2^-53`), and by a
+//! number below `K` times the smallest one. With the bound taken into `r'` once for each factor, a sum costs two products for
+//! the radius and one for the middle. Sums of numbers that are not negative are off by a factor that [`WIDER`] covers.
+//!
+//! Balls are wider than intervals where radii are not small against middles, and lose some digits in long sums. That does
+//! not matter for derivatives, which are multiplied by small sets.
+//!
+//! # References
+//! - S. M. Rump, *Fast and parallel interval arithmetic*, BIT 39 (1999) 534.
+//! - N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 2nd ed. 2002, 3.1.
+
+use super::interval::Interval;
+use super::rounding::{add_down, add_up};
+
+/// The most products in a sum.
+const MOST_TERMS: usize = 1 << 20;
+/// More than what sums of radii of so many terms lose by rounding.
+const WIDER: f64 = 1.0 + 4.0 * MOST_TERMS as f64 * f64::EPSILON;
+/// `2^-1000`: more than all that underflows in a sum.
+const LEAST: f64 = f64::from_bits((1023 - 1000) << 52);
+
+/// A middle and a radius.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Ball {
+    middle: f64,
+    radius: f64,
+}
+
+impl Ball {
+    pub(super) fn enclosure(self) -> Interval {
+        Interval::new(add_down(self.middle, -self.radius), add_up(self.middle, self.radius))
+    }
+}
+
+/// A ball that others are multiplied by.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Factor {
+    middle: f64,
+    /// By which the absolute value of a middle is multiplied: the radius, and what rounding adds.
+    for_middle: f64,
+    /// By which a radius is multiplied: the greatest absolute value.
+    for_radius: f64,
+}
+
+impl Factor {
+    /// For sums of at most `n_terms` products.
+    pub(super) fn new(of: Interval, n_terms: usize) -> Factor {
+        let (middle, radius) = (of.mid(), of.rad());
+        let rounding = n_terms as f64 * f64::EPSILON; // 2 K u
+        Factor { middle, for_middle: radius + rounding * middle.abs(), for_radius: middle.abs() + radius }
+    }
+}
+
+/// Rows of equal length.
+#[derive(Clone, Debug)]
+pub(super) struct Balls {
+    length: usize,
+    middles: Vec<f64>,
+    radii: Vec<f64>,
+}
+
+/// A row that is a sum of multiples of rows.
+pub(super) struct RowSum {
+    middles: Vec<f64>,
+    radii: Vec<f64>,
+    n_terms: usize,
+}
+
+impl Balls {
+    pub(super) fn zeros(n_rows: usize, length: usize) -> Balls {
+        Balls { length, middles: vec![0.0; n_rows * length], radii: vec![0.0; n_rows * length] }
+    }
+
+    pub(super) fn get(&self, row: usize, column: usize) -> Ball {
+        let place = row * self.length + column;
+        Ball { middle: self.middles[place], radius: self.radii[place] }
+    }
+
+    pub(super) fn set_unit_row(&mut self, row: usize, column: usize) {
+        let places = row * self.length..(row + 1) * self.length;
+        self.radii[places.clone()].fill(0.0);
+        self.middles[places.clone()].fill(0.0);
+        self.middles[places.start + column] = 1.0;
+    }
+
+    /// An empty sum.
+    pub(super) fn sum(&self) -> RowSum {
+        RowSum { middles: vec![0.0; self.length], radii: vec![0.0; self.length], n_terms: 0 }
+    }
+
+    /// Stores a sum of at most `n_terms` products, divided by a whole number.
+    pub(super) fn store(&mut self, row: usize, sum: RowSum, n_terms: usize, divisor: usize) {
+        assert!(sum.n_terms <= n_terms && n_terms <= MOST_TERMS, "terms of a sum");
+        let divisor = divisor as f64;
+        for j in 0..self.length {
+            let middle = sum.middles[j] / divisor;
+            let place = row * self.length + j;
+            self.middles[place] = middle;
+            // the quotient of the middle is rounded, too
+            let radius = sum.radii[j] / divisor * WIDER + middle.abs() * f64::EPSILON;
+            let is_zero = middle == 0.0 && sum.radii[j] == 0.0;
+            self.radii[place] = if is_zero { 0.0 } else { radius + LEAST };
+        }
+    }
+}
+
+impl RowSum {
+    /// Adds a multiple of a row.
+    #[inline]
+    pub(super) fn add(&mut self, rows: &Balls, row: usize, factor: Factor) {
+        self.n_terms += 1;
+        let places = row * rows.length..(row + 1) * rows.length;
+        let (middles, radii) = (&rows.middles[places.clone()], &rows.radii[places]);
+        let sums = self.middles.iter_mut().zip(&mut self.radii);
+        for ((sum, rest), (&middle, &radius)) in sums.zip(middles.iter().zip(radii)) {
+            *sum += middle * factor.middle;
+            *rest += middle.abs() * factor.for_middle + radius * factor.for_radius;
+        }
+    }
+}
