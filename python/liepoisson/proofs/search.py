@@ -66,9 +66,9 @@ class CertificateCandidate:
 
     def __repr__(self) -> str:
         return (
-            f"<CertificateCandidate of {self.orbit.system.name!r} on {self.orbit.level.text}: {len(self.chain.sets)} sets, "
-            f"{len(self.chain.edges)} edges; covering {self.check.covering:.4f} (> 1), stable {self.check.stable:.4f} "
-            f"(< 1), in floating-point numbers; not proved>"
+            f"<CertificateCandidate of {self.orbit.system.name!r} on {self.orbit.level.text}: {len(self.chain.sets)} "
+            f"sets, {len(self.chain.edges)} edges; covering {self.check.covering:.4f} (> 1), stable "
+            f"{self.check.stable:.4f} (< 1), in floating-point numbers; not proved>"
         )
 
 
@@ -117,9 +117,17 @@ def find_certificate(
     level = level_of(system, leaf, energy)
     _check_that_it_has_no_equilibrium(level)
     orbits = symmetric_periodic_orbits(
-        system, leaf, energy, n_starts=n_starts, t_end=t_end, seed=seed, threads=threads, progress=part_of(progress, 0, 0.4)
+        system,
+        leaf,
+        energy,
+        n_starts=n_starts,
+        t_end=t_end,
+        seed=seed,
+        threads=threads,
+        progress=part_of(progress, 0, 0.4),
     )
-    hyperbolic = [one for one in orbits if one.stability == "hyperbolic"]
+    # the adapted norm needs a growth of kappa in each half of a loop
+    hyperbolic = [one for one in orbits if one.slowest > kappa**2]
     # two different reversers first: the symmetry that closes the loop halves it
     hyperbolic.sort(key=lambda one: (one.first is one.last, -round(one.rate, 9), one.period))
     tried: list[str] = []
@@ -145,8 +153,9 @@ def find_certificate(
             if check.passes:
                 return CertificateCandidate(maker.orbit, homoclinic, chain, check)
     raise OrbitError(
-        f"no chain of sets was found on {level.text}: {len(orbits)} symmetric periodic orbits, {len(hyperbolic)} of them "
-        f"hyperbolic; {'; '.join(tried) or 'nothing to try'}. Take more starts, another level, or a smaller radius."
+        f"no chain of sets was found on {level.text}: {len(orbits)} symmetric periodic orbits, {len(hyperbolic)} of "
+        f"them with all unstable multipliers above kappa^2; {'; '.join(tried) or 'nothing to try'}. Take more starts, "
+        "another level, or a smaller radius."
     )
 
 
@@ -160,7 +169,9 @@ def _check_that_it_has_no_equilibrium(level: Level) -> None:
     scale = max(float(np.ptp(energies)), abs(wanted), 1e-300)
     near = np.abs(energies - wanted) <= _CRITICAL * scale
     if near.any():
-        raise LeafError(f"a level must be regular; {level.text} has an equilibrium, {every[int(np.argmax(near))].state}")
+        raise LeafError(
+            f"a level must be regular; {level.text} has an equilibrium, {every[int(np.argmax(near))].state}"
+        )
 
 
 def _positive(value: Any, name: str) -> float:
