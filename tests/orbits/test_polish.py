@@ -61,10 +61,11 @@ def test_an_orbit_that_does_not_close():
 @pytest.mark.thorough
 def test_the_midpoint_of_the_homoclinic_orbit(homoclinic_orbits):
     """The digits of an independent computation, whose orbit began at an amplitude of 1e-11: right to 1e-21."""
-    precise = homoclinic_orbits[0].polished(digits=22)
+    orbit = next(one for one in homoclinic_orbits if abs(one.angles[0] - 0.78271) < 1e-5)
+    precise = orbit.polished(digits=22)
     assert all(
         agrees(got.strip("-"), wanted.strip("-"), 2e-21) for got, wanted in zip(precise.midpoint, MIDPOINT, strict=True)
     )
-    fewer = homoclinic_orbits[0].polished(digits=15)
+    fewer = orbit.polished(digits=15)
     assert fewer.amplitude > 10 * precise.amplitude
     assert all(agrees(a, b, 1e-14) for a, b in zip(fewer.midpoint, precise.midpoint, strict=True))

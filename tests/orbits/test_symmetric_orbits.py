@@ -73,6 +73,7 @@ def test_a_harmonic_oscillator():
     assert found[0].multipliers.shape == (0,)
 
 
+@pytest.mark.thorough
 def test_two_oscillators_have_two_normal_modes():
     r"""$\omega = 1, \sqrt2$: neighbours of the one turn by the other's frequency, $\mu = e^{2\pi i\omega_2/\omega_1}$.
 
@@ -116,6 +117,7 @@ def test_eulers_top():
     assert abs(found[0].period - 4 * pi / (2 * a) / n) < 1e-12
 
 
+@pytest.mark.thorough
 def test_a_level_that_does_not_suit():
     top = lp.Top.kovalevskaya(epsilon=1)
     with pytest.raises(LeafError, match="none of"):
@@ -132,6 +134,7 @@ def test_a_level_that_does_not_suit():
         symmetric_periodic_orbits(top, 3, "1/2")
 
 
+@pytest.mark.thorough
 def test_families_are_counted_and_not_listed():
     """All orbits of two equal oscillators have one period: with H fixed they fill the sphere."""
     found = symmetric_periodic_orbits(

@@ -48,7 +48,7 @@ _CONVERGING = 1e-3
 _LONGEST_STEP = 0.3
 _SAME_STATE = 1e-5
 _SAME_TIME = 1e-2
-_GUESSES_PER_START = 1.0
+_GUESSES_PER_START = 4
 _OFF = 0.05
 """A midpoint is at least so far from the orbit that it is homoclinic to, in units of the level."""
 
@@ -111,7 +111,7 @@ def symmetric_homoclinic_orbits(
         raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out to have it chosen")
     search = _Search(space, Flow(level.system, threads), float(longest))
     amplitudes = search.drawn(n_starts, seed)
-    guesses = search.near(amplitudes, chosen, round(_GUESSES_PER_START * n_starts))
+    guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n_starts)
     solved: list[Solution] = []
     for k, one in enumerate(chosen):
         if progress is not None:
@@ -209,7 +209,7 @@ class _Search:
             a[active] += self.size * factor[:, None] * move[:, :-1]
             T[active] += factor * move[:, -1]
             size_of_a = np.linalg.norm(a[active], axis=1) / self.size
-            inside = (size_of_a > 1 / (3 * self.factor)) & (size_of_a < 3 * self.factor**2) & (T[active] > 0)
+            inside = (size_of_a > 1 / (3 * self.factor)) & (size_of_a < 2 * self.factor) & (T[active] > 0)
             active = active[go & inside & (T[active] < 1.2 * self.longest)]
         return [(*one, float(residual[k])) for k, one in enumerate(best) if one is not None and residual[k] <= MEETS]
 
