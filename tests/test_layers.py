@@ -23,12 +23,14 @@ ROOMS = (
     {"exact", "numeric"},
     {"tops", "catalog"},
     {"phase_space", "integrability"},
+    {"orbits"},
+    {"proofs"},
     {"sweeps"},
     {"repeat"},
     {"plot"},
     {"studies"},
     {"cli"},
-    {"", "__main__", "algebras", "brackets", "chaos", "charts", "extensions", "fields", "fits", "methods", "orbits",
+    {"", "__main__", "algebras", "brackets", "chaos", "charts", "extensions", "fields", "fits", "methods",
      "results", "sections", "systems"},
 )  # fmt: skip
 """From the ground up: modules and folders of the package.  The last is the surface, which nothing inside imports."""
@@ -54,7 +56,7 @@ LEVELS = {
     "formulas": {"formula", "expression", "constructors"},
     "systems": {
         "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "lowering", "pieces",
-        "phase_functions", "trace_values", "system", "canonical_system",
+        "phase_functions", "trace_values", "system", "canonical_system", "discrete_symmetries", "signed_permutations",
     },
     "files and charts": {"system_file", "system_file_reader", "system_text", "charts"},
     "reports": {"decimals", "printing", "report", "describe"},
@@ -72,6 +74,8 @@ FACADES = {
     "integrability.report": {"integrability.saved_reports"},
     "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
     "numeric.section": {"phase_space.section_coordinates"},
+    "orbits.homoclinic_orbits": {"orbits.polish_homoclinic"},
+    "orbits.periodic_orbits": {"orbits.polish"},
     "phase_space.leaf": {"phase_space.leaf_sampling", "phase_space.leaf_search"},
 }  # fmt: skip
 """Methods and operators of a class that call functions of other files, which take objects of this class."""

@@ -1,4 +1,5 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
+from liepoisson.exact.discrete_symmetries import DiscreteSymmetries as DiscreteSymmetries
 from liepoisson.integrability.families import IntegrableFamilies as IntegrableFamilies
 from liepoisson.integrability.families import ParameterCase as ParameterCase
 from liepoisson.integrability.integral_scan import IntegralScan as IntegralScan
@@ -24,6 +25,12 @@ from liepoisson.numeric.spectrum import Spectrum as Spectrum
 from liepoisson.numeric.spectrum_check import SpectrumResiduals as SpectrumResiduals
 from liepoisson.numeric.verdict import Agreement as Agreement
 from liepoisson.numeric.verdict import Verdict as Verdict
+from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit as HomoclinicOrbit
+from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbits as HomoclinicOrbits
+from liepoisson.orbits.periodic_orbits import SymmetricOrbit as SymmetricOrbit
+from liepoisson.orbits.periodic_orbits import SymmetricOrbits as SymmetricOrbits
+from liepoisson.orbits.polish import PreciseSegment as PreciseSegment
+from liepoisson.orbits.polish_homoclinic import PreciseMidpoint as PreciseMidpoint
 from liepoisson.phase_space.chart_orbit import ChartOrbit as ChartOrbit
 from liepoisson.phase_space.equilibrium_list import Equilibria as Equilibria
 from liepoisson.phase_space.frames import Attitude as Attitude

@@ -2,6 +2,8 @@
 from liepoisson.exact.canonical_system import CanonicalSystem as CanonicalSystem
 from liepoisson.exact.describe import Report as Report
 from liepoisson.exact.describe import inspect as inspect
+from liepoisson.exact.discrete_symmetries import DiscreteSymmetry as DiscreteSymmetry
+from liepoisson.exact.discrete_symmetries import discrete_symmetries as discrete_symmetries
 from liepoisson.exact.phase_functions import PhaseFunction as PhaseFunction
 from liepoisson.exact.system import System as System
 from liepoisson.exact.system_file import Integral as Integral

@@ -162,6 +162,13 @@ def test_a_file_and_its_rerun_are_those_of_the_run(tmp_path):
         assert_same(snapshot(lp.rerun(result.save(tmp_path / f"{k}.nc"))), before[k])
 
 
+WELL = lp.System(lp.canonical(1), "dot(p, p)/2 - q1^2/2 + q1^4/4")
+
+
+def saddle():
+    return next(one for one in lp.equilibria(WELL, {}) if one.linear_stability == "unstable")
+
+
 def results():
     """Each kind of result that has arrays, by the name of its class."""
     leaf = lp.Leaf.through(TOP, STATES[0])
@@ -180,6 +187,7 @@ def results():
         "FirstReturn": lambda: lp.sections.first_return(TOP, STATES, surface="l3", t_end=2),
         "FitGoodness": lambda: lp.fits.fit_goodness(*ensemble),
         "FrequencyDrift": lambda: lp.chaos.frequency_drift(TOP, STATES, observable="l1", t_end=50),
+        "HomoclinicOrbit": lambda: lp.orbits.symmetric_homoclinic_orbits(saddle(), n_starts=8)[0],
         "LogFit": lambda: lp.fits.log_fit(*ensemble, n_bootstrap=50),
         "MeanCurve": lambda: lp.fits.mean_curve(*ensemble),
         "Megno": lambda: lp.chaos.megno(TOP, STATES, t_end=2),
@@ -189,6 +197,7 @@ def results():
         "SleepingTop": lambda: lp.phase_space.sleeping_top(lp.Top.lagrange(), l3=3, alpha3=1, beta3=0),
         "Spectrum": lambda: lp.lyapunov_spectrum(TOP, STATES[:1], t_end=5, transient=5, covariant=True),
         "SpectrumResiduals": lambda: lp.lyapunov_spectrum(TOP, STATES, t_end=5).residuals,
+        "SymmetricOrbit": lambda: lp.orbits.symmetric_periodic_orbits(WELL, {}, energy=1, n_starts=4)[0],
         "Sweep": lambda: lp.sweep(system="twisted-kovalevskaya", axes={"energy": [0, 1]}, n_starts=2, t_end=2),
         "Verdict": lambda: lp.decide(TOP, STATES, t_end=10),
     }
@@ -202,7 +211,7 @@ def test_the_arrays_of_a_result_are_read_only(kind):
     copies = () if isinstance(result, tuple) else (copy.deepcopy(result), pickle.loads(pickle.dumps(result)))
     for each in (result, *copies):
         for path, array in arrays_in(each):
-            if array.ndim and not path.startswith(".leaf"):
+            if array.ndim and ".leaf" not in path:
                 assert not array.flags.writeable, path
     if not isinstance(result, lp.results.Result) or kind == "Sweep":  # whose dataset has means, made for it
         return

@@ -4,14 +4,14 @@ The map $(Sx)_i = s_i x_{\pi(i)}$, $s_i = \pm1$, takes orbits to orbits if
 
 $$ f(Sx) = \sigma\,S f(x), \qquad \dot x = f(x) . $$
 
-For $\sigma = 1$ it is a symmetry; for $\sigma = -1$ it reverses time, and an involution among these is a **reverser**: its
-fixed points are where orbits meet their own mirror images.  Whether S keeps the bracket, $\{f\circ S, g\circ S\} =
+For $\sigma = 1$ it is a symmetry; for $\sigma = -1$ it reverses time, and an involution among these is a **reverser**:
+its fixed points are where orbits meet their own mirror images.  Whether S keeps the bracket, $\{f\circ S, g\circ S\} =
 \pm\{f, g\}\circ S$, and whether it keeps H, are questions of their own: a map that reverses time may be neither Poisson
 nor anti-Poisson, and a Poisson map with $H\circ S = -H$ reverses time, too.
 
 The twisted top with $a = (a_1, 0, 0)$, $b = 0$ has $R_1$, which changes the sign of components 2 and 3 of each vector,
-$\rho_2$ and $\rho_3$, which change that of components 2, or 3, and reverse time ($\rho_2\rho_3 = R_1$), and the reversal
-$\ell, \beta \mapsto -\ell, -\beta$, which takes $C_2$ to $-C_2$.
+$\rho_2$ and $\rho_3$, which change that of components 2, or 3, and reverse time ($\rho_2\rho_3 = R_1$), and the
+reversal $\ell, \beta \mapsto -\ell, -\beta$, which takes $C_2$ to $-C_2$.
 
 References: [devaney1976]; [lamb1998].
 """
@@ -41,8 +41,6 @@ from liepoisson.exact.signed_permutations import (
 from liepoisson.scalars import as_count
 
 if TYPE_CHECKING:
-    from sympy import Expr
-
     from liepoisson.exact.system import System
 
 _KIND = {1: "Poisson", -1: "anti-Poisson", 0: "neither"}
@@ -145,9 +143,7 @@ class DiscreteSymmetry:
             return 0
         draw = random.Random(1)
         free = [Rational(draw.randint(-999, 999), draw.randint(1, 99)) for _ in self.fixed_space]
-        point = [
-            sum(c * v[i] for c, v in zip(free, self.fixed_space, strict=True)) for i in range(len(self.signs))
-        ]
+        point = [sum(c * v[i] for c, v in zip(free, self.fixed_space, strict=True)) for i in range(len(self.signs))]
         at = dict(zip(self.system.variables, point, strict=True))
         rows = [
             [
@@ -244,7 +240,13 @@ class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
             fixed = f"dimension {one.fixed_dimension}" if one.fixed_space else "the origin"
             text = one.text if len(one.text) <= _WIDEST else one.text[: _WIDEST - 3] + "..."
             rows.append(
-                ("reversed" if one.reverses_time else "kept", one.bracket, ", ".join(changed) or "no level", fixed, text)
+                (
+                    "reversed" if one.reverses_time else "kept",
+                    one.bracket,
+                    ", ".join(changed) or "no level",
+                    fixed,
+                    text,
+                )
             )
         if (more := len(self.found) - _LONGEST) > 0:
             rows.append((f"and {more} more", "", "", "", ""))
@@ -252,9 +254,7 @@ class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
 
 
 @explains_its_arguments
-def discrete_symmetries(
-    system: System, *, permutations: bool = True, most: int = 1000
-) -> DiscreteSymmetries:
+def discrete_symmetries(system: System, *, permutations: bool = True, most: int = 1000) -> DiscreteSymmetries:
     r"""All signed permutations of the components that take orbits to orbits, with time kept or reversed.
 
     For polynomial equations the search is complete: a permutation must carry the terms of the equations to one another
@@ -285,7 +285,7 @@ def discrete_symmetries(
         )
     equations: list[Any] = list(system.equations.values())
     if all(e.is_polynomial(*system.variables) for e in equations):
-        pairs = of_polynomial_field(equations, system.variables, permutations=permutations, most=most + 1)
+        pairs = of_polynomial_field(equations, system.variables, permutations=permutations, most=most + 2)
         with_permutations = permutations
     else:
         pairs = _tried(system, equations)
@@ -371,21 +371,20 @@ def _factor_of_bracket(system: System, pair: SignedPermutation) -> int:
     return 0
 
 
-def _tried(system: System, equations: Sequence[Expr]) -> list[tuple[SignedPermutation, bool]]:
+def _tried(system: System, equations: Sequence[Any]) -> list[tuple[SignedPermutation, bool]]:
     """Changes of signs of a field that is no polynomial: those that pass at random states, decided by SymPy."""
     n = len(system.variables)
     if n > MOST_TRIED:
         raise ParameterError(
-            f"the equations of {system.name} are no polynomials, and changes of signs are then tried one by one, for up "
-            f"to {MOST_TRIED} components; got {n}"
+            f"the equations of {system.name} are no polynomials, and changes of signs are then tried one by one, for "
+            f"up to {MOST_TRIED} components; got {n}"
         )
     rate: Callable[[Array], Array] = system.vector_field
     found: list[tuple[SignedPermutation, bool]] = []
     for signs, factor in sign_changes_that_may_be(rate, n):
-        images = {x: s * x for x, s in zip(system.variables, signs, strict=True)}
+        images: Any = {x: s * x for x, s in zip(system.variables, signs, strict=True)}
         rests: Iterator[Any] = (
-            f.subs(images, simultaneous=True) - factor * s * f  # pyright: ignore[reportAttributeAccessIssue, reportOperatorIssue]
-            for f, s in zip(equations, signs, strict=True)
+            f.subs(images, simultaneous=True) - factor * s * f for f, s in zip(equations, signs, strict=True)
         )
         if all(is_zero(rest) for rest in rests):
             found.append((SignedPermutation(tuple(range(n)), signs), factor == -1))

@@ -1,7 +1,7 @@
 r"""Signed permutations that carry a polynomial vector field to a multiple $\pm1$ of itself.
 
-$(Sx)_j = s_j x_{\pi(j)}$ takes the term $c\,x^m$ of $f_i$ to $c\,s^m x^{\pi m}$, where $\pi m$ has the exponent $m_j$ at
-$\pi(j)$.  So $f(Sx) = \sigma S f(x)$ says that $f_{\pi(i)}$ has the term $x^{\pi m}$ with the coefficient $c'$, and
+$(Sx)_j = s_j x_{\pi(j)}$ takes the term $c\,x^m$ of $f_i$ to $c\,s^m x^{\pi m}$, where $\pi m$ has the exponent $m_j$
+at $\pi(j)$.  So $f(Sx) = \sigma S f(x)$ says that $f_{\pi(i)}$ has the term $x^{\pi m}$ with the coefficient $c'$, and
 
 $$ c\,s^m = \sigma\,s_i\,c' . $$
 
@@ -77,7 +77,7 @@ def _terms(equations: Sequence[Any], variables: Sequence[Any]) -> list[list[Term
 
     def number(c: Any) -> tuple[int, int]:
         for k, known in enumerate(numbers):
-            if c == known or c == -known:
+            if c in (known, -known):
                 return k, int(c != known)
         for k, known in enumerate(numbers):
             if is_zero(c - known) or is_zero(c + known):
@@ -85,9 +85,7 @@ def _terms(equations: Sequence[Any], variables: Sequence[Any]) -> list[list[Term
         numbers.append(c)
         return len(numbers) - 1, 0
 
-    return [
-        [(m, *number(c)) for m, c in Poly(e, *variables).terms() if c != 0] if e != 0 else [] for e in equations
-    ]
+    return [[(m, *number(c)) for m, c in Poly(e, *variables).terms() if c != 0] if e != 0 else [] for e in equations]
 
 
 def _signs(field: list[list[Term]], permutation: tuple[int, ...]) -> Iterator[int]:

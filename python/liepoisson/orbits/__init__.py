@@ -1,4 +1,4 @@
-"""Trajectories, and what is seen along them: attitudes in space, rods, the natural unit of time."""
+"""Orbits, and what is seen along them: trajectories, attitudes in space, rods; periodic and homoclinic orbits."""
 
 from liepoisson._lazy import attach
 

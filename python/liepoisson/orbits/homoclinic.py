@@ -1,9 +1,9 @@
 r"""Symmetric homoclinic orbits to symmetric periodic orbits and to equilibria.
 
 An orbit on the unstable manifold that meets $\mathrm{Fix}\,\rho$ is its own mirror image, and so it is on the stable
-manifold of the mirror image of where it came from, too.  With k unstable directions (m - 1 for a periodic orbit, m for an
-equilibrium, on a leaf of dimension 2m), the unknowns are the amplitudes a on the linear unstable space and the time; the
-equations say that the end is in the fixed set.
+manifold of the mirror image of where it came from, too.  With k unstable directions (m - 1 for a periodic orbit, m for
+an equilibrium, on a leaf of dimension 2m), the unknowns are the amplitudes a on the linear unstable space and the time;
+the equations say that the end is in the fixed set.
 
 References: [devaney1976]; [champneys1998].
 """
@@ -11,7 +11,7 @@ References: [devaney1976]; [champneys1998].
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -24,8 +24,8 @@ from liepoisson.numeric.sampling import as_seed
 from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit, HomoclinicOrbits
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import transversal_basis
-from liepoisson.orbits.shooting import Flow, mirror_basis
-from liepoisson.orbits.symmetric_orbits import group_of, reversers_of
+from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis
+from liepoisson.orbits.symmetric_orbits import group_of_level, reversers_of
 from liepoisson.orbits.unstable import AMPLITUDE, UnstableSpace, unstable_space
 from liepoisson.scalars import as_count, as_number, as_threads
 from liepoisson.streams import Purpose, stream
@@ -48,9 +48,13 @@ _CONVERGING = 1e-3
 _LONGEST_STEP = 0.3
 _SAME_STATE = 1e-5
 _SAME_TIME = 1e-2
-_GUESSES_PER_START = 1.0
+_GUESSES_PER_START = 4
 _OFF = 0.05
 """A midpoint is at least so far from the orbit that it is homoclinic to, in units of the level."""
+
+
+Solution: TypeAlias = "tuple[DiscreteSymmetry, Array, float, Array, float]"
+"""Reverser, amplitudes, time, midpoint and residual."""
 
 
 @shows_progress
@@ -68,8 +72,8 @@ def symmetric_homoclinic_orbits(
 
     From random states of the linear unstable space, at an amplitude of 1e-4, orbits are followed; the moments when they
     come near the fixed set of a reverser are improved by Newton's method in amplitudes and time.  The second half is
-    the mirror image of the first.  Orbits that are images of one another under the reversers are listed once, those
-    with the shortest flight first.
+    the mirror image of the first.  Orbits that are images of one another under discrete symmetries of the level are
+    listed once, those with the shortest flight first.
 
     A homoclinic orbit to a periodic orbit may approach an image of it under the symmetry $\rho_1\rho_0$ of the loop,
     which is the same orbit.
@@ -82,7 +86,7 @@ def symmetric_homoclinic_orbits(
         t_end: The longest time from the amplitude 1e-4 to the midpoint; by default $(\ln 10^4 + 6)/\lambda$ with the
             slowest unstable rate.
         seed: Draws the starts.
-        threads: By default all processors.
+        threads: By default all processors, for the survey of all starts; Newton's method runs in one thread.
         progress: Called with the fraction that is done.
 
     Returns:
@@ -100,21 +104,23 @@ def symmetric_homoclinic_orbits(
         chosen = [one for one in chosen if np.abs((one(space.state) - space.state) / level.units).max() < _SAME_STATE]
         if not chosen:
             raise ParameterError("origin: wanted an equilibrium in the fixed set of a reverser; none keeps this one")
-    longest = (np.log(1 / AMPLITUDE) + _EXCURSION) / space.rate if t_end is None else as_number(t_end, "t_end", "a time")
+    longest = (
+        (np.log(1 / AMPLITUDE) + _EXCURSION) / space.rate if t_end is None else as_number(t_end, "t_end", "a time")
+    )
     if not (np.isfinite(longest) and longest > 0):
         raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out to have it chosen")
     search = _Search(space, Flow(level.system, threads), float(longest))
     amplitudes = search.drawn(n_starts, seed)
-    guesses = search.near(amplitudes, chosen, round(_GUESSES_PER_START * n_starts))
-    solved: list[tuple[DiscreteSymmetry, Array, float, Array, float]] = []
+    guesses = search.near(amplitudes, chosen, _GUESSES_PER_START * n_starts)
+    solved: list[Solution] = []
     for k, one in enumerate(chosen):
         if progress is not None:
             progress(0.2 + 0.7 * k / len(chosen))
         solved += [(one, *found) for found in search.solved(one, *guesses[k])]
     path = _points_of(origin, space)
     found = [
-        _described(origin, space, search.flow, *one)
-        for one in _distinct(level, solved, [one.matrix for one in reversers_of(level)], path)
+        _described(origin, space, search.flow, one)
+        for one in _distinct(level, solved, np.array(group_of_level(level)), path)
     ]
     found.sort(key=lambda one: one.time)
     return HomoclinicOrbits(origin, tuple(found), tuple(chosen), float(longest), n_starts)
@@ -184,7 +190,7 @@ class _Search:
             starts, slopes = self.space.states(a[active])
             ends, tangents = self.flow.ends(starts, T[active], slopes * self.size)
             with np.errstate(all="ignore"):
-                good = np.isfinite(ends).all(axis=1)
+                good = are_finite(ends)
                 rate = np.where(good[:, None], self.flow.system.vector_field(ends), 0.0)
             values = np.where(good[:, None], ends @ rows.T, np.inf)
             size = np.abs(values).max(axis=1, initial=0.0)
@@ -203,11 +209,9 @@ class _Search:
             a[active] += self.size * factor[:, None] * move[:, :-1]
             T[active] += factor * move[:, -1]
             size_of_a = np.linalg.norm(a[active], axis=1) / self.size
-            inside = (size_of_a > 1 / (3 * self.factor)) & (size_of_a < 3 * self.factor**2) & (T[active] > 0)
+            inside = (size_of_a > 1 / (3 * self.factor)) & (size_of_a < 2 * self.factor) & (T[active] > 0)
             active = active[go & inside & (T[active] < 1.2 * self.longest)]
-        return [
-            (*one, float(residual[k])) for k, one in enumerate(best) if one is not None and residual[k] <= MEETS
-        ]
+        return [(*one, float(residual[k])) for k, one in enumerate(best) if one is not None and residual[k] <= MEETS]
 
 
 def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
@@ -219,13 +223,15 @@ def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
         OrbitError: Newton's method does not lead back to it.
     """
     space = orbit.space
-    amplitude = np.linalg.solve(np.linalg.matrix_power(space.matrix, n_loops), orbit.amplitude)
+    amplitude = np.linalg.solve(np.linalg.matrix_power(space.matrix, n_loops), orbit.amplitude).astype(np.float64)
     time = orbit.time + n_loops * space.loop_time
     search = _Search(space, Flow(orbit.system, 1), 2 * time, float(np.linalg.norm(amplitude)))
     found = search.solved(orbit.reverser, amplitude[None], np.array([time]))
     if not found or abs(found[0][1] - time) > _SAME_TIME * time:
-        raise OrbitError(f"a homoclinic orbit must be found again {n_loops} loops before; Newton's method left {orbit!r}")
-    return _described(orbit.origin, space, search.flow, orbit.reverser, *found[0])
+        raise OrbitError(
+            f"a homoclinic orbit must be found again {n_loops} loops before; Newton's method left {orbit!r}"
+        )
+    return _described(orbit.origin, space, search.flow, (orbit.reverser, *found[0]))
 
 
 def _points_of(origin: SymmetricOrbit | Equilibrium, space: UnstableSpace) -> Array:
@@ -237,13 +243,12 @@ def _points_of(origin: SymmetricOrbit | Equilibrium, space: UnstableSpace) -> Ar
 
 def _distinct(
     level: Level,
-    found: list[tuple[DiscreteSymmetry, Array, float, Array, float]],
-    generators: list[Array],
+    found: list[Solution],
+    group: Array,
     path: Array,
-) -> list[tuple[DiscreteSymmetry, Array, float, Array, float]]:
-    """One for each midpoint and its images under the reversers, the most accurate; none on the origin itself."""
-    group = np.array(group_of(generators))
-    kept: list[tuple[DiscreteSymmetry, Array, float, Array, float]] = []
+) -> list[Solution]:
+    """One for each midpoint and its images under the group, the most accurate; none on the origin itself."""
+    kept: list[Solution] = []
     images = np.zeros((0, len(level.units)))
     every = np.einsum("gij,tj->gti", group, path).reshape(-1, path.shape[1])
     for one in sorted(found, key=lambda one: one[4]):
@@ -261,13 +266,10 @@ def _described(
     origin: SymmetricOrbit | Equilibrium,
     space: UnstableSpace,
     flow: Flow,
-    reverser: DiscreteSymmetry,
-    amplitude: Array,
-    time: float,
-    middle: Array,
-    residual: float,
+    found: Solution,
 ) -> HomoclinicOrbit:
     """A homoclinic orbit, with the angles between the manifolds at its midpoint."""
+    reverser, amplitude, time, middle, residual = found
     starts, slopes = space.states(amplitude[None])
     middle = (middle + reverser(middle)) / 2
     tangents = pushed(flow, starts[0], time, slopes[0])
@@ -296,8 +298,8 @@ def _described(
 
 def pushed(flow: Flow, start: Array, time: float, tangents: Array, n_pieces: int = 12) -> Array:
     """An orthonormal basis of the space that tangent vectors span after a time, carried on in pieces."""
-    x, V = start, np.linalg.qr(tangents)[0]
+    x, basis = start, np.linalg.qr(tangents)[0]
     for _ in range(n_pieces):
-        ends, moved = flow.ends(x[None], np.array([time / n_pieces]), V)
-        x, V = ends[0], np.linalg.qr(moved[0])[0]
-    return V
+        ends, moved = flow.ends(x[None], np.array([time / n_pieces]), basis)
+        x, basis = ends[0], np.linalg.qr(moved[0])[0]
+    return basis

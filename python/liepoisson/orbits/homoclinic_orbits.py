@@ -66,7 +66,7 @@ class HomoclinicOrbit(ReadOnlyArrays):
         return self.time - float(np.log(amplitude / np.linalg.norm(self.amplitude))) / self.space.rate
 
     def states(self, n_times: int = 401) -> tuple[Array, Array]:
-        """Times, shape (n_times,), 0 at the midpoint, and states, shape (n_times, N), from the start to its mirror image.
+        """Times, shape (n,), 0 at the midpoint, and states, shape (n, N), from the start to its mirror image.
 
         Each half is integrated towards the midpoint, from which errors do not grow.
         """
@@ -74,7 +74,7 @@ class HomoclinicOrbit(ReadOnlyArrays):
 
         n_times = as_count(n_times, "n_times", least=3)
         half = np.linspace(0.0, self.time, n_times // 2 + 1)
-        first = integrate(self.system, self.start, times=half).state[0]
+        first = integrate(self.system, self.start, times=half).state[0].copy()
         first[-1] = self.midpoint
         states = np.concatenate([first, self.reverser(first[:-1])[::-1]])
         return np.concatenate([half - self.time, (self.time - half[:-1])[::-1]]), states
@@ -142,8 +142,8 @@ class HomoclinicOrbits(Sequence[HomoclinicOrbit]):
         what = "an equilibrium" if not hasattr(self.origin, "period") else "a periodic orbit"
         return (
             f"{n or 'No'} symmetric homoclinic orbit{'' if n == 1 else 's'} to {what} of "
-            f"{self.origin.system.name!r}, with half flights up to {self.t_end:.6g}, found from {self.n_starts} starts; "
-            "that there are no others is not proved."
+            f"{self.origin.system.name!r}, with half flights up to {self.t_end:.6g}, found from {self.n_starts} "
+            "starts; that there are no others is not proved."
         )
 
     def _rows(self) -> list[tuple[str, ...]]:

@@ -82,10 +82,16 @@ class SymmetricOrbit(ReadOnlyArrays):
 
     @property
     def rate(self) -> float:
-        r"""$\ln\max|\mu| / 2T$, the growth rate of neighbours, in inverse time; 0 if no multiplier is off the circle."""
+        r"""$\ln\max|\mu| / 2T$, the growth rate of neighbours, in inverse time; 0 if all are on the unit circle."""
         if kind_of(self.multipliers) in {"neutral", "elliptic"}:
             return 0.0
         return float(np.log(np.abs(self.multipliers).max())) / self.return_time
+
+    @property
+    def slowest(self) -> float:
+        """The smallest modulus of the unstable multipliers, 1 if some multiplier is on the unit circle."""
+        half = len(self.multipliers) // 2
+        return float(np.abs(self.multipliers[:half]).min()) if self.stability == "hyperbolic" else 1.0
 
     @property
     def stability(self) -> str:
@@ -166,9 +172,9 @@ class SymmetricOrbits(Sequence[SymmetricOrbit]):
         families = f"; {self.n_families} segments that belong to families are left out" if self.n_families else ""
         return (
             f"{n or 'No'} symmetric periodic orbit{'' if n == 1 else 's'} of {self.level.system.name!r} on "
-            f"{self.level.text}, with segments up to {self.t_end:g}, found from {self.n_starts} starts for each pair of "
-            f"{len(self.reversers)} reverser{'' if len(self.reversers) == 1 else 's'}{families}; that there are no others "
-            "is not proved."
+            f"{self.level.text}, with segments up to {self.t_end:g}, found from {self.n_starts} starts for each pair "
+            f"of {len(self.reversers)} reverser{'' if len(self.reversers) == 1 else 's'}{families}; that there are no "
+            "others is not proved."
         )
 
     def _rows(self) -> list[tuple[str, ...]]:

@@ -80,11 +80,11 @@ def solved_segment(orbit: SymmetricOrbit, digits: int) -> tuple[list[Ball], list
     system, level = orbit.system, orbit.level
     flow, functions = PreciseFlow(system, digits), level_functions(level)
     basis, mirror = exact_matrix(fixed_basis(orbit.first)), exact_matrix(mirror_basis(orbit.last))
-    x, T = [as_ball(float(v)) for v in orbit.start], as_ball(float(orbit.time))
+    x, time = [as_ball(float(v)) for v in orbit.start], as_ball(float(orbit.time))
     wanted = [as_ball(value) for value in level.values.values()]
     moved = 1.0
     for _ in range(_MOST_STEPS):
-        end, tangents = flow.end(x, T, basis)
+        end, tangents = flow.end(x, time, basis)
         rate = column(flow.rate(end))
         rest = [value - c for value, c in zip(functions.values(x), wanted, strict=True)]
         at_end = (mirror.transpose() * column(end)).entries()
@@ -95,10 +95,10 @@ def solved_segment(orbit: SymmetricOrbit, digits: int) -> tuple[list[Ball], list
         step = solved(slopes, column([-value for value in [*rest, *at_end]])).entries()
         change = (basis * column(step[:-1])).entries()
         x = [(a + b).mid() for a, b in zip(x, change, strict=True)]
-        T = (T + step[-1]).mid()
+        time = (time + step[-1]).mid()
         moved = max(float(abs(value)) for value in [*change, step[-1]])
         if moved < 10.0 ** (-0.5 * digits - 1) and moved * moved < 10.0 ** -(digits + 2):
-            return x, in_fixed_set(orbit.last, flow.end(x, T)[0]), T, moved
+            return x, in_fixed_set(orbit.last, flow.end(x, time)[0]), time, moved
     raise OrbitError(
         f"the orbit must close; Newton's method in {digits} digits still moves by {moved:.1e} after {_MOST_STEPS} steps"
     )

@@ -76,25 +76,25 @@ def polished_midpoint(orbit: HomoclinicOrbit, digits: int) -> PreciseMidpoint:
 
     digits = as_count(digits, "digits", least=10, most=MOST_DIGITS)
     if not isinstance(orbit.origin, SymmetricOrbit):
-        raise ParameterError("polished: wanted an orbit that is homoclinic to a periodic orbit; got one to an equilibrium")
+        raise ParameterError(
+            "polished: wanted an orbit that is homoclinic to a periodic orbit; got one to an equilibrium"
+        )
     size = float(np.linalg.norm(orbit.amplitude))
     slowest = float(np.abs(np.linalg.eigvals(orbit.space.matrix)).min())
     n_loops = max(0, ceil((digits / 3 + 1) * log(10) / log(slowest) + log(size) / log(slowest)))
     # what is lost on the way from an amplitude of 10^(-digits/3) to 1
     working = digits + ceil(digits / 3) + 4
     with ctx.workprec(bits(working)):
-        flow = PreciseFlow(orbit.system, working)
-        start = _Start(orbit, orbit.origin, flow, working)
-        found = start.solved(n_loops, digits)
+        start = _Start(orbit, orbit.origin, PreciseFlow(orbit.system, working), working)
         closing = orbit.origin.last.matrix @ orbit.origin.first.matrix
-        middle, a, T, moved = found
+        middle, a, time, moved = start.solved(n_loops, digits)
         for _ in range(n_loops):  # an odd number of loops leads to the image
             middle = (exact_columns(closing.T) * column(middle)).entries()
         return PreciseMidpoint(
             tuple(text_of(value, digits) for value in middle),
             digits,
             float(sum((float(v) ** 2 for v in a), 0.0) ** 0.5),
-            text_of(T, digits),
+            text_of(time, digits),
             moved,
         )
 
@@ -103,7 +103,7 @@ def exact_columns(values: Array) -> Matrix:
     """A matrix of doubles, exactly."""
     from flint import arb_mat
 
-    return arb_mat(*values.shape, [as_ball(float(v)) for v in values.ravel()])
+    return arb_mat(values.shape[0], values.shape[1], [as_ball(float(v)) for v in values.ravel()])
 
 
 class _Start:
@@ -119,18 +119,18 @@ class _Start:
         closing = exact_columns((origin.last.matrix @ origin.first.matrix).T)
         loop = midpoints(closing * flow.end(self.state, 2 * T, exact_columns(np.eye(n)))[1])
         # coordinates as in doubles: those with respect to the basis there
-        dual = exact_columns(np.linalg.pinv(orbit.space.basis))
-        U = exact_columns(orbit.space.basis)
+        dual = exact_columns(np.linalg.pinv(orbit.space.basis).astype(np.float64))
+        basis = exact_columns(orbit.space.basis)
         change = 1.0
         slowest = float(np.abs(np.linalg.eigvals(orbit.space.matrix)).min())
         for _ in range(ceil(digits * log(10) / log(slowest)) + 10):
-            new = loop * U
+            new = loop * basis
             new = midpoints(new * midpoints((dual * new).inv()))
-            change = max(float(abs(v)) for v in (new - U).entries())
-            U = new
+            change = max(float(abs(v)) for v in (new - basis).entries())
+            basis = new
         if not change < 10.0 ** -(digits - 8):
             raise OrbitError(f"the unstable space must converge; its last change is {change:.1e}")
-        self.basis, self.loop, self.loop_time = U, midpoints(dual * loop * U), (2 * T).mid()
+        self.basis, self.loop, self.loop_time = basis, midpoints(dual * loop * basis), (2 * T).mid()
         self.constant = midpoints(self.functions.derivatives(self.state).transpose())
 
     def at(self, amplitude: Matrix) -> tuple[list[Ball], Matrix]:
@@ -151,20 +151,20 @@ class _Start:
         a = column([as_ball(float(v)) for v in self.orbit.amplitude])
         for _ in range(n_loops):
             a = solved(self.loop, a)
-        T = (as_ball(float(self.orbit.time)) + n_loops * self.loop_time).mid()
+        time = (as_ball(float(self.orbit.time)) + n_loops * self.loop_time).mid()
         moved = 1.0
         for _ in range(_MOST_STEPS):
             x, slopes = self.at(a)
             size = max((abs(v) for v in a.entries()), key=float)
-            end, tangents = self.flow.end(x, T, midpoints(slopes * size))
+            end, tangents = self.flow.end(x, time, midpoints(slopes * size))
             rate = column(self.flow.rate(end))
             step = solved(beside(mirror * tangents, mirror * rate), -(mirror * column(end))).entries()
             a = column([(v + size * s).mid() for v, s in zip(a.entries(), step[:-1], strict=True)])
-            T = (T + step[-1]).mid()
+            time = (time + step[-1]).mid()
             moved = max(float(abs(v)) for v in step)
             if moved < 10.0 ** (-0.5 * digits - 2):
-                end, _ = self.flow.end(self.at(a)[0], T)
-                return in_fixed_set(self.orbit.reverser, end), a.entries(), T, moved
+                end, _ = self.flow.end(self.at(a)[0], time)
+                return in_fixed_set(self.orbit.reverser, end), a.entries(), time, moved
         raise OrbitError(
             f"a homoclinic orbit must meet the fixed set; Newton's method in {digits} digits still moves by {moved:.1e}"
         )

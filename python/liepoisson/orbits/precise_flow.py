@@ -36,7 +36,7 @@ def bits(digits: int) -> int:
     return ceil((digits + _GUARD) * log(10, 2)) + 16
 
 
-def as_ball(value: Exact | float | str) -> Ball:
+def as_ball(value: Any) -> Ball:
     """An exact number at the working precision: a fraction, a SymPy expression, a double or a decimal text."""
     from flint import arb, ctx, fmpq
 
@@ -46,7 +46,7 @@ def as_ball(value: Exact | float | str) -> Ball:
         return arb(value)
     if isinstance(value, Fraction):
         return arb(fmpq(value.numerator, value.denominator))
-    expression = to_sympy(value)
+    expression: Any = to_sympy(value)
     if expression.is_Rational:
         return arb(fmpq(int(expression.p), int(expression.q)))
     return arb(str(expression.evalf(ceil(ctx.prec / log(10, 2)) + 5))).mid()
@@ -108,7 +108,7 @@ class Polynomials:
                     f"{what}: wanted polynomials with numbers for coefficients, for arithmetic of many digits; got "
                     f"{shown(expression)}"
                 )
-            terms = [] if expression == 0 else Poly(expression, *variables).terms()
+            terms: list[Any] = [] if expression == 0 else Poly(expression, *variables).terms()
             every.append(tuple((c, tuple(i for i, k in enumerate(m) for _ in range(k))) for m, c in terms if c != 0))
         return cls(tuple(every), len(variables))
 
@@ -182,19 +182,19 @@ class PreciseFlow:
             time: The time, of any sign.
             tangents: Tangent vectors at time 0 as columns, shape (N, k); none by default.
         """
-        x, V, left = list(start), tangents, time
+        x, moved, left = list(start), tangents, time
         while float(abs(left)) > 0.0:
             series = self._series(x)
             h = self._step(series)
             last = h >= float(abs(left))
             step = left if last else (as_ball(h) if float(left) > 0 else as_ball(-h))
-            if V is not None:
-                V = self._carried(series, V, step)
+            if moved is not None:
+                moved = self._carried(series, moved, step)
             x = [_horner(series[i][: self.order + 1], step).mid() for i in range(self.n)]
             if last:
                 break
             left = (left - step).mid()
-        return x, V
+        return x, moved
 
     def rate(self, x: Sequence[Ball]) -> list[Ball]:
         """The vector field."""
@@ -222,7 +222,7 @@ class PreciseFlow:
 
     def _step(self, series: list[list[Ball]]) -> float:
         """The step for which the last two terms are below the tolerance, relative to the state."""
-        size = max(max(abs(float(series[i][0])) for i in range(self.n)), 1e-300)
+        size = max(1e-300, *(abs(float(series[i][0])) for i in range(self.n)))
         goal = log(10) * -(self.digits + _GUARD - 4)
         found = []
         for k in (self.order - 1, self.order):

@@ -54,13 +54,20 @@ def mirror_basis(symmetry: DiscreteSymmetry) -> Array:
     return vectors[:, sizes > 0.5]
 
 
+def are_finite(states: Array) -> NDArray[np.bool_]:
+    """Which states are finite, shape (n,)."""
+    return np.asarray(np.isfinite(states).all(axis=-1))
+
+
 @dataclass(frozen=True)
 class Flow:
     """Ends of trajectories that have each a time of its own.
 
+    They are integrated in groups, each by one thread: starting threads for so little work costs more than it gives.
+
     Attributes:
         system: The system.
-        threads: How many; None for all.
+        threads: How many threads survey many starts at once; None for all.
     """
 
     system: System
@@ -92,7 +99,7 @@ class Flow:
                 tangents=np.swapaxes(vectors[some], 1, 2) if vectors.shape[2] else None,
                 method=Taylor(),
                 kernel="lanes",  # one trajectory alone is then the same as among others
-                threads=self.threads,
+                threads=1,
             )
             places = np.searchsorted(grid, np.abs(times[some]))
             rows = np.arange(len(some))
@@ -115,18 +122,21 @@ class Segments:
         start: Shape (n, N).
         time: Shape (n,).
         residual: How far the end is from the fixed set, in units of the level, shape (n,).
+        regularity: The smallest singular value of the equations by the largest one, shape (n,): 0 where segments are
+            not isolated.
     """
 
     start: Array
     time: Array
     residual: Array
+    regularity: Array
 
     def __len__(self) -> int:
         return len(self.time)
 
     def of(self, rows: NDArray[np.bool_] | NDArray[np.intp]) -> Segments:
         """Some of them."""
-        return Segments(self.start[rows], self.time[rows], self.residual[rows])
+        return Segments(self.start[rows], self.time[rows], self.residual[rows], self.regularity[rows])
 
 
 @dataclass(frozen=True)
@@ -164,7 +174,7 @@ class Shooting:
         size = distance[rows, places] / np.maximum(speed[rows, places], 1e-300)
         best = np.argsort(size, kind="stable")[:n_wanted]
         rows, places = rows[best], places[best]
-        return Segments(starts[rows], grid[places], distance[rows, places])
+        return Segments(starts[rows], grid[places], distance[rows, places], np.ones(len(rows)))
 
     def solved(self, guesses: Segments, *, tolerance: float, least: float, most: float) -> Segments:
         """What Newton's method makes of guesses; those that leave the range of times or do not converge are dropped.
@@ -176,7 +186,7 @@ class Shooting:
             most: Largest time.
         """
         x, T = guesses.start.copy(), guesses.time.copy()
-        residual = np.full(len(T), np.inf)
+        residual, regularity = np.full(len(T), np.inf), np.zeros(len(T))
         best_x, best_T = x.copy(), T.copy()
         active = np.arange(len(T))
         basis, mirror = fixed_basis(self.first), mirror_basis(self.last)
@@ -193,17 +203,21 @@ class Shooting:
             # at round-off a step helps no more; one that is still far off after some steps is given up
             stalled = ~better & (residual[active] < _MEETS)
             residual[active[better]] = size[better]
+            sizes = np.linalg.svd(slopes[better], compute_uv=False)
+            regularity[active[better]] = sizes[:, -1] / sizes[:, 0]
             go = np.isfinite(size) & ~stalled & (size > 1e-16) & ((k < 8) | (size < _MEETS))
             move = -np.einsum("nij,nj->ni", np.linalg.pinv(np.where(go[:, None, None], slopes, 0.0), rcond=1e-11),
                               np.where(go[:, None], values, 0.0))  # fmt: skip
             step, delay = move[:, :-1] @ basis.T, move[:, -1]
             length = np.linalg.norm(step / units, axis=1)
-            factor = 1.0 / np.maximum(1.0, np.maximum(length / _LONGEST_STEP, np.abs(delay / T[active]) / _LONGEST_DELAY))
+            factor = 1.0 / np.maximum(
+                1.0, np.maximum(length / _LONGEST_STEP, np.abs(delay / T[active]) / _LONGEST_DELAY)
+            )
             x[active] += factor[:, None] * step
             T[active] += factor * delay
             active = active[go & (T[active] > 0.5 * least) & (T[active] < 1.5 * most)]
         good = (residual <= tolerance) & (best_T >= least) & (best_T <= most)
-        return Segments(best_x[good], best_T[good], residual[good])
+        return Segments(best_x[good], best_T[good], residual[good], regularity[good])
 
     def _equations(self, x: Array, ends: Array, tangents: Array, basis: Array, mirror: Array) -> tuple[Array, Array]:
         """Values (n, e) and derivatives (n, e, d + 1) of all equations in (z, T), in units of the level."""
@@ -212,7 +226,7 @@ class Shooting:
         on_level = level.deviations(x) / scale
         slopes = (level.gradients(x) @ basis) / scale[..., None]
         with np.errstate(all="ignore"):
-            rate = np.where(np.isfinite(ends).all(axis=1)[:, None], self.flow.system.vector_field(ends), np.nan)
+            rate = np.where(are_finite(ends)[:, None], self.flow.system.vector_field(ends), np.nan)
         rows = mirror.T / units
         # a signed permutation may only exchange components of one unit, so the rows stay mirror vectors
         at_end = ends @ rows.T

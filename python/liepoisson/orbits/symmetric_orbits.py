@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from itertools import combinations_with_replacement
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -18,12 +18,13 @@ from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.exact.discrete_symmetries import DiscreteSymmetry, discrete_symmetries
+from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.sampling import as_seed
-from liepoisson.numeric.time_scale import natural_duration, time_scale
+from liepoisson.numeric.time_scale import natural_duration
 from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.multipliers import loop_spectrum
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit, SymmetricOrbits
-from liepoisson.orbits.shooting import Flow, Segments, Shooting, fixed_basis
+from liepoisson.orbits.shooting import Flow, Segments, Shooting, are_finite, fixed_basis
 from liepoisson.phase_space._checks import are_equal
 from liepoisson.scalars import as_count, as_number, as_threads
 from liepoisson.streams import Purpose, stream
@@ -41,10 +42,18 @@ _SHORTEST = 0.1
 """A segment is at least so many natural times long: near an equilibrium none is shorter than a quarter of a turn."""
 
 _GUESSES_PER_START = 2
+_UNITS, _N_UNITS, _ROUNDS = 2**20, 32, 4
+"""The stream of the states that give the unit of time, their number, and how often it is made shorter."""
+
+_SINGULAR = 1e-8
 _SAME_TIME, _SAME_STATE = 1e-7, 1e-5
-_LONGEST_MULTIPLE = 12
+_LONGEST_MULTIPLE = 60
 _FAMILY = 1e-5
 """A further multiplier this near to 1: a double one scatters by the root of the round-off."""
+
+
+Segment: TypeAlias = tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]
+"""The reversers at its ends, its start and its time."""
 
 
 @shows_progress
@@ -64,11 +73,11 @@ def symmetric_periodic_orbits(
 
     From random states in the fixed set of one reverser, the moments when their orbits come near that of another (or the
     same) are improved by Newton's method in the start and the time.  Each orbit is listed once, with its shortest
-    segment, and of orbits that are images of one another under the reversers one is listed.  Those with a further
-    multiplier 1 belong to families, as in integrable systems, and are only counted.
+    segment, and of orbits that are images of one another under discrete symmetries of the level one is listed.  Those
+    with a further multiplier 1 belong to families, as in integrable systems, and are only counted.
 
     Example:
-        >>> oscillator = lp.System(lp.canonical(1), "p^2/2 + 9*q^2/2")
+        >>> oscillator = lp.System(lp.canonical(1), "dot(p, p)/2 + 9*dot(q, q)/2")
         >>> found = lp.orbits.symmetric_periodic_orbits(oscillator, {}, energy=1)
         >>> [round(orbit.period, 12) for orbit in found]  # 2 pi / 3
         [2.094395102393]
@@ -81,9 +90,10 @@ def symmetric_periodic_orbits(
             itself and have fixed sets of dimension m - 1 on it.
         n_starts: How many starts, for each pair of reversers.
         t_end: The longest time of a segment, a half of the time in which an orbit returns up to a symmetry; by default
-            12 natural times (see `liepoisson.orbits.time_scale`).
+            12 times $1/\rho(Df)$, with the median of the spectral radius along orbits of the level.
         seed: Draws the starts.
-        threads: By default all processors.  Results do not depend on it, bit for bit.
+        threads: By default all processors, for the survey of all starts; Newton's method runs in one thread.  Results
+            do not depend on it, bit for bit.
         progress: Called with the fraction that is done.
 
     Returns:
@@ -109,11 +119,12 @@ def symmetric_periodic_orbits(
     every = np.concatenate(starts)
     if not level.is_regular_at(every).any():
         raise LeafError(f"H and the Casimirs must be independent on {level.text}; their gradients are dependent there.")
-    unit = natural_duration(1.0, time_scale(level.system, every[:: max(1, len(every) // 64)]), otherwise=1.0)
+    unit = _natural_time(level, seed)
     longest = _NATURAL_TIMES * unit if t_end is None else as_number(t_end, "t_end", "a positive time")
     if not (np.isfinite(longest) and longest > 0):
         raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out for 12 natural times")
-    found: list[tuple[DiscreteSymmetry, DiscreteSymmetry, Segments]] = []
+    found: list[Segment] = []
+    n_families = 0
     pairs = list(combinations_with_replacement(range(len(chosen)), 2))
     for k, (i, j) in enumerate(pairs):
         if progress is not None:
@@ -122,15 +133,18 @@ def symmetric_periodic_orbits(
             shooting = Shooting(level, chosen[i], chosen[j], flow)
             n_times = max(16, int(np.ceil(_TIMES_PER_UNIT * longest / unit)))
             guesses = shooting.near(starts[i], longest, n_times, _GUESSES_PER_START * n_starts)
-            segments = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
-            found.append((chosen[i], chosen[j], segments))
-    shortest = _distinct(level, [s for f, l, one in found for s in _shortest(level, flow, chosen, f, l, one)], chosen)
-    orbits = [symmetric_orbit(level, flow, *_named_image(level, flow, segment, chosen)) for segment in shortest]
-    isolated = [one for one in orbits if not (np.abs(one.multipliers - 1) < _FAMILY).any()]
-    isolated.sort(key=lambda one: (-round(one.rate, 9), one.period))
-    return SymmetricOrbits(
-        level, tuple(isolated), tuple(chosen), float(longest), n_starts, len(orbits) - len(isolated)
-    )
+            solved = shooting.solved(guesses, tolerance=CLOSES, least=_SHORTEST * unit, most=longest)
+            isolated = solved.of(solved.regularity > _SINGULAR)
+            n_families += len(solved) - len(isolated)
+            found += [(chosen[i], chosen[j], x, float(T)) for x, T in zip(isolated.start, isolated.time, strict=True)]
+    group = group_of_level(level)
+    shortest = _shortest(level, flow, chosen, _distinct(level, found, group))
+    segments = [_named_image(level, flow, one, chosen, group) for one in _distinct(level, shortest, group)]
+    orbits = [one for one in (symmetric_orbit(level, flow, segment) for segment in segments) if one.residual <= CLOSES]
+    alone = [one for one in orbits if not _is_of_family(one)]
+    alone.sort(key=lambda one: (-round(one.rate, 9), one.period))
+    n_families += len(orbits) - len(alone)
+    return SymmetricOrbits(level, tuple(alone), tuple(chosen), float(longest), n_starts, n_families)
 
 
 def reversers_of(level: Level, given: Sequence[DiscreteSymmetry] | None = None) -> list[DiscreteSymmetry]:
@@ -162,6 +176,35 @@ def reversers_of(level: Level, given: Sequence[DiscreteSymmetry] | None = None) 
     return found
 
 
+def _natural_time(level: Level, seed: int) -> float:
+    r"""$1/\mathrm{median}\,\rho(Df)$ along orbits of random states of the level, to two digits; 1 where all vanish.
+
+    States of a level that are drawn at random may all be untypical: hence 32 such times are followed, and the median is
+    taken again, until it does not become much shorter.
+    """
+    n, system = len(level.units), level.system
+    draw = stream(seed, Purpose.SYMMETRIC_ORBITS, _UNITS)
+    states, arrived = level.projected(draw.standard_normal((_N_UNITS, n)) * level.units, np.eye(n))
+    starts, unit = states[arrived], _median_time(system, states[arrived])
+    for _ in range(_ROUNDS):
+        if not np.isfinite(unit):
+            return 1.0
+        times = np.linspace(0.0, _N_UNITS * unit, _N_UNITS + 1)
+        path = integrate(system, starts, times=times, kernel="lanes", threads=1).state
+        before, unit = unit, _median_time(system, path[are_finite(path)])
+        if unit > before / 2:
+            break
+    return natural_duration(1.0, np.array([unit]), otherwise=1.0)
+
+
+def _median_time(system: System, states: Array) -> float:
+    """1 over the median of the spectral radius of Df."""
+    if not len(states):
+        return np.inf
+    median = float(np.median(np.abs(np.linalg.eigvals(system.functions.jacobian(states))).max(axis=-1)))
+    return 1 / median if median > 0 else np.inf
+
+
 def _starts(level: Level, reverser: DiscreteSymmetry, n_starts: int, seed: int, number: int) -> Array:
     """Random states in the fixed set, on the level."""
     basis = fixed_basis(reverser)
@@ -172,54 +215,46 @@ def _starts(level: Level, reverser: DiscreteSymmetry, n_starts: int, seed: int, 
 
 
 def _shortest(
-    level: Level,
-    flow: Flow,
-    reversers: Sequence[DiscreteSymmetry],
-    first: DiscreteSymmetry,
-    last: DiscreteSymmetry,
-    found: Segments,
-) -> list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]]:
+    level: Level, flow: Flow, reversers: Sequence[DiscreteSymmetry], found: Sequence[Segment]
+) -> list[Segment]:
     """The shortest segment of each orbit: where a part 1/k of the time leads to a fixed set, that part.
 
     The moments when an orbit is in a fixed set are evenly spaced, so no others need be looked at.
     """
-    if not len(found):
+    if not found:
         return []
     parts = np.arange(2, _LONGEST_MULTIPLE + 1)
-    starts, times = np.repeat(found.start, len(parts), axis=0), (found.time[:, None] / parts).ravel()
+    starts = np.repeat(np.array([one[2] for one in found]), len(parts), axis=0)
+    times = (np.array([one[3] for one in found])[:, None] / parts).ravel()
     ends = flow.ends(starts, times)[0].reshape(len(found), len(parts), -1)
-    shortest: list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]] = []
-    for k in range(len(found)):
-        segment = (first, last, found.start[k], float(found.time[k]))
-        for j in reversed(range(len(parts))):
-            met = [r for r in reversers if np.abs((r(ends[k, j]) - ends[k, j]) / level.units).max() < _SAME_STATE]
-            if met:
-                segment = _improved(level, flow, first, met[0], found.start[k], float(found.time[k] / parts[j]))
+    shortest: list[Segment] = []
+    for (first, last, x, T), states in zip(found, ends, strict=True):
+        segment = first, last, x, T
+        for n, y in reversed(list(zip(parts.tolist(), states, strict=True))):
+            met = [r for r in reversers if np.abs((r(y) - y) / level.units).max() < _SAME_STATE]
+            if met and (part := _improved(level, flow, (first, met[0], x, T / n))) is not None:
+                segment = part
                 break
         shortest.append(segment)
     return shortest
 
 
-def _improved(
-    level: Level, flow: Flow, first: DiscreteSymmetry, last: DiscreteSymmetry, start: Array, time: float
-) -> tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]:
-    """A segment after Newton's method, or as it was."""
-    guess = Segments(start[None], np.array([time]), np.zeros(1))
+def _improved(level: Level, flow: Flow, segment: Segment) -> Segment | None:
+    """A segment after Newton's method; None if it does not converge."""
+    first, last, start, time = segment
+    guess = Segments(start[None], np.array([time]), np.zeros(1), np.ones(1))
     solved = Shooting(level, first, last, flow).solved(guess, tolerance=CLOSES, least=0.5 * time, most=2 * time)
-    if not len(solved):
-        return first, last, start, time
-    return first, last, solved.start[0], float(solved.time[0])
+    return (first, last, solved.start[0], float(solved.time[0])) if len(solved) else None
 
 
 def _distinct(
     level: Level,
-    segments: list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]],
-    reversers: Sequence[DiscreteSymmetry],
-) -> list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]]:
-    """One segment for each orbit, and for its images under the group that the reversers generate."""
-    group = group_of([one.matrix for one in reversers])
+    segments: Sequence[Segment],
+    group: Sequence[Array],
+) -> list[Segment]:
+    """One segment for each orbit, and for its images under a group."""
     flow = Flow(level.system, 1)
-    kept: list[tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]] = []
+    kept: list[Segment] = []
     images: list[Array] = []
     if not segments:
         return kept
@@ -241,11 +276,8 @@ def _distinct(
 
 
 def _named_image(
-    level: Level,
-    flow: Flow,
-    segment: tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float],
-    reversers: Sequence[DiscreteSymmetry],
-) -> tuple[DiscreteSymmetry, DiscreteSymmetry, Array, float]:
+    level: Level, flow: Flow, segment: Segment, reversers: Sequence[DiscreteSymmetry], group: Sequence[Array]
+) -> Segment:
     """The image of an orbit that stands for all of them, which does not depend on the starts of the search.
 
     It begins in the fixed set of the reverser that comes first in the list, at the state that is the last in the order
@@ -254,38 +286,44 @@ def _named_image(
     first, last, start, time = segment
     numbers = {id(one): k for k, one in enumerate(reversers)}
     (end,), _ = flow.ends(start[None], np.array([time]))
-    ways = [(first, last, start)]
-    if numbers[id(last)] <= numbers[id(first)]:
-        ways.append((last, first, end))
+    ways = [(first, last, start, end, False)]
     if numbers[id(last)] < numbers[id(first)]:
-        ways.pop(0)
-    group = group_of([one.matrix for one in reversers])
-    images = [(f, l, g @ x) for f, l, x in ways for g in group]
-    images = [one for one in images if np.abs((one[0](one[2]) - one[2]) / level.units).max() < _SAME_STATE]
+        ways = [(last, first, end, start, True)]
+    elif first is last:
+        ways.append((first, last, end, start, True))
+
+    def is_fixed(one: DiscreteSymmetry, x: Array) -> bool:
+        return bool(np.abs((one(x) - x) / level.units).max() < _SAME_STATE)
+
+    images = [
+        (f, l, g @ x, is_reversed)
+        for f, l, x, y, is_reversed in ways
+        for g in group
+        if is_fixed(f, g @ x) and is_fixed(l, g @ y)
+    ]
     chosen = max(images, key=lambda one: tuple(np.round(one[2] / level.units, 6) + 0.0))
-    if np.array_equal(chosen[2], start):
-        return segment
-    return _improved(level, flow, *chosen, time)
+    named = (*chosen[:3], time)
+    return (_improved(level, flow, named) or segment) if chosen[3] else named
 
 
-def group_of(generators: list[Array]) -> list[Array]:
-    """The finite group that signed permutations generate."""
-    found = {one.tobytes(): one for one in [np.eye(len(generators[0]))]}
-    waiting = list(found.values())
-    while waiting:
-        current = waiting.pop()
-        for generator in generators:
-            product = np.round(generator @ current) + 0.0  # no negative zeros
-            if product.tobytes() not in found:
-                found[product.tobytes()] = product
-                waiting.append(product)
-    return list(found.values())
+def _is_of_family(orbit: SymmetricOrbit) -> bool:
+    """Whether a multiplier of the closed orbit, all loops together, is 1."""
+    n, closing = 1, orbit.last.matrix @ orbit.first.matrix
+    power = closing
+    while not np.array_equal(power, np.eye(len(power))):
+        power, n = closing @ power, n + 1
+    return bool((np.abs(orbit.multipliers**n - 1) < _FAMILY).any())
 
 
-def symmetric_orbit(
-    level: Level, flow: Flow, first: DiscreteSymmetry, last: DiscreteSymmetry, start: Array, time: float
-) -> SymmetricOrbit:
+def group_of_level(level: Level) -> list[Array]:
+    """The matrices of all discrete symmetries that map a level to itself, with the identity."""
+    identity = np.eye(len(level.units))
+    return [identity, *(one.matrix for one in discrete_symmetries(level.system) if one.meets(level.values))]
+
+
+def symmetric_orbit(level: Level, flow: Flow, segment: Segment) -> SymmetricOrbit:
     """The orbit of a segment, with its multipliers."""
+    first, last, start, time = segment
     system, units = level.system, level.units
     closing = last.matrix @ first.matrix
     (end,), _ = flow.ends(start[None], np.array([time]))

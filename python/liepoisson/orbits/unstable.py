@@ -1,10 +1,10 @@
 r"""Unstable spaces of symmetric periodic orbits and of equilibria, and states on the unstable manifold near them.
 
-A state near is $x(a) = p + Ua + Gw(a)$: U spans the linear unstable space, and w, along the gradients G of the functions
-that are constant, puts it back on the level.  The distance from the unstable manifold is $O(|a|^2)$.  Along the unstable
-directions it only changes a, along the flow the time; along the stable ones it shrinks while a grows.  At a distance of
-order 1 the error is therefore $O(|a|^3)$, beside the round-off $\epsilon/|a|$, and both are about 1e-12 for $|a| =
-10^{-4}$; midpoints were measured to be right to 3e-11.
+A state near is $x(a) = p + Ua + Gw(a)$: U spans the linear unstable space, and w, along the gradients G of the
+functions that are constant, puts it back on the level.  The distance from the unstable manifold is $O(|a|^2)$.  Along
+the unstable directions it only changes a, along the flow the time; along the stable ones it shrinks while a grows.  At
+a distance of order 1 the error is therefore $O(|a|^3)$, beside the round-off $\epsilon/|a|$, and both are about 1e-12
+for $|a| = 10^{-4}$; midpoints were measured to be right to 3e-11.
 """
 
 from __future__ import annotations
@@ -96,6 +96,8 @@ def _of_orbit(orbit: SymmetricOrbit) -> UnstableSpace:
     small = back @ closing.T @ matrix @ across
     basis, loop = _invariant(small, len(small) // 2)
     slowest = float(np.log(np.abs(np.linalg.eigvals(loop)).min())) / orbit.return_time
+    if not slowest > 0:
+        raise ParameterError(f"origin: wanted a hyperbolic orbit; that of {orbit!r} cannot be told from a neutral one")
     return UnstableSpace(
         level,
         orbit.start,
@@ -134,10 +136,9 @@ def _of_equilibrium(origin: Equilibrium) -> UnstableSpace:
 
 def _invariant(matrix: Array, k: int, *, of_rates: bool = False) -> tuple[Array, Array]:
     """An orthonormal basis of the invariant space of the k largest multipliers (or rates), and the matrix on it."""
-    values, vectors = np.linalg.eig(matrix)
+    found = np.linalg.eig(matrix)
+    values, vectors = found[0].astype(np.complex128), found[1].astype(np.complex128)
     order = np.argsort(-(values.real if of_rates else np.abs(values)), kind="stable")[:k]
     chosen = vectors[:, order]
-    left, sizes, _ = np.linalg.svd(np.hstack([chosen.real, chosen.imag]))
-    basis = left[:, :k]
-    del sizes
+    basis = np.linalg.svd(np.hstack([chosen.real, chosen.imag]))[0][:, :k]
     return basis, basis.T @ matrix @ basis

@@ -1,14 +1,14 @@
 r"""Chains of h-sets along a periodic and a homoclinic orbit: the certificate of a proof by covering relations.
 
-A set has a centre c and a frame B, whose columns are k unstable vectors, the flow, k stable vectors, and the gradients of
-H and the Casimirs:
+A set has a centre c and a frame B, whose columns are k unstable vectors, the flow, k stable vectors, and the gradients
+of H and the Casimirs:
 
 $$ N = \{\, c + B(q_u, 0, q_s, w) : |q_u| \le 1,\ |q_s| \le 1 \,\}, $$
 
 w being fixed by the level.  An edge says that the set i, after a time and perhaps the symmetry, maps across the set j.
 
-**The adapted norm.** The map across one segment may contract an unstable direction although all grow in the long run, so
-no fixed norm will do.  With the matrices $K_j$ of the segments on the unstable spaces and
+**The adapted norm.** The map across one segment may contract an unstable direction although all grow in the long run,
+so no fixed norm will do.  With the matrices $K_j$ of the segments on the unstable spaces and
 
 $$ P_{j+1} = 1 + \kappa^2 K_j^{-T} P_j K_j^{-1}, $$
 
@@ -20,8 +20,9 @@ References: [zgliczynski2004].
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
+from math import ceil, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,9 +36,11 @@ from liepoisson.orbits.multipliers import transversal_basis
 from liepoisson.orbits.shooting import Flow
 
 if TYPE_CHECKING:
-    from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
     from liepoisson.orbits.periodic_orbits import SymmetricOrbit
+
+_INSIDE = 0.25
+"""Where a homoclinic orbit begins in the set of the periodic orbit, as a part of its size."""
 
 _CYCLES = 500
 _SETTLED = 1e-14
@@ -152,62 +155,42 @@ class ChainMaker:
                 way that the format can say, or the norm does not stay bounded.
         """
         orbit = self.orbit
-        first, last, middle = orbit.first, orbit.last, homoclinic.reverser
-        closing = last.matrix @ first.matrix
-        if not np.array_equal(closing, np.diag(np.diag(closing))):
-            raise OrbitError("the loop of the orbit must be closed by changes of signs; it exchanges components")
-        # the mirror image of the orbit under the reverser of the midpoint must begin at its start, or at P of it
-        if middle.matrix.tolist() == last.matrix.tolist():
-            flag = True
-        elif middle.matrix.tolist() == first.matrix.tolist():
-            flag = False
-        else:
-            raise OrbitError("the midpoint must be in one of the two fixed sets that the periodic orbit meets")
-        flag = flag and not np.array_equal(closing, np.eye(len(closing)))
-        P = closing
+        closing = orbit.last.matrix @ orbit.first.matrix
+        has_symmetry = not np.array_equal(closing, np.eye(len(closing)))
+        comes_back_to_image = _comes_back_to_image(orbit, homoclinic) and has_symmetry
         a, b = orbit.start, orbit.end
-        U_a = self._unstable()
-        U_b, K_ab = self._next(a, orbit.time, U_a, b, None)
-        back, K_ba = self._next(b, orbit.time, U_b, a, P, U_a)
+        unstable_a = self._unstable()
+        unstable_b, K_ab = self._split(self._moved(a, orbit.time, unstable_a), b)
+        _, K_ba = self._split(closing @ self._moved(b, orbit.time, unstable_b), a, unstable_a)
         norm_a, norm_b = self._norms(K_ab, K_ba)
-        homoclinic = self._lengthened(homoclinic, norm_a)
-        start, half = homoclinic.start, homoclinic.time
-        n = max(2, round(half / orbit.time))
-        tau = half / n
-        path, spaces, maps = [start], [U_a], []
-        centers = self._centers(start, tau, n, homoclinic)
-        for j in range(2 * n):
-            ends_here = j == 2 * n - 1
-            target = a if ends_here else centers[j + 1]
-            U, K = self._next(
-                start if j == 0 else centers[j],
-                tau,
-                spaces[-1],
-                target,
-                P if ends_here and flag else None,
-                U_a if ends_here else None,
-            )
-            spaces.append(U)
-            maps.append(K)
-        del back, path
-        norms = [norm_a]
-        for K in maps:
-            norms.append(self._carried(norms[-1], K))
-        scaled = [self._scaled(U, norm) for U, norm in zip(spaces, norms, strict=True)]
-        u_a, u_b = self._scaled(U_a, norm_a), self._scaled(U_b, norm_b)
+        u_a, u_b = self._scaled(unstable_a, norm_a), self._scaled(unstable_b, norm_b)
         sets = [
-            HSet("p_a", a, self._frame(a, u_a, first.matrix @ u_a)),
-            HSet("p_b", b, self._frame(b, u_b, last.matrix @ u_b)),
+            HSet("p_a", a, self._frame(a, u_a, orbit.first.matrix @ u_a)),
+            HSet("p_b", b, self._frame(b, u_b, orbit.last.matrix @ u_b)),
         ]
-        for j in range(1, 2 * n):
-            frame = self._frame(centers[j], scaled[j], middle.matrix @ scaled[2 * n - j])
-            sets.append(HSet(f"q{j}", centers[j], frame))
+        excursion = self._lengthened(homoclinic, norm_a)
+        n = max(2, round(excursion.time / orbit.time))
+        tau = excursion.time / n
+        centers = self._centers(excursion, tau, n)
+        scaled = self._along_excursion(centers, tau, unstable_a, norm_a)
+        mirror = homoclinic.reverser.matrix
+        sets += [
+            HSet(f"q{j}", centers[j], self._frame(centers[j], scaled[j], mirror @ scaled[2 * n - j]))
+            for j in range(1, 2 * n)
+        ]
         names = ["p_a", *(f"q{j}" for j in range(1, 2 * n)), "p_a"]
-        has_symmetry = not np.array_equal(P, np.eye(len(P)))
         edges = [Edge("p_a", "p_b", orbit.time, False), Edge("p_b", "p_a", orbit.time, has_symmetry)]
-        edges += [Edge(names[j], names[j + 1], tau, flag and j == 2 * n - 1) for j in range(2 * n)]
-        signs = tuple(int(s) for s in np.diag(P))
-        return Chain(orbit.level, signs, tuple(sets), tuple(edges))
+        edges += [Edge(names[j], names[j + 1], tau, comes_back_to_image and j == 2 * n - 1) for j in range(2 * n)]
+        return Chain(orbit.level, tuple(int(s) for s in np.diag(closing)), tuple(sets), tuple(edges))
+
+    def _along_excursion(self, centers: list[Array], tau: float, unstable: Array, norm: Array) -> list[Array]:
+        """The scaled unstable vectors at the ends of all segments but the last, which ends in a set with its own."""
+        scaled = [self._scaled(unstable, norm)]
+        for start, target in pairwise(centers[:-1]):
+            unstable, K = self._split(self._moved(start, tau, unstable), target)
+            norm = self._carried(norm, K)
+            scaled.append(self._scaled(unstable, norm))
+        return scaled
 
     def _unstable(self) -> Array:
         """The unstable vectors at the start of the orbit, orthonormal, across the flow, shape (N, k)."""
@@ -220,18 +203,18 @@ class ChainMaker:
     def _across(self, x: Array) -> Array:
         return transversal_basis(self.orbit.level.gradients(x), self.orbit.system.vector_field(x))
 
-    def _next(
-        self, start: Array, time: float, U: Array, target: Array, symmetry: Array | None, basis: Array | None = None
-    ) -> tuple[Array, Array]:
-        """The vectors after a segment in a basis across the flow at the target, and the matrix of the map."""
-        (_,), (moved,) = self.flow.ends(start[None], np.array([time]), U)
-        if symmetry is not None:
-            moved = symmetry @ moved
+    def _moved(self, start: Array, time: float, vectors: Array) -> Array:
+        """Tangent vectors after a time."""
+        return self.flow.ends(start[None], np.array([time]), vectors)[1][0]
+
+    def _split(self, moved: Array, target: Array, basis: Array | None = None) -> tuple[Array, Array]:
+        """Vectors across the flow at the target, as a basis (orthonormal, if it is not given) times a matrix."""
         across = self._across(target)
-        moved = across @ (across.T @ moved)
+        part = across @ (across.T @ moved)
         if basis is None:
-            return np.linalg.qr(moved)
-        return basis, np.linalg.lstsq(basis, moved, rcond=None)[0]
+            orthonormal, factor = np.linalg.qr(part)
+            return orthonormal, factor
+        return basis, np.linalg.lstsq(basis, part, rcond=None)[0].astype(np.float64)
 
     def _carried(self, norm: Array, K: Array) -> Array:
         back = np.linalg.inv(K)
@@ -265,20 +248,34 @@ class ChainMaker:
         largest = float(np.linalg.eigvalsh(norm).max())
         size = float(np.linalg.norm(homoclinic.amplitude) * np.sqrt(largest)) / self.radius
         slowest = float(np.abs(np.linalg.eigvals(homoclinic.space.matrix)).min())
-        return lengthened(homoclinic, max(0, int(np.ceil(np.log(size / _INSIDE) / np.log(slowest)))))
+        return lengthened(homoclinic, max(0, ceil(log(size / _INSIDE) / log(slowest))))
 
-    def _centers(self, start: Array, tau: float, n: int, homoclinic: HomoclinicOrbit) -> list[Array]:
-        """Points of the excursion at all ends of segments; the second half is the mirror image of the first."""
+    def _centers(self, homoclinic: HomoclinicOrbit, tau: float, n: int) -> list[Array]:
+        """The start, all ends of segments, and the end; the second half is the mirror image of the first."""
         from liepoisson.numeric.integrate import integrate
 
-        first = integrate(self.orbit.system, start, times=np.arange(n + 1) * tau, kernel="lanes").state[0]
+        times = np.arange(n + 1) * tau
+        first = integrate(self.orbit.system, homoclinic.start, times=times, kernel="lanes").state[0]
         middle = (first[-1] + homoclinic.reverser(first[-1])) / 2
-        half = [*first[:-1], middle]
-        return [*half, *(homoclinic.reverser(x) for x in reversed(first[:-1]))]
+        return [*first[:-1], middle, *(homoclinic.reverser(x) for x in reversed(first[:-1]))]
 
 
-_INSIDE = 0.25
-"""Where a homoclinic orbit begins in the set of the periodic orbit, as a part of its size."""
+def _comes_back_to_image(orbit: SymmetricOrbit, homoclinic: HomoclinicOrbit) -> bool:
+    r"""Whether the homoclinic orbit, which begins at the start x of the orbit, comes back to P x, and not to x.
+
+    The reverser of its midpoint takes x to the state that it comes back to: $\rho_0 x = x$, $\rho_1 x = Px$.
+
+    Raises:
+        OrbitError: the reverser is neither, or P is no change of signs.
+    """
+    closing, middle = orbit.last.matrix @ orbit.first.matrix, homoclinic.reverser.matrix
+    if not np.array_equal(closing, np.diag(np.diag(closing))):
+        raise OrbitError("the loop of the orbit must be closed by changes of signs; it exchanges components")
+    if np.array_equal(middle, orbit.last.matrix):
+        return True
+    if np.array_equal(middle, orbit.first.matrix):
+        return False
+    raise OrbitError("the midpoint must be in one of the two fixed sets that the periodic orbit meets")
 
 
 def with_polished_ends(orbit: SymmetricOrbit, digits: int = 25) -> SymmetricOrbit:
@@ -290,8 +287,3 @@ def with_polished_ends(orbit: SymmetricOrbit, digits: int = 25) -> SymmetricOrbi
         end=np.array([float(v) for v in precise.end]),
         time=float(precise.time),
     )
-
-
-def signs_of(symmetry: DiscreteSymmetry) -> Mapping[str, int]:
-    """The sign of each component, by name."""
-    return dict(zip(symmetry.system.component_names, symmetry.signs, strict=True))

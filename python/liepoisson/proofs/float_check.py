@@ -56,7 +56,7 @@ def float_check(chain: Chain, *, seed: int = 0) -> FloatCheck:
     """Checks all edges of a chain."""
     flow, by_name = Flow(chain.level.system, 1), {one.name: one for one in chain.sets}
     found = [
-        _edge(flow, chain, e, by_name[e.source], by_name[e.target], np.random.default_rng([seed, k]))
+        edge_check(flow, chain, e, (by_name[e.source], by_name[e.target]), np.random.default_rng([seed, k]))
         for k, e in enumerate(chain.edges)
     ]
     covering, stable, cones, chart = np.array(found).T
@@ -75,9 +75,11 @@ def points_of(level: Level, one: HSet, q: Array) -> Array:
     return x
 
 
-def _edge(
-    flow: Flow, chain: Chain, edge: Edge, source: HSet, target: HSet, draw: np.random.Generator
+def edge_check(
+    flow: Flow, chain: Chain, edge: Edge, ends_of_edge: tuple[HSet, HSet], draw: np.random.Generator
 ) -> tuple[float, float, float, float]:
+    """Covering, stable extent, cones and chart of one edge (see `FloatCheck`)."""
+    source, target = ends_of_edge
     N = len(source.center)
     k = (chain.level.dimension - 1) // 2
     u, s = list(range(k)), list(range(k + 1, 2 * k + 1))

@@ -31,7 +31,9 @@ if TYPE_CHECKING:
     from liepoisson.orbits.periodic_orbits import SymmetricOrbit
     from liepoisson.phase_space.leaf import Leaf
 
-_MOST_ORBITS, _MOST_HOMOCLINIC = 4, 12
+_MOST_ORBITS, _MOST_HOMOCLINIC, _COMPARED = 4, 12, 6
+"""Periodic orbits that are tried, homoclinic orbits to each, and among how many of these the best is taken."""
+
 _CRITICAL = 1e-9
 """Energies this near to that of an equilibrium, relative to the range of equilibria, count as equal."""
 
@@ -66,9 +68,9 @@ class CertificateCandidate:
 
     def __repr__(self) -> str:
         return (
-            f"<CertificateCandidate of {self.orbit.system.name!r} on {self.orbit.level.text}: {len(self.chain.sets)} sets, "
-            f"{len(self.chain.edges)} edges; covering {self.check.covering:.4f} (> 1), stable {self.check.stable:.4f} "
-            f"(< 1), in floating-point numbers; not proved>"
+            f"<CertificateCandidate of {self.orbit.system.name!r} on {self.orbit.level.text}: {len(self.chain.sets)} "
+            f"sets, {len(self.chain.edges)} edges; covering {self.check.covering:.4f} (> 1), stable "
+            f"{self.check.stable:.4f} (< 1), in floating-point numbers; not proved>"
         )
 
 
@@ -89,8 +91,8 @@ def find_certificate(
     """Searches a periodic orbit with a transversal homoclinic orbit and sets along both that map across one another.
 
     The hyperbolic symmetric periodic orbits with the largest growth rates are tried in turn, with the symmetric
-    homoclinic orbits to them that have the shortest flights; the first chain whose conditions hold in floating-point
-    numbers is returned.
+    homoclinic orbits to them that have the shortest flights; of the first chains whose conditions hold in
+    floating-point numbers the one with the largest margins is returned.
 
     Args:
         system: A system with polynomial equations and reversers.
@@ -126,7 +128,8 @@ def find_certificate(
         threads=threads,
         progress=part_of(progress, 0, 0.4),
     )
-    hyperbolic = [one for one in orbits if one.stability == "hyperbolic"]
+    # the adapted norm needs a growth of kappa in each half of a loop
+    hyperbolic = [one for one in orbits if one.slowest > kappa**2]
     # two different reversers first: the symmetry that closes the loop halves it
     hyperbolic.sort(key=lambda one: (one.first is one.last, -round(one.rate, 9), one.period))
     tried: list[str] = []
@@ -141,7 +144,10 @@ def find_certificate(
             progress=part_of(progress, 0.4 + 0.6 * k / _MOST_ORBITS, 0.6 / _MOST_ORBITS),
         )
         tried.append(f"{len(found)} homoclinic orbits to that of period {orbit.period:.6g}")
-        for homoclinic in found[:_MOST_HOMOCLINIC]:
+        passed: list[CertificateCandidate] = []
+        for number, homoclinic in enumerate(found[:_MOST_HOMOCLINIC]):
+            if passed and number >= _COMPARED:
+                break
             try:
                 chain = maker.along(homoclinic)
             except OrbitError as error:
@@ -150,10 +156,13 @@ def find_certificate(
             check = float_check(chain, seed=seed)
             tried.append(f"covering {check.covering:.3g}, stable {check.stable:.3g}")
             if check.passes:
-                return CertificateCandidate(maker.orbit, homoclinic, chain, check)
+                passed.append(CertificateCandidate(maker.orbit, homoclinic, chain, check))
+        if passed:
+            return max(passed, key=lambda one: min(one.check.covering - 1, 1 - one.check.stable))
     raise OrbitError(
-        f"no chain of sets was found on {level.text}: {len(orbits)} symmetric periodic orbits, {len(hyperbolic)} of them "
-        f"hyperbolic; {'; '.join(tried) or 'nothing to try'}. Take more starts, another level, or a smaller radius."
+        f"no chain of sets was found on {level.text}: {len(orbits)} symmetric periodic orbits, {len(hyperbolic)} of "
+        f"them with all unstable multipliers above kappa^2; {'; '.join(tried) or 'nothing to try'}. Take more starts, "
+        "another level, or a smaller radius."
     )
 
 

@@ -1,0 +1,71 @@
+"""Orbits to many digits."""
+
+import pytest
+from flint import arb, ctx
+from numbers_of_the_proof import MIDPOINT, QUARTER, START
+
+import liepoisson as lp
+from liepoisson.errors import OrbitError, ParameterError
+
+
+def agrees(got, wanted, tolerance):
+    with ctx.workprec(300):
+        return abs(float(arb(got).mid() - arb(wanted).mid())) <= tolerance
+
+
+@pytest.mark.thorough
+def test_the_orbit_of_the_proof_to_twenty_five_digits(twisted_orbits):
+    precise = twisted_orbits[0].polished(digits=25)
+    assert all(agrees(got, wanted, 1e-25) for got, wanted in zip(precise.start, START, strict=True))
+    assert agrees(precise.time, QUARTER, 1e-18)
+    assert [precise.end[k] for k in (2, 5, 8)] == ["0", "0", "0"]
+    assert precise.residual < 1e-12
+
+
+@pytest.mark.thorough
+def test_more_digits_confirm_fewer(twisted_orbits):
+    few, many = (twisted_orbits[1].polished(digits=digits) for digits in (20, 45))
+    assert all(agrees(a, b, 1e-19) for a, b in zip(few.start, many.start, strict=True))
+
+
+def test_a_harmonic_oscillator():
+    """A quarter of the period is pi / 6."""
+    system = lp.System(lp.canonical(1), "dot(p, p)/2 + 9*dot(q, q)/2")
+    precise = lp.orbits.symmetric_periodic_orbits(system, {}, energy=1, n_starts=5)[0].polished(digits=60)
+    with ctx.workprec(300):
+        assert abs(float(arb(precise.time) - arb.pi() / 6)) < 1e-60
+        assert abs(float(arb(precise.start[1]) ** 2 - 2)) < 1e-58
+
+
+def test_a_pendulum_has_no_polynomial_equations():
+    orbit = lp.orbits.symmetric_periodic_orbits(
+        lp.System(lp.canonical(1), "dot(p, p)/2 - cos(q1)"), {}, energy=0, n_starts=5
+    )[0]
+    with pytest.raises(ParameterError, match="polynomials"):
+        orbit.polished()
+    with pytest.raises(ParameterError, match="digits"):
+        orbit.polished(digits=5)
+
+
+def test_an_orbit_that_does_not_close():
+    """A start that is far from any orbit of this energy, with a time that is much too short."""
+    from dataclasses import replace
+
+    system = lp.System(lp.canonical(1), "dot(p, p)/2 + q1^4/4 + q1^2/2")
+    orbit = lp.orbits.symmetric_periodic_orbits(system, {}, energy=1, n_starts=5)[0]
+    broken = replace(orbit, start=3 + orbit.start, time=1e-2)
+    with pytest.raises(OrbitError):
+        broken.polished(digits=10)
+
+
+@pytest.mark.thorough
+def test_the_midpoint_of_the_homoclinic_orbit(homoclinic_orbits):
+    """The digits of an independent computation, whose orbit began at an amplitude of 1e-11: right to 1e-21."""
+    orbit = next(one for one in homoclinic_orbits if abs(one.angles[0] - 0.78271) < 1e-5)
+    precise = orbit.polished(digits=22)
+    assert all(
+        agrees(got.strip("-"), wanted.strip("-"), 2e-21) for got, wanted in zip(precise.midpoint, MIDPOINT, strict=True)
+    )
+    fewer = orbit.polished(digits=15)
+    assert fewer.amplitude > 10 * precise.amplitude
+    assert all(agrees(a, b, 1e-14) for a, b in zip(fewer.midpoint, precise.midpoint, strict=True))
