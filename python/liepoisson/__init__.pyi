@@ -13,6 +13,7 @@ from liepoisson import methods as methods
 from liepoisson import orbits as orbits
 from liepoisson import phase_space as phase_space
 from liepoisson import plot as plot
+from liepoisson import proofs as proofs
 from liepoisson import results as results
 from liepoisson import sections as sections
 from liepoisson import sweeps as sweeps

@@ -158,9 +158,9 @@ def sections(
     progress: Callable[[float], object] | None,
 ) -> _Sections: ...
 
-# Rigorous enclosures. A polynomial is a sequence of terms: a rational coefficient as text ("-1/3", "0.25"), and the exponents
-# of all variables. Bounds come in pairs, lower and upper; matrices are flat, row by row. What cannot be enclosed is an
-# EnclosureError.
+# Rigorous enclosures. A polynomial is a sequence of terms: a rational coefficient as text ("-1/3", "0.25"), and the
+# exponents of all variables. Bounds come in pairs, lower and upper; matrices are flat, row by row. What cannot be
+# enclosed is an EnclosureError.
 
 _Terms = Sequence[tuple[str, Sequence[int]]]
 _Pair = tuple[float, float]

@@ -138,11 +138,11 @@ class LeafError(LiePoissonError, ValueError):
 
 
 class CertificateError(LiePoissonError, ValueError):
-    """A certificate that proves nothing, or something about another system; the message names the first check that fails."""
+    """A certificate that proves nothing, or is about another system; the message names the first check that fails."""
 
 
 class EnclosureError(LiePoissonError, ArithmeticError):
-    """A rigorous enclosure that cannot be made: the set is too large, the time too long, or a matrix may be singular."""
+    """A rigorous enclosure that cannot be made: the set is too large, the time too long, a matrix may be singular."""
 
 
 class ChartError(LiePoissonError, ValueError):

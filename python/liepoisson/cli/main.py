@@ -59,6 +59,7 @@ def application() -> typer.Typer:
     from liepoisson.cli.integrals import integrals
     from liepoisson.cli.lyapunov import lyapunov
     from liepoisson.cli.orbit import orbit
+    from liepoisson.cli.prove import prove
     from liepoisson.cli.reproduce import reproduce
     from liepoisson.cli.section import section
     from liepoisson.cli.sweep import sweep
@@ -118,6 +119,7 @@ def application() -> typer.Typer:
         integrable,
         families,
         darboux,
+        prove,
         catalog,
         orbit,
         section,

@@ -1,1 +1,5 @@
-"""Proofs by computer: statements on orbits whose certificates are checked in rigorous arithmetic."""
+"""Proofs by computer: certificates of chaos, checked in rigorous arithmetic, and how they are found."""
+
+from liepoisson._lazy import attach
+
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -1,8 +1,9 @@
 r"""Is a level of H and the Casimirs regular? Decided exactly, over the complex numbers.
 
-A level $F = c$ is regular where the differentials of H and the Casimirs are independent. They are dependent at a point of
-it if $\sum_k m_k\nabla F_k = 0$ with some $m \ne 0$, of which one component may be taken to be 1. So a level is regular if,
-for each k, the equations $\sum_k m_k\nabla F_k = 0$, $F = c$, $m_k = 1$ have no solution: their ideal contains 1.
+A level $F = c$ is regular where the differentials of H and the Casimirs are independent. They are dependent at a point
+of it if $\sum_k m_k\nabla F_k = 0$ with some $m \ne 0$, of which one component may be taken to be 1. So a level is
+regular if, for each k, the equations $\sum_k m_k\nabla F_k = 0$, $F = c$, $m_k = 1$ have no solution: their ideal
+contains 1.
 """
 
 from __future__ import annotations
