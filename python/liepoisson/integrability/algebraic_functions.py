@@ -70,7 +70,8 @@ class AlgebraicEquations:
 
     def expression(self, polynomial: Mapping[Exponents, Element]) -> Expr:
         """A polynomial in all variables as a function of the coordinates."""
-        return self.derivation.expression(polynomial).xreplace(self.functions)
+        written: Any = self.derivation.expression(polynomial)
+        return written.xreplace(self.functions)
 
 
 def algebraic_equations(system: System, *functions: Expr) -> tuple[AlgebraicEquations, list[Polynomial]]:
@@ -192,7 +193,8 @@ class _Reader:
         """One over a polynomial in all variables, by an inverse for each of its factors."""
         from sympy import factor_list
 
-        content, factors = factor_list(base.expand(), *self.coordinates, *self.functions)
+        factored: Any = factor_list(base.expand(), *self.coordinates, *self.functions)
+        content, factors = factored
         total: Any = 1 / content
         for factor, power in factors:
             known = next((u for r, u in self._roots.values() if factor == r), None)

@@ -163,7 +163,8 @@ class _Reader:
         of_leaves = [entry for entry in data["known"] if entry["name"] in casimirs]
         _agree("the Casimirs", of_leaves, named({entry["name"]: casimirs[entry["name"]] for entry in of_leaves}))
         others = self._expressions([entry for entry in data["known"] if entry["name"] not in casimirs])
-        known = {entry["name"]: casimirs.get(entry["name"], others.get(entry["name"])) for entry in data["known"]}
+        functions = {**others, **casimirs}
+        known = {entry["name"]: functions[entry["name"]] for entry in data["known"]}
         found = tuple(
             FirstIntegral(f["name"], self.system.expression(f["expression"]), f["degree"], f["independent"])
             for f in data["found"]
