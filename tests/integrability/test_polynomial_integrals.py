@@ -301,3 +301,9 @@ def test_parts_of_known_integrals_are_not_listed_twice():
     # H = l2 + (l1^2 + l3^2) and C1 = l2^2 + (l1^2 + l3^2) fall into parts: l2 and H give all of them
     found = first_integrals(lp.System(lp.so(3) @ lp.trivial(), "l3^2 + l2 + l1^2"), degree=2)
     assert [str(f.expression) for f in found.found] == ["l2"]
+
+
+@pytest.mark.parametrize("scope", [{"degree": 10**9}, {"weight": 10**9}])
+def test_sizes_without_end_are_refused_at_once(scope):
+    with pytest.raises(ParameterError, match="wanted at most"):
+        first_integrals(entry("kovalevskaya"), **scope)

@@ -102,6 +102,10 @@ def record(found: IntegrableFamilies) -> dict[str, Any]:
         "complete": found.complete,
         "left": list(found.left),
         "cases_without": found.n_closed,
+        "casimirs": [
+            {"zero": [Formula(c).plain for c in one.conditions], "casimirs": [Formula(c).plain for c in one.casimirs]}
+            for one in found.casimirs
+        ],
     }
 
 
@@ -113,5 +117,6 @@ def _case_record(case: ParameterCase) -> dict[str, Any]:
         "zero": [Formula(c).plain for c in case.conditions],
         "not_zero": [Formula(c).plain for c in case.nonzero],
         "example": example,
+        "remark": case.remark,
         "integrals": [Formula(f).plain for f in case.integrals],
     }

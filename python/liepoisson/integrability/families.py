@@ -406,9 +406,16 @@ def _at(function: Expr, example: Mapping[Any, Any]) -> Expr:
 def _excepted(one: FurtherCase, splitting: CaseSplitting) -> list[Poly]:
     """Polynomials that vanish, on the parameters of a case, where there is no further integral."""
     found: list[Poly] = []
+    divisors = set(map(str, splitting.divisors(one.case)))
     for exception in one.exceptions:
-        further = [q for p in splitting.conditions(exception) if (q := splitting.inserted(p, one.closure))]
+        conditions = splitting.conditions(exception)
+        further = [q for p in conditions if (q := splitting.inserted(p, one.closure))]
         equations = [splitting.homogeneous(splitting.without_units(q, one.closure), one.closure) for q in further]
+        if any(q.is_constant() for q in equations):
+            # a polynomial by which was divided vanishes in the exception
+            if any(all(str(f) in divisors for f in splitting.factors(p)) for p in conditions):
+                continue
+            equations = conditions
         different = list({str(q): q for q in equations}.values())
         # several that do not all vanish: the sum of their squares does not
         found.append(different[0] if len(different) == 1 else sum((q * q for q in different), different[0] * 0))

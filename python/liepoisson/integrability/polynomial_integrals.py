@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import chain
+from itertools import chain, count
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
 
+_LARGEST_WEIGHT = 10_000
 MOST_MONOMIALS = 100_000
 """Monomials of the largest search that is begun; 92 000 of a top without gradings take half a minute and 0.5 GB."""
 
@@ -327,7 +328,7 @@ def _asked(
         d = 2 if degree is None else as_count(degree, "degree", least=1)
         size = n_monomials(n, d) - 1
         if size > MOST_MONOMIALS:
-            fits = max(k for k in range(d) if n_monomials(n, k) <= MOST_MONOMIALS)
+            fits = next(k for k in count() if n_monomials(n, k + 1) > MOST_MONOMIALS)
             raise ParameterError(
                 f"degree: wanted at most {fits}, with {n_monomials(n, fits):,} monomials in {n} coordinates; got {d}, "
                 f"with {size:,}. Search by weight, or on a level"
@@ -342,10 +343,11 @@ def _asked(
             "weight: wanted equations that are homogeneous for positive weights of the coordinates; these are not; "
             "give a degree instead"
         )
-    size = n_of_weight(grading.weights, w)
-    if size > MOST_MONOMIALS:
+    size = n_of_weight(grading.weights, w) if w <= _LARGEST_WEIGHT else None
+    if size is None or size > MOST_MONOMIALS:
         raise ParameterError(
-            f"weight: wanted at most {MOST_MONOMIALS:,} monomials; {w} has {size:,}; take a smaller weight"
+            f"weight: wanted at most {MOST_MONOMIALS:,} monomials, of a weight up to {_LARGEST_WEIGHT:,}; got {w}"
+            f"{'' if size is None else f', with {size:,}'}; take a smaller weight"
         )
     return of_weight(grading.weights, w), size, grading.weights
 
