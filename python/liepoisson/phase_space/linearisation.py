@@ -105,6 +105,22 @@ class LinearFlow:
             flow = flow.restricted(flow.slice_basis(kernel))
         return flow
 
+    def has_more_than(self, rest: LinearFlow) -> bool:
+        r"""Whether zeros were divided out of `rest` that are none: characteristic polynomials that differ.
+
+        An eigenvalue of the second variation that is small beside the largest counts as zero, though in other units of
+        the coordinates it may be as large. The coefficients of $\det(\lambda - W^{-1}S)$ are compared in units of a
+        norm of the matrix in which rows and columns are of equal size, where they are known to round-off.
+        """
+        if rest.size == self.size:
+            return False
+        matrix = _balanced(np.linalg.solve(self.form, self.hessian).astype(np.float64))
+        unit = float(np.linalg.norm(matrix)) or 1.0
+        mine = np.poly(np.linalg.eigvals(matrix) / unit)
+        left = np.linalg.eigvals(np.linalg.solve(rest.form, rest.hessian)) if rest.size else np.zeros(0)
+        theirs = np.poly(np.append(left, np.zeros(self.size - rest.size)) / unit)
+        return bool(np.any(np.abs(mine - theirs) > ZERO))
+
     def eigenvalues(self) -> tuple[ComplexArray, Array]:
         r"""The eigenvalues of $W^{-1}S$ and bounds on the round-off in them.
 
@@ -122,6 +138,22 @@ class LinearFlow:
         left = np.linalg.pinv(right)
         condition = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
         return values.astype(np.complex128), _ROUND_OFF * np.linalg.norm(matrix) * condition
+
+
+def _balanced(matrix: Array) -> Array:
+    """A similar matrix with rows as large as columns, by powers of two: nothing is rounded."""
+    balanced = matrix.copy()
+    for _ in range(_SWEEPS):
+        for i in range(len(balanced)):
+            column, row = np.linalg.norm(np.delete(balanced[:, i], i)), np.linalg.norm(np.delete(balanced[i], i))
+            if column > 0 and row > 0:
+                factor = 2.0 ** np.round(np.log2(row / column) / 2)
+                balanced[:, i] *= factor
+                balanced[i] /= factor
+    return balanced
+
+
+_SWEEPS = 10
 
 
 def linear_flow(poisson: Array, derivative: Array, basis: Array) -> tuple[LinearFlow, float]:

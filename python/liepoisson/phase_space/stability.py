@@ -18,6 +18,7 @@ from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.phase_space.critical_points import CANCELLED, VANISHES, HamiltonianFields, multipliers
+from liepoisson.phase_space.exact_linearisation import exact_linearisation
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.linearisation import (
     ComplexArray,
@@ -133,6 +134,10 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
     variation of $H - \sum_k\lambda_k C_k - \sum_j\Omega_j K_j$ on the tangent space of the common level set, modulo the
     flows of the $K_j$: definite proves stability, up to the accuracy of the numbers. Where an integral is critical at
     x, such as $\ell_3$ at the sleeping top, its $\Omega$ is free, and a definite combination is looked for.
+
+    Where the vector field vanishes exactly, H is a rational function with rational coefficients, and there are no more
+    than 12 components, spectrum and signature are computed in exact numbers, whatever the sizes of the coefficients.
+    Elsewhere an eigenvalue of the second variation counts as zero below 1e-9 of the largest.
 
     Args:
         system: A system whose parameters are all numbers.
@@ -311,6 +316,8 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
     basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
     flow = flow.restricted(basis)
     reduced = flow.without_zeros()
+    if flow.has_more_than(reduced):
+        reduced = flow
     eigenvalues, bounds = reduced.eigenvalues()
     n_zero = flow.size - reduced.size
     verdict = spectral_verdict(eigenvalues, bounds, n_zero)
@@ -321,7 +328,7 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
         bounds = np.where(np.abs(eigenvalues.real) >= growth, 0.0, bounds)
     eigenvalues.real[np.abs(eigenvalues.real) <= bounds] = 0.0
     combination, best = _best_combination(point, flow, basis)
-    return Equilibrium(
+    found = Equilibrium(
         leaf=leaf,
         state=x,
         energy=float(leaf.system.functions.energy(x)),
@@ -335,6 +342,17 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
         linear_stability=verdict,
         signature=best.signature(),
         combination=dict(zip(("H", *integrals), (combination + 0.0).tolist(), strict=True)),
+    )
+    exact = None if integrals else exact_linearisation(leaf.system, x)
+    if exact is None:
+        return found
+    return replace(
+        found,
+        spectrum=_ordered(exact.spectrum),
+        growth_rate=exact.growth_rate,
+        nullity=exact.nullity,
+        linear_stability=exact.verdict,
+        signature=exact.signature,
     )
 
 
