@@ -34,8 +34,7 @@ def integrable(
     """
     from liepoisson.errors import ParameterError
     from liepoisson.integrability.certificates import save_certificate
-    from liepoisson.integrability.records import report_record
-    from liepoisson.integrability.report import integrability_report
+    from liepoisson.integrability.report import integrability_report, report_record
 
     check_limits(seed=0, time_limit=time_limit)
     proof_file = None if certificate is None else checked_file(certificate, "--certificate", (".json",), "top.json")

@@ -1,4 +1,4 @@
-"""Searches and reports as plain data that JSON can write, expressions in the grammar of system files."""
+"""Searches as plain data that JSON can write, expressions in the grammar of system files."""
 
 from __future__ import annotations
 
@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.integrability.polynomial_integrals import FirstIntegrals
-    from liepoisson.integrability.report import IntegrabilityReport
 
 
 def search_record(found: FirstIntegrals) -> dict[str, Any]:
@@ -42,31 +41,6 @@ def search_record(found: FirstIntegrals) -> dict[str, Any]:
             "integrals": found.n_integrals,
             "prime": found.prime,
         },
-    }
-
-
-def report_record(report: IntegrabilityReport) -> dict[str, Any]:
-    """The verdict with all that it rests on."""
-    closed = report.closed
-    return {
-        "system": report.system.name,
-        "verdict": report.verdict,
-        "rank": report.rank,
-        "degree": report.degree,
-        "integrals": named(report.integrals),
-        "dependent": named(report.dependent),
-        "commuting": list(report.commuting),
-        "closed": closed
-        and {
-            "names": list(closed.names),
-            "corank": closed.corank,
-            "brackets": [[*pair, Formula(value).plain] for pair, value in closed.brackets.items()],
-        },
-        "searched_degree": report.searched_degree,
-        "searches": [search_record(search) for search in report.searches],
-        "not_tried": list(report.not_tried),
-        "certificate": report.certificate,
-        "notes": list(report.notes),
     }
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -10,8 +11,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.errors import ParameterError
+from liepoisson.errors import OutputError, ParameterError
 from liepoisson.exact.printing import Formula
+from liepoisson.exact.system_text import system_text
+from liepoisson.files import write_atomically
 from liepoisson.integrability.certificates import certificate
 from liepoisson.integrability.commuting_combinations import commuting_combinations
 from liepoisson.integrability.completeness import (
@@ -22,13 +25,16 @@ from liepoisson.integrability.completeness import (
 )
 from liepoisson.integrability.monomials import n_monomials
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
+from liepoisson.integrability.records import named, search_record
 from liepoisson.scalars import as_count, as_time_limit
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.system import System
 
+FORMAT = "liepoisson report of integrability/1"
 _GROWTH = 12.0
 """How much longer the next degree may take than the last one: it is not begun where the rest of the time is shorter."""
 
@@ -90,9 +96,13 @@ class IntegrabilityReport:
             OutputError: the file cannot be written, or its name does not end in .json.
             SystemFileError: the system has no text, as one that was made with a Python function of other symbols.
         """
-        from liepoisson.integrability.saved_reports import save_report
-
-        return save_report(self, path)
+        path = Path(path)
+        if path.suffix != ".json":
+            raise OutputError(f"wanted a name that ends in .json; got {shown(str(path))}; write for example top.json")
+        kind, text = type(self.system).__name__, system_text(self.system)
+        data = {"format": FORMAT, "kind": kind, "file": text, **report_record(self)}
+        write_atomically(path, (json.dumps(data, indent=1) + "\n").encode())
+        return path
 
     def __repr__(self) -> str:
         return f"<IntegrabilityReport of {self.system.name}: {self._sentence}>"
@@ -135,6 +145,31 @@ class IntegrabilityReport:
             for s in self.searches
         ]
         return "\n".join([*lines, *self.notes, f"not tried: {'; '.join(self.not_tried)}"])
+
+
+def report_record(report: IntegrabilityReport) -> dict[str, Any]:
+    """The verdict with all that it rests on."""
+    closed = report.closed
+    return {
+        "system": report.system.name,
+        "verdict": report.verdict,
+        "rank": report.rank,
+        "degree": report.degree,
+        "integrals": named(report.integrals),
+        "dependent": named(report.dependent),
+        "commuting": list(report.commuting),
+        "closed": closed
+        and {
+            "names": list(closed.names),
+            "corank": closed.corank,
+            "brackets": [[*pair, Formula(value).plain] for pair, value in closed.brackets.items()],
+        },
+        "searched_degree": report.searched_degree,
+        "searches": [search_record(search) for search in report.searches],
+        "not_tried": list(report.not_tried),
+        "certificate": report.certificate,
+        "notes": list(report.notes),
+    }
 
 
 @explains_its_arguments

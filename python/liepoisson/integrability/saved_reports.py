@@ -1,4 +1,4 @@
-"""Reports of integrability in files: written whole, and verified when they are read."""
+"""Reports of integrability from files, verified when they are read."""
 
 from __future__ import annotations
 
@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, OutputError, ParameterError
-from liepoisson.exact.system_text import read_system_text, system_text
-from liepoisson.files import write_atomically
+from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
+from liepoisson.exact.system_text import read_system_text
 from liepoisson.integrability import checker
 from liepoisson.integrability.certificates import certificate
 from liepoisson.integrability.completeness import (
@@ -20,8 +19,8 @@ from liepoisson.integrability.completeness import (
     fields_rank,
 )
 from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals
-from liepoisson.integrability.records import named, report_record
-from liepoisson.integrability.report import IntegrabilityReport, verdict_of
+from liepoisson.integrability.records import named
+from liepoisson.integrability.report import FORMAT, IntegrabilityReport, report_record, verdict_of
 from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown
 
@@ -29,24 +28,6 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.system import System
-
-FORMAT = "liepoisson report of integrability/1"
-
-
-def save_report(report: IntegrabilityReport, path: str | Path) -> Path:
-    """Write a report as JSON, with the text of its system.
-
-    Raises:
-        OutputError: the file cannot be written, or its name does not end in .json.
-        SystemFileError: the system has no text.
-    """
-    path = Path(path)
-    if path.suffix != ".json":
-        raise OutputError(f"wanted a name that ends in .json; got {shown(str(path))}; write for example top.json")
-    system = report.system
-    data = {"format": FORMAT, "kind": type(system).__name__, "file": system_text(system), **report_record(report)}
-    write_atomically(path, (json.dumps(data, indent=1) + "\n").encode())
-    return path
 
 
 @explains_its_arguments
