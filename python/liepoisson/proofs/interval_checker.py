@@ -1,4 +1,4 @@
-"""The check of a certificate of chaos in intervals of doubles, by the core; what is checked is said in docs/proof.md."""
+"""The check of a certificate of chaos in intervals of doubles, by the core; docs/proof.md says what is checked."""
 
 from __future__ import annotations
 
