@@ -71,7 +71,7 @@ FACADES = {
     },
     "exact.lie_algebra": {"exact.bracket", "exact.describe"},
     "exact.extension": {"exact.classification"},
-    "integrability.report": {"integrability.saved_reports"},
+    "proofs.theorem": {"proofs.statement"},
     "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
     "numeric.section": {"phase_space.section_coordinates"},
     "orbits.homoclinic_orbits": {"orbits.polish_homoclinic"},

@@ -7,7 +7,7 @@ import pytest
 
 
 def test_the_theorem_is_printed(command):
-    code, out, err = command("prove", "twisted-kovalevskaya")
+    code, out, err = command("prove", "twisted-kovalevskaya", "--quiet")
     assert (code, err) == (0, "")
     assert "intervals" in out
     assert "Arb balls" in out
