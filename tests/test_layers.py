@@ -52,8 +52,8 @@ LEVELS = {
     },
     "formulas": {"formula", "expression", "constructors"},
     "systems": {
-        "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "lowering", "pieces",
-        "phase_functions", "trace_values", "system", "canonical_system",
+        "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "overflow", "lowering",
+        "pieces", "phase_functions", "trace_values", "system", "canonical_system",
     },
     "files and charts": {"system_file", "system_file_reader", "system_text", "charts"},
     "reports": {"decimals", "printing", "report", "describe"},
