@@ -55,8 +55,9 @@ LEVELS = {
     },
     "formulas": {"formula", "expression", "constructors"},
     "systems": {
-        "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "lowering", "pieces",
-        "phase_functions", "trace_values", "system", "canonical_system", "discrete_symmetries", "signed_permutations",
+        "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "overflow", "lowering",
+        "pieces", "phase_functions", "trace_values", "system", "canonical_system", "discrete_symmetries",
+        "signed_permutations",
     },
     "files and charts": {"system_file", "system_file_reader", "system_text", "charts"},
     "reports": {"decimals", "printing", "report", "describe"},

@@ -11,13 +11,14 @@ use liepoisson_core::method::{
     AcrossComponents, Gauss, LagrangeMap, Method, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
 };
 
-const KERNELS: [&str; 13] = [
+const KERNELS: [&str; 14] = [
     "taylor",
     "taylor-state",
     "taylor-mixed",
     "taylor-components",
     "taylor-quadratic",
     "taylor-tape",
+    "taylor-walls",
     "runge-kutta",
     "runge-kutta-adaptive",
     "splitting-4",
@@ -49,6 +50,7 @@ fn steps(kernel: &str, t_end: f64) -> Result<u64, Box<dyn std::error::Error>> {
         "taylor-components" => run(&kovalevskaya, AcrossComponents(series), 0, 1, 16.0 * t_end)?,
         "taylor-quadratic" => run(&kovalevskaya_as_quadratic()?, series, 1, 64, t_end)?,
         "taylor-tape" => run(&pendulum()?, series, 1, 64, t_end)?,
+        "taylor-walls" => run(&oscillator_at_a_wall()?, series, 1, 64, t_end)?,
         "runge-kutta" => run(&kovalevskaya, RungeKutta::fixed(0.25, max)?, 1, 64, t_end)?,
         "runge-kutta-adaptive" => run(&kovalevskaya, RungeKutta::new(1e-8, max)?, 1, 64, t_end)?,
         "splitting-4" => run(&kovalevskaya, Splitting::new(4, 0.25, max)?, 1, 64, t_end)?,
@@ -99,4 +101,12 @@ fn pendulum() -> Result<Tape, Error> {
     let sine = Instruction::from_parts("sin", &[0], &[])?;
     let minus = Instruction::from_parts("linear", &[2], &[-1.0, 0.0])?;
     Tape::new(2, vec![sine, minus], vec![1, 3])
+}
+
+/// `q' = p`, `p' = exp(-q) - q`: a field that may hide a wall, which is looked for along each step.
+fn oscillator_at_a_wall() -> Result<Tape, Error> {
+    let minus = Instruction::from_parts("linear", &[0], &[-1.0, 0.0])?;
+    let exponential = Instruction::from_parts("exp", &[2], &[])?;
+    let force = Instruction::from_parts("linear", &[3, 0], &[1.0, -1.0, 0.0])?;
+    Tape::new(2, vec![minus, exponential, force], vec![1, 4])
 }

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.cancellation import MOST_TERMS, MinorProduct, n_terms, regrouped
+from liepoisson.exact.overflow import without_overflow
 from liepoisson.exact.parameters import as_coefficient
 from liepoisson.exact.private_symbols import in_private_symbols, name_of_function
 from liepoisson.exact.rounded import ONE, ZERO, Rounded, rational, rounded
@@ -291,6 +292,7 @@ class _TapeWriter:
         """The register of each expression, None for one that is zero; common subexpressions are found first."""
         from sympy import cse, numbered_symbols
 
+        expressions = [without_overflow(expression) for expression in expressions]
         # Sorted before the variables: after them the tape of the quaternion chart has two operations more.
         found: Any = cse(list(expressions), symbols=numbered_symbols("0c"), order="none")
         shared, reduced = found
@@ -354,7 +356,7 @@ class _TapeWriter:
     def _write_product(self, expression: Expr) -> int:
         from sympy import fraction
 
-        numerator, denominator = fraction(expression)
+        numerator, denominator = fraction(expression, exact=True)  # exp(-u) stays what it is
         if denominator != 1:
             return self._add("quotient", (self.write(numerator), self.write(denominator)))
         constant, varying = expression.as_independent(*expression.free_symbols, as_Add=False)
@@ -365,21 +367,30 @@ class _TapeWriter:
         return self.linear([(register, rounded(constant))], ZERO)
 
     def _write_power(self, base: Expr, exponent: Expr) -> int:
-        from sympy import E, Rational
+        from sympy import E, exp
 
-        if base == E:
-            return self._add("exp", (self.write(exponent),))
+        if base == E or isinstance(base, exp):  # a power of a real exponential, for any exponent
+            return self._add("exp", (self.write(exponent if base == E else exponent * base.args[0]),))
         if exponent.free_symbols:  # u^v = exp(v log u)
             logarithm = self._add("log", (self.write(base),))
             return self._add("exp", (self.product(self.write(exponent), logarithm),))
         if exponent == 2:
             register = self.write(base)
             return self.product(register, register)
-        if exponent == Rational(1, 2):
-            return self._add("sqrt", (self.write(base),))
         if exponent.is_negative:
             one = self.linear([], ONE)
             return self._add("quotient", (one, self.write(base**-exponent)))
+        return self._write_positive_power(base, exponent)
+
+    def _write_positive_power(self, base: Expr, exponent: Expr) -> int:
+        from sympy import Rational
+
+        half = Rational(1, 2)
+        if exponent == half:
+            return self._add("sqrt", (self.write(base),))
+        if exponent.is_Rational and (2 * exponent).is_Integer and not exponent.is_Integer:
+            # a root has a value where the base is beyond the range, and what is divided by it is zero
+            return self.product(self.write(base ** (exponent - half)), self.write(base**half))
         return self._add("power", (self.write(base),), (as_coefficient(rational(exponent), "an exponent"),))
 
     def _write_function(self, expression: Expr) -> int:

@@ -42,6 +42,14 @@ pub trait Space: Sync {
         to.clear(state.len());
         to.linear.fill(f64::INFINITY);
     }
+
+    /// The largest errors of the rates of change at `state` through round-off and the errors of its components; infinite where
+    /// they are not known.
+    fn round_off(&self, state: &[f64], errors: Option<&[f64]>, to: &mut Terms) {
+        let _ = errors;
+        to.clear(state.len());
+        to.linear.fill(f64::INFINITY);
+    }
 }
 
 impl<S: Space> Space for &S {
@@ -55,6 +63,10 @@ impl<S: Space> Space for &S {
 
     fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
         (**self).terms(state, rest, to);
+    }
+
+    fn round_off(&self, state: &[f64], errors: Option<&[f64]>, to: &mut Terms) {
+        (**self).round_off(state, errors, to);
     }
 }
 
@@ -98,6 +110,13 @@ pub trait Field: Space {
     /// of a high power, nor of an exponential.
     fn shows_its_terms(&self) -> bool {
         true
+    }
+
+    /// Whether a term that does not show in a series up to `order` where it begins can be large along the step, as a barrier is
+    /// that is thin beside it.
+    fn has_walls(&self, order: usize) -> bool {
+        let _ = order;
+        false
     }
 
     /// Whether the field has branches, such as the two values of a root, that a series can pass from one to another.

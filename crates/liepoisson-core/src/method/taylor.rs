@@ -122,6 +122,9 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
         if let Some(largest) = self.largest.get_mut(lane) {
             *largest = 0.0;
         }
+        if let Some(end) = self.end.as_mut().filter(|_| group == 0) {
+            end.forget(lane);
+        }
     }
 
     fn read(&self, lane: usize, group: usize, values: &mut [f64]) {
@@ -139,6 +142,10 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
             for (lane, longest) in longest.iter_mut().enumerate() {
                 self.rely_on_known_terms(lane, longest);
             }
+        }
+        if let Some(mut end) = self.end.take() {
+            end.limit(longest, |lane| self.norm_in(lane, 0, 0) / self.norm_in(lane, 1, 0));
+            self.end = Some(end);
         }
         if self.field.has_branches() {
             V::outline(Branches { block: self, sizes: longest });
@@ -168,6 +175,9 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
         V::outline(Advance { block: self, sizes, first_group: usize::from(is_known) });
         if let Some(states) = self.end.as_ref().and_then(|end| end.states_after(sizes)) {
             self.rows[..states.len()].copy_from_slice(states);
+        }
+        if let Some(end) = &mut self.end {
+            end.take(sizes);
         }
         for (largest, &size) in self.largest.iter_mut().zip(sizes) {
             *largest = if size.abs() > largest.abs() { size } else { *largest };

@@ -156,6 +156,9 @@ fn product(a: Enclosure, b: Enclosure) -> Enclosure {
 
 fn reciprocal(a: Enclosure) -> Enclosure {
     let x = a.value.abs();
+    if x == f64::INFINITY {
+        return Enclosure { value: 0.0, rest: 0.0, error: 0.0 }; // a number beyond the range divides to zero
+    }
     a.within(x).through(1.0 / a.value, |r| r / (x * (x - r)), |r| 1.0 / (x - r).powi(2))
 }
 

@@ -7,7 +7,7 @@
 use super::convolution::{self, Sums};
 use super::frame::{Frame, Group};
 use super::program::Program;
-use super::rules::{advance, advance_tangent, minus};
+use super::rules::{advance, advance_tangent, divided, minus};
 use super::steps::{Joint, JointForm};
 use crate::lanes::{Body, Lane};
 
@@ -150,17 +150,17 @@ fn run<V: Lane, const TANGENT: bool, const PHASE: u8>(program: &Program, frame: 
                         sum = add_late(l, r, k, sum);
                         dsum = add_late(dl, r, k, add_late(l, dr, k, dsum));
                     }
-                    let value = minus(numerator, l[k].mul_add(r[0], sum)).mul(inverse);
+                    let value = divided(minus(numerator, l[k].mul_add(r[0], sum)), inverse);
                     let dsum = dl[k].mul_add(r[0], dr[0].mul_add(l[k], dsum));
                     let numerator = a.map_or(V::splat(0.0), |a| work[tangent.at(a[1])]);
-                    let derivative = dl[0].neg_mul_add(value, minus(numerator, dsum)).mul(inverse);
+                    let derivative = divided(dl[0].neg_mul_add(value, minus(numerator, dsum)), inverse);
                     groups.keep::<V, PHASE>(work, sums, [next, dnext]);
                     work[state.start(z[0]) + k] = value;
                     work[tangent.start(z[1]) + k] = derivative;
                 } else {
                     let [sum, next] = state.sums::<V, PHASE>(work, sums[0], || convolution::product(l, r, k));
                     let sum = if PHASE == SECOND { add_late(l, r, k, sum) } else { sum };
-                    let value = minus(numerator, l[k].mul_add(r[0], sum)).mul(inverse);
+                    let value = divided(minus(numerator, l[k].mul_add(r[0], sum)), inverse);
                     state.keep::<V, PHASE>(work, sums[0], next);
                     work[state.start(z[0]) + k] = value;
                 }

@@ -61,6 +61,8 @@ pub struct Tape {
     instructions: Vec<Instruction>,
     outputs: Vec<usize>,
     program: Program,
+    /// The highest order of a zero of what it is made of.
+    degree: f64,
 }
 
 impl Tape {
@@ -74,8 +76,8 @@ impl Tape {
         if outputs.len() != n_components {
             return Err(Error::Outputs { wanted: n_components, got: outputs.len() });
         }
-        let program = Program::new(&Graph::new(n_components, &instructions, &outputs));
-        Ok(Tape { n_components, instructions, outputs, program })
+        let graph = Graph::new(n_components, &instructions, &outputs);
+        Ok(Tape { n_components, instructions, outputs, program: Program::new(&graph), degree: graph.degree() })
     }
 }
 
@@ -89,6 +91,15 @@ impl Space for Tape {
         enclose(&self.instructions, state, |i| (rest[i], 0.0), f64::EPSILON, &mut to.work);
         for (sum, &output) in to.linear.iter_mut().zip(&self.outputs) {
             *sum = to.work[output].error / f64::EPSILON;
+        }
+    }
+
+    fn round_off(&self, state: &[f64], errors: Option<&[f64]>, to: &mut Terms) {
+        to.clear(self.n_components);
+        let of_component = |i: usize| (0.0, errors.map_or(0.0, |errors| errors[i]));
+        enclose(&self.instructions, state, of_component, f64::EPSILON, &mut to.work);
+        for (sum, &output) in to.linear.iter_mut().zip(&self.outputs) {
+            *sum = to.work[output].error;
         }
     }
 }
@@ -111,6 +122,10 @@ impl Field for Tape {
 
     fn shows_its_terms(&self) -> bool {
         false
+    }
+
+    fn has_walls(&self, order: usize) -> bool {
+        self.degree > order as f64 / 2.0
     }
 
     fn has_branches(&self) -> bool {

@@ -7,7 +7,7 @@ use super::frame::{Frame, Group};
 use super::graph::Function;
 use super::program::Program;
 use super::steps::{Step, TangentStep};
-use crate::lanes::Lane;
+use crate::lanes::{Lane, Number};
 
 impl Group {
     /// A series of this group with one of another.
@@ -62,7 +62,8 @@ impl<V: Lane> Factors<'_, V> {
     }
 }
 
-/// Order 0 of the state. What is not finite shows in the register of the defect.
+/// Order 0 of the state. Where a rule has no value or no series, it shows in the register of the defect. A number beyond the
+/// range does not: what is divided by it is zero, and everything else that it enters shows that it is not finite.
 #[inline(always)]
 pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: &mut [V]) {
     let (one, zero) = (V::splat(1.0), V::splat(0.0));
@@ -76,18 +77,18 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
             Step::Affine { ref form, to } => {
                 let value = state.form(work, form);
                 work[state.at(to)] = value;
-                value
+                zero
             }
             Step::Product { a, b, to, .. } => {
                 let value = work[state.start(a)].mul(work[state.start(b)]);
                 work[state.at(to)] = value;
-                value
+                zero
             }
             Step::Square { a, to, .. } => {
                 let a = work[state.start(a)];
                 let value = a.mul(a);
                 work[state.at(to)] = value;
-                value
+                zero
             }
             Step::Quotient { a, b, inverse, to, .. } => {
                 let b = work[state.start(b)];
@@ -111,7 +112,7 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
             Step::Integral { function, a, to, .. } => {
                 let value = value_of(function, work[state.at(a)]);
                 work[state.at(to)] = value;
-                value
+                if function == Function::Exp { zero } else { value }
             }
             Step::Pair { a, hyperbolic, first, second, .. } => {
                 let a = work[state.at(a)];
@@ -122,7 +123,7 @@ pub(super) fn start<V: Lane>(program: &Program, state: &Group, row: &[V], work: 
                 };
                 work[state.start(first)] = one;
                 work[state.start(second)] = other;
-                one.add(other)
+                if hyperbolic { zero } else { one.add(other) }
             }
             Step::DividedIntegral { function, a, divisor, weighted, inverse, to, .. } => {
                 let value = value_of(function, work[state.at(a)]);
@@ -167,7 +168,7 @@ pub(super) fn advance<V: Lane>(step: &Step, frame: &Frame, state: &Group, row: &
             let factors = state.factors(work, b, state, to, frame);
             let sum = factors.add_left_end(factors.add_late(state.formed(work, sums, frame)));
             let a = a.map_or(V::splat(0.0), |a| work[state.at(a)]);
-            work[state.start(to) + k] = minus(a, sum).mul(inverse_of(work, inverse));
+            work[state.start(to) + k] = divided(minus(a, sum), inverse_of(work, inverse));
         }
         // z z = a: 2 z_k z_0 = a_k - sum
         Step::Sqrt { a, sums, inverse, to } => {
@@ -196,11 +197,21 @@ pub(super) fn advance<V: Lane>(step: &Step, frame: &Frame, state: &Group, row: &
             let factors = state.factors(work, weighted, state, divisor, frame);
             let sum = factors.add_late(state.formed(work, sums, frame));
             let right = work[state.at(a)].mul(V::splat(factor * k as f64));
-            let slope = minus(right, sum).mul(inverse_of(work, inverse));
+            let slope = divided(minus(right, sum), inverse_of(work, inverse));
             work[state.start(weighted) + k] = slope;
             work[state.at(to)] = slope.mul(V::splat(1.0 / k as f64));
         }
     }
+}
+
+/// `rest * inverse`, for the inverse of a divisor: zero where the divisor is beyond the range of numbers, whatever its series.
+#[inline(always)]
+pub(super) fn divided<V: Lane>(rest: V, inverse: V) -> V {
+    let mut quotient = rest.mul(inverse);
+    for (to, inverse) in quotient.as_scalars_mut().iter_mut().zip(inverse.as_scalars()) {
+        *to = if inverse.to_f64() == 0.0 { Number::of(0.0) } else { *to };
+    }
+    quotient
 }
 
 /// `a - b`
@@ -244,7 +255,7 @@ pub(super) fn advance_tangent<V: Lane>(
             let sum = of_b.add_late(of_z.add_late(tangent.formed(work, sums, frame)));
             let sum = of_z.add_ends(of_b.add_left_end_unless_same(sum));
             let da = da.map_or(V::splat(0.0), |da| work[tangent.at(da)]);
-            work[tangent.start(to) + k] = minus(da, sum).mul(inverse_of(work, inverse));
+            work[tangent.start(to) + k] = divided(minus(da, sum), inverse_of(work, inverse));
         }
         // z dz = da / 2, and the inverse is that of 2 z_0
         TangentStep::Sqrt { da, z, sums, inverse, to } => {
@@ -262,7 +273,7 @@ pub(super) fn advance_tangent<V: Lane>(
             let factors = state.factors(work, divisor, tangent, to, frame);
             let sum = factors.add_left_end_unless_same(factors.add_late(tangent.formed(work, sums, frame)));
             let right = work[tangent.at(da)].mul(V::splat(factor));
-            work[tangent.start(to) + k] = minus(right, sum).mul(inverse_of(work, inverse));
+            work[tangent.start(to) + k] = divided(minus(right, sum), inverse_of(work, inverse));
         }
     }
 }
