@@ -23,6 +23,8 @@ ORDER = 20
 STEP = 0.1
 REACH = 1e-3
 """Greatest |w_k| in a chart."""
+OFF_LEVEL = Fraction(1, 2**36)
+"""Centers lie on the level up to this."""
 SMALL = 0.1
 """Factor of the sets in which the periodic orbit is shown to be symmetric."""
 NEAR = 0.3
@@ -51,6 +53,7 @@ def check_in_intervals(
         raise EnclosureError(
             f"the level: wanted values of {', '.join(field.constants)}; got {', '.join(certificate.level)}"
         )
+    _require_level(certificate, field)
     found = _core.check_covering_relations(
         [core_terms(rate) for rate in field.rates],
         [core_terms(constant) for constant in field.constants.values()],
@@ -90,6 +93,22 @@ def check_in_intervals(
         rotations=(first, second),
         seconds=time.perf_counter() - started,
     )
+
+
+def _require_level(certificate: CoveringCertificate, field: PolynomialField) -> None:
+    """Centers lie on the level, in rational numbers: a certificate is about the level that it names, not one nearby."""
+    for one in certificate.sets:
+        center = [Fraction(c) for c in one.center]
+        for name, constant in field.constants.items():
+            found = sum(
+                (
+                    c * math.prod((v**e for v, e in zip(center, m, strict=True)), start=Fraction(1))
+                    for m, c in constant.items()
+                ),
+                Fraction(0),
+            )
+            if not abs(found - certificate.level[name]) < OFF_LEVEL:
+                raise EnclosureError(f"level, set {one.name}: its center is not on the level, {name} differs")
 
 
 def core_terms(terms: Terms) -> CoreTerms:
