@@ -211,8 +211,8 @@ class _Equilibria(TypedDict):
 class _CoveringRotation(TypedDict):
     discriminant: _Pair
     angles: tuple[_Pair, _Pair]
-    period: _Pair
-    modulus: _Pair
+    periods: tuple[_Pair, _Pair]
+    moduli: tuple[_Pair, _Pair]
 
 class _CoveringMargins(TypedDict):
     n_steps: int

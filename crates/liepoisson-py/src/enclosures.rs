@@ -490,8 +490,8 @@ fn covering_result<'py>(py: Python<'py>, margins: &Margins) -> PyResult<Bound<'p
         let part = PyDict::new(py);
         part.set_item("discriminant", pair(rotation.discriminant))?;
         part.set_item("angles", (pair(rotation.angles[0]), pair(rotation.angles[1])))?;
-        part.set_item("period", pair(rotation.period))?;
-        part.set_item("modulus", pair(rotation.modulus))?;
+        part.set_item("periods", (pair(rotation.periods[0]), pair(rotation.periods[1])))?;
+        part.set_item("moduli", (pair(rotation.moduli[0]), pair(rotation.moduli[1])))?;
         PyResult::Ok(part)
     });
     result.set_item("rotation", rotation.transpose()?)?;

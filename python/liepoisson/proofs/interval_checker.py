@@ -98,6 +98,8 @@ def check_in_intervals(
 def _require_level(certificate: CoveringCertificate, field: PolynomialField) -> None:
     """Centers lie on the level, in rational numbers: a certificate is about the level that it names, not one nearby."""
     for one in certificate.sets:
+        if not all(map(math.isfinite, one.center)):
+            raise EnclosureError(f"form, set {one.name}: its center is not finite")
         center = [Fraction(c) for c in one.center]
         for name, constant in field.constants.items():
             found = sum(

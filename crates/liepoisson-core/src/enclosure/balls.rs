@@ -121,3 +121,61 @@ impl RowSum {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1000))]
+
+        #[test]
+        fn sums_of_multiples_contain_the_exact_ones(
+            terms in proptest::collection::vec((-(1_i64 << 53)..=1 << 53, -(1_i64 << 53)..=1 << 53), 1..40),
+            divisor in 1..9_usize,
+        ) {
+            let n = terms.len();
+            let (mut rows, mut exact) = (Balls::zeros(n + 1, 1), 0_i128);
+            let mut sum = rows.sum();
+            for (k, &(a, b)) in terms.iter().enumerate() {
+                rows.middles[k] = a as f64;
+                sum.add(&rows, k, Factor::new(Interval::point(b as f64), n));
+                exact += i128::from(a) * i128::from(b);
+            }
+            rows.store(n, sum, n, divisor);
+            let found = rows.get(n, 0).enclosure();
+            let (low, high) = (found.lo().floor() as i128, found.hi().ceil() as i128);
+            prop_assert!(low * divisor as i128 <= exact && exact <= high * divisor as i128, "{found:?} {exact}");
+            let size: f64 = terms.iter().map(|&(a, b)| (a as f64 * b as f64).abs()).sum();
+            prop_assert!(found.width() <= 1e-15 * (n + 2) as f64 * size, "{found:?}");
+        }
+
+        #[test]
+        fn radii_are_those_of_all_members(a in -5.0..5.0_f64, b in -5.0..5.0_f64, r in 0.0..1.0_f64, s in 0.0..1.0_f64) {
+            let mut rows = Balls::zeros(2, 1);
+            (rows.middles[0], rows.radii[0]) = (a, r);
+            let mut sum = rows.sum();
+            sum.add(&rows, 0, Factor::new(Interval::ball(b, s), 1));
+            rows.store(1, sum, 1, 1);
+            let found = rows.get(1, 0).enclosure();
+            for (x, y) in [(a - r, b - s), (a - r, b + s), (a + r, b - s), (a + r, b + s)] {
+                prop_assert!(found.lo() <= x * y && x * y <= found.hi(), "{found:?} {x} {y}");
+            }
+            prop_assert!(found.width() <= 2.0 * (a.abs() * s + r * (b.abs() + s)) * (1.0 + 1e-8) + 1e-13);
+        }
+    }
+
+    #[test]
+    fn what_is_exactly_zero_stays_so_and_what_is_unknown_too() {
+        let mut rows = Balls::zeros(3, 1);
+        let mut sum = rows.sum();
+        sum.add(&rows, 0, Factor::new(Interval::symmetric(2.0), 1));
+        rows.store(1, sum, 1, 1);
+        assert_eq!(rows.get(1, 0).enclosure(), Interval::ZERO);
+        let mut sum = rows.sum();
+        sum.add(&rows, 0, Factor::new(Interval::UNKNOWN, 1));
+        rows.store(2, sum, 1, 1);
+        assert!(rows.get(2, 0).enclosure().is_unknown());
+    }
+}

@@ -16,7 +16,7 @@ use super::failure::Failure;
 use super::flow::Flow;
 use super::interval::Interval;
 use super::linear::approximate_inverse;
-use super::matrix::{IntervalVector, Matrix, combine, is_inside, meet, mid, points};
+use super::matrix::{IntervalVector, Matrix, combine, is_inside, mid, points};
 use super::passage::{Level, Passage, pass};
 use crate::ensemble::Control;
 
@@ -101,7 +101,11 @@ pub fn periodic_orbit(
     for _ in 0..TRIALS {
         radius *= 4.0;
         let boxes = around(&middle, radius);
-        let Ok(passages) = chain.passages(&boxes, &middle) else { continue };
+        let passages = match chain.passages(&boxes, &middle) {
+            Ok(passages) => passages,
+            Err(Failure::Stopped) => return Err(Failure::Stopped),
+            Err(_) => continue, // a larger box cannot help, but the number of trials is small
+        };
         let Some(image) = chain.krawczyk(&passages, &boxes, &middle) else { continue };
         if image.iter().zip(&boxes).all(|(image, box_)| is_inside(image, box_)) {
             return chain.narrowed(image, boxes, &middle);
@@ -181,19 +185,15 @@ impl Chain<'_> {
         Some(image.chunks(boxes[0].len()).map(<[Interval]>::to_vec).collect())
     }
 
-    /// The orbit in its box, with passages of boxes as narrow as they become.
+    /// The orbit, with passages of the narrow boxes.
     fn narrowed(
         &mut self,
         image: Vec<IntervalVector>,
         unique_within: Vec<IntervalVector>,
         middle: &[Vec<f64>],
     ) -> Result<PeriodicOrbit, Failure> {
-        let mut q = image;
-        let mut passages = self.passages(&hulls(&q, middle), middle)?;
-        if let Some(image) = self.krawczyk(&passages, &hulls(&q, middle), middle) {
-            q = q.iter().zip(&image).map(|(q, image)| meet(q, image)).collect();
-            passages = self.passages(&hulls(&q, middle), middle)?;
-        }
+        let q = image;
+        let passages = self.passages(&hulls(&q, middle), middle)?;
         let lift = |(leg, q): (&Leg, &IntervalVector)| {
             leg.from.lift(&self.level.constants, &self.level.values, q, self.level.reach).map(|lift| lift.states)
         };

@@ -77,7 +77,7 @@ impl Sum {
             (if first >= 0.0 { b.lo() } else { b.hi() }, if last >= 0.0 { b.hi() } else { b.lo() });
         self.low.add_product(first, first_factor);
         self.high.add_product(last, last_factor);
-        let is_small = |x: f64, y: f64| (x * y).abs() <= SMALL;
+        let is_small = |x: f64, y: f64| ((x * y).abs() <= SMALL) & (x != 0.0) & (y != 0.0);
         let any_small = is_small(first, first_factor) | is_small(last, last_factor);
         self.n_small += if any_small { 1.0 } else { 0.0 };
         self.count += 1.0;
@@ -96,5 +96,77 @@ impl Sum {
             add_down(self.low.sum, add_down(self.low.missing, -slack(&self.low))),
             add_up(self.high.sum, add_up(self.high.missing, slack(&self.high))),
         )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Whole numbers of all sizes up to 2^53, whose products add up exactly in 128 bits.
+    fn whole() -> impl Strategy<Value = i64> {
+        (-(1_i64 << 53)..=1 << 53, 0..53_u32).prop_map(|(number, down)| number >> down)
+    }
+
+    /// Whether the interval contains the number.
+    fn contains(sum: Interval, exact: i128) -> bool {
+        (sum.lo().ceil() as i128) <= exact && exact <= (sum.hi().floor() as i128)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1000))]
+
+        #[test]
+        fn sums_of_products_are_contained_and_rounded_as_if_once(
+            factors in proptest::collection::vec((whole(), whole()), 1..60),
+        ) {
+            let mut sum = Sum::new();
+            let mut exact = 0_i128;
+            for &(a, b) in &factors {
+                sum.add_product(Interval::point(a as f64), Interval::point(b as f64));
+                exact += i128::from(a) * i128::from(b);
+            }
+            let sum = sum.total();
+            prop_assert!(contains(sum, exact), "{sum:?} {exact}");
+            // two units of the last place, and what the second sum may have lost, 1e-30 of the products
+            let size: f64 = factors.iter().map(|&(a, b)| (a as f64 * b as f64).abs()).sum();
+            prop_assert!(sum.width() <= 1e-15 * (exact as f64).abs() + 1e-28 * size, "{sum:?} {exact}");
+        }
+
+        #[test]
+        fn sums_of_intervals_contain_those_of_all_corners(
+            bounds in proptest::collection::vec((whole(), whole(), whole(), whole()), 1..6),
+            corner in 0..4096_usize,
+        ) {
+            let mut sum = Sum::new();
+            let mut exact = 0_i128;
+            for (k, &(a, b, c, d)) in bounds.iter().enumerate() {
+                let interval = |a: i64, b: i64| Interval::new(a.min(b) as f64, a.max(b) as f64);
+                sum.add_product(interval(a, b), interval(c, d));
+                let first = if corner >> (2 * k) & 1 == 0 { a } else { b };
+                let second = if corner >> (2 * k + 1) & 1 == 0 { c } else { d };
+                exact += i128::from(first) * i128::from(second);
+            }
+            prop_assert!(contains(sum.total(), exact));
+        }
+    }
+
+    #[test]
+    fn tiny_products_and_unknown_terms_are_not_lost() {
+        let tiny = Interval::point(1e-170);
+        let mut sum = Sum::new();
+        sum.add_product(tiny, tiny);
+        let total = sum.total();
+        assert!(total.lo() <= 0.0 && total.hi() > 0.0, "{total:?}");
+        let mut sum = Sum::new();
+        sum.add(Interval::ONE);
+        sum.add_product(Interval::UNKNOWN, Interval::ZERO);
+        assert!(sum.total().is_unknown());
+        let mut sum = Sum::new();
+        sum.add_product(Interval::point(1e200), Interval::point(1e200));
+        sum.add(Interval::ONE);
+        assert!(sum.total().is_unknown());
+        assert_eq!(Sum::new().total(), Interval::ZERO);
     }
 }

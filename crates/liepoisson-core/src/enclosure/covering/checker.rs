@@ -227,7 +227,7 @@ impl Checker<'_> {
         Ok(discriminant)
     }
 
-    /// Complex multipliers on all levels, different angles on two of them, and the periodic orbit of the certificate.
+    /// Complex multipliers on all levels, and different angles on two of them.
     fn rotation(
         &mut self,
         passages: &[Passage],
@@ -240,13 +240,14 @@ impl Checker<'_> {
         if !is_in_ball {
             return Err(refused("two levels of the ball"));
         }
-        let mut angle = |shift| self.periodic_orbit(passages, shift).map(|(_, multipliers)| multipliers.rotation);
-        let angles = [angle(shift.negative())?, angle(shift)?];
-        if angles[0].is_unknown() || angles[1].is_unknown() || !angles[0].meet(angles[1]).is_unknown() {
+        let (below, of_below) = self.periodic_orbit(passages, shift.negative())?;
+        let (above, of_above) = self.periodic_orbit(passages, shift)?;
+        let angles = [of_below.rotation, of_above.rotation];
+        if !angles[0].meet(angles[1]).is_unknown() {
             return Err(refused("different angles on two levels"));
         }
-        let (orbit, multipliers) = self.periodic_orbit(passages, Rational::ZERO)?;
-        Ok(Rotation { discriminant, angles, period: orbit.period(), modulus: multipliers.modulus })
+        let moduli = [of_below.modulus, of_above.modulus];
+        Ok(Rotation { discriminant, angles, periods: [below.period(), above.period()], moduli })
     }
 
     /// The orbit that follows the short loop on one level, and its multipliers.

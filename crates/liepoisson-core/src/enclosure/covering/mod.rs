@@ -148,8 +148,8 @@ pub struct Rotation {
     pub discriminant: Interval,
     /// The angle, divided by pi, on the two levels.
     pub angles: [Interval; 2],
-    /// On the level itself the period, modulo the symmetry.
-    pub period: Interval,
-    /// There, the absolute value that is above one.
-    pub modulus: Interval,
+    /// Its periods on the two levels, modulo the symmetry.
+    pub periods: [Interval; 2],
+    /// Absolute values of the multipliers on the two levels, those above one.
+    pub moduli: [Interval; 2],
 }
