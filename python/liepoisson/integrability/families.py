@@ -299,7 +299,7 @@ def check_numbers(system: System, caller: str, functions: Sequence[Expr] = ()) -
     if others:
         raise ParameterError(
             f"{caller}: wanted symbols for parameters and rational numbers; got "
-            f"{', '.join(sorted(Formula(a).plain for a in others))} in {system.name}; write a symbol for each of them"
+            f"{', '.join(sorted(Formula(a).plain for a in others))} in {system.name}; relations may hide between them; write a symbol for each"
         )
 
 
