@@ -297,9 +297,10 @@ def check_numbers(system: System, caller: str, functions: Sequence[Expr] = ()) -
     kinds: Any = (Function, NumberSymbol, Pow, type(I))
     others = {a for e in expressions for a in e.atoms(*kinds) if not (a.is_Pow and a.exp.is_Integer)}
     if others:
+        named = ", ".join(sorted(Formula(a).plain for a in others))
         raise ParameterError(
-            f"{caller}: wanted symbols for parameters and rational numbers; got "
-            f"{', '.join(sorted(Formula(a).plain for a in others))} in {system.name}; relations may hide between them; write a symbol for each"
+            f"{caller}: wanted symbols for parameters and rational numbers; got {named} in {system.name}; relations may "
+            "hide between them; write a symbol for each"
         )
 
 
