@@ -299,8 +299,8 @@ def check_numbers(system: System, caller: str, functions: Sequence[Expr] = ()) -
     if others:
         named = ", ".join(sorted(Formula(a).plain for a in others))
         raise ParameterError(
-            f"{caller}: wanted symbols for parameters and rational numbers; got {named} in {system.name}; relations may "
-            "hide between them; write a symbol for each"
+            f"{caller}: wanted symbols for parameters and rational numbers; got {named} in {system.name}; relations "
+            "may hide between them; write a symbol for each"
         )
 
 
