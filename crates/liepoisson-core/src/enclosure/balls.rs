@@ -66,6 +66,8 @@ pub(super) struct Balls {
 pub(super) struct RowSum {
     middles: Vec<f64>,
     radii: Vec<f64>,
+    /// How many terms are not exactly zero: a sum of none is exact, while one of others may only have vanished by underflow.
+    n_nonzero: Vec<f64>,
     n_terms: usize,
 }
 
@@ -88,7 +90,8 @@ impl Balls {
 
     /// An empty sum.
     pub(super) fn sum(&self) -> RowSum {
-        RowSum { middles: vec![0.0; self.length], radii: vec![0.0; self.length], n_terms: 0 }
+        let zeros = vec![0.0; self.length];
+        RowSum { middles: zeros.clone(), radii: zeros.clone(), n_nonzero: zeros, n_terms: 0 }
     }
 
     /// Stores a sum of at most `n_terms` products, divided by a whole number.
@@ -101,8 +104,7 @@ impl Balls {
             self.middles[place] = middle;
             // the quotient of the middle is rounded, too
             let radius = sum.radii[j] / divisor * WIDER + middle.abs() * f64::EPSILON;
-            let is_zero = middle == 0.0 && sum.radii[j] == 0.0;
-            self.radii[place] = if is_zero { 0.0 } else { radius + LEAST };
+            self.radii[place] = if sum.n_nonzero[j] == 0.0 { 0.0 } else { radius + LEAST };
         }
     }
 }
@@ -114,10 +116,12 @@ impl RowSum {
         self.n_terms += 1;
         let places = row * rows.length..(row + 1) * rows.length;
         let (middles, radii) = (&rows.middles[places.clone()], &rows.radii[places]);
-        let sums = self.middles.iter_mut().zip(&mut self.radii);
-        for ((sum, rest), (&middle, &radius)) in sums.zip(middles.iter().zip(radii)) {
+        let is_zero = factor.for_radius == 0.0;
+        let sums = self.middles.iter_mut().zip(&mut self.radii).zip(&mut self.n_nonzero);
+        for (((sum, rest), count), (&middle, &radius)) in sums.zip(middles.iter().zip(radii)) {
             *sum += middle * factor.middle;
             *rest += middle.abs() * factor.for_middle + radius * factor.for_radius;
+            *count += if is_zero | ((middle == 0.0) & (radius == 0.0)) { 0.0 } else { 1.0 };
         }
     }
 }
@@ -173,6 +177,12 @@ mod tests {
         sum.add(&rows, 0, Factor::new(Interval::symmetric(2.0), 1));
         rows.store(1, sum, 1, 1);
         assert_eq!(rows.get(1, 0).enclosure(), Interval::ZERO);
+        rows.middles[0] = 1e-200;
+        let mut sum = rows.sum();
+        sum.add(&rows, 0, Factor::new(Interval::point(1e-200), 1));
+        rows.store(1, sum, 1, 1);
+        assert!(rows.get(1, 0).enclosure().hi() > 0.0, "a product that underflows is not zero");
+        rows.middles[0] = 0.0;
         let mut sum = rows.sum();
         sum.add(&rows, 0, Factor::new(Interval::UNKNOWN, 1));
         rows.store(2, sum, 1, 1);

@@ -85,7 +85,7 @@ pub fn pass(
 
     let (field, section) = (flow.field().clone(), to.section());
     let crossing = cross(flow, &bundle.states[0], &section)?;
-    let first = cross(flow, &bundle.states[1], &section)?.of_small_set(flow, &bundle.states[1])?;
+    let first = cross(flow, &bundle.states[1], &section)?.within(&crossing)?.of_small_set(flow, &bundle.states[1])?;
     let reached = to.relative(&first);
     let along = crossing.derivative(&field, &section).times(&bundle.derivative.hull());
     let to_q = to.to_directions().times(&along);

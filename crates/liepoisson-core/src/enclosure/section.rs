@@ -107,6 +107,14 @@ pub fn cross(flow: &mut Flow, set: &StateSet, section: &Section) -> Result<Cross
 }
 
 impl Crossing {
+    /// The crossing, if it is the one of a set that these orbits are a part of: within its window each of them crosses once.
+    ///
+    /// # Errors
+    /// It may be another one.
+    pub fn within(self, whole: &Crossing) -> Result<Crossing, Failure> {
+        if self.delay.is_within(whole.window) { Ok(self) } else { Err(Failure::NoCrossing) }
+    }
+
     /// Matrices that contain the projections along the field onto the tangent spaces of the section, times the transport.
     pub fn derivative(&self, field: &Program, section: &Section) -> Matrix<Interval> {
         let rates = field.values(&self.states);
@@ -159,7 +167,7 @@ pub fn section_map(
     let mut bundle = Bundle::new(vec![whole, point], Matrix::identity(n));
     flow.advance(&mut bundle, time, control, |_| ())?;
     let crossing = cross(flow, &bundle.states[0], section)?;
-    let first = cross(flow, &bundle.states[1], section)?.of_small_set(flow, &bundle.states[1])?;
+    let first = cross(flow, &bundle.states[1], section)?.within(&crossing)?.of_small_set(flow, &bundle.states[1])?;
     let derivative = crossing.derivative(flow.field(), section).times(&bundle.derivative.hull());
     let moved = derivative.times(&frame.enclosed()).apply(coordinates);
     let states = meet(&crossing.states, &combine(&first, &moved, |first, moved| first + moved));
