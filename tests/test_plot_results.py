@@ -1,6 +1,7 @@
 """Every result is drawn by one function, which says so where something is no result."""
 
 import json
+from fractions import Fraction
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -14,6 +15,7 @@ from liepoisson.plot.results import _FIGURES
 from liepoisson.repeat import RUNS
 
 TOP = lp.Top.kovalevskaya("1/2")
+SYMMETRY = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2 + l2^2 + J*l3^2 + a*alpha1", symbols=["J", "a"])
 STARTS = lp.sample_states(TOP, 4, seed=1)
 
 
@@ -35,6 +37,7 @@ def results():
         "verdict": lp.decide(TOP, STARTS, t_end=150),
         "exponent": lp.lyapunov_exponent(TOP, STARTS, t_end=500),
         "frequency drift": lp.chaos.frequency_drift(TOP, STARTS, observable="l1", t_end=50),
+        "integral scan": lp.integrability.scan_integrals(SYMMETRY, axes={"J": [1, "3/2", 2], "a": [0, 1]}, degree=2),
         "first return": lp.sections.first_return(TOP, crossings.state, surface="l3", t_end=30),
     }
 
@@ -62,6 +65,17 @@ def test_a_verdict_has_a_point_for_each_orbit():
     lines = [line for line in lp.plot.draw(verdict).axes[0].lines if line.get_marker() == "."]
     assert sum(len(line.get_xdata()) for line in lines) == len(STARTS)
     np.testing.assert_allclose(sorted(np.concatenate([line.get_ydata() for line in lines])), sorted(verdict.mean_megno))
+    plt.close("all")
+
+
+def test_a_scan_marks_the_points_with_further_integrals():
+    scan = lp.integrability.scan_integrals(SYMMETRY, axes={"J": [1, "3/2"], "a": [0, 1]}, degree=2)
+    lines = {line.get_label(): line.get_xydata() for line in lp.plot.draw(scan).axes[0].lines}
+    # J = 1, a = 0 is the spherical top without gravity: l1, l2, l3 and |l|^2; J = 3/2, a = 0 keeps l3 (Lagrange, free).
+    assert {"1", "none (proved)"} & lines.keys()
+    for k, point in enumerate(scan.value):
+        name = str(scan.n_further[k]) if scan.n_further[k] else "none (proved)"
+        assert [float(Fraction(v)) for v in point] in lines[name].tolist()
     plt.close("all")
 
 

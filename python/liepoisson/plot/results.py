@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -192,6 +193,33 @@ def _returns(result: Any, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
+def _scan(result: Any, *, ax: Axes | None = None) -> Axes:
+    """Points of the grid over its first two axes of several values; discs have further integrals, with their number."""
+    names = [name for name in result.parameter if len(result.axes[name]) > 1] or list(result.parameter)
+    x, y = ([result.parameter.index(name) for name in names] + [None])[:2]
+    values = np.array([[float(Fraction(text)) for text in point] for point in result.value])
+    n = result.n_further
+    height = n if y is None else values[:, y]
+    with house_style():
+        ax = axes_or_new(ax, width=6.4 if y is None else 5.6, height=4.0 if y is None else 4.4)
+        unknown = n < 0
+        ax.plot(values[n == 0, x], height[n == 0], ".", color=MUTED, markersize=5, label="none (proved)")
+        for count in np.unique(n[n > 0]):
+            here = n == count
+            colour = SEQUENCE[(count - 1) % len(SEQUENCE)]
+            ax.plot(values[here, x], height[here], "o", color=colour, markersize=7, label=f"{count}")
+        if unknown.any():
+            place = np.zeros(unknown.sum()) if y is None else height[unknown]
+            ax.plot(values[unknown, x], place, "x", color=INK, markersize=5, label="not known")
+        ax.set_xlabel(label(names[0]))
+        ax.set_ylabel("further integrals" if y is None else label(names[1]))
+        if y is None:
+            ax.locator_params(axis="y", integer=True)
+        ax.set_title(f"{plain(result.system.name)}: further integrals up to degree {result.degree}")
+        ax.legend(loc="upper left", bbox_to_anchor=(0.0, -0.16), ncols=5, borderaxespad=0.0)
+    return ax
+
+
 _FIGURES: dict[str, Callable[..., Any]] = {
     "orbit": orbit,
     "chart orbit": lambda result, **options: orbit(result.run, **options),
@@ -208,4 +236,5 @@ _FIGURES: dict[str, Callable[..., Any]] = {
     "exponent": _exponents,
     "frequency drift": _frequencies,
     "first return": _returns,
+    "integral scan": _scan,
 }

@@ -20,6 +20,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError
 from liepoisson.wrong_values import shown
 
@@ -58,6 +59,7 @@ class CoveringCertificate:
     edges: tuple[Edge, ...]
 
 
+@explains_its_arguments
 def load_covering_certificate(path: str | Path) -> CoveringCertificate:
     """Read a certificate. Only its form is looked at here.
 
