@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 Status: TypeAlias = Literal["proved", "computed", "measured", "not settled"]
-"""Proved in exact arithmetic; computed in floating point from what is proved; measured on orbits; or none of these."""
+"""Proved in exact arithmetic or with rigorous enclosures; computed in floating point from what is proved; measured on
+orbits; or none of these."""
 
 STATUS_CLASSES: dict[Status, str] = {
     "proved": "good",
@@ -91,10 +92,20 @@ QUESTIONS: tuple[Question, ...] = (
         ),
     ),
     Question(
-        "Can chaos be shown by the method of Melnikov?",
+        "Can chaos be shown rigorously, by the method of Melnikov or otherwise?",
         "Section 5, fourth paragraph",
-        "The present case is less straightforward because of the complicated form of the homoclinic orbits.",
+        "A rigorous demonstration that the twisted Kovalevskaya top is chaotic could in principle be achieved using a "
+        "Melnikov analysis … The present case is less straightforward because of the complicated form of the "
+        "homoclinic orbits.",
         (
+            Answer(
+                "proved",
+                "On the level H = 1/2, C₁ = 1, C₂ = 1/2, C₃ = 1 the twisted Kovalevskaya top is chaotic: a transversal "
+                "homoclinic orbit of a hyperbolic periodic orbit, a full shift on two symbols, positive topological "
+                "entropy; by covering relations, without Melnikov’s method.",
+                "rigorous-demonstration",
+                "incomplete",
+            ),
             Answer(
                 "proved",
                 "For a = (a₁, 0, 0), b = (0, 0, b₃) and any inertia some homoclinic orbits are elementary.",
