@@ -57,6 +57,7 @@ class Question:
 
 
 _NEARBY = ("nearby-integrable-case", "not settled")
+_CHAOS = ("rigorous-demonstration", "incomplete")
 _HOMOCLINIC = ("homoclinic-orbits", "holds with a condition")
 
 QUESTIONS: tuple[Question, ...] = (
@@ -92,20 +93,26 @@ QUESTIONS: tuple[Question, ...] = (
         ),
     ),
     Question(
-        "Can chaos be shown rigorously, by the method of Melnikov or otherwise?",
+        "Can it be demonstrated rigorously that the twisted Kovalevskaya top is chaotic?",
         "Section 5, fourth paragraph",
         "A rigorous demonstration that the twisted Kovalevskaya top is chaotic could in principle be achieved using a "
-        "Melnikov analysis … The present case is less straightforward because of the complicated form of the "
-        "homoclinic orbits.",
+        "Melnikov analysis",
         (
             Answer(
                 "proved",
                 "On the level H = 1/2, C₁ = 1, C₂ = 1/2, C₃ = 1 the twisted Kovalevskaya top is chaotic: a transversal "
                 "homoclinic orbit of a hyperbolic periodic orbit, a full shift on two symbols, positive topological "
                 "entropy; by covering relations, without Melnikov’s method.",
-                "rigorous-demonstration",
-                "incomplete",
+                *_CHAOS,
             ),
+            Answer("not settled", "The measure of the chaotic set, and chaos on every level.", *_CHAOS),
+        ),
+    ),
+    Question(
+        "Can chaos be shown by the method of Melnikov?",
+        "Section 5, fourth paragraph",
+        "The present case is less straightforward because of the complicated form of the homoclinic orbits.",
+        (
             Answer(
                 "proved",
                 "For a = (a₁, 0, 0), b = (0, 0, b₃) and any inertia some homoclinic orbits are elementary.",
