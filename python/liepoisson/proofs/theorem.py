@@ -103,8 +103,8 @@ def prove_chaos(
     notes = [compare_equations(certificate.equations, field)]
     if not keeps_bracket(system.bracket, certificate.symmetry):
         raise CertificateError(
-            "the certificate is refused: its symmetry does not keep the bracket of the system, so that multipliers need "
-            "not come in pairs"
+            "the certificate is refused: its symmetry does not keep the bracket of the system, so that multipliers "
+            "need not come in pairs"
         )
     notes.append(_regularity(field, certificate))
     margins: list[Margins] = []
