@@ -13,7 +13,7 @@ import numpy as np
 
 from liepoisson import _core
 from liepoisson.errors import EnclosureError
-from liepoisson.proofs.certificate import CoveringCertificate
+from liepoisson.proofs.certificate import CoveringCertificate, CoveringSet
 from liepoisson.proofs.margins import Margins, Rotation
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms
 
@@ -129,30 +129,9 @@ def _require_single_visits(
     """
     if not all(upper - lower < 0.5 * VISIT for lower, upper in loop_times):
         raise EnclosureError(f"visits: the flight times of a loop differ by more than {0.5 * VISIT}")
-    rates = [core_terms(rate) for rate in field.rates]
-    extent = np.array([REACH] * len(field.names))
-    extent[: len(field.names) - len(field.constants)] = 1.0
-    extent[FLOW] = 0.0
     leaving = [e.source for e in certificate.edges]
     for number, one in enumerate(certificate.sets):
-        bounds = _core.enclose_flow(
-            rates,
-            np.array(one.center),
-            np.array(one.frame).ravel(),
-            -extent,
-            extent,
-            VISIT,
-            (ORDER, VISIT, None, 1),
-            True,
-            math.inf,
-            None,
-        )
-        box = [
-            (Fraction(lower), Fraction(upper))
-            for lower, upper in zip(
-                bounds["tube_lower"].ravel().tolist(), bounds["tube_upper"].ravel().tolist(), strict=True
-            )
-        ]
+        box = _tube(one, field)
         crossing: Terms = {}
         for weight, rate in zip(_normal(one.frame), field.rates, strict=True):
             for m, c in rate.items():
@@ -164,6 +143,20 @@ def _require_single_visits(
             sign > 0 or lower <= 0 <= upper for sign, (lower, upper) in zip(certificate.symmetry, box, strict=True)
         ):
             raise EnclosureError(f"visits, set {one.name}: it may meet its image under the symmetry")
+
+
+def _tube(one: CoveringSet, field: PolynomialField) -> list[tuple[Fraction, Fraction]]:
+    """A box that contains a set, with all |w_k| up to the reach of its chart, and its orbits until they are away."""
+    extent = np.array([REACH] * len(field.names))
+    extent[: len(field.names) - len(field.constants)] = 1.0
+    extent[FLOW] = 0.0
+    rates, center, frame = [core_terms(rate) for rate in field.rates], np.array(one.center), np.array(one.frame).ravel()
+    one_step = (ORDER, VISIT, None, 1)
+    found = _core.enclose_flow(rates, center, frame, -extent, extent, VISIT, one_step, True, math.inf, None)
+    lower, upper = (found.get(side, np.array([])).ravel().tolist() for side in ("tube_lower", "tube_upper"))
+    if len(lower) != len(field.names):
+        raise EnclosureError(f"visits, set {one.name}: wanted one step of {VISIT}")
+    return [(Fraction(a), Fraction(b)) for a, b in zip(lower, upper, strict=True)]
 
 
 def _normal(frame: Sequence[Sequence[float]]) -> list[Fraction]:
