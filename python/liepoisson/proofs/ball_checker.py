@@ -17,6 +17,7 @@ from liepoisson.proofs.ball_covering import (
     Landing,
     Transition,
     covering,
+    crossing_rate,
     diagonal,
     landing,
     length,
@@ -96,6 +97,7 @@ class _Checker:
             found.append(self._transition(e, self.sets[e.source], charts[e.source], self.sets[e.target]))
             judged.append(covering(self._name(e), found[-1].landing))
         self._require_charts_over_images(found)
+        self._require_single_visits(charts, found)
         small, small_charts, small_loop = self._small_loop()
         symmetric_q = self._require_symmetric_orbit(small, small_charts, small_loop, found)
         apart = self._require_separation(charts, found)
@@ -134,6 +136,9 @@ class _Checker:
             raise EnclosureError(
                 f"the level: wanted values of {', '.join(field.constants)}; got {', '.join(certificate.level)}"
             )
+        for name, f in field.constants.items():
+            if field.rate_of(f):
+                raise EnclosureError(f"the system: {name} is not constant along orbits")
         if not field.is_kept_by(certificate.symmetry) or all(s == 1 for s in certificate.symmetry):
             raise EnclosureError(
                 "the symmetry: the equations and constants of motion do not have it, or it changes nothing"
@@ -171,6 +176,24 @@ class _Checker:
                 if edge.target == number:
                     q = [a.union(b) for a, b in zip(q, t.landing.q, strict=True)]
             chart(self.field, target, self.level, q)
+
+    def _require_single_visits(self, charts: Sequence[Chart], found: Sequence[Transition]) -> None:
+        """An orbit visits a set once at a time, and p_a in one of its two images only: so words belong to points.
+
+        Two points of a set that an edge takes to one point lie on one orbit, at times that differ by less than twice
+        the window; there is no zero of n . f on the first step, which is longer, so they are one point.
+        """
+        for edge, one in zip(self.certificate.edges, found, strict=True):
+            first = one.tubes[0]
+            rate = crossing_rate(self.field, self.sets[edge.source], first.box)
+            if not (rate.abs_lower() > 0 and 2 * one.landing.window < first.end):
+                raise EnclosureError(
+                    f"{self._name(edge)}: orbits may come back to the section where they start within twice the window"
+                )
+        start = self.graph.start
+        box = states_of(self.sets[start], charts[start], UNIT).box()
+        if not _distance(box, self._image(box)) > 0:
+            raise EnclosureError(f"set {self.sets[start].name}: it may meet its image under the symmetry")
 
     # gamma
 

@@ -45,9 +45,9 @@ def _lines(proof: ChaosProof) -> Iterator[str]:
     yield ""
     yield f"Verified for {len(proof.certificate.sets)} sets and {len(proof.certificate.edges)} covering relations:"
     width = max(len(label) for label, _ in _ROWS) + 2
-    yield " " * width + "".join(f"{m.arithmetic:>18}" for m in proof.margins)
+    yield " " * width + "".join(f"{m.arithmetic:>20}" for m in proof.margins)
     for label, show in _ROWS:
-        yield f"{label:{width}}" + "".join(f"{show(m):>18}" for m in proof.margins)
+        yield f"{label:{width}}" + "".join(f"{show(m):>20}" for m in proof.margins)
     yield ""
     for note in proof.notes:
         yield from wrap(note, _WIDTH)
