@@ -18,11 +18,13 @@ from math import inf, isfinite
 from flint import arb, arb_mat
 
 from liepoisson.errors import EnclosureError
-from liepoisson.proofs.ball_field import BallField, Vector, as_column, ball, magnitude
+from liepoisson.proofs.ball_field import BallField, Vector, as_column, ball, magnitude, norm
 from liepoisson.proofs.ball_flow import Parallelepiped, Tube, advance, column
 
 _TRIALS = 30
 _SHORTER, _LONGER = 0.5, 1.2
+_GUARD = 48
+"""Bits that the remainders may cost."""
 
 
 @dataclass(frozen=True)
@@ -204,15 +206,22 @@ def carry(field: BallField, states: Carried, time: float, how: How) -> tuple[Car
 
 
 def _suited(field: BallField, states: Carried, how: How) -> float:
-    """A step for which the last terms of the series of the middle are of the size of the last digits."""
-    last = field.series(states.middle, how.order)
+    """A step for which the remainders, from the series of the middle, are of the size of the last digits.
+
+    Those of derivatives are bounded by norms, as `advance` does it: the same recursion, here in doubles, tells how large
+    they will be.
+    """
+    p = how.order
+    coefficients, matrices = field.series_with_jacobian(states.middle, p)
     size = max((float(magnitude(c).mid()) for c in states.middle), default=0.0) or 1.0
-    lengths = [
-        (2.0 ** -min(how.precision - 16, 64) * size / term) ** (1 / k)
-        for k in (how.order - 1, how.order)
-        if (term := max(float(magnitude(c).mid()) for c in last[k])) > 0
-    ]
-    return min(lengths, default=how.step)
+    norms = [float(norm(m).mid()) for m in matrices]
+    bounds = [1.0]
+    for k in range(p):
+        bounds.append(sum(norms[j] * bounds[k - j] for j in range(k + 1)) / (k + 1))
+    terms = [(p, bounds[p]), (p - 1, bounds[p - 1])]
+    terms += [(k, max(float(magnitude(c).mid()) for c in coefficients[k]) / size) for k in (p - 1, p)]
+    digits = how.precision - _GUARD
+    return min((2.0 ** (-digits / k) * term ** (-1 / k) for k, term in terms if 0 < term < inf), default=how.step)
 
 
 def _step(field: BallField, states: Carried, h: arb, order: int) -> tuple[Carried, Vector]:

@@ -9,7 +9,7 @@ import numpy as np
 from flint import arb
 
 from liepoisson.errors import EnclosureError
-from liepoisson.proofs.ball_field import BallField, Vector, as_column, lies_inside
+from liepoisson.proofs.ball_field import BallField, Vector, as_column, lies_inside, magnitude
 from liepoisson.proofs.ball_flow import column
 from liepoisson.proofs.ball_lohner import identity
 from liepoisson.proofs.box import Box
@@ -52,7 +52,11 @@ def zeros(
             _keep(found, undecided, _narrowed(system, image), box)
             continue
         common = [a.intersection(b) for a, b in zip(image, box, strict=True)]
-        if _width(common) < _WORTH * _width(box):
+        wider = _inflated(common)
+        image = _operator(system, wider)
+        if image is not None and all(lies_inside(a, b) for a, b in zip(image, wider, strict=True)):
+            _keep(found, undecided, _narrowed(system, image), wider)
+        elif _width(common) < _WORTH * _width(box):
             waiting.append(common)
         elif _may_vanish(system, common):
             _cut_or_left(common, cut, waiting, undecided)
@@ -69,6 +73,12 @@ def _inner(box: Vector, shape: tuple[int, ...]) -> Box:
     low = np.array([float(b.lower()) for b in box], float)
     high = np.array([float(b.upper()) for b in box], float)
     return Box(np.nextafter(low, wide.upper), np.nextafter(high, wide.lower))
+
+
+def _inflated(box: Vector) -> Vector:
+    """A wider box: a component that the operator makes a point lies in the interior of none otherwise."""
+    widest = max(float(b.rad()) for b in box)
+    return [b + arb(0, 0.1 * widest + 1e-14 * float(magnitude(b).mid()) + 1e-300) for b in box]
 
 
 def _may_vanish(system: BallField, box: Vector) -> bool:

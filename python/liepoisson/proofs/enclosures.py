@@ -17,7 +17,6 @@ from liepoisson.proofs.box import Box, BoxLike, interval_text
 from liepoisson.proofs.interval_checker import core_terms
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms, rational_terms, value
 from liepoisson.proofs.rigorous import (
-    ORDER,
     PRECISION,
     Arithmetic,
     Means,
@@ -117,7 +116,7 @@ def enclose_flow(
     *,
     time: float,
     arithmetic: Arithmetic = "intervals",
-    order: int = ORDER,
+    order: int | None = None,
     step: float | None = None,
     precision: int = PRECISION,
     time_limit: float = TIME_LIMIT,
@@ -140,7 +139,7 @@ def enclose_flow(
         box: A `Box`, a tuple of lower and upper bounds, or one state, shape (N,).
         time: How long the orbits run, exactly this double; not negative.
         arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
-        order: Order of the Taylor polynomials.
+        order: Order of the Taylor polynomials; by default 20, and 32 for balls.
         step: The longest step; by default only the series decide.
         precision: Bits of the balls.
         time_limit: Seconds that the run may take.
@@ -232,7 +231,7 @@ def enclose_section_map(
     direction: int = 0,
     time: float | None = None,
     arithmetic: Arithmetic = "intervals",
-    order: int = ORDER,
+    order: int | None = None,
     step: float | None = None,
     precision: int = PRECISION,
     time_limit: float = TIME_LIMIT,
@@ -259,7 +258,7 @@ def enclose_section_map(
         time: When the orbits cross, about; by default the first crossing of the midpoint of the box after it has left
             the section, found without proof.
         arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
-        order: Order of the Taylor polynomials.
+        order: Order of the Taylor polynomials; by default 20, and 32 for balls.
         step: The longest step; by default only the series decide.
         precision: Bits of the balls.
         time_limit: Seconds that the run may take.

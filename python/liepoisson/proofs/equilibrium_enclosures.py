@@ -120,7 +120,7 @@ class EquilibriaEnclosure(ReadOnlyArrays):
 
 def on_level(level: Mapping[str, Fraction]) -> str:
     """A level in words; doubles as such."""
-    shown = (f"{name} = {v if v.denominator < 10_000 else float(v)!r}" for name, v in level.items())
+    shown = (f"{name} = {v if v.denominator < 10_000 else float(v)}" for name, v in level.items())
     return f" on {', '.join(shown)}" if level else ""
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log10
@@ -20,7 +21,6 @@ from liepoisson.proofs.equilibrium_enclosures import on_level
 from liepoisson.proofs.interval_checker import core_terms
 from liepoisson.proofs.polynomial_field import PolynomialField
 from liepoisson.proofs.rigorous import (
-    ORDER,
     PRECISION,
     Arithmetic,
     Means,
@@ -109,7 +109,7 @@ def prove_periodic_orbit(
     level: Mapping[str, float | str] | None = None,
     n_sections: int | None = None,
     arithmetic: Arithmetic = "intervals",
-    order: int = ORDER,
+    order: int | None = None,
     step: float | None = None,
     precision: int = PRECISION,
     time_limit: float = TIME_LIMIT,
@@ -136,7 +136,7 @@ def prove_periodic_orbit(
         level: Exact values of H and the Casimirs, by name; by default the doubles nearest to those of `start`.
         n_sections: How many sections; by default as many as perturbations grow by factors of a hundred.
         arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
-        order: Order of the Taylor polynomials.
+        order: Order of the Taylor polynomials; by default 20, and 32 for balls.
         step: The longest step; by default only the series decide.
         precision: Bits of the balls.
         time_limit: Seconds that the run may take.
@@ -170,15 +170,42 @@ def prove_periodic_orbit(
         )
     times = [about / len(states)] * len(states)
     reach = _REACH * size / max(1.0, _steepest(field, state))
-    run = _in_balls if means.arithmetic == "balls" else _in_intervals
+    name = name_of(system)
     try:
-        return run(name_of(system), field, values, states, times, reach, means)
+        found = _in_intervals(name, field, values, states, times, reach, means)
+        # from where it was found, and with sections at the times that it takes, the bounds are narrower
+        states, times = [one.midpoint for one in _each(found.states)], found.times.midpoint.tolist()
+    except EnclosureError as error:
+        found = _Refused(error)
+    try:
+        if means.arithmetic == "balls":
+            return _in_balls(name, field, values, states, times, reach, means)
+        if isinstance(found, _Refused):
+            raise found.error
+        with suppress(EnclosureError):
+            found = min(found, _in_intervals(name, field, values, states, times, reach, means), key=_widest)
+        return found
     except EnclosureError as error:
         raise EnclosureError(
             f"periodic orbit{on_level(values)}: not proved, {str(error).removeprefix('no enclosure: ')}. The orbit of the "
             f"start ends at a distance of {gap:.2g} from it. It must be isolated on its level; a nearer start or more "
             "n_sections may help"
         ) from error
+
+
+@dataclass(frozen=True)
+class _Refused:
+    """That there was no proof, and why."""
+
+    error: EnclosureError
+
+
+def _each(boxes: Box) -> list[Box]:
+    return [boxes[k] for k in range(len(boxes.lower))]
+
+
+def _widest(orbit: PeriodicOrbitEnclosure) -> float:
+    return float(orbit.states.width.max())
 
 
 def _sections(

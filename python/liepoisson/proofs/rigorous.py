@@ -28,7 +28,8 @@ if TYPE_CHECKING:
 
 Arithmetic: TypeAlias = Literal["intervals", "balls"]
 ARITHMETICS = ("intervals", "balls")
-ORDER = 20
+ORDERS = {"intervals": 20, "balls": 32}
+"""Of the Taylor polynomials, by default."""
 PRECISION = 128
 """Bits of balls by default: doubles and as much again, which is what the steps lose."""
 MAX_STEPS = 1_000_000
@@ -62,7 +63,7 @@ class Means:
     def of(
         cls,
         arithmetic: object,
-        order: object = ORDER,
+        order: object = None,
         step: object = None,
         precision: object = PRECISION,
         time_limit: float = math.inf,
@@ -78,9 +79,10 @@ class Means:
                 f'arithmetic: wanted "intervals" or "balls"; got {shown(arithmetic)}; intervals are the faster ones'
             )
         longest = None if step is None else positive(step, "step", "leave it out for steps that fit to the series")
+        chosen = cast("Arithmetic", arithmetic)
         return cls(
-            cast("Arithmetic", arithmetic),
-            as_count(order, "order", least=2, most=60, hint="try order=20"),
+            chosen,
+            ORDERS[chosen] if order is None else as_count(order, "order", least=2, most=60, hint="try order=20"),
             longest,
             as_count(precision, "precision", least=53, most=100_000, hint="try precision=128"),
             as_time_limit(time_limit),
