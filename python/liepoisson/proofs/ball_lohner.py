@@ -1,10 +1,11 @@
-"""Sets of states and of derivatives that are carried along the flow in balls, without being wrapped into boxes.
+r"""Sets of states and of derivatives that are carried along the flow in balls, without being wrapped into boxes.
 
-A set of states is $m + C r_0 + Q r$: a point, the box of the start in a frame that the flow moves, and what was added on
-the way, in an orthonormal frame. A step with $\\varphi(m)$ in y and $D\\varphi$ in A makes of it
-$m' = \\mathrm{mid}\\,y$, $C' = \\mathrm{mid}(AC)$, $r' = (Q'^{-1}AQ)r + Q'^{-1}((AC - C')r_0 + y - m')$, where Q' is the
-orthogonal factor of $\\mathrm{mid}(AQ)$, its columns sorted by the width that they carry; the derivative likewise
-[lohner1987], [zgliczynski2002].
+A set of states is $m + C r_0 + Q r$: a point, the box of the start in a frame that the flow moves, and what was added
+on the way, in an orthonormal frame. A step with $\varphi(m)$ in y and $D\varphi$ in A makes of it
+$m' = \mathrm{mid}\,y$, $C' = \mathrm{mid}(AC)$,
+$r' = (Q'^{-1}AQ)r + Q'^{-1}((AC - C')r_0 + y - m')$, where Q' is the orthogonal factor of
+$\mathrm{mid}(AQ)$, its columns sorted by the width that they carry; the derivative likewise [lohner1987],
+[zgliczynski2002].
 """
 
 from __future__ import annotations
@@ -140,7 +141,7 @@ def _turned(by: arb_mat, frame: arb_mat, widths: Sequence[float]) -> tuple[arb_m
 
 
 def orthonormal(matrix: arb_mat, weights: Sequence[float]) -> arb_mat:
-    """An orthonormal frame, nearly, that begins with the columns that are longest, weighted; its inverse is enclosed."""
+    """A nearly orthonormal frame that begins with the columns that are longest, weighted."""
     n = matrix.nrows()
     given = [column(arb_mat([[row[j]] for row in matrix.tolist()])) for j in range(matrix.ncols())]
     order = sorted(range(len(given)), key=lambda j: -weights[j] * _length(given[j]))
@@ -208,8 +209,8 @@ def carry(field: BallField, states: Carried, time: float, how: How) -> tuple[Car
 def _suited(field: BallField, states: Carried, how: How) -> float:
     """A step for which the remainders, from the series of the middle, are of the size of the last digits.
 
-    Those of derivatives are bounded by norms, as `advance` does it: the same recursion, here in doubles, tells how large
-    they will be.
+    Those of derivatives are bounded by norms, as `advance` does it: the same recursion, here in doubles, tells how
+    large they will be.
     """
     p = how.order
     coefficients, matrices = field.series_with_jacobian(states.middle, p)

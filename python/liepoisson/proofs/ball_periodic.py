@@ -1,9 +1,9 @@
 r"""Periodic orbits on a level of constants of motion, by Krawczyk's operator for several sections at once, in balls.
 
-A frame is a point c and a matrix B whose columns are directions q, the flow, and the gradients of the constants G. The
-chart is $\chi(q) = c + B(q, 0, w(q))$, $G(\chi(q))$ = level, $|w_k|$ at most a reach. With $P_i$ the map from section i to
-the next, $F_i(q) = q_{i+1} - P_i(q_i)$, cyclically; if $K = m - YF(m) + (1 - Y\,DF(Q))(Q - m)$ lies inside of the box Q,
-there is exactly one zero of F in Q.
+A frame is a point c and a matrix B whose columns are directions q, the flow, and the gradients of the constants G.
+The chart is $\chi(q) = c + B(q, 0, w(q))$, $G(\chi(q))$ = level, $|w_k|$ at most a reach. With $P_i$ the map from
+section i to the next, $F_i(q) = q_{i+1} - P_i(q_i)$, cyclically; if $K = m - YF(m) + (1 - Y\,DF(Q))(Q - m)$ lies
+inside of the box Q, there is exactly one zero of F in Q.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from liepoisson.proofs.ball_lohner import How, identity, orthonormal
 from liepoisson.proofs.ball_section import Hyperplane, section_map
 
 _NEWTON_STEPS = 6
-_TRIALS = 8
+_RADII = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
+"""Half-widths of the boxes that are tried: the larger, the more is said of where the orbit is the only one."""
 _IMPROVEMENTS = 4
 
 
@@ -49,7 +50,9 @@ class Frame:
         """
         n, m = field.n, len(field.constant_names)
         gradients = field.gradients(center).tolist() if m else []
-        across = arb_mat([[arb(r.mid()), *(arb(g[i].mid()) for g in gradients)] for i, r in enumerate(field.rates(center))])
+        across = arb_mat(
+            [[arb(r.mid()), *(arb(g[i].mid()) for g in gradients)] for i, r in enumerate(field.rates(center))]
+        )
         basis = orthonormal(across, [1.0] * (m + 1))
         rows = zip(basis.tolist(), across.tolist(), strict=True)
         columns = arb_mat([[*b[m + 1 :], *a] for b, a in rows])
@@ -69,7 +72,7 @@ class Frame:
         return Hyperplane(normal, sum((a * b for a, b in zip(normal, self.center, strict=True)), arb(0)))
 
     def states(self, q: Sequence[arb], w: Sequence[arb]) -> Vector:
-        """c + B (q, 0, w)."""
+        """The states c + B (q, 0, w)."""
         moved = column(self.columns * as_column([*q, arb(0), *w]))
         return [c + d for c, d in zip(self.center, moved, strict=True)]
 
@@ -148,6 +151,7 @@ class Chain:
         field: BallField,
         states: Sequence[Sequence[float]],
         times: Sequence[float],
+        *,
         level: Sequence[arb],
         reach: float,
         how: How,
@@ -167,24 +171,34 @@ class Chain:
         for _ in range(_NEWTON_STEPS):
             passages = self._passages(_around(middle, 1e-9), middle)
             change = _inverse(self._jacobian(passages).mid()) * as_column(self._defect(passages, middle))
-            flat = [arb((m - c).mid()) for m, c in zip(sum(middle, []), column(change), strict=True)]
+            flat = [arb((m - c).mid()) for m, c in zip(_flat(middle), column(change), strict=True)]
             middle = [flat[k : k + d] for k in range(0, len(flat), d)]
             step = max(float(magnitude(c).mid()) for c in column(change.mid()))
             if step < 1e-13:
                 break
-        radius = max(step, 1e-14)
-        for _ in range(_TRIALS):
+        for radius in _RADII:
             boxes = _around(middle, radius)
             try:
-                passages = self._passages(boxes, middle)
-                image = self._krawczyk(passages, boxes, middle)
+                image = self._krawczyk(self._passages(boxes, middle), boxes, middle)
             except EnclosureError:
-                radius *= 0.25  # a larger box would not help
                 continue
-            if all(lies_inside(a, b) for a, b in zip(sum(image, []), sum(boxes, []), strict=True)):
-                return self._found(image, middle, ball(radius))
-            radius *= 4.0
+            if all(lies_inside(a, b) for a, b in zip(_flat(image), _flat(boxes), strict=True)):
+                return self._found(self._narrowed(image, middle), middle, ball(radius))
         raise EnclosureError("Newton's operator does not map a box around the orbit into itself")
+
+    def _narrowed(self, image: list[Vector], middle: Sequence[Vector]) -> list[Vector]:
+        """The box after as many steps as halve it; each keeps the zero, which is the only one there."""
+        for _ in range(_IMPROVEMENTS):
+            hulls = _hulls(image, middle)
+            following = self._krawczyk(self._passages(hulls, middle), hulls, middle)
+            met = [
+                [a.intersection(b) for a, b in zip(x, y, strict=True)] for x, y in zip(image, following, strict=True)
+            ]
+            is_halved = 2 * sum(float(e.rad()) for e in _flat(met)) < sum(float(e.rad()) for e in _flat(image))
+            image = met
+            if not is_halved:
+                break
+        return image
 
     def _passages(self, boxes: Sequence[Vector], middle: Sequence[Vector]) -> list[Passage]:
         count = len(self.frames)
@@ -200,7 +214,13 @@ class Chain:
         ranges = [a - b for a, b in zip([*q, *whole.w], [*q_0, *middle_w], strict=True)]
         rows = zip(by_q.tolist(), by_w.tolist(), strict=True) if m else ((r, []) for r in by_q.tolist())
         found = section_map(
-            self.field, center, arb_mat([[*a, *b] for a, b in rows]), ranges, to.section, self.times[start], self.how
+            self.field,
+            center,
+            arb_mat([[*a, *b] for a, b in rows]),
+            ranges,
+            section=to.section,
+            time=self.times[start],
+            how=self.how,
         )
         along = to.back * found.derivative
         reached = column(to.back * as_column([x - c for x, c in zip(found.from_center, to.center, strict=True)]))
@@ -241,16 +261,15 @@ class Chain:
     def _krawczyk(self, passages: Sequence[Passage], boxes: Sequence[Vector], middle: Sequence[Vector]) -> list[Vector]:
         jacobian = self._jacobian(passages)
         inverse = _inverse(jacobian.mid())
-        flat, d = sum(middle, []), len(middle[0])
-        extent = as_column([b - m for b, m in zip(sum(boxes, []), flat, strict=True)])
+        flat, d = _flat(middle), len(middle[0])
+        extent = as_column([b - m for b, m in zip(_flat(boxes), flat, strict=True)])
         rest = (identity(len(flat)) - inverse * jacobian) * extent
         image = column(as_column(flat) - inverse * as_column(self._defect(passages, middle)) + rest)
         return [image[k : k + d] for k in range(0, len(image), d)]
 
     def _found(self, image: list[Vector], middle: Sequence[Vector], radius: arb) -> PeriodicOrbit:
         """The orbit in its narrow boxes."""
-        hulls = [[b.union(m) for b, m in zip(box, mid, strict=True)] for box, mid in zip(image, middle, strict=True)]
-        passages = self._passages(hulls, middle)
+        passages = self._passages(_hulls(image, middle), middle)
         around = identity(len(middle[0]))
         for passage in passages:
             around = passage.derivative * around
@@ -273,3 +292,12 @@ def _inverse(matrix: arb_mat) -> arb_mat:
 
 def _around(middle: Sequence[Vector], radius: float) -> list[Vector]:
     return [[m + arb(0, radius) for m in one] for one in middle]
+
+
+def _hulls(boxes: Sequence[Vector], middle: Sequence[Vector]) -> list[Vector]:
+    """The boxes with the points from which mean values are taken."""
+    return [[b.union(m) for b, m in zip(box, mid, strict=True)] for box, mid in zip(boxes, middle, strict=True)]
+
+
+def _flat(parts: Sequence[Vector]) -> Vector:
+    return [entry for part in parts for entry in part]

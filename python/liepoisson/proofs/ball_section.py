@@ -140,6 +140,7 @@ def section_map(
     center: Vector,
     frame: arb_mat,
     ranges: Vector,
+    *,
     section: Hyperplane,
     time: float,
     how: How,
@@ -160,9 +161,7 @@ def section_map(
     moved = column(derivative * frame * as_column(ranges))
     states = _met(crossing.states, [a + b for a, b in zip(at_center, moved, strict=True)])
     t = ball(time)
-    return SectionMap(
-        t + crossing.time, crossing.rate, states, at_center, derivative, t + crossing.window, tubes
-    )
+    return SectionMap(t + crossing.time, crossing.rate, states, at_center, derivative, t + crossing.window, tubes)
 
 
 def _meanwhile(field: BallField, start: Vector, window: arb) -> Vector:

@@ -140,5 +140,3 @@ def _cut_or_left(box: Vector, cut: float, waiting: list[Vector], undecided: list
 
 def _width(box: Sequence[arb]) -> float:
     return sum(float(b.rad()) for b in box)
-
-

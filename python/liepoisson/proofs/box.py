@@ -1,4 +1,4 @@
-"""Boxes: bounds that are doubles, of states, matrices and numbers of which no more is known than that they lie between."""
+"""Boxes: bounds that are doubles, exactly, of states, matrices and numbers."""
 
 from __future__ import annotations
 

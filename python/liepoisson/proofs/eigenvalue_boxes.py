@@ -30,9 +30,7 @@ def eigenvalue_boxes(matrix: arb_mat) -> tuple[Box, Box, NDArray[np.bool_]]:
         found = acb_mat(matrix).eig(multiple=True)
     except ValueError as error:
         raise EnclosureError(f"eigenvalues: wanted their enclosures; {error}; try a smaller set") from error
-    low, high = (
-        np.array([(bound(value.real), bound(value.imag)) for value in found], float) for bound in (down, up)
-    )
+    low, high = (np.array([(bound(value.real), bound(value.imag)) for value in found], float) for bound in (down, up))
     simple = np.array([not any(_overlap(low, high, i, j) for j in range(n) if j != i) for i in range(n)])
     conjugate_low, conjugate_high = low.copy(), high.copy()
     conjugate_low[:, 1], conjugate_high[:, 1] = -high[:, 1], -low[:, 1]

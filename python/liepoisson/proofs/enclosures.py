@@ -35,7 +35,6 @@ if TYPE_CHECKING:
     from flint import arb, arb_mat
 
     from liepoisson.exact.system import System
-    from liepoisson.proofs.ball_flow import Tube
 
 _BACK = "for the flow backward in time enclose that of the system with the opposite Hamiltonian"
 _FIRST_STEP, _LOOKS = 1e-3, 100_000
@@ -154,7 +153,7 @@ def enclose_flow(
     References: [lohner1987]; [zgliczynski2002].
     """
     field = equations(system)
-    means = Means.of(arithmetic, order, step, precision, time_limit, progress)
+    means = Means.of(arithmetic, order=order, step=step, precision=precision, time_limit=time_limit, progress=progress)
     states, length = box_of_states(box, field), positive(time, "time", _BACK, or_zero=True)
     if means.arithmetic == "balls":
         image, derivative, times, tube = _flow_in_balls(field, states, length, means)
@@ -188,8 +187,7 @@ def around_midpoint(box: Box) -> tuple[Any, Any, Any, Any]:
     """A box as the core reads it: a point, the unit frame, and bounds of what is added, rounded outward."""
     middle = box.midpoint
     low, high = (
-        np.nextafter(side - middle, way) * (side != middle)
-        for side, way in ((box.lower, -np.inf), (box.upper, np.inf))
+        np.nextafter(side - middle, way) * (side != middle) for side, way in ((box.lower, -np.inf), (box.upper, np.inf))
     )
     return middle, np.eye(len(middle)).ravel(), low, high
 
@@ -245,7 +243,7 @@ def enclose_section_map(
 
     Example:
         >>> system = lp.catalog.system("henon-heiles")
-        >>> box = lp.proofs.Box.around([0, 0.1, 0.3, 0.1], 1e-6)
+        >>> box = lp.proofs.Box.around([0, 0.1, 0.3, 0.1], [0, 1e-6, 1e-6, 1e-6])
         >>> found = lp.proofs.enclose_section_map(system, box, surface="x", direction=1)
         >>> found.is_first, bool(found.image.width.max() < 1e-4)
         (True, True)
@@ -268,13 +266,14 @@ def enclose_section_map(
         EnclosureError: the set has become too wide, it is not certain that every orbit crosses once and transversally
             or in which sense, no crossing was found, or the time limit has passed.
         ExpressionError: the surface is no formula.
-        ParameterError: the equations or the surface are not as they must be, the box is empty, a number is out of range.
+        ParameterError: the equations or the surface are not as they must be, the box is empty, a number is
+            out of range.
         ShapeError: the box has another shape.
 
     References: [zgliczynski2002].
     """
     field = equations(system)
-    means = Means.of(arithmetic, order, step, precision, time_limit, progress)
+    means = Means.of(arithmetic, order=order, step=step, precision=precision, time_limit=time_limit, progress=progress)
     states, section = box_of_states(box, field), _affine(system, field, surface)
     if direction not in (-1, 0, 1) or isinstance(direction, bool):
         raise ParameterError(f"direction: wanted 1, -1 or 0; got {shown(direction)}; 0 takes either")
@@ -291,10 +290,8 @@ def enclose_section_map(
             f"the orbits cross {surface} = 0 at a rate within {interval_text(*rate)}, not in the sense of direction="
             f"{direction}; give another time or direction=0"
         )
-    first = _is_first(field, states, section, sign, when[0], list(tubes), either=direction == 0)
-    return SectionMapEnclosure(
-        name_of(system), states, surface, when, image, derivative, rate, first, means.arithmetic
-    )
+    first = when[0] > 0 and _is_first(field, states, section, list(tubes), sign=sign, either=direction == 0)
+    return SectionMapEnclosure(name_of(system), states, surface, when, image, derivative, rate, first, means.arithmetic)
 
 
 def _affine(system: System | PolynomialField, field: PolynomialField, surface: object) -> Terms:
@@ -365,8 +362,8 @@ def _next_crossing(field: PolynomialField, middle: Box, section: Terms, directio
             break
         length = min(1.5 * length, _quarter(field, state))
     raise EnclosureError(
-        f"no crossing of the section was found up to time {elapsed:.6g}; does the orbit of the midpoint of the box meet "
-        "it? If so, give the time of the crossing, about"
+        f"no crossing of the section was found up to time {elapsed:.6g}; does the orbit of the midpoint of the box "
+        "meet it? If so, give the time of the crossing, about"
     )
 
 
@@ -420,7 +417,7 @@ def _section_in_balls(
         unit = [tuple(int(i == k) for i in range(n)) for k in range(n)]
         normal = [ball(section.get(m, Fraction(0))) for m in unit]
         plane = Hyperplane(normal, ball(-section.get((0,) * n, Fraction(0))))
-        found = section_map(BallField(field), *ball_states(box), plane, time, means.of_balls(time))
+        found = section_map(BallField(field), *ball_states(box), section=plane, time=time, how=means.of_balls(time))
         return (
             pair(found.time),
             rounded(found.states, (n,)),
@@ -434,10 +431,9 @@ def _is_first(
     field: PolynomialField,
     box: Box,
     section: Terms,
-    sign: int,
-    crossing: float,
     steps: list[tuple[float, float, Box]],
     *,
+    sign: int,
     either: bool,
 ) -> bool:
     """Whether orbits of the box provably cross the section not before, after they have left the box; or in no sense."""
@@ -465,7 +461,7 @@ def _is_first(
         while first < last and begin[1] and known[first][1] == begin[1]:
             first += 1
     middle = known[first:last]
-    return all(side != 0 or (not either and rate == -sign) for side, rate in middle) and crossing > 0
+    return all(side != 0 or (not either and rate == -sign) for side, rate in middle)
 
 
 def _is_on(box: Box, section: Terms) -> bool:

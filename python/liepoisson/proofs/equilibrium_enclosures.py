@@ -1,11 +1,11 @@
 r"""Equilibria of polynomial systems, proved: on a level of the Casimirs, by Krawczyk's operator.
 
-On a level $C = c$ the N equations $f(x) = 0$ depend on each other, as $\nabla C_k\cdot f = 0$. Let P be a matrix of as many
-rows as a level has dimensions, and $F = (Pf, C - c)$, as many equations as unknowns. Every equilibrium on the level is a
-zero of F; and a zero of F at which the matrix M of the rows of P and the gradients of the Casimirs is regular is an
-equilibrium, since there $Mf = 0$. At an equilibrium $\nabla C\cdot Df = 0$, so in the coordinates Mx the derivative of f
-has zeros in the rows of the Casimirs, and the first block of $M\,Df\,M^{-1}$ has the eigenvalues of the flow linearised
-on the level.
+On a level $C = c$ the N equations $f(x) = 0$ depend on each other, as $\nabla C_k\cdot f = 0$. Let P be a matrix of as
+many rows as a level has dimensions, and $F = (Pf, C - c)$, as many equations as unknowns. Every equilibrium of it
+is a zero of F; and a zero of F at which the matrix M of the rows of P and the gradients of the Casimirs is regular is
+an equilibrium, since there $Mf = 0$. At an equilibrium $\nabla C\cdot Df = 0$, so in the coordinates Mx the derivative
+of f has zeros in the rows of the Casimirs, and the first block of $M\,Df\,M^{-1}$ has the eigenvalues of the flow
+linearised on the level.
 """
 
 from __future__ import annotations
@@ -141,9 +141,9 @@ def prove_equilibrium(
     downward are tried. Without Casimirs, as for canonical systems, the level is the whole phase space.
 
     Example:
-        >>> top = lp.catalog.system("heavy-top", I_1=1, I_2=2, I_3=3, a_1=0, a_2=0, a_3=1)
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2/2 + l2^2/4 + l3^2/6 + alpha3")
         >>> upright = lp.proofs.prove_equilibrium(top, [0, 0, 0, 0, 0, 0.99], level={"C1": 0, "C2": 1})
-        >>> upright.state.contains([0, 0, 0, 0, 0, 1]), upright.eigenvalues_real.contains([1, 0.5**0.5, -(0.5**0.5), -1])
+        >>> upright.state.contains([0, 0, 0, 0, 0, 1]), upright.eigenvalues_real[0].contains(1)
         (True, True)
 
     Args:
@@ -229,8 +229,8 @@ def enclose_equilibria(
     names = _casimirs(field)
     if level is None and names:
         raise ParameterError(
-            f"level: wanted values of {', '.join(names)}, as equilibria are isolated on levels of the Casimirs only; got "
-            f"none; write level={{{', '.join(f'{n!r}: ...' for n in names)}}}"
+            f"level: wanted values of {', '.join(names)}, as equilibria are isolated on levels of the Casimirs only; "
+            f"got none; write level={{{', '.join(f'{n!r}: ...' for n in names)}}}"
         )
     values = level_values(level, field, names, region.midpoint.tolist())
     problem = _Problem(field, values, means)
@@ -421,5 +421,3 @@ def _exact(state: Array) -> list[arb]:
 
 def _wide(box: Box) -> list[arb]:
     return [as_ball(float(a), float(b)) for a, b in zip(box.lower, box.upper, strict=True)]
-
-

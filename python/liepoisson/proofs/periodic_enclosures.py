@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 _REACH = 1e-3
 """How far charts reach along the gradients of the constants of motion, in units of the state."""
 _PIECES = 32
-_GROWTH = 100.0
+_GROWTH = 10.0
 """A section is put wherever perturbations have grown by this factor."""
 _FAR = 0.1
 """An orbit that ends further from its start than this, in units of the state, is said not to close."""
@@ -119,8 +119,8 @@ def prove_periodic_orbit(
 
     A periodic orbit of a conservative system is isolated only on a level of H and the Casimirs, so the proof is made
     there: sections across the flow, with coordinates in which the level is exact, and Krawczyk's operator for the maps
-    from each section to the next. Orbits with a further multiplier 1, as all orbits of integrable systems with more than
-    one degree of freedom have, are not isolated, and refused.
+    from each section to the next. Orbits with a further multiplier 1, as all orbits of integrable systems with more
+    than one degree of freedom have, are not isolated, and refused.
 
     Example:
         >>> system = lp.catalog.system("henon-heiles")
@@ -134,7 +134,7 @@ def prove_periodic_orbit(
         start: A state near the orbit, shape (N,), to eight digits or so.
         period: Its period, about.
         level: Exact values of H and the Casimirs, by name; by default the doubles nearest to those of `start`.
-        n_sections: How many sections; by default as many as perturbations grow by factors of a hundred.
+        n_sections: How many sections; by default one for each factor of ten by which perturbations grow.
         arithmetic: "intervals" of doubles, in the compiled core, or "balls" of any precision, by Arb.
         order: Order of the Taylor polynomials; by default 20, and 32 for balls.
         step: The longest step; by default only the series decide.
@@ -152,13 +152,13 @@ def prove_periodic_orbit(
     References: [krawczyk1969]; [galias2001].
     """
     field = equations_and_constants(system)
-    means = Means.of(arithmetic, order, step, precision, time_limit, progress)
+    means = Means.of(arithmetic, order=order, step=step, precision=precision, time_limit=time_limit, progress=progress)
     state, about = one_state(start, field, "start"), positive(period, "period", "give the time after which it closes")
     values = level_values(level, field, list(field.constants), state.tolist())
     if (d := len(field.names) - 1 - len(values)) < 1:
         raise ParameterError(
-            f"system: wanted levels of H and the Casimirs of three dimensions or more; got {d + 1}: every closed curve is "
-            "a periodic orbit there. Its period is the time of enclose_section_map"
+            f"system: wanted levels of H and the Casimirs of three dimensions or more; got {d + 1}: every closed "
+            "curve is a periodic orbit there. Its period is the time of enclose_section_map"
         )
     count = None if n_sections is None else as_count(n_sections, "n_sections", least=1, most=1000)
     states, gap = _sections(field, state, about, count, means)
@@ -172,25 +172,34 @@ def prove_periodic_orbit(
     reach = _REACH * size / max(1.0, _steepest(field, state))
     name = name_of(system)
     try:
-        found = _in_intervals(name, field, values, states, times, reach, means)
+        found = _in_intervals(name, field, values, _Chain(states, times, reach), means)
         # from where it was found, and with sections at the times that it takes, the bounds are narrower
         states, times = [one.midpoint for one in _each(found.states)], found.times.midpoint.tolist()
     except EnclosureError as error:
         found = _Refused(error)
     try:
         if means.arithmetic == "balls":
-            return _in_balls(name, field, values, states, times, reach, means)
+            return _in_balls(name, field, values, _Chain(states, times, reach), means)
         if isinstance(found, _Refused):
             raise found.error
         with suppress(EnclosureError):
-            found = min(found, _in_intervals(name, field, values, states, times, reach, means), key=_widest)
+            found = min(found, _in_intervals(name, field, values, _Chain(states, times, reach), means), key=_widest)
         return found
     except EnclosureError as error:
         raise EnclosureError(
-            f"periodic orbit{on_level(values)}: not proved, {str(error).removeprefix('no enclosure: ')}. The orbit of the "
-            f"start ends at a distance of {gap:.2g} from it. It must be isolated on its level; a nearer start or more "
-            "n_sections may help"
+            f"periodic orbit{on_level(values)}: not proved, {str(error).removeprefix('no enclosure: ')}. The orbit "
+            f"of the start ends at a distance of {gap:.2g} from it. It must be isolated on its level; a nearer start "
+            "or more n_sections may help"
         ) from error
+
+
+@dataclass(frozen=True)
+class _Chain:
+    """States on an orbit, the times from each to the next, and how far charts reach."""
+
+    states: list[Array]
+    times: list[float]
+    reach: float
 
 
 @dataclass(frozen=True)
@@ -253,14 +262,9 @@ def _steepest(field: PolynomialField, state: Array) -> float:
 
 
 def _in_intervals(
-    name: str,
-    field: PolynomialField,
-    values: Mapping[str, Fraction],
-    states: list[Array],
-    times: list[float],
-    reach: float,
-    means: Means,
+    name: str, field: PolynomialField, values: Mapping[str, Fraction], chain: _Chain, means: Means
 ) -> PeriodicOrbitEnclosure:
+    states, times, reach = chain.states, chain.times, chain.reach
     n, d = len(field.names), len(field.names) - 1 - len(values)
     found = _core.enclose_periodic_orbit(
         [core_terms(rate) for rate in field.rates],
@@ -290,14 +294,9 @@ def _in_intervals(
 
 
 def _in_balls(
-    name: str,
-    field: PolynomialField,
-    values: Mapping[str, Fraction],
-    states: list[Array],
-    times: list[float],
-    reach: float,
-    means: Means,
+    name: str, field: PolynomialField, values: Mapping[str, Fraction], chain: _Chain, means: Means
 ) -> PeriodicOrbitEnclosure:
+    states, times, reach = chain.states, chain.times, chain.reach
     from flint import arb
 
     from liepoisson.proofs.ball_field import BallField, ball, working
@@ -306,15 +305,15 @@ def _in_balls(
 
     n, d = len(field.names), len(field.names) - 1 - len(values)
     with working(means.precision):
-        chain = Chain(
+        sections = Chain(
             BallField(field),
             [s.tolist() for s in states],
             times,
-            [ball(v) for v in values.values()],
-            reach,
-            means.of_balls(times[0]),
+            level=[ball(v) for v in values.values()],
+            reach=reach,
+            how=means.of_balls(times[0]),
         )
-        found = chain.prove()
+        found = sections.prove()
         real, imaginary, simple = eigenvalue_boxes(found.derivative)
         return PeriodicOrbitEnclosure(
             name,

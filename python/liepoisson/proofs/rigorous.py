@@ -1,4 +1,4 @@
-"""What the rigorous enclosures have in common: whose field, which arithmetic, and bounds that are doubles from balls."""
+"""What the rigorous enclosures have in common: the field, the arithmetic, and doubles as bounds of balls."""
 
 from __future__ import annotations
 
@@ -63,6 +63,7 @@ class Means:
     def of(
         cls,
         arithmetic: object,
+        *,
         order: object = None,
         step: object = None,
         precision: object = PRECISION,
