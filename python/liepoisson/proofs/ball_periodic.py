@@ -20,6 +20,8 @@ from liepoisson.proofs.ball_lohner import How, identity, orthonormal
 from liepoisson.proofs.ball_section import Hyperplane, section_map
 
 _NEWTON_STEPS = 6
+_NEAR = 1e-9
+"""A last step of this size leaves an error of its square."""
 _RADII = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14)
 """Half-widths of the boxes that are tried: the larger, the more is said of where the orbit is the only one."""
 _IMPROVEMENTS = 4
@@ -174,7 +176,7 @@ class Chain:
             flat = [arb((m - c).mid()) for m, c in zip(_flat(middle), column(change), strict=True)]
             middle = [flat[k : k + d] for k in range(0, len(flat), d)]
             step = max(float(magnitude(c).mid()) for c in column(change.mid()))
-            if step < 1e-13:
+            if step < _NEAR:
                 break
         for radius in _RADII:
             boxes = _around(middle, radius)

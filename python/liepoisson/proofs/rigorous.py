@@ -226,10 +226,10 @@ def up(b: arb) -> float:
         raise EnclosureError("bounds that are not finite; try a smaller set or a higher precision")
     bound = b.upper()
     found = float(bound.mid())
-    while not (arb(found) >= bound):
+    while math.isfinite(found) and not (arb(found) >= bound):
         found = math.nextafter(found, math.inf)
-        if found == math.inf:
-            raise EnclosureError("bounds beyond the range of doubles; try a smaller set or another unit")
+    if not math.isfinite(found):
+        raise EnclosureError("bounds beyond the range of doubles; try a smaller set or another unit")
     return found
 
 
