@@ -1,4 +1,4 @@
-"""Enclosures of flows and section maps contain what is computed with forty digits by other code, and closed solutions."""
+"""Enclosures of flows and section maps contain what other code computes with forty digits, and closed solutions."""
 
 import math
 import random
@@ -213,7 +213,6 @@ def test_fields_that_are_not_hamiltonian_are_enclosed_too():
         assert middle.overlaps(([-2.4048455658571841], [-2.4048455658533383]))
 
 
-
 HENON = lp.catalog.system("henon-heiles")
 STATE = [0, 0.1, 0.3, 0.1]
 
@@ -237,7 +236,11 @@ STATE = [0, 0.1, 0.3, 0.1]
         (lambda: flow(time=1e9, time_limit=0.05, arithmetic="balls"), EnclosureError, "time limit"),
         (lambda: flow(system=lp.catalog.system("toda"), box=[0] * 6), ParameterError, "wanted a polynomial"),
         (lambda: flow(system=lp.catalog.system("zeitlin-3"), box=[0] * 8), ParameterError, "rational coefficients"),
-        (lambda: flow(system=lp.catalog.system("twisted-top"), box=[0] * 9), ParameterError, "numbers for all parameters"),
+        (
+            lambda: flow(system=lp.catalog.system("twisted-top"), box=[0] * 9),
+            ParameterError,
+            "numbers for all parameters",
+        ),
         (lambda: flow(system="henon-heiles"), ParameterError, "system"),
         (lambda: crossing(surface="x^2"), ParameterError, "degree one"),
         (lambda: crossing(surface="x*sqrt(2)"), ParameterError, "rational"),

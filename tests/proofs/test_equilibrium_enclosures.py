@@ -38,10 +38,13 @@ def test_eigenvalues_of_the_upright_top(arithmetic):
     with ctx.workprec(100):
         for exact in (arb(1), arb(2).rsqrt(), -arb(1), -arb(2).rsqrt()):
             low, high = (exact - arb(2) ** -80).lower(), (exact + arb(2) ** -80).upper()
-            assert sum(
-                bool(arb(a) <= high) and bool(low <= arb(b))
-                for a, b in zip(found.eigenvalues_real.lower, found.eigenvalues_real.upper, strict=True)
-            ) == 1
+            assert (
+                sum(
+                    bool(arb(a) <= high) and bool(low <= arb(b))
+                    for a, b in zip(found.eigenvalues_real.lower, found.eigenvalues_real.upper, strict=True)
+                )
+                == 1
+            )
     assert found.eigenvalues_real.width.max() < 1e-14
     assert not found.eigenvalues_imaginary.width.any()
 
@@ -61,9 +64,7 @@ def test_eigenvalues_of_the_hanging_top_are_not_real(arithmetic):
 def test_all_equilibria_of_a_rigid_body(arithmetic):
     (casimir,) = BODY.bracket.casimirs()
     level = casimir.subs(dict(zip(BODY.variables, (0, 0, 2), strict=True)))
-    found = lp.proofs.enclose_equilibria(
-        BODY, ([-3] * 3, [3, 3, 3.5]), level={"C1": str(level)}, arithmetic=arithmetic
-    )
+    found = lp.proofs.enclose_equilibria(BODY, ([-3] * 3, [3, 3, 3.5]), level={"C1": str(level)}, arithmetic=arithmetic)
     assert found.is_complete
     assert len(found.equilibria) == 6
     for axis in range(3):

@@ -101,7 +101,9 @@ def test_the_shortest_orbit_of_lorenz():
     found = lp.proofs.prove_periodic_orbit(LORENZ, start, period=1.55865)
     assert found.period[0] < 1.558652210716175 < found.period[1]
     assert found.period[1] - found.period[0] < 1e-11
-    assert any(a < 4.712947273 < b for a, b in zip(found.multipliers_real.lower, found.multipliers_real.upper, strict=True))
+    assert any(
+        a < 4.712947273 < b for a, b in zip(found.multipliers_real.lower, found.multipliers_real.upper, strict=True)
+    )
     assert not found.level
 
 
@@ -130,7 +132,11 @@ def test_the_orbit_of_the_proof_of_chaos_in_both_arithmetics():
         (lambda: prove(period=math.nan), ParameterError, "period"),
         (lambda: prove(level={"H": 1, "C1": 1}), ParameterError, "values of H; got H, C1"),
         (lambda: prove(n_sections=0), ParameterError, "n_sections"),
-        (lambda: prove(system=lp.catalog.system("free-rigid-body"), start=[1, 1, 1]), ParameterError, "three dimensions"),
+        (
+            lambda: prove(system=lp.catalog.system("free-rigid-body"), start=[1, 1, 1]),
+            ParameterError,
+            "three dimensions",
+        ),
         # every orbit of two equal oscillators is periodic: none is isolated
         (lambda: prove(system=EQUAL, start=[1, 0, 0, 0.5], period=2 * math.pi), EnclosureError, "isolated"),
         (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log10
@@ -43,6 +43,8 @@ if TYPE_CHECKING:
 _REACH = 1e-3
 """How far charts reach along the gradients of the constants of motion, in units of the state."""
 _PIECES = 32
+_REPEATS, _WORTH = 4, 0.5
+"""How often a proof is made again from the orbit that it has found, as long as that halves what is not known."""
 _GROWTH = 10.0
 """A section is put wherever perturbations have grown by this factor."""
 _FAR = 0.1
@@ -168,22 +170,26 @@ def prove_periodic_orbit(
             f"periodic orbit: wanted a start that its orbit comes back to after the period {about:.6g}; it ends at a "
             f"distance of {gap:.2g} from it; improve both, for example by lp.orbits.symmetric_periodic_orbits"
         )
-    times = [about / len(states)] * len(states)
     reach = _REACH * size / max(1.0, _steepest(field, state))
-    name = name_of(system)
+    name, chain = name_of(system), _Chain(states, [about / len(states)] * len(states), reach)
     try:
-        found = _in_intervals(name, field, values, _Chain(states, times, reach), means)
-        # from where it was found, and with sections at the times that it takes, the bounds are narrower
-        states, times = [one.midpoint for one in _each(found.states)], found.times.midpoint.tolist()
-    except EnclosureError as error:
-        found = _Refused(error)
-    try:
-        if means.arithmetic == "balls":
-            return _in_balls(name, field, values, _Chain(states, times, reach), means)
-        if isinstance(found, _Refused):
-            raise found.error
-        with suppress(EnclosureError):
-            found = min(found, _in_intervals(name, field, values, _Chain(states, times, reach), means), key=_widest)
+        found = None
+        with suppress(EnclosureError) if means.arithmetic == "balls" else nullcontext():
+            found = _in_intervals(name, field, values, chain, means)
+        for _ in range(_REPEATS):
+            if found is None:
+                break
+            # from where it was found, and with sections at the times that it takes, the bounds are narrower
+            better = _Chain([one.midpoint for one in _each(found.states)], found.times.midpoint.tolist(), reach)
+            before = found
+            with suppress(EnclosureError):
+                found = min(found, _in_intervals(name, field, values, better, means), key=_widths)
+            if found is not before:
+                chain = better
+            if not _widths(found) < _WORTH * _widths(before):
+                break
+        if found is None or means.arithmetic == "balls":
+            return _in_balls(name, field, values, chain, means)
         return found
     except EnclosureError as error:
         raise EnclosureError(
@@ -202,19 +208,13 @@ class _Chain:
     reach: float
 
 
-@dataclass(frozen=True)
-class _Refused:
-    """That there was no proof, and why."""
-
-    error: EnclosureError
-
-
 def _each(boxes: Box) -> list[Box]:
     return [boxes[k] for k in range(len(boxes.lower))]
 
 
-def _widest(orbit: PeriodicOrbitEnclosure) -> float:
-    return float(orbit.states.width.max())
+def _widths(orbit: PeriodicOrbitEnclosure) -> float:
+    """How much is not known of an orbit."""
+    return float(orbit.states.width.max() + orbit.times.width.max() + orbit.derivative.width.max())
 
 
 def _sections(
