@@ -37,6 +37,8 @@ def test_membership_is_exact_and_nan_never_belongs():
     assert not box.contains([np.inf, 0])
     assert not box.overlaps(([2.0, 0.0], [np.inf, 1.0]))
     assert box.contains(["1/3", "-1/7"])
+    assert box.contains(([0.5, 0.0], [1.0, 0.5]))
+    assert not box.contains(([0.5, 0.0], [1.5, 0.5]))
     assert not lp.proofs.Box([0.5], [1.0]).contains(["1/3"])
     assert box.overlaps(([1.0, 0.0], [2.0, 0.0]))
     assert not box.overlaps(([1.5, 0.0], [2.0, 0.0]))

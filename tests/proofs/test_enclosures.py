@@ -94,6 +94,30 @@ def test_a_box_that_is_too_small_is_noticed(flown):
 
 
 @pytest.mark.parametrize("arithmetic", ARITHMETICS)
+def test_the_corners_that_reach_farthest_lie_inside(arithmetic):
+    """The image of a wide box is bent: corners leave the image of the linearised flow, and must not leave the bounds."""
+    system, center, _ = SYSTEMS["Henon-Heiles"]()
+    width, time = 2.0**-6, 2.0
+    found = lp.proofs.enclose_flow(system, Box.around(center, width), time=time, arithmetic=arithmetic)
+    slopes = found.derivative.midpoint
+    for row in slopes:
+        for sign in (1, -1):
+            x, _ = precise(system, np.array(center) + sign * width * np.sign(row), time)
+            assert inside(found.image, x)
+
+
+def test_remainders_of_series_are_bounded():
+    # few digits and a low order: steps are long, and what the series leave out is far above round-off
+    for order in (2, 3, 5):
+        found = lp.proofs.enclose_flow(OSCILLATOR, [1, 0], time=2.5, arithmetic="balls", precision=53, order=order)
+        with ctx.workprec(bits(DIGITS)):
+            c, s = arb(2.5).cos(), arb(2.5).sin()
+            assert inside(found.image, [c, -s])
+            assert inside(found.derivative, [c, s, -s, c])
+        assert found.image.width.max() > 1e-12
+
+
+@pytest.mark.parametrize("arithmetic", ARITHMETICS)
 def test_tubes_contain_the_orbit_and_cover_the_time(arithmetic):
     system, start, time = SYSTEMS["Henon-Heiles"]()
     found = lp.proofs.enclose_flow(system, start, time=time, arithmetic=arithmetic)

@@ -10,7 +10,10 @@ from flint import arb, ctx
 import liepoisson as lp
 from liepoisson import _core
 from liepoisson.errors import EnclosureError, ParameterError
-from liepoisson.proofs.polynomial_field import field_of_formulas
+from liepoisson.proofs.ball_field import BallField, working
+from liepoisson.proofs.ball_lohner import How
+from liepoisson.proofs.ball_periodic import Chain
+from liepoisson.proofs.polynomial_field import field_of_formulas, polynomial_field
 
 ARITHMETICS = ("intervals", "balls")
 HENON = lp.catalog.system("henon-heiles")
@@ -105,6 +108,35 @@ def test_the_shortest_orbit_of_lorenz():
         a < 4.712947273 < b for a, b in zip(found.multipliers_real.lower, found.multipliers_real.upper, strict=True)
     )
     assert not found.level
+
+
+def chain(symmetric):
+    how = How(order=24, step=10.0, precision=96)
+    field = BallField(polynomial_field(HENON))
+    return Chain(field, [symmetric.start], [symmetric.period], level=[arb(1) / 10], reach=1e-2, how=how)
+
+
+def test_a_box_that_is_not_mapped_into_its_interior_proves_nothing(monkeypatch, symmetric):
+    monkeypatch.setattr(Chain, "_krawczyk", lambda _self, _passages, boxes, _middle: boxes)
+    with working(96), pytest.raises(EnclosureError, match="into itself"):
+        chain(symmetric).prove()
+
+
+def test_the_derivative_on_a_level_is_that_of_difference_quotients(symmetric):
+    """Away from the center of the chart, where the level is not orthogonal to the gradients of the center."""
+    h, size = 2.0**-30, 2.0**-8
+    with working(96):
+        sections = chain(symmetric)
+        q = [arb(size), arb(-size)]
+        at = sections._pass(0, 0, q, q)
+        for k in range(2):
+            moved = [c + h * (i == k) for i, c in enumerate(q)]
+            image = sections._pass(0, 0, moved, moved).offset
+            for i in range(2):
+                slope = float(((image[i] - at.offset[i]) / h).mid())
+                error = 1e-6 + float(at.derivative[i, k].rad())
+                assert error < 1e-3
+                assert abs(slope - float(at.derivative[i, k].mid())) < error, (i, k)
 
 
 @pytest.mark.slow

@@ -142,7 +142,7 @@ class PeriodicOrbit:
     states: list[Vector]
     times: list[arb]
     derivative: arb_mat
-    unique_radius: arb
+    unique_radius: float
 
 
 class Chain:
@@ -185,7 +185,7 @@ class Chain:
             except EnclosureError:
                 continue
             if all(lies_inside(a, b) for a, b in zip(_flat(image), _flat(boxes), strict=True)):
-                return self._found(self._narrowed(image, middle), middle, ball(radius))
+                return self._found(self._narrowed(image, middle), middle, radius)
         raise EnclosureError("Newton's operator does not map a box around the orbit into itself")
 
     def _narrowed(self, image: list[Vector], middle: Sequence[Vector]) -> list[Vector]:
@@ -269,7 +269,7 @@ class Chain:
         image = column(as_column(flat) - inverse * as_column(self._defect(passages, middle)) + rest)
         return [image[k : k + d] for k in range(0, len(image), d)]
 
-    def _found(self, image: list[Vector], middle: Sequence[Vector], radius: arb) -> PeriodicOrbit:
+    def _found(self, image: list[Vector], middle: Sequence[Vector], radius: float) -> PeriodicOrbit:
         """The orbit in its narrow boxes."""
         passages = self._passages(_hulls(image, middle), middle)
         around = identity(len(middle[0]))

@@ -237,8 +237,6 @@ def enclose_equilibria(
     zeros, undecided = problem.zeros(region, most)
     found: list[EquilibriumEnclosure] = []
     for zero, around in zeros:
-        if not problem.may_be_at_rest(zero):
-            continue
         if problem.is_certain(zero):
             found.append(problem.result(name_of(system), zero, around))
         else:

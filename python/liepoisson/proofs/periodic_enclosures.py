@@ -31,7 +31,6 @@ from liepoisson.proofs.rigorous import (
     pair,
     positive,
     rounded,
-    up,
 )
 from liepoisson.scalars import TIME_LIMIT, as_count
 
@@ -62,8 +61,9 @@ class PeriodicOrbitEnclosure(ReadOnlyArrays):
         states: Boxes that contain its states on each section, shape (section, N). A section is the hyperplane across
             the flow through the state from which the proof began.
         times: Bounds of the times from each section to the next.
-        unique_radius: It is the only orbit of the level that closes by crossing the sections one after the other, each
-            within this distance, in each direction of the section, from the boxes in `states`.
+        unique_radius: Half the width of the boxes that Newton's operator maps into themselves: in coordinates across
+            the flow, the orbit is the only one of the level that crosses the sections one after the other within this
+            distance of certain points, from which it is itself no further.
         derivative: A box around the derivative of the Poincaré map of the first section on the level, in coordinates
             across the flow, shape (d, d).
         multipliers_real: Boxes of the real parts of the Floquet multipliers, those of `derivative`; the trivial ones,
@@ -321,7 +321,7 @@ def _in_balls(
             pair(sum(found.times, arb(0))),
             rounded([b for one in found.states for b in one], (len(states), n)),
             rounded(found.times, (len(states),)),
-            up(found.unique_radius),
+            found.unique_radius,
             rounded(found.derivative.entries(), (d, d)),
             real,
             imaginary,
