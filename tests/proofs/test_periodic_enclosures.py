@@ -10,6 +10,7 @@ from flint import arb, ctx
 import liepoisson as lp
 from liepoisson import _core
 from liepoisson.errors import EnclosureError, ParameterError
+from liepoisson.proofs import ball_periodic
 from liepoisson.proofs.ball_field import BallField, working
 from liepoisson.proofs.ball_lohner import How
 from liepoisson.proofs.ball_periodic import Chain
@@ -118,6 +119,7 @@ def chain(symmetric):
 
 def test_a_box_that_is_not_mapped_into_its_interior_proves_nothing(monkeypatch, symmetric):
     monkeypatch.setattr(Chain, "_krawczyk", lambda _self, _passages, boxes, _middle: boxes)
+    monkeypatch.setattr(ball_periodic, "_RADII", (1e-10,))
     with working(96), pytest.raises(EnclosureError, match="into itself"):
         chain(symmetric).prove()
 
