@@ -1,4 +1,4 @@
-"""Enclosures of flows and section maps contain what other code computes with forty digits, and closed solutions."""
+"""Enclosures of flows and section maps contain what other code computes with thirty digits, and closed solutions."""
 
 import functools
 import math
@@ -15,7 +15,7 @@ from liepoisson.orbits.precise_flow import PreciseFlow, bits
 from liepoisson.proofs.box import Box
 from liepoisson.proofs.polynomial_field import field_of_formulas
 
-DIGITS = 40
+DIGITS = 30
 ARITHMETICS = ("intervals", "balls")
 LORENZ = field_of_formulas({"x": "10*(y - x)", "y": "x*(28 - z) - y", "z": "x*y - 8/3*z"})
 ROESSLER = field_of_formulas({"x": "-(y + z)", "y": "x + y/5", "z": "1/5 + z*(x - 57/10)"})
@@ -41,7 +41,7 @@ WIDTH = 2.0**-17
 
 
 def inside(box, values):
-    """Whether numbers of forty digits lie in a box, compared exactly."""
+    """Whether numbers of thirty digits lie in a box, compared exactly."""
     with ctx.workprec(bits(DIGITS)):
         pairs = zip(box.lower.ravel().tolist(), values, box.upper.ravel().tolist(), strict=True)
         return all(bool(arb(a) <= v.mid()) and bool(v.mid() <= arb(b)) for a, v, b in pairs)

@@ -187,11 +187,16 @@ def enclosed_numbers(values: ArrayLike, name: str) -> tuple[Array, Array]:
         ParameterError: one is not finite, or is no rational number.
         ShapeError: it is no array of numbers.
     """
-    doubles = as_array(values, name)
+    given: Any = values
+    if isinstance(given, np.ndarray):
+        given = cast("NDArray[Any]", given).copy()
+    elif hasattr(given, "__array__") and not isinstance(given, np.generic):
+        given = np.array(given)
+    doubles = as_array(given, name)
     if not np.all(np.isfinite(doubles)):
         raise ParameterError(f"{name}: wanted finite numbers; got {shown(doubles[~np.isfinite(doubles)][0])}")
-    given: Any = values
-    if isinstance(given, np.ndarray) and cast("NDArray[Any]", given).dtype in (np.float64, np.float32):
+    kind = cast("NDArray[Any]", given).dtype.str[1:] if isinstance(given, np.ndarray) else ""
+    if kind in {"f2", "f4", "f8"}:
         return doubles, doubles.copy()
     items = np.array(given, dtype=object).ravel().tolist() if doubles.size else []
     exact = [_exact(item, name) for item in items]

@@ -13,6 +13,7 @@ from liepoisson import _core
 from liepoisson.arrays import ReadOnlyArrays
 from liepoisson.calls import shows_progress
 from liepoisson.errors import EnclosureError, ParameterError
+from liepoisson.numeric.section_arguments import as_direction
 from liepoisson.proofs.box import Box, BoxLike, interval_text
 from liepoisson.proofs.interval_checker import core_terms
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms, rational_terms, value
@@ -275,8 +276,7 @@ def enclose_section_map(
     field = equations(system)
     means = Means.of(arithmetic, order=order, step=step, precision=precision, time_limit=time_limit, progress=progress)
     states, section = box_of_states(box, field), _affine(system, field, surface)
-    if direction not in (-1, 0, 1) or isinstance(direction, bool):
-        raise ParameterError(f"direction: wanted 1, -1 or 0; got {shown(direction)}; 0 takes either")
+    direction = as_direction(direction)
     about = positive(time, "time", _BACK) if time is not None else None
     middle = Box(states.midpoint, states.midpoint)
     if about is None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from contextlib import nullcontext, suppress
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil, log10
@@ -173,24 +173,11 @@ def prove_periodic_orbit(
     reach = _REACH * size / max(1.0, _steepest(field, state))
     name, chain = name_of(system), _Chain(states, [about / len(states)] * len(states), reach)
     try:
-        found = None
-        with suppress(EnclosureError) if means.arithmetic == "balls" else nullcontext():
-            found = _in_intervals(name, field, values, chain, means)
-        for _ in range(_REPEATS):
-            if found is None:
-                break
-            # from where it was found, and with sections at the times that it takes, the bounds are narrower
-            better = _Chain([one.midpoint for one in _each(found.states)], found.times.midpoint.tolist(), reach)
-            before = found
-            with suppress(EnclosureError):
-                found = min(found, _in_intervals(name, field, values, better, means), key=_widths)
-            if found is not before:
-                chain = better
-            if not _widths(found) < _WORTH * _widths(before):
-                break
-        if found is None or means.arithmetic == "balls":
-            return _in_balls(name, field, values, chain, means)
-        return found
+        if means.arithmetic == "intervals":
+            return _repeated(name, field, values, chain, means)[0]
+        with suppress(EnclosureError):
+            chain = _repeated(name, field, values, chain, means)[1]
+        return _in_balls(name, field, values, chain, means)
     except EnclosureError as error:
         raise EnclosureError(
             f"periodic orbit{on_level(values)}: not proved, {str(error).removeprefix('no enclosure: ')}. The orbit "
@@ -206,6 +193,31 @@ class _Chain:
     states: list[Array]
     times: list[float]
     reach: float
+
+
+def _repeated(
+    name: str, field: PolynomialField, values: Mapping[str, Fraction], chain: _Chain, means: Means
+) -> tuple[PeriodicOrbitEnclosure, _Chain]:
+    """The proof in intervals, made again from where the orbit was found: that is narrower, and where balls begin.
+
+    Raises:
+        EnclosureError: there is no proof.
+    """
+    found = _in_intervals(name, field, values, chain, means)
+    for _ in range(_REPEATS):
+        # sections at the times that the orbit takes
+        better = _Chain([one.midpoint for one in _each(found.states)], found.times.midpoint.tolist(), chain.reach)
+        try:
+            again = _in_intervals(name, field, values, better, means)
+        except EnclosureError:
+            break
+        if not _widths(again) < _widths(found):
+            break
+        is_worth_it = _widths(again) < _WORTH * _widths(found)
+        found, chain = again, better
+        if not is_worth_it:
+            break
+    return found, chain
 
 
 def _each(boxes: Box) -> list[Box]:

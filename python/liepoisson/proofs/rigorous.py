@@ -7,7 +7,7 @@ import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
@@ -80,7 +80,7 @@ class Means:
                 f'arithmetic: wanted "intervals" or "balls"; got {shown(arithmetic)}; intervals are the faster ones'
             )
         longest = None if step is None else positive(step, "step", "leave it out for steps that fit to the series")
-        chosen = cast("Arithmetic", arithmetic)
+        chosen: Arithmetic = arithmetic
         return cls(
             chosen,
             ORDERS[chosen] if order is None else as_count(order, "order", least=2, most=60, hint="try order=20"),
