@@ -149,6 +149,7 @@ def test_the_level_is_that_of_the_guess_if_none_is_given():
         (lambda: prove(arithmetic="floats"), ParameterError, "arithmetic"),
         # the sphere of equilibria of a top without gravity and without spin
         (lambda: prove(system=FREE, guess=[0, 0, 0, 0, 0, 1]), EnclosureError, "a family"),
+        (lambda: prove(system=FALSE, guess=[0, 0], level={"C": 1}), ParameterError, "C: wanted a constant of motion"),
         (lambda: every(level=None), ParameterError, "level: wanted values of C1, C2"),
         (lambda: every(box=([1] * 6, [0] * 6)), ParameterError, "empty box"),
         (lambda: every(max_boxes=0), ParameterError, "max_boxes"),
@@ -161,6 +162,7 @@ def test_refusals_say_what_was_wanted(call, error, words):
         call()
 
 
+FALSE = field_of_formulas({"q": "p", "p": "-q"}, {"C": "q^2 + 2*p^2"})
 FREE = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2/2 + l2^2/4 + l3^2/6")
 
 

@@ -161,6 +161,17 @@ def field_of_formulas(rates: Mapping[str, str], constants: Mapping[str, str] | N
     )
 
 
+def along(terms: Terms, rates: Sequence[Terms]) -> Terms:
+    """The rate of change of a polynomial along a field, exactly."""
+    total: Terms = {}
+    for k, rate in enumerate(rates):
+        for m, c in derivative(terms, k).items():
+            for e, d in rate.items():
+                place = tuple(a + b for a, b in zip(m, e, strict=True))
+                total[place] = total.get(place, Fraction(0)) + c * d
+    return {m: c for m, c in total.items() if c}
+
+
 def value(terms: Terms, state: Sequence[Fraction]) -> Fraction:
     """A polynomial at a rational point, exactly."""
     return sum(

@@ -17,7 +17,7 @@ from liepoisson.exact.parameters import read_parameter
 from liepoisson.phase_space._checks import as_system
 from liepoisson.proofs.ball_lohner import How
 from liepoisson.proofs.box import Box, BoxLike, as_box
-from liepoisson.proofs.polynomial_field import PolynomialField, equations_of, polynomial_field, value
+from liepoisson.proofs.polynomial_field import PolynomialField, along, equations_of, polynomial_field, value
 from liepoisson.scalars import as_count, as_number, as_time_limit
 from liepoisson.wrong_values import shown
 
@@ -128,9 +128,14 @@ def equations_and_constants(system: System | PolynomialField) -> PolynomialField
     """The equations, H and the Casimirs.
 
     Raises:
-        ParameterError: they are not polynomial, or a coefficient is not rational.
+        ParameterError: they are not polynomial, a coefficient is not rational, or a constant of a field is none.
     """
-    return system if isinstance(system, PolynomialField) else polynomial_field(as_system(system))
+    if not isinstance(system, PolynomialField):
+        return polynomial_field(as_system(system))
+    for name, constant in system.constants.items():
+        if along(constant, system.rates):
+            raise ParameterError(f"{name}: wanted a constant of motion; its rate of change along the field is not zero")
+    return system
 
 
 def name_of(system: System | PolynomialField) -> str:
