@@ -255,6 +255,7 @@ STATE = [0, 0.1, 0.3, 0.1]
         (lambda: flow(time=math.nan), ParameterError, "not negative; got nan"),
         (lambda: flow(time=math.inf), ParameterError, "finite"),
         (lambda: flow(arithmetic="floats"), ParameterError, '"intervals" or "balls"'),
+        (lambda: flow(arithmetic=np.zeros(2)), ParameterError, '"intervals" or "balls"'),
         (lambda: flow(order=1), ParameterError, "from 2 to 60"),
         (lambda: flow(step=0), ParameterError, "positive"),
         (lambda: flow(precision=10), ParameterError, "from 53"),
@@ -280,6 +281,7 @@ STATE = [0, 0.1, 0.3, 0.1]
         (lambda: crossing(time=6.418, direction=-1), EnclosureError, "direction=-1"),
         (lambda: crossing(time=0.8), EnclosureError, "crossing"),
         (lambda: crossing(time=0.8, arithmetic="balls"), EnclosureError, "crossing"),
+        (lambda: crossing(box=[1e308] * 4), EnclosureError, "range of doubles"),
         (lambda: crossing(box=Box.around(STATE, 0.2)), EnclosureError, "no "),
     ],
 )

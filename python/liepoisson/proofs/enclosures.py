@@ -340,11 +340,7 @@ def _next_crossing(field: PolynomialField, middle: Box, section: Terms, directio
         EnclosureError: no crossing was found.
     """
 
-    def side(state: Box) -> float:
-        return float(value(section, [Fraction(float(v)) for v in state.midpoint]))
-
-    rates = [float(value(rate, [Fraction(float(v)) for v in middle.midpoint])) for rate in field.rates]
-    speed = max(map(abs, rates), default=0.0) or 1.0
+    speed = max((abs(_at(rate, middle)) for rate in field.rates), default=0.0) or 1.0
     length = _FIRST_STEP * max(float(np.abs(middle.midpoint).max(initial=0.0)), 1e-6) / speed
     elapsed, before, state = 0.0, None, middle
     for _ in range(_LOOKS):
@@ -353,7 +349,7 @@ def _next_crossing(field: PolynomialField, middle: Box, section: Terms, directio
         except EnclosureError:
             length *= 0.5
             continue
-        after = side(following := Box(found[0].midpoint, found[0].midpoint))
+        after = _at(section, following := Box(found[0].midpoint, found[0].midpoint))
         if before is not None and before * after < 0 and (not direction or after * direction > 0):
             share = before / (before - after)
             return elapsed + share * length
@@ -369,10 +365,21 @@ def _next_crossing(field: PolynomialField, middle: Box, section: Terms, directio
 
 def _quarter(field: PolynomialField, state: Box) -> float:
     """A time in which an orbit does not turn around: 0.2 of the size of the state over its speed."""
-    x = [Fraction(float(v)) for v in state.midpoint]
-    speed = max((abs(float(value(rate, x))) for rate in field.rates), default=0.0)
-    size = max(map(abs, map(float, x)), default=0.0) or 1.0
+    speed = max((abs(_at(rate, state)) for rate in field.rates), default=0.0)
+    size = float(np.abs(state.midpoint).max(initial=0.0)) or 1.0
     return 0.2 * size / speed if speed else 1.0
+
+
+def _at(terms: Terms, state: Box) -> float:
+    """A polynomial at the middle of a box.
+
+    Raises:
+        EnclosureError: no double holds it.
+    """
+    try:
+        return float(value(terms, [Fraction(float(v)) for v in state.midpoint]))
+    except OverflowError as error:
+        raise EnclosureError("numbers beyond the range of doubles; take a smaller box or another unit") from error
 
 
 _Steps = Iterator[tuple[float, float, Box]]

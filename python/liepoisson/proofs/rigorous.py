@@ -75,7 +75,7 @@ class Means:
         Raises:
             ParameterError: an arithmetic has another name, or a number is out of range.
         """
-        if arithmetic not in ARITHMETICS:
+        if not isinstance(arithmetic, str) or arithmetic not in ARITHMETICS:
             raise ParameterError(
                 f'arithmetic: wanted "intervals" or "balls"; got {shown(arithmetic)}; intervals are the faster ones'
             )
