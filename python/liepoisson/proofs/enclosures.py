@@ -339,7 +339,6 @@ def _next_crossing(field: PolynomialField, middle: Box, section: Terms, directio
     Raises:
         EnclosureError: no crossing was found.
     """
-
     speed = max((abs(_at(rate, middle)) for rate in field.rates), default=0.0) or 1.0
     length = _FIRST_STEP * max(float(np.abs(middle.midpoint).max(initial=0.0)), 1e-6) / speed
     elapsed, before, state = 0.0, None, middle
