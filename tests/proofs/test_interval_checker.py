@@ -156,9 +156,7 @@ def test_numbers_that_are_not_finite_are_refused(shipped, twisted, place, value)
         (("REACH", 1e-9), "chart"),
         (("REACH", 10.0), "chart"),
         (("LEVEL_RADIUS", Fraction(1, 10**5)), "set|edge"),
-        (("ENERGY_SHIFT", Fraction(1, 10**6)), "two levels of the ball"),
-        (("ENERGY_SHIFT", Fraction(1, 10**13)), "different angles"),
-        (("N_UNSTABLE", 3), "chart"),
+        (("COMPLEX", 3), "sections of dimension"),
     ],
 )
 @pytest.mark.thorough
@@ -166,6 +164,21 @@ def test_settings_cannot_weaken_what_is_proved(shipped, twisted, monkeypatch, se
     monkeypatch.setattr(interval_checker, *setting)
     with pytest.raises(EnclosureError, match=words):
         check_in_intervals(read_certificate(shipped), twisted)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("shift", "words"),
+    [(Fraction(1, 10**6), "two levels of the ball"), (Fraction(1, 10**13), "different angles")],
+)
+def test_without_two_angles_nothing_is_said_about_integrals(shipped, twisted, margins, monkeypatch, shift, words):
+    """The shift and the entropy do not depend on the angles of the multipliers."""
+    monkeypatch.setattr(interval_checker, "ENERGY_SHIFT", shift)
+    found = check_in_intervals(read_certificate(shipped), twisted)
+    assert words in found.undecided
+    assert (found.rotations, found.discriminant, found.excludes_integrals) == (None, None, False)
+    assert (found.entropy, found.expansion) == (margins.entropy, margins.expansion)
+    assert margins.excludes_integrals
 
 
 def test_the_reversers_of_the_top_are_two(twisted):

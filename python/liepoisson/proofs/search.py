@@ -90,9 +90,10 @@ def find_certificate(
 ) -> CertificateCandidate:
     """Searches a periodic orbit with a transversal homoclinic orbit and sets along both that map across one another.
 
-    The hyperbolic symmetric periodic orbits with the largest growth rates are tried in turn, with the symmetric
-    homoclinic orbits to them that have the shortest flights; of the first chains whose conditions hold in
-    floating-point numbers the one with the largest margins is returned.
+    The hyperbolic periodic orbits between the fixed sets of two reversers, whose product is then a symmetry that closes
+    half of the loop, are tried in turn, those with the largest growth rates first, with the symmetric homoclinic orbits
+    to them that the symmetry closes, too, and that have the shortest flights; of the first chains whose conditions hold
+    in floating-point numbers the one with the largest margins is returned.
 
     Args:
         system: A system with polynomial equations and reversers.
@@ -128,16 +129,15 @@ def find_certificate(
         threads=threads,
         progress=part_of(progress, 0, 0.4),
     )
-    # the adapted norm needs a growth of kappa in each half of a loop
-    hyperbolic = [one for one in orbits if one.slowest > kappa**2]
-    # two different reversers first: the symmetry that closes the loop halves it
-    hyperbolic.sort(key=lambda one: (one.first is one.last, -round(one.rate, 9), one.period))
+    # the adapted norm needs a growth of kappa in each half of a loop, and the checkers a symmetry that closes it
+    hyperbolic = [one for one in orbits if one.slowest > kappa**2 and one.first is not one.last]
+    hyperbolic.sort(key=lambda one: (-round(one.rate, 9), one.period))
     tried: list[str] = []
     for k, orbit in enumerate(hyperbolic[:_MOST_ORBITS]):
         maker = ChainMaker(with_polished_ends(orbit), radius, kappa)
         found = symmetric_homoclinic_orbits(
             orbit,
-            reversers=list({id(one): one for one in (orbit.first, orbit.last)}.values()),
+            reversers=[orbit.last],  # then the excursion is closed by the symmetry, too
             n_starts=2 * n_starts,
             seed=seed,
             threads=threads,
@@ -161,8 +161,8 @@ def find_certificate(
             return max(passed, key=lambda one: min(one.check.covering - 1, 1 - one.check.stable))
     raise OrbitError(
         f"no chain of sets was found on {level.text}: {len(orbits)} symmetric periodic orbits, {len(hyperbolic)} of "
-        f"them with all unstable multipliers above kappa^2; {'; '.join(tried) or 'nothing to try'}. Take more starts, "
-        "another level, or a smaller radius."
+        f"them between two reversers and with all unstable multipliers above kappa^2; "
+        f"{'; '.join(tried) or 'nothing to try'}. Take more starts, another level, or a smaller radius."
     )
 
 
