@@ -29,12 +29,10 @@ from liepoisson.proofs.chain_graph import ChainGraph, chain_graph
 from liepoisson.proofs.margins import Margins, Rotation
 from liepoisson.proofs.polynomial_field import PolynomialField
 
-LEVEL_RADIUS = Fraction(3, 10**8)
 SMALL = Fraction(1, 10)
 """Factor of the sets in which gamma is shown to be symmetric."""
-TINY = Fraction(1, 10**9)
+TINY = Fraction(1, 10**12)
 """Factor of the sets in which the rotation numbers are measured."""
-ENERGY_SHIFT = Fraction(1, 2**26)
 OFF_LEVEL = Fraction(1, 2**36)
 """Centers lie on the level up to this; a certificate is about the level that it names, not one nearby."""
 NEAR = 0.3
@@ -76,7 +74,7 @@ class _Checker:
         self.graph: ChainGraph = chain_graph(
             len(certificate.sets), [(e.source, e.target, e.symmetry) for e in certificate.edges]
         )
-        self.level = constants_of(certificate.level, self.field.constant_names, LEVEL_RADIUS)
+        self.level = constants_of(certificate.level, self.field.constant_names, certificate.level_radius)
         self.sets = [
             BallSet(s.name, [arb(c) for c in s.center], arb_mat([[arb(e) for e in row] for row in s.frame]), self.k)
             for s in certificate.sets
@@ -105,7 +103,7 @@ class _Checker:
             n_unstable=self.k,
             n_edges=len(edges),
             n_steps=self.n_steps,
-            level_radius=str(LEVEL_RADIUS),
+            level_radius=str(self.certificate.level_radius),
             expansion=_down(min_of([m.expansion for m in judged])),
             contraction=_up(max_of([m.contraction for m in judged])),
             cone=_down(min_of([m.cone for m in judged])),
@@ -149,6 +147,8 @@ class _Checker:
         return k
 
     def _require_level(self) -> None:
+        if not self.certificate.level_radius > 0:
+            raise EnclosureError("the level: wanted a positive radius of the ball of levels")
         exact = constants_of(self.certificate.level, self.field.constant_names)
         for s in self.sets:
             for name, value, wanted in zip(
@@ -274,7 +274,10 @@ class _Checker:
     def _rotations(self, small_loop: Sequence[Transition], found: Sequence[Transition]) -> tuple[Rotation, Rotation]:
         """The rotation numbers on two levels of the ball, which differ."""
         numbers: list[tuple[arb, Fraction]] = []
-        for shift in (-ENERGY_SHIFT, ENERGY_SHIFT):
+        step = Fraction(1, 2)
+        while 2 * step > self.certificate.level_radius:  # both levels are in the ball
+            step /= 2
+        for shift in (-step, step):
             energies = {**self.certificate.level, "H": self.certificate.level["H"] + shift}
             level = constants_of(energies, self.field.constant_names)
             numbers.append((self._rotation(level, small_loop, found), energies["H"]))

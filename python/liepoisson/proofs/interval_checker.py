@@ -17,8 +17,6 @@ from liepoisson.proofs.certificate import CoveringCertificate
 from liepoisson.proofs.margins import Margins, Rotation
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms
 
-LEVEL_RADIUS = Fraction(3, 10**8)
-ENERGY_SHIFT = Fraction(1, 2**26)
 ORDER = 20
 STEP = 0.1
 REACH = 1e-3
@@ -56,9 +54,11 @@ def check_in_intervals(
         raise EnclosureError(
             f"the level: wanted values of {', '.join(field.constants)}; got {', '.join(certificate.level)}"
         )
+    if not certificate.level_radius > 0:
+        raise EnclosureError(f"form: wanted a positive radius of the ball of levels; got {certificate.level_radius}")
     n_unstable = _n_unstable(certificate, field)
     _require_level(certificate, field)
-    shift, undecided = (ENERGY_SHIFT if n_unstable == COMPLEX else None), ""
+    shift, undecided = (energy_shift(certificate.level_radius) if n_unstable == COMPLEX else None), ""
     try:
         found, symmetric = _checked(certificate, field, n_unstable, shift, keep_going)
     except EnclosureError as error:
@@ -66,13 +66,13 @@ def check_in_intervals(
             raise
         undecided = str(error)
         found, symmetric = _checked(certificate, field, n_unstable, None, keep_going)
-    rotation = found["rotation"]
+    rotation, energy = found["rotation"], certificate.level[next(iter(field.constants))]
     return Margins(
         arithmetic="intervals",
         n_unstable=n_unstable,
         n_edges=len(certificate.edges),
         n_steps=found["n_steps"],
-        level_radius=str(LEVEL_RADIUS),
+        level_radius=str(certificate.level_radius),
         expansion=float(found["expansion"].min()),
         contraction=float(found["contraction"].max()),
         cone=float(found["cone"].min()),
@@ -84,7 +84,7 @@ def check_in_intervals(
         loop_times=(found["loop_times"][0][1], found["loop_times"][1][1]),
         entropy=found["entropy"],
         discriminant=None if rotation is None else rotation["discriminant"][1],
-        rotations=None if rotation is None else _rotations(certificate, field, rotation["angles"]),
+        rotations=None if rotation is None or shift is None else _rotations(energy, shift, rotation["angles"]),
         undecided=undecided,
         seconds=time.perf_counter() - started,
     )
@@ -136,7 +136,7 @@ def _checked(
                 np.array([c for s in certificate.sets for c in s.center], float),
                 np.array([e for s in certificate.sets for row in s.frame for e in row], float),
                 [(e.source, e.target, e.time, e.symmetry) for e in certificate.edges],
-                (str(LEVEL_RADIUS), ORDER, STEP, REACH, SMALL, NEAR, None if shift is None else str(shift)),
+                (str(certificate.level_radius), ORDER, STEP, REACH, SMALL, NEAR, None if shift is None else str(shift)),
                 math.inf,
                 keep_going,
             )
@@ -158,11 +158,16 @@ def _pairs(found: Sequence[Sequence[int]], symmetry: Sequence[int]) -> list[list
     return pairs
 
 
-def _rotations(
-    certificate: CoveringCertificate, field: PolynomialField, angles: Sequence[tuple[float, float]]
-) -> tuple[Rotation, Rotation]:
-    energy = certificate.level[next(iter(field.constants))]
-    energies = (energy - ENERGY_SHIFT, energy + ENERGY_SHIFT)
+def energy_shift(level_radius: Fraction) -> Fraction:
+    """By how much the energies differ of the two levels whose angles are compared: a power of two, within the ball."""
+    shift = Fraction(1)
+    while shift > level_radius / 2:
+        shift /= 2
+    return shift
+
+
+def _rotations(energy: Fraction, shift: Fraction, angles: Sequence[tuple[float, float]]) -> tuple[Rotation, Rotation]:
+    energies = (energy - shift, energy + shift)
     first, second = (Rotation(str(e), *angle) for e, angle in zip(energies, angles, strict=True))
     return first, second
 
