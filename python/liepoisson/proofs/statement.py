@@ -46,11 +46,11 @@ def _lines(proof: ChaosProof) -> Iterator[str]:
     yield ""
     yield f"Verified for {len(proof.certificate.sets)} sets and {len(proof.certificate.edges)} covering relations:"
     width = max(len(label) for label, _ in _ROWS) + 2
-    yield " " * width + "".join(f"{m.arithmetic:>18}" for m in proof.margins)
+    yield " " * width + "".join(f"{m.arithmetic:>20}" for m in proof.margins)
     for label, show in _ROWS:
         shown = [show(m) for m in proof.margins]
         if any(shown):  # what no arithmetic has verified is not mentioned
-            yield f"{label:{width}}" + "".join(f"{text:>18}" for text in shown)
+            yield f"{label:{width}}" + "".join(f"{text:>20}" for text in shown)
     yield ""
     for note in proof.notes:
         yield from wrap(note, _WIDTH)
