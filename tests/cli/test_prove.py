@@ -49,7 +49,12 @@ def test_what_is_refused(command, arguments, message):
 SEARCHES = {
     "second level": ("twisted-kovalevskaya", "H=4,C1=10,C2=-2,C3=1", "1000000000"),
     "heavy top": ("heavy-top --set I=1,1,2 --set a=1,0,0", "H=1,C1=1/2,C2=1", "100000000"),
-    "henon-heiles": ("henon-heiles", "H=1/8", "100000000"),
+    "three moments of inertia": (
+        "twisted-top --set I=3,2,1 --set a=-1,0,0 --set b=0,0,0 --set epsilon=1",
+        "H=1/2,C1=1,C2=1/2,C3=1",
+        "100000000",
+    ),
+    "henon-heiles": ("henon-heiles", "H=4/25", "100000000"),
 }
 
 

@@ -13,10 +13,12 @@ import liepoisson as lp
 from liepoisson import catalog
 from liepoisson.cli.systems import read_system
 from liepoisson.errors import CertificateError, EnclosureError, LiePoissonError
+from liepoisson.orbits.level import level_of
 from liepoisson.proofs import ball_checker
 from liepoisson.proofs.ball_checker import check_in_balls
 from liepoisson.proofs.ball_field import working
 from liepoisson.proofs.certificate import load_covering_certificate, read_certificate
+from liepoisson.proofs.chain import HSet
 from liepoisson.proofs.float_check import points_of
 from liepoisson.proofs.interval_checker import check_in_intervals
 from liepoisson.proofs.polynomial_field import polynomial_field
@@ -156,8 +158,8 @@ def test_a_center_that_is_moved_within_the_level_is_refused(check):
     data = json.loads((FOLDER / "heavy_top.json").read_text(encoding="utf-8"))
     leaf, energy = HEAVY_LEVEL
     chosen = read_certificate(data).sets[2]
-    level = lp.orbits.symmetric_periodic_orbits(system, leaf, energy, n_starts=2, threads=1).level
-    one = type("Set", (), {"center": np.array(chosen.center), "frame": np.array(chosen.frame)})
+    level = level_of(system, leaf, energy)
+    one = HSet(chosen.name, np.array(chosen.center), np.array(chosen.frame))
     center = points_of(level, one, np.array([[2.0, 0.0]]))[0]
     data["sets"][2]["center"] = [float(c).hex() for c in center]
     with pytest.raises(EnclosureError, match=r"covering fails|expansion"):
