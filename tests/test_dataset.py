@@ -550,7 +550,9 @@ def spoiled(dataset):
 
 @pytest.mark.thorough
 @pytest.mark.filterwarnings("ignore::UserWarning")
-@pytest.mark.parametrize("kind", ["orbit", "growth", "section", "spectrum", "first return", "megno"])
+@pytest.mark.parametrize(
+    "kind", ["orbit", "growth", "section", pytest.param("spectrum", marks=pytest.mark.slow), "first return", "megno"]
+)
 def test_a_dataset_that_was_spoiled_is_run_or_refused_with_a_sentence(kind):
     given = GIVEN[kind] | ({} if kind != "spectrum" else {"t_end": 2.0})
     refused = 0

@@ -29,7 +29,7 @@ def test_equilibria_for_programs_on_the_leaf_of_a_start(command):
     assert record["equilibria"][0]["energy"] == pytest.approx(-0.75)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_relative_equilibria_are_those_along_an_integral(command):
     code, out, _ = command("equilibria", "lagrange", "--leaf", "C1=1,C2=1", "--along", "l3=1", "--format", "json")
     assert code == 0

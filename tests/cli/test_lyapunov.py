@@ -160,6 +160,7 @@ def test_one_orbit_is_given_by_its_start(command, tmp_path):
     assert figure.is_file()
 
 
+@pytest.mark.slow
 def test_random_starts_lie_on_the_leaf_and_at_the_energy_that_are_asked_for(command, tmp_path):
     path = tmp_path / "growth.nc"
     where = ("--leaf", "l.alpha=1/5", "--leaf", "C2=1", "--energy", "3/2")

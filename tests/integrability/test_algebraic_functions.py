@@ -72,6 +72,7 @@ def test_separated_functions_of_several_kinds():
     assert found_in(system, degree=2) == [px**2 + 2 * exp(x), py**2 - 2 * cos(y)]
 
 
+@pytest.mark.slow
 def test_three_vortices_have_their_moments():
     distance = "log((x{0} - x{1})^2 + (p_x{0} - p_x{1})^2)"
     energy = " + ".join(distance.format(i, j) for i, j in ("12", "13", "23"))

@@ -124,7 +124,7 @@ CALM, CAP = 1e6, 1e-3
 """Growth of tangent vectors up to which agreement is required, and the largest bound that still says something."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_at_time_hundred_they_agree_within_the_measured_growth_of_rounding():
     # The growth is that of tangent vectors, the largest norm of the fundamental matrix up to t, in both coordinates:
     # in those of a chart it contains how the chart magnifies.  Measured: 48 times round-off times growth.

@@ -120,7 +120,7 @@ def test_a_name_changes_no_bit(place, name):
         assert numbers_of(place(name)) == right_numbers(place)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("place", PLACES, ids=lambda place: place.__name__)
 def test_no_famous_name_changes_a_bit(place):
     changed = [name for name in FAMOUS if not is_taken(place, name) and numbers_of(place(name)) != right_numbers(place)]

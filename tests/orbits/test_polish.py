@@ -58,7 +58,7 @@ def test_an_orbit_that_does_not_close():
         broken.polished(digits=10)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_midpoint_of_the_homoclinic_orbit(homoclinic_orbits):
     """The digits of an independent computation, whose orbit began at an amplitude of 1e-11: right to 1e-21."""
     orbit = next(one for one in homoclinic_orbits if abs(one.angles[0] - 0.78271) < 1e-5)

@@ -87,7 +87,7 @@ def test_a_ball_off_the_origin_is_filled_evenly(n, k, energy):
     assert np.mean(np.sum(centred**2, axis=1)) == pytest.approx(radius**2 * 2 * n / (2 * n + 2), rel=0.01)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_heavy_gyrostat_is_sampled_evenly():
     r"""H = |l|^2/2I + b.p + 4 l1 on l.p = 0.4, |p| = 1: the mean of l1 at H <= 1 by rejection.
 

@@ -141,7 +141,7 @@ def test_search_counts_a_degenerate_equilibrium_once_and_claims_no_growth():
         assert (e.linear_stability, e.growth_rate, e.signature, e.n_found) == ("degenerate", 0, (4, 1, 1), 6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_search_follows_a_circle_that_is_degenerate_across():
     with pytest.warns(lp.errors.InertiaWarning):
         top = lp.Top(inertia=(1, 1, 3), a=(0, 0, 1), b=(0, 0, -2), epsilon=1)

@@ -100,7 +100,15 @@ def test_lowest_energy_of_the_spherical_top(r, s):
     assert high == np.inf
 
 
-@pytest.mark.parametrize(("r", "s"), [(1e-3, 1.0), (1e-5, 1.0), (1e-7, 1e8), (1e4, 1.0)])
+@pytest.mark.parametrize(
+    ("r", "s"),
+    [
+        (1e-3, 1.0),
+        pytest.param(1e-5, 1.0, marks=pytest.mark.slow),
+        (1e-7, 1e8),
+        pytest.param(1e4, 1.0, marks=pytest.mark.slow),
+    ],
+)
 def test_sample_of_the_spherical_top(r, s):
     """At H = 1, l.p = 1/2 the momentum across p fills a disc boundary: p is uniform on |p| = 1 where p3 <= 7/8.
 

@@ -154,7 +154,7 @@ def test_stable_verdict_holds_along_orbits_and_unstable_ones_leave():
             assert distances > 1e-3
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_same_seed_gives_the_same_list():
     system = lp.catalog.system("clebsch")
     leaf = lp.Leaf.through(system, lp.sample_states(system, 1, seed=1)[0])

@@ -116,7 +116,7 @@ def test_a_twisted_top_has_the_moments_of_a_thin_shell():
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", ["twisted", "two fields"])
+@pytest.mark.parametrize("name", ["twisted", pytest.param("two fields", marks=pytest.mark.slow)])
 def test_the_two_samplers_agree(name):
     """Independent states against the Markov chains, whose states are correlated: 5 becomes 8."""
     leaf = LEAVES[name]

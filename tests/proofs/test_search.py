@@ -129,7 +129,7 @@ def test_the_record_is_the_chain(candidate, tmp_path):
     assert float.fromhex(found["edges"][0]["time"]) == candidate.orbit.time
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_search_is_deterministic_and_near_the_file_of_the_package(candidate):
     """The same bits again; the file may have been made on another machine: centres agree to 1e-9."""
     again = find_certificate(TOP, LEVEL, "1/2")
@@ -145,7 +145,7 @@ def test_the_search_is_deterministic_and_near_the_file_of_the_package(candidate)
         np.testing.assert_allclose(*got, atol=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_second_level_and_an_untwisted_top():
     """H = 4, C = (10, -2, 1); and inertia (1, 1, 2) without beta: leaves of dimension 4, sections of dimension 2."""
     second = find_certificate(TOP, {"C1": 10, "C2": -2, "C3": 1}, 4, n_starts=100)

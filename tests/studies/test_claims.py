@@ -9,7 +9,16 @@ from evaluated_claims import exact_results
 from numerical_claims import NUMERICAL
 
 import liepoisson as lp
-from liepoisson.studies.twisted_top.claims import CLAIMS, Claim, Verdict, claims_to_json, evaluate_claims
+from liepoisson.studies.twisted_top.claims import (
+    CLAIMS,
+    Claim,
+    Verdict,
+    claims_to_json,
+    evaluate_claims,
+    twisted_bracket,
+)
+from liepoisson.studies.twisted_top.claims.chaos import rigorous_demonstration
+from liepoisson.studies.twisted_top.claims.model import Context
 from liepoisson.studies.twisted_top.claims.steps import Step
 
 pytestmark = pytest.mark.thorough  # all claims take several seconds
@@ -77,13 +86,24 @@ def results():
 
 def test_every_claim_is_expected_here(results):
     assert [result.claim.id for result in results] == [claim.id for claim in CLAIMS]
-    assert set(BY_ID) == set(EXACT) | set(NUMERICAL)
+    assert set(BY_ID) == set(EXACT) | set(NUMERICAL) | {"rigorous-demonstration"}
     assert len(BY_ID) == len(CLAIMS)
 
 
 def test_exact_verdicts(results):
     found = {r.claim.id: r.verdict.verdict for r in results if r.verdict.method == "exact"}
     assert found == EXACT
+
+
+def test_chaos_is_proved_with_enclosures(results):
+    verdict = {r.claim.id: r.verdict for r in results}["rigorous-demonstration"]
+    assert (verdict.verdict, verdict.method) == (INCOMPLETE, "enclosed")
+    assert 0.048 < verdict.data["entropy_above"] < 0.0481
+    # Without the twist, or with the other sign: it is another system, and nothing is proved of it.
+    for wrong in (Context(bracket=lambda _: twisted_bracket(0)), Context(bracket=lambda _: twisted_bracket(-1))):
+        failed = rigorous_demonstration(wrong)
+        assert failed.verdict == OPEN
+        assert "✗" in failed.certificate
 
 
 def test_no_step_of_an_exact_check_fails(results):

@@ -31,6 +31,7 @@ EXPECTED = {
         "charged-integrable-cases",
         "twisted-lagrange-uncharged",
         "deformation-breaks-integrability",
+        "rigorous-demonstration",
         "section-surface",
     },
     "holds with a condition": {

@@ -105,7 +105,11 @@ class _ControlC:
         raise KeyboardInterrupt
 
     def _again(self) -> None:
-        if not self.is_over:
+        if self.is_over:
+            return
+        if hasattr(signal, "pthread_kill"):  # to the main thread, so that what it waits for is interrupted, too
+            signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+        else:
             signal.raise_signal(signal.SIGINT)
 
 

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 CLOSES = 1e-12
 """Largest residual of an orbit, in units of the level; longer orbits that are too unstable for it are not kept."""
 
-_NATURAL_TIMES, _TIMES_PER_UNIT = 12.0, 12.0
+_NATURAL_TIMES, _TIMES_PER_UNIT = 15.0, 12.0
 _SHORTEST = 0.1
 """A segment is at least so many natural times long: near an equilibrium none is shorter than a quarter of a turn."""
 
@@ -90,7 +90,7 @@ def symmetric_periodic_orbits(
             itself and have fixed sets of dimension m - 1 on it.
         n_starts: How many starts, for each pair of reversers.
         t_end: The longest time of a segment, a half of the time in which an orbit returns up to a symmetry; by default
-            12 times $1/\rho(Df)$, with the median of the spectral radius along orbits of the level.
+            15 times $1/\rho(Df)$, with the median of the spectral radius along orbits of the level.
         seed: Draws the starts.
         threads: By default all processors, for the survey of all starts; Newton's method runs in one thread.  Results
             do not depend on it, bit for bit.
@@ -122,7 +122,7 @@ def symmetric_periodic_orbits(
     unit = _natural_time(level, seed)
     longest = _NATURAL_TIMES * unit if t_end is None else as_number(t_end, "t_end", "a positive time")
     if not (np.isfinite(longest) and longest > 0):
-        raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out for 12 natural times")
+        raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out for 15 natural times")
     found: list[Segment] = []
     n_families = 0
     pairs = list(combinations_with_replacement(range(len(chosen)), 2))

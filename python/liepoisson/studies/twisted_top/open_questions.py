@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
 Status: TypeAlias = Literal["proved", "computed", "measured", "not settled"]
-"""Proved in exact arithmetic; computed in floating point from what is proved; measured on orbits; or none of these."""
+"""Proved in exact arithmetic or with rigorous enclosures; computed in floating point from what is proved; measured on
+orbits; or none of these."""
 
 STATUS_CLASSES: dict[Status, str] = {
     "proved": "good",
@@ -56,6 +57,7 @@ class Question:
 
 
 _NEARBY = ("nearby-integrable-case", "not settled")
+_CHAOS = ("rigorous-demonstration", "incomplete")
 _HOMOCLINIC = ("homoclinic-orbits", "holds with a condition")
 
 QUESTIONS: tuple[Question, ...] = (
@@ -88,6 +90,22 @@ QUESTIONS: tuple[Question, ...] = (
                 "Integrals of degree ≥ 3 for other parameters, b ≠ 0, and integrals that are not polynomial.",
                 *_NEARBY,
             ),
+        ),
+    ),
+    Question(
+        "Can it be demonstrated rigorously that the twisted Kovalevskaya top is chaotic?",
+        "Section 5, fourth paragraph",
+        "A rigorous demonstration that the twisted Kovalevskaya top is chaotic could in principle be achieved using a "
+        "Melnikov analysis",
+        (
+            Answer(
+                "proved",
+                "On the level H = 1/2, C₁ = 1, C₂ = 1/2, C₃ = 1 the twisted Kovalevskaya top is chaotic: a transversal "
+                "homoclinic orbit of a hyperbolic periodic orbit, a full shift on two symbols, positive topological "
+                "entropy; by covering relations, without Melnikov’s method.",
+                *_CHAOS,
+            ),
+            Answer("not settled", "The measure of the chaotic set, and chaos on every level.", *_CHAOS),
         ),
     ),
     Question(

@@ -22,6 +22,7 @@ from collections.abc import Callable, Iterable
 
 from liepoisson.studies.twisted_top.claims import (
     canonical,
+    chaos,
     charged,
     charts,
     discussion,
@@ -55,6 +56,7 @@ CLAIMS: tuple[Claim, ...] = (
     *charts.CLAIMS,
     *leaves.CLAIMS,
     *discussion.CLAIMS,
+    *chaos.CLAIMS,
     *nonintegrable.CLAIMS,
     *numerics.CLAIMS,
     *inferences.CLAIMS,

@@ -194,6 +194,11 @@ class Evidence:
         remark = "" if excess == wanted else f"computed {excess}"
         return self._record(Step("search", f"{what}: {wanted}", excess == wanted, remark, (), rows, decisive=decisive))
 
+    def enclosures(self, what: str, table: Sequence[Sequence[object]], computed: Sequence[str] = ()) -> bool:
+        """State what rigorous enclosures have proved just now; the table has a column for each arithmetic."""
+        rows = tuple(tuple(map(str, row)) for row in table)
+        return self._record(Step("enclosure", what, True, "", tuple(computed), rows))
+
     def proof(
         self, kind: StepKind, what: str, succeeded: bool, computed: Sequence[str], *, decisive: bool = False
     ) -> bool:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 Ruling: TypeAlias = Literal[
     "holds", "holds with a condition", "incomplete", "misprint", "wrong", "underspecified", "not settled", "not run"
 ]
-Method: TypeAlias = Literal["exact", "numerical"]
+Method: TypeAlias = Literal["exact", "enclosed", "numerical"]
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,8 @@ class Verdict:
         verdict: Whether the claim holds; "incomplete" when it is right as far as it goes and more is proved here;
             "underspecified" when the paper only implies it, or leaves open what decides it; "not run" when the
             measurements that it needs are absent.
-        method: "exact" for identities and counterexamples in exact arithmetic, "numerical" for measured numbers.
+        method: "exact" for identities and counterexamples in exact arithmetic, "enclosed" for strict inequalities
+            between rigorous enclosures, "numerical" for measured numbers.
         steps: The computation, step by step.
         correct_statement: What is true instead, or the condition; empty when the claim holds as it stands.
         data: Numbers and expressions (as text) behind the verdict, ready for JSON.
@@ -66,11 +67,13 @@ class Context:
         extended: Makes the bracket of so(3) with any extension, for claims about other extensions.
         measurements: Results of the numerical study as `liepoisson.studies.twisted_top.measurements` writes them, or
             None; which keys the claims use is said in `liepoisson.studies.twisted_top.claims`.
+        arithmetics: Those that check the certificate of chaos.
     """
 
     bracket: Callable[[Parameter], Bracket] = twisted_bracket
     extended: Callable[[Extension], Bracket] = extended_rotations
     measurements: Mapping[str, Any] | None = None
+    arithmetics: tuple[str, ...] = ("intervals", "balls")
 
 
 @dataclass(frozen=True)

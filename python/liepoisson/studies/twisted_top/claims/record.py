@@ -21,7 +21,7 @@ def claims_to_json(results: Iterable[ClaimResult], produced_by: Mapping[str, Any
     - `id`, `place`, `words`, `statement`, `follows_from`: as in `Claim`; ids are stable between versions;
     - `verdict`: "holds", "holds with a condition", "incomplete", "misprint", "wrong", "underspecified", "not settled"
       or "not run";
-    - `method`: "exact" or "numerical";
+    - `method`: "exact", "enclosed" or "numerical";
     - `proof`: what the proof consists of, for example "1 counter-example, 3 identities";
     - `steps`: a list of objects, the fields of `Step`;
     - `certificate`: the steps as text, one fact per line, indented below it what was computed;

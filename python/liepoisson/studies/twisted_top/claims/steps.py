@@ -5,13 +5,16 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, TypeAlias
 
-StepKind: TypeAlias = Literal["note", "identity", "value", "counterexample", "rank", "search", "measurement"]
+StepKind: TypeAlias = Literal[
+    "note", "identity", "value", "counterexample", "rank", "search", "enclosure", "measurement"
+]
 
 # How the kinds are named where a verdict says what it rests on, singular and plural, the most telling first.
 _NAMES: dict[StepKind, tuple[str, str]] = {
     "counterexample": ("counter-example", "counter-examples"),
     "rank": ("rank certificate", "rank certificates"),
     "search": ("exhaustive search", "exhaustive searches"),
+    "enclosure": ("check in rigorous arithmetic", "checks in rigorous arithmetic"),
     "identity": ("identity", "identities"),
     "value": ("exact value", "exact values"),
     "measurement": ("measurement", "measurements"),
