@@ -193,6 +193,43 @@ def test_energies_are_compared_within_the_ball_of_levels():
         assert radius / 4 < energy_shift(radius) <= radius / 2 or energy_shift(radius) == 1
 
 
+TIMES = ((3.1870, 3.1873), (40.674, 40.677))
+
+
+def test_orbits_visit_each_set_once_at_a_time(shipped, twisted):
+    certificate = read_certificate(shipped)
+    interval_checker._require_single_visits(certificate, twisted, TIMES)
+    # p_a is mapped to itself by the reverser that changes the signs of l2, alpha2 and beta2
+    reversed_ = dataclasses.replace(certificate, symmetry=(1, -1, 1) * 3)
+    with pytest.raises(EnclosureError, match="set p_a: it may meet its image"):
+        interval_checker._require_single_visits(reversed_, twisted, TIMES)
+
+
+def test_orbits_that_may_come_back_to_a_section_are_refused(shipped, twisted):
+    certificate = read_certificate(shipped)
+    with pytest.raises(EnclosureError, match="differ by more"):
+        interval_checker._require_single_visits(certificate, twisted, ((3.1, 3.2), TIMES[1]))
+    # the flow keeps H: with the columns of the flow and of grad H exchanged it is tangent to the section
+    one = certificate.sets[4]
+    frame = tuple((*row[:2], row[5], *row[3:5], row[2], *row[6:]) for row in one.frame)
+    sets = (*certificate.sets[:4], dataclasses.replace(one, frame=frame), *certificate.sets[5:])
+    with pytest.raises(EnclosureError, match=f"set {one.name}: orbits may come back"):
+        interval_checker._require_single_visits(dataclasses.replace(certificate, sets=sets), twisted, TIMES)
+
+
+def test_visits_are_a_part_of_the_check(shipped, twisted, monkeypatch):
+    monkeypatch.setattr(interval_checker, "VISIT", 1e-4)
+    with pytest.raises(EnclosureError, match="visits"):
+        check_in_intervals(read_certificate(shipped), twisted)
+
+
+def test_the_normal_of_a_section_is_exact():
+    frame = [[float((3 * i + 5 * j * j + i * j) % 7) + (i == j) / 8 for j in range(9)] for i in range(9)]
+    normal = interval_checker._normal(frame, 2)
+    products = [sum(n * Fraction(row[k]) for n, row in zip(normal, frame, strict=True)) for k in range(9)]
+    assert products == [Fraction(k == 2) for k in range(9)]
+
+
 def test_the_reversers_of_the_top_are_two(twisted):
     assert reversers(twisted) == [[1, 1, -1] * 3, [1, -1, 1] * 3]
 

@@ -14,6 +14,7 @@ from liepoisson.proofs.certificate import read_certificate
 from liepoisson.proofs.interval_checker import check_in_intervals
 from liepoisson.proofs.polynomial_field import polynomial_field
 from liepoisson.proofs.regularity import is_regular
+from liepoisson.proofs.theorem import keeps_bracket
 
 
 def test_the_printed_equations_are_those_of_the_paper(twisted):
@@ -60,6 +61,30 @@ def test_the_level_is_regular_and_a_critical_one_is_not(twisted):
     # l = 0, alpha = (x, 0, 0), beta = (1, 0, 0) is an equilibrium: l' = 0, alpha' = beta x a = 0
     critical = {"H": Fraction(-3), "C1": Fraction(9), "C2": Fraction(3), "C3": Fraction(1)}
     assert not is_regular(twisted, critical)
+
+
+def test_constants_of_motion_have_no_rate_and_others_have_theirs(twisted):
+    assert not any(twisted.rate_of(f) for f in twisted.constants.values())
+    alpha_squared = {tuple(2 * (k == i) for k in range(9)): Fraction(1) for i in (3, 4, 5)}
+    # d|alpha|^2/dt = 2 alpha.(beta x a) = 2 (beta2 alpha3 - beta3 alpha2) for a = (-1, 0, 0)
+    products = [((4, 8), -2), ((5, 7), 2)]
+    wanted = {tuple(int(k in pair) for k in range(9)): Fraction(c) for pair, c in products}
+    assert twisted.rate_of(alpha_squared) == wanted
+
+
+def test_a_rotation_keeps_the_bracket_and_a_reverser_does_not():
+    bracket = lp.Top.twisted_kovalevskaya().bracket
+    assert keeps_bracket(bracket, [1, -1, -1] * 3)
+    assert not keeps_bracket(bracket, [1, -1, 1] * 3)
+    assert not keeps_bracket(bracket, [1, -1, -1] * 2)
+    # l1 and l2 do not commute, and a rotation by pi about the first axis changes the sign of one of them
+    assert not keeps_bracket(bracket.with_constant({("l1", "l2"): 1}), [1, -1, -1] * 3)
+
+
+def test_a_symmetry_that_does_not_keep_the_bracket_is_refused(altered, monkeypatch):
+    monkeypatch.setattr("liepoisson.proofs.theorem.keeps_bracket", lambda bracket, signs: False)
+    with pytest.raises(CertificateError, match="does not keep the bracket"):
+        lp.proofs.prove_chaos(lp.Top.twisted_kovalevskaya(), read_certificate(altered), arithmetics=["intervals"])
 
 
 def test_intervals_accept_what_is_shipped(shipped, twisted):

@@ -16,6 +16,7 @@ from liepoisson.proofs.ball_covering import (
     Landing,
     Transition,
     covering,
+    crossing_rate,
     diagonal,
     landing,
     length,
@@ -93,6 +94,7 @@ class _Checker:
             found.append(self._transition(e, self.sets[e.source], charts[e.source], self.sets[e.target]))
             judged.append(covering(self._name(e), found[-1].landing))
         self._require_charts_over_images(found)
+        self._require_single_visits(charts, found)
         small, small_charts, small_loop = self._small_loop()
         symmetric_q, reversers = self._require_symmetric_orbit(small, small_charts, small_loop, found)
         apart = self._require_separation(charts, found)
@@ -140,6 +142,9 @@ class _Checker:
             raise EnclosureError(
                 f"the level: wanted values of {', '.join(field.constants)}; got {', '.join(certificate.level)}"
             )
+        for name, f in field.constants.items():
+            if field.rate_of(f):
+                raise EnclosureError(f"the system: {name} is not constant along orbits")
         if not field.is_kept_by(certificate.symmetry) or all(s == 1 for s in certificate.symmetry):
             raise EnclosureError(
                 "the symmetry: the equations and constants of motion do not have it, or it changes nothing"
@@ -180,6 +185,24 @@ class _Checker:
                 if edge.target == number:
                     q = [a.union(b) for a, b in zip(q, t.landing.q, strict=True)]
             chart(self.field, target, self.level, q)
+
+    def _require_single_visits(self, charts: Sequence[Chart], found: Sequence[Transition]) -> None:
+        """An orbit visits a set once at a time, and p_a in one of its two images only: so words belong to points.
+
+        Two points of a set that an edge takes to one point lie on one orbit, at times that differ by less than twice
+        the window; there is no zero of n . f on the first step, which is longer, so they are one point.
+        """
+        for edge, one in zip(self.certificate.edges, found, strict=True):
+            first = one.tubes[0]
+            rate = crossing_rate(self.field, self.sets[edge.source], first.box)
+            if not (rate.abs_lower() > 0 and 2 * one.landing.window < first.end):
+                raise EnclosureError(
+                    f"{self._name(edge)}: orbits may come back to the section where they start within twice the window"
+                )
+        start = self.graph.start
+        box = self._box(start, charts)
+        if not _distance(box, self._image(box)) > 0:
+            raise EnclosureError(f"set {self.sets[start].name}: it may meet its image under the symmetry")
 
     # gamma
 
@@ -334,7 +357,7 @@ class _Checker:
 
     def _require_separation(self, charts: Sequence[Chart], found: Sequence[Transition]) -> tuple[arb, arb, arb]:
         """The middle set is away from gamma, from the excursion at other times, and from the image of all of it."""
-        graph, middle = self.graph, self._middle_box(charts)
+        graph, middle = self.graph, self._box(self.graph.middle, charts)
         orbit = [t.box for e in graph.short for t in found[e].tubes]
         excursion = [t.box for e in graph.long for t in found[e].tubes]
         at_other_times, passage = self._away_from_passage(found)
@@ -351,9 +374,9 @@ class _Checker:
         self._require_times_apart(found, passage)
         return distances
 
-    def _middle_box(self, charts: Sequence[Chart]) -> Vector:
-        middle = self.sets[self.graph.middle]
-        return states_of(middle, charts[self.graph.middle], middle.unit).box()
+    def _box(self, number: int, charts: Sequence[Chart]) -> Vector:
+        """A box that contains a set."""
+        return states_of(self.sets[number], charts[number], self.sets[number].unit).box()
 
     def _away_from_passage(self, found: Sequence[Transition]) -> tuple[list[Vector], arb]:
         """Boxes of the excursion away from the middle set's own passage, and a bound of |t| in those left out."""

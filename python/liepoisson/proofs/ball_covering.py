@@ -127,7 +127,7 @@ def landing(field: BallField, states: Parallelepiped, proved: Chart, target: Bal
     """
     window, box = _window(field, states, target)
     rates = field.rates(box)
-    speed = _product(target.normal, rates)
+    speed = crossing_rate(field, target, box)
     center_time = -_product(target.normal, _difference(states.center, target.center)) / speed
     center = [c + center_time * f for c, f in zip(states.center, rates, strict=True)]
     at_center = column(target.inverse * as_column(_difference(center, target.center)))
@@ -215,7 +215,7 @@ def _derivative(field: BallField, matrix: arb_mat, target: BallSet, box: Vector,
     Products are formed from the right, where the large entries of $B^{-1}$ meet differences that are small.
     """
     rates, jacobian = field.rates(box), field.jacobian(box)
-    speed = _product(target.normal, rates)
+    speed = crossing_rate(field, target, box)
     bound = (window * norm(jacobian)).upper()
     rest = (bound.exp() - 1 - bound).upper()
     sums = [sum((abs(row[k]) for row in matrix.tolist()), arb(0)) for k in range(matrix.ncols())]
@@ -228,11 +228,16 @@ def _derivative(field: BallField, matrix: arb_mat, target: BallSet, box: Vector,
     return projected(matrix) + projected(jacobian * matrix) * arb(0, window) + projected(remainder)
 
 
+def crossing_rate(field: BallField, target: BallSet, box: Vector) -> arb:
+    """How fast the coordinate of the flow changes along orbits in a box; without a zero it changes its sign once."""
+    return _product(target.normal, field.rates(box))
+
+
 def _window(field: BallField, end: Parallelepiped, target: BallSet) -> tuple[arb, Vector]:
     """A half-width of times in which all orbits cross the section exactly once, and a box that contains them then."""
     start = end.box()
     gap = _gap(end, target)
-    speed = _product(target.normal, field.rates(start))
+    speed = crossing_rate(field, target, start)
     if speed.contains(0):
         raise EnclosureError(f"the orbits to set {target.name}: they may touch its section")
     window = arb((magnitude(gap) / speed.abs_lower() * 1.25 + arb(2) ** -60).upper())
@@ -241,7 +246,7 @@ def _window(field: BallField, end: Parallelepiped, target: BallSet) -> tuple[arb
         rates = field.rates(box)
         reached = [s + arb(0, window) * f for s, f in zip(start, rates, strict=True)]
         if all(lies_inside(a, b) for a, b in zip(reached, box, strict=True)):
-            speed = _product(target.normal, rates)
+            speed = crossing_rate(field, target, box)
             if not speed.contains(0) and magnitude(gap) < window * speed.abs_lower():
                 return window, box
             break

@@ -178,12 +178,11 @@ def _gradients(field: BallField, covering_set: BallSet, q: Sequence[arb], w: Seq
 
     $\nabla F(x) B = \nabla F(c) B + \sum_k y_k\, B_k^T F''(X) B$ by the mean value theorem, where y are the
     coordinates of x; multiplied in this order, since the columns of u and s are tangent to the level and $F''$
-    between them is small.
+    between them is small. X contains c, whether the box of q and w contains 0 or not.
     """
     frame, y = covering_set.frame, as_column(covering_set.coordinates(q, w))
-    curved = [
-        (frame.transpose() * h * frame * y).transpose().entries() for h in field.hessians(covering_set.states(q, w))
-    ]
+    from_center = covering_set.states([e.union(arb(0)) for e in q], [e.union(arb(0)) for e in w])
+    curved = [(frame.transpose() * h * frame * y).transpose().entries() for h in field.hessians(from_center)]
     return field.gradients(covering_set.center) * frame + arb_mat(curved)
 
 

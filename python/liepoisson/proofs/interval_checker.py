@@ -13,7 +13,7 @@ import numpy as np
 
 from liepoisson import _core
 from liepoisson.errors import EnclosureError
-from liepoisson.proofs.certificate import CoveringCertificate
+from liepoisson.proofs.certificate import CoveringCertificate, CoveringSet
 from liepoisson.proofs.margins import Margins, Rotation
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms
 
@@ -31,6 +31,8 @@ COMPLEX = 2
 """Number of unstable multipliers that may be complex, and whose angle is looked at."""
 _OF_MULTIPLIERS = ("multipliers", "rotation")
 """Checks on which only the theorem on integrals depends."""
+VISIT = 2.0**-5
+"""No orbit comes back so soon to the section of the set that it leaves; flight times of one edge differ by less."""
 
 CoreTerms: TypeAlias = "list[tuple[str, tuple[int, ...]]]"
 
@@ -66,6 +68,7 @@ def check_in_intervals(
             raise
         undecided = str(error)
         found, symmetric = _checked(certificate, field, n_unstable, None, keep_going)
+    _require_single_visits(certificate, field, found["loop_times"])
     rotation, energy = found["rotation"], certificate.level[next(iter(field.constants))]
     return Margins(
         arithmetic="intervals",
@@ -188,6 +191,76 @@ def _require_level(certificate: CoveringCertificate, field: PolynomialField) -> 
             )
             if not abs(found - certificate.level[name]) < OFF_LEVEL:
                 raise EnclosureError(f"level, set {one.name}: its center is not on the level, {name} differs")
+
+
+def _require_single_visits(
+    certificate: CoveringCertificate, field: PolynomialField, loop_times: Sequence[tuple[float, float]]
+) -> None:
+    """An orbit visits a set once at a time, and p_a in one of its two images only: so words belong to points.
+
+    Two points of a set that an edge takes to one point lie on one orbit, at times that differ by less than its flight
+    times do, and no more than those of the loop; if n . f has no zero for so long after the set, they are one point.
+    n . f is bounded in rational numbers.
+    """
+    if not all(upper - lower < 0.5 * VISIT for lower, upper in loop_times):
+        raise EnclosureError(f"visits: the flight times of a loop differ by more than {0.5 * VISIT}")
+    leaving = [e.source for e in certificate.edges]
+    flow = (len(field.names) - 1 - len(field.constants)) // 2
+    for number, one in enumerate(certificate.sets):
+        box = _tube(one, field, flow)
+        crossing: Terms = {}
+        for weight, rate in zip(_normal(one.frame, flow), field.rates, strict=True):
+            for m, c in rate.items():
+                crossing[m] = crossing.get(m, Fraction(0)) + weight * c
+        lower, upper = _range(crossing, box)
+        if not (lower > 0 or upper < 0):
+            raise EnclosureError(f"visits, set {one.name}: orbits may come back to its section within {VISIT}")
+        if leaving.count(number) > 1 and all(
+            sign > 0 or lower <= 0 <= upper for sign, (lower, upper) in zip(certificate.symmetry, box, strict=True)
+        ):
+            raise EnclosureError(f"visits, set {one.name}: it may meet its image under the symmetry")
+
+
+def _tube(one: CoveringSet, field: PolynomialField, flow: int) -> list[tuple[Fraction, Fraction]]:
+    """A box that contains a set, with all |w_k| up to the reach of its chart, and its orbits until they are away."""
+    extent = np.array([REACH] * len(field.names))
+    extent[: len(field.names) - len(field.constants)] = 1.0
+    extent[flow] = 0.0
+    rates, center, frame = [core_terms(rate) for rate in field.rates], np.array(one.center), np.array(one.frame).ravel()
+    one_step = (ORDER, VISIT, None, 1)
+    found = _core.enclose_flow(rates, center, frame, -extent, extent, VISIT, one_step, True, math.inf, None)
+    lower, upper = (found.get(side, np.array([])).ravel().tolist() for side in ("tube_lower", "tube_upper"))
+    if len(lower) != len(field.names):
+        raise EnclosureError(f"visits, set {one.name}: wanted one step of {VISIT}")
+    return [(Fraction(a), Fraction(b)) for a, b in zip(lower, upper, strict=True)]
+
+
+def _normal(frame: Sequence[Sequence[float]], flow: int) -> list[Fraction]:
+    """The covector that is 1 on the column of the flow and 0 on all others, exactly, by Gauss–Jordan elimination."""
+    n = len(frame)
+    rows = [[*(Fraction(frame[i][k]) for i in range(n)), Fraction(k == flow)] for k in range(n)]
+    for k in range(n):
+        pivot = max(range(k, n), key=lambda i: abs(rows[i][k]))
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        rows[k] = [e / rows[k][k] for e in rows[k]]
+        for i in range(n):
+            if i != k and rows[i][k]:
+                factor = rows[i][k]
+                rows[i] = [a - factor * b for a, b in zip(rows[i], rows[k], strict=True)]
+    return [row[-1] for row in rows]
+
+
+def _range(terms: Terms, box: Sequence[tuple[Fraction, Fraction]]) -> tuple[Fraction, Fraction]:
+    """Bounds of a polynomial on a box."""
+    total = (Fraction(0), Fraction(0))
+    for m, c in terms.items():
+        product_ = (c, c)
+        for sides, exponent in zip(box, m, strict=True):
+            for _ in range(exponent):
+                corners = [a * b for a in product_ for b in sides]
+                product_ = (min(corners), max(corners))
+        total = (total[0] + product_[0], total[1] + product_[1])
+    return total
 
 
 def core_terms(terms: Terms) -> CoreTerms:

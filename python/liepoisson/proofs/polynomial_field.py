@@ -61,6 +61,16 @@ class PolynomialField:
         )
         return same and all(_signed(f, signs) == f for f in self.constants.values())
 
+    def rate_of(self, f: Terms) -> Terms:
+        r"""The rate of change along orbits, $\sum_k f_k\,\partial F/\partial x_k$; empty if F is constant."""
+        found: Terms = {}
+        for k, rate in enumerate(self.rates):
+            for m, c in derivative(f, k).items():
+                for n, d in rate.items():
+                    e = tuple(a + b for a, b in zip(m, n, strict=True))
+                    found[e] = found.get(e, Fraction(0)) + c * d
+        return {e: c for e, c in found.items() if c}
+
 
 def polynomial_field(system: System) -> PolynomialField:
     """The equations of a system as polynomials with rational coefficients.

@@ -20,6 +20,7 @@ from liepoisson.proofs.search import CertificateCandidate
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
+    from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.system import System
 
 ARITHMETICS = ("intervals", "balls")
@@ -104,7 +105,13 @@ def prove_chaos(
         certificate = read_certificate(certificate.chain.record())
     elif not isinstance(certificate, CoveringCertificate):
         certificate = load_covering_certificate(certificate)
-    notes = [compare_equations(certificate.equations, field), _regularity(field, certificate)]
+    notes = [compare_equations(certificate.equations, field)]
+    if not keeps_bracket(system.bracket, certificate.symmetry):
+        raise CertificateError(
+            "the certificate is refused: its symmetry does not keep the bracket of the system, so that multipliers "
+            "need not come in pairs"
+        )
+    notes.append(_regularity(field, certificate))
     margins: list[Margins] = []
     for number, name in enumerate(chosen):
 
@@ -130,6 +137,14 @@ def _undecided(margins: Sequence[Margins]) -> list[str]:
         "Not proved: that there is no further analytic constant of motion. For two unstable multipliers the proof asks "
         f"for complex ones, and for an angle that depends on the level ({'; '.join(reasons)})."
     ]
+
+
+def keeps_bracket(bracket: Bracket, signs: Sequence[int]) -> bool:
+    """Whether x -> (s_k x_k) is a Poisson map: s_i s_j {x_i, x_j}(x) = {x_i, x_j}(s x), exactly."""
+    if len(signs) != bracket.dimension:
+        return False
+    linear = all(signs[i] * signs[j] == signs[m] for i, j, m, _ in bracket.entries())
+    return linear and all(signs[i] * signs[j] == 1 for i, j in bracket.constant)
 
 
 def _regularity(field: PolynomialField, certificate: CoveringCertificate) -> str:

@@ -112,7 +112,7 @@ _NOT_CONFIRMED: dict[tuple[str, str], str] = {
     (
         "kovalevskaya-inertia",
         "misprint",
-    ): "Section 5: I₃ = 2I₁ is a misprint of I₁ = 2I₃; the ordinary top as printed is chaotic.",
+    ): "Section 5: I₃ = 2I₁ is a misprint of I₁ = 2I₃; the exponent of the ordinary top as printed stays positive.",
     (
         "lagrange-centre-of-rotation",
         "misprint",

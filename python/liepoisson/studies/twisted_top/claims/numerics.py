@@ -205,8 +205,9 @@ def dashed_curve_inertia(runs: Mapping[str, Any], context: Context) -> Verdict:
     if not chaotic_as_printed:
         return _verdict("not settled", lines, "These runs do not tell the two apart.", data)
     correct = (
-        f"With I = (1, 1, 2) as printed the ordinary top has ⟨λ⟩ = {values[printed][0]:.3f} at t = 200 and is chaotic; "
-        f"the dashed curve is that of I₁ = I₂ = 2I₃, where it is {values[right][0]:.3f} and falls like ln t/t."
+        f"With I = (1, 1, 2) as printed the ordinary top has ⟨λ⟩ = {values[printed][0]:.3f} at t = 200, and its "
+        f"exponent stays positive; the dashed curve is that of I₁ = I₂ = 2I₃, where it is {values[right][0]:.3f} and "
+        "falls like ln t/t."
     )
     return _verdict("misprint", lines, correct, data)
 
