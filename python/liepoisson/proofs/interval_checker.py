@@ -119,7 +119,7 @@ def _checked(
     n_unstable: int,
     shift: Fraction | None,
     keep_going: Callable[[float], object] | None,
-) -> tuple[dict[str, Any], tuple[tuple[int, ...], ...]]:
+) -> tuple[Any, tuple[tuple[int, ...], ...]]:
     """What the core has verified, and the reversers that map the periodic orbit to itself.
 
     The core asks for all reversers that it is given. Two that differ by the symmetry belong together; of several such
