@@ -17,6 +17,8 @@ PAGE = Path(__file__).with_name("names.md")
 
 WORDS = {
     "system": "what is studied: a `System`, a `Top`, anything that has a field",
+    "box": "a set of states: a `Box`, a tuple of its bounds, or one state",
+    "arithmetic": "of a proof: intervals of doubles, or balls of any precision",
     "leaf": "a `Leaf`, or the values of the Casimirs by name",
     "state": "one point of phase space, shape (component,)",
     "states": "any number of them, shape (..., component)",

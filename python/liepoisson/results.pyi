@@ -38,6 +38,11 @@ from liepoisson.phase_space.orbit_bounds import Bounds as Bounds
 from liepoisson.phase_space.rod import Rod as Rod
 from liepoisson.phase_space.sleeping import SleepingTop as SleepingTop
 from liepoisson.phase_space.stability import Equilibrium as Equilibrium
+from liepoisson.proofs.enclosures import FlowEnclosure as FlowEnclosure
+from liepoisson.proofs.enclosures import SectionMapEnclosure as SectionMapEnclosure
+from liepoisson.proofs.equilibrium_enclosures import EquilibriaEnclosure as EquilibriaEnclosure
+from liepoisson.proofs.equilibrium_enclosures import EquilibriumEnclosure as EquilibriumEnclosure
+from liepoisson.proofs.periodic_enclosures import PeriodicOrbitEnclosure as PeriodicOrbitEnclosure
 from liepoisson.repeat import load as load
 from liepoisson.repeat import rerun as rerun
 from liepoisson.result import Result as Result

@@ -23,6 +23,8 @@ TIMES = np.array([0.0, 0.5, 1.25, 2.0])
 LATER = np.array([1.0, 2.0, 4.0])
 LONG = np.geomspace(1.0, 100.0, 40)
 CURVES = 0.1 + 1 / np.sqrt(LONG) + np.random.default_rng(0).normal(0.2, 0.02, (40, 40)) / LONG
+HENON = lp.catalog.system("henon-heiles")
+IN_THE_WELL = np.array([0.0, 0.1, 0.3, 0.1])
 ORDINARY = np.array([0.3, -0.2, 0.5, 0.6, 0.48, 0.64, 0.0, 0.0, 0.0])
 QUATERNION = np.array([0.5, 0.5, -0.5, 0.5])
 
@@ -41,6 +43,10 @@ class Case:
 @cache
 def orbit() -> lp.results.Orbit:
     return lp.integrate(TOP, STATES, times=TIMES, dense=True)
+
+
+def box() -> lp.proofs.Box:
+    return lp.proofs.Box.around(STATE, 0.01)
 
 
 @cache
@@ -124,6 +130,11 @@ CASES: dict[str, Case] = {
     "Attitude.at": Case(lambda times: attitude().at(times), {"times": TIMES[1:]}),
     "Attitude.body": Case(lambda vectors: attitude().body(vectors), {"vectors": STATE[:3]}),
     "Attitude.space": Case(lambda vectors: attitude().space(vectors), {"vectors": STATE[:3]}),
+    "Box.around": Case(
+        lambda center, radius: lp.proofs.Box.around(center, radius), {"center": STATE, "radius": np.full(9, 0.01)}
+    ),
+    "Box.contains": Case(lambda values: str(box().contains(values)), {"values": STATE}),
+    "Box.overlaps": Case(lambda other: str(box().overlaps(other)), {"other": STATE}),
     "CanonicalSystem.invariant_values": Case(
         lambda x: chart("euler").system.invariant_values(x), {"x": lambda: inside("euler")}
     ),
@@ -236,6 +247,24 @@ CASES: dict[str, Case] = {
     "lyapunov_spectrum": Case(lambda starts: lp.lyapunov_spectrum(TOP, starts, t_end=10), {"starts": STATES}),
     "mean_curve": Case(lambda time, exponent: lp.fits.mean_curve(time, exponent), {"time": LONG, "exponent": CURVES}),
     "megno": Case(lambda starts: lp.chaos.megno(TOP, starts, t_end=20, n_samples=64), {"starts": STATES}),
+    "enclose_equilibria": Case(
+        lambda lower, upper: lp.proofs.enclose_equilibria(HENON, (lower, upper)),
+        {"lower": np.full(4, -2.0), "upper": np.full(4, 2.0)},
+    ),
+    "enclose_flow": Case(
+        lambda lower, upper: lp.proofs.enclose_flow(HENON, (lower, upper), time=1.0),
+        {"lower": IN_THE_WELL, "upper": IN_THE_WELL + 1e-6},
+    ),
+    "enclose_section_map": Case(
+        lambda box: lp.proofs.enclose_section_map(HENON, box, surface="x"), {"box": IN_THE_WELL}
+    ),
+    "prove_equilibrium": Case(
+        lambda guess: lp.proofs.prove_equilibrium(HENON, guess), {"guess": np.array([0.0, 0.9, 0.0, 0.0])}
+    ),
+    "prove_periodic_orbit": Case(
+        lambda start: lp.proofs.prove_periodic_orbit(HENON, start, period=6.794384826845275, level={"H": "1/10"}),
+        {"start": np.array([0.0, -0.1461901394453098704, 0.42017326094069075, 0.0])},
+    ),
     "equilibrium_near": Case(
         lambda guess: lp.phase_space.equilibrium_near(LAGRANGE, guess, along=("l3",)), {"guess": equilibrium()}
     ),

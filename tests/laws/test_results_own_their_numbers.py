@@ -14,7 +14,15 @@ import liepoisson as lp
 from liepoisson import _core, plot
 from liepoisson.errors import LiePoissonError
 
-CORE = ("orbits", "growth", "sections")
+CORE = (
+    "orbits",
+    "growth",
+    "sections",
+    "enclose_flow",
+    "enclose_section_map",
+    "enclose_equilibria",
+    "enclose_periodic_orbit",
+)
 
 
 def public_names():
@@ -41,7 +49,7 @@ def takes_arrays(function):
         parameters = inspect.signature(function).parameters.values()
     except (TypeError, ValueError):  # a class of C
         return False
-    words = ("ArrayLike", "StartsLike")
+    words = ("ArrayLike", "StartsLike", "BoxLike")
     return any(word in str(parameter.annotation) for parameter in parameters for word in words)
 
 

@@ -316,3 +316,9 @@ def test_rotations_and_translations_of_one_field_have_units_of_their_own(k):
     found = lp.equilibria(system, lp.Leaf.through(system, state))
     # from 3000 starts of SciPy's root for the equations with multipliers
     assert [e.energy for e in found] == pytest.approx([-0.988359, 1.052089], abs=1e-6)
+
+
+def test_a_leaf_that_numbers_cannot_hold_is_refused():
+    system = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + 2*l2^2 + 3*l3^2)/2 + (alpha1 + 3*alpha3/10)/10^15")
+    with pytest.raises(lp.errors.LeafError, match="range of numbers"):
+        lp.equilibria(system, lp.Leaf(system, {"C1": 1e30, "C2": 0.3e15}))

@@ -123,7 +123,13 @@ class LeafInUnits:
 
     def tangent_basis(self, y: Array) -> Array:
         """Orthonormal bases of the tangent spaces of the leaf, as columns, shape (..., N, rank)."""
-        vectors, sizes, _ = np.linalg.svd(self.system.functions.poisson_tensor(y))
+        tensor = self.system.functions.poisson_tensor(y)
+        if not np.isfinite(tensor).all():
+            raise LeafError(
+                "the states of this leaf have components beyond the range of numbers, or of very different sizes; "
+                "give the Casimirs in other units."
+            )
+        vectors, sizes, _ = np.linalg.svd(tensor)
         if self.rank and not np.all(sizes[..., self.rank - 1] > 0):
             raise LeafError(f"J must have rank {self.rank} on this leaf; it is lower at one of the states.")
         return vectors[..., : self.rank]

@@ -1,4 +1,4 @@
-"""Proofs by computer: certificates of chaos, checked in rigorous arithmetic, and how they are found."""
+"""Proofs by computer: rigorous enclosures of orbits, equilibria and periodic orbits, and certificates of chaos."""
 
 from liepoisson._lazy import attach
 

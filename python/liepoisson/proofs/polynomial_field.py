@@ -8,9 +8,12 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from math import prod
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.expression import read_expression
+from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.printing import Formula
 from liepoisson.wrong_values import shown
 
@@ -124,3 +127,64 @@ def _signed(terms: Terms, signs: Sequence[int]) -> Terms:
         odd = sum(k for k, s in zip(m, signs, strict=True) if s < 0) % 2
         found[m] = -c if odd else c
     return found
+
+
+def equations_of(system: System) -> PolynomialField:
+    """The equations of a system, without constants of motion, which a flow does not ask for.
+
+    Raises:
+        ParameterError: an equation is no polynomial, or a coefficient is not rational.
+    """
+    x = system.variables
+    return PolynomialField(
+        tuple(map(str, x)),
+        tuple(rational_terms(e, x, f"the rate of {v}") for v, e in system.equations.items()),
+        {},
+        tuple(f"d{v}/dt = {Formula(e).plain}" for v, e in system.equations.items()),
+    )
+
+
+def field_of_formulas(rates: Mapping[str, str], constants: Mapping[str, str] | None = None) -> PolynomialField:
+    """A polynomial field from formulas in the grammar of system files; it need not be Hamiltonian.
+
+    Args:
+        rates: The rate of change of each coordinate, by its name.
+        constants: Constants of motion, by name.
+
+    Raises:
+        ExpressionError: a formula cannot be read.
+        ParameterError: one is no polynomial with rational coefficients.
+    """
+    from sympy import Symbol
+
+    names = tuple(rates)
+    x = [Symbol(name) for name in names]
+
+    def terms(text: str, what: str) -> Terms:
+        return rational_terms(read_expression(text, Scope(symbols=names)), x, what)
+
+    return PolynomialField(
+        names,
+        tuple(terms(text, f"the rate of {name}") for name, text in rates.items()),
+        {name: terms(text, name) for name, text in (constants or {}).items()},
+        tuple(f"d{name}/dt = {text}" for name, text in rates.items()),
+    )
+
+
+def along(terms: Terms, rates: Sequence[Terms]) -> Terms:
+    """The rate of change of a polynomial along a field, exactly."""
+    total: Terms = {}
+    for k, rate in enumerate(rates):
+        for m, c in derivative(terms, k).items():
+            for e, d in rate.items():
+                place = tuple(a + b for a, b in zip(m, e, strict=True))
+                total[place] = total.get(place, Fraction(0)) + c * d
+    return {m: c for m, c in total.items() if c}
+
+
+def value(terms: Terms, state: Sequence[Fraction]) -> Fraction:
+    """A polynomial at a rational point, exactly."""
+    return sum(
+        (c * prod((v**e for v, e in zip(state, m, strict=True)), start=Fraction(1)) for m, c in terms.items()),
+        Fraction(0),
+    )

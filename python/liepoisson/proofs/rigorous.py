@@ -1,0 +1,256 @@
+"""What the rigorous enclosures have in common: the field, the arithmetic, and doubles as bounds of balls."""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+import numpy as np
+
+from liepoisson.arrays import Array
+from liepoisson.errors import EnclosureError, ParameterError, ShapeError
+from liepoisson.exact.parameters import read_parameter
+from liepoisson.phase_space._checks import as_system
+from liepoisson.proofs.ball_lohner import How
+from liepoisson.proofs.box import Box, BoxLike, as_box
+from liepoisson.proofs.polynomial_field import PolynomialField, along, equations_of, polynomial_field, value
+from liepoisson.scalars import as_count, as_number, as_time_limit
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from flint import arb
+
+    from liepoisson.exact.system import System
+
+Arithmetic: TypeAlias = Literal["intervals", "balls"]
+ARITHMETICS = ("intervals", "balls")
+ORDERS = {"intervals": 20, "balls": 32}
+"""Of the Taylor polynomials, by default."""
+PRECISION = 128
+"""Bits of balls by default: doubles and as much again, which is what the steps lose."""
+MAX_STEPS = 1_000_000
+_DIGITS = 2.0**-57
+"""Remainders of the series, in units of the largest component: below the round-off of doubles."""
+_LEAST, _MOST = -100, 60
+"""Powers of two between which numbers are small enough for the rational numbers of the core."""
+
+
+@dataclass(frozen=True)
+class Means:
+    """How something is enclosed, checked.
+
+    Attributes:
+        arithmetic: "intervals" or "balls".
+        order: Of the Taylor polynomials.
+        step: The longest step; none where the series alone says.
+        precision: Bits of the balls.
+        time_limit: Seconds.
+        progress: Called with the fraction that is done.
+    """
+
+    arithmetic: Arithmetic
+    order: int
+    step: float | None
+    precision: int
+    time_limit: float
+    progress: Callable[[float], Any] | None
+
+    @classmethod
+    def of(
+        cls,
+        arithmetic: object,
+        *,
+        order: object = None,
+        step: object = None,
+        precision: object = PRECISION,
+        time_limit: float = math.inf,
+        progress: Callable[[float], Any] | None = None,
+    ) -> Means:
+        """What a caller gives.
+
+        Raises:
+            ParameterError: an arithmetic has another name, or a number is out of range.
+        """
+        if not isinstance(arithmetic, str) or arithmetic not in ARITHMETICS:
+            raise ParameterError(
+                f'arithmetic: wanted "intervals" or "balls"; got {shown(arithmetic)}; intervals are the faster ones'
+            )
+        longest = None if step is None else positive(step, "step", "leave it out for steps that fit to the series")
+        chosen: Arithmetic = arithmetic
+        return cls(
+            chosen,
+            ORDERS[chosen] if order is None else as_count(order, "order", least=2, most=60, hint="try order=20"),
+            longest,
+            as_count(precision, "precision", least=53, most=100_000, hint="try precision=128"),
+            as_time_limit(time_limit),
+            progress,
+        )
+
+    def of_core(self, box: Box, time: float) -> tuple[int, float, float | None, int]:
+        """The same for the core."""
+        size = float(max(np.abs(box.lower).max(initial=0.0), np.abs(box.upper).max(initial=0.0)))
+        longest = max(abs(time), 1e-300) if self.step is None else self.step
+        return self.order, longest, _DIGITS * (size or 1.0), MAX_STEPS
+
+    def of_balls(self, time: float) -> How:
+        """The same for balls."""
+        longest = max(abs(time), 1e-300) if self.step is None else self.step
+        return How(self.order, longest, self.precision, clock.monotonic() + self.time_limit, self.progress)
+
+
+def positive(given: object, name: str, hint: str, *, or_zero: bool = False) -> float:
+    """A finite positive number, exactly the double that it is.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    wanted = "a finite number that is not negative" if or_zero else "a finite positive number"
+    number = as_number(given, name, wanted)
+    if not (math.isfinite(number) and (number > 0 or (or_zero and number == 0))):
+        raise ParameterError(f"{name}: wanted {wanted}; got {number!r}; {hint}")
+    return number
+
+
+def equations(system: System | PolynomialField) -> PolynomialField:
+    """The equations of a system, or a field that is none.
+
+    Raises:
+        ParameterError: they are not polynomial, or a coefficient is not rational.
+    """
+    return system if isinstance(system, PolynomialField) else equations_of(as_system(system))
+
+
+def equations_and_constants(system: System | PolynomialField) -> PolynomialField:
+    """The equations, H and the Casimirs.
+
+    Raises:
+        ParameterError: they are not polynomial, a coefficient is not rational, or a constant of a field is none.
+    """
+    if not isinstance(system, PolynomialField):
+        return polynomial_field(as_system(system))
+    for name, constant in system.constants.items():
+        if along(constant, system.rates):
+            raise ParameterError(f"{name}: wanted a constant of motion; its rate of change along the field is not zero")
+    return system
+
+
+def name_of(system: System | PolynomialField) -> str:
+    """What a result calls its system."""
+    return "a polynomial field" if isinstance(system, PolynomialField) else system.name
+
+
+def box_of_states(given: BoxLike, field: PolynomialField, name: str = "box") -> Box:
+    """A box of states.
+
+    Raises:
+        ParameterError: it is empty or a bound is not finite.
+        ShapeError: it has another shape.
+    """
+    box = as_box(given, name)
+    if box.lower.shape != (n := len(field.names),):
+        raise ShapeError(
+            f"{name}: wanted bounds of {n} components ({', '.join(field.names)}); got shape {box.lower.shape}; give "
+            "lp.proofs.Box(lower, upper), a tuple of both, or one state"
+        )
+    return box
+
+
+def one_state(given: BoxLike, field: PolynomialField, name: str) -> Array:
+    """One state as doubles, which need not be exact.
+
+    Raises:
+        ParameterError: a number is not finite.
+        ShapeError: it has another shape.
+    """
+    return box_of_states(given, field, name).midpoint
+
+
+def level_values(
+    given: Mapping[str, object] | None, field: PolynomialField, names: Sequence[str], state: Sequence[float]
+) -> dict[str, Fraction]:
+    """Exact values of constants of motion: those that are given, else the doubles nearest to those of a state.
+
+    Raises:
+        ParameterError: a constant has no value or is not known, or a value is not rational.
+    """
+    if given is None:
+        at = [Fraction(v) for v in state]
+        return {name: _near(value(field.constants[name], at), name) for name in names}
+    if not isinstance(given, Mapping):  # pyright: ignore[reportUnnecessaryIsInstance]  # what comes from outside
+        raise ParameterError(f"level: wanted values by name; got {shown(given)}; write {_example(names)}")
+    if set(given) != set(names):
+        raise ParameterError(
+            f"level: wanted values of {', '.join(names) or 'nothing'}; got {', '.join(map(str, given)) or 'nothing'}; "
+            f"write {_example(names)}"
+        )
+    found: dict[str, Fraction] = {}
+    for name in names:
+        item: Any = given[name]
+        number = Fraction(item) if isinstance(item, float) and math.isfinite(item) else read_parameter(item, name)
+        if not isinstance(number, Fraction):
+            raise ParameterError(f"level: wanted a rational value of {name}; got {shown(item)}; give a double near it")
+        found[name] = number
+    return found
+
+
+def _example(names: Sequence[str]) -> str:
+    return f"level={{{', '.join(f'{name!r}: ...' for name in names)}}}"
+
+
+def _near(number: Fraction, name: str) -> Fraction:
+    """A double near a number, and 0 where it is tiny: the core has rational numbers of 127 bits."""
+    try:
+        near = Fraction(float(number))
+    except OverflowError as error:
+        raise ParameterError(f"level: wanted a value of {name} that a double holds; got {shown(number)}") from error
+    return near if near.denominator.bit_length() <= -_LEAST else Fraction(round(near * 2**-_LEAST), 2**-_LEAST)
+
+
+def down(b: arb) -> float:
+    """The largest double known to be below a ball.
+
+    Raises:
+        EnclosureError: the ball is not finite.
+    """
+    return -up(-b)
+
+
+def up(b: arb) -> float:
+    """The smallest double known to be above a ball.
+
+    Raises:
+        EnclosureError: the ball is not finite.
+    """
+    from flint import arb
+
+    if not b.is_finite():
+        raise EnclosureError("bounds that are not finite; try a smaller set or a higher precision")
+    bound = b.upper()
+    found = float(bound.mid())
+    while math.isfinite(found) and not (arb(found) >= bound):
+        found = math.nextafter(found, math.inf)
+    if not math.isfinite(found):
+        raise EnclosureError("bounds beyond the range of doubles; try a smaller set or another unit")
+    return found
+
+
+def rounded(balls: Sequence[arb], shape: tuple[int, ...]) -> Box:
+    """A box of doubles around balls."""
+    low = np.array([down(b) for b in balls], float).reshape(shape)
+    return Box(low, np.array([up(b) for b in balls], float).reshape(shape))
+
+
+def pair(b: arb) -> tuple[float, float]:
+    """Doubles around one ball."""
+    return down(b), up(b)
+
+
+def as_ball(lower: float, upper: float) -> arb:
+    """A ball that contains an interval."""
+    from flint import arb
+
+    return arb(lower).union(arb(upper))
