@@ -127,7 +127,7 @@ def checker(shipped, twisted):
     with working():
         found = ball_checker._Checker(read_certificate(shipped), twisted, lambda _: None)
         ends = {found.graph.start, found.graph.other}
-        charts = [ball_checker.chart(found.field, s, found.level, ball_checker.UNIT) for s in found.sets]
+        charts = [ball_checker.chart(found.field, s, found.level, s.unit) for s in found.sets]
         edges = [e for e in found.certificate.edges if {e.source, e.target} == ends]
         found.certificate = dataclasses.replace(found.certificate, edges=tuple(edges))
         loop = [found._transition(e, found.sets[e.source], charts[e.source], found.sets[e.target]) for e in edges]
@@ -163,6 +163,6 @@ def test_gradients_of_a_cubic_are_enclosed_away_from_the_center(twisted):
     field = BallField(dataclasses.replace(twisted, constants={"F": cube, **dict(list(twisted.constants.items())[1:])}))
     with working():
         identity = arb_mat([[int(i == j) for j in range(9)] for i in range(9)])
-        whole = BallSet("a set", [arb(1)] + [arb(0)] * 8, identity)
+        whole = BallSet("a set", [arb(1)] + [arb(0)] * 8, identity, 2)
         found = _gradients(field, whole, [arb("0.5"), arb(0), arb(0), arb(0)], [arb(0)] * 4)
     assert found[0, 0].contains(arb("6.75"))

@@ -11,7 +11,7 @@ from liepoisson import _core
 from liepoisson.errors import EnclosureError
 from liepoisson.proofs import interval_checker
 from liepoisson.proofs.certificate import read_certificate
-from liepoisson.proofs.interval_checker import check_in_intervals, core_terms, reversers
+from liepoisson.proofs.interval_checker import check_in_intervals, core_terms, energy_shift, reversers
 from liepoisson.proofs.polynomial_field import polynomial_field
 
 
@@ -155,10 +155,7 @@ def test_numbers_that_are_not_finite_are_refused(shipped, twisted, place, value)
         (("NEAR", 2.0), "short against the loops"),
         (("REACH", 1e-9), "chart"),
         (("REACH", 10.0), "chart"),
-        (("LEVEL_RADIUS", Fraction(1, 10**5)), "set|edge"),
-        (("ENERGY_SHIFT", Fraction(1, 10**6)), "two levels of the ball"),
-        (("ENERGY_SHIFT", Fraction(1, 10**13)), "different angles"),
-        (("N_UNSTABLE", 3), "chart"),
+        (("COMPLEX", 3), "sections of dimension"),
     ],
 )
 @pytest.mark.thorough
@@ -166,6 +163,34 @@ def test_settings_cannot_weaken_what_is_proved(shipped, twisted, monkeypatch, se
     monkeypatch.setattr(interval_checker, *setting)
     with pytest.raises(EnclosureError, match=words):
         check_in_intervals(read_certificate(shipped), twisted)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("shift", "words"),
+    [(Fraction(1, 10**6), "two levels of the ball"), (Fraction(1, 10**13), "different angles")],
+)
+def test_without_two_angles_nothing_is_said_about_integrals(shipped, twisted, monkeypatch, shift, words):
+    """The shift and the entropy do not depend on the angles of the multipliers."""
+    monkeypatch.setattr(interval_checker, "energy_shift", lambda _: shift)
+    found = check_in_intervals(read_certificate(shipped), twisted)
+    assert words in found.undecided
+    assert (found.rotations, found.discriminant, found.excludes_integrals) == (None, None, False)
+    assert found.expansion > 1.2
+    assert 0.0479 < found.entropy < 0.0481
+
+
+@pytest.mark.thorough
+def test_a_large_ball_of_levels_is_refused(altered, twisted):
+    altered["level_radius"] = "1/100000"
+    with pytest.raises(EnclosureError, match=r"set|edge"):
+        check_in_intervals(read_certificate(altered), twisted)
+
+
+def test_energies_are_compared_within_the_ball_of_levels():
+    assert energy_shift(Fraction(3, 10**8)) == Fraction(1, 2**26)
+    for radius in (Fraction(7), Fraction(1, 10**9), Fraction(1, 2**30)):
+        assert radius / 4 < energy_shift(radius) <= radius / 2 or energy_shift(radius) == 1
 
 
 TIMES = ((3.1870, 3.1873), (40.674, 40.677))
@@ -200,7 +225,7 @@ def test_visits_are_a_part_of_the_check(shipped, twisted, monkeypatch):
 
 def test_the_normal_of_a_section_is_exact():
     frame = [[float((3 * i + 5 * j * j + i * j) % 7) + (i == j) / 8 for j in range(9)] for i in range(9)]
-    normal = interval_checker._normal(frame)
+    normal = interval_checker._normal(frame, 2)
     products = [sum(n * Fraction(row[k]) for n, row in zip(normal, frame, strict=True)) for k in range(9)]
     assert products == [Fraction(k == 2) for k in range(9)]
 

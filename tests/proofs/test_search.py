@@ -118,7 +118,7 @@ def test_the_adapted_norm_is_needed(candidate):
 @pytest.mark.thorough
 def test_the_record_is_the_chain(candidate, tmp_path):
     found = json.loads(candidate.save(tmp_path / "certificate.json").read_text())
-    assert list(found) == ["system", "level", "symmetry", "sets", "edges"]
+    assert list(found) == ["system", "level", "level_radius", "symmetry", "sets", "edges"]
     assert found["system"]["name"] == "twisted Kovalevskaya top"
     assert found["system"]["equations"]["alpha2"] == "-alpha1*l3 + alpha3*l1/2 - beta3"
     assert found["level"] == {"H": "1/2", "C1": "1", "C2": "1/2", "C3": "1"}

@@ -99,7 +99,7 @@ def test_intervals_accept_what_is_shipped(shipped, twisted):
 def test_the_theorem_is_printed_with_its_margins():
     proof = lp.proofs.prove_chaos(lp.Top.twisted_kovalevskaya(), arithmetics=["intervals"])
     text = str(proof)
-    assert "entropy of the flow on E is greater than 0.0480" in text
+    assert "entropy of the flow is greater than 0.0480" in text
     assert "dalpha2/dt = alpha3*l1/2 - alpha1*l3 - beta3" in text
     assert "Not proved" in text
     assert "The level is regular" in text

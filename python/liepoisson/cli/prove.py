@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
 CERTIFICATE_HELP = "Certificate to check, .json.  [default: the one that comes with the package]"
 SEARCH_HELP = "Search for a new certificate and check it, on --level or on the level of the one in the package."
-LEVEL_HELP = "Values of H and the Casimirs for --search: --level H=1/2 --level C1=1 ..."
+LEVEL_HELP = "Values of H and all Casimirs for --search: --level H=4,C1=10,C2=-2,C3=1."
+STARTS_HELP = (
+    "Starts of the searches for periodic orbits with --search; homoclinic orbits have twice as many.  [default: 200]"
+)
 OUT_HELP = "Write the certificate that --search found to this file, .json."
 
 
@@ -29,7 +32,8 @@ def prove(
     *,
     certificate: Annotated[str | None, typer.Option(metavar="FILE", help=CERTIFICATE_HELP)] = None,
     search: Annotated[bool, typer.Option("--search", help=SEARCH_HELP)] = False,
-    level: Annotated[list[str] | None, typer.Option(metavar="NAME=VALUE", help=LEVEL_HELP)] = None,
+    level: Annotated[list[str] | None, typer.Option(metavar="H=VALUE,...", help=LEVEL_HELP)] = None,
+    starts: Annotated[int | None, typer.Option(metavar="N", help=STARTS_HELP)] = None,
     seed: Annotated[int, typer.Option(help="Seed of the search.")] = 0,
     out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
     format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
@@ -38,12 +42,13 @@ def prove(
 ) -> None:
     """Prove that a top is chaotic: check a certificate in two arithmetics and print the theorem that follows.
 
-    A certificate that fails a check is refused with the name of the first one that fails, and exit code 2.
+    With --search, a certificate is first looked for on a level of any top. One that fails a check is refused with the
+    name of the first check that fails, and exit code 2.
     """
     from liepoisson.proofs.theorem import prove_chaos
 
-    if not search and (level or out is not None):
-        raise ParameterError("--level and --out belong to --search; add it, or leave them out")
+    if not search and (level or starts is not None or out is not None):
+        raise ParameterError("--level, --starts and --out belong to --search; add it, or leave them out")
     if search and certificate is not None:
         raise ParameterError("wanted --certificate to check a file or --search to find one; got both")
     path = None if out is None else checked_file(out, "--out", (".json",), "proof.json")
@@ -51,7 +56,9 @@ def prove(
     found: Any = certificate
     with progress_bar(quiet=quiet) as bar:
         if search:
-            candidate = _searched(chosen, level or (), seed, lambda done: bar and bar("searching", done, 1.0))
+            options = {} if starts is None else {"n_starts": starts}
+            listen = None if bar is None else (lambda done: bar("searching", done, 1.0))
+            candidate = _searched(chosen, level or (), seed=seed, progress=listen, **options)
             if path is not None:
                 candidate.save(path)
             found = candidate
@@ -60,26 +67,24 @@ def prove(
     print(json.dumps(record(proof), indent=2) if format_ is Format.JSON else proof)
 
 
-def _searched(system: System, level: Sequence[str], seed: int, progress: Any) -> Any:
+def _searched(system: System, level: Sequence[str], **options: Any) -> Any:
     """A certificate that was found on a level."""
+    from liepoisson.cli.starts import assignments, split_at_commas
     from liepoisson.proofs.search import find_certificate
-    from liepoisson.proofs.theorem import shipped_certificate
+    from liepoisson.proofs.theorem import has_shipped_certificate, shipped_certificate
 
     if level:
-        values = dict(_assignment(text) for text in level)
+        values = assignments(split_at_commas(level), "--level", "--level H=1/2,C1=1", "constant of motion")
         if "H" not in values:
             raise ParameterError("--level: wanted the value of H, too; add --level H=1/2")
-    else:
+    elif has_shipped_certificate(system):
         values = {name: str(value) for name, value in shipped_certificate(system).level.items()}
+    else:
+        raise ParameterError(
+            f"--search: wanted a level of {system.name}; name the values of H and all Casimirs, as in --level H=1,C1=1"
+        )
     energy = values.pop("H")
-    return find_certificate(system, values, energy, seed=seed, progress=progress)
-
-
-def _assignment(text: str) -> tuple[str, str]:
-    name, sign, value = text.partition("=")
-    if not sign or not name.strip() or not value.strip():
-        raise ParameterError(f"--level: wanted NAME=VALUE, such as H=1/2; got {text}")
-    return name.strip(), value.strip()
+    return find_certificate(system, values, energy, **options)
 
 
 def record(proof: ChaosProof) -> dict[str, Any]:
@@ -89,6 +94,7 @@ def record(proof: ChaosProof) -> dict[str, Any]:
         "equations": list(proof.field.equations),
         "level": {name: str(value) for name, value in proof.certificate.level.items()},
         "entropy_above": proof.entropy,
+        "excludes_further_analytic_integrals": proof.excludes_integrals,
         "accepted_by": [asdict(m) for m in proof.margins],
         "notes": list(proof.notes),
     }

@@ -88,7 +88,7 @@ def find_start(
         system,
         start=_state(start, "--start", component),
         guess=_state(guess, "--guess", component),
-        leaf=assignments(_COMMAS.split(",".join(leaf)), "--leaf", "--leaf C1=1,C2=0", "Casimir") if leaf else None,
+        leaf=assignments(split_at_commas(leaf), "--leaf", "--leaf C1=1,C2=0", "Casimir") if leaf else None,
         energy=energy,
         seed=seed,
         prefix="--",
@@ -163,6 +163,11 @@ def _state(words: Sequence[str], option: str, component: str) -> list[str] | dic
         return _items(words[0])
     named = assignments(words, option, f"{option} {component}=1", "component")
     return {name: _items(text) for name, text in named.items()}
+
+
+def split_at_commas(texts: Sequence[str]) -> list[str]:
+    """The words of an option that may come several times and takes several words, as in --leaf C1=1,C2=0."""
+    return _COMMAS.split(",".join(texts))
 
 
 def assignments(words: Sequence[str], option: str, example: str, noun: str) -> dict[str, str]:

@@ -12,7 +12,6 @@ from flint import acb, arb, arb_mat
 
 from liepoisson.errors import EnclosureError
 from liepoisson.proofs.ball_covering import (
-    UNIT,
     CoveringMargins,
     Landing,
     Transition,
@@ -31,19 +30,17 @@ from liepoisson.proofs.chain_graph import ChainGraph, chain_graph
 from liepoisson.proofs.margins import Margins, Rotation
 from liepoisson.proofs.polynomial_field import PolynomialField
 
-LEVEL_RADIUS = Fraction(3, 10**8)
 SMALL = Fraction(1, 10)
 """Factor of the sets in which gamma is shown to be symmetric."""
-TINY = Fraction(1, 10**9)
+TINY = Fraction(1, 10**12)
 """Factor of the sets in which the rotation numbers are measured."""
-ENERGY_SHIFT = Fraction(1, 2**26)
 OFF_LEVEL = Fraction(1, 2**36)
 """Centers lie on the level up to this; a certificate is about the level that it names, not one nearby."""
 NEAR = 0.3
 """Orbits near the middle set at times less than this from their own passage are no other passage."""
-DIMENSION = 9
 _NEWTON_STEPS = 2
 """After two, the orbit on a neighbouring level is known to 1e-12 of the size of its sets, and its times to 1e-16."""
+_MOST_UNSTABLE = 2
 
 
 def check_in_balls(
@@ -71,16 +68,16 @@ class _Checker:
     def __init__(
         self, certificate: CoveringCertificate, field: PolynomialField, keep_going: Callable[[float], object]
     ) -> None:
-        self._require_form(certificate, field)
+        self.k = self._unstable_directions(certificate, field)
         self.certificate, self.exact, self.keep_going = certificate, field, keep_going
         self.field = BallField(field)
         self.signs = certificate.symmetry
         self.graph: ChainGraph = chain_graph(
             len(certificate.sets), [(e.source, e.target, e.symmetry) for e in certificate.edges]
         )
-        self.level = constants_of(certificate.level, self.field.constant_names, LEVEL_RADIUS)
+        self.level = constants_of(certificate.level, self.field.constant_names, certificate.level_radius)
         self.sets = [
-            BallSet(s.name, [arb(c) for c in s.center], arb_mat([[arb(e) for e in row] for row in s.frame]))
+            BallSet(s.name, [arb(c) for c in s.center], arb_mat([[arb(e) for e in row] for row in s.frame]), self.k)
             for s in certificate.sets
         ]
         self.n_steps = 0
@@ -90,7 +87,7 @@ class _Checker:
         """All conditions in their order."""
         edges = self.certificate.edges
         self._require_level()
-        charts = [chart(self.field, s, self.level, UNIT) for s in self.sets]
+        charts = [chart(self.field, s, self.level, s.unit) for s in self.sets]
         found: list[Transition] = []
         judged: list[CoveringMargins] = []
         for e in edges:
@@ -99,38 +96,47 @@ class _Checker:
         self._require_charts_over_images(found)
         self._require_single_visits(charts, found)
         small, small_charts, small_loop = self._small_loop()
-        symmetric_q = self._require_symmetric_orbit(small, small_charts, small_loop, found)
+        symmetric_q, reversers = self._require_symmetric_orbit(small, small_charts, small_loop, found)
         apart = self._require_separation(charts, found)
         times = self._loop_times(found)
-        discriminant = self._require_complex_multipliers(small_loop)
-        rotations = self._rotations(small_loop, found)
+        discriminant, rotations, undecided = self._rotation_margins(small_loop, found)
         return Margins(
             arithmetic="Arb balls",
+            n_unstable=self.k,
             n_edges=len(edges),
             n_steps=self.n_steps,
-            level_radius=str(LEVEL_RADIUS),
+            level_radius=str(self.certificate.level_radius),
             expansion=_down(min_of([m.expansion for m in judged])),
             contraction=_up(max_of([m.contraction for m in judged])),
             cone=_down(min_of([m.cone for m in judged])),
+            reversers=reversers,
             symmetric_q=_up(symmetric_q),
             apart_from_orbit=_down(apart[0]),
             apart_from_excursion=_down(apart[1]),
             apart_from_image=_down(apart[2]),
             loop_times=(_up(times[0]), _up(times[1])),
             entropy=entropy_bound(*times),
-            discriminant=_up(discriminant),
+            discriminant=discriminant,
             rotations=rotations,
+            undecided=undecided,
             seconds=time.perf_counter() - started,
         )
 
     # form
 
     @staticmethod
-    def _require_form(certificate: CoveringCertificate, field: PolynomialField) -> None:
-        if len(field.names) != DIMENSION or len(certificate.symmetry) != DIMENSION or len(field.constants) != 4:
+    def _unstable_directions(certificate: CoveringCertificate, field: PolynomialField) -> int:
+        """The number k of unstable directions: n coordinates are 2k, the flow, and the constants of motion.
+
+        Raises:
+            EnclosureError: the certificate has another form, or the system another dimension.
+        """
+        n, n_constants = len(field.names), len(field.constants)
+        k, odd = divmod(n - 1 - n_constants, 2)
+        if odd or not 1 <= k <= _MOST_UNSTABLE or len(certificate.symmetry) != n:
             raise EnclosureError(
-                f"the system: wanted nine coordinates, H and three Casimirs; got {len(field.names)} coordinates and "
-                f"{len(field.constants)} constants of motion"
+                "the system: wanted levels of dimension 3 or 5, with a sign of the symmetry for each coordinate; got "
+                f"{n} coordinates, {n_constants} constants of motion and {len(certificate.symmetry)} signs"
             )
         if set(certificate.level) != set(field.constants):
             raise EnclosureError(
@@ -143,8 +149,11 @@ class _Checker:
             raise EnclosureError(
                 "the symmetry: the equations and constants of motion do not have it, or it changes nothing"
             )
+        return k
 
     def _require_level(self) -> None:
+        if not self.certificate.level_radius > 0:
+            raise EnclosureError("the level: wanted a positive radius of the ball of levels")
         exact = constants_of(self.certificate.level, self.field.constant_names)
         for s in self.sets:
             for name, value, wanted in zip(
@@ -171,7 +180,7 @@ class _Checker:
     def _require_charts_over_images(self, found: Sequence[Transition]) -> None:
         """The charts are charts over all images, so that w is the only one there, too."""
         for number, target in enumerate(self.sets):
-            q = list(UNIT)
+            q = target.unit
             for edge, t in zip(self.certificate.edges, found, strict=True):
                 if edge.target == number:
                     q = [a.union(b) for a, b in zip(q, t.landing.q, strict=True)]
@@ -191,7 +200,7 @@ class _Checker:
                     f"{self._name(edge)}: orbits may come back to the section where they start within twice the window"
                 )
         start = self.graph.start
-        box = states_of(self.sets[start], charts[start], UNIT).box()
+        box = self._box(start, charts)
         if not _distance(box, self._image(box)) > 0:
             raise EnclosureError(f"set {self.sets[start].name}: it may meet its image under the symmetry")
 
@@ -201,7 +210,7 @@ class _Checker:
         """The short loop with sets that are smaller; it closes, too."""
         ends = (self.graph.start, self.graph.other)
         small = [self.sets[k].scaled(ball(SMALL)) for k in ends]
-        charts = [chart(self.field, s, self.level, UNIT) for s in small]
+        charts = [chart(self.field, s, self.level, s.unit) for s in small]
         edges = [self.certificate.edges[e] for e in self.graph.short]
         loop = [self._transition(edges[k], small[k], charts[k], small[1 - k]) for k in (0, 1)]
         for k in (0, 1):
@@ -210,16 +219,21 @@ class _Checker:
 
     def _require_symmetric_orbit(
         self, small: Sequence[BallSet], charts: Sequence[Chart], loop: Sequence[Transition], found: Sequence[Transition]
-    ) -> arb:
-        """The images of gamma under a reverser pass through the sets, too: gamma is symmetric."""
+    ) -> tuple[arb, tuple[tuple[int, ...], ...]]:
+        """The images of gamma under a reverser pass through the sets, too: gamma is symmetric.
+
+        A bound of their size, and two reversers: the loop carries the symmetry once, so it maps gamma to itself, too.
+        """
         best: EnclosureError | None = None
-        for signs in product((1, -1), repeat=DIMENSION):
+        for signs in product((1, -1), repeat=self.field.n):
             if not self.exact.is_kept_by(signs, reverses_time=True):
                 continue
             try:
-                return self._same_orbit(small, charts, loop, found, signs)
+                size = self._same_orbit(small, charts, loop, found, signs)
             except EnclosureError as error:
                 best = best or error
+                continue
+            return size, (signs, tuple(a * b for a, b in zip(signs, self.signs, strict=True)))
         raise EnclosureError(f"the symmetry of gamma: no reverser maps it to itself provably ({best})")
 
     def _same_orbit(
@@ -238,13 +252,13 @@ class _Checker:
         ends = (self.graph.start, self.graph.other)
         landings: list[Landing] = []
         for k in (0, 1):
-            states = states_of(sets[k], charts[k], UNIT)
+            states = states_of(sets[k], charts[k], sets[k].unit)
             if reverser is not None:
                 # the loop carries the symmetry once, so the reversers at its two sets differ by it
                 signs = reverser if k == 0 else [a * b for a, b in zip(reverser, self.signs, strict=True)]
                 states = states.mapped(diagonal(signs))
             landings.append(landing(self.field, states, charts[k], self.sets[ends[k]]))
-        sizes = [length(part) for one in landings for part in (one.q[:2], one.q[2:])]
+        sizes = [length(part) for one in landings for part in (one.q[: self.k], one.q[self.k :])]
         if not all(size < 1 for size in sizes) or not all(magnitude(w) < LARGEST_W for one in landings for w in one.w):
             raise EnclosureError("the orbit does not provably pass through the sets")
         shift = arb(0, 1) * (landings[0].window + landings[1].window)
@@ -255,6 +269,22 @@ class _Checker:
             if not magnitude(difference) < found[edge].landing.window:
                 raise EnclosureError("the flight times of the orbit are not provably those of the edges")
         return max_of(sizes)
+
+    def _rotation_margins(
+        self, small_loop: Sequence[Transition], found: Sequence[Transition]
+    ) -> tuple[float | None, tuple[Rotation, Rotation] | None, str]:
+        """What is proved of the angle of the multipliers, and why that is not all.
+
+        Two unstable multipliers may be real; everything but the theorem on integrals is true then, too.
+        """
+        if self.k == 1:
+            return None, None, ""
+        discriminant: float | None = None
+        try:
+            discriminant = _up(self._require_complex_multipliers(small_loop))
+            return discriminant, self._rotations(small_loop, found), ""
+        except EnclosureError as error:
+            return discriminant, None, str(error)
 
     def _require_complex_multipliers(self, loop: Sequence[Transition]) -> arb:
         """T^2/4 - S + 2 < 0: no multiplier of gamma is real or on the unit circle, on any level of the ball."""
@@ -267,7 +297,10 @@ class _Checker:
     def _rotations(self, small_loop: Sequence[Transition], found: Sequence[Transition]) -> tuple[Rotation, Rotation]:
         """The rotation numbers on two levels of the ball, which differ."""
         numbers: list[tuple[arb, Fraction]] = []
-        for shift in (-ENERGY_SHIFT, ENERGY_SHIFT):
+        step = Fraction(1, 2)
+        while 2 * step > self.certificate.level_radius:  # both levels are in the ball
+            step /= 2
+        for shift in (-step, step):
             energies = {**self.certificate.level, "H": self.certificate.level["H"] + shift}
             level = constants_of(energies, self.field.constant_names)
             numbers.append((self._rotation(level, small_loop, found), energies["H"]))
@@ -300,7 +333,7 @@ class _Checker:
         self, level: Vector, edges: Sequence[Edge], sets: Sequence[BallSet], times: Sequence[arb]
     ) -> tuple[list[Chart], list[Transition]]:
         """The charts of two sets on a level, and the maps between them."""
-        charts = [chart(self.field, s, level, UNIT) for s in sets]
+        charts = [chart(self.field, s, level, s.unit) for s in sets]
         return charts, [self._transition(edges[k], sets[k], charts[k], sets[1 - k], times[k]) for k in (0, 1)]
 
     @staticmethod
@@ -308,22 +341,23 @@ class _Checker:
         sets: Sequence[BallSet], charts: Sequence[Chart], loop: Sequence[Transition], maps: Sequence[arb_mat]
     ) -> list[BallSet]:
         """The sets about the periodic orbit that a step of Newton's method proposes; nothing is claimed of it."""
-        (a, b), (A, B) = [arb_mat(4, 1, [o.mid() for o in t.landing.offset]) for t in loop], maps
-        identity = arb_mat([[int(i == j) for j in range(4)] for i in range(4)])
+        n, (A, B) = maps[0].nrows(), maps
+        a, b = [arb_mat(n, 1, [o.mid() for o in t.landing.offset]) for t in loop]
+        identity = arb_mat([[int(i == j) for j in range(n)] for i in range(n)])
         q_start = (identity - B * A).solve(B * a + b)
         q_other = A * q_start + a
         moved: list[BallSet] = []
         for s, c, q in zip(sets, charts, (q_start, q_other), strict=True):
             w = arb_mat(len(c.w), 1, c.w_center) + c.slopes * q
             center = s.states([arb(e.mid()) for e in q.entries()], [arb(e.mid()) for e in w.entries()])
-            moved.append(BallSet(s.name, [arb(x.mid()) for x in center], s.frame))
+            moved.append(BallSet(s.name, [arb(x.mid()) for x in center], s.frame, s.k))
         return moved
 
     # the excursion
 
     def _require_separation(self, charts: Sequence[Chart], found: Sequence[Transition]) -> tuple[arb, arb, arb]:
         """The middle set is away from gamma, from the excursion at other times, and from the image of all of it."""
-        graph, middle = self.graph, states_of(self.sets[self.graph.middle], charts[self.graph.middle], UNIT).box()
+        graph, middle = self.graph, self._box(self.graph.middle, charts)
         orbit = [t.box for e in graph.short for t in found[e].tubes]
         excursion = [t.box for e in graph.long for t in found[e].tubes]
         at_other_times, passage = self._away_from_passage(found)
@@ -339,6 +373,10 @@ class _Checker:
                 raise EnclosureError(f"separation: the middle set may meet {what}")
         self._require_times_apart(found, passage)
         return distances
+
+    def _box(self, number: int, charts: Sequence[Chart]) -> Vector:
+        """A box that contains a set."""
+        return states_of(self.sets[number], charts[number], self.sets[number].unit).box()
 
     def _away_from_passage(self, found: Sequence[Transition]) -> tuple[list[Vector], arb]:
         """Boxes of the excursion away from the middle set's own passage, and a bound of |t| in those left out."""

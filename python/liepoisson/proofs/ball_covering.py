@@ -26,10 +26,9 @@ from flint import arb, arb_mat
 from liepoisson.errors import EnclosureError
 from liepoisson.proofs.ball_field import BallField, Vector, as_column, lies_inside, magnitude, norm
 from liepoisson.proofs.ball_flow import Parallelepiped, Tube, column, flow
-from liepoisson.proofs.ball_sets import LARGEST_W, Q_COLUMNS, BallSet, Chart, states_of
+from liepoisson.proofs.ball_sets import LARGEST_W, BallSet, Chart, states_of
 
 LARGEST_STEP = 0.1
-UNIT = [arb(0, 1)] * 4
 
 
 @dataclass(frozen=True)
@@ -38,7 +37,7 @@ class Landing:
 
     Attributes:
         offset: The image of the center of the chart, q'_0.
-        slopes: R, the derivative over the set, 4 x 4.
+        slopes: R, the derivative over the set, a matrix with a row and a column for each coordinate q.
         q: A box of all images.
         w: A box of their coordinates w.
         time: The times that are left until they cross.
@@ -107,7 +106,7 @@ def transition(
     Raises:
         EnclosureError: the orbits do not provably cross the section once.
     """
-    end, tubes = flow(field, states_of(source, proved, UNIT), time, LARGEST_STEP)
+    end, tubes = flow(field, states_of(source, proved, source.unit), time, LARGEST_STEP)
     found = landing(field, end if signs is None else end.mapped(diagonal(signs)), proved, target)
     last = found.box if signs is None else [s * b for s, b in zip(signs, found.box, strict=True)]
     whole = Tube(time - found.window, time + found.window, last)  # the symmetry is its own inverse
@@ -133,17 +132,18 @@ def landing(field: BallField, states: Parallelepiped, proved: Chart, target: Bal
     center = [c + center_time * f for c, f in zip(states.center, rates, strict=True)]
     at_center = column(target.inverse * as_column(_difference(center, target.center)))
     derivative = _derivative(field, states.matrix, target, box, window)
-    by_q, by_w = _columns(derivative, range(4)), _columns(derivative, range(4, 4 + len(proved.w)))
+    n_q, q_columns = 2 * target.k, target.q_columns
+    by_q, by_w = _columns(derivative, range(n_q)), _columns(derivative, range(n_q, derivative.ncols()))
     from_middle = as_column(_difference(proved.w_center, proved.middle))
     offset = [a + b for a, b in zip(at_center, column(by_w * from_middle), strict=True)]
     slopes = by_q + by_w * proved.slopes
-    everywhere = [o + c for o, c in zip(offset, column(slopes * as_column(states.ranges[:4])), strict=True)]
+    everywhere = [o + c for o, c in zip(offset, column(slopes * as_column(states.ranges[:n_q])), strict=True)]
     rows = slopes.tolist()
     return Landing(
-        offset=[offset[k] for k in Q_COLUMNS],
-        slopes=arb_mat([rows[k] for k in Q_COLUMNS]),
-        q=[everywhere[k] for k in Q_COLUMNS],
-        w=everywhere[5:],
+        offset=[offset[k] for k in q_columns],
+        slopes=arb_mat([rows[k] for k in q_columns]),
+        q=[everywhere[k] for k in q_columns],
+        w=[everywhere[k] for k in target.w_columns],
         time=-_gap(states, target) / speed,
         window=window,
         box=box,
@@ -156,16 +156,16 @@ def covering(name: str, found: Landing) -> CoveringMargins:
     Raises:
         EnclosureError: a condition fails; the message names it.
     """
-    rows = found.slopes.tolist()
-    uu, us = (arb_mat([row[k : k + 2] for row in rows[:2]]) for k in (0, 2))
-    su, ss = (norm2(arb_mat([row[k : k + 2] for row in rows[2:]])) for k in (0, 2))
+    rows, k = found.slopes.tolist(), found.slopes.nrows() // 2
+    uu, us = (arb_mat([row[j : j + k] for row in rows[:k]]) for j in (0, k))
+    su, ss = (norm2(arb_mat([row[j : j + k] for row in rows[k:]])) for j in (0, k))
     try:
         K = uu.inv()
     except ZeroDivisionError as error:
         raise EnclosureError(f"{name}: the unstable block of the derivative may be singular") from error
     size, us_norm = norm2(K), norm2(us)
-    expansion = (1 - length(column(K * as_column(found.offset[:2]))) - size * us_norm) / size
-    contraction = length(found.offset[2:]) + su + ss
+    expansion = (1 - length(column(K * as_column(found.offset[:k]))) - size * us_norm) / size
+    contraction = length(found.offset[k:]) + su + ss
     a = 1 / size
     first, second = a**2 - su**2 - 1, 1 + us_norm**2 - ss**2
     cone = first * second - (a * us_norm + su * ss) ** 2
@@ -184,7 +184,15 @@ def covering(name: str, found: Landing) -> CoveringMargins:
 
 
 def norm2(matrix: arb_mat) -> arb:
-    """An upper bound of the norm of a 2 x 2 matrix: that of its midpoint, and the Frobenius norm of the rest."""
+    """An upper bound of the norm of a 1 x 1 or 2 x 2 matrix: that of its midpoint, and the Frobenius norm of the rest.
+
+    Raises:
+        EnclosureError: it is larger.
+    """
+    if matrix.nrows() == 1:
+        return length(matrix.entries())
+    if matrix.nrows() != 2:
+        raise EnclosureError(f"a norm: wanted one or two unstable directions; got {matrix.nrows()}")
     middle = matrix.mid()
     (a, b), (c, d) = middle.tolist()
     squares, determinant = a**2 + b**2 + c**2 + d**2, a * d - b * c

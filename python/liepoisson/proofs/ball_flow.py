@@ -27,6 +27,7 @@ from liepoisson.errors import EnclosureError
 from liepoisson.proofs.ball_field import BallField, Vector, as_column, lies_inside, magnitude, norm
 
 ORDER = 20
+_MOST_HALVINGS = 3
 _LARGEST_REMAINDER = 2.0**-12
 """Half-width of what a box Y has beyond the Taylor polynomial, in units of the largest component of X."""
 
@@ -73,7 +74,7 @@ def flow(
         field: The equations.
         states: Where the orbits start.
         time: How long they run; positive.
-        largest_step: Steps are equal, and not longer than this.
+        largest_step: Steps are equal, and not longer than this; one that fails is halved, at most three times.
         order: Order of the Taylor polynomials.
 
     Raises:
@@ -85,9 +86,25 @@ def flow(
     h = time / n_steps
     tubes: list[Tube] = []
     for k in range(n_steps):
-        states, box = advance(field, states, h, order)
-        tubes.append(Tube(h * k, h * (k + 1), box))
+        states, found = _advanced(field, states, (h * k, h), order, _MOST_HALVINGS)
+        tubes += found
     return states, tubes
+
+
+def _advanced(
+    field: BallField, states: Parallelepiped, span: tuple[arb, arb], order: int, halvings: int
+) -> tuple[Parallelepiped, list[Tube]]:
+    """One step from a time, or two of half the length where no box is found for one."""
+    start, h = span
+    try:
+        states, box = advance(field, states, h, order)
+    except EnclosureError:
+        if not halvings:
+            raise
+        states, first = _advanced(field, states, (start, h / 2), order, halvings - 1)
+        states, second = _advanced(field, states, (start + h / 2, h / 2), order, halvings - 1)
+        return states, first + second
+    return states, [Tube(start, start + h, box)]
 
 
 def advance(field: BallField, states: Parallelepiped, h: arb, order: int = ORDER) -> tuple[Parallelepiped, Vector]:

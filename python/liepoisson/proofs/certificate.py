@@ -4,9 +4,11 @@ JSON: doubles as C99 hexadecimal strings, rational constants as strings.
 
 - `system`: `name`, and `equations` as text;
 - `level`: the values of H and of the Casimirs;
+- `level_radius`: by how much they may differ on other levels for which the same is claimed; 3/100000000 if it is not
+  there;
 - `symmetry`: the signs of a map that keeps the equations, R;
-- `sets`: for each a `name`, its `center` and its `frame`, whose columns are two unstable directions, the flow, two
-  stable directions, and the gradients of H and the Casimirs;
+- `sets`: for each a `name`, its `center` and its `frame`, whose columns are k unstable directions, the flow, k stable
+  directions, and the gradients of H and the Casimirs;
 - `edges`: for each the sets `from` and `to`, the `time`, and whether R follows (`symmetry`).
 """
 
@@ -24,6 +26,8 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError
 from liepoisson.wrong_values import shown
 
+LEVEL_RADIUS = Fraction(3, 10**8)
+"""Radius of the ball of levels of a certificate that does not name one."""
 _MOST_BYTES = 20_000_000
 _MOST_SETS = 2_000
 
@@ -57,6 +61,7 @@ class CoveringCertificate:
     symmetry: tuple[int, ...]
     sets: tuple[CoveringSet, ...]
     edges: tuple[Edge, ...]
+    level_radius: Fraction = LEVEL_RADIUS
 
 
 @explains_its_arguments
@@ -115,7 +120,15 @@ def read_certificate(data: object) -> CoveringCertificate:
         symmetry=tuple(cast("list[int]", signs)),
         sets=sets,
         edges=tuple(_edge(entry, numbers, f"edge {k}") for k, entry in enumerate(edges)),
+        level_radius=_radius(record.get("level_radius", str(LEVEL_RADIUS))),
     )
+
+
+def _radius(value: object) -> Fraction:
+    found = _rational(value, "level_radius")
+    if not found > 0:
+        raise _FormatError(f"level_radius: wanted a positive number; got {found}")
+    return found
 
 
 def _set(data: object, n: int, where: str) -> CoveringSet:

@@ -21,6 +21,7 @@ References: [zgliczynski2004].
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from itertools import pairwise
 from math import ceil, log
 from typing import TYPE_CHECKING, Any
@@ -34,6 +35,7 @@ from liepoisson.orbits.homoclinic import lengthened
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import transversal_basis
 from liepoisson.orbits.shooting import Flow
+from liepoisson.proofs.certificate import LEVEL_RADIUS
 
 if TYPE_CHECKING:
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
@@ -87,12 +89,14 @@ class Chain:
         symmetry: A symmetry that keeps time and changes signs only, as nine (N) signs.
         sets: The sets.
         edges: The edges: two along half a loop of the periodic orbit, the others along the excursion.
+        level_radius: By how much H and the Casimirs may differ on other levels for which the same is claimed.
     """
 
     level: Level
     symmetry: tuple[int, ...]
     sets: tuple[HSet, ...]
     edges: tuple[Edge, ...]
+    level_radius: Fraction = LEVEL_RADIUS
 
     def record(self) -> dict[str, Any]:
         """The chain as plain data: doubles as C99 hexadecimal texts, rational numbers as texts.
@@ -105,6 +109,7 @@ class Chain:
         return {
             "system": {"name": system.name, "equations": equations},
             "level": {name: _rational(name, value) for name, value in self.level.values.items()},
+            "level_radius": str(self.level_radius),
             "symmetry": list(self.symmetry),
             "sets": [
                 {"name": one.name, "center": _hexadecimal(one.center), "frame": [_hexadecimal(r) for r in one.frame]}
@@ -121,8 +126,6 @@ def _hexadecimal(values: Array) -> list[str]:
 
 
 def _rational(name: str, value: Any) -> str:
-    from fractions import Fraction
-
     if not isinstance(value, Fraction):
         raise OrbitError(f"level: wanted rational values for a certificate; got {name} = {value}")
     return str(value)

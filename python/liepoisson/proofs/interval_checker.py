@@ -7,7 +7,7 @@ import time
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import product
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -17,8 +17,6 @@ from liepoisson.proofs.certificate import CoveringCertificate, CoveringSet
 from liepoisson.proofs.margins import Margins, Rotation
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms
 
-LEVEL_RADIUS = Fraction(3, 10**8)
-ENERGY_SHIFT = Fraction(1, 2**26)
 ORDER = 20
 STEP = 0.1
 REACH = 1e-3
@@ -29,9 +27,10 @@ SMALL = 0.1
 """Factor of the sets in which the periodic orbit is shown to be symmetric."""
 NEAR = 0.3
 """Orbits near the middle set at times less than this from their own passage are no other passage."""
-N_UNSTABLE = 2
-FLOW = 2
-"""Column of the flow in a frame."""
+COMPLEX = 2
+"""Number of unstable multipliers that may be complex, and whose angle is looked at."""
+_OF_MULTIPLIERS = ("multipliers", "rotation")
+"""Checks on which only the theorem on integrals depends."""
 VISIT = 2.0**-5
 """No orbit comes back so soon to the section of the set that it leaves; flight times of one edge differ by less."""
 
@@ -57,47 +56,123 @@ def check_in_intervals(
         raise EnclosureError(
             f"the level: wanted values of {', '.join(field.constants)}; got {', '.join(certificate.level)}"
         )
+    if not certificate.level_radius > 0:
+        raise EnclosureError(f"form: wanted a positive radius of the ball of levels; got {certificate.level_radius}")
+    n_unstable = _n_unstable(certificate, field)
     _require_level(certificate, field)
-    found = _core.check_covering_relations(
-        [core_terms(rate) for rate in field.rates],
-        [core_terms(constant) for constant in field.constants.values()],
-        [str(certificate.level[name]) for name in field.constants],
-        list(certificate.symmetry),
-        reversers(field),
-        N_UNSTABLE,
-        [s.name for s in certificate.sets],
-        np.array([c for s in certificate.sets for c in s.center], float),
-        np.array([e for s in certificate.sets for row in s.frame for e in row], float),
-        [(e.source, e.target, e.time, e.symmetry) for e in certificate.edges],
-        (str(LEVEL_RADIUS), ORDER, STEP, REACH, SMALL, NEAR, str(ENERGY_SHIFT)),
-        math.inf,
-        keep_going,
-    )
+    shift, undecided = (energy_shift(certificate.level_radius) if n_unstable == COMPLEX else None), ""
+    try:
+        found, symmetric = _checked(certificate, field, n_unstable, shift, keep_going)
+    except EnclosureError as error:
+        if shift is None or getattr(error, "check", None) not in _OF_MULTIPLIERS:
+            raise
+        undecided = str(error)
+        found, symmetric = _checked(certificate, field, n_unstable, None, keep_going)
     _require_single_visits(certificate, field, found["loop_times"])
-    rotation = found["rotation"]
-    if rotation is None:
-        raise EnclosureError("rotation: nothing was computed")
-    energy = certificate.level[next(iter(field.constants))]
-    energies = (energy - ENERGY_SHIFT, energy + ENERGY_SHIFT)
-    first, second = (Rotation(str(e), *angle) for e, angle in zip(energies, rotation["angles"], strict=True))
+    rotation, energy = found["rotation"], certificate.level[next(iter(field.constants))]
     return Margins(
         arithmetic="intervals",
+        n_unstable=n_unstable,
         n_edges=len(certificate.edges),
         n_steps=found["n_steps"],
-        level_radius=str(LEVEL_RADIUS),
+        level_radius=str(certificate.level_radius),
         expansion=float(found["expansion"].min()),
         contraction=float(found["contraction"].max()),
         cone=float(found["cone"].min()),
+        reversers=symmetric,
         symmetric_q=found["reversal"],
         apart_from_orbit=found["apart_from_orbit"],
         apart_from_excursion=found["apart_from_excursion"],
         apart_from_image=found["apart_from_image"],
         loop_times=(found["loop_times"][0][1], found["loop_times"][1][1]),
         entropy=found["entropy"],
-        discriminant=rotation["discriminant"][1],
-        rotations=(first, second),
+        discriminant=None if rotation is None else rotation["discriminant"][1],
+        rotations=None if rotation is None or shift is None else _rotations(energy, shift, rotation["angles"]),
+        undecided=undecided,
         seconds=time.perf_counter() - started,
     )
+
+
+def _n_unstable(certificate: CoveringCertificate, field: PolynomialField) -> int:
+    """Half of the dimension of a section in a level.
+
+    Raises:
+        EnclosureError: there is no such half, or the certificate has another number of coordinates.
+    """
+    if len(certificate.symmetry) != len(field.names):
+        raise EnclosureError(
+            f"form: wanted a sign of the symmetry for each of {len(field.names)} coordinates; got "
+            f"{len(certificate.symmetry)}"
+        )
+    dimension = len(field.names) - 1 - len(field.constants)
+    if dimension not in (2, 2 * COMPLEX):
+        raise EnclosureError(
+            f"the system: wanted sections of dimension 2 or 4 in a level; got {dimension}, of {len(field.names)} "
+            f"coordinates and {len(field.constants)} constants of motion"
+        )
+    return dimension // 2
+
+
+def _checked(
+    certificate: CoveringCertificate,
+    field: PolynomialField,
+    n_unstable: int,
+    shift: Fraction | None,
+    keep_going: Callable[[float], object] | None,
+) -> tuple[Any, tuple[tuple[int, ...], ...]]:
+    """What the core has verified, and the reversers that map the periodic orbit to itself.
+
+    The core asks for all reversers that it is given. Two that differ by the symmetry belong together; of several such
+    pairs one is enough.
+    """
+    first_refusal: EnclosureError | None = None
+    for pair in _pairs(reversers(field), certificate.symmetry):
+        try:
+            found = _core.check_covering_relations(
+                [core_terms(rate) for rate in field.rates],
+                [core_terms(constant) for constant in field.constants.values()],
+                [str(certificate.level[name]) for name in field.constants],
+                list(certificate.symmetry),
+                pair,
+                n_unstable,
+                [s.name for s in certificate.sets],
+                np.array([c for s in certificate.sets for c in s.center], float),
+                np.array([e for s in certificate.sets for row in s.frame for e in row], float),
+                [(e.source, e.target, e.time, e.symmetry) for e in certificate.edges],
+                (str(certificate.level_radius), ORDER, STEP, REACH, SMALL, NEAR, None if shift is None else str(shift)),
+                math.inf,
+                keep_going,
+            )
+        except EnclosureError as error:
+            if getattr(error, "check", None) != "reversal":
+                raise
+            first_refusal = first_refusal or error
+        else:
+            return found, tuple(map(tuple, pair))
+    raise first_refusal or EnclosureError("reversers: wanted a change of signs that reverses time; there is none")
+
+
+def _pairs(found: Sequence[Sequence[int]], symmetry: Sequence[int]) -> list[list[list[int]]]:
+    """Reversers with their products with the symmetry."""
+    pairs: list[list[list[int]]] = []
+    for signs in found:
+        if not any(list(signs) in pair for pair in pairs):
+            pairs.append([list(signs), [a * b for a, b in zip(signs, symmetry, strict=True)]])
+    return pairs
+
+
+def energy_shift(level_radius: Fraction) -> Fraction:
+    """By how much the energies differ of the two levels whose angles are compared: a power of two, within the ball."""
+    shift = Fraction(1)
+    while shift > level_radius / 2:
+        shift /= 2
+    return shift
+
+
+def _rotations(energy: Fraction, shift: Fraction, angles: Sequence[tuple[float, float]]) -> tuple[Rotation, Rotation]:
+    energies = (energy - shift, energy + shift)
+    first, second = (Rotation(str(e), *angle) for e, angle in zip(energies, angles, strict=True))
+    return first, second
 
 
 def _require_level(certificate: CoveringCertificate, field: PolynomialField) -> None:
@@ -130,10 +205,11 @@ def _require_single_visits(
     if not all(upper - lower < 0.5 * VISIT for lower, upper in loop_times):
         raise EnclosureError(f"visits: the flight times of a loop differ by more than {0.5 * VISIT}")
     leaving = [e.source for e in certificate.edges]
+    flow = (len(field.names) - 1 - len(field.constants)) // 2
     for number, one in enumerate(certificate.sets):
-        box = _tube(one, field)
+        box = _tube(one, field, flow)
         crossing: Terms = {}
-        for weight, rate in zip(_normal(one.frame), field.rates, strict=True):
+        for weight, rate in zip(_normal(one.frame, flow), field.rates, strict=True):
             for m, c in rate.items():
                 crossing[m] = crossing.get(m, Fraction(0)) + weight * c
         lower, upper = _range(crossing, box)
@@ -145,11 +221,11 @@ def _require_single_visits(
             raise EnclosureError(f"visits, set {one.name}: it may meet its image under the symmetry")
 
 
-def _tube(one: CoveringSet, field: PolynomialField) -> list[tuple[Fraction, Fraction]]:
+def _tube(one: CoveringSet, field: PolynomialField, flow: int) -> list[tuple[Fraction, Fraction]]:
     """A box that contains a set, with all |w_k| up to the reach of its chart, and its orbits until they are away."""
     extent = np.array([REACH] * len(field.names))
     extent[: len(field.names) - len(field.constants)] = 1.0
-    extent[FLOW] = 0.0
+    extent[flow] = 0.0
     rates, center, frame = [core_terms(rate) for rate in field.rates], np.array(one.center), np.array(one.frame).ravel()
     one_step = (ORDER, VISIT, None, 1)
     found = _core.enclose_flow(rates, center, frame, -extent, extent, VISIT, one_step, True, math.inf, None)
@@ -159,10 +235,10 @@ def _tube(one: CoveringSet, field: PolynomialField) -> list[tuple[Fraction, Frac
     return [(Fraction(a), Fraction(b)) for a, b in zip(lower, upper, strict=True)]
 
 
-def _normal(frame: Sequence[Sequence[float]]) -> list[Fraction]:
-    """The covector that is 1 on the flow column and 0 on all others, exactly, by Gauss–Jordan elimination."""
+def _normal(frame: Sequence[Sequence[float]], flow: int) -> list[Fraction]:
+    """The covector that is 1 on the column of the flow and 0 on all others, exactly, by Gauss–Jordan elimination."""
     n = len(frame)
-    rows = [[*(Fraction(frame[i][k]) for i in range(n)), Fraction(k == FLOW)] for k in range(n)]
+    rows = [[*(Fraction(frame[i][k]) for i in range(n)), Fraction(k == flow)] for k in range(n)]
     for k in range(n):
         pivot = max(range(k, n), key=lambda i: abs(rows[i][k]))
         rows[k], rows[pivot] = rows[pivot], rows[k]

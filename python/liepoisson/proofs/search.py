@@ -6,14 +6,14 @@ Nothing here is rigorous and nothing need be: what is found is checked by a prog
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from liepoisson.calls import explains_its_methods, shows_progress
-from liepoisson.errors import LeafError, OrbitError, ParameterError
+from liepoisson.errors import EnclosureError, LeafError, OrbitError, ParameterError
 from liepoisson.files import write_json
 from liepoisson.numeric.progress import part_of
 from liepoisson.orbits.homoclinic import symmetric_homoclinic_orbits
@@ -21,8 +21,11 @@ from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.symmetric_orbits import symmetric_periodic_orbits
 from liepoisson.phase_space._checks import as_system
 from liepoisson.phase_space.leaf_equilibria import equilibria
+from liepoisson.proofs.certificate import read_certificate
 from liepoisson.proofs.chain import Chain, ChainMaker, with_polished_ends
 from liepoisson.proofs.float_check import FloatCheck, float_check
+from liepoisson.proofs.interval_checker import check_in_intervals
+from liepoisson.proofs.polynomial_field import PolynomialField, polynomial_field
 from liepoisson.scalars import as_count, as_number
 
 if TYPE_CHECKING:
@@ -33,6 +36,9 @@ if TYPE_CHECKING:
 
 _MOST_ORBITS, _MOST_HOMOCLINIC, _COMPARED = 4, 12, 6
 """Periodic orbits that are tried, homoclinic orbits to each, and among how many of these the best is taken."""
+
+_SMALLER = (1, 10, 100)
+"""By how much the sets and the ball of levels are made smaller, in turn, until a chain is accepted in intervals."""
 
 _CRITICAL = 1e-9
 """Energies this near to that of an equilibrium, relative to the range of equilibria, count as equal."""
@@ -90,9 +96,12 @@ def find_certificate(
 ) -> CertificateCandidate:
     """Searches a periodic orbit with a transversal homoclinic orbit and sets along both that map across one another.
 
-    The hyperbolic symmetric periodic orbits with the largest growth rates are tried in turn, with the symmetric
-    homoclinic orbits to them that have the shortest flights; of the first chains whose conditions hold in
-    floating-point numbers the one with the largest margins is returned.
+    The hyperbolic periodic orbits between the fixed sets of two reversers, whose product is then a symmetry that closes
+    half of the loop, are tried in turn, those with the largest growth rates first, with the symmetric homoclinic orbits
+    to them that the symmetry closes, too, and that have the shortest flights. The first chains whose conditions hold in
+    floating-point numbers are checked in intervals, those with the largest margins first, with smaller sets and a
+    smaller ball of levels where they are not accepted. If none is, the one with the largest margins is returned, and a
+    checker will say what it lacks.
 
     Args:
         system: A system with polynomial equations and reversers.
@@ -116,6 +125,7 @@ def find_certificate(
     n_starts = as_count(n_starts, "n_starts", least=1)
     if kappa <= 1:
         raise ParameterError(f"kappa: wanted a number above 1; got {kappa:g}; try 1.3")
+    field = polynomial_field(system)
     level = level_of(system, leaf, energy)
     _check_that_it_has_no_equilibrium(level)
     orbits = symmetric_periodic_orbits(
@@ -128,16 +138,16 @@ def find_certificate(
         threads=threads,
         progress=part_of(progress, 0, 0.4),
     )
-    # the adapted norm needs a growth of kappa in each half of a loop
-    hyperbolic = [one for one in orbits if one.slowest > kappa**2]
-    # two different reversers first: the symmetry that closes the loop halves it
-    hyperbolic.sort(key=lambda one: (one.first is one.last, -round(one.rate, 9), one.period))
+    # the adapted norm needs a growth of kappa in each half of a loop, and the checkers a symmetry that closes it
+    hyperbolic = [one for one in orbits if one.slowest > kappa**2 and one.first is not one.last]
+    hyperbolic.sort(key=lambda one: (-round(one.rate, 9), one.period))
     tried: list[str] = []
+    refused: list[CertificateCandidate] = []
     for k, orbit in enumerate(hyperbolic[:_MOST_ORBITS]):
         maker = ChainMaker(with_polished_ends(orbit), radius, kappa)
         found = symmetric_homoclinic_orbits(
             orbit,
-            reversers=list({id(one): one for one in (orbit.first, orbit.last)}.values()),
+            reversers=[orbit.last],  # then the excursion is closed by the symmetry, too
             n_starts=2 * n_starts,
             seed=seed,
             threads=threads,
@@ -157,13 +167,54 @@ def find_certificate(
             tried.append(f"covering {check.covering:.3g}, stable {check.stable:.3g}")
             if check.passes:
                 passed.append(CertificateCandidate(maker.orbit, homoclinic, chain, check))
-        if passed:
-            return max(passed, key=lambda one: min(one.check.covering - 1, 1 - one.check.stable))
+        passed.sort(key=lambda one: -min(one.check.covering - 1, 1 - one.check.stable))
+        accepted = _accepted(passed, maker, field, seed)
+        if accepted is not None:
+            return accepted
+        refused += passed
+    if refused:
+        return refused[0]
     raise OrbitError(
         f"no chain of sets was found on {level.text}: {len(orbits)} symmetric periodic orbits, {len(hyperbolic)} of "
-        f"them with all unstable multipliers above kappa^2; {'; '.join(tried) or 'nothing to try'}. Take more starts, "
-        "another level, or a smaller radius."
+        f"them between two reversers and with all unstable multipliers above kappa^2; "
+        f"{'; '.join(tried) or 'nothing to try'}. Take more starts, another level, or a smaller radius."
     )
+
+
+def _accepted(
+    candidates: list[CertificateCandidate], maker: ChainMaker, field: PolynomialField, seed: int
+) -> CertificateCandidate | None:
+    """The first candidate that is accepted in intervals, from which all of the theorem follows if there is one."""
+    less: CertificateCandidate | None = None
+    for factor in _SMALLER:
+        for candidate in candidates:
+            smaller = candidate if factor == 1 else _made_smaller(candidate, maker, factor, seed)
+            if smaller is None:
+                continue
+            try:
+                margins = check_in_intervals(read_certificate(smaller.chain.record()), field)
+            except EnclosureError:
+                continue
+            if margins.excludes_integrals:
+                return smaller
+            less = less or smaller
+    return less
+
+
+def _made_smaller(
+    candidate: CertificateCandidate, maker: ChainMaker, factor: int, seed: int
+) -> CertificateCandidate | None:
+    """The candidate with smaller sets and a smaller ball of levels; None if these fail in floating-point numbers.
+
+    Images are curved less over smaller sets, but a change of level moves them by a larger part of their size.
+    """
+    try:
+        chain = replace(maker, radius=maker.radius / factor).along(candidate.homoclinic)
+    except (OrbitError, np.linalg.LinAlgError):
+        return None
+    chain = replace(chain, level_radius=chain.level_radius / factor)
+    check = float_check(chain, seed=seed)
+    return replace(candidate, chain=chain, check=check) if check.passes else None
 
 
 def _check_that_it_has_no_equilibrium(level: Level) -> None:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 ARITHMETICS = ("intervals", "balls")
 SHIPPED = {"twisted-kovalevskaya": "twisted_kovalevskaya.json"}
 """Certificates that come with the package, by the names of systems in the catalogue."""
-_NOT_PROVED = (
+_MEASURE = (
     "Not proved: anything about the measure of the chaotic set, or about typical states. Lyapunov exponents are "
     "measured."
 )
@@ -52,8 +52,13 @@ class ChaosProof:
 
     @property
     def entropy(self) -> float:
-        """A lower bound of the topological entropy of the flow on the level."""
+        """A lower bound of the topological entropy of the flow on a compact invariant set of the level."""
         return max(m.entropy for m in self.margins)
+
+    @property
+    def excludes_integrals(self) -> bool:
+        """Whether it is proved, too, that there is no further analytic constant of motion."""
+        return all(m.excludes_integrals for m in self.margins)
 
     @property
     def level(self) -> str:
@@ -79,7 +84,7 @@ def prove_chaos(
     """Verify a certificate of chaos by covering relations; the theorem is in docs/proof.md.
 
     Args:
-        system: A polynomial system with rational constants: nine coordinates, H and three Casimirs.
+        system: A polynomial system with rational constants; its levels of H and the Casimirs have the dimension 3 or 5.
         certificate: A certificate, what `find_certificate` found, or a file; the one that is shipped, if there is one
             for the system.
         arithmetics: "intervals" (doubles with outward rounding) and "balls" (Arb), which share no code.
@@ -120,7 +125,18 @@ def prove_chaos(
             raise CertificateError(f"the certificate is refused by {_NAMES[name]}: {error}") from error
     if progress is not None:
         progress(1.0)
-    return ChaosProof(system, certificate, field, tuple(margins), (*notes, _NOT_PROVED))
+    return ChaosProof(system, certificate, field, tuple(margins), (*notes, *_undecided(margins), _MEASURE))
+
+
+def _undecided(margins: Sequence[Margins]) -> list[str]:
+    """Why the theorem on integrals is missing, if it is."""
+    reasons = [f"{m.arithmetic}: {m.undecided}" for m in margins if not m.excludes_integrals]
+    if not reasons:
+        return []
+    return [
+        "Not proved: that there is no further analytic constant of motion. For two unstable multipliers the proof asks "
+        f"for complex ones, and for an angle that depends on the level ({'; '.join(reasons)})."
+    ]
 
 
 def keeps_bracket(bracket: Bracket, signs: Sequence[int]) -> bool:
@@ -145,9 +161,15 @@ def _regularity(field: PolynomialField, certificate: CoveringCertificate) -> str
     try:
         regular = is_regular(field, certificate.level)
     except NotDecidedError:
-        return "Whether all of the level is regular was not decided; it is along the orbits."
+        return (
+            "Whether all of the level is regular was not decided within the limit of work. The theorem does not depend "
+            "on it: H and the Casimirs are independent along all orbits that meet a set."
+        )
     if not regular:
-        return "The level has critical points, perhaps complex ones; it is regular along the orbits."
+        return (
+            "The level has critical points, perhaps complex ones. H and the Casimirs are independent along all orbits "
+            "that meet a set, and no more is needed."
+        )
     return "The level is regular: the ideal of its critical points contains 1, exactly."
 
 
@@ -157,16 +179,25 @@ def shipped_certificate(system: System) -> CoveringCertificate:
     Raises:
         CertificateError: there is none.
     """
+    file = _shipped_file(system)
+    if file is None:
+        raise CertificateError(
+            f"no certificate is shipped for {shown(system.name)}; give one, or search for one. There are certificates "
+            f"for {', '.join(SHIPPED)}"
+        )
+    return load_covering_certificate(Path(str(files("liepoisson.proofs").joinpath(file))))
+
+
+def has_shipped_certificate(system: System) -> bool:
+    """Whether a certificate for a system comes with the package."""
+    return _shipped_file(system) is not None
+
+
+def _shipped_file(system: System) -> str | None:
     from liepoisson import catalog
 
     field = polynomial_field(system)
-    for name, file in SHIPPED.items():
-        if polynomial_field(catalog.system(name)) == field:
-            return load_covering_certificate(Path(str(files("liepoisson.proofs").joinpath(file))))
-    raise CertificateError(
-        f"no certificate is shipped for {shown(system.name)}; give one, or search for one. There are certificates for "
-        f"{', '.join(SHIPPED)}"
-    )
+    return next((file for name, file in SHIPPED.items() if polynomial_field(catalog.system(name)) == field), None)
 
 
 _NAMES = {"balls": "Arb balls", "intervals": "intervals"}

@@ -21,8 +21,8 @@ _ROWS: tuple[tuple[str, Callable[[Margins], str]], ...] = (
     ("distance of the middle set to γ (> 0)", lambda m: f"{m.apart_from_orbit:.3f}"),
     ("… to the excursion at other times (> 0)", lambda m: f"{m.apart_from_excursion:.3f}"),
     ("… to its image under R (> 0)", lambda m: f"{m.apart_from_image:.3f}"),
-    ("rotation number, H = 1/2 − 2⁻²⁶ (<)", lambda m: f"{m.rotations[0].upper:.11f}"),
-    ("rotation number, H = 1/2 + 2⁻²⁶ (>)", lambda m: f"{m.rotations[1].lower:.11f}"),
+    ("rotation number, H = 1/2 − 2⁻²⁶ (<)", lambda m: f"{m.rotations[0].upper:.11f}" if m.rotations else "—"),
+    ("rotation number, H = 1/2 + 2⁻²⁶ (>)", lambda m: f"{m.rotations[1].lower:.11f}" if m.rotations else "—"),
 )
 _NAMES = {"intervals": "doubles, rounded outward", "Arb balls": "Arb’s balls"}
 
@@ -38,6 +38,9 @@ def rigorous_demonstration(context: Context) -> Verdict:
         proof = prove_chaos(system, arithmetics=context.arithmetics)
     except LiePoissonError as error:
         evidence.proof("enclosure", what, succeeded=False, computed=[str(error)])
+        return replace(evidence.conclude("incomplete"), method="enclosed")
+    if not proof.excludes_integrals:
+        evidence.proof("enclosure", what, succeeded=False, computed=list(proof.notes))
         return replace(evidence.conclude("incomplete"), method="enclosed")
     evidence.enclosures(what, _table(proof), [note for note in proof.notes if note.startswith("The level")])
     bound = math.floor(proof.entropy * 1e4) / 1e4
