@@ -1,7 +1,7 @@
 """Lax pairs of systems of the catalog, as texts; `liepoisson.integrability.known_lax_pair` verifies what it gives.
 
-L and M are elements of the Lie algebra of the bracket, in one text or by components, or matrices of texts, row by row. Names are those
-of the system's file; z is the spectral parameter, i the imaginary unit.
+L and M are elements of the Lie algebra of the bracket, in one text or by components, or matrices of texts, row by
+row. Names are those of the system's file; z is the spectral parameter, i the imaginary unit.
 """
 
 from __future__ import annotations
@@ -82,9 +82,7 @@ def _leibniz_lagrange(*fields: str) -> LaxTexts:
         terms = [f"epsilon^{max(k - 1, 0)}*z^{n - 1 - k}*{field}{i}" for k, field in enumerate(fields)]
         return " + ".join([f"I1*a3*z^{n}"] * (i == 3) + terms)
 
-    return LaxTexts(
-        tuple(component(i) for i in (1, 2, 3)), ("l1/I1", "l2/I2", "l3/I3 + z*a3"), "musso2005"
-    )
+    return LaxTexts(tuple(component(i) for i in (1, 2, 3)), ("l1/I1", "l2/I2", "l3/I3 + z*a3"), "musso2005")
 
 
 def _kovalevskaya(alpha: str, beta: str, k: str) -> LaxTexts:
@@ -155,9 +153,7 @@ LAX_PAIRS: dict[str, LaxTexts] = {
         _sum(
             (
                 "V",
-                _rows(
-                    "0 | 0 | 4/3*i*(q3 + i*p3)\n0 | 0 | 5/3*(q2 + i*p2)\n4/3*i*(q3 - i*p3) | -5/3*(q2 - i*p2) | 0"
-                ),
+                _rows("0 | 0 | 4/3*i*(q3 + i*p3)\n0 | 0 | 5/3*(q2 + i*p2)\n4/3*i*(q3 - i*p3) | -5/3*(q2 - i*p2) | 0"),
             ),
             ("i*z*V", _diagonal("20/3", "20/3", "0")),
         ),

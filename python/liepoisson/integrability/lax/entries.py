@@ -1,8 +1,8 @@
 r"""The entries of L and M: what users write, and exact arithmetic with it.
 
-An entry is a polynomial in the coordinates, in the parameters and their inverses, in the spectral parameter z and 1/z, in
-exponentials of the coordinates, and in $i = \sqrt{-1}$, with rational coefficients.  For the arithmetic each of these
-is a variable of FLINT, inverses too; products are brought to a canonical form afterwards, $s\,s^{-1} = 1$ and
+An entry is a polynomial in the coordinates, in the parameters and their inverses, in the spectral parameter z and
+1/z, in exponentials of the coordinates, and in $i = \sqrt{-1}$, with rational coefficients.  For the arithmetic each of
+these is a variable of FLINT, inverses too; products are brought to a canonical form afterwards, $s\,s^{-1} = 1$ and
 $i^2 = -1$.  Entries with other numbers, such as $\sqrt 2$, are SymPy expressions that are expanded.
 """
 
@@ -159,8 +159,11 @@ class EntryArithmetic:
         signs = {(key, power > 0) for t in terms for powers in cast("Any", t) for key, power in powers}
         self.variables = [_Variable(key, 1 if up else -1) for key, up in sorted(signs, key=str)]
         self.index = {(v.key, v.power > 0): k for k, v in enumerate(self.variables)}
-        self.pairs = [(k, self.index[v.key, False]) for k, v in enumerate(self.variables)
-                      if v.power > 0 and (v.key, False) in self.index]
+        self.pairs = [
+            (k, self.index[v.key, False])
+            for k, v in enumerate(self.variables)
+            if v.power > 0 and (v.key, False) in self.index
+        ]
         self.unit = next((k for k, v in enumerate(self.variables) if v.key == I), None)
         names = [f"g{k}" for k in range(len(self.variables))]
         self.context = fmpq_mpoly_ctx.get(names or ["g"], Ordering.lex)
@@ -240,7 +243,7 @@ class EntryArithmetic:
         return found.get(0, self.number(0)), found.get(1, self.number(0))
 
     def _exponents(self, element: Element) -> dict[tuple[int, ...], Any]:
-        """The terms by their exponents, with $s\\,s^{-1} = 1$ and $i^2 = -1$."""
+        r"""The terms by their exponents, with $s\,s^{-1} = 1$ and $i^2 = -1$."""
         found: dict[tuple[int, ...], Any] = {}
         for exponents, coefficient in element.terms():
             reduced, value = list(exponents), coefficient

@@ -1,8 +1,8 @@
 r"""The genus of a plane curve $f(z, w) = 0$ with rational coefficients, monic in w, exactly.
 
-Riemann and Hurwitz: for the covering of the sphere by z, of degree d, $2g - 2 = -2d + \sum_P (e_P - 1)$ over the places P
-with their ramification indices. The covering is unramified where the discriminant $\Delta(z)$ does not vanish. Over its
-zeros and over infinity the indices are those of the curve modulo a prime p, for a p that
+Riemann and Hurwitz: for the covering of the sphere by z, of degree d, $2g - 2 = -2d + \sum_P (e_P - 1)$ over the
+places P with their ramification indices. The covering is unramified where the discriminant $\Delta(z)$ does not vanish.
+Over its zeros and over infinity the indices are those of the curve modulo a prime p, for a p that
 
 * is larger than d and divides no denominator,
 * leaves the degree of $\Delta$ and the number of its distinct zeros as they are.

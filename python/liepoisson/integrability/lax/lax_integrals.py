@@ -99,9 +99,7 @@ class LaxIntegrals:
             lines.append(f"{c.place:{width}}   {named}{what}{note}")
         commuting = "commute with each other" if self.in_involution else "do not all commute"
         energy = "H is a function of them" if self.has_energy else "H is no function of them"
-        lines.append(
-            f"{self.n_independent} independent on leaves of dimension {self.rank}; they {commuting}; {energy}"
-        )
+        lines.append(f"{self.n_independent} independent on leaves of dimension {self.rank}; they {commuting}; {energy}")
         if self.is_complete:
             lines.append("Liouville integrable: proved")
         return "\n".join(lines)
@@ -114,12 +112,12 @@ def lax_integrals(pair: LaxPair) -> LaxIntegrals:
     found.sort(key=lambda item: _degree(item[1], system))
     functions = [f for _, f in found]
     _check_that_they_are_constant(system, found)
-    casimirs = {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1) if not traces_in(c)}
-    known = {"H": system.hamiltonian, **casimirs}
+    casimirs = enumerate(system.bracket.casimirs(), start=1)
+    known = {"H": system.hamiltonian} | {f"C{k}": c for k, c in casimirs if not traces_in(c)}
     independent: dict[str, Expr] = {}
     sorted_: list[LaxIntegral] = []
     for place, f in found:
-        one = _sorted_one(system, place, f, casimirs, known, independent)
+        one = _sorted_one(system, place, f, known, independent)
         sorted_.append(one)
         if one.name:
             known[one.name] = f
@@ -141,10 +139,10 @@ def _sorted_one(
     system: System,
     place: str,
     f: Expr,
-    casimirs: Mapping[str, Expr],
     known: Mapping[str, Expr],
     independent: Mapping[str, Expr],
 ) -> LaxIntegral:
+    casimirs = {name: c for name, c in known.items() if name.startswith("C")}
     if not fields_rank(system, [f]) and not any(e.expand() for e in system.bracket.vector_field(f)):
         return LaxIntegral(place, f, "Casimir", "", _formula(system, f, casimirs))
     if (formula := _formula(system, f, known)) is not None:

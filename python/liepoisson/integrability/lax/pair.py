@@ -1,8 +1,8 @@
 r"""Lax pairs: $\dot L = [L, M]$ along the motion, identically in a spectral parameter z.
 
-The equations of motion are derived from bracket and Hamiltonian. L and M are matrices, or elements L(z), M(z) of the Lie
-algebra of the bracket with coefficients that are functions on phase space; the commutator is then that of the algebra,
-and the adjoint representation makes matrices of them.
+The equations of motion are derived from bracket and Hamiltonian. L and M are matrices, or elements L(z), M(z) of the
+Lie algebra of the bracket with coefficients that are functions on phase space; the commutator is then that of the
+algebra, and the adjoint representation makes matrices of them.
 
 Then the eigenvalues of L are constant, and the coefficients of $\det(w - L(z))$ are integrals [lax1968].
 """
@@ -82,7 +82,9 @@ class LaxPair:
         from sympy import Add, Symbol
 
         w, n = Symbol("w"), self.size
-        terms: list[Any] = [(self.arithmetic.write(c) * w ** (n - k)).expand() for k, c in enumerate(self.characteristic)]
+        terms: list[Any] = [
+            (self.arithmetic.write(c) * w ** (n - k)).expand() for k, c in enumerate(self.characteristic)
+        ]
         return Add(*terms)
 
     @cached_property
@@ -98,9 +100,7 @@ class LaxPair:
         """
         return self._integrals
 
-    def spectral_curve(
-        self, point: Mapping[str, Any] | Sequence[Any] | None = None, *, seed: int = 0
-    ) -> SpectralCurve:
+    def spectral_curve(self, point: Mapping[str, Any] | Sequence[Any] | None = None, *, seed: int = 0) -> SpectralCurve:
         r"""The curve $\det(w - L(z)) = 0$ at one state, its components and their genus.
 
         Args:
@@ -136,12 +136,10 @@ def _listed(entries: Sequence[Expr]) -> str:
 
 
 @explains_its_arguments
-def lax_pair(
-    system: System, L: Any, M: Any, *, spectral: str | None = "z", source: str | None = None
-) -> LaxPair:
+def lax_pair(system: System, L: Any, M: Any, *, spectral: str | None = "z", source: str | None = None) -> LaxPair:
     r"""A Lax pair of a system, verified: $\dot L = [L, M]$ holds along the motion, identically in z.
 
-    With $[L, M] = LM - ML$, or the bracket of the Lie algebra; where $\dot L = [M, L]$ holds instead, the error says so.
+    With $[L, M] = LM - ML$, or the bracket of the algebra. Where $\dot L = [M, L]$ holds instead, the error says so.
 
     Example:
         >>> top = lp.catalog.system("lagrange")
@@ -170,8 +168,13 @@ def lax_pair(
     first, second = read_entries(system, L, z, "L"), read_entries(system, M, z, "M")
     kinds = [isinstance(given[0], list) for given in (first, second)]
     if kinds[0] != kinds[1] or len(first) != len(second):
-        sizes = [f"{len(g)} x {len(g)}" if is_matrix else f"a vector of {len(g)}" for g, is_matrix in zip((first, second), kinds, strict=True)]
-        raise ShapeError(f"L and M: wanted two matrices of one size, or two elements of the algebra; got {sizes[0]} and {sizes[1]}")
+        sizes = [
+            f"{len(g)} x {len(g)}" if is_matrix else f"a vector of {len(g)}"
+            for g, is_matrix in zip((first, second), kinds, strict=True)
+        ]
+        raise ShapeError(
+            f"L and M: wanted two matrices of one size, or two elements of the algebra; got {sizes[0]} and {sizes[1]}"
+        )
     if kinds[0]:
         _verify(system, first, second, _matrix_commutator)
         return LaxPair(system, (first, second), z, None, source)
@@ -225,9 +228,7 @@ def _verify(system: System, first: Any, second: Any, bracket: Any) -> None:
         return
     i, j = wrong[0]
     reversed_ = all(
-        arithmetic.vanishes(r + p)
-        for rows in zip(read[2], products, strict=True)
-        for r, p in zip(*rows, strict=True)
+        arithmetic.vanishes(r + p) for rows in zip(read[2], products, strict=True) for r, p in zip(*rows, strict=True)
     )
     text = Formula(arithmetic.write(residual[i][j])).plain
     text = text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."

@@ -1,10 +1,10 @@
 r"""Branches of a plane curve over a point, and their ramification, over finite fields.
 
-For $f \in K[x, y]$ the branches through $x = 0$ with $y(0) = 0$ are its Puiseux series $y(x^{1/e})$. Newton and Puiseux's
-algorithm finds the ramification indices e: each edge of the Newton polygon, of slope -m/q in lowest terms, has
-branches $y \approx \eta\,x^{m/q}$; a simple root $\xi = \eta^q$ of its characteristic polynomial is one branch with
-$e = q$, and a multiple one is followed by Duval's substitution $x \to \xi^v x^q$, $y \to x^m(\xi^u + y)$, $uq - vm = 1$,
-which needs no other extension of K than that by $\xi$ [duval1989].
+For $f \in K[x, y]$ the branches through $x = 0$ with $y(0) = 0$ are its Puiseux series $y(x^{1/e})$. Newton
+and Puiseux's algorithm finds the ramification indices e: each edge of the Newton polygon, of slope -m/q in lowest
+terms, has branches $y \approx \eta\,x^{m/q}$; a simple root $\xi = \eta^q$ of its characteristic polynomial is one
+branch with $e = q$, and a multiple one is followed by Duval's substitution $x \to \xi^v x^q$, $y \to x^m(\xi^u + y)$,
+with $uq - vm = 1$, which needs no other extension of K than that by $\xi$ [duval1989].
 
 K is a finite field whose characteristic is larger than the degree in y, so that all ramification is tame.
 """
@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Mapping
+from itertools import pairwise
 from math import gcd
 from typing import Any, TypeAlias
 
@@ -77,7 +78,7 @@ def _lower_edges(lowest: Mapping[int, int]) -> Iterable[tuple[tuple[int, int], t
                 break
             hull.pop()
         hull.append((j, i))
-    return [(p, q) for p, q in zip(hull, hull[1:], strict=False) if q[1] < p[1]]
+    return [(p, q) for p, q in pairwise(hull) if q[1] < p[1]]
 
 
 def _substituted(f: Bivariate, xi: Any, q: int, m: int, field: Any) -> Bivariate:
@@ -111,7 +112,7 @@ def _shifted(f: Bivariate, c: Any, field: Any) -> Bivariate:
 
 
 def _roots(polynomial: Mapping[int, Any], field: Any) -> list[tuple[Any, Any, int, int]]:
-    """The roots up to conjugation: a field that contains one, it, its multiplicity, and the number of its conjugates."""
+    """The roots up to conjugation: a field that contains one, it, its multiplicity, the number of its conjugates."""
     from flint import fq_default_poly_ctx
 
     ring = fq_default_poly_ctx(field)

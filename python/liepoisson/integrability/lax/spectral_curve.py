@@ -5,8 +5,8 @@ coefficients; it is divided into factors over the rational numbers, and the genu
 `liepoisson.integrability.lax.genus` says, exactly. The genus is that of the curve at this state; at states outside of a
 set on which some polynomial vanishes it is the same, and nowhere larger.
 
-Of the symmetries those that change signs are found: (z, w) -> (-z, w), (z, -w), (-z, -w). The curve covers its quotient by
-one of them twice; the difference of both genera is the dimension of the Prym variety.
+Of the symmetries those that change signs are found: (z, w) -> (-z, w), (z, -w), (-z, -w). The curve covers its quotient
+by one of them twice; the difference of both genera is the dimension of the Prym variety.
 """
 
 from __future__ import annotations
@@ -122,9 +122,7 @@ class SpectralCurve:
                 f"  {_genus_in_words(c.genus)}{why}; degree {c.degree} in w, {c.n_branch_points} branch points, "
                 f"{c.interior_points} points inside the Newton polygon"
             )
-            lines += [
-                f"  quotient by {q.symmetry}: {_genus_in_words(q.genus)}; {q.coordinates}" for q in c.quotients
-            ]
+            lines += [f"  quotient by {q.symmetry}: {_genus_in_words(q.genus)}; {q.coordinates}" for q in c.quotients]
         return "\n".join(lines)
 
 
@@ -137,7 +135,9 @@ def spectral_curve(pair: LaxPair, point: Mapping[str, Any] | Sequence[Any] | Non
     from sympy import Add, Rational, Symbol
 
     if pair.spectral is None:
-        raise ParameterError("spectral: wanted a Lax pair with a spectral parameter, whose eigenvalues are a curve; got none")
+        raise ParameterError(
+            "spectral: wanted a Lax pair with a spectral parameter, whose eigenvalues are a curve; got none"
+        )
     values, numbers = _values(pair, point, seed)
     matrix: Any = pair.L.xreplace(numbers).expand()
     arithmetic = EntryArithmetic(list(matrix))
@@ -201,8 +201,12 @@ def _values(
             for name, size in zip(names, sizes, strict=True)
         }
         if exponents:
-            inserted = {s: 2 * log(given[str(s)]) if s in exponents else to_sympy(Fraction(given[str(s)])) for s in used}
-            shown_values = {f"exp({n}/2)" if n in {str(s) for s in exponents} else n: Fraction(v) for n, v in given.items()}
+            inserted = {
+                s: 2 * log(given[str(s)]) if s in exponents else to_sympy(Fraction(given[str(s)])) for s in used
+            }
+            shown_values = {
+                f"exp({n}/2)" if n in {str(s) for s in exponents} else n: Fraction(v) for n, v in given.items()
+            }
             return shown_values, inserted
     elif isinstance(point, Mapping):
         given = dict(point)
@@ -223,7 +227,7 @@ def _values(
 
 
 def _factors(curve: Curve) -> Iterator[tuple[Curve, int]]:
-    """The irreducible factors over the rationals that contain w, monic in w, with multiplicities; lowest degree first."""
+    """The irreducible factors over the rationals that contain w, monic in w, with multiplicities; low degrees first."""
     from flint import Ordering, fmpq, fmpq_mpoly_ctx
 
     lowest = min(i for i, _ in curve)
