@@ -6,6 +6,7 @@ from liepoisson.integrability.integral_scan import IntegralScan as IntegralScan
 from liepoisson.integrability.lax.lax_integrals import LaxIntegral as LaxIntegral
 from liepoisson.integrability.lax.lax_integrals import LaxIntegrals as LaxIntegrals
 from liepoisson.integrability.lax.pair import LaxPair as LaxPair
+from liepoisson.integrability.lax.search import LaxSearch as LaxSearch
 from liepoisson.integrability.lax.spectral_curve import CurveComponent as CurveComponent
 from liepoisson.integrability.lax.spectral_curve import CurveQuotient as CurveQuotient
 from liepoisson.integrability.lax.spectral_curve import SpectralCurve as SpectralCurve

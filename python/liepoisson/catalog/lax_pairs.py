@@ -67,11 +67,11 @@ def _antisymmetric(size: int, entry: str) -> Rows:
     return tuple(tuple(at(i, j) for j in range(1, size + 1)) for i in range(1, size + 1))
 
 
-def _lagrange(*fields: str) -> LaxTexts:
+def _lagrange(*fields: str, source: str = "musso2005") -> LaxTexts:
     """The chain of fields, each the moment of the next one: L = I1 a z^n + z^(n-1) l + ... ."""
     n = len(fields)
     terms = [f"I1*a*z^{n}", *(f"z^{n - 1 - k}*({field})" for k, field in enumerate(fields))]
-    return LaxTexts(" + ".join(terms), "inv(I)*l + z*a", "musso2005")
+    return LaxTexts(" + ".join(terms), "inv(I)*l + z*a", source)
 
 
 def _leibniz_lagrange(*fields: str) -> LaxTexts:
@@ -118,7 +118,7 @@ _WAVES = """
 """
 
 LAX_PAIRS: dict[str, LaxTexts] = {
-    "charged-lagrange": _lagrange("l", "alpha + b3/a3*beta"),
+    "charged-lagrange": _lagrange("l", "alpha + b3/a3*beta", source="ratiu1982"),
     "charged-twisted-lagrange": _lagrange("l", "alpha + b3/a3*beta", "epsilon*beta"),
     "clebsch": LaxTexts(
         _sum(("z^2", _diagonal("a1", "a2", "a3")), ("z", _hat("m1", "m2", "m3")), ("1", _square("p"))),
@@ -132,7 +132,7 @@ LAX_PAIRS: dict[str, LaxTexts] = {
     ),
     "kovalevskaya": _kovalevskaya("-a1*alpha{i}", "0", "0"),
     "kovalevskaya-gyrostat": _kovalevskaya("-a1*alpha{i}", "0", "k"),
-    "lagrange": _lagrange("l", "alpha"),
+    "lagrange": _lagrange("l", "alpha", source="ratiu1982"),
     "leibniz-lagrange-4": _leibniz_lagrange("l", "alpha", "beta", "gamma"),
     "leibniz-lagrange-5": _leibniz_lagrange("l", "alpha", "beta", "gamma", "delta"),
     "manakov-so4": LaxTexts(

@@ -9,7 +9,7 @@ Over its zeros and over infinity the indices are those of the curve modulo a pri
 
 Then the zeros of $\Delta$ and infinity do not meet modulo p, all ramification is tame, and the covering has good
 reduction: by Abhyankar's lemma its ramification and its components are the same over the rationals and modulo p
-[poteaux2011]. Both conditions are verified. The curve is absolutely irreducible if it is irreducible modulo p and has a
+[poteaux2012]. Both conditions are verified. The curve is absolutely irreducible if it is irreducible modulo p and has a
 simple rational point there.
 """
 
@@ -56,7 +56,7 @@ class Genus:
 def interior_points(curve: Curve) -> int:
     """Lattice points inside the Newton polygon: the genus is at most their number (Baker), and equal to it in general.
 
-    References: Khovanskii (1978).
+    References: [khovanskii1978].
     """
     points = sorted(set(curve))
     hull = _half_hull(points)[:-1] + _half_hull(points[::-1])[:-1]
