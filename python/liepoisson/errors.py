@@ -155,7 +155,8 @@ class LaxPairError(LiePoissonError, ValueError):
 
     def __init__(self, entry: tuple[int, ...], residual: str, n_failures: int = 1, *, reverses: bool = False) -> None:
         self.entry, self.residual, self.n_failures, self.reverses = entry, residual, n_failures, reverses
-        more = f" (and {n_failures - 1} other entries fail)" if n_failures > 1 else ""
+        others = n_failures - 1
+        more = f" (and {others} other {'entry fails' if others == 1 else 'entries fail'})" if others else ""
         hint = (
             "dL/dt = [M, L] holds: give -M in the place of M"
             if reverses

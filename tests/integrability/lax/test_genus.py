@@ -123,7 +123,7 @@ def test_prym_varieties_have_the_dimension_of_the_tori(name, symmetry, degrees_o
 
 @pytest.mark.parametrize(("name", "tori"), [("kovalevskaya", 2), ("two-field-kovalevskaya", 3)])
 def test_quotients_of_the_curves_of_kovalevskaya(name, tori):
-    """The curve in z^2 and w covers an elliptic curve in z^2 and w^2; the Prym variety has the dimension of the tori."""
+    """The curve in z^2 and w covers an elliptic curve in z^2 and w^2: the Prym variety is as large as the tori."""
     [component] = lp.integrability.known_lax_pair(name).spectral_curve().components
     genera = {q.symmetry: q.genus for q in component.quotients}
     assert genera["(z, w) -> (+-z, +-w)"] == 1

@@ -273,8 +273,9 @@ def _new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: li
     for solution in solutions:
         rest = span.insert({column: Fraction(c) for column, c in solution.items()})
         if rest:
-            found.append(rest)
-            known.append((degree, rest))
+            lead = next((c for k, c in sorted(rest.items()) if k % n == 0), Fraction(1))  # of the first field
+            found.append({k: c / lead for k, c in rest.items()})
+            known.append((degree, found[-1]))
     return found
 
 

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.parameters import read_parameter, to_sympy
-from liepoisson.exact.printing import Formula
 from liepoisson.integrability.lax.characteristic import characteristic_coefficients
 from liepoisson.integrability.lax.entries import EntryArithmetic
 from liepoisson.integrability.lax.genus import Curve, genus, interior_points
@@ -77,10 +76,9 @@ class CurveComponent:
 
     @property
     def prym_dimensions(self) -> dict[str, int]:
-        """The dimension of the Prym variety of each quotient, by the symmetry."""
-        return {
-            q.symmetry: self.genus - q.genus for q in self.quotients if self.genus is not None and q.genus is not None
-        }
+        """The dimension of the Prym variety for each quotient by one change of signs, by the symmetry."""
+        single = (q for q in self.quotients if "+-" not in q.symmetry)
+        return {q.symmetry: self.genus - q.genus for q in single if self.genus is not None and q.genus is not None}
 
 
 @dataclass(frozen=True, repr=False)
@@ -116,7 +114,7 @@ class SpectralCurve:
         lines = [f"{self.pair.system.name}: spectral curve det(w - L({self.pair.spectral})) = 0 at {where}"]
         for c in self.components:
             times = f", {c.multiplicity} times" if c.multiplicity > 1 else ""
-            lines.append(f"{Formula(c.polynomial).plain} = 0{times}")
+            lines.append(f"{_written(c.polynomial, self.pair.spectral)} = 0{times}")
             why = f" ({c.reason})" if c.reason else ""
             lines.append(
                 f"  {_genus_in_words(c.genus)}{why}; degree {c.degree} in w, {c.n_branch_points} branch points, "
@@ -124,6 +122,25 @@ class SpectralCurve:
             )
             lines += [f"  quotient by {q.symmetry}: {_genus_in_words(q.genus)}; {q.coordinates}" for q in c.quotients]
         return "\n".join(lines)
+
+
+def _written(polynomial: Any, z: Any) -> str:
+    """A polynomial in w and z by falling powers."""
+    from sympy import Add, Symbol
+
+    terms: list[tuple[tuple[int, int], Any]] = []
+    for term in Add.make_args(polynomial):
+        powers = term.as_powers_dict()
+        terms.append(((int(powers.get(Symbol("w"), 0)), int(powers.get(z, 0))), term.as_coeff_Mul()[0]))
+    text = ""
+    for (j, i), c in sorted(terms, reverse=True):
+        factors = [f"{name}^{k}" if k > 1 else name for name, k in (("w", j), (str(z), i)) if k > 0]
+        if abs(c.p) > 1 or not factors:
+            factors.insert(0, str(abs(c.p)))
+        below = [str(c.q)] * (c.q > 1) + [f"{z}^{-i}" if i < -1 else str(z)] * (i < 0)
+        divided = f"/({'*'.join(below)})" if len(below) > 1 else "".join(f"/{b}" for b in below)
+        text += f"{' - ' if c < 0 else ' + '}{'*'.join(factors)}{divided}"
+    return text[3:] if text.startswith(" + ") else "-" + text[3:]
 
 
 def _genus_in_words(value: int | None) -> str:
