@@ -93,21 +93,21 @@ def _kovalevskaya(alpha: str, beta: str, k: str) -> LaxTexts:
     x = {f"{name}{i}": f"({text.format(i=i)})" for name, text in (("A", alpha), ("B", beta)) for i in (1, 2, 3)}
     if beta == "0":
         x |= {f"B{i}": "0" for i in (1, 2, 3)}
-    L = """
+    first = """
     (A3 + B1)/z | (A1 - B3)/z + 2*K - l2 - l3 + 2*z | l3 - B2/z - 2*z | -A2/z - l1
     (A1 - B3)/z - 2*K + l2 + l3 + 2*z | -(A3 + B1)/z | l1 - A2/z | B2/z + l3 + 2*z
     -B2/z - l3 - 2*z | -A2/z - l1 | (A3 - B1)/z | 2*K + l2 - l3 - 2*z - (A1 + B3)/z
     l1 - A2/z | B2/z - l3 + 2*z | l3 - l2 - 2*z - 2*K - (A1 + B3)/z | (B1 - A3)/z
     """
-    M = """
+    second = """
     0 | z/2 - l2/4 | (l3 - K - z)/2 | -l1/4
     z/2 + l2/4 | 0 | l1/4 | (l3 - K + z)/2
     (K - l3 - z)/2 | -l1/4 | 0 | l2/4 - z/2
     l1/4 | (K - l3 + z)/2 | -l2/4 - z/2 | 0
     """
     for name, text in (*x.items(), ("K", k)):
-        L, M = L.replace(name, text), M.replace(name, text)
-    return LaxTexts(_rows(L), _rows(M), "bobenko1989")
+        first, second = first.replace(name, text), second.replace(name, text)
+    return LaxTexts(_rows(first), _rows(second), "bobenko1989")
 
 
 _BODY = [f"(I{j} + I{k} - I{i})/2" for i, j, k in ((1, 2, 3), (2, 3, 1), (3, 1, 2))]

@@ -288,8 +288,10 @@ def _terms(expanded: Any, steps: Mapping[Any, int]) -> dict[tuple[tuple[Any, int
 
     found: dict[tuple[tuple[Any, int], ...], Any] = {}
     for term in Add.make_args(expanded):
-        coefficient, powers = S.One, dict[Any, int]()
-        for base, power in term.as_powers_dict().items():
+        coefficient: Any = S.One
+        powers: dict[Any, int] = {}
+        factors: Any = term.as_powers_dict()
+        for base, power in factors.items():
             if base.is_Rational and power.is_Integer:
                 coefficient *= base**power
             elif (base.is_Symbol or base == I) and power.is_Integer:

@@ -184,7 +184,7 @@ def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> 
     from flint import fq_default_ctx, fq_default_poly_ctx
 
     field = fq_default_ctx(p, 1)
-    ring = fq_default_poly_ctx(field)
+    ring: Any = fq_default_poly_ctx(field)
     total, n_points = 0, 0
     for factor, multiplicity in ring([field(int(c) % p) for c in discriminant.coeffs()]).factor()[1]:
         degree = factor.degree()
@@ -194,7 +194,8 @@ def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> 
             local = _defect(finite, field, -factor.constant_coefficient() / factor.leading_coefficient(), p)
         else:
             larger = fq_default_ctx(p, degree)
-            lifted = fq_default_poly_ctx(larger)([embedded(c, field, larger) for c in factor.coeffs()])
+            over: Any = fq_default_poly_ctx(larger)
+            lifted = over([embedded(c, field, larger) for c in factor.coeffs()])
             local = _defect(finite, larger, lifted.roots()[0][0], p)
         assert local <= multiplicity, "the ramification is part of the discriminant"
         assert (multiplicity - local) % 2 == 0, "the rest of the discriminant is twice the singularities"
@@ -208,7 +209,7 @@ def _defect(curve: Curve, field: Any, z: Any, p: int) -> int:
     """The sum of e - 1 over a point z of the affine line."""
     from flint import fq_default_poly_ctx
 
-    ring = fq_default_poly_ctx(field)
+    ring: Any = fq_default_poly_ctx(field)
     linear = ring([z, field.one()])
     rows: dict[int, dict[int, int]] = {}
     for (i, j), c in curve.items():

@@ -39,8 +39,6 @@ class LaxPair:
 
     Attributes:
         system: The system.
-        L: The matrix whose eigenvalues are constant.
-        M: Its partner.
         spectral: The spectral parameter; None if there is none.
         elements: L and M as elements of the Lie algebra of the bracket, by components, if they were given so.
         source: Where the pair is described; None if nothing was said.
@@ -57,8 +55,17 @@ class LaxPair:
         from sympy import ImmutableMatrix
 
         self.system, self.spectral, self.elements, self.source = system, spectral, elements, source
-        self.L: Matrix = ImmutableMatrix(entries[0])
-        self.M: Matrix = ImmutableMatrix(entries[1])
+        self._matrices: tuple[Any, Any] = (ImmutableMatrix(entries[0]), ImmutableMatrix(entries[1]))
+
+    @property
+    def L(self) -> Matrix:
+        """The matrix whose eigenvalues are constant."""
+        return self._matrices[0]
+
+    @property
+    def M(self) -> Matrix:
+        """Its partner."""
+        return self._matrices[1]
 
     @property
     def size(self) -> int:
@@ -68,7 +75,7 @@ class LaxPair:
     @cached_property
     def arithmetic(self) -> EntryArithmetic:
         """The exact arithmetic of the entries of L."""
-        return EntryArithmetic(list(self.L))
+        return EntryArithmetic(list(self._matrices[0]))
 
     @cached_property
     def characteristic(self) -> tuple[Element, ...]:
@@ -185,7 +192,8 @@ def lax_pair(system: System, L: Any, M: Any, *, spectral: str | None = "z", sour
 
     _verify(system, [first], [second], in_algebra)
     elements: Any = (tuple(first), tuple(second))
-    return LaxPair(system, tuple(adjoint_matrix(algebra, e) for e in elements), z, elements, source)
+    matrices = adjoint_matrix(algebra, elements[0]), adjoint_matrix(algebra, elements[1])
+    return LaxPair(system, matrices, z, elements, source)
 
 
 def adjoint_matrix(algebra: LieAlgebra, element: Sequence[Expr]) -> list[list[Any]]:

@@ -97,7 +97,7 @@ def _shifted(f: Bivariate, c: Any, field: Any) -> Bivariate:
     """The polynomial f(x, c + y)."""
     from flint import fq_default_poly_ctx
 
-    ring = fq_default_poly_ctx(field)
+    ring: Any = fq_default_poly_ctx(field)
     rows: dict[int, dict[int, Any]] = {}
     for (i, j), value in f.items():
         rows.setdefault(i, {})[j] = value
@@ -115,7 +115,7 @@ def _roots(polynomial: Mapping[int, Any], field: Any) -> list[tuple[Any, Any, in
     """The roots up to conjugation: a field that contains one, it, its multiplicity, the number of its conjugates."""
     from flint import fq_default_poly_ctx
 
-    ring = fq_default_poly_ctx(field)
+    ring: Any = fq_default_poly_ctx(field)
     found: list[tuple[Any, Any, int, int]] = []
     coefficients = [polynomial.get(j, field.zero()) for j in range(max(polynomial) + 1)]
     for factor, multiplicity in ring(coefficients).factor()[1]:
@@ -125,7 +125,8 @@ def _roots(polynomial: Mapping[int, Any], field: Any) -> list[tuple[Any, Any, in
             found.append((field, root, multiplicity, degree))
             continue
         larger = _extension(field, degree)
-        lifted = fq_default_poly_ctx(larger)([embedded(c, field, larger) for c in factor.coeffs()])
+        over: Any = fq_default_poly_ctx(larger)
+        lifted = over([embedded(c, field, larger) for c in factor.coeffs()])
         found.append((larger, lifted.roots()[0][0], multiplicity, degree))
     return found
 
@@ -151,7 +152,8 @@ def embedded(element: Any, field: Any, larger: Any) -> Any:
     if key not in _IMAGES:
         from flint import fq_default_poly_ctx
 
-        modulus = fq_default_poly_ctx(larger)([larger(int(c)) for c in field.modulus().coeffs()])
+        over: Any = fq_default_poly_ctx(larger)
+        modulus = over([larger(int(c)) for c in field.modulus().coeffs()])
         _IMAGES[key] = modulus.roots()[0][0]
     total = larger.zero()
     for c in reversed(element.to_list()):
