@@ -75,6 +75,15 @@ def test_what_the_integrals_are():
     assert str(twisted).endswith("Liouville integrable: proved")
 
 
+def test_a_function_of_the_others_is_no_new_integral():
+    """On leaves of dimension two one integral is enough: here l3, with H a polynomial in it and the Casimir."""
+    top = lp.catalog.euler_top_on("so(3)", [1, 1, 2])
+    found = lax_pair(top, ["l1", "l2", "l3 + z"], ["l1", "l2", "l3/2 + z"]).integrals()
+    assert [(c.place, c.kind) for c in found.coefficients] == [("w z", "dependent"), ("w", "Casimir")]
+    assert found.is_complete
+    assert not found.integrals
+
+
 def test_a_pair_with_too_few_integrals_proves_nothing():
     """Coadjoint motion itself is a Lax equation, whose eigenvalues are the Casimirs."""
     found = lax_pair(entry("heavy-top"), "alpha", ["l1/I1", "l2/I2", "l3/I3"], spectral=None).integrals()

@@ -66,6 +66,13 @@ def test_other_algebras():
     assert len(search_lax_pairs(entry("so21-heavy-top"), degree=2).pairs) == 1
 
 
+def test_pairs_without_integrals_are_left_out():
+    """Where nothing but a rotation happens, constant matrices commute with M: their eigenvalues are numbers."""
+    found = search_lax_pairs(lp.System(lp.so(3) @ lp.trivial(), "l3"), degree=1)
+    assert found.complete
+    assert not found.pairs
+
+
 def test_families_are_counted_and_have_members():
     """A ball has pairs for every B: all directions, in three families by the first component that is not zero."""
     found = search_lax_pairs(lp.catalog.euler_top_on("so(3)", [1, 1, 1]), degree=1)

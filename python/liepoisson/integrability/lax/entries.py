@@ -294,6 +294,8 @@ def _terms(expanded: Any, steps: Mapping[Any, int]) -> dict[tuple[tuple[Any, int
         for base, power in factors.items():
             if base.is_Rational and power.is_Integer:
                 coefficient *= base**power
+            elif base == -1 and (2 * power).is_Integer:  # so SymPy gives i as a factor
+                powers[I] = powers.get(I, 0) + int(2 * power)
             elif (base.is_Symbol or base == I) and power.is_Integer:
                 powers[base] = powers.get(base, 0) + int(power)
             elif base == E or isinstance(base, exp):
