@@ -210,6 +210,8 @@ def test_over_any_algebra_elements_act_by_the_adjoint_representation():
         (3, "l", {}, ShapeError, "rows of a matrix"),
         ("l", "l", {"spectral": "alpha"}, ParameterError, "a name that the system does not use"),
         ("l", "l", {"spectral": "w"}, ParameterError, "w is the eigenvalue"),
+        ("l/(z - 1) + alpha", "l", {}, ParameterError, "multiply L by its denominator"),
+        ("exp(z)*l", "l", {}, ParameterError, "polynomials in z and 1/z"),
         ("l*y", "l", {}, ExpressionError, "'y' is unknown"),
     ],
 )

@@ -9,17 +9,18 @@ Then the eigenvalues of L are constant, and the coefficients of $\det(w - L(z))$
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
 from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, explains_its_methods
-from liepoisson.errors import LaxPairError, ShapeError
+from liepoisson.errors import LaxPairError, ParameterError, ShapeError
 from liepoisson.exact.parameters import to_sympy
 from liepoisson.exact.printing import Formula
 from liepoisson.integrability.lax.characteristic import characteristic_coefficients, commutator
 from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol
+from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
@@ -167,7 +168,7 @@ def lax_pair(system: System, L: Any, M: Any, *, spectral: str | None = "z", sour
         LaxPairError: the equation fails; with the entry and the residual.
         ShapeError: L and M are not square matrices of one size, or elements of the algebra.
         ExpressionError: a text cannot be read.
-        ParameterError: the name of the spectral parameter means something else.
+        ParameterError: the name of the spectral parameter means something else, or L is no polynomial in z and 1/z.
 
     References: [lax1968].
     """
@@ -182,6 +183,7 @@ def lax_pair(system: System, L: Any, M: Any, *, spectral: str | None = "z", sour
         raise ShapeError(
             f"L and M: wanted two matrices of one size, or two elements of the algebra; got {sizes[0]} and {sizes[1]}"
         )
+    _check_powers(chain(*first) if kinds[0] else first, z)
     if kinds[0]:
         _verify(system, first, second, _matrix_commutator)
         return LaxPair(system, (first, second), z, None, source)
@@ -194,6 +196,22 @@ def lax_pair(system: System, L: Any, M: Any, *, spectral: str | None = "z", sour
     elements: Any = (tuple(first), tuple(second))
     matrices = adjoint_matrix(algebra, elements[0]), adjoint_matrix(algebra, elements[1])
     return LaxPair(system, matrices, z, elements, source)
+
+
+def _check_powers(entries: Iterable[Any], z: Symbol | None) -> None:
+    """Refuse an L that is no polynomial in z and 1/z: its coefficients could not be read off."""
+    from sympy import Add
+
+    for entry in entries:
+        for term in Add.make_args(entry):
+            if z is None or not term.has(z):
+                continue
+            base, power = term.as_independent(z, as_Add=False)[1].as_base_exp()
+            if base != z or not power.is_Integer:
+                raise ParameterError(
+                    f"L: wanted polynomials in {z} and 1/{z}; got {shown(str(entry))}; multiply L by its denominator, "
+                    "a function of the spectral parameter alone"
+                )
 
 
 def adjoint_matrix(algebra: LieAlgebra, element: Sequence[Expr]) -> list[list[Any]]:
