@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.lie.defining_matrices import defining_matrices
-from liepoisson.integrability.derivation import derivation_of
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
-    from sympy import Expr
+    from sympy import Expr, Symbol
 
     from liepoisson.exact.system import System
 
@@ -23,10 +22,32 @@ EntryMatrix: TypeAlias = dict[tuple[int, int], Linear]
 Vector: TypeAlias = dict[int, Fraction]
 
 
-class Ansatz:
-    """The matrices of the form, and the linear equation for L."""
+Part: TypeAlias = tuple[list[Linear], EntryMatrix]
+"""The rates of the coordinates, and the angular velocity."""
 
-    def __init__(self, system: System, form: str) -> None:
+_FORMS = ("algebra", "diagonal")
+
+
+class Ansatz:
+    """The matrices of the form, and the linear equation for L.
+
+    Args:
+        system: The system.
+        form: "algebra" or "diagonal".
+        parameters: Symbols of the system, of which its equations are rational functions.
+
+    Attributes:
+        parts: Rates and angular velocity, times their common denominator: the coefficients of the monomials in the
+            parameters, by the exponents of these.
+        denominator: That denominator.
+
+    Raises:
+        ParameterError: the system has no such form.
+    """
+
+    def __init__(self, system: System, form: str, parameters: Sequence[Symbol] = ()) -> None:
+        if form not in _FORMS:
+            raise ParameterError(f'form: wanted "algebra" or "diagonal"; got {shown(form)}')
         algebra = system.bracket.algebra
         matrices = None if system.bracket.has_scalar_fields else defining_matrices(algebra)
         if matrices is None or matrices.order != 1:
@@ -39,12 +60,6 @@ class Ansatz:
         self.system, self.size = system, matrices.size
         self.n = len(system.variables)
         self.spectral = "z" if "z" not in {*system.component_names, *system.values} else "spectral"
-        derivation, _ = derivation_of(system)
-        if not derivation.field.is_rational:
-            raise ParameterError(
-                "system: wanted equations with rational coefficients; give numbers for parameters that are symbols"
-            )
-        self.rates: list[Linear] = [dict(component) for component in derivation.components]
         dual = [_numeric(m) for m in matrices.matrices]
         self.form = form
         self.movers = movers = [_numeric(matrices.movers[j]) for j in range(algebra.dimension)]
@@ -52,27 +67,47 @@ class Ansatz:
         self.fields = [
             [(first + k, dual[k]) for k in range(size)] for first in range(0, self.n, size)
         ]  # each field as pairs of a coordinate and its matrix
-        self.omega = self._angular_velocity(movers)
+        self.parameters = tuple(parameters)
+        self.parts, self.denominator = self._read(movers)
         self.constants = dual if form == "algebra" else _all_matrices(self.size)
         self.partners = movers if form == "algebra" else [{(i, i): Fraction(1)} for i in range(1, self.size)]
 
-    def _angular_velocity(self, movers: Sequence[Mapping[tuple[int, int], Fraction]]) -> EntryMatrix:
-        from sympy import Poly
+    def _read(self, movers: Sequence[Mapping[tuple[int, int], Fraction]]) -> tuple[dict[tuple[int, ...], Part], Any]:
+        """The parts of the equations by powers of the parameters, and what they were multiplied by."""
+        from sympy import Integer, Poly, lcm
 
-        found: EntryMatrix = {}
-        for x, mover in zip(self.system.variables, movers, strict=False):
-            polynomial = Poly(self.system.hamiltonian.diff(x), *self.system.variables)
-            if polynomial.total_degree() > 1:
-                raise ParameterError(
-                    f"system: wanted a Hamiltonian whose derivative by {x} is linear; got "
-                    f"{shown(polynomial.as_expr())}; verify a pair of your own with lax_pair"
-                )
-            for monomial, c in polynomial.terms():
-                if c:
-                    term = {tuple(map(int, monomial)): Fraction(int(c.p), int(c.q))}
-                    for place, factor in mover.items():
-                        _add(found.setdefault(place, {}), term, factor)
-        return found
+        system, x = self.system, self.system.variables
+        rates: list[Any] = [e.together() for e in system.equations.values()]
+        slopes: list[Any] = [system.hamiltonian.diff(v).together() for v in x[: len(movers)]]
+        common: Any = Integer(1)
+        for e in (*rates, *slopes):
+            common = lcm(common, e.as_numer_denom()[1].as_coeff_Mul()[1])  # coefficients may be fractions
+        parts: dict[tuple[int, ...], Part] = {}
+        for k, e in enumerate((*rates, *slopes)):
+            whole = (common * e).cancel().expand()
+            if not whole.is_polynomial(*x, *self.parameters):
+                raise ParameterError(f"system: wanted polynomial equations; got {shown(str(e))}")
+            for monomial, c in Poly(whole, *x, *self.parameters).terms():
+                if not c.is_Rational:
+                    raise ParameterError(
+                        f"system: wanted equations with rational coefficients; got {shown(str(c))}; give numbers for "
+                        "parameters that are symbols, or look for their values with lax_families"
+                    )
+                powers, factors = tuple(map(int, monomial[self.n :])), tuple(map(int, monomial[: self.n]))
+                if not c:
+                    continue
+                part = parts.setdefault(powers, ([{} for _ in x], {}))
+                if k < self.n:
+                    part[0][k][factors] = Fraction(int(c.p), int(c.q))
+                    continue
+                if sum(factors) > 1:
+                    raise ParameterError(
+                        f"system: wanted a Hamiltonian whose derivative by {x[k - self.n]} is linear; got "
+                        f"{shown(str(e))}; verify a pair of your own with lax_pair"
+                    )
+                for place, factor in movers[k - self.n].items():
+                    _add(part[1].setdefault(place, {}), {factors: Fraction(int(c.p), int(c.q))}, factor)
+        return parts, common
 
     @property
     def n_per_power(self) -> int:
@@ -83,30 +118,32 @@ class Ansatz:
         """The matrix that belongs to an unknown of one power of z."""
         found: EntryMatrix = {}
         if k >= len(self.fields):
-            return {place: {(0,) * self.n: c} for place, c in self.constants[k - len(self.fields)].items()}
+            return self._constant(self.constants[k - len(self.fields)])
         for x, matrix in self.fields[k]:
             for place, c in matrix.items():
                 _add(found.setdefault(place, {}), {_unit(x, self.n): c}, Fraction(1))
         return found
 
-    def columns(self) -> list[tuple[EntryMatrix, list[EntryMatrix]]]:
-        """For each unknown of one power of z: its rate minus [E, Omega], and -[E, b] for the directions b of B."""
-        found: list[tuple[EntryMatrix, list[EntryMatrix]]] = []
-        for k in range(self.n_per_power):
-            e = self.basis_matrix(k)
-            residual: EntryMatrix = {}
-            for place, entry in e.items():
-                for monomial, c in entry.items():
-                    if any(monomial):
-                        _add(residual.setdefault(place, {}), self.rates[monomial.index(1)], c)
-            for place, value in _commutator(e, self.omega).items():
-                _add(residual.setdefault(place, {}), value, Fraction(-1))
-            partners: list[EntryMatrix] = []
-            for b in self.partners:
-                constant: EntryMatrix = {place: {(0,) * self.n: c} for place, c in b.items()}
-                partners.append({p: {m: -c for m, c in v.items()} for p, v in _commutator(e, constant).items()})
-            found.append((residual, partners))
+    def residual(self, k: int, part: Part) -> EntryMatrix:
+        """The rate of the matrix of an unknown minus its commutator with Omega."""
+        rates, omega = part
+        e = self.basis_matrix(k)
+        found: EntryMatrix = {}
+        for place, entry in e.items():
+            for monomial, c in entry.items():
+                if any(monomial):
+                    _add(found.setdefault(place, {}), rates[monomial.index(1)], c)
+        for place, value in _commutator(e, omega).items():
+            _add(found.setdefault(place, {}), value, Fraction(-1))
         return found
+
+    def partner_terms(self, k: int) -> list[EntryMatrix]:
+        """Minus the commutators of the matrix of an unknown with the directions of B."""
+        e = self.basis_matrix(k)
+        return [_commutator(self._constant(b), e) for b in self.partners]
+
+    def _constant(self, matrix: Mapping[tuple[int, int], Fraction]) -> EntryMatrix:
+        return {place: {(0,) * self.n: c} for place, c in matrix.items()}
 
     def pair(self, vector: Vector, b: Sequence[Fraction]) -> tuple[list[Any], list[Any]]:
         """L and M of a solution: matrices, or elements where the matrices are as many as their rows, as on so(3)."""
@@ -118,10 +155,10 @@ class Ansatz:
             power, k = divmod(column, self.n_per_power)
             self._put(first, self.basis_matrix(k), c, z**power)
         second: dict[tuple[int, int], Any] = {}
-        self._put(second, self.omega, Fraction(1), Integer(1))
+        for _, omega in self.parts.values():  # one part: there are no parameters
+            self._put(second, omega, Fraction(1), Integer(1))
         for component, matrix in zip(b, self.partners, strict=True):
-            constant: EntryMatrix = {place: {(0,) * self.n: c} for place, c in matrix.items()}
-            self._put(second, constant, component, z)
+            self._put(second, self._constant(matrix), component, z)
         if self.form == "algebra" and len(self.movers) == self.size:
             return self._components(first), self._components(second)
         rows = range(self.size)

@@ -27,7 +27,6 @@ from itertools import islice, product
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments, shows_progress
-from liepoisson.errors import ParameterError
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import nullspace
 from liepoisson.exact.polynomials.groebner import rational_context
@@ -35,13 +34,11 @@ from liepoisson.integrability.lax.ansatz import Ansatz, EntryMatrix, Vector
 from liepoisson.integrability.lax.pair import LaxPair, lax_pair
 from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
 from liepoisson.scalars import as_count, as_time_limit
-from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
 
-_FORMS = ("algebra", "diagonal")
-_MOST_DEGREE = 8
+MOST_DEGREE = 8
 _SAMPLES = tuple(map(Fraction, ("2", "3", "5", "1", "-1", "0", "-2", "1/2", "-1/2", "3/4", "4/3")))
 """Values of components of B that a case leaves free; each component begins with another one."""
 _MOST_SAMPLES = 20_000
@@ -123,13 +120,11 @@ def search_lax_pairs(
 
     References: [manakov1976]; [musso2005].
     """
-    if form not in _FORMS:
-        raise ParameterError(f'form: wanted "algebra" or "diagonal"; got {shown(form)}')
-    most = as_count(degree, "degree", least=1, most=_MOST_DEGREE)
+    most = as_count(degree, "degree", least=1, most=MOST_DEGREE)
     deadline = time.monotonic() + as_time_limit(time_limit)
     ansatz = Ansatz(system, form)
     pairs: list[LaxPair] = []
-    trivial = _trivial(ansatz)
+    trivial = trivial_vectors(ansatz)
     known: dict[tuple[Fraction, ...], list[tuple[int, Vector]]] = {}
     n_undecided, n_families = 0, 0
     for d in range(1, most + 1):
@@ -137,7 +132,7 @@ def search_lax_pairs(
         n_undecided = sum(one is None for one in found)
         n_families = sum(one is not None and one.is_free for one in found)
         for b in dict.fromkeys(one.components for one in found if one is not None):
-            for vector in _new_vectors(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial])):
+            for vector in new_vectors(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial])):
                 L, M = ansatz.pair(vector, b)
                 pair = lax_pair(system, L, M, spectral=ansatz.spectral)
                 if pair.integrals().n_independent:
@@ -157,43 +152,44 @@ class _Partner:
 
 def _partners(ansatz: Ansatz, degree: int, n_trivial: int, keep_going: Callable[[], bool]) -> Iterator[_Partner | None]:
     """The B for which there are solutions of this degree; None for each case that is not decided."""
-    n, columns = len(ansatz.partners), ansatz.columns()
+    n = len(ansatz.partners)
     for first in range(n):  # the first component that is not zero
         free = n - first - 1
         context = rational_context([f"b{k}" for k in range(first + 1, n)] or ["unused"])
         components = [context.constant(0)] * first + [context.constant(1), *(context.gen(k) for k in range(free))]
-        rows = _rows(columns, degree, ansatz.n_per_power, components, context)
+        rows = linear_system(ansatz, degree, components, context)
         n_columns = (degree + 1) * ansatz.n_per_power
         cases, splitting = Cases(), CaseSplitting(context, frozenset(), [])
         splitting.run(rows, n_columns, (degree + 1) * n_trivial, cases, keep_going)
         splitting.settle(cases)
         for case in cases.found:
-            b = _member(case, free)
+            b = member(case, free)
             is_free = len(case.solved) < free
             yield None if b is None else _Partner((*(Fraction(0),) * first, Fraction(1), *b), is_free)
         yield from [None] * len(cases.left)
 
 
-def _trivial(ansatz: Ansatz) -> list[Vector]:
-    """Constant matrices that commute with M for every B."""
+def trivial_vectors(ansatz: Ansatz) -> list[Vector]:
+    """Constant matrices that commute with M for every B, and for all parameters."""
     rows: dict[Any, Vector] = {}
-    for k, (residual, partners) in enumerate(ansatz.columns()):
-        for number, matrix in enumerate([residual, *partners]):
-            for place, entry in matrix.items():
-                for monomial, c in entry.items():
-                    rows.setdefault((number, place, monomial), {})[k] = c
+    for k in range(ansatz.n_per_power):
+        residuals = [ansatz.residual(k, part) for part in ansatz.parts.values()]
+        for number, matrix in enumerate([*residuals, *ansatz.partner_terms(k)]):
+            for place, monomial, c in _terms(matrix):
+                rows.setdefault((number, place, monomial), {})[k] = c
     found = nullspace(list(rows.values()), ansatz.n_per_power, Coefficients()).vectors
     return [{k: Fraction(c) for k, c in vector.items()} for vector in found]
 
 
-def _rows(
-    columns: Sequence[tuple[EntryMatrix, list[EntryMatrix]]],
-    degree: int,
-    n_per_power: int,
-    components: Sequence[Any],
-    context: Any,
-) -> list[dict[int, Any]]:
-    """The linear system, one row for each entry, power of z and monomial."""
+def linear_system(ansatz: Ansatz, degree: int, components: Sequence[Any], context: Any) -> list[dict[int, Any]]:
+    """The equation for L, one row for each entry, power of z and monomial.
+
+    Args:
+        ansatz: The form, with parameters that are the first variables of the context.
+        degree: Of L in z.
+        components: Of B.
+        context: FLINT's context of the entries of the matrix.
+    """
     from flint import fmpq
 
     rows: dict[Any, dict[int, Any]] = {}
@@ -202,23 +198,34 @@ def _rows(
         row = rows.setdefault(key, {})
         row[column] = row[column] + value if column in row else value
 
-    for power in range(degree + 1):
-        for k, (residual, partners) in enumerate(columns):
-            column = power * n_per_power + k
-            for place, entry in residual.items():
-                for monomial, c in entry.items():
-                    put((place, power, monomial), column, context.constant(fmpq(c.numerator, c.denominator)))
+    factors = {powers: _monomial(powers, context) for powers in ansatz.parts}
+    for k in range(ansatz.n_per_power):
+        residuals = [(factors[powers], ansatz.residual(k, part)) for powers, part in ansatz.parts.items()]
+        partners = ansatz.partner_terms(k)
+        for power in range(degree + 1):
+            column = power * ansatz.n_per_power + k
+            for factor, residual in residuals:
+                for place, monomial, c in _terms(residual):
+                    put((place, power, monomial), column, factor * fmpq(c.numerator, c.denominator))
             for b, partner in zip(components, partners, strict=True):
-                if not b:
-                    continue
-                for place, entry in partner.items():
-                    for monomial, c in entry.items():
-                        put((place, power + 1, monomial), column, b * fmpq(c.numerator, c.denominator))
+                for place, monomial, c in _terms(partner) if b else ():
+                    put((place, power + 1, monomial), column, b * fmpq(c.numerator, c.denominator))
     return [kept for row in rows.values() if (kept := {c: v for c, v in row.items() if v})]
 
 
-def _member(case: Case, n: int) -> tuple[Fraction, ...] | None:
-    """One point of a case with rational coordinates; None if none is found."""
+def _terms(matrix: EntryMatrix) -> Iterator[tuple[tuple[int, int], tuple[int, ...], Fraction]]:
+    return ((place, monomial, c) for place, entry in matrix.items() for monomial, c in entry.items())
+
+
+def _monomial(powers: tuple[int, ...], context: Any) -> Any:
+    product_ = context.constant(1)
+    for k, e in enumerate(powers):
+        product_ = product_ * context.gen(k) ** e
+    return product_
+
+
+def member(case: Case, n: int, positive: frozenset[int] = frozenset()) -> tuple[Fraction, ...] | None:
+    """One point of a case with rational coordinates, some of them positive; None if none is found."""
     solved = {v for v, _, _ in case.solved}
     free = [v for v in range(n) if v not in solved]
     if any(_uses(p, solved) for _, numerator, denominator in case.solved for p in (numerator, denominator)):
@@ -234,6 +241,8 @@ def _member(case: Case, n: int) -> tuple[Fraction, ...] | None:
         if all(below):
             found = [_value(numerator, values) / d for (_, numerator, _), d in zip(case.solved, below, strict=True)]
             values |= dict(zip([v for v, _, _ in case.solved], found, strict=True))
+            if any(values[v] <= 0 for v in positive):
+                continue
             return tuple(values[k] for k in range(n))
     return None
 
@@ -253,7 +262,7 @@ def _value(p: Any, values: Mapping[int, Fraction]) -> Fraction:
     return total
 
 
-def _new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: list[tuple[int, Vector]]) -> list[Vector]:
+def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: list[tuple[int, Vector]]) -> list[Vector]:
     """Solutions for one B that are no combinations of those of lower degree and their multiples by powers of z."""
     from flint import fmpq
 
@@ -262,7 +271,7 @@ def _new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: li
     n = ansatz.n_per_power
     rows = [
         {column: _constant(value) for column, value in row.items()}
-        for row in _rows(ansatz.columns(), degree, n, components, context)
+        for row in linear_system(ansatz, degree, components, context)
     ]
     solutions = nullspace(rows, (degree + 1) * n, Coefficients()).vectors
     span = _Span()
@@ -293,11 +302,6 @@ class _Span:
     def insert(self, vector: Vector) -> Vector:
         """What is left of a vector modulo the space, to which it is added; empty if it lies in it."""
         rest = dict(vector)
-        for column in sorted(rest, reverse=True):
-            if (factor := rest.get(column)) and column in self.rows:
-                for k, c in self.rows[column].items():
-                    rest[k] = rest.get(k, Fraction(0)) - factor * c
-        # subtracting may have brought columns that are rows, too: go on until none is left
         while pivots := [k for k, c in rest.items() if c and k in self.rows]:
             column = max(pivots)
             factor = rest[column]
