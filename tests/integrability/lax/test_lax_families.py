@@ -48,6 +48,7 @@ def test_the_twisted_top_has_a_pair_if_its_axis_carries_the_centre_or_it_is_a_ba
     assert {len({f.example[name] for name in MOMENTS}) for f in found.families} == {1, 2}
 
 
+@pytest.mark.thorough
 def test_the_condition_of_manakov_is_found():
     names = "abcdef"
     energy = "(a*M12^2 + b*M13^2 + c*M14^2 + d*M23^2 + e*M24^2 + f*M34^2)/2"

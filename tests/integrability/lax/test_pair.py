@@ -98,15 +98,21 @@ def test_a_pair_with_too_few_integrals_proves_nothing():
         ("lagrange", {"I": ["p", "p", "q"], "a": [0, 0, "g"]}),
         ("twisted-lagrange", {"I": ["p", "p", "q"], "a": [0, 0, "g"], "epsilon": "e"}),
         ("kovalevskaya", {"a": ["g", 0, 0]}),
-        ("kovalevskaya-gyrostat", {"k": "rotor", "a1": "g"}),
-        ("two-field-kovalevskaya", {"a": ["g", 0, 0], "b": [0, "h", 0]}),
+        pytest.param("kovalevskaya-gyrostat", {"k": "rotor", "a1": "g"}, marks=pytest.mark.thorough),
+        pytest.param("two-field-kovalevskaya", {"a": ["g", 0, 0], "b": [0, "h", 0]}, marks=pytest.mark.thorough),
         ("clebsch", {"a": ["p", "q", "r"]}),
         ("neumann", {"A": ["p", "q", "r"]}),
-        ("manakov-so4", {"J": ["p", "q", "r", "s"]}),
+        pytest.param("manakov-so4", {"J": ["p", "q", "r", "s"]}, marks=pytest.mark.thorough),
         ("free-rigid-body", {"I": ["p", "q", "r"]}),
         ("three-wave", {"V": "v"}),
-        ("leibniz-lagrange-4", {"epsilon": "e", "a3": "g", "I": ["p", "p", "q"]}),
-        ("charged-twisted-lagrange", {"I": ["p", "p", "q"], "a": [0, 0, "g"], "b": [0, 0, "h"], "epsilon": "e"}),
+        pytest.param(
+            "leibniz-lagrange-4", {"epsilon": "e", "a3": "g", "I": ["p", "p", "q"]}, marks=pytest.mark.thorough
+        ),
+        pytest.param(
+            "charged-twisted-lagrange",
+            {"I": ["p", "p", "q"], "a": [0, 0, "g"], "b": [0, 0, "h"], "epsilon": "e"},
+            marks=pytest.mark.thorough,
+        ),
     ],
 )
 def test_pairs_hold_for_symbols_in_the_place_of_parameters(name, values):
@@ -140,6 +146,20 @@ def test_the_body_in_n_dimensions(n):
     z = sp.Symbol("z")
     pair = lax_pair(top, X + z * J**2, omega + z * J)
     assert pair.integrals().is_complete
+
+
+@pytest.mark.thorough
+def test_a_lattice_on_a_line_without_a_spectral_parameter():
+    toda = lp.catalog.toda(4, closed=False)
+    a = [f"exp((q{k} - q{k + 1})/2)" for k in (1, 2, 3)]
+    L = sp.Matrix(4, 4, lambda i, j: sp.Symbol(f"p{i + 1}") if i == j else sp.S.Zero)
+    M = sp.zeros(4)
+    for k, text in enumerate(a):
+        L[k, k + 1] = L[k + 1, k] = sp.sympify(text)
+        M[k, k + 1], M[k + 1, k] = L[k, k + 1] / 2, -L[k, k + 1] / 2
+    found = lax_pair(toda, L, M, spectral=None).integrals()
+    assert found.is_complete
+    assert [c.place for c in found.coefficients] == ["w^3", "w^2", "w", "1"]
 
 
 def test_complex_entries_give_real_and_imaginary_parts():
@@ -203,7 +223,7 @@ def test_over_any_algebra_elements_act_by_the_adjoint_representation():
 @pytest.mark.parametrize(
     ("L", "M", "options", "error", "words"),
     [
-        ("l*z", "l1", {}, ExpressionError, "."),
+        ("l*z", "l1", {}, ExpressionError, "M must be a matrix"),
         ([1, 2], [1, 2], {}, ShapeError, "the 3 components of an element of so"),
         ([[1, 2], [3]], [[1, 2], [3, 4]], {}, ShapeError, "square matrix"),
         ([[1, 2], [3, 4]], "l", {}, ShapeError, "2 x 2 and a vector of 3"),
@@ -212,6 +232,9 @@ def test_over_any_algebra_elements_act_by_the_adjoint_representation():
         ("l", "l", {"spectral": "w"}, ParameterError, "w is the eigenvalue"),
         ("l/(z - 1) + alpha", "l", {}, ParameterError, "multiply L by its denominator"),
         ("exp(z)*l", "l", {}, ParameterError, "polynomials in z and 1/z"),
+        ("l1*z", "l", {}, ExpressionError, r"L must be a matrix, or an element of so\(3\)"),
+        ("l, alpha", "l", {}, ExpressionError, "',' is not expected here"),
+        ("l), (l", "l", {}, ExpressionError, r"column 2\)"),
         ("l*y", "l", {}, ExpressionError, "'y' is unknown"),
     ],
 )

@@ -15,11 +15,11 @@ entry = lp.catalog.system
     [
         ("lagrange", 2, "algebra"),
         ("twisted-lagrange", 3, "algebra"),
-        ("charged-lagrange", 2, "algebra"),
-        ("charged-twisted-lagrange", 3, "algebra"),
-        ("leibniz-lagrange-4", 4, "algebra"),
+        pytest.param("charged-lagrange", 2, "algebra", marks=pytest.mark.thorough),
+        pytest.param("charged-twisted-lagrange", 3, "algebra", marks=pytest.mark.thorough),
+        pytest.param("leibniz-lagrange-4", 4, "algebra", marks=pytest.mark.thorough),
         ("free-rigid-body", 1, "diagonal"),
-        ("manakov-so4", 1, "diagonal"),
+        pytest.param("manakov-so4", 1, "diagonal", marks=pytest.mark.thorough),
     ],
 )
 def test_pairs_of_the_literature_are_found(name, degree, form):

@@ -14,7 +14,7 @@ from fractions import Fraction
 from math import lcm
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.exact.names import check_name
 from liepoisson.wrong_values import shown
 
@@ -116,17 +116,27 @@ class _Reader:
         if self.system.bracket.has_scalar_fields:
             raise ShapeError(f"{self.what}: the fields of this system are scalars; got {shown(text)}; give a matrix")
         directions = [Symbol(f"{_DIRECTION}{k + 1}") for k in range(self.size)]
-        form = self._text(f"dot({text}, {_DIRECTION})", (f"{_DIRECTION}[{self.size}]",))
+        form = self._text(text, (f"{_DIRECTION}[{self.size}]",))
         return [cast("Expr", form.coeff(d)) for d in directions]
 
     def _text(self, text: str, further: tuple[str, ...]) -> Expr:
         from sympy import I, Symbol
 
         from liepoisson.exact.expression import read_expression
+        from liepoisson.exact.formula.grammar import parse
         from liepoisson.exact.formula.scope import Scope
 
+        parse(text)  # what is no formula is refused as it was written
         scope = Scope.of_bracket(self.system.symbolic_bracket, self.system.values, (*self.declared, *further))
-        read: Any = read_expression(text, scope, insert_values=True)
+        try:
+            read: Any = read_expression(f"dot({text}, {_DIRECTION})" if further else text, scope, insert_values=True)
+        except ExpressionError as error:
+            if not further:
+                raise
+            message = error.message.replace(f", {_DIRECTION}", "")  # which users have not written
+            if "dot" in message:
+                message = f"{self.what} must be a matrix, or an element of {self.system.bracket.algebra.name}"
+            raise ExpressionError(message, text, max(error.position - len("dot("), 0)) from None
         return (read.xreplace({Symbol(IMAGINARY): I}) if self.has_unit else read).expand()
 
 
@@ -294,7 +304,7 @@ def _terms(expanded: Any, steps: Mapping[Any, int]) -> dict[tuple[tuple[Any, int
         for base, power in factors.items():
             if base.is_Rational and power.is_Integer:
                 coefficient *= base**power
-            elif base == -1 and (2 * power).is_Integer:  # so SymPy gives i as a factor
+            elif base.is_Integer and int(base) == -1 and (2 * power).is_Integer:  # so SymPy gives i as a factor
                 powers[I] = powers.get(I, 0) + int(2 * power)
             elif (base.is_Symbol or base == I) and power.is_Integer:
                 powers[base] = powers.get(base, 0) + int(power)

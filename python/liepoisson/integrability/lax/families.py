@@ -138,7 +138,7 @@ def lax_families(
     """
     most = as_count(degree, "degree", least=1, most=MOST_DEGREE)
     deadline = time.monotonic() + as_time_limit(time_limit)
-    symbols = sorted(
+    symbols: list[Any] = sorted(
         {s for e in (*system.equations.values(), system.hamiltonian) for s in e.free_symbols} - set(system.variables),
         key=str,
     )
@@ -199,7 +199,7 @@ class _Splitting:
         splitting = CaseSplitting(self.context, self.positive, self.assumed)
         k, n = len(self.names), len(self.partners)
         fixed = [(self.symbols[k + j], int(j == first)) for j in range(first + 1)]
-        conditions = [cast("Any", s) - value for s, value in fixed]
+        conditions: list[Any] = [s - value for s, value in fixed]
         conditions += [self.expression(q) for q in splitting.conditions(case)]
         found = member(case, k + n, self.positive)
         if found is None:
@@ -240,7 +240,7 @@ class _Splitting:
             Mul(Rational(int(c.p), int(c.q)), *(s ** int(e) for s, e in zip(self.symbols, m, strict=True)))
             for m, c in polynomial.terms()
         ]
-        whole: Any = cast("Any", Add(*terms)).as_numer_denom()[0].primitive()[1]
+        whole: Any = Add(*terms).as_numer_denom()[0].primitive()[1]
         return -whole if whole.could_extract_minus_sign() else whole
 
 

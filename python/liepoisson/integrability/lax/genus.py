@@ -18,7 +18,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from math import lcm
+from math import gcd, lcm
 from random import Random
 from typing import Any, TypeAlias
 
@@ -30,7 +30,7 @@ Curve: TypeAlias = Mapping[tuple[int, int], Fraction]
 _FIRST_PRIME = 2**30
 _MOST_PRIMES = 12
 _MOST_POINTS = 60
-_LARGEST_DISCRIMINANT = 160
+_LARGEST_DISCRIMINANT = 320
 """Degree of the largest discriminant that is made."""
 
 
@@ -63,8 +63,6 @@ def interior_points(curve: Curve) -> int:
     if len(hull) < 3:
         return 0
     sides = list(zip(hull, hull[1:] + hull[:1], strict=True))
-    from math import gcd
-
     double_area = abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in sides))
     boundary = sum(gcd(a[0] - b[0], a[1] - b[1]) for a, b in sides)
     return (double_area - boundary) // 2 + 1
@@ -102,7 +100,7 @@ def genus(curve: Curve) -> Genus:
     if d == 1:
         return Genus(0)
     finite, infinite = integral(curve), at_infinity(curve)
-    if 2 * max(i for i, _ in finite) * (d - 1) > 2 * _LARGEST_DISCRIMINANT:
+    if 2 * max(i for i, _ in finite) * (d - 1) > _LARGEST_DISCRIMINANT:
         return Genus(None, reason=f"the discriminant may have a degree above {_LARGEST_DISCRIMINANT}")
     denominator = lcm(*(c.denominator for c in finite.values()))
     discriminant: Any = _discriminant(finite, denominator)

@@ -9,7 +9,7 @@ independent of these, or a function of them that is no polynomial.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.exact.printing import Formula
@@ -55,7 +55,7 @@ class LaxIntegrals:
         rank: Dimension of a generic leaf.
         n_independent: How many of the coefficients are independent on a generic leaf: the rank of their Hamiltonian
             vector fields at a random point, which is proved to be at least this.
-        has_energy: Whether H is, near a generic point, a function of the coefficients.
+        has_energy: Whether H is, near a generic point, a function of the coefficients: with it the same rank is found.
         in_involution: Whether all coefficients commute with each other; proved.
     """
 
@@ -107,50 +107,59 @@ class LaxIntegrals:
 
 def lax_integrals(pair: LaxPair) -> LaxIntegrals:
     """The coefficients of the characteristic polynomial of a Lax pair, sorted."""
-    system = pair.system
+    system = _with_single_exponentials(pair.system)
     found = [(place, f) for place, f in _coefficients(pair) if f.free_symbols & set(system.variables)]
     found.sort(key=lambda item: _degree(item[1], system))
     functions = [f for _, f in found]
-    _check_that_they_are_constant(system, found)
+    _check_that_they_are_constant(system, [(place, f.expand()) for place, f in found])
     casimirs = enumerate(system.bracket.casimirs(), start=1)
     known = {"H": system.hamiltonian} | {f"C{k}": c for k, c in casimirs if not traces_in(c)}
     independent: dict[str, Expr] = {}
     sorted_: list[LaxIntegral] = []
     for place, f in found:
-        one = _sorted_one(system, place, f, known, independent)
-        sorted_.append(one)
+        plain = f.expand()
+        one = _sorted_one(system, plain, known, independent)
+        sorted_.append(replace(one, place=place, expression=f))
         if one.name:
-            known[one.name] = f
+            known[one.name] = plain
         if one.kind == "integral":
-            independent[one.name] = f
-    moving = [c.expression for c in sorted_ if c.kind != "Casimir"]
+            independent[one.name] = plain
+    moving = [c.expression.expand() for c in sorted_ if c.kind != "Casimir"]
     n = fields_rank(system, moving)
     return LaxIntegrals(
-        system,
+        pair.system,
         tuple(sorted_),
         system.bracket.rank(),
         n,
         bool(functions) and fields_rank(system, [*moving, system.hamiltonian]) == n,
-        are_in_involution(system, [c.expression for c in sorted_ if c.kind in ("integral", "dependent")]),
+        are_in_involution(system, [f for name, f in known.items() if name.startswith("F")]),
     )
+
+
+def _with_single_exponentials(system: System) -> System:
+    """The system with exp(x)*exp(-y) for exp(x - y), so that all functions are in the same exponentials."""
+    from liepoisson.exact.system import System
+
+    if system.hamiltonian.is_polynomial(*system.variables):
+        return system
+    return System(system.bracket, system.hamiltonian.expand(), name=system.name)
 
 
 def _sorted_one(
     system: System,
-    place: str,
     f: Expr,
     known: Mapping[str, Expr],
     independent: Mapping[str, Expr],
 ) -> LaxIntegral:
     casimirs = {name: c for name, c in known.items() if name.startswith("C")}
     if not fields_rank(system, [f]) and not any(e.expand() for e in system.bracket.vector_field(f)):
-        return LaxIntegral(place, f, "Casimir", "", _formula(system, f, casimirs))
+        return LaxIntegral("", f, "Casimir", "", _formula(system, f, casimirs))
     if (formula := _formula(system, f, known)) is not None:
-        return LaxIntegral(place, f, "known", "", formula)
+        return LaxIntegral("", f, "known", "", formula)
     name = f"F{sum(key.startswith('F') for key in known) + 1}"
     others = [system.hamiltonian, *independent.values()]
     is_new = fields_rank(system, [*others, f]) > len(others)
-    return LaxIntegral(place, f, "integral" if is_new else "dependent", name, None)
+    return LaxIntegral("", f, "integral" if is_new else "dependent", name, None)
 
 
 def _formula(system: System, f: Expr, generators: Mapping[str, Expr]) -> Expr | None:

@@ -173,7 +173,8 @@ def lax_pair(system: System, L: Any, M: Any, *, spectral: str | None = "z", sour
     References: [lax1968].
     """
     z = spectral_symbol(system, spectral)
-    first, second = read_entries(system, L, z, "L"), read_entries(system, M, z, "M")
+    first: Any = read_entries(system, L, z, "L")
+    second: Any = read_entries(system, M, z, "M")
     kinds = [isinstance(given[0], list) for given in (first, second)]
     if kinds[0] != kinds[1] or len(first) != len(second):
         sizes = [
