@@ -79,6 +79,34 @@ def test_the_genus_does_not_depend_on_the_coordinates(seed):
     assert genus(exchanged).value == value
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_curves_without_singular_points_have_as_many_holes_as_their_polygon_has_points(seed):
+    """Khovanskii's theorem, for random coefficients on random monomials with negative powers of z."""
+    random = Random(seed)
+    d = random.choice([2, 3, 4])
+    f = {(0, d): Fraction(1)}
+    for j in range(d):
+        low, high = sorted(random.sample(range(-3, 5), 2))
+        f |= {(i, j): Fraction(random.choice([-1, 1]) * random.randint(1, 99)) for i in range(low, high + 1)}
+    assert genus(f).value == interior_points(f)
+
+
+def test_the_genus_does_not_depend_on_the_prime(monkeypatch):
+    pair = lp.integrability.known_lax_pair("kovalevskaya")
+    found = pair.spectral_curve().components[0]
+    monkeypatch.setattr("liepoisson.integrability.lax.genus._FIRST_PRIME", 2**40)
+    again = pair.spectral_curve().components[0]
+    assert (again.genus, again.n_branch_points) == (found.genus, found.n_branch_points)
+
+
+def test_primes_of_bad_reduction_are_passed_over(monkeypatch):
+    """Modulo 5 the zeros 0 and 5 of the discriminant come together: y^2 = x (x - 5) (x - 1) has genus 1, not 0."""
+    monkeypatch.setattr("liepoisson.integrability.lax.genus._FIRST_PRIME", 4)
+    found = genus(curve(w**2 - z * (z - 5) * (z - 1)))
+    assert found.value == 1
+    assert found.prime > 5
+
+
 def test_a_curve_that_splits_over_the_complex_numbers_is_not_decided():
     found = genus(curve(w**2 + z**2))
     assert found.value is None
