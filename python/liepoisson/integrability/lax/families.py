@@ -35,17 +35,21 @@ class LaxFamily:
 
     Attributes:
         conditions: Polynomials in the parameters and the components B1, B2, ... of B that vanish.
+        nonzero: Polynomials that must not vanish for the conditions to suffice, besides what was assumed.
         example: Values of the parameters with these conditions; None if none were found that are rational.
         pair: A pair at these values, verified; None if there is no example, or if the eigenvalues of all pairs there
             are Casimirs or numbers.
     """
 
     conditions: tuple[Expr, ...]
+    nonzero: tuple[Expr, ...]
     example: dict[str, Fraction] | None
     pair: LaxPair | None
 
     def __str__(self) -> str:
         words = ", ".join(map(_equation, self.conditions))
+        if self.nonzero:
+            words += f", where {' and '.join(f'{Formula(p).plain} is not 0' for p in self.nonzero)}"
         if self.example is None:
             return f"{words}   (no rational example)"
         return words if self.pair is not None else f"{words}   (eigenvalues are Casimirs or numbers)"
@@ -201,12 +205,13 @@ class _Splitting:
         fixed = [(self.symbols[k + j], int(j == first)) for j in range(first + 1)]
         conditions: list[Any] = [s - value for s, value in fixed]
         conditions += [self.expression(q) for q in splitting.conditions(case)]
+        nonzero = tuple(dict.fromkeys(self.expression(q) for q in splitting.divisors(case)))
         found = member(case, k + n, self.positive)
         if found is None:
-            return LaxFamily(tuple(conditions), None, None)
+            return LaxFamily(tuple(conditions), nonzero, None, None)
         values = dict(zip(self.names, found[:k], strict=True))
         b = (*(Fraction(0),) * first, Fraction(1), *found[k + first + 1 :])
-        return LaxFamily(tuple(conditions), values, self._pair(values, b))
+        return LaxFamily(tuple(conditions), nonzero, values, self._pair(values, b))
 
     def _pair(self, values: dict[str, Fraction], b: tuple[Fraction, ...]) -> LaxPair | None:
         """The pair of lowest degree at values of the parameters that has integrals."""
