@@ -124,6 +124,12 @@ def test_a_curve_that_splits_over_the_complex_numbers_is_not_decided():
         ("kovalevskaya", [5]),
         ("two-field-kovalevskaya", [7]),
         ("toda", [2]),
+        ("charged-lagrange", [0, 1]),
+        ("charged-twisted-lagrange", [0, 2]),
+        ("leibniz-lagrange-5", [0, 4]),
+        ("kovalevskaya-gyrostat", [6]),
+        ("free-rigid-body", [1]),
+        ("neumann", [3]),
         ("three-wave", [1]),
     ],
 )

@@ -250,7 +250,10 @@ def test_unknown_names():
         known_lax_pair("heavy-top")
 
 
-def test_sources_are_in_the_list_of_references():
-    text = (Path(__file__).parents[3] / "docs" / "references.md").read_text(encoding="utf-8")
+def test_pairs_are_in_the_guide_and_their_sources_in_the_list_of_references():
+    docs = Path(__file__).parents[3] / "docs"
+    text = (docs / "references.md").read_text(encoding="utf-8")
+    guide = (docs / "lax.md").read_text(encoding="utf-8")
+    assert all(f"`{name}`" in guide and f"[{pair.source}]" in guide for name, pair in LAX_PAIRS.items())
     assert all(f"**[{pair.source}]**" in text for pair in LAX_PAIRS.values())
     assert known_lax_pair("toda").source == "flaschka1974"
