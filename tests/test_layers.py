@@ -74,6 +74,7 @@ FACADES = {
     "exact.extension": {"exact.classification"},
     "proofs.theorem": {"proofs.statement"},
     "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
+    "integrability.lax.pair": {"integrability.lax.lax_integrals", "integrability.lax.spectral_curve"},
     "numeric.section": {"phase_space.section_coordinates"},
     "orbits.homoclinic_orbits": {"orbits.polish_homoclinic"},
     "orbits.periodic_orbits": {"orbits.polish"},

@@ -18,6 +18,7 @@ __all__ = [
     "EnclosureError",
     "ExpressionError",
     "InertiaWarning",
+    "LaxPairError",
     "LeafError",
     "LiePoissonError",
     "MemoryLimitError",
@@ -139,6 +140,36 @@ class LeafError(LiePoissonError, ValueError):
 
 class CertificateError(LiePoissonError, ValueError):
     """A certificate that proves nothing, or is about another system; the message names the first check that fails."""
+
+
+class LaxPairError(LiePoissonError, ValueError):
+    """Two matrices that are no Lax pair of a system, dL/dt = [L, M] fails.
+
+    Attributes:
+        entry: Row and column of the first entry at which it fails, counted from 1; for an element of a Lie algebra the
+            component alone.
+        residual: dL/dt - [L, M] at this entry, as text; it should be 0.
+        n_failures: Number of entries at which it fails.
+        reverses: Whether dL/dt = [M, L] holds: then -M in the place of M makes a pair.
+    """
+
+    def __init__(self, entry: tuple[int, ...], residual: str, n_failures: int = 1, *, reverses: bool = False) -> None:
+        self.entry, self.residual, self.n_failures, self.reverses = entry, residual, n_failures, reverses
+        others = n_failures - 1
+        more = f" (and {others} other {'entry fails' if others == 1 else 'entries fail'})" if others else ""
+        hint = (
+            "dL/dt = [M, L] holds: give -M in the place of M"
+            if reverses
+            else "Correct this entry, or look for a pair with search_lax_pairs"
+        )
+        place = ", ".join(map(str, entry))
+        super().__init__(
+            f"a Lax pair must satisfy dL/dt = [L, M]; at entry ({place}) the residual dL/dt - [L, M] is {residual} "
+            f"instead of 0{more}. {hint}."
+        )
+
+    def __reduce__(self) -> tuple[type[LaxPairError], tuple[object, ...], dict[str, object]]:
+        return type(self), (self.entry, self.residual, self.n_failures), {"reverses": self.reverses}
 
 
 class EnclosureError(LiePoissonError, ArithmeticError):

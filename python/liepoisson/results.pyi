@@ -3,6 +3,15 @@ from liepoisson.exact.discrete_symmetries import DiscreteSymmetries as DiscreteS
 from liepoisson.integrability.families import IntegrableFamilies as IntegrableFamilies
 from liepoisson.integrability.families import ParameterCase as ParameterCase
 from liepoisson.integrability.integral_scan import IntegralScan as IntegralScan
+from liepoisson.integrability.lax.families import LaxFamilies as LaxFamilies
+from liepoisson.integrability.lax.families import LaxFamily as LaxFamily
+from liepoisson.integrability.lax.lax_integrals import LaxIntegral as LaxIntegral
+from liepoisson.integrability.lax.lax_integrals import LaxIntegrals as LaxIntegrals
+from liepoisson.integrability.lax.pair import LaxPair as LaxPair
+from liepoisson.integrability.lax.search import LaxSearch as LaxSearch
+from liepoisson.integrability.lax.spectral_curve import CurveComponent as CurveComponent
+from liepoisson.integrability.lax.spectral_curve import CurveQuotient as CurveQuotient
+from liepoisson.integrability.lax.spectral_curve import SpectralCurve as SpectralCurve
 from liepoisson.integrability.polynomial_integrals import FirstIntegral as FirstIntegral
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals as FirstIntegrals
 from liepoisson.integrability.report import IntegrabilityReport as IntegrabilityReport

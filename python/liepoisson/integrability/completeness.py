@@ -63,6 +63,13 @@ def are_integrals(system: System, functions: Sequence[Expr]) -> list[bool]:
     return _vanish(system, [(system.bracket(f, system.hamiltonian) / scale).expand() for f in functions])
 
 
+def are_in_involution(system: System, functions: Sequence[Expr]) -> bool:
+    """Whether functions commute with each other, exactly."""
+    scale = _scale(system)
+    brackets = [(system.bracket(f, g) / scale).expand() for f, g in combinations(functions, 2)]
+    return all(_vanish(system, brackets))
+
+
 def fields_rank(system: System, functions: Sequence[Expr]) -> int:
     """The rank of the Hamiltonian vector fields of functions at a random point modulo a prime, a lower bound."""
     scale = _scale(system)
@@ -116,7 +123,7 @@ def closed_integrals(system: System, integrals: Mapping[str, Expr], rank: int) -
         return None
     generators = {Symbol(name): f for name, f in integrals.items() if is_algebraic(system, f)}
     generators |= {Symbol(f"C{k}"): c for k, c in enumerate(casimirs, start=1)}
-    written = _as_polynomials(system, brackets, generators)
+    written = as_polynomials(system, brackets, generators)
     if written is None:
         return None
     matrix = {pair: p for pair, p in zip(pairs, written, strict=True) if p != 0}
@@ -137,7 +144,7 @@ def _vanish(system: System, functions: Sequence[Expr]) -> list[bool]:
     return [not level.remainder(f) for f in polynomials]
 
 
-def _as_polynomials(system: System, functions: Sequence[Expr], generators: Mapping[Any, Expr]) -> list[Expr] | None:
+def as_polynomials(system: System, functions: Sequence[Expr], generators: Mapping[Any, Expr]) -> list[Expr] | None:
     """Functions as polynomials in generators of no higher degree; None if one is none."""
     from sympy import Add, Integer, Mul
 

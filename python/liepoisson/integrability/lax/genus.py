@@ -1,0 +1,221 @@
+r"""The genus of a plane curve $f(z, w) = 0$ with rational coefficients, monic in w, exactly.
+
+Riemann and Hurwitz: for the covering of the sphere by z, of degree d, $2g - 2 = -2d + \sum_P (e_P - 1)$ over the
+places P with their ramification indices. The covering is unramified where the discriminant $\Delta(z)$ does not vanish.
+Over its zeros and over infinity the indices are those of the curve modulo a prime p, for a p that
+
+* is larger than d and divides no denominator,
+* leaves the degree of $\Delta$ and the number of its distinct zeros as they are.
+
+Then the zeros of $\Delta$ and infinity do not meet modulo p, all ramification is tame, and the covering has good
+reduction: by Abhyankar's lemma its ramification and its components are the same over the rationals and modulo p
+[poteaux2012]. Both conditions are verified. The curve is absolutely irreducible if it is irreducible modulo p and has a
+simple rational point there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from math import gcd, lcm
+from random import Random
+from typing import Any, TypeAlias
+
+from liepoisson.integrability.lax.places import branches, embedded
+
+Curve: TypeAlias = Mapping[tuple[int, int], Fraction]
+"""A polynomial in z, 1/z and w, monic in w, by the exponents of z and w."""
+
+_FIRST_PRIME = 2**30
+_MOST_PRIMES = 12
+_MOST_POINTS = 60
+_LARGEST_DISCRIMINANT = 320
+"""Degree of the largest discriminant that is made."""
+
+
+@dataclass(frozen=True)
+class Genus:
+    """The genus of a curve, with what it was computed from.
+
+    Attributes:
+        value: The genus; None if it was not decided.
+        ramification: Sum of e - 1 over all places.
+        n_branch_points: Number of points of the sphere over which a place is ramified.
+        prime: The prime of good reduction.
+        reason: Why it was not decided; empty if it was.
+    """
+
+    value: int | None
+    ramification: int = 0
+    n_branch_points: int = 0
+    prime: int = 0
+    reason: str = ""
+
+
+def interior_points(curve: Curve) -> int:
+    """Lattice points inside the Newton polygon: the genus is at most their number (Baker), and equal to it in general.
+
+    References: [khovanskii1978].
+    """
+    points = sorted(set(curve))
+    hull = _half_hull(points)[:-1] + _half_hull(points[::-1])[:-1]
+    if len(hull) < 3:
+        return 0
+    sides = list(zip(hull, hull[1:] + hull[:1], strict=True))
+    double_area = abs(sum(a[0] * b[1] - a[1] * b[0] for a, b in sides))
+    boundary = sum(gcd(a[0] - b[0], a[1] - b[1]) for a, b in sides)
+    return (double_area - boundary) // 2 + 1
+
+
+def _half_hull(points: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    hull: list[tuple[int, int]] = []
+    for p in points:
+        while len(hull) > 1:
+            (a, b), (c, d) = hull[-2], hull[-1]
+            if (c - a) * (p[1] - b) > (d - b) * (p[0] - a):
+                break
+            hull.pop()
+        hull.append(p)
+    return hull
+
+
+def integral(curve: Curve) -> Curve:
+    """The curve in z and $z^k w$, with the smallest k for which no power of z is negative."""
+    d = max(j for _, j in curve)
+    k = max((-(i // (d - j)) for i, j in curve if j < d), default=0)
+    return {(i + k * (d - j), j): c for (i, j), c in curve.items()}
+
+
+def at_infinity(curve: Curve) -> Curve:
+    """The curve in 1/z, integral there."""
+    return integral({(-i, j): c for (i, j), c in curve.items()})
+
+
+def genus(curve: Curve) -> Genus:
+    """The genus of an irreducible curve."""
+    from flint import fmpz_poly
+
+    d = max(j for _, j in curve)
+    if d == 1:
+        return Genus(0)
+    finite, infinite = integral(curve), at_infinity(curve)
+    if 2 * max(i for i, _ in finite) * (d - 1) > _LARGEST_DISCRIMINANT:
+        return Genus(None, reason=f"the discriminant may have a degree above {_LARGEST_DISCRIMINANT}")
+    denominator = lcm(*(c.denominator for c in finite.values()))
+    discriminant: Any = _discriminant(finite, denominator)
+    if not discriminant:
+        return Genus(None, reason="the polynomial has a multiple factor")
+    derivative: Any = discriminant.derivative()
+    n_zeros = discriminant.degree() - fmpz_poly.gcd(discriminant, derivative).degree()
+    p = _FIRST_PRIME
+    for _ in range(_MOST_PRIMES):
+        p = _next_prime(p)
+        if denominator % p == 0 or not _is_good(discriminant, n_zeros, p):
+            continue
+        if _is_absolutely_irreducible(finite, p):
+            ramification, n_points = _ramification(finite, infinite, discriminant, p)
+            assert ramification % 2 == 0, "the ramification of a covering of the sphere is even"
+            return Genus(1 - d + ramification // 2, ramification, n_points, p)
+    return Genus(None, reason="not found irreducible over the complex numbers")
+
+
+def _next_prime(p: int) -> int:
+    from flint import fmpz
+
+    p += 1
+    while not fmpz(p).is_prime():
+        p += 1
+    return p
+
+
+def _discriminant(curve: Curve, denominator: int) -> Any:
+    """A multiple of the discriminant, as a polynomial in z with whole coefficients."""
+    from flint import Ordering, fmpz_mpoly_ctx, fmpz_poly
+
+    context = fmpz_mpoly_ctx.get(["z", "w"], Ordering.lex)
+    f = context.from_dict({key: int(c * denominator) for key, c in curve.items()})
+    found = f.discriminant("w")
+    coefficients = {int(m[0]): int(c) for m, c in found.terms()}
+    return fmpz_poly([coefficients.get(k, 0) for k in range(max(coefficients, default=-1) + 1)])
+
+
+def _is_good(discriminant: Any, n_zeros: int, p: int) -> bool:
+    """Whether the discriminant keeps its degree and the number of its zeros modulo p."""
+    from flint import nmod_poly
+
+    image = nmod_poly([int(c) % p for c in discriminant.coeffs()], p)
+    if image.degree() < discriminant.degree():
+        return False
+    if image.degree() == 0:
+        return n_zeros == 0
+    return image.degree() - image.gcd(image.derivative()).degree() == n_zeros
+
+
+def _residue(c: Fraction, p: int) -> int:
+    return c.numerator * pow(c.denominator, -1, p) % p
+
+
+def _is_absolutely_irreducible(curve: Curve, p: int) -> bool:
+    """Whether the curve modulo p is irreducible and has a simple point with coordinates modulo p."""
+    from flint import Ordering, nmod_mpoly_ctx, nmod_poly
+
+    context = nmod_mpoly_ctx.get(["z", "w"], modulus=p, ordering=Ordering.lex)
+    f = context.from_dict({key: v for key, c in curve.items() if (v := _residue(c, p))})
+    factors = [(q, e) for q, e in f.factor()[1] if q.degrees()[1]]
+    if len(factors) != 1 or factors[0][1] != 1:
+        return False
+    random = Random(p)
+    for _ in range(_MOST_POINTS):
+        z = random.randrange(1, p)
+        values: dict[int, int] = {}
+        for (i, j), c in curve.items():
+            values[j] = (values.get(j, 0) + _residue(c, p) * pow(z, i, p)) % p
+        fibre = nmod_poly([values.get(j, 0) for j in range(max(values) + 1)], p)
+        if any(q.degree() == 1 and e == 1 for q, e in fibre.factor()[1]):
+            return True
+    return False
+
+
+def _ramification(finite: Curve, infinite: Curve, discriminant: Any, p: int) -> tuple[int, int]:
+    """The sum of e - 1 over all places, and over how many points of the sphere it is not zero."""
+    from flint import fq_default_ctx, fq_default_poly_ctx
+
+    field = fq_default_ctx(p, 1)
+    ring: Any = fq_default_poly_ctx(field)
+    total, n_points = 0, 0
+    for factor, multiplicity in ring([field(int(c) % p) for c in discriminant.coeffs()]).factor()[1]:
+        degree = factor.degree()
+        if multiplicity == 1:  # a simple zero is one place with e = 2
+            local = 1
+        elif degree == 1:
+            local = _defect(finite, field, -factor.constant_coefficient() / factor.leading_coefficient(), p)
+        else:
+            larger = fq_default_ctx(p, degree)
+            over: Any = fq_default_poly_ctx(larger)
+            lifted = over([embedded(c, field, larger) for c in factor.coeffs()])
+            local = _defect(finite, larger, lifted.roots()[0][0], p)
+        assert local <= multiplicity, "the ramification is part of the discriminant"
+        assert (multiplicity - local) % 2 == 0, "the rest of the discriminant is twice the singularities"
+        total += degree * local
+        n_points += degree * (local > 0)
+    over_infinity = _defect(infinite, field, field.zero(), p)
+    return total + over_infinity, n_points + (over_infinity > 0)
+
+
+def _defect(curve: Curve, field: Any, z: Any, p: int) -> int:
+    """The sum of e - 1 over a point z of the affine line."""
+    from flint import fq_default_poly_ctx
+
+    ring: Any = fq_default_poly_ctx(field)
+    linear = ring([z, field.one()])
+    rows: dict[int, dict[int, int]] = {}
+    for (i, j), c in curve.items():
+        rows.setdefault(j, {})[i] = _residue(c, p)
+    local: dict[tuple[int, int], Any] = {}
+    for j, row in rows.items():
+        polynomial = ring([field(row.get(i, 0)) for i in range(max(row) + 1)])
+        for i, value in enumerate(polynomial.compose(linear).coeffs()):
+            if not value.is_zero():
+                local[i, j] = value
+    return sum((e - 1) * count for e, count in branches(local, field).items())

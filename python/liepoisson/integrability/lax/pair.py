@@ -1,0 +1,272 @@
+r"""Lax pairs: $\dot L = [L, M]$ along the motion, identically in a spectral parameter z.
+
+The equations of motion are derived from bracket and Hamiltonian. L and M are matrices, or elements L(z), M(z) of the
+Lie algebra of the bracket with coefficients that are functions on phase space; the commutator is then that of the
+algebra, and the adjoint representation makes matrices of them.
+
+Then the eigenvalues of L are constant, and the coefficients of $\det(w - L(z))$ are integrals [lax1968].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cached_property
+from itertools import chain
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.calls import explains_its_arguments, explains_its_methods
+from liepoisson.errors import LaxPairError, ParameterError, ShapeError
+from liepoisson.exact.parameters import to_sympy
+from liepoisson.exact.printing import Formula
+from liepoisson.integrability.lax.characteristic import characteristic_coefficients, commutator
+from liepoisson.integrability.lax.entries import Element, EntryArithmetic, read_entries, spectral_symbol
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from sympy import Expr, Matrix, Symbol
+
+    from liepoisson.exact.lie_algebra import LieAlgebra
+    from liepoisson.exact.system import System
+    from liepoisson.integrability.lax.lax_integrals import LaxIntegrals
+    from liepoisson.integrability.lax.spectral_curve import SpectralCurve
+
+_MOST_SHOWN = 400
+"""Characters of a residual in a message."""
+
+
+@explains_its_methods
+class LaxPair:
+    r"""A Lax pair of a system that has been verified, $\dot L = [L, M] = LM - ML$; `lax_pair` makes one.
+
+    Attributes:
+        system: The system.
+        spectral: The spectral parameter; None if there is none.
+        elements: L and M as elements of the Lie algebra of the bracket, by components, if they were given so.
+        source: Where the pair is described; None if nothing was said.
+    """
+
+    def __init__(
+        self,
+        system: System,
+        entries: tuple[Any, Any],
+        spectral: Symbol | None,
+        elements: tuple[tuple[Expr, ...], tuple[Expr, ...]] | None,
+        source: str | None,
+    ) -> None:
+        from sympy import ImmutableMatrix
+
+        self.system, self.spectral, self.elements, self.source = system, spectral, elements, source
+        self._matrices: tuple[Any, Any] = (ImmutableMatrix(entries[0]), ImmutableMatrix(entries[1]))
+
+    @property
+    def L(self) -> Matrix:
+        """The matrix whose eigenvalues are constant."""
+        return self._matrices[0]
+
+    @property
+    def M(self) -> Matrix:
+        """Its partner."""
+        return self._matrices[1]
+
+    @property
+    def size(self) -> int:
+        """The number of rows of L."""
+        return int(self.L.rows)
+
+    @cached_property
+    def arithmetic(self) -> EntryArithmetic:
+        """The exact arithmetic of the entries of L."""
+        return EntryArithmetic(list(self._matrices[0]))
+
+    @cached_property
+    def characteristic(self) -> tuple[Element, ...]:
+        r"""The coefficients of $\det(w - L)$, that of $w^n$ first, as elements of `arithmetic`."""
+        rows = [[self.arithmetic.read(e) for e in row] for row in self.L.tolist()]
+        return tuple(characteristic_coefficients(rows, self.arithmetic))
+
+    @cached_property
+    def characteristic_polynomial(self) -> Expr:
+        r"""$\det(w - L(z))$ as an expression in w, the spectral parameter and the coordinates."""
+        from sympy import Add, Symbol
+
+        w, n = Symbol("w"), self.size
+        terms: list[Any] = [
+            (self.arithmetic.write(c) * w ** (n - k)).expand() for k, c in enumerate(self.characteristic)
+        ]
+        return Add(*terms)
+
+    @cached_property
+    def _integrals(self) -> LaxIntegrals:
+        from liepoisson.integrability.lax.lax_integrals import lax_integrals
+
+        return lax_integrals(self)
+
+    def integrals(self) -> LaxIntegrals:
+        r"""The coefficients of $\det(w - L(z))$, sorted into Casimirs, functions of H and Casimirs, and others.
+
+        Each is verified to be constant along the motion, in exact arithmetic.
+        """
+        return self._integrals
+
+    def spectral_curve(self, point: Mapping[str, Any] | Sequence[Any] | None = None, *, seed: int = 0) -> SpectralCurve:
+        r"""The curve $\det(w - L(z)) = 0$ at one state, its components and their genus.
+
+        Args:
+            point: Rational values of the coordinates, in the order of the state or by name, with those of parameters
+                that are symbols; small random ones if left out.
+            seed: Draws the state.
+
+        Raises:
+            ParameterError: there is no spectral parameter, or a value is missing or not rational.
+        """
+        from liepoisson.integrability.lax.spectral_curve import spectral_curve
+
+        return spectral_curve(self, point, seed=seed)
+
+    def __repr__(self) -> str:
+        where = f"spectral parameter {self.spectral}" if self.spectral is not None else "no spectral parameter"
+        return f"<LaxPair of {self.system.name}: {self.size} x {self.size}, {where}: verified>"
+
+    def __str__(self) -> str:
+        """L and M, and what was verified."""
+        lines = [f"{self.system.name}: dL/dt = [L, M], verified exactly"]
+        if self.elements is not None:
+            parts = zip("LM", self.elements, strict=True)
+            of = self.system.bracket.algebra.name
+            return "\n".join([*lines, *(f"{name} in {of}: {_listed(element)}" for name, element in parts)])
+        for name, matrix in (("L", self.L), ("M", self.M)):
+            lines += [f"{name} =", *(f"  {_listed(row)}" for row in matrix.tolist())]
+        return "\n".join(lines)
+
+
+def _listed(entries: Sequence[Expr]) -> str:
+    return f"[{', '.join(Formula(e).plain for e in entries)}]"
+
+
+@explains_its_arguments
+def lax_pair(system: System, L: Any, M: Any, *, spectral: str | None = "z", source: str | None = None) -> LaxPair:
+    r"""A Lax pair of a system, verified: $\dot L = [L, M]$ holds along the motion, identically in z.
+
+    With $[L, M] = LM - ML$, or the bracket of the algebra. Where $\dot L = [M, L]$ holds instead, the error says so.
+
+    Example:
+        >>> top = lp.catalog.system("lagrange")
+        >>> pair = lp.integrability.lax_pair(top, "I1*a*z^2 + l*z + alpha", "inv(I)*l + a*z")
+        >>> print(pair.characteristic_polynomial.factor().args[0])
+        w
+
+    Args:
+        system: Bracket and Hamiltonian.
+        L: A square matrix: rows of numbers, SymPy expressions or texts, or a SymPy matrix. Or an element of the Lie
+            algebra of the bracket: its components, or one text such as "z*l + alpha". Entries are polynomials in z and
+            1/z, in the coordinates, in parameters and their inverses; `i` is the imaginary unit.
+        M: The same.
+        spectral: The name of the spectral parameter; None if there is none.
+        source: Where the pair is described.
+
+    Raises:
+        LaxPairError: the equation fails; with the entry and the residual.
+        ShapeError: L and M are not square matrices of one size, or elements of the algebra.
+        ExpressionError: a text cannot be read.
+        ParameterError: the name of the spectral parameter means something else, or L is no polynomial in z and 1/z.
+
+    References: [lax1968].
+    """
+    z = spectral_symbol(system, spectral)
+    first: Any = read_entries(system, L, z, "L")
+    second: Any = read_entries(system, M, z, "M")
+    kinds = [isinstance(given[0], list) for given in (first, second)]
+    if kinds[0] != kinds[1] or len(first) != len(second):
+        sizes = [
+            f"{len(g)} x {len(g)}" if is_matrix else f"a vector of {len(g)}"
+            for g, is_matrix in zip((first, second), kinds, strict=True)
+        ]
+        raise ShapeError(
+            f"L and M: wanted two matrices of one size, or two elements of the algebra; got {sizes[0]} and {sizes[1]}"
+        )
+    _check_powers(chain(*first) if kinds[0] else first, z)
+    if kinds[0]:
+        _verify(system, first, second, _matrix_commutator)
+        return LaxPair(system, (first, second), z, None, source)
+    algebra = system.bracket.algebra
+
+    def in_algebra(a: Any, b: Any, arithmetic: EntryArithmetic) -> Any:
+        return [_algebra_bracket(algebra, a[0], b[0], arithmetic)]
+
+    _verify(system, [first], [second], in_algebra)
+    elements: Any = (tuple(first), tuple(second))
+    matrices = adjoint_matrix(algebra, elements[0]), adjoint_matrix(algebra, elements[1])
+    return LaxPair(system, matrices, z, elements, source)
+
+
+def _check_powers(entries: Iterable[Any], z: Symbol | None) -> None:
+    """Refuse an L that is no polynomial in z and 1/z: its coefficients could not be read off."""
+    from sympy import Add
+
+    for entry in entries:
+        for term in Add.make_args(entry):
+            if z is None or not term.has(z):
+                continue
+            base, power = term.as_independent(z, as_Add=False)[1].as_base_exp()
+            if base != z or not power.is_Integer:
+                raise ParameterError(
+                    f"L: wanted polynomials in {z} and 1/{z}; got {shown(str(entry))}; multiply L by its denominator, "
+                    "a function of the spectral parameter alone"
+                )
+
+
+def adjoint_matrix(algebra: LieAlgebra, element: Sequence[Expr]) -> list[list[Any]]:
+    """The matrix of x -> [element, x]."""
+    from sympy import S
+
+    n = algebra.dimension
+    rows: list[list[Any]] = [[S.Zero] * n for _ in range(n)]
+    for (i, j), values in algebra.brackets.items():
+        for k, c in values.items():
+            rows[k][j] += to_sympy(c) * element[i]
+            rows[k][i] -= to_sympy(c) * element[j]
+    return rows
+
+
+def _algebra_bracket(
+    algebra: LieAlgebra, a: Sequence[Element], b: Sequence[Element], arithmetic: EntryArithmetic
+) -> list[Element]:
+    found = [arithmetic.number(0)] * algebra.dimension
+    for (i, j), values in algebra.brackets.items():
+        for k, c in values.items():
+            found[k] = found[k] + arithmetic.read(to_sympy(c)) * (a[i] * b[j] - a[j] * b[i])
+    return found
+
+
+def _matrix_commutator(a: Any, b: Any, arithmetic: EntryArithmetic) -> Any:
+    return commutator(a, b, arithmetic)
+
+
+def _verify(system: System, first: Any, second: Any, bracket: Any) -> None:
+    """Refuse what is no Lax pair; rows of entries of both, and how two such are multiplied."""
+    rates = [[time_derivative(system, e) for e in row] for row in first]
+    structure = [to_sympy(c) for values in system.bracket.algebra.brackets.values() for c in values.values()]
+    arithmetic = EntryArithmetic([*chain(*first), *chain(*second), *chain(*rates), *structure])
+    read: list[Any] = [[[arithmetic.read(e) for e in row] for row in rows] for rows in (first, second, rates)]
+    products = bracket(read[0], read[1], arithmetic)
+    residual = [[r - p for r, p in zip(*rows, strict=True)] for rows in zip(read[2], products, strict=True)]
+    wrong = [(i, j) for i, row in enumerate(residual) for j, e in enumerate(row) if not arithmetic.vanishes(e)]
+    if not wrong:
+        return
+    i, j = wrong[0]
+    reversed_ = all(
+        arithmetic.vanishes(r + p) for rows in zip(read[2], products, strict=True) for r, p in zip(*rows, strict=True)
+    )
+    text = Formula(arithmetic.write(residual[i][j])).plain
+    text = text if len(text) <= _MOST_SHOWN else f"{text[:_MOST_SHOWN]}..."
+    entry = (i + 1, j + 1) if len(first) > 1 or len(first[0]) == 1 else (j + 1,)
+    raise LaxPairError(entry, text, len(wrong), reverses=reversed_)
+
+
+def time_derivative(system: System, function: Expr) -> Expr:
+    """The derivative of a function along the motion, by the equations that the bracket gives."""
+    from sympy import Add
+
+    used = function.free_symbols
+    terms: list[Any] = [function.diff(x) * rate for x, rate in system.equations.items() if x in used]
+    return Add(*terms).expand()

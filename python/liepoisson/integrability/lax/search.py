@@ -1,0 +1,315 @@
+r"""Lax pairs of one form, searched exactly.
+
+The fields $x_\mu$ of a bracket on an algebra of matrices are matrices $X_\mu = \sum_k x_{\mu k} F^k$, on which
+coadjoint motion is conjugation: $\dot X_0 = [X_0, \Omega]$ for a free body, with the angular velocity
+$\Omega = \sum_j e_j\,\partial H/\partial x_{0j}$, which must be linear in the coordinates. The form is
+
+$$L(z) = \sum_{k=0}^{d} z^k\Bigl(\sum_\mu c_{k\mu} X_\mu + C_k\Bigr), \qquad M(z) = \Omega + z B,$$
+
+with unknown numbers $c_{k\mu}$ and unknown constant matrices $C_k$ and B.
+
+* `form="algebra"`: $C_k$ and B are in the Lie algebra. Lagrange's top and its twisted relatives have such pairs.
+* `form="diagonal"`: B is diagonal, the $C_k$ are any matrices. Manakov's tops have such pairs.
+
+For given B the equation $\dot L = [L, M]$ is linear in the others. A scaling of z makes the first component of B that
+is not zero equal to 1; in the others the linear system is split into cases
+(`liepoisson.integrability.parameter_cases`), so that "there is no other real B" is proved where all cases are decided.
+Multiples of pairs by powers of z, and pairs whose eigenvalues are Casimirs only, are left out.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import islice, product
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.exact.linear.coefficients import Coefficients
+from liepoisson.exact.linear.linear_algebra import nullspace
+from liepoisson.exact.polynomials.groebner import rational_context
+from liepoisson.integrability.lax.ansatz import Ansatz, EntryMatrix, Vector
+from liepoisson.integrability.lax.pair import LaxPair, lax_pair
+from liepoisson.integrability.parameter_cases import Case, Cases, CaseSplitting
+from liepoisson.scalars import as_count, as_time_limit
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system import System
+
+MOST_DEGREE = 8
+_SAMPLES = tuple(map(Fraction, ("2", "3", "5", "1", "-1", "0", "-2", "1/2", "-1/2", "3/4", "4/3")))
+"""Values of components of B that a case leaves free; each component begins with another one."""
+_MOST_SAMPLES = 20_000
+
+
+@dataclass(frozen=True, repr=False)
+class LaxSearch:
+    """What a search for Lax pairs found.
+
+    Attributes:
+        system: The system.
+        form: "algebra" or "diagonal".
+        degree: The largest degree of L in z.
+        pairs: Pairs, lowest degree first, each verified. Where a whole family of B is possible, one member.
+        complete: Whether it is proved that there are no others of this form with real B, but for combinations of pairs
+            with one B, their multiples by powers of z, and, where there are families, their other members.
+        n_families: Families of B, in which components are free.
+        n_undecided: Cases that were not decided, or in which B is not rational.
+    """
+
+    system: System
+    form: str
+    degree: int
+    pairs: tuple[LaxPair, ...]
+    complete: bool
+    n_families: int
+    n_undecided: int
+
+    def __repr__(self) -> str:
+        n = len(self.pairs)
+        found = f"{n} Lax pair{'s' * (n != 1)}" if n else "no Lax pair"
+        state = "" if self.complete else ", incomplete"
+        return f"<LaxSearch of {self.system.name}: {found} of degree up to {self.degree}, form {self.form}{state}>"
+
+    def __str__(self) -> str:
+        """The pairs, and what is proved."""
+        where = "in the Lie algebra" if self.form == "algebra" else "diagonal"
+        lines = [f"{self.system.name}: L of degree up to {self.degree} in z, M = Omega + z B with B {where}"]
+        lines += [str(pair) for pair in self.pairs]
+        proved = "there are no others of this form: proved" if self.pairs else "there is none of this form: proved"
+        if self.n_families:
+            proved = f"all B of this form are these and the members of {self.n_families} families: proved"
+        lines.append(proved if self.complete else f"not proved that these are all: {self.n_undecided} cases left")
+        return "\n".join(lines)
+
+
+@explains_its_arguments
+@shows_progress
+def search_lax_pairs(
+    system: System,
+    *,
+    degree: int = 2,
+    form: str = "algebra",
+    time_limit: float = 60.0,
+    progress: Callable[[float], Any] | None = None,
+) -> LaxSearch:
+    r"""Lax pairs with $M = \Omega + zB$ and L a polynomial in z, linear in the coordinates.
+
+    $L(z) = \sum_k z^k(\sum_\mu c_{k\mu} X_\mu + C_k)$ with numbers $c_{k\mu}$, the fields $X_\mu$ as matrices and
+    constant matrices $C_k$; $\Omega$ is the angular velocity $\partial H/\partial x_0$. Not of this form are pairs
+    whose L is quadratic in the coordinates (Clebsch), whose M has more terms, or whose matrices are larger than
+    those of the algebra (Kovalevskaya).
+
+    Example:
+        >>> found = lp.integrability.search_lax_pairs(lp.catalog.system("lagrange"), degree=2)
+        >>> found.pairs[0].integrals().is_complete
+        True
+
+    Args:
+        system: A system without symbols, on so(p, q), gl(n), sl(n) or su(n) with any extension, with polynomial
+            equations and a Hamiltonian that is quadratic in the first field.
+        degree: The largest degree of L in z, from 1 to 8.
+        form: "algebra", B and the C_k in the Lie algebra; or "diagonal", B diagonal and the C_k any matrices.
+        time_limit: Seconds after which cases are left undecided.
+        progress: As for `integrate`.
+
+    Raises:
+        ParameterError: the system is not such a one.
+
+    References: [manakov1976]; [musso2005].
+    """
+    most = as_count(degree, "degree", least=1, most=MOST_DEGREE)
+    deadline = time.monotonic() + as_time_limit(time_limit)
+    ansatz = Ansatz(system, form)
+    pairs: list[LaxPair] = []
+    trivial = trivial_vectors(ansatz)
+    known: dict[tuple[Fraction, ...], list[tuple[int, Vector]]] = {}
+    n_undecided, n_families = 0, 0
+    for d in range(1, most + 1):
+        found = list(_partners(ansatz, d, len(trivial), lambda: time.monotonic() < deadline))
+        n_undecided = sum(one is None for one in found)
+        n_families = sum(one is not None and one.is_free for one in found)
+        for b in dict.fromkeys(one.components for one in found if one is not None):
+            for vector in new_vectors(ansatz, d, b, known.setdefault(b, [(0, v) for v in trivial])):
+                L, M = ansatz.pair(vector, b)
+                pair = lax_pair(system, L, M, spectral=ansatz.spectral)
+                if pair.integrals().n_independent:
+                    pairs.append(pair)
+        if progress:
+            progress(d / most)
+    return LaxSearch(system, form, most, tuple(pairs), not n_undecided, n_families, n_undecided)
+
+
+@dataclass(frozen=True)
+class _Partner:
+    """A matrix B for which there are solutions, by its components, and whether it is a member of a family."""
+
+    components: tuple[Fraction, ...]
+    is_free: bool
+
+
+def _partners(ansatz: Ansatz, degree: int, n_trivial: int, keep_going: Callable[[], bool]) -> Iterator[_Partner | None]:
+    """The B for which there are solutions of this degree; None for each case that is not decided."""
+    n = len(ansatz.partners)
+    for first in range(n):  # the first component that is not zero
+        free = n - first - 1
+        context = rational_context([f"b{k}" for k in range(first + 1, n)] or ["unused"])
+        components = [context.constant(0)] * first + [context.constant(1), *(context.gen(k) for k in range(free))]
+        rows = linear_system(ansatz, degree, components, context)
+        n_columns = (degree + 1) * ansatz.n_per_power
+        cases, splitting = Cases(), CaseSplitting(context, frozenset(), [])
+        splitting.run(rows, n_columns, (degree + 1) * n_trivial, cases, keep_going)
+        splitting.settle(cases)
+        for case in cases.found:
+            b = member(case, free)
+            is_free = len(case.solved) < free
+            yield None if b is None else _Partner((*(Fraction(0),) * first, Fraction(1), *b), is_free)
+        yield from [None] * len(cases.left)
+
+
+def trivial_vectors(ansatz: Ansatz) -> list[Vector]:
+    """Constant matrices that commute with M for every B, and for all parameters."""
+    rows: dict[Any, Vector] = {}
+    for k in range(ansatz.n_per_power):
+        residuals = [ansatz.residual(k, part) for part in ansatz.parts.values()]
+        for number, matrix in enumerate([*residuals, *ansatz.partner_terms(k)]):
+            for place, monomial, c in _terms(matrix):
+                rows.setdefault((number, place, monomial), {})[k] = c
+    found = nullspace(list(rows.values()), ansatz.n_per_power, Coefficients()).vectors
+    return [{k: Fraction(c) for k, c in vector.items()} for vector in found]
+
+
+def linear_system(ansatz: Ansatz, degree: int, components: Sequence[Any], context: Any) -> list[dict[int, Any]]:
+    """The equation for L, one row for each entry, power of z and monomial.
+
+    Args:
+        ansatz: The form, with parameters that are the first variables of the context.
+        degree: Of L in z.
+        components: Of B.
+        context: FLINT's context of the entries of the matrix.
+    """
+    from flint import fmpq
+
+    rows: dict[Any, dict[int, Any]] = {}
+
+    def put(key: Any, column: int, value: Any) -> None:
+        row = rows.setdefault(key, {})
+        row[column] = row[column] + value if column in row else value
+
+    factors = {powers: _monomial(powers, context) for powers in ansatz.parts}
+    for k in range(ansatz.n_per_power):
+        residuals = [(factors[powers], ansatz.residual(k, part)) for powers, part in ansatz.parts.items()]
+        partners = ansatz.partner_terms(k)
+        for power in range(degree + 1):
+            column = power * ansatz.n_per_power + k
+            for factor, residual in residuals:
+                for place, monomial, c in _terms(residual):
+                    put((place, power, monomial), column, factor * fmpq(c.numerator, c.denominator))
+            for b, partner in zip(components, partners, strict=True):
+                for place, monomial, c in _terms(partner) if b else ():
+                    put((place, power + 1, monomial), column, b * fmpq(c.numerator, c.denominator))
+    return [kept for row in rows.values() if (kept := {c: v for c, v in row.items() if v})]
+
+
+def _terms(matrix: EntryMatrix) -> Iterator[tuple[tuple[int, int], tuple[int, ...], Fraction]]:
+    return ((place, monomial, c) for place, entry in matrix.items() for monomial, c in entry.items())
+
+
+def _monomial(powers: tuple[int, ...], context: Any) -> Any:
+    product_ = context.constant(1)
+    for k, e in enumerate(powers):
+        product_ = product_ * context.gen(k) ** e
+    return product_
+
+
+def member(case: Case, n: int, positive: frozenset[int] = frozenset()) -> tuple[Fraction, ...] | None:
+    """One point of a case with rational coordinates, some of them positive; None if none is found."""
+    solved = {v for v, _, _ in case.solved}
+    free = [v for v in range(n) if v not in solved]
+    if any(_uses(p, solved) for _, numerator, denominator in case.solved for p in (numerator, denominator)):
+        return None
+    samples = [_SAMPLES[k % len(_SAMPLES) :] + _SAMPLES[: k % len(_SAMPLES)] for k in range(len(free))]
+    for chosen in islice(product(*samples), _MOST_SAMPLES):
+        values = dict(zip(free, chosen, strict=True))
+        if any(_value(q, values) for q in case.unsolved):
+            continue
+        if any(not _value(q, values) for q in case.nonzero.values() if not _uses(q, solved)):
+            continue
+        below = [_value(denominator, values) for _, _, denominator in case.solved]
+        if all(below):
+            found = [_value(numerator, values) / d for (_, numerator, _), d in zip(case.solved, below, strict=True)]
+            values |= dict(zip([v for v, _, _ in case.solved], found, strict=True))
+            if any(values[v] <= 0 for v in positive):
+                continue
+            return tuple(values[k] for k in range(n))
+    return None
+
+
+def _uses(p: Any, variables: set[int]) -> bool:
+    return any(p.degrees()[v] > 0 for v in variables)  # of the polynomial 0 they are -1
+
+
+def _value(p: Any, values: Mapping[int, Fraction]) -> Fraction:
+    total = Fraction(0)
+    for monomial, c in p.terms():
+        term = Fraction(int(c.p), int(c.q))
+        for k, e in enumerate(monomial):
+            if e:
+                term *= values[k] ** int(e)
+        total += term
+    return total
+
+
+def new_vectors(ansatz: Ansatz, degree: int, b: tuple[Fraction, ...], known: list[tuple[int, Vector]]) -> list[Vector]:
+    """Solutions for one B that are no combinations of those of lower degree and their multiples by powers of z."""
+    from flint import fmpq
+
+    context = rational_context(["unused"])
+    components = [context.constant(fmpq(c.numerator, c.denominator)) for c in b]
+    n = ansatz.n_per_power
+    rows = [
+        {column: _constant(value) for column, value in row.items()}
+        for row in linear_system(ansatz, degree, components, context)
+    ]
+    solutions = nullspace(rows, (degree + 1) * n, Coefficients()).vectors
+    span = _Span()
+    for d, vector in known:
+        for shift in range(degree - d + 1):
+            span.insert({column + shift * n: c for column, c in vector.items()})
+    found: list[Vector] = []
+    for solution in solutions:
+        rest = span.insert({column: Fraction(c) for column, c in solution.items()})
+        if rest:
+            lead = next((c for k, c in sorted(rest.items()) if k % n == 0), Fraction(1))  # of the first field
+            found.append({k: c / lead for k, c in rest.items()})
+            known.append((degree, found[-1]))
+    return found
+
+
+def _constant(p: Any) -> Fraction:
+    [(_, c)] = list(p.terms())
+    return Fraction(int(c.p), int(c.q))
+
+
+class _Span:
+    """A space of vectors in echelon form, by their last columns."""
+
+    def __init__(self) -> None:
+        self.rows: dict[int, Vector] = {}
+
+    def insert(self, vector: Vector) -> Vector:
+        """What is left of a vector modulo the space, to which it is added; empty if it lies in it."""
+        rest = dict(vector)
+        while pivots := [k for k, c in rest.items() if c and k in self.rows]:
+            column = max(pivots)
+            factor = rest[column]
+            for k, c in self.rows[column].items():
+                rest[k] = rest.get(k, Fraction(0)) - factor * c
+        rest = {k: c for k, c in rest.items() if c}
+        if rest:
+            lead = max(rest)
+            rest = {k: c / rest[lead] for k, c in rest.items()}
+            self.rows[lead] = rest
+        return rest
