@@ -6,6 +6,7 @@ from importlib.resources import files
 import pytest
 
 
+@pytest.mark.slow  # what it prints is in docs/proof.md, and compared there
 def test_the_theorem_is_printed(command):
     code, out, err = command("prove", "twisted-kovalevskaya", "--quiet")
     assert (code, err) == (0, "")
