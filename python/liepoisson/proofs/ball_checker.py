@@ -195,7 +195,12 @@ class _Checker:
         for edge, one in zip(self.certificate.edges, found, strict=True):
             first = one.tubes[0]
             rate = crossing_rate(self.field, self.sets[edge.source], first.box)
-            if not (rate.abs_lower() > 0 and 2 * one.landing.window < first.end):
+            if rate < 0:
+                raise EnclosureError(
+                    f"set {self.sets[edge.source].name}: wanted orbits that cross the section in the direction of the "
+                    "frame's third part, the column of the flow"
+                )
+            if not (rate > 0 and 2 * one.landing.window < first.end):
                 raise EnclosureError(
                     f"{self._name(edge)}: orbits may come back to the section where they start within twice the window"
                 )
