@@ -6,6 +6,7 @@ from liepoisson.integrability.darboux import darboux_polynomials as darboux_poly
 from liepoisson.integrability.families import integrable_families as integrable_families
 from liepoisson.integrability.hamiltonian_forms import general_system as general_system
 from liepoisson.integrability.integral_scan import scan_integrals as scan_integrals
+from liepoisson.integrability.painleve.singularity_analysis import painleve_test as painleve_test
 from liepoisson.integrability.polynomial_integrals import first_integrals as first_integrals
 from liepoisson.integrability.report import integrability_report as integrability_report
 from liepoisson.integrability.saved_reports import load_report as load_report
