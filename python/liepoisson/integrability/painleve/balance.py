@@ -22,6 +22,9 @@ Status: TypeAlias = Literal["passes", "passes weakly", "fails", "undecided"]
 _MOST_EQUATIONS = 9
 """Equations of a balance that are printed."""
 
+_MOST_CONDITIONS = 2
+"""Conditions for a series without logarithms that are printed."""
+
 
 @dataclass(frozen=True, repr=False)
 class Balance:
@@ -78,7 +81,7 @@ class Balance:
 
     @property
     def n_constants(self) -> int:
-        """How many free constants solutions with this singularity have: its position, those of the family and others."""
+        """The number of free constants of the solutions: the position of the singularity, the family, and others."""
         return 1 + len(self.family) + len(self.constants)
 
     @property
@@ -88,8 +91,10 @@ class Balance:
 
     @property
     def n_log_free(self) -> int | None:
-        r"""How many solutions of the variational equation of $c\,\tau^{-g}$ have no logarithms; None if not all
-        exponents are rational."""
+        r"""The number of solutions without logarithms of the variational equation of $c\,\tau^{-g}$.
+
+        None if not all exponents are rational.
+        """
         if not self.kovalevskaya.all_rational:
             return None
         return sum(r.kernel for r in self.resonances)
@@ -209,7 +214,8 @@ def obstructions_of(exponents: Exponents, resonances: tuple[Resonance, ...], dim
     for r in resonances:
         if r.exponent == 0 and r.multiplicity > dimension:
             found.append(
-                f"logarithm: the exponent 0 has multiplicity {r.multiplicity}, and the family has {dimension} parameters"
+                f"logarithm: the exponent 0 has multiplicity {r.multiplicity}, and the balances have {dimension} free "
+                "constants"
             )
         elif r.has_jordan_block:
             found.append(
@@ -217,9 +223,8 @@ def obstructions_of(exponents: Exponents, resonances: tuple[Resonance, ...], dim
                 f"{r.kernel}"
             )
         if r.conditions:
-            found.append(
-                f"logarithm: at the exponent {r.exponent} {' and '.join(map(_shortened, r.conditions))} is not 0"
-            )
+            equations = " and ".join(f"{_shortened(text)} = 0" for text in r.conditions[:_MOST_CONDITIONS])
+            found.append(f"logarithm at the exponent {r.exponent}, unless {equations}")
     return tuple(found)
 
 

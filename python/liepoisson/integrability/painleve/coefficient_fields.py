@@ -304,6 +304,8 @@ class AlgebraicFunctions:
 
     def text(self, element: AlgebraicFunction) -> str:
         """A polynomial in theta."""
+        if not any(element.coefficients[1:]):
+            return self.base.text(element.coefficients[0])
         terms = [
             f"({self.base.text(c)})" + (f"*theta^{k}" if k > 1 else "*theta" if k else "")
             for k, c in enumerate(element.coefficients)

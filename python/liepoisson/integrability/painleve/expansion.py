@@ -6,29 +6,29 @@ coefficients:
 $$(k - K)\,c^{(k)} = R^{(k)}(c^{(0)},\dots,c^{(k-1/q)}) .$$
 
 Where k is an exponent of multiplicity m, K - k has a kernel.  Its dimension must be m: else a solution of the
-variational equation has a logarithm, whether or not these equations are solvable.  And $R^{(k)}$, a polynomial in the free constants of
-lower orders, must satisfy the conditions of solvability identically: else the series itself needs a logarithm.
+variational equation has a logarithm, whether or not these equations are solvable.  And $R^{(k)}$, a polynomial in the
+free constants of lower orders, must satisfy the conditions of solvability identically: else the series itself needs a
+logarithm.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from math import lcm
+from typing import Protocol
 
 from liepoisson.integrability.painleve.coefficient_fields import Element, Field
+from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, at_point
 from liepoisson.integrability.painleve.exponents import Exponents
-from liepoisson.integrability.painleve.linear import Matrix, eliminated
+from liepoisson.integrability.painleve.linear import Check, Matrix, OutOfTimeError, Solved, always, eliminated
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
+from liepoisson.integrability.painleve.resolvent import Resolvent, independent_columns
 
 Powers = tuple[int, ...]
 Polynomial = dict[Powers, Element]
 """A polynomial in the free constants; exponents of constants that it does not reach are left out."""
-
-
-class OutOfTimeError(Exception):
-    """The time limit was reached."""
 
 
 @dataclass(frozen=True)
@@ -71,11 +71,11 @@ class Resonance:
 
 @dataclass
 class Expansion:
-    """The series of a balance with symbols for its free constants.
+    r"""The series of a balance with symbols for its free constants.
 
     Attributes:
         local: The vector field over the field of the balance.
-        denominator: q, the series being one in $\\tau^{1/q}$.
+        denominator: q, the series being one in $\tau^{1/q}$.
         coefficients: $c^{(j/q)}$ for j = 0, 1, ..., each a list of polynomials.
         constants: The free constants.
         resonances: What was found at the rational exponents.
@@ -91,7 +91,7 @@ class Expansion:
     )
 
     def right_hand_side(self, j: int, *, is_known: bool = False) -> list[Polynomial]:
-        """The terms of order j/q of the vector field, without those that are linear in the coefficients of this order."""
+        """The terms of order j/q of the vector field, without those that are linear in the new coefficients."""
         found: list[Polynomial] = []
         for of_one in self.local.terms:
             total: Polynomial = {}
@@ -162,19 +162,87 @@ def _joined(left: Powers, right: Powers) -> Powers:
     return (*(a + b for a, b in zip(left, right, strict=False)), *left[len(right) :])
 
 
+class Equations(Protocol):
+    """The equations (k - K) c = R of a balance, over a field or over the ring of a family."""
+
+    def kernel(self, r: Fraction) -> int:
+        """The dimension of the kernel of K - r."""
+        ...
+
+    def solved(self, k: Fraction, multiplicity: int, right: Matrix) -> Solved:
+        """The kernel, a solution and the conditions for it."""
+        ...
+
+
+@dataclass(frozen=True)
+class OverField:
+    """The equations over a field, by elimination."""
+
+    matrix: Matrix
+    field: Field
+    may_go_on: Check = always
+
+    def kernel(self, r: Fraction) -> int:
+        """The dimension of the kernel of K - r."""
+        return len(self.solved(r, 1, [[] for _ in self.matrix]).kernel)
+
+    def solved(self, k: Fraction, multiplicity: int, right: Matrix) -> Solved:
+        """The kernel, a solution and the conditions for it."""
+        number, zero = self.field.number(k), self.field.number(0)
+        shifted = [[(number if i == j else zero) - x for j, x in enumerate(row)] for i, row in enumerate(self.matrix)]
+        return eliminated(shifted, right, self.field, self.may_go_on)
+
+
+@dataclass(frozen=True)
+class OverRing:
+    """The equations over the coordinate ring of a family; a point shows which columns of projectors are independent."""
+
+    ring: CoordinateRing
+    resolvent: Resolvent
+    point: Mapping[str, Element]
+    point_field: Field
+
+    def _at(self, matrix: Matrix) -> Matrix:
+        return [at_point(row, self.point, self.point_field) for row in matrix]
+
+    def kernel(self, r: Fraction) -> int:
+        """The dimension of the kernel of K - r: the multiplicity without Jordan blocks, else that at the point."""
+        multiplicity = dict(self.resolvent.eigenvalues)[r]
+        nilpotent = self.resolvent.nilpotent(r, self.resolvent.projector(r, multiplicity))
+        if all(self.ring.vanishes(x) for row in nilpotent for x in row):
+            return multiplicity
+        kernel = OverField(self._at(self.resolvent.matrix), self.point_field).kernel(r)
+        return min(kernel, multiplicity - 1)
+
+    def solved(self, k: Fraction, multiplicity: int, right: Matrix) -> Solved:
+        """The kernel, a solution and the conditions for it."""
+        particular, conditions = self.resolvent.solved(k, multiplicity, right)
+        zero = self.ring.number(0)
+        conditions = [[zero if self.ring.vanishes(x) else x for x in row] for row in conditions]
+        kernel: list[list[Element]] = []
+        if multiplicity:
+            n = self.kernel(k)
+            if n < multiplicity:
+                return Solved([[] for _ in range(n)], particular, conditions)
+            projector = self.resolvent.projector(k, multiplicity)
+            columns = list(map(list, zip(*projector, strict=True)))
+            at = list(map(list, zip(*self._at(projector), strict=True)))
+            kernel = [columns[j] for j in independent_columns(at, self.point_field, n)]
+        return Solved(kernel, particular, conditions)
+
+
 def expand(
     local: LocalField,
     point: Sequence[Element],
-    matrix: Matrix,
+    equations: Equations,
     exponents: Exponents,
-    may_go_on: Callable[[], bool],
+    may_go_on: Check,
 ) -> Expansion:
     """Follow the series of a balance up to its largest rational exponent, or to the first logarithm.
 
     Raises:
         OutOfTimeError: the time limit was reached.
     """
-    numbers = local.field
     defects = [defect for of_one in local.terms for _, _, defect in of_one]
     rational = [r for r, _ in exponents.rational]
     q = lcm(*(x.denominator for x in (*defects, *(r for r in rational if r > 0))), 1)
@@ -182,8 +250,7 @@ def expand(
     series = Expansion(local, q, [start])
     for r, multiplicity in exponents.rational:
         if r <= 0:
-            kernel = eliminated(shifted(matrix, r, numbers), [[] for _ in matrix], numbers).kernel
-            series.resonances.append(Resonance(r, multiplicity, len(kernel), None))
+            series.resonances.append(Resonance(r, multiplicity, equations.kernel(r), None))
     last = max((r for r in rational if r > 0), default=Fraction(0))
     ended = False
     for j in range(1, int(last * q) + 1):
@@ -193,31 +260,28 @@ def expand(
         multiplicity = exponents.multiplicity(order)
         if ended:
             if multiplicity:
-                kernel = eliminated(shifted(matrix, order, numbers), [[] for _ in matrix], numbers).kernel
-                series.resonances.append(Resonance(order, multiplicity, len(kernel), None))
+                series.resonances.append(Resonance(order, multiplicity, equations.kernel(order), None))
             continue
-        ended = not _step(series, matrix, order, multiplicity)
+        ended = not _step(series, equations, order, multiplicity)
     return series
 
 
-def _step(series: Expansion, matrix: Matrix, order: Fraction, multiplicity: int) -> bool:
+def _step(series: Expansion, equations: Equations, order: Fraction, multiplicity: int) -> bool:
     """Find the coefficients of one order; whether the series goes on without a logarithm."""
     numbers = series.local.field
-    j = len(series.coefficients)
-    right = series.right_hand_side(j)
+    right = series.right_hand_side(len(series.coefficients))
     monomials = sorted({m for p in right for m in p}, key=lambda m: (sum(m), m))
     zero = numbers.number(0)
     columns = [[p.get(m, zero) for m in monomials] for p in right]
-    found = eliminated(shifted(matrix, order, numbers), columns, numbers)
+    found = equations.solved(order, multiplicity, columns)
     coefficients: list[Polynomial] = [
         {m: c for m, c in zip(monomials, row, strict=True) if c} for row in found.particular
     ]
     if multiplicity:
-        conditions = tuple(
-            text for row in found.conditions if (text := condition_text(monomials, row, numbers)) is not None
-        )
+        texts = (condition_text(monomials, row, numbers) for row in found.conditions)
+        conditions = tuple(dict.fromkeys(text for text in texts if text is not None))
         series.resonances.append(Resonance(order, multiplicity, len(found.kernel), conditions))
-        if conditions:
+        if conditions or len(found.kernel) < multiplicity:
             return False
         for vector in found.kernel:
             name = f"C{len(series.constants) + 1}"
@@ -227,13 +291,7 @@ def _step(series: Expansion, matrix: Matrix, order: Fraction, multiplicity: int)
                 if v:
                     p[power] = v
     series.coefficients.append(coefficients)
-    return not (multiplicity and len(found.kernel) < multiplicity)
-
-
-def shifted(matrix: Matrix, r: Fraction, field: Field) -> Matrix:
-    """The matrix r - K."""
-    number = field.number(r)
-    return [[(number if i == j else field.number(0)) - x for j, x in enumerate(row)] for i, row in enumerate(matrix)]
+    return True
 
 
 def condition_text(monomials: Sequence[Powers], row: Sequence[Element], field: Field) -> str | None:

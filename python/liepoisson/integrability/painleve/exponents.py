@@ -1,8 +1,8 @@
 r"""Kovalevskaya exponents: the eigenvalues of the matrix K of a balance, exactly.
 
-The characteristic polynomial has coefficients in the field of the balance.  Written in a basis over $\mathbb Q$, it is a
-sum of basis elements times polynomials with rational coefficients; a rational number is a root if and only if it is one
-of all these, with the multiplicity that it has in their greatest common divisor G.  So rational exponents are the
+The characteristic polynomial has coefficients in the field of the balance.  Written in a basis over $\mathbb Q$, it is
+a sum of basis elements times polynomials with rational coefficients; a rational number is a root if and only if it is
+one of all these, with the multiplicity that it has in their greatest common divisor G.  So rational exponents are the
 linear factors of G, and all others are proved to be irrational.
 """
 
@@ -123,8 +123,9 @@ class Exponents:
             if monic[k]:
                 power = f"r^{k}" if k > 1 else "r" if k else ""
                 text = self.field.text(monic[k])
-                terms.append(power if text == "1" and power else f"({text})*{power}" if power else f"({text})")
-        return f"the roots of {' + '.join(terms)}"
+                simple = text if text.isalnum() or not power else f"({text})"
+                terms.append(power if text == "1" and power else f"{simple}*{power}" if power else text)
+        return f"the roots of {' + '.join(terms)}".replace(" + -", " - ")
 
 
 def exponents_of(characteristic: Sequence[Element], field: Field) -> Exponents:

@@ -2,9 +2,9 @@ r"""Generic points of the components of an algebraic set: coordinates in a field
 
 An isolated point with its conjugates is $\mathbb Q[x]/I$ with a maximal ideal I, a number field.  On a component of
 larger dimension some coordinates s are independent, and the others are algebraic over $\mathbb Q(s)$: a Gröbner basis
-in lexicographic order, with s last, is one over $\mathbb Q(s)$.  Where it gives an equation for one coordinate, or for a
-sum of them, and the others as polynomials in this one, the generic point is found; the irreducible factors of the
-equation are the parts of the component.
+in lexicographic order, with s last, is one over $\mathbb Q(s)$.  Where it gives an equation for one coordinate, or for
+a sum of them, and the others as polynomials in this one, the generic point is found; the irreducible factors of the
+equation are the parts of the component.  Where that is too much work, a family has its coordinate ring.
 
 References: [gianni1988].
 """
@@ -34,12 +34,16 @@ from liepoisson.integrability.painleve.coefficient_fields import (
     RationalFunctions,
     Rationals,
 )
+from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing
 
 _MOST_CHOICES = 6
 """Sets of independent coordinates, and sums of two coordinates that may generate the field, that are tried."""
 
 _LOW_DEGREE = 2
 """A generic point of this degree, or less, is taken at once."""
+
+_SMALL = 300_000
+"""Units of work for an attempt that shall be cheap."""
 
 
 @dataclass(frozen=True)
@@ -50,23 +54,28 @@ class GenericPoint:
         field: The field.
         values: The values of all variables of the context, by name.
         is_generic: Whether it is generic; if not, it is a random point of its component.
+        sample: A random point, where the field is a coordinate ring.
     """
 
     field: Field
     values: dict[str, Element]
     is_generic: bool = True
+    sample: GenericPoint | None = None
 
 
-def generic_points(component: Component, parameters: Sequence[str], budget: Budget) -> list[GenericPoint]:
+def generic_points(
+    component: Component, parameters: Sequence[str], budget: Budget, *, most: int | None = None
+) -> list[GenericPoint]:
     """The generic points of the parts of a component; none if the parameters are not independent on it.
 
     Args:
         component: The component.
         parameters: Variables that are parameters, of which the field shall contain the rational functions.
         budget: Where the work is accounted.
+        most: The largest degree of fields that are wanted, for little work.
 
     Raises:
-        NotDecidedError: the limits were reached.
+        NotDecidedError: the limits were reached, or the degree is larger.
     """
     basis = component.basis
     if not basis.dimension:
@@ -76,20 +85,61 @@ def generic_points(component: Component, parameters: Sequence[str], budget: Budg
         if others and eliminated(basis.polynomials or (basis.context.constant(0),), others, budget).polynomials:
             return []
     best: tuple[list[GenericPoint], list[Poly]] | None = None
-    for independent in _independent(basis, parameters):
-        found = _over(basis, independent, parameters, budget)
+    for independent in _independent(basis, parameters)[: 2 if most else _MOST_CHOICES]:
+        found = _over(basis, independent, parameters, budget, is_cheap=most is not None)
         if found is not None and (best is None or _degree(found[0]) < _degree(best[0])):
             best = found
         if best is not None and _degree(best[0]) <= _LOW_DEGREE:
             break
-    if best is not None:
-        points, units = best
-        if component.is_irreducible:
-            return points
-        return points + [p for rest in _rest(basis, units, budget) for p in generic_points(rest, parameters, budget)]
-    if parameters:
+    if best is None or (most and _degree(best[0]) > most):
         raise NotDecidedError("not decided: a family of balances whose generic point was not found")
-    return _random_point(basis, budget)
+    points, units = best
+    if component.is_irreducible:
+        return points
+    return points + [p for rest in _rest(basis, units, budget) for p in generic_points(rest, parameters, budget)]
+
+
+def of_family(component: Component, singular: Sequence[str], budget: Budget) -> GenericPoint:
+    """The coordinate ring of a family, with a random point of it.
+
+    Args:
+        component: The component.
+        singular: Coordinates that do not all vanish: their common zeros are left out, if they are a part.
+        budget: Where the work is accounted.
+
+    Raises:
+        NotDecidedError: the limits were reached.
+    """
+    basis = component.basis if component.is_irreducible else _without_zeros(component.basis, singular, budget)
+    independent = next((c for c in _independent(basis, ()) if _is_independent(basis, c)), ())
+    samples = random_points(basis, budget)
+    ring = CoordinateRing(
+        basis,
+        is_prime=component.is_irreducible,
+        independent=independent,
+        degree=sum(p.field.degree for p in samples),
+        budget=budget,
+    )
+    values = {name: ring.element(x) for name, x in zip(basis.names, basis.context.gens(), strict=True)}
+    return GenericPoint(ring, values, sample=samples[0])
+
+
+def _is_independent(basis: GroebnerBasis, names: Sequence[str]) -> bool:
+    """Whether leading monomials prove that coordinates are independent."""
+    supports = [{basis.names[k] for k, e in enumerate(lead) if e} for lead in basis.leads]
+    return not any(s <= set(names) for s in supports)
+
+
+def _without_zeros(basis: GroebnerBasis, names: Sequence[str], budget: Budget) -> GroebnerBasis:
+    """The ideal of a set without the common zeros of some coordinates, if these are a part of it."""
+    gens = dict(zip(basis.names, basis.context.gens(), strict=True))
+    random = Random(1)
+    form = sum((gens[n] * random.randint(2, 99) for n in names), basis.context.constant(0))
+    smaller = saturation(basis, form, budget)
+    # what is lost lies where all coordinates vanish: a proof, whatever the form
+    if all(radical_contains(basis, gens[n] * p, budget) for p in smaller.polynomials for n in names):
+        return smaller
+    return basis
 
 
 def _isolated(basis: GroebnerBasis, budget: Budget) -> list[GenericPoint]:
@@ -133,11 +183,12 @@ def _independent(basis: GroebnerBasis, parameters: Sequence[str]) -> list[tuple[
 
 
 def _over(
-    basis: GroebnerBasis, independent: tuple[str, ...], parameters: Sequence[str], budget: Budget
+    basis: GroebnerBasis, independent: tuple[str, ...], parameters: Sequence[str], budget: Budget, *, is_cheap: bool
 ) -> tuple[list[GenericPoint], list[Poly]] | None:
-    """The generic points over some coordinates, with the first generator of the field that is found; None if none is."""
-    for attempt in _attempts(basis, independent, parameters):
-        small = Budget(Limits(max(1, min(budget.limits.work // 16, budget.limits.work - int(budget.spent)))))
+    """The generic points over some coordinates, with the first generator that is found; None if none is."""
+    work = _SMALL if is_cheap else budget.limits.work // 16
+    for attempt in islice(_attempts(basis, independent, parameters), 3 if is_cheap else None):
+        small = Budget(Limits(max(1, min(work, budget.limits.work - int(budget.spent)))))
         try:
             found = _over_functions(basis, attempt, small)
         except NotDecidedError:
@@ -287,7 +338,7 @@ def _rest(basis: GroebnerBasis, units: Sequence[Poly], budget: Budget) -> list[C
     return found
 
 
-def _random_point(basis: GroebnerBasis, budget: Budget) -> list[GenericPoint]:
+def random_points(basis: GroebnerBasis, budget: Budget) -> list[GenericPoint]:
     """Points with random values for coordinates that may be independent."""
     random, gens = Random(1), dict(zip(basis.names, basis.context.gens(), strict=True))
     for independent in _independent(basis, ()):

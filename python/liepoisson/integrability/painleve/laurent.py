@@ -13,19 +13,25 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import fmpq
+from flint import acb, fmpq
 from numpy.typing import NDArray
 
 from liepoisson.errors import ParameterError
+from liepoisson.exact.polynomials.groebner import groebner_basis
+from liepoisson.exact.polynomials.limits import Limits
+from liepoisson.exact.polynomials.solutions import solutions
 from liepoisson.integrability.painleve.coefficient_fields import (
     AlgebraicFunctions,
     Element,
     Field,
     NumberField,
+    as_fmpq,
 )
+from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, RingElement
 from liepoisson.integrability.painleve.expansion import Expansion, Polynomial
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
 from liepoisson.scalars import as_count
+from liepoisson.wrong_values import shown
 
 
 @dataclass(frozen=True)
@@ -109,6 +115,8 @@ class _Values:
         elif isinstance(field, AlgebraicFunctions):
             coefficients = [*map(self.value, field.modulus), 1 + 0j]
         else:
+            if isinstance(field, CoordinateRing):
+                self._at |= _member(field, self._at, conjugate)
             return
         roots: list[complex] = [complex(z) for z in np.roots(coefficients[::-1])]
         self._theta = sorted(roots, key=lambda z: (round(z.real, 9), round(z.imag, 9)))[conjugate]
@@ -117,6 +125,8 @@ class _Values:
         """The number."""
         if isinstance(element, fmpq):
             return complex(_float(element))
+        if isinstance(element, RingElement):
+            return self._polynomial(element.polynomial)
         if (polynomial := getattr(element, "polynomial", None)) is not None:
             return self._horner([complex(_float(c)) for c in polynomial.coeffs()])
         if (coefficients := getattr(element, "coefficients", None)) is not None:
@@ -138,6 +148,23 @@ class _Values:
                 term *= self._at[name] ** int(k)
             total += term
         return total
+
+
+def _member(ring: CoordinateRing, parameters: Mapping[str, complex], conjugate: int) -> dict[str, complex]:
+    """The coordinates of one member of a family whose parameters have these values."""
+    gens = dict(zip(ring.basis.names, ring.basis.context.gens(), strict=True))
+    given = {name: Fraction(parameters[name].real) for name in ring.parameters}
+    if any(parameters[name].imag for name in given):
+        raise ParameterError(f"constants: wanted real numbers for {', '.join(given)}; got {shown(dict(parameters))}")
+    budget = Limits().budget()
+    fixed = [gens[name] - as_fmpq(value) for name, value in given.items()]
+    found = solutions(groebner_basis([*ring.basis.polynomials, *fixed], budget), budget).complex()
+    if conjugate >= len(found):
+        raise ParameterError(f"conjugate: wanted a number from 0 to {len(found) - 1}; got {conjugate}; take 0")
+    at = [acb(x) for x in found[conjugate].values]
+    return {
+        name: complex(float(z.real.mid()), float(z.imag.mid())) for name, z in zip(ring.basis.names, at, strict=True)
+    }
 
 
 def laurent_series(

@@ -137,7 +137,7 @@ class LocalField:
         )
 
     def kovalevskaya_matrix(self, point: Sequence[Element]) -> Matrix:
-        r"""The matrix $K_{ij} = \partial\hat f_i/\partial x_j(c) + g_i\,\delta_{ij}$, whose eigenvalues are the exponents."""
+        r"""The matrix $K = \partial\hat f/\partial x(c) + \operatorname{diag}(g)$, whose eigenvalues are the exponents."""
         n = len(self.weights)
         found: Matrix = []
         for i, of_one in enumerate(self.terms):

@@ -1,9 +1,9 @@
 r"""The Kovalevskaya-Painlevé test: are the singularities of solutions in complex time poles?
 
-A solution with a movable singularity at $\tau = t - t_0 = 0$ is looked for as $x_i = \tau^{-g_i}(c_i + \dots)$ with the
-leading terms of a **balance**.  The **Kovalevskaya exponents** of the balance are the orders at which free constants may
-enter.  Where all solutions are single-valued, each balance has whole exponents, no Jordan blocks, and series without
-logarithms.
+A solution with a movable singularity at $\tau = t - t_0 = 0$ is looked for as $x_i = \tau^{-g_i}(c_i + \dots)$ with
+the leading terms of a **balance**.  The **Kovalevskaya exponents** of the balance are the orders at which free constants
+may enter.  Where all solutions are single-valued, each balance has whole exponents, no Jordan blocks, and series
+without logarithms.
 
 References: Kovalevskaya (1889); [lyapunov1894]; [ablowitz1980]; [adler1989]; [goriely2001], chapter 3.
 """
@@ -26,11 +26,13 @@ from liepoisson.exact.printing import Formula
 from liepoisson.integrability.algebraic_functions import algebraic_equations
 from liepoisson.integrability.derivation import Derivation, derivation_of_rates
 from liepoisson.integrability.painleve.balance import Balance, as_record, obstructions_of
-from liepoisson.integrability.painleve.expansion import Expansion, OutOfTimeError, expand
+from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, DivisionError
+from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand
 from liepoisson.integrability.painleve.exponents import exponents_of
-from liepoisson.integrability.painleve.generic_points import GenericPoint, generic_points
-from liepoisson.integrability.painleve.linear import characteristic_polynomial
+from liepoisson.integrability.painleve.generic_points import GenericPoint, generic_points, of_family, random_points
+from liepoisson.integrability.painleve.linear import OutOfTimeError, characteristic_polynomial
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
+from liepoisson.integrability.painleve.resolvent import Resolvent
 from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
 from liepoisson.scalars import as_time_limit
 from liepoisson.wrong_values import shown
@@ -58,6 +60,9 @@ SCOPE: dict[Verdict, str] = {
     "undecided": "no obstruction was found, and not everything was decided; see what is left",
     "no balances": "no solutions with singularities of this kind: the test says nothing",
 }
+
+_SIMPLE_DEGREE = 2
+"""Degree of the field of a family up to which it is parametrised; others are treated in their coordinate rings."""
 
 Weights: TypeAlias = "Mapping[str, Any] | Sequence[Any]"
 
@@ -166,8 +171,8 @@ def painleve_test(
 
     For a polynomial vector field, $x_i = \tau^{-g_i}\sum_k c_i^{(k)}\tau^k$ with $\tau = t - t_0$. All balances for the
     maximal orders g are found exactly, families of balances as families; exponents are the eigenvalues of
-    $K = \partial\hat f/\partial x(c) + \operatorname{diag}(g)$, $\hat f$ being the part of the equations that dominates.
-    At each rational exponent the dimension of the kernel is compared with the multiplicity, and at positive ones the
+    $K = \partial\hat f/\partial x(c) + \operatorname{diag}(g)$, $\hat f$ being the dominant part of the equations. At
+    each rational exponent the dimension of the kernel is compared with the multiplicity, and at positive ones the
     series is computed, with symbols for its free constants.
 
     Example:
@@ -176,8 +181,7 @@ def painleve_test(
         ([[-1, 1, 4, 6], [-3, -1, 6, 8]], 'passes')
 
     Args:
-        system: A system with rational numbers, and perhaps symbols for parameters, in its equations. Where these contain
-            roots, exponentials or trigonometric functions, variables stand for them as in `first_integrals`.
+        system: A system with rational numbers, and perhaps symbols, in its equations. Where these contain roots, exponentials or trigonometric functions, variables stand for them as in `first_integrals`.
         weights: Orders of poles, by name of the coordinate or in the order of the state; by default all maximal ones.
         time_limit: Seconds after which what is left is named; the balances that were found are in the result.
         progress: As for `integrate`.
@@ -217,8 +221,8 @@ def _equations(system: System) -> tuple[Derivation, dict[str, Expr]]:
         )
     if any(not s.is_Symbol for s in field.parameters):
         raise ParameterError(
-            f"painleve_test: wanted rational numbers and symbols in the equations; got "
-            f"{', '.join(str(s) for s in field.parameters if not s.is_Symbol)} in {system.name}; write a symbol for each"
+            f"painleve_test: wanted rational numbers and symbols in the equations of {system.name}; got "
+            f"{', '.join(str(s) for s in field.parameters if not s.is_Symbol)}; write a symbol for each"
         )
     if not found.functions:
         return derivation, {}
@@ -257,7 +261,7 @@ def _read(weights: Weights, derivation: Derivation) -> tuple[Fraction, ...]:
         raise ParameterError(f"{wanted}, none negative; got {shown(weights)}; a coordinate without a pole has 0")
     if (found := excess(inequalities(derivation), read)) > 1:
         raise ParameterError(
-            f"weights: wanted orders of poles g with weight(term) <= g + 1 for each term of the rate of its coordinate; "
+            "weights: wanted orders of poles g with weight(term) <= g + 1 for each term of the rate of a coordinate; "
             f"got a term that exceeds its coordinate by {found}; leave them out for all that fit"
         )
     return read
@@ -297,41 +301,82 @@ class _Analysis:
             self.left.append(f"the balances {described}: the time limit was reached")
             return
         try:
-            points = generic_points(part, system.parameter_names, self.budget)
-        except NotDecidedError as error:
-            self.left.append(f"the balances {described}: {error}")
+            tested = self._balances(part, system, equations)
+        except (NotDecidedError, OutOfTimeError) as error:
+            self.left.append(f"the balances {described}: {str(error) or 'the time limit was reached'}")
             return
-        if not points:
+        if not tested:
             conditions = [e for e in equations if not _names_in(e) & {str(v) for v in system.derivation.variables}]
             self.special.append(", ".join(f"{e} = 0" for e in conditions) or described)
-        for point in points:
-            self.balances.append(self._tested(point, part, system, equations))
+        self.balances += tested
+
+    def _balances(self, part: Component, system: QuasiHomogeneous, equations: tuple[str, ...]) -> list[Balance]:
+        """The balances of a component of the solutions of the indicial equations."""
+        if not part.dimension or system.parameter_names:
+            return self._of_points(generic_points(part, system.parameter_names, self.budget), part, system, equations)
+        try:
+            return self._of_points(generic_points(part, (), self.budget, most=_SIMPLE_DEGREE), part, system, equations)
+        except NotDecidedError:
+            pass
+        names = [name for name, g in zip(system.context.names(), system.weights, strict=False) if g]
+        try:
+            whole = of_family(part, names, self.budget)
+            return [self._tested(whole, part, system, equations)]
+        except (_NotConstantError, DivisionError):
+            # exponents that vary along a family: at a random member they show that solutions branch
+            samples = random_points(part.basis, self.budget)
+            found = self._of_points(samples, part, system, equations)
+            if any(balance.status == "fails" for balance in found):
+                return found
+        return self._of_points(generic_points(part, (), self.budget), part, system, equations)
+
+    def _of_points(
+        self, points: Sequence[GenericPoint], part: Component, system: QuasiHomogeneous, equations: tuple[str, ...]
+    ) -> list[Balance]:
+        names = [name for name, g in zip(system.context.names(), system.weights, strict=False) if g]
+        singular = [p for p in points if any(p.values[name] for name in names)]
+        return [self._tested(p, part, system, equations) for p in singular]
 
     def _tested(
         self, point: GenericPoint, part: Component, system: QuasiHomogeneous, equations: tuple[str, ...]
     ) -> Balance:
+        """One balance, or one family, with what the test says."""
         field = point.field
-        values = [point.values[name] for name in system.context.names()[: system.n]]
+        names = system.context.names()
+        values = [point.values[name] for name in names[: system.n]]
         local = LocalField.of(system, field, point.values)
         if any(local.indicial_residuals(values)):
             raise AssertionError(equations)
         matrix = local.kovalevskaya_matrix(values)
-        exponents = exponents_of(characteristic_polynomial(matrix, field), field)
+        characteristic = characteristic_polynomial(matrix, field, self.may_go_on)
+        is_ring = isinstance(field, CoordinateRing)
+        if is_ring and any(field.rational(c) is None for c in characteristic):
+            raise _NotConstantError
+        exponents = exponents_of(characteristic, field)
         dimension = part.dimension - len(system.parameter_names)
         left = "" if point.is_generic else "a random member of the family was tested, and the others are not decided"
         series: Expansion | None = None
-        try:
-            series = expand(local, values, matrix, exponents, self.may_go_on)
-        except OutOfTimeError:
-            left = "the series: the time limit was reached"
+        if not is_ring or exponents.all_rational:
+            equations_of_order = (
+                OverField(matrix, field, self.may_go_on)
+                if point.sample is None
+                else OverRing(
+                    field, Resolvent(matrix, exponents.rational, field), point.sample.values, point.sample.field
+                )
+            )
+            try:
+                series = expand(local, values, equations_of_order, exponents, self.may_go_on)
+            except OutOfTimeError:
+                left = "the series: the time limit was reached"
         resonances = () if series is None else tuple(series.resonances)
-        names = system.context.names()
-        family = [name for name in names[: system.n] if name in field.parameters]
+        family = tuple(name for name in names[: system.n] if name in field.parameters)
+        if len(family) < dimension:
+            family = tuple(f"parameter {k + 1}" for k in range(dimension))
         return Balance(
             variables=system.derivation.variables,
             weights=system.weights,
-            equations=tuple(e.replace("_y", "y") for e in equations),
-            family=tuple(family) if point.is_generic else tuple(f"parameter {k + 1}" for k in range(dimension)),
+            equations=tuple(_readable(e, system.derivation.variables) for e in equations),
+            family=family,
             n_conjugates=field.degree,
             kovalevskaya=exponents,
             resonances=resonances,
@@ -343,6 +388,20 @@ class _Analysis:
             _parameters=system.parameter_names,
             _expansion=series,
         )
+
+
+class _NotConstantError(Exception):
+    """Exponents depend on the member of a family."""
+
+
+def _readable(equation: str, variables: Sequence[Symbol]) -> str:
+    """An equation in which variables that stand for functions have no underscore before them."""
+    from re import sub
+
+    for v in variables:
+        if str(v).startswith("_"):
+            equation = sub(rf"\b{v}\b", str(v).lstrip("_"), equation)
+    return equation
 
 
 def _names_in(equation: str) -> set[str]:

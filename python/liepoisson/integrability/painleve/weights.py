@@ -1,14 +1,14 @@
 r"""Weights for which the singular part of a polynomial vector field is quasi-homogeneous.
 
-A solution with poles of orders $g_i$, $x_i = c_i\,\tau^{-g_i} + \dots$, is dominated by the terms of $\dot x_i = f_i(x)$
-that are of weight $g_i + 1$, if no term is of a larger one:
+A solution with poles of orders $g_i$, $x_i = c_i\,\tau^{-g_i} + \dots$, is dominated by the terms of
+$\dot x_i = f_i(x)$ that are of weight $g_i + 1$, if no term is of a larger one:
 
 $$\sum_j m_j g_j \le g_i + 1 \quad\text{for each term } x^m \text{ of } f_i .$$
 
-These inequalities, with $g\ge0$, describe a polyhedron. Poles that are of lower orders than g are among the series for g,
-with leading coefficients that vanish, so that only maximal weights are wanted. Where the largest value of each weight
-fits all inequalities, there is one choice. A weight that may be as large as one likes belongs to coordinates that
-follow the others linearly; it is taken as large as the largest of the others.
+These inequalities, with $g\ge0$, describe a polyhedron. Poles that are of lower orders than g are among the series for
+g, with leading coefficients that vanish, so that only maximal weights are wanted. Where the largest value of each
+weight fits all inequalities, there is one choice. A weight that may be as large as one likes belongs to coordinates
+that follow the others linearly; it is taken as large as the largest of the others.
 """
 
 from __future__ import annotations
