@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from re import sub
 from typing import Any
 
 from flint import acb, acb_poly, fmpq_poly
@@ -101,7 +102,9 @@ class Exponents:
     def __str__(self) -> str:
         parts = [str(r) for r, k in self.rational for _ in range(k)]
         for p, k in self.over_rationals:
-            parts += [f"the roots of {str(p).replace('x', 'r')}"] * k
+            with precision(_BITS[0]):
+                roots = ", ".join(shown_number(z) for z, _ in p.complex_roots())
+            parts += [f"the roots of {_readable(str(p).replace('x', 'r'))} ({roots})"] * k
         if len(self.rest) > 1:
             degree = len(self.rest) - 1
             if isinstance(self.field, NumberField):
@@ -125,7 +128,12 @@ class Exponents:
                 text = self.field.text(monic[k])
                 simple = text if text.isalnum() or not power else f"({text})"
                 terms.append(power if text == "1" and power else f"{simple}*{power}" if power else text)
-        return f"the roots of {' + '.join(terms)}".replace(" + -", " - ")
+        return f"the roots of {_readable(' + '.join(terms))}"
+
+
+def _readable(polynomial: str) -> str:
+    """A polynomial with minus signs for negative numbers."""
+    return sub(r"\+ \((-[\d/]+)\)", r"+ \1", polynomial).replace("+ -", "- ")
 
 
 def exponents_of(characteristic: Sequence[Element], field: Field) -> Exponents:

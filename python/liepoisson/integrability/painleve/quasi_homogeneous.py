@@ -43,7 +43,7 @@ class QuasiHomogeneous:
     Attributes:
         derivation: The vector field.
         weights: One for each coordinate.
-        context: FLINT's context of coordinates and parameters; coordinates are those of the system and of its parameters
+        context: FLINT's context of the coordinates and, after them, the parameters.
     """
 
     derivation: Derivation
@@ -137,7 +137,7 @@ class LocalField:
         )
 
     def kovalevskaya_matrix(self, point: Sequence[Element]) -> Matrix:
-        r"""The matrix $K = \partial\hat f/\partial x(c) + \operatorname{diag}(g)$, whose eigenvalues are the exponents."""
+        r"""The matrix $K = \partial\hat f/\partial x(c) + \operatorname{diag}(g)$; exponents are its eigenvalues."""
         n = len(self.weights)
         found: Matrix = []
         for i, of_one in enumerate(self.terms):

@@ -1,8 +1,8 @@
 r"""The Kovalevskaya-Painlevé test: are the singularities of solutions in complex time poles?
 
 A solution with a movable singularity at $\tau = t - t_0 = 0$ is looked for as $x_i = \tau^{-g_i}(c_i + \dots)$ with
-the leading terms of a **balance**.  The **Kovalevskaya exponents** of the balance are the orders at which free constants
-may enter.  Where all solutions are single-valued, each balance has whole exponents, no Jordan blocks, and series
+the leading terms of a **balance**.  The **Kovalevskaya exponents** of the balance are the orders at which free
+constants may enter.  Where all solutions are single-valued, each balance has whole exponents, no Jordan blocks, and series
 without logarithms.
 
 References: Kovalevskaya (1889); [lyapunov1894]; [ablowitz1980]; [adler1989]; [goriely2001], chapter 3.
@@ -181,7 +181,8 @@ def painleve_test(
         ([[-1, 1, 4, 6], [-3, -1, 6, 8]], 'passes')
 
     Args:
-        system: A system with rational numbers, and perhaps symbols, in its equations. Where these contain roots, exponentials or trigonometric functions, variables stand for them as in `first_integrals`.
+        system: A system with rational numbers, and perhaps symbols, in its equations. Where these contain roots,
+            exponentials or trigonometric functions, variables stand for them as in `first_integrals`.
         weights: Orders of poles, by name of the coordinate or in the order of the state; by default all maximal ones.
         time_limit: Seconds after which what is left is named; the balances that were found are in the result.
         progress: As for `integrate`.
