@@ -1,4 +1,6 @@
-"""Solutions in complex time by our integrator: the real and imaginary parts of x along straight paths are a real system."""
+"""Solutions in complex time by our integrator: real and imaginary parts along straight paths are a real system."""
+
+from itertools import pairwise
 
 import numpy as np
 
@@ -25,9 +27,9 @@ def doubled(system, d):
     n = len(x)
     constant, linear, quadratic = [], [], []
     for i, rate in enumerate(system.equations.values()):
-        for powers, c in sp.Poly(rate, *x).terms() if rate != 0 else ():
+        for powers, coefficient in sp.Poly(rate, *x).terms() if rate != 0 else ():
             where = [k for k, power in enumerate(powers) for _ in range(power)]
-            c = complex(c) * d
+            c = complex(coefficient) * d
             if not where:
                 constant += [(i, c.real), (n + i, c.imag)]
             elif len(where) == 1:
@@ -46,7 +48,7 @@ def along(system, state, *path):
     """The state after a path of straight segments between complex times."""
     n = len(state)
     now = np.concatenate([np.real(state), np.imag(state)])
-    for start, end in zip(path, path[1:], strict=False):
+    for start, end in pairwise(path):
         length = abs(end - start)
         run = lp.integrate(_Along(system, (end - start) / length), now, times=[0, length], method=lp.Taylor(tol=1e-15))
         assert list(run.outcome) == ["finished"]
