@@ -42,7 +42,7 @@ def test_weights_are_those_that_trying_all_of_them_finds():
     for rates in (
         (Y * Z, X * Z, X * Y),
         (Y, 6 * X**2, X - Z**2),
-        (X**2 * Y, X * Y**2, Z * X),
+        (X**2 * Y, X * Y**2, X + Z**2),
         (Y + X**2, Z + X * Y, X * Z),
     ):
         field = derivation(*rates)

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from re import sub
-from typing import Any
+from typing import Any, cast
 
 from flint import acb, acb_poly, fmpq_poly
 
@@ -73,7 +73,7 @@ class Exponents:
         found: list[acb] = []
         for p, k in self.over_rationals:
             with precision(_BITS[0]):
-                found += [root for root, _ in p.complex_roots() for _ in range(k)]
+                found += [root for root in _roots(p) for _ in range(k)]
         if len(self.rest) > 1:
             found += self._roots_of_rest()
         return tuple(found)
@@ -103,7 +103,7 @@ class Exponents:
         parts = [str(r) for r, k in self.rational for _ in range(k)]
         for p, k in self.over_rationals:
             with precision(_BITS[0]):
-                roots = ", ".join(shown_number(z) for z, _ in p.complex_roots())
+                roots = ", ".join(shown_number(z) for z in _roots(p))
             parts += [f"the roots of {_readable(str(p).replace('x', 'r'))} ({roots})"] * k
         if len(self.rest) > 1:
             degree = len(self.rest) - 1
@@ -158,9 +158,13 @@ def exponents_of(characteristic: Sequence[Element], field: Field) -> Exponents:
     return Exponents(tuple(sorted(rational.items())), tuple(others), tuple(rest), field)
 
 
+def _roots(p: fmpq_poly) -> list[acb]:
+    return [root for root, _ in cast("list[tuple[acb, int]]", p.complex_roots())]
+
+
 def _embeddings(field: Field) -> list[acb]:
     if isinstance(field, NumberField):
-        return [root for root, _ in field.modulus.complex_roots()]
+        return _roots(field.modulus)
     return [acb(0)]
 
 

@@ -269,7 +269,7 @@ def _point(
     by_power = _by_power(factor, n, base)
     lead = by_power[-1]
     monic = [c * base.inverse(lead) for c in by_power[:-1]]
-    field: Field
+    field: Any
     theta: Element
     if len(monic) == 1:
         field, theta = base, -monic[0]
@@ -278,7 +278,7 @@ def _point(
         theta = field.element([base.number(0), base.number(1)])
 
     def constant(ratio: Ratio) -> Element:
-        return ratio if field is base else field.element([ratio])  # type: ignore[attr-defined]
+        return ratio if field is base else field.element([ratio])
 
     values: dict[str, Element] = {
         name: constant(base.element(g)) for name, g in zip(base.parameters, base.context.gens(), strict=True)
@@ -287,9 +287,10 @@ def _point(
     for name in reversed(others):
         p = linear[name]
         place = others.index(name)
-        slope, rest = field.number(0), field.number(0)
+        slope: Element = field.number(0)
+        rest: Element = field.number(0)
         for m, c in p.terms():
-            value = field.number(c)
+            value: Element = field.number(c)
             for other, k in zip(p.context().names(), m, strict=True):
                 if other == name:
                     continue

@@ -2,10 +2,10 @@ r"""The Kovalevskaya-Painlevé test: are the singularities of solutions in compl
 
 A solution with a movable singularity at $\tau = t - t_0 = 0$ is looked for as $x_i = \tau^{-g_i}(c_i + \dots)$ with
 the leading terms of a **balance**.  The **Kovalevskaya exponents** of the balance are the orders at which free
-constants may enter.  Where all solutions are single-valued, each balance has whole exponents, no Jordan blocks, and series
-without logarithms.
+constants may enter.  Where all solutions are single-valued, each balance has whole exponents, no Jordan blocks, and
+series without logarithms.
 
-References: Kovalevskaya (1889); [lyapunov1894]; [ablowitz1980]; [adler1989]; [goriely2001], chapter 3.
+References: [lyapunov1894]; [ablowitz1980]; [yoshida1983]; [adler1989]; [goriely2001], chapter 3.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.display import as_text
@@ -246,12 +246,12 @@ def _read(weights: Weights, derivation: Derivation) -> tuple[Fraction, ...]:
     names = [str(v).lstrip("_") for v in derivation.variables]
     wanted = f"weights: wanted one for each of {', '.join(names)}"
     if isinstance(weights, Mapping):
-        by_name = cast("Mapping[str, Any]", weights)
+        by_name = weights
         if set(by_name) != set(names):
             raise ParameterError(f"{wanted}; got {shown(', '.join(map(str, by_name)))}")
         given = [by_name[name] for name in names]
     else:
-        given = list(cast("Sequence[Any]", weights)) if not isinstance(weights, str) else []
+        given = list(weights) if not isinstance(weights, str) else []
         if len(given) != len(names):
             raise ParameterError(f"{wanted}; got {shown(weights)}")
     try:
@@ -350,17 +350,17 @@ class _Analysis:
             raise AssertionError(equations)
         matrix = local.kovalevskaya_matrix(values)
         characteristic = characteristic_polynomial(matrix, field, self.may_go_on)
-        is_ring = isinstance(field, CoordinateRing)
-        if is_ring and any(field.rational(c) is None for c in characteristic):
+        ring = field if isinstance(field, CoordinateRing) else None
+        if ring is not None and any(field.rational(c) is None for c in characteristic):
             raise _NotConstantError
         exponents = exponents_of(characteristic, field)
         dimension = part.dimension - len(system.parameter_names)
         left = "" if point.is_generic else "a random member of the family was tested, and the others are not decided"
         series: Expansion | None = None
-        if not is_ring or exponents.all_rational:
+        if ring is None or exponents.all_rational:
             equations_of_order = (
                 OverField(matrix, field, self.may_go_on)
-                if point.sample is None
+                if ring is None or point.sample is None
                 else OverRing(
                     field, Resolvent(matrix, exponents.rational, field), point.sample.values, point.sample.field
                 )
