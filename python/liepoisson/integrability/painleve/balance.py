@@ -206,11 +206,8 @@ def obstructions_of(exponents: Exponents, resonances: tuple[Resonance, ...], dim
     found: list[str] = []
     if not exponents.all_rational:
         depends = exponents.field.parameters and len(exponents.rest) > 1
-        found.append(
-            "exponents that are not rational for general parameters: infinitely many branches"
-            if depends
-            else "irrational exponents: infinitely many branches"
-        )
+        whom = " for general values of what they depend on" if depends else ""
+        found.append(f"irrational exponents{whom}: infinitely many branches")
     for r in resonances:
         if r.exponent == 0 and r.multiplicity > dimension:
             found.append(

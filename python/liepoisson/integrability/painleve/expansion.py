@@ -43,7 +43,7 @@ class FreeConstant:
 
     name: str
     exponent: Fraction
-    direction: tuple[Element, ...]
+    direction: tuple[Element, ...] = field(repr=False)
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,12 @@ class Resonance:
     def has_jordan_block(self) -> bool:
         """Whether the kernel is too small."""
         return self.kernel < self.multiplicity
+
+    def __str__(self) -> str:
+        words = f"exponent {self.exponent}, multiplicity {self.multiplicity}, kernel of dimension {self.kernel}"
+        if self.conditions is None:
+            return words
+        return f"{words}, {'not solvable' if self.conditions else 'solvable'}"
 
 
 @dataclass
