@@ -1,9 +1,9 @@
 # Each name of this chapter, once: what type checkers read and, at run time, what is loaded on first use.
 from liepoisson.exact.discrete_symmetries import DiscreteSymmetries as DiscreteSymmetries
 from liepoisson.integrability.families import IntegrableFamilies as IntegrableFamilies
-from liepoisson.integrability.painleve.singularity_analysis import PainleveTest as PainleveTest
 from liepoisson.integrability.families import ParameterCase as ParameterCase
 from liepoisson.integrability.integral_scan import IntegralScan as IntegralScan
+from liepoisson.integrability.painleve.singularity_analysis import PainleveTest as PainleveTest
 from liepoisson.integrability.polynomial_integrals import FirstIntegral as FirstIntegral
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals as FirstIntegrals
 from liepoisson.integrability.report import IntegrabilityReport as IntegrabilityReport

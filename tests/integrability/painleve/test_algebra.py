@@ -4,13 +4,14 @@ from fractions import Fraction
 from random import Random
 
 import pytest
+import sympy as sp
 from flint import fmpq, fmpq_poly
 
 import liepoisson as lp
+from liepoisson.exact.polynomials.components import Component
 from liepoisson.exact.polynomials.polynomial_system import PolynomialSystem
 from liepoisson.integrability.derivation import derivation_of_rates
 from liepoisson.integrability.painleve.coefficient_fields import (
-    AlgebraicFunctions,
     NumberField,
     RationalFunctions,
     Rationals,
@@ -18,6 +19,7 @@ from liepoisson.integrability.painleve.coefficient_fields import (
 )
 from liepoisson.integrability.painleve.expansion import OverField, expand
 from liepoisson.integrability.painleve.exponents import exponents_of
+from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 from liepoisson.integrability.painleve.generic_points import generic_points, of_family
 from liepoisson.integrability.painleve.linear import characteristic_polynomial, eliminated
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
@@ -139,6 +141,29 @@ def test_generic_points_of_curves():
         for point in (*points, ring):
             (residual,) = PolynomialSystem.of([equation], [x, y]).equations
             assert not polynomial_at(residual, point.values, point.field)
+
+
+def test_all_parts_of_a_component_are_found():
+    """Of what is said not to be irreducible: parts over the same coordinates, and parts over others."""
+    budget = PolynomialSystem.of([sp.Symbol("x")], ["x"]).limits.budget()
+
+    def points_of(equations, names):
+        basis = PolynomialSystem.of(equations, names).groebner()
+        found = generic_points(Component(basis, False), (), budget)
+        for point in found:
+            residuals = [polynomial_at(p, point.values, point.field) for p in basis.polynomials]
+            assert not any(residuals)
+        return found
+
+    t, x, y = sp.symbols("t x y")
+    roots = points_of([x**2 - 2, y**2 - 2], [t, x, y])
+    assert [p.field.degree for p in roots] == [2, 2]
+    signs = [point.values["x"] - point.values["y"] for point in roots]
+    assert sorted(map(bool, signs)) == [False, True]  # y = x and y = -x
+    lines = points_of([x * y], [x, y])
+    assert sorted(tuple(bool(point.values[name]) for name in "xy") for point in lines) == [(False, True), (True, False)]
+    with_a_point = points_of([x * y, x * (x - 1)], [x, y])
+    assert sorted(p.field.parameters for p in with_a_point) == [(), ("y",)]
 
 
 def expansion(rates, variables, weights, point):

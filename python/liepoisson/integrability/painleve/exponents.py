@@ -19,12 +19,12 @@ from flint import acb, acb_poly, fmpq_poly
 
 from liepoisson.exact.polynomials.certified_roots import ball, precision
 from liepoisson.integrability.painleve.coefficient_fields import (
-    AlgebraicFunctions,
     Element,
     Field,
     NumberField,
     RationalFunctions,
 )
+from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 from liepoisson.integrability.painleve.linear import polynomial_gcd, polynomial_quotient
 
 _BITS = (128, 256, 512, 1024, 2048)

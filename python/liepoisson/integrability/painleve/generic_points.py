@@ -26,7 +26,6 @@ from liepoisson.exact.polynomials.limits import Budget, Limits, NotDecidedError
 from liepoisson.exact.polynomials.operations import eliminated, in_context, radical_contains, saturation
 from liepoisson.exact.polynomials.solutions import solutions
 from liepoisson.integrability.painleve.coefficient_fields import (
-    AlgebraicFunctions,
     Element,
     Field,
     NumberField,
@@ -35,6 +34,7 @@ from liepoisson.integrability.painleve.coefficient_fields import (
     Rationals,
 )
 from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing
+from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 
 _MOST_CHOICES = 6
 """Sets of independent coordinates, and sums of two coordinates that may generate the field, that are tried."""
@@ -249,13 +249,13 @@ def _over_functions(
     if equation is None or len(linear) < n:
         return None
     base = RationalFunctions(attempt.independent)
-    units = [_coefficient(p, n, context, k) for k, p in ((others.index(name), q) for name, q in linear.items())]
+    # where none of these vanishes, the ideal is what it is over the functions [gianni1988]
+    units = [_leading_coefficient(p, n, context) for p in found]
     points: list[GenericPoint] = []
     for factor in irreducible_factors(equation):
         if not factor.degrees()[n]:
             continue
         points.append(_point(factor, linear, others, generator, base))
-        units.append(_top(factor, n, context))
     if attempt.form is not None:
         points = [GenericPoint(p.field, {k: v for k, v in p.values.items() if k != generator}) for p in points]
     return points, [in_context(u, basis.context) for u in units]
@@ -312,15 +312,12 @@ def _by_power(p: Poly, k: int, base: RationalFunctions) -> list[Ratio]:
     return [base.element(base.context.from_dict(found.get(j, {}))) for j in range(max(found) + 1)]
 
 
-def _coefficient(p: Poly, n: int, context: Any, k: int) -> Poly:
-    """The factor of variable k, in which a polynomial is linear and which is its largest."""
-    return context.from_dict({(*(0,) * (n + 1), *m[n + 1 :]): c for m, c in p.terms() if m[k]})
-
-
-def _top(p: Poly, n: int, context: Any) -> Poly:
-    """The coefficient of the highest power of variable n."""
-    power = p.degrees()[n]
-    return context.from_dict({(*(0,) * (n + 1), *m[n + 1 :]): c for m, c in p.terms() if m[n] == power})
+def _leading_coefficient(p: Poly, n: int, context: Any) -> Poly:
+    """The coefficient of the largest monomial in the first n variables and the generator."""
+    lead = leading(p)[: n + 1]
+    return context.from_dict(
+        {(*(0,) * (n + 1), *m[n + 1 :]): c for m, c in p.terms() if tuple(int(k) for k in m[: n + 1]) == lead}
+    )
 
 
 def _rest(basis: GroebnerBasis, units: Sequence[Poly], budget: Budget) -> list[Component]:

@@ -21,7 +21,6 @@ from liepoisson.exact.polynomials.groebner import groebner_basis
 from liepoisson.exact.polynomials.limits import Limits
 from liepoisson.exact.polynomials.solutions import solutions
 from liepoisson.integrability.painleve.coefficient_fields import (
-    AlgebraicFunctions,
     Element,
     Field,
     NumberField,
@@ -29,6 +28,7 @@ from liepoisson.integrability.painleve.coefficient_fields import (
 )
 from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, RingElement
 from liepoisson.integrability.painleve.expansion import Expansion, Polynomial
+from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
 from liepoisson.scalars import as_count
 from liepoisson.wrong_values import shown

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.display import as_text
@@ -350,11 +350,13 @@ class _Analysis:
             raise AssertionError(equations)
         matrix = local.kovalevskaya_matrix(values)
         characteristic = characteristic_polynomial(matrix, field, self.may_go_on)
-        ring = field if isinstance(field, CoordinateRing) else None
+        ring = cast("CoordinateRing", field) if isinstance(field, CoordinateRing) else None
         if ring is not None and any(field.rational(c) is None for c in characteristic):
             raise _NotConstantError
         exponents = exponents_of(characteristic, field)
-        dimension = part.dimension - len(system.parameter_names)
+        # a part of a component may be of smaller dimension
+        dimension = ring.basis.dimension if ring else len(field.parameters) if point.is_generic else part.dimension
+        dimension -= len(system.parameter_names)
         left = "" if point.is_generic else "a random member of the family was tested, and the others are not decided"
         series: Expansion | None = None
         if ring is None or exponents.all_rational:
@@ -362,7 +364,7 @@ class _Analysis:
                 OverField(matrix, field, self.may_go_on)
                 if ring is None or point.sample is None
                 else OverRing(
-                    field, Resolvent(matrix, exponents.rational, field), point.sample.values, point.sample.field
+                    ring, Resolvent(matrix, exponents.rational, ring), point.sample.values, point.sample.field
                 )
             )
             try:
