@@ -314,6 +314,26 @@ CASES = [
     (entry("neumann"), {"C1": 0.2, "C2": -0.1, "C3": 0.1, "C4": 0.1}, 0.2),
 ]
 
+
+@pytest.mark.parametrize("system", [KDV, KK, entry("free-rigid-body"), entry("twisted-lagrange")], ids=lambda s: s.name)
+def test_exponents_are_eigenvalues_in_double_precision(system):
+    """Of the Jacobian of the dominant part, which is the limit of the Jacobian under scaling."""
+    n, jacobian = len(system.variables), sp.lambdify(system.variables, system.jacobian)
+    for balance in painleve_test(system).balances:
+        g = np.array(list(map(float, balance.weights)))
+        c = (
+            balance.series({"alpha2": 0.7}).coefficients[:, 0]
+            if balance.family
+            else balance.series().coefficients[:, 0]
+        )
+        s = 1e-4
+        dominant = s * np.diag(s**g) @ np.array(jacobian(*(c * s**-g)), dtype=complex) @ np.diag(s**-g)
+        found = np.linalg.eigvals(dominant + np.diag(g))
+        assert np.allclose(sorted(found.real), list(map(float, balance.exponents)), atol=1e-3), balance
+        assert np.abs(found.imag).max() < 1e-3
+        assert len(found) == n
+
+
 WORST = 1e-9
 """Error of a series with 45 terms within half its radius, and of an integration of length 1; measured: below 2e-11."""
 

@@ -207,7 +207,9 @@ def laurent_series(
         found = np.linalg.solve(j / exact.denominator * np.eye(n) - matrix, right)
         series.coefficients.append([{(): complex(c)} for c in found])
     array = np.array([[p[()] for p in of_order] for of_order in series.coefficients[:wanted]]).T
-    return LaurentSeries(exact.local.weights, exact.denominator, np.ascontiguousarray(array))
+    coefficients = np.ascontiguousarray(array)
+    coefficients.flags.writeable = False
+    return LaurentSeries(exact.local.weights, exact.denominator, coefficients)
 
 
 def _at(polynomial: Polynomial, values: _Values, constants: Sequence[complex]) -> complex:

@@ -14,7 +14,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.display import as_text
@@ -350,7 +350,7 @@ class _Analysis:
             raise AssertionError(equations)
         matrix = local.kovalevskaya_matrix(values)
         characteristic = characteristic_polynomial(matrix, field, self.may_go_on)
-        ring = cast("CoordinateRing", field) if isinstance(field, CoordinateRing) else None
+        ring = field if isinstance(field, CoordinateRing) else None
         if ring is not None and any(field.rational(c) is None for c in characteristic):
             raise _NotConstantError
         exponents = exponents_of(characteristic, field)
