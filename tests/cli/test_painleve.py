@@ -70,5 +70,5 @@ def test_what_is_refused(command, arguments, message):
 def test_what_is_left_is_named(command):
     code, out, _ = command("painleve", "twisted-top", "--time-limit", "0.01")
     assert code == 1
-    assert "left: all balances with the orders" in out
+    assert "left: balances with the orders" in out
     assert "verdict: undecided" in out

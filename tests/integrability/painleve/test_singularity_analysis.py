@@ -204,6 +204,7 @@ def test_parallel_fields_pass_with_the_twist():
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(3600)
 def test_no_further_twisted_top_on_the_grid_of_inertia():
     """33 triples with a = e1, up to exchange and scale: only the eleven of Lagrange's kind, I2 = I3, pass."""
     triples = [i for i in product(range(1, 5), repeat=3) if i[1] <= i[2] and gcd(*i) == 1]
@@ -420,9 +421,32 @@ def test_what_the_time_did_not_suffice_for_is_named():
     found = painleve_test(entry("twisted-top"), time_limit=0.01)
     assert (found.verdict, found.complete) == ("undecided", False)
     assert "left: " in str(found)
+    assert "verdict: undecided" in str(found)
 
 
 @pytest.mark.thorough
+def test_balances_in_a_subspace_decide_where_not_all_are_found(monkeypatch):
+    """A top with two fields and no symmetry is too much for little work; the heavy top in it, beta = 0, fails."""
+    from liepoisson.integrability.painleve import singularity_analysis
+
+    monkeypatch.setattr(singularity_analysis.time, "monotonic", lambda: 0.0)
+    found = painleve_test(top((2, 3, 4), (3, 0, 4), (0, 1, 0), 1), time_limit=2)
+    assert (found.verdict, found.complete) == ("fails", False)
+    assert "besides those above" in found.left[0]
+    failing = [balance for balance in found.balances if balance.status == "fails"]
+    assert any({"beta1", "beta2", "beta3"} <= set(balance.equations) for balance in failing)
+
+
+def test_balances_that_are_left_are_named(monkeypatch):
+    from liepoisson.integrability.painleve import singularity_analysis
+
+    clock = iter([0.0])
+    monkeypatch.setattr(singularity_analysis.time, "monotonic", lambda: next(clock, 100.0))
+    found = painleve_test(KDV, time_limit=60)
+    assert (found.verdict, len(found.left)) == ("undecided", 2)
+    assert all(text.endswith("the time limit was reached") for text in found.left)
+
+
 def test_a_series_with_a_logarithm_is_refused(twisted_kovalevskaya):
     for balance in twisted_kovalevskaya.balances:
         if balance.status == "fails":

@@ -132,6 +132,7 @@ class Balance:
         """The leading coefficients, the exponents and what was found."""
         many = f", {self.n_conjugates} conjugate" if self.n_conjugates > 1 else ""
         kind = f"a family, {', '.join(self.family)} free{many}" if self.family else f"isolated{many}"
+        kind += "" if self.is_generic else ", at a random member"
         lines = [f"{self.status}: {kind}", f"  {self._leading()}", f"  exponents {self.kovalevskaya}"]
         lines += [f"  {text}" for text in self.obstructions]
         if self.left:
