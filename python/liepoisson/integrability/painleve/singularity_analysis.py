@@ -126,7 +126,8 @@ class PainleveTest:
         return any(balance.symbols for balance in self.balances)
 
     def __repr__(self) -> str:
-        return f"<PainleveTest of {self.system.name}: {self.verdict}, {len(self.balances)} balances>"
+        n = len(self.balances)
+        return f"<PainleveTest of {self.system.name}: {self.verdict}, {n} balance{'s' * (n != 1)}>"
 
     def __str__(self) -> str:
         """The balances with their exponents, and the verdict with its scope."""
