@@ -12,6 +12,7 @@ from liepoisson.integrability.lax.search import LaxSearch as LaxSearch
 from liepoisson.integrability.lax.spectral_curve import CurveComponent as CurveComponent
 from liepoisson.integrability.lax.spectral_curve import CurveQuotient as CurveQuotient
 from liepoisson.integrability.lax.spectral_curve import SpectralCurve as SpectralCurve
+from liepoisson.integrability.painleve.singularity_analysis import PainleveTest as PainleveTest
 from liepoisson.integrability.polynomial_integrals import FirstIntegral as FirstIntegral
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals as FirstIntegrals
 from liepoisson.integrability.report import IntegrabilityReport as IntegrabilityReport

@@ -105,6 +105,12 @@ OPTIONS = {
         "--starts": ["1", "2", "0", "-1", "x"],
         "--format": ["json", "text", "x"],
     },
+    "painleve": {
+        "--weights": ["1,1,1,2,2,2", "1,1,1,2,2,2,3,3,3", "1", "x", "-1,2", "1/2,1/2,1/2"],
+        "--free": "text",
+        "--format": ["json", "text", "x"],
+        "--set": "setting",
+    },
     "sweep": {"--figure": "figure", "--plot": None, "--fresh": None, "--threads": ["1", "0", "x"], "--store": "store"},
     "reproduce": {"--nosuch": "text"},
 }
@@ -113,6 +119,7 @@ ALWAYS = {
     "section": ["--time-limit", "0.5"],
     "lyapunov": ["--time-limit", "0.5"],
     "decide": ["--time-limit", "0.5"],
+    "painleve": ["--time-limit", "0.5"],
 }
 """So that no run is long; a command that is given it twice refuses it, which is one more case."""
 

@@ -59,6 +59,7 @@ def application() -> typer.Typer:
     from liepoisson.cli.integrals import integrals
     from liepoisson.cli.lyapunov import lyapunov
     from liepoisson.cli.orbit import orbit
+    from liepoisson.cli.painleve import painleve
     from liepoisson.cli.prove import prove
     from liepoisson.cli.reproduce import reproduce
     from liepoisson.cli.section import section
@@ -119,6 +120,7 @@ def application() -> typer.Typer:
         integrable,
         families,
         darboux,
+        painleve,
         prove,
         catalog,
         orbit,

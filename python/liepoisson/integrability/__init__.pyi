@@ -10,6 +10,7 @@ from liepoisson.integrability.lax.families import lax_families as lax_families
 from liepoisson.integrability.lax.known import known_lax_pair as known_lax_pair
 from liepoisson.integrability.lax.pair import lax_pair as lax_pair
 from liepoisson.integrability.lax.search import search_lax_pairs as search_lax_pairs
+from liepoisson.integrability.painleve.singularity_analysis import painleve_test as painleve_test
 from liepoisson.integrability.polynomial_integrals import first_integrals as first_integrals
 from liepoisson.integrability.report import integrability_report as integrability_report
 from liepoisson.integrability.saved_reports import load_report as load_report

@@ -1,0 +1,1 @@
+"""Kovalevskaya-Painlevé analysis: balances, exponents, resonances, logarithms, and the verdict."""

@@ -1,0 +1,312 @@
+r"""The Laurent (or Puiseux) series of a balance, order by order, with its free constants as symbols.
+
+With $x_i = \tau^{-g_i}\sum_k c_i^{(k)}\tau^k$, k in steps of $1/q$, the equations at the order k are linear in the new
+coefficients:
+
+$$(k - K)\,c^{(k)} = R^{(k)}(c^{(0)},\dots,c^{(k-1/q)}) .$$
+
+Where k is an exponent of multiplicity m, K - k has a kernel.  Its dimension must be m: else a solution of the
+variational equation has a logarithm, whether or not these equations are solvable.  And $R^{(k)}$, a polynomial in the
+free constants of lower orders, must satisfy the conditions of solvability identically: else the series itself needs a
+logarithm.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from math import lcm
+from typing import Protocol
+
+from liepoisson.integrability.painleve.coefficient_fields import Element, Field
+from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, at_point
+from liepoisson.integrability.painleve.exponents import Exponents
+from liepoisson.integrability.painleve.linear import Check, Matrix, OutOfTimeError, Solved, always, eliminated
+from liepoisson.integrability.painleve.quasi_homogeneous import LocalField
+from liepoisson.integrability.painleve.resolvent import Resolvent, independent_columns
+
+Powers = tuple[int, ...]
+Polynomial = dict[Powers, Element]
+"""A polynomial in the free constants; exponents of constants that it does not reach are left out."""
+
+
+@dataclass(frozen=True)
+class FreeConstant:
+    """A free constant of a series.
+
+    Attributes:
+        name: C1, C2, ...
+        exponent: The order at which it enters.
+        direction: The element of the kernel that it multiplies.
+    """
+
+    name: str
+    exponent: Fraction
+    direction: tuple[Element, ...] = field(repr=False)
+
+
+@dataclass(frozen=True)
+class Resonance:
+    """A rational exponent and what was found there.
+
+    Attributes:
+        exponent: The exponent r.
+        multiplicity: How often it is an eigenvalue of K.
+        kernel: The dimension of the kernel of K - r.
+        conditions: Polynomials in the constants of lower orders that do not vanish and should; None where they were not
+            computed: of negative exponents, and after a logarithm.
+    """
+
+    exponent: Fraction
+    multiplicity: int
+    kernel: int
+    conditions: tuple[str, ...] | None
+
+    @property
+    def has_jordan_block(self) -> bool:
+        """Whether the kernel is too small."""
+        return self.kernel < self.multiplicity
+
+    def __str__(self) -> str:
+        words = f"exponent {self.exponent}, multiplicity {self.multiplicity}, kernel of dimension {self.kernel}"
+        if self.conditions is None:
+            return words
+        return f"{words}, {'not solvable' if self.conditions else 'solvable'}"
+
+
+@dataclass
+class Expansion:
+    r"""The series of a balance with symbols for its free constants.
+
+    Attributes:
+        local: The vector field over the field of the balance.
+        denominator: q, the series being one in $\tau^{1/q}$.
+        coefficients: $c^{(j/q)}$ for j = 0, 1, ..., each a list of polynomials.
+        constants: The free constants.
+        resonances: What was found at the rational exponents.
+    """
+
+    local: LocalField
+    denominator: int
+    coefficients: list[list[Polynomial]]
+    constants: list[FreeConstant] = field(default_factory=list[FreeConstant])
+    resonances: list[Resonance] = field(default_factory=list[Resonance])
+    _products: dict[tuple[tuple[int, ...], int], Polynomial] = field(
+        default_factory=dict[tuple[tuple[int, ...], int], Polynomial]
+    )
+
+    def right_hand_side(self, j: int, *, is_known: bool = False) -> list[Polynomial]:
+        """The terms of order j/q of the vector field, without those that are linear in the new coefficients."""
+        found: list[Polynomial] = []
+        for of_one in self.local.terms:
+            total: Polynomial = {}
+            for exponents, c, defect in of_one:
+                order = j - defect * self.denominator
+                if order < 0:
+                    continue
+                factors = tuple(i for i, k in enumerate(exponents) for _ in range(k))
+                value = self._product(factors, int(order), at=None if is_known else j)
+                add_to(total, value, c)
+            found.append(total)
+        return found
+
+    def _product(self, factors: tuple[int, ...], order: int, at: int | None) -> Polynomial:
+        """The coefficient of order/q of a product of coordinates; those of the order `at` count as zero."""
+        if not factors:
+            return {(): self.local.field.number(1)} if not order else {}
+        if at == order and len(factors) == 1:
+            return {}
+        if len(factors) == 1:
+            return self.coefficients[order][factors[0]]
+        key = (factors, order)
+        if at != order and key in self._products:
+            return self._products[key]
+        total: Polynomial = {}
+        for k in range(order + 1):
+            if at == order and k == order:
+                left = self._product(factors[:-1], order, at)
+            else:
+                left = self._product(factors[:-1], k, None)
+            if not left or (at == order and order - k == order):
+                continue
+            multiply_into(total, left, self.coefficients[order - k][factors[-1]])
+        if at != order:
+            self._products[key] = total
+        return total
+
+
+def add_to(total: Polynomial, other: Polynomial, factor: Element) -> None:
+    """Add a multiple of a polynomial in place."""
+    for m, c in other.items():
+        value = total[m] + c * factor if m in total else c * factor
+        if value:
+            total[m] = value
+        else:
+            total.pop(m, None)
+
+
+def multiply_into(total: Polynomial, left: Polynomial, right: Polynomial) -> None:
+    """Add a product of two polynomials in place."""
+    for m, a in left.items():
+        for other, b in right.items():
+            key = _joined(m, other)
+            value = total[key] + a * b if key in total else a * b
+            if value:
+                total[key] = value
+            else:
+                total.pop(key, None)
+
+
+def _joined(left: Powers, right: Powers) -> Powers:
+    if not left:
+        return right
+    if not right:
+        return left
+    if len(left) < len(right):
+        left, right = right, left
+    return (*(a + b for a, b in zip(left, right, strict=False)), *left[len(right) :])
+
+
+class Equations(Protocol):
+    """The equations (k - K) c = R of a balance, over a field or over the ring of a family."""
+
+    def kernel(self, r: Fraction) -> int:
+        """The dimension of the kernel of K - r."""
+        ...
+
+    def solved(self, k: Fraction, multiplicity: int, right: Matrix) -> Solved:
+        """The kernel, a solution and the conditions for it."""
+        ...
+
+
+@dataclass(frozen=True)
+class OverField:
+    """The equations over a field, by elimination."""
+
+    matrix: Matrix
+    field: Field
+    may_go_on: Check = always
+
+    def kernel(self, r: Fraction) -> int:
+        """The dimension of the kernel of K - r."""
+        return len(self.solved(r, 1, [[] for _ in self.matrix]).kernel)
+
+    def solved(self, k: Fraction, multiplicity: int, right: Matrix) -> Solved:
+        """The kernel, a solution and the conditions for it."""
+        number, zero = self.field.number(k), self.field.number(0)
+        shifted = [[(number if i == j else zero) - x for j, x in enumerate(row)] for i, row in enumerate(self.matrix)]
+        return eliminated(shifted, right, self.field, self.may_go_on)
+
+
+@dataclass(frozen=True)
+class OverRing:
+    """The equations over the coordinate ring of a family; a point shows which columns of projectors are independent."""
+
+    ring: CoordinateRing
+    resolvent: Resolvent
+    point: Mapping[str, Element]
+    point_field: Field
+
+    def _at(self, matrix: Matrix) -> Matrix:
+        return [at_point(row, self.point, self.point_field) for row in matrix]
+
+    def kernel(self, r: Fraction) -> int:
+        """The dimension of the kernel of K - r: the multiplicity without Jordan blocks, else that at the point."""
+        multiplicity = dict(self.resolvent.eigenvalues)[r]
+        nilpotent = self.resolvent.nilpotent(r, self.resolvent.projector(r, multiplicity))
+        if all(self.ring.vanishes(x) for row in nilpotent for x in row):
+            return multiplicity
+        kernel = OverField(self._at(self.resolvent.matrix), self.point_field).kernel(r)
+        return min(kernel, multiplicity - 1)
+
+    def solved(self, k: Fraction, multiplicity: int, right: Matrix) -> Solved:
+        """The kernel, a solution and the conditions for it."""
+        particular, conditions = self.resolvent.solved(k, multiplicity, right)
+        zero = self.ring.number(0)
+        conditions = [[zero if self.ring.vanishes(x) else x for x in row] for row in conditions]
+        kernel: list[list[Element]] = []
+        if multiplicity:
+            n = self.kernel(k)
+            if n < multiplicity:
+                return Solved([[] for _ in range(n)], particular, conditions)
+            projector = self.resolvent.projector(k, multiplicity)
+            columns = list(map(list, zip(*projector, strict=True)))
+            at = list(map(list, zip(*self._at(projector), strict=True)))
+            kernel = [columns[j] for j in independent_columns(at, self.point_field, n)]
+        return Solved(kernel, particular, conditions)
+
+
+def expand(
+    local: LocalField,
+    point: Sequence[Element],
+    equations: Equations,
+    exponents: Exponents,
+    may_go_on: Check,
+) -> Expansion:
+    """Follow the series of a balance up to its largest rational exponent, or to the first logarithm.
+
+    Raises:
+        OutOfTimeError: the time limit was reached.
+    """
+    defects = [defect for of_one in local.terms for _, _, defect in of_one]
+    rational = [r for r, _ in exponents.rational]
+    q = lcm(*(x.denominator for x in (*defects, *(r for r in rational if r > 0))), 1)
+    start: list[Polynomial] = [{(): c} if c else {} for c in point]
+    series = Expansion(local, q, [start])
+    for r, multiplicity in exponents.rational:
+        if r <= 0:
+            series.resonances.append(Resonance(r, multiplicity, equations.kernel(r), None))
+    last = max((r for r in rational if r > 0), default=Fraction(0))
+    ended = False
+    for j in range(1, int(last * q) + 1):
+        if not may_go_on():
+            raise OutOfTimeError
+        order = Fraction(j, q)
+        multiplicity = exponents.multiplicity(order)
+        if ended:
+            if multiplicity:
+                series.resonances.append(Resonance(order, multiplicity, equations.kernel(order), None))
+            continue
+        ended = not _step(series, equations, order, multiplicity)
+    return series
+
+
+def _step(series: Expansion, equations: Equations, order: Fraction, multiplicity: int) -> bool:
+    """Find the coefficients of one order; whether the series goes on without a logarithm."""
+    numbers = series.local.field
+    right = series.right_hand_side(len(series.coefficients))
+    monomials = sorted({m for p in right for m in p}, key=lambda m: (sum(m), m))
+    zero = numbers.number(0)
+    columns = [[p.get(m, zero) for m in monomials] for p in right]
+    found = equations.solved(order, multiplicity, columns)
+    coefficients: list[Polynomial] = [
+        {m: c for m, c in zip(monomials, row, strict=True) if c} for row in found.particular
+    ]
+    if multiplicity:
+        texts = (condition_text(monomials, row, numbers) for row in found.conditions)
+        conditions = tuple(dict.fromkeys(text for text in texts if text is not None))
+        series.resonances.append(Resonance(order, multiplicity, len(found.kernel), conditions))
+        if conditions or len(found.kernel) < multiplicity:
+            return False
+        for vector in found.kernel:
+            name = f"C{len(series.constants) + 1}"
+            power = (*(0,) * len(series.constants), 1)
+            series.constants.append(FreeConstant(name, order, tuple(vector)))
+            for p, v in zip(coefficients, vector, strict=True):
+                if v:
+                    p[power] = v
+    series.coefficients.append(coefficients)
+    return True
+
+
+def condition_text(monomials: Sequence[Powers], row: Sequence[Element], field: Field) -> str | None:
+    """A condition on the free constants as text, None if it holds identically."""
+    terms: list[str] = []
+    for m, c in zip(monomials, row, strict=True):
+        if not c:
+            continue
+        power = "*".join(f"C{k + 1}" + (f"^{e}" if e > 1 else "") for k, e in enumerate(m) if e)
+        text = field.text(c)
+        terms.append(power if power and text == "1" else f"({text})*{power}" if power else text)
+    return " + ".join(terms) if terms else None

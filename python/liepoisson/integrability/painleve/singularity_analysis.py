@@ -1,0 +1,462 @@
+r"""The Kovalevskaya-Painlevé test: are the singularities of solutions in complex time poles?
+
+A solution with a movable singularity at $\tau = t - t_0 = 0$ is looked for as $x_i = \tau^{-g_i}(c_i + \dots)$ with
+the leading terms of a **balance**.  The **Kovalevskaya exponents** of the balance are the orders at which free
+constants may enter.  Where all solutions are single-valued, each balance has whole exponents, no Jordan blocks, and
+series without logarithms.
+
+References: [lyapunov1894]; [ablowitz1980]; [yoshida1983]; [adler1989]; [goriely2001], chapter 3.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+
+from liepoisson.calls import explains_its_arguments, shows_progress
+from liepoisson.display import as_text
+from liepoisson.errors import ParameterError
+from liepoisson.exact.polynomials.components import Assumptions, Component, components
+from liepoisson.exact.polynomials.limits import Budget, Limits, NotDecidedError
+from liepoisson.exact.polynomials.operations import radical_contains
+from liepoisson.exact.printing import Formula
+from liepoisson.integrability.algebraic_functions import algebraic_equations
+from liepoisson.integrability.derivation import Derivation, derivation_of_rates
+from liepoisson.integrability.painleve.balance import Balance, as_record, obstructions_of
+from liepoisson.integrability.painleve.coordinate_ring import CoordinateRing, DivisionError
+from liepoisson.integrability.painleve.expansion import Expansion, OverField, OverRing, expand
+from liepoisson.integrability.painleve.exponents import exponents_of
+from liepoisson.integrability.painleve.generic_points import GenericPoint, generic_points, of_family, random_points
+from liepoisson.integrability.painleve.linear import OutOfTimeError, characteristic_polynomial
+from liepoisson.integrability.painleve.quasi_homogeneous import LocalField, QuasiHomogeneous
+from liepoisson.integrability.painleve.resolvent import Resolvent
+from liepoisson.integrability.painleve.weights import excess, inequalities, maximal_weights
+from liepoisson.scalars import as_time_limit
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+    from liepoisson.exact.system import System
+
+Verdict: TypeAlias = Literal["passes", "passes weakly", "fails", "undecided", "no balances"]
+
+SCOPE: dict[Verdict, str] = {
+    "passes": (
+        "all exponents are whole and all series found are free of logarithms. This is necessary for single-valued "
+        "solutions and proves neither that they are, nor that the system is integrable"
+    ),
+    "passes weakly": (
+        "all series found are free of logarithms, in powers of roots of t: finitely many branches at each singularity. "
+        "Not all solutions are single-valued in these coordinates; nothing is said on integrability"
+    ),
+    "fails": (
+        "not all solutions are single-valued functions of complex time. This proves nothing on integrability by "
+        "integrals that are themselves multi-valued"
+    ),
+    "undecided": "no obstruction was found, and not everything was decided; see what is left",
+    "no balances": "no solutions with singularities of this kind: the test says nothing",
+}
+
+_SIMPLE_DEGREE = 2
+"""Degree of the field of a family up to which it is parametrised; others are treated in their coordinate rings."""
+
+Weights: TypeAlias = "Mapping[str, Any] | Sequence[Any]"
+
+
+@dataclass(frozen=True, repr=False)
+class PainleveTest:
+    """What the test of Kovalevskaya and Painlevé says of a system.
+
+    Attributes:
+        system: The system.
+        variables: The coordinates of the polynomial equations that were tested, and variables for functions of them.
+        functions: The functions that variables stand for, by their names; empty for polynomial equations.
+        weights: The choices of the orders of poles, each one order for each coordinate.
+        balances: All balances for these weights.
+        special: Conditions on symbols of the system under which there are other balances, which were not looked at.
+        left: What was not decided; empty if nothing is.
+    """
+
+    system: System
+    variables: tuple[Symbol, ...]
+    functions: dict[str, Expr]
+    weights: tuple[tuple[Fraction, ...], ...]
+    balances: tuple[Balance, ...]
+    special: tuple[str, ...]
+    left: tuple[str, ...]
+
+    @property
+    def verdict(self) -> Verdict:
+        """The verdict; `scope` says what it means."""
+        found = {balance.status for balance in self.balances}
+        if "fails" in found:
+            return "fails"
+        if "undecided" in found or self.left:
+            return "undecided"
+        if not self.balances:
+            return "no balances"
+        return "passes weakly" if "passes weakly" in found else "passes"
+
+    @property
+    def complete(self) -> bool:
+        """Whether everything was decided."""
+        return not self.left and all(balance.status != "undecided" for balance in self.balances)
+
+    @property
+    def scope(self) -> str:
+        """What the verdict means, in words."""
+        text = SCOPE[self.verdict]
+        if self.verdict in {"passes", "passes weakly"} and not any(b.is_principal for b in self.balances):
+            text += ". No series has the constants of a general solution, whose singularities may be of another kind"
+        if any(balance.is_negative for balance in self.balances) and self.verdict.startswith("passes"):
+            text += ". Negative exponents besides -1 were tested on the variational equation alone"
+        if self.functions:
+            text += ". The variables stand for functions of the coordinates, which may branch though these do not"
+        if self.derived_from_symbols:
+            text += ". For general values of the symbols"
+        return text
+
+    @property
+    def derived_from_symbols(self) -> bool:
+        """Whether the system has symbols, for general values of which the verdict holds."""
+        return any(balance.symbols for balance in self.balances)
+
+    def __repr__(self) -> str:
+        n = len(self.balances)
+        return f"<PainleveTest of {self.system.name}: {self.verdict}, {n} balance{'s' * (n != 1)}>"
+
+    def __str__(self) -> str:
+        """The balances with their exponents, and the verdict with its scope."""
+        lines = [f"{self.system.name}: Kovalevskaya-Painlevé test"]
+        if self.functions:
+            lines.append(f"with {', '.join(f'{name} = {Formula(f).plain}' for name, f in self.functions.items())}")
+        number = 0
+        for weights in self.weights:
+            lines.append(f"orders of poles: {_words(self.variables, weights)}")
+            for balance in self.balances:
+                if balance.weights == weights:
+                    number += 1
+                    lines.append(f"{number}. {balance}")
+        if not self.balances:
+            lines.append("no balances")
+        lines += [f"not looked at: balances for {text}" for text in self.special]
+        lines += [f"left: {text}" for text in self.left]
+        return "\n".join([*lines, f"verdict: {self.verdict}", f"{self.scope}."])
+
+    def _repr_html_(self) -> str:
+        """What a notebook shows: the text."""
+        return as_text(str(self))
+
+
+def _words(variables: Sequence[Symbol], weights: Sequence[Fraction]) -> str:
+    groups: dict[Fraction, list[str]] = {}
+    for v, w in zip(variables, weights, strict=True):
+        groups.setdefault(w, []).append(str(v).lstrip("_"))
+    return "; ".join(f"{w} for {', '.join(names)}" for w, names in groups.items())
+
+
+@explains_its_arguments
+@shows_progress
+def painleve_test(
+    system: System,
+    *,
+    weights: Weights | None = None,
+    time_limit: float = 60.0,
+    progress: Callable[[float], Any] | None = None,
+) -> PainleveTest:
+    r"""The Kovalevskaya-Painlevé test: balances, exponents, resonances, logarithms, and the verdict.
+
+    For a polynomial vector field, $x_i = \tau^{-g_i}\sum_k c_i^{(k)}\tau^k$ with $\tau = t - t_0$. All balances for the
+    maximal orders g are found exactly, families of balances as families; exponents are the eigenvalues of
+    $K = \partial\hat f/\partial x(c) + \operatorname{diag}(g)$, $\hat f$ being the dominant part of the equations. At
+    each rational exponent the dimension of the kernel is compared with the multiplicity, and at positive ones the
+    series is computed, with symbols for its free constants.
+
+    Example:
+        >>> found = lp.integrability.painleve_test(lp.catalog.system("henon-heiles-kdv"))
+        >>> [list(map(int, balance.exponents)) for balance in found.balances], found.verdict
+        ([[-1, 1, 4, 6], [-3, -1, 6, 8]], 'passes')
+
+    Args:
+        system: A system with rational numbers, and perhaps symbols, in its equations. Where these contain roots,
+            exponentials or trigonometric functions, variables stand for them as in `first_integrals`.
+        weights: Orders of poles, by name of the coordinate or in the order of the state; by default all maximal ones.
+        time_limit: Seconds after which what is left is named; the balances that were found are in the result.
+        progress: As for `integrate`.
+
+    Raises:
+        ParameterError: numbers in the equations are not rational, the equations contain other functions, weights do not
+            fit them, or there are too many choices of weights.
+    """
+    limit = as_time_limit(time_limit)
+    derivation, functions = _equations(system)
+    chosen = maximal_weights(derivation) if weights is None else (_read(weights, derivation),)
+    listen, deadline = progress or (lambda _: None), time.monotonic() + limit
+    analysis = _Analysis(Limits(work=max(1, int(limit * 1e6))).budget(), lambda: time.monotonic() < deadline)
+    for k, one in enumerate(chosen):
+        analysis.run(QuasiHomogeneous.of(derivation, one), lambda f, k=k: listen((k + f) / len(chosen)))
+    return PainleveTest(
+        system=system,
+        variables=derivation.variables,
+        functions=functions,
+        weights=chosen,
+        balances=tuple(analysis.balances),
+        special=tuple(dict.fromkeys(analysis.special)),
+        left=tuple(analysis.left),
+    )
+
+
+def _equations(system: System) -> tuple[Derivation, dict[str, Expr]]:
+    """The polynomial equations that are tested."""
+    found, _ = algebraic_equations(system)
+    derivation = found.derivation
+    field = derivation.field
+    ring: Any = getattr(field.domain, "domain", None)
+    if not field.is_rational and not (field.parameters and (ring.is_QQ or ring.is_ZZ)):
+        raise ParameterError(
+            f"painleve_test: wanted rational numbers and symbols in the equations; got {system.name} with "
+            f"{', '.join(map(str, field.parameters)) or 'irrational ones'}; give rational values, or a symbol for each"
+        )
+    if any(not s.is_Symbol for s in field.parameters):
+        raise ParameterError(
+            f"painleve_test: wanted rational numbers and symbols in the equations of {system.name}; got "
+            f"{', '.join(str(s) for s in field.parameters if not s.is_Symbol)}; write a symbol for each"
+        )
+    if not found.functions:
+        return derivation, {}
+    # coordinates that only occur in functions follow the others by quadrature
+    used = {
+        v
+        for component in derivation.components
+        for m in component
+        for v, k in zip(derivation.variables, m, strict=True)
+        if k
+    }
+    kept = [k for k, v in enumerate(derivation.variables) if v in used or v in found.functions]
+    rates = [derivation.expression(derivation.components[k]) for k in kept]
+    smaller, _ = derivation_of_rates([derivation.variables[k] for k in kept], rates)
+    return smaller, {str(v).lstrip("_"): f for v, f in found.functions.items()}
+
+
+def _read(weights: Weights, derivation: Derivation) -> tuple[Fraction, ...]:
+    """Weights that a caller gives, checked."""
+    names = [str(v).lstrip("_") for v in derivation.variables]
+    wanted = f"weights: wanted one for each of {', '.join(names)}"
+    if isinstance(weights, Mapping):
+        by_name = weights
+        if set(by_name) != set(names):
+            raise ParameterError(f"{wanted}; got {shown(', '.join(map(str, by_name)))}")
+        given = [by_name[name] for name in names]
+    else:
+        given = list(weights) if not isinstance(weights, str) else []
+        if len(given) != len(names):
+            raise ParameterError(f"{wanted}; got {shown(weights)}")
+    try:
+        read = tuple(Fraction(w) for w in given)
+    except (TypeError, ValueError, ZeroDivisionError) as error:
+        raise ParameterError(f"{wanted}, rational numbers; got {shown(given)}") from error
+    if any(w < 0 for w in read):
+        raise ParameterError(f"{wanted}, none negative; got {shown(weights)}; a coordinate without a pole has 0")
+    if (found := excess(inequalities(derivation), read)) > 1:
+        raise ParameterError(
+            "weights: wanted orders of poles g with weight(term) <= g + 1 for each term of the rate of a coordinate; "
+            f"got a term that exceeds its coordinate by {found}; leave them out for all that fit"
+        )
+    return read
+
+
+class _Analysis:
+    """Finds the balances for one choice of weights after the other."""
+
+    def __init__(self, budget: Budget, may_go_on: Callable[[], bool]) -> None:
+        self.budget, self.may_go_on = budget, may_go_on
+        self.balances: list[Balance] = []
+        self.special: list[str] = []
+        self.left: list[str] = []
+        self._is_all = True
+
+    def run(self, system: QuasiHomogeneous, listen: Callable[[float], Any]) -> None:
+        """Test all balances for the weights of a system."""
+        words = _words(system.derivation.variables, system.weights)
+        half = Budget(Limits(max(1, self.budget.limits.work // 2), self.budget.limits.degree))
+        try:
+            parts = components(system.indicial_equations(), Assumptions(system.denominators), half)
+            self._is_all = True
+        except NotDecidedError as error:
+            self.left.append(f"balances with the orders {words}, besides those above: {error}")
+            parts = self._in_subspaces(system)
+            self._is_all = False
+        singular = [part for part in parts if not self._is_regular(part, system)]
+        for k, part in enumerate(sorted(singular, key=lambda part: (part.degree, str(part.equations)))):
+            listen(k / len(singular))
+            self._test_part(part, system)
+
+    def _in_subspaces(self, system: QuasiHomogeneous) -> list[Component]:
+        """Balances for which all components of one field vanish, where the dominant part allows this.
+
+        They may belong to larger families, of which they are members all the same.
+        """
+        equations = system.indicial_equations()
+        gens = dict(zip(system.context.names(), system.context.gens(), strict=True))
+        fields: dict[str, list[int]] = {}
+        for k, v in enumerate(system.derivation.variables):
+            fields.setdefault(str(v).rstrip("0123456789"), []).append(k)
+        found: list[Component] = []
+        for numbers in fields.values():
+            names = [system.context.names()[k] for k in numbers]
+            zero = dict.fromkeys(names, 0)
+            if len(names) == system.n or any(equations[k].subs(zero) for k in numbers):
+                continue
+            work = max(1, self.budget.limits.work // (2 * len(fields)))
+            try:
+                found += components(
+                    [*equations, *(gens[name] for name in names)],
+                    Assumptions(system.denominators),
+                    Budget(Limits(work, self.budget.limits.degree)),
+                )
+            except NotDecidedError:
+                continue
+        return found
+
+    def _is_regular(self, part: Component, system: QuasiHomogeneous) -> bool:
+        """Whether no coordinate has a pole."""
+        gens = system.context.gens()
+        return all(radical_contains(part.basis, gens[k], self.budget) for k, g in enumerate(system.weights) if g)
+
+    def _test_part(self, part: Component, system: QuasiHomogeneous) -> None:
+        equations = tuple(str(p) for p in part.equations)
+        described = ", ".join(f"{e} = 0" for e in equations[:6]) + (", ..." if len(equations) > 6 else "")
+        if not self.may_go_on():
+            self.left.append(f"the balances {described}: the time limit was reached")
+            return
+        try:
+            tested = self._balances(part, system, equations)
+        except (NotDecidedError, OutOfTimeError) as error:
+            self.left.append(f"the balances {described}: {str(error) or 'the time limit was reached'}")
+            return
+        if not tested and system.parameter_names:
+            conditions = [e for e in equations if not _names_in(e) & {str(v) for v in system.derivation.variables}]
+            self.special.append(", ".join(f"{e} = 0" for e in conditions) or described)
+        self.balances += tested
+
+    def _balances(self, part: Component, system: QuasiHomogeneous, equations: tuple[str, ...]) -> list[Balance]:
+        """The balances of a component of the solutions of the indicial equations."""
+        if not part.dimension or system.parameter_names:
+            return self._of_points(generic_points(part, system.parameter_names, self.budget), part, system, equations)
+        try:
+            return self._of_points(generic_points(part, (), self.budget, most=_SIMPLE_DEGREE), part, system, equations)
+        except NotDecidedError:
+            pass
+        names = [name for name, g in zip(system.context.names(), system.weights, strict=False) if g]
+        try:
+            whole = of_family(part, names, self.budget)
+            return [self._tested(whole, part, system, equations)]
+        except (_NotConstantError, DivisionError):
+            # exponents that vary along a family: at a random member they show that solutions branch
+            samples = random_points(part.basis, self.budget)
+            found = self._of_points(samples, part, system, equations)
+            if any(balance.status == "fails" for balance in found):
+                return found
+        return self._of_points(generic_points(part, (), self.budget), part, system, equations)
+
+    def _of_points(
+        self, points: Sequence[GenericPoint], part: Component, system: QuasiHomogeneous, equations: tuple[str, ...]
+    ) -> list[Balance]:
+        names = [name for name, g in zip(system.context.names(), system.weights, strict=False) if g]
+        singular = [p for p in points if any(p.values[name] for name in names)]
+        return [self._tested(p, part, system, equations) for p in singular]
+
+    def _tested(
+        self, point: GenericPoint, part: Component, system: QuasiHomogeneous, equations: tuple[str, ...]
+    ) -> Balance:
+        """One balance, or one family, with what the test says."""
+        field = point.field
+        names = system.context.names()
+        values = [point.values[name] for name in names[: system.n]]
+        local = LocalField.of(system, field, point.values)
+        if any(local.indicial_residuals(values)):
+            raise AssertionError(equations)
+        matrix = local.kovalevskaya_matrix(values)
+        characteristic = characteristic_polynomial(matrix, field, self.may_go_on)
+        ring = field if isinstance(field, CoordinateRing) else None
+        if ring is not None and any(field.rational(c) is None for c in characteristic):
+            raise _NotConstantError
+        exponents = exponents_of(characteristic, field)
+        # a part of a component may be of smaller dimension
+        dimension = ring.basis.dimension if ring else len(field.parameters) if point.is_generic else part.dimension
+        dimension -= len(system.parameter_names)
+        constants = dimension if self._is_all else exponents.multiplicity(0)
+        left = "" if point.is_generic else "a random member of the family was tested, and the others are not decided"
+        series: Expansion | None = None
+        if ring is None or exponents.all_rational:
+            equations_of_order = (
+                OverField(matrix, field, self.may_go_on)
+                if ring is None or point.sample is None
+                else OverRing(
+                    ring, Resolvent(matrix, exponents.rational, ring), point.sample.values, point.sample.field
+                )
+            )
+            try:
+                series = expand(local, values, equations_of_order, exponents, self.may_go_on)
+            except OutOfTimeError:
+                left = "the series: the time limit was reached"
+        resonances = () if series is None else tuple(series.resonances)
+        family = tuple(name for name in names[: system.n] if name in field.parameters)
+        if len(family) < dimension:
+            family = tuple(f"parameter {k + 1}" for k in range(dimension))
+        return Balance(
+            variables=system.derivation.variables,
+            weights=system.weights,
+            equations=tuple(_readable(e, system.derivation.variables) for e in equations),
+            family=family,
+            n_conjugates=field.degree,
+            kovalevskaya=exponents,
+            resonances=resonances,
+            is_generic=point.is_generic,
+            obstructions=obstructions_of(exponents, resonances, constants),
+            left=left,
+            _point=tuple(values),
+            _field=field,
+            _parameters=system.parameter_names,
+            _expansion=series,
+        )
+
+
+class _NotConstantError(Exception):
+    """Exponents depend on the member of a family."""
+
+
+def _readable(equation: str, variables: Sequence[Symbol]) -> str:
+    """An equation in which variables that stand for functions have no underscore before them."""
+    from re import sub
+
+    for v in variables:
+        if str(v).startswith("_"):
+            equation = sub(rf"\b{v}\b", str(v).lstrip("_"), equation)
+    return equation
+
+
+def _names_in(equation: str) -> set[str]:
+    from re import findall
+
+    return set(findall(r"[^\W\d]\w*", equation))
+
+
+def record(found: PainleveTest) -> dict[str, Any]:
+    """The result as data that JSON can write."""
+    return {
+        "system": found.system.name,
+        "functions": {name: Formula(f).plain for name, f in found.functions.items()},
+        "weights": [
+            {str(v).lstrip("_"): str(w) for v, w in zip(found.variables, one, strict=True)} for one in found.weights
+        ],
+        "balances": [as_record(balance) for balance in found.balances],
+        "special": list(found.special),
+        "left": list(found.left),
+        "verdict": found.verdict,
+        "scope": found.scope,
+    }
