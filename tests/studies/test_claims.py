@@ -73,6 +73,7 @@ EXACT = {
     "nearby-integrable-case": OPEN,
     "homoclinic-orbits": CONDITION,
     "deformation-breaks-integrability": INCOMPLETE,
+    "kovalevskaya-painleve": INCOMPLETE,
     "chaos-from-bounded-motion": CONDITION,
     "section-surface": INCOMPLETE,
 }

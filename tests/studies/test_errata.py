@@ -32,6 +32,7 @@ EXPECTED = {
         "twisted-lagrange-uncharged",
         "deformation-breaks-integrability",
         "rigorous-demonstration",
+        "kovalevskaya-painleve",
         "section-surface",
     },
     "holds with a condition": {

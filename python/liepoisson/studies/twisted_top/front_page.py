@@ -134,6 +134,7 @@ _REFINED: dict[tuple[str, str], str] = {
     ("charged-integrable-cases", "incomplete"): "integrable charged tops (two more families)",
     ("twisted-lagrange-uncharged", "incomplete"): "the charged twisted Lagrange top (integrable, too)",
     ("deformation-breaks-integrability", "incomplete"): "non-integrability of the twisted Kovalevskaya top (a theorem)",
+    ("kovalevskaya-painleve", "incomplete"): "the Kovalevskaya–Painlevé analysis (made here: no other top)",
     ("rigorous-demonstration", "incomplete"): "chaos of the twisted Kovalevskaya top on one level (a theorem)",
     ("section-surface", "incomplete"): "a good surface of section, a·(α × β) = 0",
 }

@@ -86,6 +86,13 @@ QUESTIONS: tuple[Question, ...] = (
                 *_NEARBY,
             ),
             Answer(
+                "proved",
+                "A twisted top all of whose solutions are single-valued functions of complex time is Lagrange’s, with b "
+                "along a, or has a = 0 and (I, b) of Euler, Lagrange or Kovalevskaya, where the twist is inert.",
+                "kovalevskaya-painleve",
+                "incomplete",
+            ),
+            Answer(
                 "not settled",
                 "Integrals of degree ≥ 3 for other parameters, b ≠ 0, and integrals that are not polynomial.",
                 *_NEARBY,

@@ -30,6 +30,7 @@ from liepoisson.studies.twisted_top.claims import (
     leaves,
     nonintegrable,
     numerics,
+    singularities,
     twisted,
     twisted_lagrange,
 )
@@ -58,6 +59,7 @@ CLAIMS: tuple[Claim, ...] = (
     *discussion.CLAIMS,
     *chaos.CLAIMS,
     *nonintegrable.CLAIMS,
+    *singularities.CLAIMS,
     *numerics.CLAIMS,
     *inferences.CLAIMS,
 )
