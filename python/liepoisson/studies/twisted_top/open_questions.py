@@ -87,8 +87,8 @@ QUESTIONS: tuple[Question, ...] = (
             ),
             Answer(
                 "proved",
-                "A twisted top all of whose solutions are single-valued functions of complex time is Lagrange’s, with b "
-                "along a, or has a = 0 and (I, b) of Euler, Lagrange or Kovalevskaya, where the twist is inert.",
+                "A twisted top all of whose solutions are single-valued functions of complex time is Lagrange’s, with "
+                "b along a, or has a = 0 and (I, b) of Euler, Lagrange or Kovalevskaya, where the twist is inert.",
                 "kovalevskaya-painleve",
                 "incomplete",
             ),

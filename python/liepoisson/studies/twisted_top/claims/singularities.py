@@ -56,8 +56,8 @@ def single_valued_tops(context: Context) -> Verdict:
     return evidence.conclude(
         "incomplete",
         "The analysis is made here, and it finds none: a twisted top all of whose solutions are single-valued in "
-        "complex time is Lagrange’s, with b along a (the spherical top with b along a included), or has a = 0 and (I, b) "
-        "of Euler, Lagrange or Kovalevskaya, where the twist is inert. Integrals that are not single-valued are not "
+        "complex time is Lagrange’s, with b along a (the spherical top with b along a included), or has a = 0 and (I, "
+        "b) of Euler, Lagrange or Kovalevskaya, where the twist is inert. Integrals that are not single-valued are not "
         "excluded by it.",
     )
 
