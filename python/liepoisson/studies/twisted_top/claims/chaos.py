@@ -56,9 +56,10 @@ def rigorous_demonstration(context: Context) -> Verdict:
     )
     verdict = evidence.conclude(
         "incomplete",
-        "It is achieved here, by computer and without Melnikov's method: on this level there are a hyperbolic periodic "
-        "orbit γ and an orbit homoclinic to it, along which its stable and unstable manifolds intersect transversally; "
-        "on a compact set a map along orbits is conjugate, up to the symmetry R, to the full shift on two symbols, and "
+        "It is achieved here, by computer and without Melnikov’s method: on the level H = 1/2, C₁ = 1, C₂ = 1/2, C₃ = "
+        "1 there are a hyperbolic periodic orbit and an orbit homoclinic to it, along which its stable and unstable "
+        "manifolds intersect transversally; on a compact set a map along orbits is conjugate, up to a symmetry, to the "
+        "full shift on two symbols, and "
         f"the flow has topological entropy greater than {bound:.4f}. The same holds on all levels within 3·10⁻⁸. An "
         "analytic constant of motion near these two orbits depends on H, C₁, C₂ and C₃.",
     )
