@@ -75,7 +75,7 @@ class Exponents:
             q = lcm(q, (e - first).denominator)
         for k, f in enumerate(self.others):
             for g in self.others[:k]:
-                if (d := _shift(f, g)) is not None:
+                if (d := rational_shift(f, g)) is not None:
                     q = lcm(q, d.denominator)
         return q
 
@@ -83,7 +83,7 @@ class Exponents:
         """Whether no difference of one of these exponents and one of the others is rational."""
         if self.rational and other.rational:
             return False
-        return all(_shift(f, g) is None for f in self.others for g in other.others)
+        return all(rational_shift(f, g) is None for f in self.others for g in other.others)
 
     @property
     def text(self) -> str:
@@ -471,8 +471,8 @@ def _divided(coefficients: list[Any], root: Any) -> tuple[list[Any], Any]:
     return found[:-1], found[-1]
 
 
-def _shift(f: Any, g: Any) -> Fraction | None:
-    """The d with g(x) = f(x + d), up to a factor; None if there is none."""
+def rational_shift(f: Any, g: Any) -> Fraction | None:
+    """The rational d with g(x) = f(x + d) up to a factor, f and g of FLINT; None if there is none."""
     from flint import fmpq_poly
 
     n = f.degree()

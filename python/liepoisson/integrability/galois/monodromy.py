@@ -17,6 +17,7 @@ All is computed in the balls of Arb, rounding included: the matrices contain the
 from __future__ import annotations
 
 import time
+from cmath import exp, phase, pi
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -34,16 +35,17 @@ if TYPE_CHECKING:
 
     from liepoisson.integrability.galois.linear_systems import LinearSystem
 
-PRECISION = 100
-"""Bits that are wanted: the balls have about this many after the point, if their numbers are of order 1."""
+PRECISION = 64
+"""Bits that are wanted: the radii of the balls are at most 2^-64 times the largest entry."""
 
 _MOST_BITS = 4096
-"""The recursion for the coefficients loses bits; it is repeated with twice as many until enough are left."""
+"""The recursion for the coefficients and the product of many steps lose bits; all is repeated with twice as many until
+enough are left. Half of them are for the remainders of the series."""
 
-_RATIO = 0.5
-"""Length of a step in units of the radius of the disc."""
+_RATIO = 0.2
+"""Length of a step in units of the radius of the disc: for steps that are longer the balls of the coefficients grow."""
 
-_DISC = 0.6
+_DISC = 0.35
 """The radius of the disc in units of the distance to the next singular point: near to it the bound a is large."""
 
 _NEAR = 1e-9
@@ -142,6 +144,8 @@ def monodromy(system: LinearSystem, corners: Sequence[Any] | Loop, *, precision:
 def generators(system: LinearSystem) -> tuple[tuple[Any, Loop], ...]:
     """Loops with one base point, one around each finite singular point: they generate the monodromy group.
 
+    They are in the order of their angles at the base point, so that one after the other they go once around all.
+
     Returns:
         For each the irreducible polynomial of the singular point, and the loop.
 
@@ -157,8 +161,9 @@ def generators(system: LinearSystem) -> tuple[tuple[Any, Loop], ...]:
         others = {z: [w for w in places if w is not z] for z in places}
         clear = all(_distance(start, z, w) > _CLEARANCE * apart for z in places for w in others[z])
         if clear and all(abs(start - z) > _CLEARANCE * apart for z in places):
+            ordered = sorted(roots, key=lambda root: phase(root[1] - start))
             return tuple((f, _lasso(start, z, min([abs(start - z), *(abs(z - w) for w in others[z])]), f, system))
-                         for f, z in roots)  # fmt: skip
+                         for f, z in ordered)  # fmt: skip
     raise EnclosureError("generators of the monodromy group: found no base point from which every singular point is "
                          "seen at a distance from the others; give a polygon to `monodromy`")  # fmt: skip
 
@@ -184,8 +189,8 @@ def continued(
     try:
         while True:
             ctx.prec = bits
-            found = _around(system, loop, precision, until)
-            if found is not None and found.error < 2.0 ** (-precision / 2) * max(1.0, abs(found.matrix).max()):
+            found = _around(system, loop, bits // 2, until)
+            if found is not None and found.error < 2.0 ** -precision * max(1.0, abs(found.matrix).max()):
                 return found
             bits *= 2
             if bits > _MOST_BITS:
@@ -330,8 +335,6 @@ def _distance(start: complex, end: complex, point: complex) -> float:
 
 def _lasso(start: complex, z: complex, near: float, point: Any, system: LinearSystem) -> Loop:
     """From the start towards z, around it counterclockwise, and back."""
-    from cmath import exp, phase, pi
-
     from liepoisson.integrability.galois.linear_systems import root_text
 
     radius = near / 2

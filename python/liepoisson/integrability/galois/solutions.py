@@ -19,9 +19,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from fractions import Fraction
 from itertools import combinations, product
-from typing import TYPE_CHECKING, Any
+from math import isqrt
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
@@ -472,23 +473,32 @@ class _Restricted:
         self.fixed = [c for c, rate in zip(self.coordinates, self.rates, strict=True) if rate == 0]
 
     def saddles(self) -> Iterator[tuple[Any, ...]]:
-        """Equilibria on a grid with two real eigenvalues that are rational, the others zero."""
-        from sympy import Matrix, Poly, Rational, sqrt
+        """Equilibria on a grid with two real eigenvalues that are rational, the others zero.
 
-        grid = [Rational(c) for c in _GRID]
-        terms = [list(Poly(rate, *self.coordinates).terms()) if rate != 0 else [] for rate in self.rates]
-        slopes: Any = Matrix(self.rates).jacobian(self.coordinates)
-        points = sorted(product(grid, repeat=len(self.coordinates)), key=lambda p: sum(grid.index(c) for c in p))
+        Multiples of a point are tried, too: the square of the eigenvalue is often proportional to them.
+        """
+        from sympy import Poly, Rational
+
+        grid = [Fraction(c) for c in _GRID]
+        rates = [_terms_of(rate, self.coordinates) for rate in self.rates]
+        slopes = [[Poly(rate, *self.coordinates).diff(c).as_expr() for c in self.coordinates] for rate in self.rates]
+        jacobian = [[_terms_of(slope, self.coordinates) for slope in row] for row in slopes]
         fixed = [self.coordinates.index(c) for c in self.fixed]
-        for point in points:
+        order = {c: k for k, c in enumerate(grid)}
+        for point in sorted(product(grid, repeat=len(self.coordinates)), key=lambda p: sum(order[c] for c in p)):
             if any(point[k] == 0 for k in fixed):  # it lies on a smaller plane
                 continue
-            if any(_value(one, point) for one in terms):
+            if any(_value(one, point) for one in rates):
                 continue
-            matrix = slopes.subs(dict(zip(self.coordinates, point, strict=True)))
-            squared = (matrix * matrix).trace() / 2
-            if squared > 0 and sqrt(squared).is_Rational:
-                yield point
+            squared = _trace_of_square(jacobian, point) / 2
+            if squared <= 0:
+                continue
+            for factor in (Fraction(1), squared, 1 / squared):
+                multiple = tuple(factor * c for c in point)
+                here = _trace_of_square(jacobian, multiple) / 2
+                if _is_square(here) and not any(_value(one, multiple) for one in rates):
+                    yield tuple(Rational(c.numerator, c.denominator) for c in multiple)
+                    break
 
     def reduced(self, point: Sequence[Any]) -> _Reduction | None:
         """One coordinate z with z'^2 = Q(z) on the level of the integrals through a point."""
@@ -536,11 +546,34 @@ def _new_symbol(system: System, *names: str) -> Any:
     return Symbol(next(name for name in names if name not in system.component_names))
 
 
-def _value(terms: list[tuple[tuple[int, ...], Any]], point: Sequence[Any]) -> Any:
-    total: Any = 0
+Terms: TypeAlias = list[tuple[tuple[int, ...], Fraction]]
+
+
+def _terms_of(polynomial: Any, variables: Sequence[Any]) -> Terms:
+    from sympy import Poly
+
+    if polynomial == 0:
+        return []
+    return [(m, Fraction(int(c.p), int(c.q))) for m, c in Poly(polynomial, *variables).terms()]
+
+
+def _value(terms: Terms, point: Sequence[Fraction]) -> Fraction:
+    total = Fraction(0)
     for m, c in terms:
+        value = c
         for x, power in zip(point, m, strict=True):
             if power:
-                c = c * x**power
-        total += c
+                value *= x**power
+        total += value
     return total
+
+
+def _trace_of_square(jacobian: list[list[Terms]], point: Sequence[Fraction]) -> Fraction:
+    matrix = [[_value(entry, point) for entry in row] for row in jacobian]
+    places = range(len(matrix))
+    return sum((matrix[i][j] * matrix[j][i] for i in places for j in places), Fraction(0))
+
+
+def _is_square(value: Fraction) -> bool:
+    """Whether a rational number is the square of a positive one."""
+    return value > 0 and all(isqrt(n) ** 2 == n for n in (value.numerator, value.denominator))

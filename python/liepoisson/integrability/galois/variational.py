@@ -3,7 +3,9 @@ r"""Variational equations along a particular solution, as a linear system with r
 With $\dot x = f(x)$ and a solution x(s), $\dot s = p(s)$, the variations obey $d\delta/ds = p^{-1} Df(x(s))\,\delta$.
 Where the solution contains a root y, $y^2 = Q(s)$, the components of $\delta$ are divided into even and odd ones, the odd
 ones written as y times a function; a reverser of the solution makes the coefficients rational then.  The points of the
-s plane are those of the curve up to a double covering, which changes the Galois group by a finite group only.
+s plane are those of the curve up to a double covering, which changes the Galois group by a finite group only.  Without
+such a reverser $\delta = u + y v$ gives twice as many equations: they are solved by the variations for both signs of y,
+and their group has an abelian identity component if and only if that of the variations has.
 
 A **flag** is a chain of invariant subspaces $0 = F_0 \subset F_1 \subset \dots \subset F_r = V$, found from
 
@@ -23,7 +25,6 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
-from liepoisson.exact.parameters import is_zero
 from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction, from_polynomial
 from liepoisson.integrability.galois.solutions import Arithmetic, ParticularSolution
 from liepoisson.wrong_values import not_a
@@ -50,8 +51,7 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
         solution: A solution of it, as `particular_solution` or `particular_solutions` give it.
 
     Raises:
-        ParameterError: the solution is that of another system, or contains a root, and no reverser divides the
-            variations into even and odd ones.
+        ParameterError: the solution is that of another system.
     """
     from sympy import QQ
     from sympy.polys.matrices import DomainMatrix
@@ -77,6 +77,11 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
         return LinearSystem(solution.variable, DomainMatrix(rows, (n, n), arithmetic.field), names)
     odd = _parities(entries)
     square, c = arithmetic.square, speed[1]
+    root = str(solution.root[0])
+    if odd is None:
+        rows = _doubled(entries, square, c, arithmetic)
+        names = (*names, *(f"{name}/{root}" for name in names))
+        return LinearSystem(solution.variable, DomainMatrix(rows, (2 * n, 2 * n), arithmetic.field), names)
     rows = []
     for i in range(n):
         row: list[Any] = []
@@ -88,7 +93,6 @@ def variational_equations(system: System, solution: ParticularSolution) -> Linea
                 value = value - square.diff(arithmetic.s) / (2 * square)
             row.append(value)
         rows.append(row)
-    root = str(solution.root[0])
     names = tuple(f"{name}/{root}" if odd[k] else name for k, name in enumerate(names))
     return LinearSystem(solution.variable, DomainMatrix(rows, (n, n), arithmetic.field), names)
 
@@ -374,8 +378,22 @@ def _components(system: LinearSystem) -> list[list[int]]:
     return [sorted(group) for group in sorted(groups, key=lambda g: (groups[g], min(g)))]
 
 
-def _parities(entries: list[list[tuple[Any, Any]]]) -> list[bool]:
-    """Which components are y times a function, so that the coefficients become rational."""
+def _doubled(entries: list[list[tuple[Any, Any]]], square: Any, c: Any, arithmetic: Arithmetic) -> list[list[Any]]:
+    """The equations for u and v, where the variations are u + y v."""
+    n, zero = len(entries), arithmetic.zero
+    slope = square.diff(arithmetic.s) / (2 * square)
+    rows = [[zero] * (2 * n) for _ in range(2 * n)]
+    for i in range(n):
+        for j in range(n):
+            even_part, odd_part = entries[i][j]
+            rows[i][j] = rows[n + i][n + j] = odd_part / c
+            rows[i][n + j], rows[n + i][j] = even_part / c, even_part / (c * square)
+        rows[n + i][n + i] = rows[n + i][n + i] - slope
+    return rows
+
+
+def _parities(entries: list[list[tuple[Any, Any]]]) -> list[bool] | None:
+    """Which components are y times a function, so that the coefficients become rational; None if none are."""
     n = len(entries)
     odd: dict[int, bool] = {}
     for start in range(n):
@@ -395,10 +413,7 @@ def _parities(entries: list[list[tuple[Any, Any]]]) -> list[bool]:
                             odd[j] = wanted
                             waiting.append(j)
                         elif odd[j] != wanted:
-                            raise ParameterError(
-                                "solution: its root y does not go with a reverser that divides the variations into "
-                                "even and odd ones; take a solution that is rational, as a separatrix"
-                            )
+                            return None
     return [odd[k] for k in range(n)]
 
 
@@ -411,7 +426,7 @@ def _degrees(expressions: list[Any], variables: Any) -> list[int]:
 
     found = [0]
     for e in expressions:
-        if not is_zero(e):
+        if e != 0:
             found += [max(m) for m in Poly(e, *variables).monoms()]
     return found
 
