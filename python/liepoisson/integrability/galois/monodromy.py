@@ -168,9 +168,7 @@ def generators(system: LinearSystem) -> tuple[tuple[Any, Loop], ...]:
                          "seen at a distance from the others; give a polygon to `monodromy`")  # fmt: skip
 
 
-def continued(
-    system: LinearSystem, loop: Loop, *, precision: int = PRECISION, until: float | None = None
-) -> Monodromy:
+def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION, until: float | None = None) -> Monodromy:
     """The monodromy along a loop.
 
     Args:
@@ -185,12 +183,12 @@ def continued(
     """
     from flint import ctx
 
-    before, bits = ctx.prec, 2 * precision
+    before, bits = ctx.prec, 4 * precision
     try:
         while True:
             ctx.prec = bits
             found = _around(system, loop, bits // 2, until)
-            if found is not None and found.error < 2.0 ** -precision * max(1.0, abs(found.matrix).max()):
+            if found is not None and found.error < 2.0**-precision * max(1.0, abs(found.matrix).max()):
                 return found
             bits *= 2
             if bits > _MOST_BITS:
@@ -220,10 +218,10 @@ def _around(system: LinearSystem, loop: Loop, precision: int, until: float | Non
             left = end - here
             distance = min((float((here - z).abs_lower()) for z in poles), default=1.0 + float(left.abs_upper()))
             if not distance > _NEAR * (1.0 + float(here.abs_upper())):
+                near = min((complex(z.mid()) for z in poles), key=lambda z: abs(z - complex(here.mid())))
                 raise ParameterError(
-                    f"loop: the polygon goes through or very near to the singular point near "
-                    f"{complex(here.mid()):.6g}, between its corners {k + 1} and {(k + 1) % len(corners) + 1}; "
-                    "move the corners away"
+                    f"loop: the polygon goes through or very near to the singular point {near:.6g}, between its "
+                    f"corners {k + 1} and {(k + 1) % len(corners) + 1}; move the corners away"
                 )
             radius, length = _DISC * distance, float(left.abs_upper())
             last = length <= _RATIO * radius

@@ -18,6 +18,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import islice
 from typing import TYPE_CHECKING, Any, Literal
 
 from liepoisson.calls import explains_its_arguments, shows_progress
@@ -25,7 +26,7 @@ from liepoisson.display import as_text
 from liepoisson.errors import EnclosureError
 from liepoisson.integrability.galois.criteria import Commutator, ExactObstruction, commutators, exact_obstruction
 from liepoisson.integrability.galois.linear_systems import root_text
-from liepoisson.integrability.galois.solutions import ParticularSolution, check_polynomial, particular_solutions
+from liepoisson.integrability.galois.solutions import ParticularSolution, check_polynomial, solutions_on_planes
 from liepoisson.integrability.galois.variational import Flag, flag, variational_equations
 from liepoisson.scalars import as_count, as_time_limit
 from liepoisson.wrong_values import not_a
@@ -130,54 +131,41 @@ def galois_obstruction(
     if solution is not None and not isinstance(solution, ParticularSolution):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise not_a("a ParticularSolution", solution, "solution", "write particular_solution(system, ...)")
     count = as_count(most, "most", least=1)
-    candidates = (solution,) if solution is not None else particular_solutions(system, most=count)
-    equations = [variational_equations(system, one) for one in candidates]
+    found = iter((solution,)) if solution is not None else islice(solutions_on_planes(system), count)
     theorem, hypotheses, statement = _theorem(system)
-    flags = [[flag(whole.part(places)) for places in whole.summands] for whole in equations]
-    parts = sum(map(len, flags))
-    done = 0
-    steps: list[GaloisStep] = []
-    for one, whole, pieces in zip(candidates, equations, flags, strict=True):
+    tried: list[tuple[ParticularSolution, LinearSystem, list[Flag]]] = []
+    for k, one in enumerate(found):
+        whole = variational_equations(system, one)
+        pieces = [flag(whole.part(places)) for places in whole.summands]
+        tried.append((one, whole, pieces))
         for piece in pieces:
-            exact = exact_obstruction(piece)
-            done += 1
-            if progress:
-                progress(done / (2 * parts))
-            if exact is not None:
-                found = [*_along(one, whole, pieces), *_exact_steps(piece, exact), hypotheses]
-                return GaloisObstruction(
-                    system, "not integrable", theorem, statement, _until(candidates, one), tuple(found), exact
-                )
-    undecided = not candidates
-    for one, whole, pieces in zip(candidates, equations, flags, strict=True):
+            if (exact := exact_obstruction(piece)) is not None:
+                steps = (*_along(one, whole, pieces), *_exact_steps(piece, exact), hypotheses)
+                solutions = tuple(s for s, _, _ in tried)
+                return GaloisObstruction(system, "not integrable", theorem, statement, solutions, steps, exact)
+        if progress:
+            progress((k + 1) / (2 * count))
+    undecided = not tried
+    left: list[GaloisStep] = []
+    for k, (one, whole, pieces) in enumerate(tried):
         along = _along(one, whole, pieces)
+        left += along
         for piece in sorted(pieces, key=lambda p: p.system.n):
             proof, more = _enclosed(piece.system, until)
-            done += 1
-            if progress:
-                progress(done / (2 * parts))
-            along += more
-            undecided |= any(step.how == "not decided" for step in more)
             if proof is not None:
-                found = [*_along(one, whole, pieces), *(s for s in more if s.how != "not decided"), hypotheses]
+                steps = (*along, *(s for s in more if s.how != "not decided"), hypotheses)
+                solutions = tuple(s for s, _, _ in tried[: k + 1])
                 return GaloisObstruction(
-                    system,
-                    "not integrable",
-                    theorem,
-                    statement,
-                    _until(candidates, one),
-                    tuple(found),
-                    commutator=proof,
+                    system, "not integrable", theorem, statement, solutions, steps, commutator=proof
                 )
-        steps += along
-    if not candidates:
-        steps.append(GaloisStep("an invariant plane with one degree of freedom: none was found", "not decided"))
+            undecided |= any(step.how == "not decided" for step in more)
+            left += more
+        if progress:
+            progress(0.5 + (k + 1) / (2 * len(tried)))
+    if not tried:
+        left.append(GaloisStep("an invariant plane with one degree of freedom: none was found", "not decided"))
     verdict: Verdict = "open" if undecided else "no obstruction found"
-    return GaloisObstruction(system, verdict, theorem, "", tuple(candidates), tuple(steps))
-
-
-def _until(candidates: tuple[ParticularSolution, ...], last: ParticularSolution) -> tuple[ParticularSolution, ...]:
-    return candidates[: candidates.index(last) + 1]
+    return GaloisObstruction(system, verdict, theorem, "", tuple(s for s, _, _ in tried), tuple(left))
 
 
 def _theorem(system: System) -> tuple[str, GaloisStep, str]:
@@ -229,7 +217,9 @@ def _exact_steps(piece: Flag, exact: ExactObstruction) -> list[GaloisStep]:
     local, other = system.local(log.point), system.local(exact.other)
     names = ", ".join(system.names)
     d = piece.dimensions
-    unipotent = "unipotent" if local.exponents.all_integers else f"unipotent after the power {local.exponents.neat_power}"
+    unipotent = (
+        "unipotent" if local.exponents.all_integers else f"unipotent after the power {local.exponents.neat_power}"
+    )
     steps = [
         GaloisStep(
             f"on ({names}) the exponents at {local.place} are {local.exponents.text}: the monodromy there is {unipotent}",

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations, product
+from itertools import combinations, islice, product
 from math import isqrt
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -106,7 +106,7 @@ def particular_solution(
     Example:
         >>> import sympy
         >>> x = sympy.Symbol("x")
-        >>> pendulum = lp.System(lp.canonical(), "p^2/2 + q^2/2 - q^3/3", name="cubic oscillator")
+        >>> pendulum = lp.System(lp.canonical(names=("q",)), "p_q^2/2 + q^2/2 - q^3/3", name="cubic oscillator")
         >>> q = 1 - 6 * x / (1 + x) ** 2
         >>> lp.integrability.particular_solution(pendulum, [q, x * q.diff(x)], variable=x, rate=x).kind
         'rational in exp(t)'
@@ -143,17 +143,21 @@ def particular_solutions(system: System, *, most: int = 4) -> tuple[ParticularSo
     Raises:
         ParameterError: the equations are not polynomial, or have coefficients that are not rational.
     """
+    return tuple(islice(solutions_on_planes(system), as_count(most, "most", least=1)))
+
+
+def solutions_on_planes(system: System) -> Iterator[ParticularSolution]:
+    """The same, one after the other as they are found.
+
+    Raises:
+        ParameterError: the equations are not polynomial, or have coefficients that are not rational.
+    """
     check_polynomial(system)
-    wanted = as_count(most, "most", least=1)
-    separatrices: list[ParticularSolution] = []
-    elliptic: list[ParticularSolution] = []
-    for plane in invariant_planes(system):
-        if len(separatrices) >= wanted:
-            break
-        separatrices += list(_on_plane(system, plane, min(_PER_PLANE, wanted - len(separatrices))))
-        if len(elliptic) < wanted:
-            elliptic += list(_elliptic(system, plane))[:1]
-    return tuple([*separatrices, *elliptic][:wanted])
+    planes = [(plane, _Restricted(system, plane)) for plane in invariant_planes(system)]
+    for plane, field in planes:
+        yield from islice(_separatrices(system, plane, field), _PER_PLANE)
+    for plane, field in planes:
+        yield from islice(_elliptic(system, plane, field), 1)
 
 
 @dataclass(frozen=True)
@@ -262,7 +266,9 @@ def _verified(
     if not isinstance(variable, Symbol):
         raise ParameterError(f"variable: wanted a SymPy symbol; got {shown(variable)}")
     arithmetic = Arithmetic(variable, root, QQ)
-    values = [arithmetic.read(sympify(f), f"state: {name}") for name, f in zip(system.component_names, state, strict=True)]
+    values = [
+        arithmetic.read(sympify(f), f"state: {name}") for name, f in zip(system.component_names, state, strict=True)
+    ]
     speed = arithmetic.read(sympify(rate), "rate")
     if not any(speed):
         raise ParameterError("rate: wanted a function that is not zero; the variable must move")
@@ -319,7 +325,9 @@ class Arithmetic:
                 return rational_function(expression, self.field), self.zero
             total = (self.zero, self.zero)
             for (k,), c in Poly(expression, self.root).terms():
-                total = self.plus(total, self.times((rational_function(c, self.field), self.zero), self.power_of_root(k)))
+                total = self.plus(
+                    total, self.times((rational_function(c, self.field), self.zero), self.power_of_root(k))
+                )
             return total
         except (ParameterError, PolynomialError) as error:
             kinds = f" and {self.root}" if self.root is not None else ""
@@ -391,22 +399,16 @@ class _Reduction:
     coordinates: tuple[Any, ...]
 
 
-def _on_plane(system: System, plane: Plane, most: int) -> Iterator[ParticularSolution]:
+def _separatrices(system: System, plane: Plane, field: _Restricted) -> Iterator[ParticularSolution]:
     """Separatrices of the equilibria with small rational coordinates."""
-    field = _Restricted(system, plane)
     levels: set[Any] = set()
     for point in field.saddles():
-        if most <= 0:
-            return
         if (reduction := field.reduced(point)) is None:
             continue
         key = (reduction.square, reduction.coordinates)
-        if key in levels:
-            continue
-        levels.add(key)
-        for solution in _separatrix(system, plane, field, reduction, point):
-            yield solution
-            most -= 1
+        if key not in levels:
+            levels.add(key)
+            yield from _separatrix(system, plane, field, reduction, point)
 
 
 def _separatrix(
@@ -436,11 +438,10 @@ def _separatrix(
     yield _verified(system, state, x, kappa * x, None, origin)
 
 
-def _elliptic(system: System, plane: Plane) -> Iterator[ParticularSolution]:
+def _elliptic(system: System, plane: Plane, field: _Restricted) -> Iterator[ParticularSolution]:
     """A solution with an elliptic curve, through a state with small coordinates."""
     from sympy import Poly, Rational, degree
 
-    field = _Restricted(system, plane)
     s, y = _new_symbol(system, "s", "u", "sigma"), _new_symbol(system, "y", "w", "root")
     for point in ((1, 2, 3, 5), (2, -1, 1, 3), (1, 1, 2, 1)):
         at = [Rational(c) for c in point[: len(plane.basis)]]

@@ -429,4 +429,3 @@ def _degrees(expressions: list[Any], variables: Any) -> list[int]:
         if e != 0:
             found += [max(m) for m in Poly(e, *variables).monoms()]
     return found
-
