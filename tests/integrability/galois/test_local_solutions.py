@@ -38,8 +38,8 @@ def test_solutions_with_logarithms_are_those_of_the_bessel_equation():
     series = [m[1][0, with_log[0]] / factor for m in values]
     assert series == [1, 0, sp.Rational(-1, 4), 0, sp.Rational(1, 64), 0, sp.Rational(-1, 2304)]
     N = found.nilpotent.to_Matrix()
-    assert N != sp.zeros(2)
-    assert N * N == sp.zeros(2)
+    assert sp.zeros(2) != N
+    assert sp.zeros(2) == N * N
 
 
 def test_euler_equations_have_all_powers():

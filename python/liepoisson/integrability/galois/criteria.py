@@ -3,23 +3,24 @@ r"""Two criteria which prove that the identity component $G^0$ of a differential
 Monodromy matrices belong to G, and a power of each element of G lies in $G^0$; a unipotent element lies in it itself.
 
 **Exact.** Let all exponents at one point be rational, so that a power of the local monodromy is unipotent, with the
-logarithm N up to a factor.  On a quotient $F_b/F_a$ of a flag let N map $F_b/F_{b-1}$ to $F_{a+1}/F_a$, not to zero, and
-everything else to zero.  Let g be the local monodromy at another point.  If $G^0$ were abelian some power $g^m$ would
-commute with N, and $g^m$ would have a common eigenvalue on the image of N and on $F_b/F_{b-1}$: some difference of an
-exponent on $F_{a+1}/F_a$ and one on $F_b/F_{b-1}$ would be rational.  It is checked exactly that none is (for
+logarithm N up to a factor.  On a quotient $F_b/F_a$ of a flag let N map $F_b/F_{b-1}$ to $F_{a+1}/F_a$, not to zero,
+and everything else to zero.  Let g be the local monodromy at another point.  If $G^0$ were abelian some power $g^m$
+would commute with N, and $g^m$ would have a common eigenvalue on the image of N and on $F_b/F_{b-1}$: some difference
+of an exponent on $F_{a+1}/F_a$ and one on $F_b/F_{b-1}$ would be rational.  It is checked exactly that none is (for
 $a + 1 = b$: no difference of two of the exponents).
 
-**Enclosed.** If no quotient of two different eigenvalues of g is a root of unity, g is a polynomial in each of its powers
-$g^m$, and what commutes with $g^m$ commutes with g.  So if neither g nor h has such quotients, and $G^0$ is abelian,
-then g and h commute.  From the exponents at a regular singular point follows exactly a power of the local monodromy
-without such quotients (`Exponents.neat_power`); that two of these powers do not commute is proved by their matrices in
+**Enclosed.** If no quotient of two different eigenvalues of g is a root of unity, g is a polynomial in each of its
+powers $g^m$, and what commutes with $g^m$ commutes with g.  So if neither g nor h has such quotients, and $G^0$ is
+abelian, then g and h commute.  From the exponents at a regular singular point follows exactly a power of the local
+monodromy without such quotients (`Exponents.neat_power`); that two of these powers do not commute is proved by their matrices in
 balls, if 0 is not in some ball of $gh - hg$.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction
@@ -121,8 +122,6 @@ def logarithms(flag: Flag, point: Any) -> tuple[LogarithmOnFlag, ...]:
 
     It is empty if the point is not recognised as regular, or has other exponents.
     """
-    from sympy.polys.matrices import DomainMatrix
-
     local = flag.system.local(point)
     if not local.is_regular or not local.exponents.all_rational:
         return ()
@@ -137,7 +136,20 @@ def logarithms(flag: Flag, point: Any) -> tuple[LogarithmOnFlag, ...]:
         terms *= 2
         if terms > _MOST_TERMS:
             return ()
-    r = len(flag.sizes)
+    ranks = _ranks(len(flag.sizes), classes, local)
+    found: list[LogarithmOnFlag] = []
+    for low in range(len(ranks)):
+        for high in range(low + 1, len(ranks) + 1):
+            inside = range(low, high)
+            if [(i, j) for i in inside for j in inside if ranks[i][j]] == [(low, high - 1)]:
+                found.append(LogarithmOnFlag(point, low, high, ranks[low][high - 1]))
+    return tuple(found)
+
+
+def _ranks(r: int, classes: Sequence[tuple[Any, list[Any]]], local: LocalSystem) -> list[list[int]]:
+    """The ranks of the blocks of N between the quotients of a flag, from where (column) to where (row)."""
+    from sympy.polys.matrices import DomainMatrix
+
     ranks = [[0] * r for _ in range(r)]
     for nilpotent, chain in classes:
         columns: list[Any] = []
@@ -148,23 +160,13 @@ def logarithms(flag: Flag, point: Any) -> tuple[LogarithmOnFlag, ...]:
                 if trial.rank() == len(columns) + 1:
                     columns.append(row)
                     places.append(k)
-        if not columns:
-            continue
         basis = DomainMatrix(columns, (len(columns), len(columns)), local.field).transpose()
         adapted = (basis.inv() * nilpotent.to_dense() * basis).to_dense()
-        for i in range(r):
-            for j in range(r):
-                block = adapted.extract([m for m, p in enumerate(places) if p == i],
-                                        [m for m, p in enumerate(places) if p == j])  # fmt: skip
-                if 0 not in block.shape:
-                    ranks[i][j] += int(block.rank())
-    found: list[LogarithmOnFlag] = []
-    for a in range(r):
-        for b in range(a + 1, r + 1):
-            inside = [(i, j) for i in range(a, b) for j in range(a, b) if ranks[i][j]]
-            if inside == [(a, b - 1)]:
-                found.append(LogarithmOnFlag(point, a, b, ranks[a][b - 1]))
-    return tuple(found)
+        inside = [[m for m, p in enumerate(places) if p == k] for k in range(r)]
+        for i, j in product(range(r), repeat=2):
+            if inside[i] and inside[j]:
+                ranks[i][j] += int(adapted.extract(inside[i], inside[j]).rank())
+    return ranks
 
 
 def exact_obstruction(flag: Flag) -> ExactObstruction | None:
@@ -208,53 +210,52 @@ def commutators(
     """
     from flint import ctx
 
-    loops = generators(system)
-    left: list[str] = []
-    if len(loops) > _MOST_LOOPS:
-        left.append(f"{len(loops) - _MOST_LOOPS} of {len(loops)} singular points were left out, and infinity")
-        loops = loops[:_MOST_LOOPS]
     found: list[Commutator] = []
-    elements: list[NeatElement] = []
-    matrices: list[Monodromy] = []
+    left: list[str] = []
     before = ctx.prec
     ctx.prec = 3 * precision
     try:
-        for f, loop in loops:
-            matrix = continued(system, loop, precision=precision, until=until)
-            matrices.append(matrix)
-            local = system.local(f)
-            if not local.is_regular:
-                left.append(f"{loop.name} is not recognised as regular singular")
-                continue
-            power = local.exponents.neat_power
-            new = NeatElement(_power_text(loop.name, power), matrix.power(power))
-            if _add(found, elements, new, stop):
-                return tuple(found), tuple(left)
-        if system.infinity_is_singular and not left:
-            local = system.local(None)
-            if local.is_regular:
-                # the loops are in the order of their angles: one after the other they go around all points
-                around = matrices[0].balls
-                for matrix in matrices[1:]:
-                    around = matrix.balls * around
-                power = local.exponents.neat_power
-                total = around
-                for _ in range(power - 1):
-                    total = total * around
-                if _add(found, elements, NeatElement(_power_text("infinity", power), total), stop):
-                    return tuple(found), tuple(left)
-            else:
-                left.append("infinity is not recognised as regular singular")
-        for element in list(elements):
-            for matrix in matrices:
-                moved = matrix.balls * element.balls * matrix.balls.inv()
-                conjugate = NeatElement(f"its conjugate along {matrix.loop.name}", moved)
-                found.append(commutator(element, conjugate))
-                if stop and found[-1].is_proved:
-                    return tuple(found), tuple(left)
+        for first, second in _pairs(system, until, precision, left):
+            found.append(commutator(first, second))
+            if stop and found[-1].is_proved:
+                break
     finally:
         ctx.prec = before
     return tuple(found), tuple(left)
+
+
+def _pairs(
+    system: LinearSystem, until: float | None, precision: int, left: list[str]
+) -> Iterator[tuple[NeatElement, NeatElement]]:
+    """Pairs of elements that commute if the identity component is abelian; what was left out is added to a list."""
+    loops = generators(system)
+    if len(loops) > _MOST_LOOPS:
+        left.append(f"{len(loops) - _MOST_LOOPS} of {len(loops)} singular points were left out, and infinity")
+        loops = loops[:_MOST_LOOPS]
+    elements: list[NeatElement] = []
+    matrices: list[Monodromy] = []
+    for f, loop in loops:
+        matrices.append(continued(system, loop, precision=precision, until=until))
+        if not system.local(f).is_regular:
+            left.append(f"{loop.name} is not recognised as regular singular")
+            continue
+        new = _neat(loop.name, matrices[-1].balls, system.local(f).exponents.neat_power)
+        yield from ((other, new) for other in elements)
+        elements.append(new)
+    if system.infinity_is_singular and not left:
+        if system.local().is_regular:
+            # the loops are in the order of their angles: one after the other they go around all points
+            around = matrices[0].balls
+            for matrix in matrices[1:]:
+                around = matrix.balls * around
+            new = _neat("infinity", around, system.local().exponents.neat_power)
+            yield from ((other, new) for other in elements)
+            elements.append(new)
+        else:
+            left.append("infinity is not recognised as regular singular")
+    for element, matrix in product(elements, matrices):
+        moved = matrix.balls * element.balls * matrix.balls.inv()
+        yield element, NeatElement(f"its conjugate along {matrix.loop.name}", moved)
 
 
 def commutator(first: NeatElement, second: NeatElement) -> Commutator:
@@ -267,18 +268,13 @@ def commutator(first: NeatElement, second: NeatElement) -> Commutator:
     return Commutator(first.name, second.name, size, error, max(float(e.abs_upper()) for e in product.entries()))
 
 
-def _add(found: list[Commutator], elements: list[NeatElement], new: NeatElement, stop: bool) -> bool:
-    """Compare an element with those before it; whether to stop."""
-    for other in elements:
-        found.append(commutator(other, new))
-        if stop and found[-1].is_proved:
-            return True
-    elements.append(new)
-    return False
-
-
-def _power_text(name: str, power: int) -> str:
-    return f"the monodromy around {name}" if power == 1 else f"power {power} of the monodromy around {name}"
+def _neat(name: str, balls: Any, power: int) -> NeatElement:
+    """A power of the monodromy around a point."""
+    found = balls
+    for _ in range(power - 1):
+        found = found * balls
+    text = f"the monodromy around {name}"
+    return NeatElement(text if power == 1 else f"power {power} of {text}", found)
 
 
 def _pairwise_irrational(exponents: Any) -> bool:
@@ -298,8 +294,10 @@ def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[A
     found = local.solutions(exponent, terms=terms)
     weights: Sequence[int] = local.weights or ()
     n, count, field = flag.system.n, found.n, local.field
-    rows = [_local_row(row, local, len(found.coefficients) + max(weights)) for row in
-            flag.annihilators.to_dense().rep.to_list()]  # fmt: skip
+    rows = [
+        _local_row(row, local, len(found.coefficients) + max(weights))
+        for row in flag.annihilators.to_dense().rep.to_list()
+    ]
     size = len(found.coefficients)
     chain: list[Any] = []
     powers = len(found.coefficients[0])

@@ -192,8 +192,10 @@ class LocalSystem:
             ParameterError: no weights were found.
         """
         if self.weights is None:
-            raise ParameterError(f"{self.place} is an irregular singular point, or no weights of the components were "
-                                 "found; there are no exponents")  # fmt: skip
+            raise ParameterError(
+                f"{self.place} is an irregular singular point, or no weights of the components were "
+                "found; there are no exponents"
+            )
         if k >= len(self._series):
             self._series = self._expanded(2 * k + 4)
         return self._series[k]
@@ -208,8 +210,8 @@ class LocalSystem:
         whole = sorted(e - exponent for e in self.exponents.rational if (e - exponent).denominator == 1)
         count = self.exponents.classes.get(exponent % 1, 0)
         if not whole:
-            raise ParameterError(f"{exponent} is no exponent modulo integers at {self.place}; there are "
-                                 f"{', '.join(map(str, self.exponents.classes)) or 'none that are rational'}")  # fmt: skip
+            known = ", ".join(map(str, self.exponents.classes)) or "none that are rational"
+            raise ParameterError(f"{exponent} is no exponent modulo integers at {self.place}; there are {known}")
         first, last = int(whole[0]), int(whole[-1]) + terms
         powers = 1
         while True:
@@ -310,14 +312,12 @@ class LocalSystem:
 
     def _expanded(self, count: int) -> list[Any]:
         """B_0, B_1, ..., so many."""
-        from flint import fmpq_poly
         from sympy.polys.matrices import DomainMatrix
 
         assert self.weights is not None
         w, n, pole, zero = self.weights, self.system.n, self._pole, self.field.zero
         numerators, denominator = self._here.polynomials
         spread = max(w) - min(w)
-        point = fmpq_poly([0, 1]) if self.point is None else self.point
         size = count + spread + pole
         inverse = _inverse_series(self.series(denominator, size + pole)[pole:], self.field, size)
         tables: list[list[list[Any]]] = [[[zero] * n for _ in range(n)] for _ in range(count)]
@@ -332,7 +332,6 @@ class LocalSystem:
                     if 0 <= m < size:
                         tables[k][i][j] = entry[m]
             tables[0][i][i] = tables[0][i][i] + self.field(w[i])
-        assert point is not None
         return [DomainMatrix(table, (n, n), self.field) for table in tables]
 
     def _solved(self, exponent: Fraction, first: int, last: int, powers: int) -> list[list[Any]]:
@@ -349,7 +348,7 @@ class LocalSystem:
             shifted = self.coefficient(0) - identity * (e + field(m))
             # unknowns: u_{m,0}, ..., u_{m,powers-1}, then the coefficients of the solutions found so far
             rows: list[list[Any]] = []
-            known = [_sum_of_products(self, found, j, m - first, n, n_columns) for j in range(powers)]
+            known = [_sum_of_products(self, found, j, m - first, (n, n_columns)) for j in range(powers)]
             dense = shifted.to_dense().rep.to_list()
             for j in range(powers):
                 given = known[j].to_dense().rep.to_list() if n_columns else [[]] * n
@@ -365,8 +364,9 @@ class LocalSystem:
                 combine = DomainMatrix([v[n * powers :] for v in basis], (len(basis), n_columns), field).transpose()
             else:
                 combine = DomainMatrix.zeros((n_columns, 0), field)
-            found = [[u * combine if n_columns else DomainMatrix.zeros((n, len(basis)), field) for u in row]
-                     for row in found]  # fmt: skip
+            found = [
+                [u * combine if n_columns else DomainMatrix.zeros((n, len(basis)), field) for u in row] for row in found
+            ]
             n_columns = len(basis)
             new = [
                 DomainMatrix([[v[n * j + i] for v in basis] for i in range(n)], (n, n_columns), field)
@@ -390,10 +390,11 @@ def local_system(system: LinearSystem, point: Any = None, *, weights: Sequence[i
     return LocalSystem(system, point, weights)
 
 
-def _sum_of_products(local: LocalSystem, found: list[list[Any]], j: int, m: int, n: int, n_columns: int) -> Any:
+def _sum_of_products(local: LocalSystem, found: list[list[Any]], j: int, m: int, shape: tuple[int, int]) -> Any:
+    """The sum of B_k u_(m-k,j) over k > 0."""
     from sympy.polys.matrices import DomainMatrix
 
-    total = DomainMatrix.zeros((n, n_columns), local.field).to_dense()
+    total = DomainMatrix.zeros(shape, local.field).to_dense()
     for k in range(1, m + 1):
         total = total + (local.coefficient(k) * found[m - k][j]).to_dense()
     return total

@@ -162,10 +162,14 @@ def generators(system: LinearSystem) -> tuple[tuple[Any, Loop], ...]:
         clear = all(_distance(start, z, w) > _CLEARANCE * apart for z in places for w in others[z])
         if clear and all(abs(start - z) > _CLEARANCE * apart for z in places):
             ordered = sorted(roots, key=lambda root: phase(root[1] - start))
-            return tuple((f, _lasso(start, z, min([abs(start - z), *(abs(z - w) for w in others[z])]), f, system))
-                         for f, z in ordered)  # fmt: skip
-    raise EnclosureError("generators of the monodromy group: found no base point from which every singular point is "
-                         "seen at a distance from the others; give a polygon to `monodromy`")  # fmt: skip
+            return tuple(
+                (f, _lasso(start, z, min([abs(start - z), *(abs(z - w) for w in others[z])]), f, system))
+                for f, z in ordered
+            )
+    raise EnclosureError(
+        "generators of the monodromy group: found no base point from which every singular point is "
+        "seen at a distance from the others; give a polygon to `monodromy`"
+    )
 
 
 def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION, until: float | None = None) -> Monodromy:
@@ -192,8 +196,10 @@ def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION, u
                 return found
             bits *= 2
             if bits > _MOST_BITS:
-                raise EnclosureError(f"the monodromy of {loop.name}: {_MOST_BITS} bits do not suffice; take a loop "
-                                     "farther from the singular points")  # fmt: skip
+                raise EnclosureError(
+                    f"the monodromy of {loop.name}: {_MOST_BITS} bits do not suffice; take a loop "
+                    "farther from the singular points"
+                )
     finally:
         ctx.prec = before
 
@@ -202,11 +208,12 @@ def _around(system: LinearSystem, loop: Loop, precision: int, until: float | Non
     """The monodromy with the bits that are set; None where they do not suffice."""
     from flint import acb, acb_mat, arb, fmpq
 
-    numerators, denominator = system.polynomials
+    _, denominator = system.polynomials
     factors = [(power, [root for root, _ in f.numer().complex_roots()]) for f, power in denominator.factor()[1]]
     poles = [root for _, roots in factors for root in roots]
-    corners = [acb(arb(fmpq(x.numerator, x.denominator)), arb(fmpq(y.numerator, y.denominator)))
-               for x, y in loop.corners]  # fmt: skip
+    corners = [
+        acb(arb(fmpq(x.numerator, x.denominator)), arb(fmpq(y.numerator, y.denominator))) for x, y in loop.corners
+    ]
     total = acb_mat([[int(i == j) for j in range(system.n)] for i in range(system.n)])
     turns = [arb(0) for _ in poles]
     for k, start in enumerate(corners):
@@ -227,7 +234,7 @@ def _around(system: LinearSystem, loop: Loop, precision: int, until: float | Non
             last = length <= _RATIO * radius
             target = end if last else here + left * arb(_RATIO * radius / length)
             target = target if last else acb(target.real.mid(), target.imag.mid())
-            total = _step(numerators, denominator, factors, here, target - here, radius, precision) * total
+            total = _step(system, factors, here, target - here, radius=radius, precision=precision) * total
             if not all(entry.is_finite() for entry in total.entries()):
                 return None
             # a step is shorter than the distance to each pole, so the principal value is the angle
@@ -239,16 +246,18 @@ def _around(system: LinearSystem, loop: Loop, precision: int, until: float | Non
     return Monodromy(system, loop, total, tuple((z, int(w)) for z, w in zip(poles, windings, strict=True)))
 
 
-def _step(numerators: Any, denominator: Any, factors: Any, here: Any, h: Any, radius: float, precision: int) -> Any:
+def _step(system: LinearSystem, factors: Any, here: Any, h: Any, *, radius: float, precision: int) -> Any:
     """The matrix that continues a solution from `here` to `here` + h."""
     from flint import acb, acb_mat, acb_poly, arb
 
-    n = len(numerators)
+    numerators, denominator = system.polynomials
+    n = system.n
     moved = acb_poly([here, h])  # all in units of h: the step is from 0 to 1
     rho = arb(radius)
     ratio = h.abs_upper() / rho
-    matrices = [[acb_poly(list(map(acb, f.coeffs())))(moved) * h if f else acb_poly([0]) for f in row]
-                for row in numerators]  # fmt: skip
+    matrices = [
+        [acb_poly(list(map(acb, f.coeffs())))(moved) * h if f else acb_poly([0]) for f in row] for row in numerators
+    ]
     d = acb_poly(list(map(acb, denominator.coeffs())))(moved)
     d0 = d[0]
     top = max((f.degree() for row in matrices for f in row), default=0)
@@ -281,8 +290,9 @@ def _step(numerators: Any, denominator: Any, factors: Any, here: Any, h: Any, ra
             error = acb(arb(0, rest), arb(0, rest))
             return total + acb_mat([[error] * n] * n)
         if k > 40 * precision:
-            raise EnclosureError("the monodromy: a power series converges too slowly; take a loop farther from the "
-                                 "singular points")  # fmt: skip
+            raise EnclosureError(
+                "the monodromy: a power series converges too slowly; take a loop farther from the singular points"
+            )
 
 
 def _largest(numerators: Any, factors: Any, here: Any, rho: Any) -> Any:
@@ -294,8 +304,10 @@ def _largest(numerators: Any, factors: Any, here: Any, rho: Any) -> Any:
         for root in roots:
             away = (here - root).abs_lower() - rho
             if not away > 0:
-                raise EnclosureError("the monodromy: a disc around a point of the loop contains a singular point; take "
-                                     "more bits of precision")  # fmt: skip
+                raise EnclosureError(
+                    "the monodromy: a disc around a point of the loop contains a singular point; take "
+                    "more bits of precision"
+                )
             below *= away**power
     moved = acb_poly([here, 1])
     largest = arb(0)

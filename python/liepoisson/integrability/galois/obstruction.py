@@ -5,8 +5,9 @@ vector field in N dimensions has p commuting meromorphic fields, itself among th
 first integrals, all independent almost everywhere, in a neighbourhood of a solution that is no equilibrium, then the
 identity component $G^0$ of the Galois group of the variational equations along it is abelian.
 
-A Lie-Poisson system that is integrable in the sense of Liouville with meromorphic integrals has p half of the rank of J,
-and q of them with the Casimirs.  Its solutions may lie on leaves of any dimension: Ayoul and Zung need no regular leaf.
+A Lie-Poisson system that is integrable in the sense of Liouville with meromorphic integrals has p half of the rank of
+J, and q of them with the Casimirs.  Its solutions may lie on leaves of any dimension: Ayoul and Zung need no regular
+leaf.
 
 Monodromy matrices belong to the Galois group also over the functions that are meromorphic near the curve, from which
 its points at infinity and equilibria are left out, since these functions return to themselves along each loop.  So two
@@ -45,8 +46,8 @@ class GaloisStep:
 
     Attributes:
         text: The fact.
-        how: "checked exactly" in exact arithmetic, "enclosed" in balls that contain the true numbers, "theorem" if it is
-            quoted, "not decided" for what was left.
+        how: "checked exactly" in exact arithmetic, "enclosed" in balls that contain the true numbers, "theorem" if it
+            is quoted, "not decided" for what was left.
     """
 
     text: str
@@ -176,8 +177,8 @@ def _theorem(system: System) -> tuple[str, GaloisStep, str]:
     if rank == n:
         name = "Morales-Ruiz and Ramis"
         text = (
-            f"the theorem of {name}: with {fields} commuting integrals, meromorphic near the curve and independent, the "
-            "identity component of the Galois group would be abelian"
+            f"the theorem of {name}: with {fields} commuting integrals, meromorphic near the curve and independent, "
+            "the identity component of the Galois group would be abelian"
         )
         statement = (
             f"There are no {fields} commuting independent integrals that are meromorphic in a neighbourhood of this "
@@ -192,8 +193,8 @@ def _theorem(system: System) -> tuple[str, GaloisStep, str]:
     also = f", the {casimirs} Casimirs among them," if casimirs == n - rank and casimirs else ""
     statement = (
         f"There are no {fields} commuting fields, that of the system among them, with {integrals} common independent "
-        f"integrals{also} all meromorphic in a neighbourhood of this curve: the system is not Liouville integrable with "
-        "meromorphic integrals."
+        f"integrals{also} all meromorphic in a neighbourhood of this curve: the system is not Liouville integrable "
+        "with meromorphic integrals."
     )
     return name, GaloisStep(text, "theorem"), statement
 
@@ -201,51 +202,40 @@ def _theorem(system: System) -> tuple[str, GaloisStep, str]:
 def _along(solution: ParticularSolution, whole: LinearSystem, pieces: list[Flag]) -> list[GaloisStep]:
     """The solution, and how the variational equations decompose."""
     blocks = "; ".join(f"{', '.join(p.system.names)} (flag {'+'.join(map(str, p.sizes))})" for p in pieces)
+    points = [root_text(f, whole.variable) for f in whole.singular_points]
+    points += ["infinity"] * whole.infinity_is_singular
     return [
         GaloisStep(f"{solution} solves the equations ({solution.origin})", "checked exactly"),
         GaloisStep(f"the variational equations decompose into the parts {blocks}", "checked exactly"),
-        GaloisStep(
-            f"they are singular at {', '.join(root_text(f, whole.variable) for f in whole.singular_points) or 'no point'}"
-            f"{' and infinity' if whole.infinity_is_singular else ''}",
-            "checked exactly",
-        ),
+        GaloisStep(f"they are singular at {', '.join(points) or 'no point'}", "checked exactly"),
     ]
 
 
 def _exact_steps(piece: Flag, exact: ExactObstruction) -> list[GaloisStep]:
     log, system = exact.logarithm, piece.system
+    a, b = log.low, log.high
     local, other = system.local(log.point), system.local(exact.other)
-    names = ", ".join(system.names)
-    d = piece.dimensions
-    unipotent = (
-        "unipotent" if local.exponents.all_integers else f"unipotent after the power {local.exponents.neat_power}"
-    )
-    steps = [
-        GaloisStep(
-            f"on ({names}) the exponents at {local.place} are {local.exponents.text}: the monodromy there is {unipotent}",
-            "checked exactly",
-        ),
-        GaloisStep(
-            f"{local.n_without_logarithm} of {system.n} solutions have no logarithm there; with F_k the invariant "
-            f"subspaces of dimension {', '.join(map(str, d))}, the logarithm N of the monodromy, of rank {log.rank} on "
-            f"F_{log.high}/F_{log.low}, maps F_{log.high}/F_{log.high - 1} to F_{log.low + 1}/F_{log.low} and all else to 0",
-            "checked exactly",
-        ),
+    power = local.exponents.neat_power
+    monodromy = "the monodromy" if local.exponents.all_integers else f"power {power} of the monodromy"
+    facts = [
+        f"on ({', '.join(system.names)}) the exponents at {local.place} are {local.exponents.text}: {monodromy} there "
+        "is unipotent",
+        f"{local.n_without_logarithm} of {system.n} solutions have no logarithm there; with F_k the invariant "
+        f"subspaces of dimension {', '.join(map(str, piece.dimensions))}, the logarithm N of the monodromy, of rank "
+        f"{log.rank} on F_{b}/F_{a}, maps F_{b}/F_{b - 1} to F_{a + 1}/F_{a} and all else to 0",
     ]
-    if log.high - log.low == 1:
-        steps.append(GaloisStep(
-            f"at {other.place} the exponents on F_{log.high}/F_{log.low} are {exact.image.text}: no difference of two of "
-            "them is rational, so that no power of this monodromy commutes with N",
-            "checked exactly",
-        ))  # fmt: skip
+    commutes = "is rational, so that no power of this monodromy commutes with N"
+    if b - a == 1:
+        facts.append(
+            f"at {other.place} the exponents on F_{b}/F_{a} are {exact.image.text}: no difference of two of them "
+            f"{commutes}"
+        )
     else:
-        steps.append(GaloisStep(
-            f"at {other.place} the exponents on F_{log.low + 1}/F_{log.low} are {exact.image.text}, those on "
-            f"F_{log.high}/F_{log.high - 1} are {exact.source.text}: no difference is rational, so that no power of this "
-            "monodromy commutes with N",
-            "checked exactly",
-        ))  # fmt: skip
-    return steps
+        facts.append(
+            f"at {other.place} the exponents on F_{a + 1}/F_{a} are {exact.image.text}, those on F_{b}/F_{b - 1} are "
+            f"{exact.source.text}: no difference {commutes}"
+        )
+    return [GaloisStep(fact, "checked exactly") for fact in facts]
 
 
 def _enclosed(system: LinearSystem, until: float) -> tuple[Commutator | None, list[GaloisStep]]:
@@ -264,18 +254,22 @@ def _enclosed(system: LinearSystem, until: float) -> tuple[Commutator | None, li
             for f in [*system.singular_points, *([None] if system.infinity_is_singular else [])]
             if system.local(f).is_regular
         )
-        steps.append(GaloisStep(
-            f"on ({names}) the exponents are {where}; so no quotient of two different eigenvalues of these powers is a "
-            "root of unity, and if the identity component were abelian they would commute",
-            "checked exactly",
-        ))  # fmt: skip
+        steps.append(
+            GaloisStep(
+                f"on ({names}) the exponents are {where}; so no quotient of two different eigenvalues of these powers "
+                "is a root of unity, and if the identity component were abelian they would commute",
+                "checked exactly",
+            )
+        )
         steps.append(GaloisStep(f"on ({names}) {proof.text}", "enclosed"))
         return proof, steps
     if found:
         worst = max(found, key=lambda c: c.error / max(c.scale, 1.0))
-        steps.append(GaloisStep(
-            f"on ({names}) {len(found)} commutators of monodromy matrices contain 0: entries of gh - hg are at most "
-            f"{worst.error:.1e}, those of gh up to {worst.scale:.1e}",
-            "enclosed",
-        ))  # fmt: skip
+        steps.append(
+            GaloisStep(
+                f"on ({names}) {len(found)} commutators of monodromy matrices contain 0: entries of gh - hg are at "
+                f"most {worst.error:.1e}, those of gh up to {worst.scale:.1e}",
+                "enclosed",
+            )
+        )
     return None, steps

@@ -1,4 +1,4 @@
-r"""Particular solutions: curves on which the state is a rational function of s, $\dot s = p(s)$, and perhaps of a root y.
+r"""Particular solutions: curves on which the state is a rational function of s, $\dot s = p(s)$, and perhaps a root y.
 
 Two kinds are checked exactly, by substitution into the equations of motion:
 
@@ -124,7 +124,7 @@ def particular_solution(
             the curve is no solution; the message says what remains of which equation.
         ShapeError: the state has not as many functions as there are coordinates.
     """
-    return _verified(system, _components(system, state), variable, rate, root, "given")
+    return _verified(system, _components(system, state), variable, rate, root=root, origin="given")
 
 
 @explains_its_arguments
@@ -257,7 +257,7 @@ def _components(system: System, state: Mapping[str, Any] | Sequence[Any]) -> lis
 
 
 def _verified(
-    system: System, state: Sequence[Any], variable: Any, rate: Any, root: tuple[Any, Any] | None, origin: str
+    system: System, state: Sequence[Any], variable: Any, rate: Any, *, root: tuple[Any, Any] | None, origin: str
 ) -> ParticularSolution:
     """A solution, after it was put into the equations."""
     from sympy import QQ, Symbol, sympify
@@ -341,15 +341,15 @@ class Arithmetic:
         return (self.zero, self.square ** (k // 2)) if k % 2 else (self.square ** (k // 2), self.zero)
 
     def plus(self, a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
-        """a + b."""
+        """A + b."""
         return a[0] + b[0], a[1] + b[1]
 
     def minus(self, a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
-        """a - b."""
+        """A - b."""
         return a[0] - b[0], a[1] - b[1]
 
     def times(self, a: tuple[Any, Any], b: tuple[Any, Any]) -> tuple[Any, Any]:
-        """a b."""
+        """A b."""
         return a[0] * b[0] + a[1] * b[1] * self.square, a[0] * b[1] + a[1] * b[0]
 
     def rate(self, a: tuple[Any, Any], speed: tuple[Any, Any]) -> tuple[Any, Any]:
@@ -435,7 +435,7 @@ def _separatrix(
     values = [f.subs({reduction.z: z, reduction.y: speed}, simultaneous=True) for f in reduction.coordinates]
     state = [sum(v[i] * f for v, f in zip(plane.basis, values, strict=True)) for i in range(len(system.variables))]
     origin = f"a separatrix on {plane.origin}"
-    yield _verified(system, state, x, kappa * x, None, origin)
+    yield _verified(system, state, x, kappa * x, root=None, origin=origin)
 
 
 def _elliptic(system: System, plane: Plane, field: _Restricted) -> Iterator[ParticularSolution]:
@@ -453,7 +453,7 @@ def _elliptic(system: System, plane: Plane, field: _Restricted) -> Iterator[Part
             continue
         values = [f.subs({reduction.z: s, reduction.y: y}, simultaneous=True) for f in reduction.coordinates]
         state = [sum(v[i] * f for v, f in zip(plane.basis, values, strict=True)) for i in range(len(system.variables))]
-        yield _verified(system, state, s, y, (y, square), f"an elliptic solution on {plane.origin}")
+        yield _verified(system, state, s, y, root=(y, square), origin=f"an elliptic solution on {plane.origin}")
 
 
 class _Restricted:
@@ -463,8 +463,10 @@ class _Restricted:
         from sympy import symbols
 
         self.coordinates: tuple[Any, ...] = symbols(f"c1:{len(plane.basis) + 1}")
-        places = [sum(v[i] * c for v, c in zip(plane.basis, self.coordinates, strict=True))
-                  for i in range(len(system.variables))]  # fmt: skip
+        places = [
+            sum(v[i] * c for v, c in zip(plane.basis, self.coordinates, strict=True))
+            for i in range(len(system.variables))
+        ]
         at = dict(zip(system.variables, places, strict=True))
         full: list[Any] = [e.subs(at, simultaneous=True).expand() for e in system.equations.values()]
         first = [next(i for i, entry in enumerate(v) if entry) for v in plane.basis]
@@ -520,8 +522,10 @@ class _Restricted:
             rest = [c for c in others if c != first]
             left = [f.subs(known).expand() for f in level]
             for c in rest:
-                linear = next((f for f in left if f.has(c) and Poly(f, c).degree() == 1
-                               and not Poly(f, c).LC().free_symbols), None)  # fmt: skip
+                linear = next(
+                    (f for f in left if f.has(c) and Poly(f, c).degree() == 1 and not Poly(f, c).LC().free_symbols),
+                    None,
+                )
                 if linear is None:
                     break
                 value = solve(linear, c)[0]

@@ -1,11 +1,11 @@
 r"""Variational equations along a particular solution, as a linear system with rational coefficients, and their flags.
 
 With $\dot x = f(x)$ and a solution x(s), $\dot s = p(s)$, the variations obey $d\delta/ds = p^{-1} Df(x(s))\,\delta$.
-Where the solution contains a root y, $y^2 = Q(s)$, the components of $\delta$ are divided into even and odd ones, the odd
-ones written as y times a function; a reverser of the solution makes the coefficients rational then.  The points of the
-s plane are those of the curve up to a double covering, which changes the Galois group by a finite group only.  Without
-such a reverser $\delta = u + y v$ gives twice as many equations: they are solved by the variations for both signs of y,
-and their group has an abelian identity component if and only if that of the variations has.
+Where the solution contains a root y, $y^2 = Q(s)$, the components of $\delta$ are divided into even and odd ones, the
+odd ones written as y times a function; a reverser of the solution makes the coefficients rational then.  The points of
+the s plane are those of the curve up to a double covering, which changes the Galois group by a finite group only.
+Without such a reverser $\delta = u + y v$ gives twice as many equations: they are solved by the variations for both
+signs of y, and their group has an abelian identity component if and only if that of the variations has.
 
 A **flag** is a chain of invariant subspaces $0 = F_0 \subset F_1 \subset \dots \subset F_r = V$, found from
 
@@ -190,30 +190,10 @@ def rational_solutions(system: LinearSystem) -> tuple[Any, ...]:
     from flint import fmpq, fmpq_mat, fmpq_poly
     from sympy.polys.matrices import DomainMatrix
 
-    numerators, denominator = system.polynomials
-    bottom = fmpq_poly([1])
-    for point in system.singular_points:
-        local = system.local(point)
-        if not local.is_regular:
-            return ()
-        whole = [e for e in local.exponents.rational if e.denominator == 1]
-        if not whole:
-            return ()
-        assert local.weights is not None
-        pole = max(int(max(local.weights) - min(whole)), 0)
-        bottom *= point**pole
-    local = system.at_infinity.local(fmpq_poly([0, 1])) if system.infinity_is_singular else None
-    top_degree = bottom.degree()
-    if local is not None:
-        if not local.is_regular:
-            return ()
-        whole = [e for e in local.exponents.rational if e.denominator == 1]
-        if not whole:
-            return ()
-        assert local.weights is not None
-        top_degree += int(max(local.weights) - min(whole))
-    if top_degree < 0:
+    if (bounds := _bounds(system)) is None:
         return ()
+    numerators, denominator = system.polynomials
+    bottom, top_degree = bounds
     n, count = system.n, top_degree + 1
     if n * count > _MOST_UNKNOWNS:
         return ()
@@ -243,6 +223,29 @@ def rational_solutions(system: LinearSystem) -> tuple[Any, ...]:
     return tuple(found)
 
 
+def _bounds(system: LinearSystem) -> tuple[Any, int] | None:
+    """A denominator of all rational solutions, and a bound of the degree of their numerators; None if there are none.
+
+    They have integer exponents at each singular point.
+    """
+    from flint import fmpq_poly
+
+    bottom, degree = fmpq_poly([1]), 0
+    for point in (*system.singular_points, *([None] if system.infinity_is_singular else [])):
+        local = system.local(point)
+        if not local.is_regular:
+            return None
+        whole = [e for e in local.exponents.rational if e.denominator == 1]
+        if not whole:
+            return None
+        pole = int(max(local.weights or ()) - min(whole))
+        if point is None:
+            degree = pole
+        else:
+            bottom *= point ** max(pole, 0)
+    return None if bottom.degree() + degree < 0 else (bottom, bottom.degree() + degree)
+
+
 def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
     from sympy.polys.matrices import DomainMatrix
 
@@ -250,8 +253,9 @@ def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
     groups = _components(system)
     if len(groups) > 1:
         order = [k for group in groups for k in group]
-        permutation = DomainMatrix([[field.one if order[j] == i else field.zero for j in range(n)] for i in range(n)],
-                                   (n, n), field)  # fmt: skip
+        permutation = DomainMatrix(
+            [[field.one if order[j] == i else field.zero for j in range(n)] for i in range(n)], (n, n), field
+        )
         parts = [_refined(system.part(group)) for group in groups]
         blocks = _block_diagonal([part[0] for part in parts], field)
         return permutation * blocks, [s for part in parts for s in part[1]], [r for part in parts for r in part[2]]
@@ -418,7 +422,7 @@ def _parities(entries: list[list[tuple[Any, Any]]]) -> list[bool] | None:
 
 
 def _degrees_of(system: System) -> list[int]:
-    return _degrees([e for e in system.equations.values()], system.variables)
+    return _degrees(list(system.equations.values()), system.variables)
 
 
 def _degrees(expressions: list[Any], variables: Any) -> list[int]:
