@@ -12,8 +12,8 @@ $a + 1 = b$: no difference of two of the exponents).
 **Enclosed.** If no quotient of two different eigenvalues of g is a root of unity, g is a polynomial in each of its
 powers $g^m$, and what commutes with $g^m$ commutes with g.  So if neither g nor h has such quotients, and $G^0$ is
 abelian, then g and h commute.  From the exponents at a regular singular point follows exactly a power of the local
-monodromy without such quotients (`Exponents.neat_power`); that two of these powers do not commute is proved by their matrices in
-balls, if 0 is not in some ball of $gh - hg$.
+monodromy without such quotients (`Exponents.neat_power`); that two of these powers do not commute is proved by their
+matrices in balls, if 0 is not in some ball of $gh - hg$.
 """
 
 from __future__ import annotations

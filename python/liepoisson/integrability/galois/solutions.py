@@ -132,9 +132,9 @@ def particular_solutions(system: System, *, most: int = 4) -> tuple[ParticularSo
     """Solutions on invariant planes with one degree of freedom: separatrices first, then elliptic ones.
 
     Example:
-        >>> found = lp.integrability.particular_solutions(lp.Top.twisted_kovalevskaya(), most=1)
-        >>> print(found[0])
-        l3 = 4*x/(x^2 + 1), alpha1 = -(-x^2 + 2*x + 1)*(x^2 + 2*x - 1)/(x^2 + 1)^2, ...
+        >>> found = lp.integrability.particular_solutions(lp.Top.twisted_kovalevskaya(), most=1)[0]
+        >>> found.origin, found.kind
+        ('a separatrix on the invariant plane of l2, alpha1, alpha3', 'rational in exp(1/2*t)')
 
     Args:
         system: A system with polynomial equations and rational coefficients.
