@@ -156,7 +156,7 @@ def linear_system(matrix: Any, variable: Symbol, *, names: Sequence[str] | None 
     from sympy.core.sympify import SympifyError
     from sympy.polys.matrices import DomainMatrix
 
-    if not isinstance(variable, SymPySymbol):
+    if not isinstance(variable, SymPySymbol):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"variable: wanted a SymPy symbol; got {shown(variable)}")
     try:
         given: Any = ImmutableMatrix(matrix)

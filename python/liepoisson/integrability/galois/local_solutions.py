@@ -459,7 +459,7 @@ def _norm(coefficients: list[Any], field: Any) -> Any:
     expression = sum(
         (Poly(c.to_list() or [0], theta).as_expr() * x**k for k, c in enumerate(reversed(coefficients))), 0 * x
     )
-    result = Poly(modulus.as_expr(), theta).resultant(Poly(expression, theta))
+    result: Any = Poly(modulus.as_expr(), theta).resultant(Poly(expression, theta))
     polynomial = Poly(result.as_expr(), x)
     return fmpq_poly([fmpq(int(c.p), int(c.q)) for c in reversed(polynomial.all_coeffs())])
 

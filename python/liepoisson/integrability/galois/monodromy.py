@@ -240,7 +240,7 @@ def _around(system: LinearSystem, loop: Loop, precision: int, until: float | Non
             # a step is shorter than the distance to each pole, so the principal value is the angle
             turns = [t + ((target - z) / (here - z)).log().imag for t, z in zip(turns, poles, strict=True)]
             here = target
-    windings = [(t / (2 * arb.pi())).unique_fmpz() for t in turns]
+    windings: list[Any] = [(t / (2 * arb.pi())).unique_fmpz() for t in turns]
     if any(w is None for w in windings):
         return None
     return Monodromy(system, loop, total, tuple((z, int(w)) for z, w in zip(poles, windings, strict=True)))

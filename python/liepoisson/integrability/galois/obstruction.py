@@ -26,7 +26,7 @@ from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.display import as_text
 from liepoisson.errors import EnclosureError
 from liepoisson.integrability.galois.criteria import Commutator, ExactObstruction, commutators, exact_obstruction
-from liepoisson.integrability.galois.linear_systems import root_text
+from liepoisson.integrability.galois.linear_systems import MOST_COMPONENTS, root_text
 from liepoisson.integrability.galois.solutions import ParticularSolution, check_polynomial, solutions_on_planes
 from liepoisson.integrability.galois.variational import Flag, flag, variational_equations
 from liepoisson.scalars import as_count, as_time_limit
@@ -135,9 +135,16 @@ def galois_obstruction(
     found = iter((solution,)) if solution is not None else islice(solutions_on_planes(system), count)
     theorem, hypotheses, statement = _theorem(system)
     tried: list[tuple[ParticularSolution, LinearSystem, list[Flag]]] = []
+    left: list[GaloisStep] = []
     for k, one in enumerate(found):
+        if tried and time.monotonic() > until:
+            left.append(GaloisStep("further solutions were not tried: the time limit was reached", "not decided"))
+            break
         whole = variational_equations(system, one)
-        pieces = [flag(whole.part(places)) for places in whole.summands]
+        pieces = [flag(whole.part(places)) for places in whole.summands if len(places) <= MOST_COMPONENTS]
+        if large := [places for places in whole.summands if len(places) > MOST_COMPONENTS]:
+            text = f"a part of the variational equations with {len(large[0])} components was left out"
+            left.append(GaloisStep(text, "not decided"))
         tried.append((one, whole, pieces))
         for piece in pieces:
             if (exact := exact_obstruction(piece)) is not None:
@@ -146,8 +153,7 @@ def galois_obstruction(
                 return GaloisObstruction(system, "not integrable", theorem, statement, solutions, steps, exact)
         if progress:
             progress((k + 1) / (2 * count))
-    undecided = not tried
-    left: list[GaloisStep] = []
+    undecided = not tried or bool(left)
     for k, (one, whole, pieces) in enumerate(tried):
         along = _along(one, whole, pieces)
         left += along

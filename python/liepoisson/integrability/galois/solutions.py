@@ -468,10 +468,12 @@ class _Restricted:
             for i in range(len(system.variables))
         ]
         at = dict(zip(system.variables, places, strict=True))
-        full: list[Any] = [e.subs(at, simultaneous=True).expand() for e in system.equations.values()]
+        equations: list[Any] = list(system.equations.values())
+        full: list[Any] = [e.subs(at, simultaneous=True).expand() for e in equations]
         first = [next(i for i, entry in enumerate(v) if entry) for v in plane.basis]
         self.rates = [full[i] / v[i] for i, v in zip(first, plane.basis, strict=True)]
-        functions: list[Any] = [system.hamiltonian, *system.bracket.casimirs()]
+        known: list[Any] = [system.hamiltonian, *system.bracket.casimirs()]
+        functions = [f for f in known if f.is_polynomial(*system.variables)]
         self.integrals = [g for f in functions if (g := f.subs(at, simultaneous=True).expand()).free_symbols]
         self.fixed = [c for c, rate in zip(self.coordinates, self.rates, strict=True) if rate == 0]
 

@@ -263,15 +263,18 @@ def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
     if n == 1:
         return DomainMatrix.eye(1, field).to_dense(), [1], [what]
     if solutions := rational_solutions(system):
-        chosen = DomainMatrix.hstack(*solutions) if len(solutions) > 1 else solutions[0]
+        chosen = solutions[0].hstack(*solutions[1:])
         k = len(solutions)
         basis = _completed(chosen)
-        rest = _refined(system.changed(basis).part(range(k, n))) if k < n else (None, [], [])
-        blocks = _block_diagonal([DomainMatrix.eye(k, field).to_dense(), *([rest[0]] if k < n else [])], field)
-        return basis * blocks, [1] * k + rest[1], ["a rational solution"] * k + rest[2]
+        sizes, reasons = [1] * k, ["a rational solution"] * k
+        if k == n:
+            return basis, sizes, reasons
+        rest = _refined(system.changed(basis).part(range(k, n)))
+        blocks = _block_diagonal([DomainMatrix.eye(k, field).to_dense(), rest[0]], field)
+        return basis * blocks, sizes + rest[1], reasons + rest[2]
     if integrals := rational_solutions(system.dual):
         k = len(integrals)
-        chosen = DomainMatrix.hstack(*integrals) if k > 1 else integrals[0]
+        chosen = integrals[0].hstack(*integrals[1:])
         # columns 0 .. k-1 of the completed matrix W are the integrals; those of W^-T from k on span their kernel
         dual = _completed(chosen).inv().transpose()
         places = [*range(k, n), *reversed(range(k))]  # the last of them is combined from all
