@@ -59,7 +59,12 @@ def test_a_jordan_block_loses_one_solution():
 def test_long_jordan_blocks_have_powers_of_the_logarithm():
     local = at_origin([[0, 1, 0], [0, 0, 1], [0, 0, 0]])
     assert local.n_without_logarithm == 1
-    assert local.solutions().nilpotent.to_Matrix() ** 2 != sp.zeros(3)
+    found = local.solutions()
+    assert found.nilpotent.to_Matrix() ** 2 != sp.zeros(3)
+    # u = exp(B ln p) c: the factor of ln p is B c
+    constant, factor = (found.coefficients[0][j].to_Matrix() for j in range(2))
+    assert factor == sp.Matrix([[0, 1, 0], [0, 0, 1], [0, 0, 0]]) * constant
+    assert constant * found.nilpotent.to_Matrix() == factor
 
 
 @pytest.mark.parametrize(("c", "count"), [(0, 2), (1, 1)])

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 import sympy as sp
+from flint import acb, arb, ctx
 from scipy.integrate import solve_ivp
 
 from liepoisson.errors import ParameterError
 from liepoisson.integrability import linear_system, monodromy
 from liepoisson.integrability.galois.criteria import NeatElement, commutator, commutators
-from liepoisson.integrability.galois.monodromy import continued, generators
+from liepoisson.integrability.galois.monodromy import continued, generators, loop_around_all
 
 s = sp.Symbol("s")
 SQUARE = [1, 1j, -1, -1j]
@@ -26,6 +27,19 @@ def test_a_power_is_multiplied_by_a_root_of_unity(e):
     assert found.error < 1e-18
     assert abs(found.matrix[0, 0] - np.exp(2j * np.pi * float(sp.Rational(e)))) < 1e-14
     assert [w for _, w in found.windings] == [1]
+
+
+@pytest.mark.parametrize("precision", [30, 64, 200])
+def test_the_ball_contains_the_root_of_unity(precision):
+    found = monodromy(linear_system(sp.Matrix([[sp.Rational(1, 3) / s]]), s), SQUARE, precision=precision)
+    ball = found.balls[0, 0]
+    before, ctx.prec = ctx.prec, 600
+    try:
+        root = acb(-0.5, arb(3).sqrt() / 2)
+    finally:
+        ctx.prec = before
+    assert ball.contains(root)
+    assert 0 < found.error < 2.0**-precision
 
 
 def test_a_loop_the_other_way_gives_the_inverse():
@@ -83,6 +97,9 @@ def test_three_generators_in_their_order_go_around_all():
     total = np.array(sum(A, sp.zeros(2)), dtype=float)
     wanted = np.poly(np.exp(2j * np.pi * np.linalg.eigvals(total)))
     assert abs(np.poly(around) - wanted).max() < 1e-9
+    outer = continued(system, loop_around_all(system, generators(system)[0][1]))
+    assert abs(np.poly(outer.matrix) - wanted).max() < 1e-9
+    assert [w for _, w in outer.windings] == [1, 1, 1]
 
 
 @pytest.mark.parametrize(
@@ -121,3 +138,13 @@ def test_a_commutator_that_is_zero_is_never_proved_to_be_something_else():
     system = hypergeometric("1/3", "1/5", "1/7")
     g = NeatElement("g", monodromy(system, [0.5, 0.5j, -0.5, -0.5j]).balls)
     assert not commutator(g, g).is_proved
+
+
+@pytest.mark.parametrize("scale", [sp.Rational(1, 10**9), 10**9])
+def test_points_near_to_each_other_or_far_away_have_loops_of_their_own(scale):
+    system = linear_system(sp.Matrix([[sp.Rational(1, 3) / s + sp.Rational(1, 4) / (s - scale)]]), s)
+    for f, loop in generators(system):
+        found = continued(system, loop)
+        assert sorted(w for _, w in found.windings) == [0, 1]
+        wanted = np.exp(2j * np.pi * float(next(iter(system.local(f).exponents.rational))))
+        assert abs(found.matrix[0, 0] - wanted) < 1e-12

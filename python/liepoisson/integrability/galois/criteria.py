@@ -23,9 +23,10 @@ from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any
 
+from liepoisson.errors import EnclosureError
 from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction
 from liepoisson.integrability.galois.local_solutions import rational_shift
-from liepoisson.integrability.galois.monodromy import PRECISION, Monodromy, continued, generators
+from liepoisson.integrability.galois.monodromy import PRECISION, Monodromy, continued, generators, loop_around_all
 
 if TYPE_CHECKING:
     from liepoisson.integrability.galois.local_solutions import LocalSystem
@@ -236,6 +237,10 @@ def _pairs(
     matrices: list[Monodromy] = []
     for f, loop in loops:
         matrices.append(continued(system, loop, precision=precision, until=until))
+        if sum(abs(w) for _, w in matrices[-1].windings) != 1:
+            raise EnclosureError(
+                f"the loop around {loop.name}: it goes around other singular points, too; give polygons to `monodromy`"
+            )
         if not system.local(f).is_regular:
             left.append(f"{loop.name} is not recognised as regular singular")
             continue
@@ -244,11 +249,9 @@ def _pairs(
         elements.append(new)
     if system.infinity_is_singular and not left:
         if system.local().is_regular:
-            # the loops are in the order of their angles: one after the other they go around all points
-            around = matrices[0].balls
-            for matrix in matrices[1:]:
-                around = matrix.balls * around
-            new = _neat("infinity", around, system.local().exponents.neat_power)
+            outer = continued(system, loop_around_all(system, loops[0][1]), precision=precision, until=until)
+            assert all(winding == 1 for _, winding in outer.windings)
+            new = _neat("infinity", outer.balls, system.local().exponents.neat_power)
             yield from ((other, new) for other in elements)
             elements.append(new)
         else:

@@ -22,6 +22,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
+from math import frexp
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import explains_its_arguments
@@ -42,17 +43,20 @@ _MOST_BITS = 4096
 """The recursion for the coefficients and the product of many steps lose bits; all is repeated with twice as many until
 enough are left. Half of them are for the remainders of the series."""
 
-_RATIO = 0.2
+_RATIO = 0.4
 """Length of a step in units of the radius of the disc: for steps that are longer the balls of the coefficients grow."""
 
-_DISC = 0.35
+_DISC = 0.4
 """The radius of the disc in units of the distance to the next singular point: near to it the bound a is large."""
 
 _NEAR = 1e-9
-"""A loop that comes so near to a singular point, in units of 1 + |s|, is refused."""
+"""A loop that comes so near to a singular point, in units of its longest edge, is refused."""
 
 _SIDES = 8
 """Corners of the polygon around a singular point."""
+
+_DIRECTIONS = 24
+"""In which a way out to infinity is looked for."""
 
 _BASES = ((-3, 7), (5, 9), (-7, 5), (11, -9), (2, 13), (-13, -6))
 """Base points that are tried, in tenths: at generic places, so that singular points do not lie behind each other."""
@@ -172,6 +176,18 @@ def generators(system: LinearSystem) -> tuple[tuple[Any, Loop], ...]:
     )
 
 
+def loop_around_all(system: LinearSystem, like: Loop) -> Loop:
+    """A loop around all finite singular points, that is around infinity, with the base point of another loop."""
+    places = [complex(root) for f in system.singular_points for root, _ in f.numer().complex_roots()]
+    start = complex(*map(float, like.corners[0]))
+    radius = 2 * max([abs(start), *map(abs, places)]) or 1.0
+    angles = [2 * pi * k / _DIRECTIONS for k in range(_DIRECTIONS)]
+    # the way out with the largest distance from the singular points
+    best = max(angles, key=lambda a: min((_distance(start, radius * exp(1j * a), z) for z in places), default=1.0))
+    around = [radius * exp(1j * (best + 2 * pi * k / (2 * _SIDES))) for k in range(2 * _SIDES)]
+    return Loop((like.corners[0], *_rounded([*around, around[0]], radius)), "infinity")
+
+
 def continued(system: LinearSystem, loop: Loop, *, precision: int = PRECISION, until: float | None = None) -> Monodromy:
     """The monodromy along a loop.
 
@@ -216,6 +232,7 @@ def _around(system: LinearSystem, loop: Loop, precision: int, until: float | Non
     ]
     total = acb_mat([[int(i == j) for j in range(system.n)] for i in range(system.n)])
     turns = [arb(0) for _ in poles]
+    longest = max(float((corners[k] - c).abs_upper()) for k, c in enumerate(corners[1:]))
     for k, start in enumerate(corners):
         end = corners[(k + 1) % len(corners)]
         here, last = start, False
@@ -224,7 +241,7 @@ def _around(system: LinearSystem, loop: Loop, precision: int, until: float | Non
                 raise EnclosureError("the monodromy: the time limit was reached; allow more")
             left = end - here
             distance = min((float((here - z).abs_lower()) for z in poles), default=1.0 + float(left.abs_upper()))
-            if not distance > _NEAR * (1.0 + float(here.abs_upper())):
+            if not distance > _NEAR * longest:
                 near = min((complex(z.mid()) for z in poles), key=lambda z: abs(z - complex(here.mid())))
                 raise ParameterError(
                     f"loop: the polygon goes through or very near to the singular point {near:.6g}, between its "
@@ -354,5 +371,10 @@ def _lasso(start: complex, z: complex, near: float, point: Any, system: LinearSy
     if point.degree() > 1:
         name = f"{system.variable} = {z:.3g}"
     way = [start, *around, around[0]]
-    rounded = [(Fraction(round(c.real * 2**20), 2**20), Fraction(round(c.imag * 2**20), 2**20)) for c in way]
-    return Loop(tuple(rounded), name)
+    return Loop(_rounded(way, radius), name)
+
+
+def _rounded(way: Sequence[complex], unit: float) -> tuple[tuple[Fraction, Fraction], ...]:
+    """Corners as fractions, to about a millionth of a unit."""
+    grid = Fraction(2) ** (frexp(unit)[1] - 20)
+    return tuple((round(Fraction(c.real) / grid) * grid, round(Fraction(c.imag) / grid) * grid) for c in way)

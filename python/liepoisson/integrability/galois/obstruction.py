@@ -154,21 +154,20 @@ def galois_obstruction(
         if progress:
             progress((k + 1) / (2 * count))
     undecided = not tried or bool(left)
-    for k, (one, whole, pieces) in enumerate(tried):
-        along = _along(one, whole, pieces)
-        left += along
-        for piece in sorted(pieces, key=lambda p: p.system.n):
-            proof, more = _enclosed(piece.system, until)
-            if proof is not None:
-                steps = (*along, *(s for s in more if s.how != "not decided"), hypotheses)
-                solutions = tuple(s for s, _, _ in tried[: k + 1])
-                return GaloisObstruction(
-                    system, "not integrable", theorem, statement, solutions, steps, commutator=proof
-                )
-            undecided |= any(step.how == "not decided" for step in more)
-            left += more
+    about: dict[int, list[GaloisStep]] = {k: [] for k in range(len(tried))}
+    # a part whose flag has steps of dimension one only has a solvable group, which is abelian more often
+    waiting = [(max(piece.sizes) == 1, piece.system.n, k, piece) for k, (_, _, ps) in enumerate(tried) for piece in ps]
+    for done, (_, _, k, piece) in enumerate(sorted(waiting, key=lambda one: one[:3]), start=1):
+        proof, more = _enclosed(piece.system, until)
+        if proof is not None:
+            steps = (*_along(*tried[k]), *(s for s in more if s.how != "not decided"), hypotheses)
+            solutions = (*(s for j, (s, _, _) in enumerate(tried) if j != k), tried[k][0])
+            return GaloisObstruction(system, "not integrable", theorem, statement, solutions, steps, commutator=proof)
+        undecided |= any(step.how == "not decided" for step in more)
+        about[k] += more
         if progress:
-            progress(0.5 + (k + 1) / (2 * len(tried)))
+            progress(0.5 + done / (2 * len(waiting)))
+    left = [step for k, one in enumerate(tried) for step in (*_along(*one), *about[k])] + left
     if not tried:
         left.append(GaloisStep("an invariant plane with one degree of freedom: none was found", "not decided"))
     verdict: Verdict = "open" if undecided else "no obstruction found"
