@@ -199,3 +199,28 @@ def test_what_is_not_polynomial_is_refused():
         galois_obstruction(lp.System(lp.canonical(names=("q",)), "p_q^2/2 - cos(q)", name="pendulum"))
     with pytest.raises(ParameterError, match="ParticularSolution"):
         galois_obstruction(lp.Top.twisted_kovalevskaya(), solution="separatrix")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    [
+        "charged-lagrange",
+        "charged-twisted-lagrange",
+        "henon-heiles-kaup-kupershmidt",
+        "henon-heiles-kdv",
+        "henon-heiles-sawada-kotera",
+        "kovalevskaya-gyrostat",
+        "lagrange",
+        "spherical-pendulum",
+        "two-field-kovalevskaya",
+    ],
+)
+def test_integrable_systems_of_the_catalog_are_never_said_not_to_be(name):
+    found = galois_obstruction(lp.catalog.system(name), time_limit=20, most=2)
+    assert found.verdict != "not integrable", str(found)
+    assert found.solutions
+
+
+def test_the_goryachev_chaplygin_top_is_integrable_on_one_level_only():
+    assert galois_obstruction(lp.catalog.system("goryachev-chaplygin")).verdict == "not integrable"
