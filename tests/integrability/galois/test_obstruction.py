@@ -157,13 +157,15 @@ def test_the_criterion_holds_for_given_second_fields(b):
     ("parameters", "verdict"),
     [
         ((1, 1, 1, -1), "no obstruction found"),  # D/C = -1, A = B: separable in q1 +- q2
-        ((3, 1, 1, -6), "no obstruction found"),  # D/C = -1/6: a quartic integral for all A and B
+        pytest.param(
+            (3, 1, 1, -6), "no obstruction found", marks=pytest.mark.slow
+        ),  # D/C = -1/6: a quartic integral for all A and B
         ((1, 16, 1, -16), "no obstruction found"),  # D/C = -1/16, B = 16 A
         ((1, 1, 1, 1), "not integrable"),  # the system of Henon and Heiles
         # the normal equations are those of Lame with n = 3 and 2, solved in closed form: it takes higher variations
         ((2, 1, 1, -1), "no obstruction found"),
         ((1, 4, 1, -16), "not integrable"),  # D/C = -1/16, but B is not 16 A
-        ((1, 1, 1, -2), "no obstruction found"),
+        pytest.param((1, 1, 1, -2), "no obstruction found", marks=pytest.mark.slow),
         ((1, 1, 1, -3), "not integrable"),
     ],
 )
@@ -222,5 +224,6 @@ def test_integrable_systems_of_the_catalog_are_never_said_not_to_be(name):
     assert found.solutions
 
 
+@pytest.mark.slow
 def test_the_goryachev_chaplygin_top_is_integrable_on_one_level_only():
     assert galois_obstruction(lp.catalog.system("goryachev-chaplygin")).verdict == "not integrable"
