@@ -73,6 +73,7 @@ FACADES = {
     "exact.lie_algebra": {"exact.bracket", "exact.describe"},
     "exact.extension": {"exact.classification"},
     "proofs.theorem": {"proofs.statement"},
+    "integrability.galois.linear_systems": {"integrability.galois.local_solutions"},
     "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
     "integrability.lax.pair": {"integrability.lax.lax_integrals", "integrability.lax.spectral_curve"},
     "numeric.section": {"phase_space.section_coordinates"},

@@ -20,7 +20,7 @@ def integrable(
     system: Annotated[str, typer.Argument(help=SYSTEM_HELP, metavar="SYSTEM")],
     *,
     degree: Annotated[int, typer.Option(help="Largest degree of the integrals.")] = 6,
-    time_limit: Annotated[float, typer.Option(help="Seconds after which no further degree is begun.")] = 60.0,
+    time_limit: Annotated[float, typer.Option(help="Seconds for the whole.")] = 60.0,
     certificate: Annotated[str | None, typer.Option(metavar="FILE", help=CERTIFICATE_HELP)] = None,
     save: Annotated[str | None, typer.Option(metavar="FILE", help=SAVE_HELP)] = None,
     format_: Annotated[Format, typer.Option("--format", help=FORMAT_HELP)] = Format.TEXT,
@@ -29,8 +29,8 @@ def integrable(
 ) -> None:
     """Look for polynomial integrals, degree by degree, until they prove that the system is integrable.
 
-    Where none are found, it says up to which degree it is proved that there are none; the system may be integrable all
-    the same.
+    Where none are found, it says up to which degree it is proved that there are none, and looks for a proof that there are
+    no meromorphic ones, by the differential Galois group; the singularities in complex time are evidence besides.
     """
     from liepoisson.errors import ParameterError
     from liepoisson.integrability.certificates import save_certificate

@@ -33,10 +33,17 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.system import System
+    from liepoisson.integrability.galois.obstruction import GaloisObstruction
+    from liepoisson.integrability.painleve.singularity_analysis import PainleveTest
 
 FORMAT = "liepoisson report of integrability/1"
 _GROWTH = 12.0
 """How much longer the next degree may take than the last one: it is not begun where the rest of the time is shorter."""
+
+_ONE_DEGREE_OF_FREEDOM = 2
+"""Rank of the bracket with which H alone makes a system integrable."""
+_LEAST_TIME = 1.0
+"""Seconds that must be left for the two tests of non-integrability."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -45,7 +52,8 @@ class IntegrabilityReport:
 
     Attributes:
         system: The system.
-        verdict: "integrable", "superintegrable", "no further polynomial integral", or "open".
+        verdict: "integrable", "superintegrable", "not integrable" (in the sense of Liouville with meromorphic integrals:
+            `obstruction` says where), "no further polynomial integral", or "open".
         rank: Dimension of a generic leaf.
         integrals: Independent integrals besides the Casimirs, by name: H first.
         dependent: Other integrals that were found, by name: functions of those and of Casimirs, though no polynomials
@@ -60,7 +68,9 @@ class IntegrabilityReport:
             there is none.
         notes: What else was done, or left.
         searched_here: Whether the searches were made in this process.  In a report that was loaded they are what the
-            file says; integrals, brackets and the certificate are verified all the same.
+            file says; integrals, brackets, the certificate and the obstruction are verified all the same.
+        obstruction: What `galois_obstruction` says, where integrability was not proved and time was left.
+        singularities: What `painleve_test` says, likewise: evidence, of which the verdict makes no use.
     """
 
     system: System
@@ -75,6 +85,8 @@ class IntegrabilityReport:
     certificate: dict[str, Any] | None = field(repr=False)
     notes: tuple[str, ...] = ()
     searched_here: bool = True
+    obstruction: GaloisObstruction | None = None
+    singularities: PainleveTest | None = None
 
     @property
     def searched_degree(self) -> int:
@@ -87,7 +99,10 @@ class IntegrabilityReport:
         functions = {f for s in self.searches for f in s.functions}
         kind = "polynomials in these functions" if functions else "polynomials"
         searched = f"{kind} above degree {self.searched_degree}" if self.searches else kind
-        return searched, "integrals that are no polynomials", "integrals on one level only"
+        others = "integrals that are no polynomials"
+        if self.verdict == "not integrable":
+            others = "integrals that are not meromorphic near the curve, and fewer than integrability needs"
+        return searched, others, "integrals on one level only"
 
     def save(self, path: str | Path) -> Path:
         """Write the report as JSON; `load_report` reads it and verifies what it says.
@@ -122,6 +137,8 @@ class IntegrabilityReport:
         return {
             "integrable": f"Liouville integrable, {n} commuting integral{'s' * (n > 1)} {leaves}: proved",
             "superintegrable": f"superintegrable, {m} independent integrals, {n} {among}, {leaves}: proved",
+            "not integrable": "not Liouville integrable with meromorphic integrals: proved"
+            + (f"; {none}" if d else ""),
             "no further polynomial integral": f"{none}; integrability open",
             "open": f"open, not searched up to degree {self.degree}" + (f"; {none}" if d else ""),
         }[self.verdict]
@@ -144,7 +161,15 @@ class IntegrabilityReport:
             f"searched: {s.scope}: {len(s.found)} new, " + (f"all of them{again}" if s.complete else "perhaps not all")
             for s in self.searches
         ]
-        return "\n".join([*lines, *self.notes, f"not tried: {'; '.join(self.not_tried)}"])
+        lines += self.notes
+        if self.obstruction is not None:
+            lines.append(f"differential Galois group: {self.obstruction.verdict}")
+            if self.obstruction.statement:
+                lines += [f"- {step}" for step in self.obstruction.steps]
+                lines.append(self.obstruction.statement)
+        if self.singularities is not None:
+            lines.append(f"singularities in complex time: {self.singularities.verdict}. {self.singularities.scope}")
+        return "\n".join([*lines, f"not tried: {'; '.join(self.not_tried)}"])
 
 
 def report_record(report: IntegrabilityReport) -> dict[str, Any]:
@@ -168,6 +193,15 @@ def report_record(report: IntegrabilityReport) -> dict[str, Any]:
         "searches": [search_record(search) for search in report.searches],
         "not_tried": list(report.not_tried),
         "certificate": report.certificate,
+        "obstruction": report.obstruction
+        and {
+            "verdict": report.obstruction.verdict,
+            "theorem": report.obstruction.theorem,
+            "statement": report.obstruction.statement,
+            "steps": [{"text": step.text, "how": step.how} for step in report.obstruction.steps],
+        },
+        "singularities": report.singularities
+        and {"verdict": report.singularities.verdict, "scope": report.singularities.scope},
         "notes": list(report.notes),
     }
 
@@ -181,7 +215,10 @@ def integrability_report(
     time_limit: float = 60.0,
     progress: Callable[[float], Any] | None = None,
 ) -> IntegrabilityReport:
-    """Look for polynomial integrals, degree by degree, until they prove that a system is integrable.
+    """Look for polynomial integrals, degree by degree, until they prove that a system is integrable; else for reasons.
+
+    Where the integrals are not enough, `galois_obstruction` may prove that no meromorphic ones are, and `painleve_test`
+    adds what the singularities in complex time say.
 
     Example:
         >>> print(lp.integrability.integrability_report(lp.catalog.system("kovalevskaya")).verdict)
@@ -190,7 +227,7 @@ def integrability_report(
     Args:
         system: A system as for `first_integrals`.
         degree: The largest degree.
-        time_limit: Seconds after which no further degree is begun.
+        time_limit: Seconds after which no further degree is begun.  Both other tests share what is left.
         progress: As for `integrate`.
 
     Raises:
@@ -233,7 +270,11 @@ def integrability_report(
         if found.found:
             commuting, closed = _enough(system, integrals, dependent, rank, notes)
         if progress:
-            progress(d / most)
+            progress(0.7 * d / most)
+    obstruction, singularities = None, None
+    if not (commuting or closed) and rank > _ONE_DEGREE_OF_FREEDOM:
+        left = max(limit - (time.monotonic() - started), 0.0)
+        obstruction, singularities = _reasons(system, left, notes)
     proof = None
     if commuting:
         try:
@@ -242,7 +283,7 @@ def integrability_report(
             notes.append(f"no certificate: {error}")
     return IntegrabilityReport(
         system,
-        verdict_of(rank, integrals, commuting, closed, searches, degree=most),
+        verdict_of(rank, integrals, commuting, closed, searches, degree=most, obstruction=obstruction),
         rank,
         integrals,
         dependent,
@@ -252,7 +293,29 @@ def integrability_report(
         tuple(searches),
         proof,
         tuple(notes),
+        obstruction=obstruction,
+        singularities=singularities,
     )
+
+
+def _reasons(system: System, seconds: float, notes: list[str]) -> tuple[GaloisObstruction | None, PainleveTest | None]:
+    """What the differential Galois group and the singularities in complex time say, where they apply."""
+    from liepoisson.integrability.galois.obstruction import galois_obstruction
+    from liepoisson.integrability.painleve.singularity_analysis import painleve_test
+
+    obstruction, singularities = None, None
+    if seconds < _LEAST_TIME:
+        notes.append("no time was left for the differential Galois group and for the singularities in complex time")
+        return None, None
+    try:
+        obstruction = galois_obstruction(system, time_limit=seconds / 2)
+    except ParameterError as error:
+        notes.append(f"the differential Galois group was not examined: {error}")
+    try:
+        singularities = painleve_test(system, time_limit=seconds / 2)
+    except ParameterError as error:
+        notes.append(f"singularities in complex time were not examined: {error}")
+    return obstruction, singularities
 
 
 def verdict_of(
@@ -263,12 +326,15 @@ def verdict_of(
     searches: Sequence[FirstIntegrals],
     *,
     degree: int,
+    obstruction: GaloisObstruction | None = None,
 ) -> str:
     """What these facts prove."""
     if closed is not None:
         return "superintegrable"
     if commuting:
         return "superintegrable" if len(integrals) > rank // 2 else "integrable"
+    if obstruction is not None and obstruction.verdict == "not integrable":
+        return "not integrable"
     searched = all(s.complete for s in searches) and any(s.degree == degree for s in searches)
     return "no further polynomial integral" if searched else "open"
 

@@ -18,6 +18,8 @@ from liepoisson.integrability.completeness import (
     commuting_integrals,
     fields_rank,
 )
+from liepoisson.integrability.galois.obstruction import GaloisObstruction, galois_obstruction
+from liepoisson.integrability.painleve.singularity_analysis import PainleveTest, painleve_test
 from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals
 from liepoisson.integrability.records import named
 from liepoisson.integrability.report import FORMAT, IntegrabilityReport, report_record, verdict_of
@@ -103,9 +105,10 @@ class _Reader:
             if wrong := checker.check(proof):
                 raise ParameterError(f"the certificate fails: {wrong}")
             _agree("the certificate", proof, certificate(system, {name: functions[name] for name in commuting}))
+        obstruction, singularities = self._reasons()
         report = IntegrabilityReport(
             system,
-            verdict_of(rank, integrals, commuting, closed, searches, degree=degree),
+            verdict_of(rank, integrals, commuting, closed, searches, degree=degree, obstruction=obstruction),
             rank,
             integrals,
             dependent,
@@ -116,11 +119,26 @@ class _Reader:
             proof,
             tuple(map(str, data["notes"])),
             self.prove_again or not searches,
+            obstruction,
+            singularities,
         )
         written = report_record(report)
         for key in ("verdict", "closed", "searched_degree", "not_tried"):
             _agree(f"the entry {key!r}", data[key], json.loads(json.dumps(written[key])))
         return report
+
+    def _reasons(self) -> tuple[GaloisObstruction | None, PainleveTest | None]:
+        """An obstruction is found again; what else was examined is examined again on request."""
+        obstruction, singularities = None, None
+        given = self.data["obstruction"]
+        if given is not None and (self.prove_again or given["verdict"] == "not integrable"):
+            obstruction = galois_obstruction(self.system)
+            _agree("what the differential Galois group says", given["verdict"], obstruction.verdict)
+        if self.data["singularities"] is not None and self.prove_again:
+            singularities = painleve_test(self.system)
+            wanted = self.data["singularities"]["verdict"]
+            _agree("what the singularities in complex time say", wanted, singularities.verdict)
+        return obstruction, singularities
 
     def _expressions(self, entries: list[dict[str, str]]) -> dict[str, Expr]:
         return {entry["name"]: self.system.expression(entry["expression"]) for entry in entries}

@@ -15,10 +15,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from liepoisson.integrability.galois.linear_systems import LinearSystem, linear_system
+from liepoisson.integrability.galois.local_solutions import Exponents, local_system
 from liepoisson.studies.twisted_top.claims.evidence import Evidence
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
 from liepoisson.studies.twisted_top.claims.phase_space import SymbolicTop, column, substitution, symbolic_top
-from liepoisson.studies.twisted_top.claims.variational import exponents, laurent_solutions, weighted
 
 # Places of (dl1, dl2, dalpha3, dbeta1, dbeta2) in the state, and their weights: l 1, alpha 2, beta 3.
 _ODD = (0, 1, 5, 6, 7)
@@ -71,7 +72,7 @@ class Separatrix:
 
 def not_integrable(context: Context) -> Verdict:
     """Two elements of the identity component of the Galois group that do not commute."""
-    from sympy import Symbol, sqrt
+    from sympy import Symbol, default_sort_key, sqrt
 
     evidence = Evidence()
     x = Symbol("x")
@@ -91,12 +92,13 @@ def not_integrable(context: Context) -> Verdict:
     block = A.extract(list(_ODD), list(_ODD))
     _flag(evidence, curve, block)
     counts = _local_counts(evidence, context, curve, block)
-    limit = block[:_WITHOUT_BETA, :_WITHOUT_BETA].subs(x, 0)
+    equations = _equations(block, x)
+    origin, _ = equations.singular_points
     evidence.equal(
         "exponents at x = 0 (t → −∞) on V₃, those of V₅ with δβ = 0, of which 0 belongs to V₃/V₂ and the others to "
         "V₂, those with l·δα + α·δl = 0",
-        _listed(exponents(limit, x)),
-        _listed({0 * sqrt(2): 1, sqrt(2) / 2: 1, -sqrt(2) / 2: 1}),
+        _listed(equations.part(range(_WITHOUT_BETA)).local(origin).exponents),
+        sorted((0 * sqrt(2), sqrt(2) / 2, -sqrt(2) / 2), key=default_sort_key),
         decisive=True,
     )
     evidence.note(
@@ -142,9 +144,7 @@ def _flag(evidence: Evidence, curve: Separatrix, block: Any) -> None:
 
 def _local_counts(evidence: Evidence, context: Context, curve: Separatrix, block: Any) -> dict[str, int]:
     """State how many solutions are single valued at the pole x = i, with and without the twist."""
-    from sympy import I, Symbol
-
-    p, x, n = Symbol("p"), curve.x, _WITHOUT_BETA
+    x, n = curve.x, _WITHOUT_BETA
     untwisted = Separatrix(_kovalevskaya(context, 0), x).variational_matrix.extract(list(_ODD), list(_ODD))
     cases = (
         ("V₃", block[:n, :n], _WEIGHTS[:n], [0, 1, 3], 3),
@@ -153,10 +153,14 @@ def _local_counts(evidence: Evidence, context: Context, curve: Separatrix, block
     )
     counts: dict[str, int] = {}
     for name, matrix, weights, exponents_wanted, wanted in cases:
-        local = weighted(matrix.subs(x, I + p), weights, p, I + p)
-        found = _listed(exponents(local, p))
-        counts[name] = laurent_solutions(local, p)
-        evidence.equal(f"x = i, exponents of (x − i)ʷ δ on {name}, w = 1, 2, 3 for l, α, β", found, exponents_wanted)
+        equations = _equations(matrix, x)
+        local = local_system(equations, equations.singular_points[-1], weights=weights)
+        counts[name] = local.n_single_valued
+        evidence.equal(
+            f"x = i, exponents of (x − i)ʷ δ on {name}, w = 1, 2, 3 for l, α, β",
+            _listed(local.exponents),
+            exponents_wanted,
+        )
         evidence.equal(
             f"x = i, x = exp t along the separatrix: solutions on {name} without logarithm, out of {len(weights)}",
             counts[name],
@@ -166,11 +170,22 @@ def _local_counts(evidence: Evidence, context: Context, curve: Separatrix, block
     return counts
 
 
-def _listed(found: dict[Any, int]) -> list[Any]:
-    """Exponents in a fixed order, each as often as it occurs."""
-    from sympy import default_sort_key
+def _equations(matrix: Any, x: Any) -> LinearSystem:
+    """The equations with x = exp t as the variable, of which dx/dt = x; they are singular at 0 and where x^2 = -1."""
+    return linear_system(matrix / x, x)
 
-    return [exponent for exponent in sorted(found, key=default_sort_key) for _ in range(found[exponent])]
+
+def _listed(found: Exponents) -> list[Any]:
+    """Exponents in a fixed order, each as often as it occurs."""
+    from sympy import Rational, Symbol, default_sort_key, roots
+
+    e = Symbol("e")
+    listed: list[Any] = [
+        Rational(r.numerator, r.denominator) for r, count in found.rational.items() for _ in range(count)
+    ]
+    for polynomial in found.others:
+        listed += list(roots(sum(int(c) * e**k for k, c in enumerate(polynomial.numer().coeffs())), e))
+    return sorted(listed, key=default_sort_key)
 
 
 CLAIMS: tuple[Claim, ...] = (

@@ -1,0 +1,245 @@
+r"""Linear differential equations $dy/ds = A(s)\,y$ whose coefficients are rational functions over the rational numbers.
+
+A change of variables $y = P z$ gives $z' = (P^{-1}AP - P^{-1}P')z$; the dual equations are $w' = -A^T w$, and a
+solution w of them is an integral $w\cdot y$.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.calls import explains_its_arguments
+from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.wrong_values import shown
+
+if TYPE_CHECKING:
+    from sympy import Matrix, Symbol
+
+    from liepoisson.integrability.galois.local_solutions import LocalSystem
+
+MOST_COMPONENTS = 24
+"""Size of the largest system."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class LinearSystem:
+    r"""Equations $dy/ds = A(s)\,y$.
+
+    Attributes:
+        variable: s.
+        entries: A, as a matrix over the field of rational functions.
+        names: Names of the components of y.
+    """
+
+    variable: Symbol
+    entries: Any
+    names: tuple[str, ...]
+
+    @property
+    def n(self) -> int:
+        """The number of components."""
+        return len(self.names)
+
+    @cached_property
+    def matrix(self) -> Matrix:
+        """A, shape (n, n)."""
+        return self.entries.to_Matrix()
+
+    @cached_property
+    def polynomials(self) -> tuple[list[list[Any]], Any]:
+        """A = M/d: the numerators M and the common denominator d, which has leading coefficient 1."""
+        from flint import fmpq_poly
+
+        rows = [[fraction(entry) for entry in row] for row in self.entries.to_dense().rep.to_list()]
+        common = fmpq_poly([1])
+        for row in rows:
+            for _, bottom in row:
+                common *= bottom / common.gcd(bottom)
+        common /= common.leading_coefficient()
+        return [[top * (common / bottom) for top, bottom in row] for row in rows], common
+
+    @cached_property
+    def singular_points(self) -> tuple[Any, ...]:
+        """The finite poles of A: monic irreducible polynomials whose roots they are."""
+        _, denominator = self.polynomials
+        return tuple(sorted((f for f, _ in denominator.factor()[1]), key=lambda f: (f.degree(), str(f))))
+
+    def part(self, places: Sequence[int]) -> LinearSystem:
+        """The equations of some components among themselves."""
+        chosen = list(places)
+        return LinearSystem(self.variable, self.entries.extract(chosen, chosen), tuple(self.names[k] for k in chosen))
+
+    def changed(self, change: Any) -> LinearSystem:
+        """The equations for z with y = P z, where P is an invertible matrix over the rational functions."""
+        entries = change.inv() * (self.entries * change - derivative(change))
+        return LinearSystem(self.variable, entries, tuple(f"z{k}" for k in range(1, self.n + 1)))
+
+    @cached_property
+    def dual(self) -> LinearSystem:
+        """The equations of linear integrals."""
+        return LinearSystem(self.variable, -self.entries.transpose(), self.names)
+
+    @cached_property
+    def at_infinity(self) -> LinearSystem:
+        r"""The equations in $p = 1/s$: $dy/dp = -p^{-2} A(1/p)\,y$."""
+        field = self.entries.domain
+        s = field.gens[0]
+        turned = self.entries.applyfunc(lambda entry: -reversed_fraction(entry, field) / s**2)
+        return LinearSystem(self.variable, turned, self.names)
+
+    @cached_property
+    def infinity_is_singular(self) -> bool:
+        """Whether A(1/p)/p^2 has a pole at p = 0."""
+        _, denominator = self.at_infinity.polynomials
+        return denominator.degree() > 0 and denominator[0] == 0
+
+    def local(self, point: Any = None) -> LocalSystem:
+        """The equations near a singular point.
+
+        Args:
+            point: An irreducible polynomial whose roots are the points; None for infinity.
+        """
+        from liepoisson.integrability.galois.local_solutions import local_system
+
+        key = None if point is None else str(point)
+        if key not in self._local:
+            self._local[key] = local_system(self, point)
+        return self._local[key]
+
+    @cached_property
+    def _local(self) -> dict[str | None, LocalSystem]:
+        return {}
+
+    @cached_property
+    def summands(self) -> tuple[tuple[int, ...], ...]:
+        """The components in groups that do not influence each other, the smallest partition."""
+        rows = self.entries.to_dense().rep.to_list()
+        group = list(range(self.n))
+        for i in range(self.n):
+            for j in range(self.n):
+                if rows[i][j] and group[i] != group[j]:
+                    old, new = group[i], group[j]
+                    group = [new if g == old else g for g in group]
+        return tuple(tuple(k for k in range(self.n) if group[k] == g) for g in dict.fromkeys(group))
+
+    def __repr__(self) -> str:
+        poles = ", ".join(root_text(f, self.variable) for f in self.singular_points)
+        places = " and infinity" if self.infinity_is_singular else ""
+        return f"<LinearSystem of {self.n} components, singular at {poles or 'no finite point'}{places}>"
+
+
+@explains_its_arguments
+def linear_system(matrix: Any, variable: Symbol, *, names: Sequence[str] | None = None) -> LinearSystem:
+    r"""The linear equations $dy/ds = A(s)\,y$ with a matrix of rational functions.
+
+    Example:
+        >>> import sympy
+        >>> s = sympy.Symbol("s")
+        >>> bessel = lp.integrability.linear_system(sympy.Matrix([[0, 1], [4 / s**2 - 1, -1 / s]]), s)
+        >>> bessel.local(bessel.singular_points[0]).exponents.text
+        '-2, 2'
+
+    Args:
+        matrix: A, a SymPy matrix whose entries are rational functions of the variable with rational coefficients.
+        variable: The symbol s.
+        names: Names of the components of y; y1, y2, ... by default.
+
+    Raises:
+        ShapeError: the matrix is not square, is too large, or has not as many rows as there are names.
+        ParameterError: an entry is no rational function of the variable over the rational numbers.
+    """
+    from sympy import QQ, ImmutableMatrix
+    from sympy import Symbol as SymPySymbol
+    from sympy.core.sympify import SympifyError
+    from sympy.polys.matrices import DomainMatrix
+
+    if not isinstance(variable, SymPySymbol):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise ParameterError(f"variable: wanted a SymPy symbol; got {shown(variable)}")
+    try:
+        given: Any = ImmutableMatrix(matrix)
+    except (TypeError, ValueError, SympifyError):
+        raise ParameterError(f"matrix: wanted a SymPy matrix; got {shown(matrix)}") from None
+    n = given.shape[0]
+    if given.shape != (n, n) or not 0 < n <= MOST_COMPONENTS:
+        raise ShapeError(f"matrix must be square with 1 to {MOST_COMPONENTS} rows; got shape {given.shape}.")
+    labels = tuple(f"y{k}" for k in range(1, n + 1)) if names is None else tuple(map(str, names))
+    if len(labels) != n:
+        raise ShapeError(f"names must be {n}, one for each row of the matrix; got {len(labels)}.")
+    field = QQ.frac_field(variable)
+    rows = [[rational_function(given[i, j], field) for j in range(n)] for i in range(n)]
+    return LinearSystem(variable, DomainMatrix(rows, (n, n), field), labels)
+
+
+def rational_function(expression: Any, field: Any) -> Any:
+    """An element of a field of rational functions.
+
+    Raises:
+        ParameterError: the expression is no rational function over the rational numbers.
+    """
+    from sympy import together
+    from sympy.polys.polyerrors import CoercionFailed, PolynomialError
+
+    try:
+        return field.from_sympy(together(expression))
+    except (CoercionFailed, PolynomialError, ValueError, TypeError, AttributeError, ZeroDivisionError):
+        raise ParameterError(
+            f"wanted a rational function of {field.symbols[0]} with rational coefficients; got {shown(str(expression))}"
+        ) from None
+
+
+def derivative(matrix: Any) -> Any:
+    """The derivative of a matrix of rational functions."""
+    s = matrix.domain.gens[0]
+    return matrix.applyfunc(lambda entry: entry.diff(s))
+
+
+def fraction(entry: Any) -> tuple[Any, Any]:
+    """Numerator and denominator of a rational function as polynomials of FLINT."""
+    return _polynomial(entry.numer), _polynomial(entry.denom)
+
+
+def from_polynomial(polynomial: Any, field: Any) -> Any:
+    """A polynomial of FLINT as a rational function."""
+    from sympy import QQ
+
+    s, value = field.gens[0], field.zero
+    for c in reversed(polynomial.coeffs()):
+        value = value * s + field(QQ(c.p, c.q))
+    return value
+
+
+def reversed_fraction(entry: Any, field: Any) -> Any:
+    """f(1/s) for a rational function f(s)."""
+    from flint import fmpq_poly
+
+    top, bottom = fraction(entry)
+    size = max(top.degree(), bottom.degree(), 0)
+    turned = [fmpq_poly([f[size - k] for k in range(size + 1)]) for f in (top, bottom)]
+    return from_polynomial(turned[0], field) / from_polynomial(turned[1], field)
+
+
+def root_text(polynomial: Any, variable: Any) -> str:
+    """The roots of an irreducible polynomial in words, for example "s = -1" or "s^2 + 1 = 0"."""
+    if polynomial.degree() == 1:
+        return f"{variable} = {-polynomial[0] / polynomial[1]}"
+    terms: list[str] = []
+    for k in range(polynomial.degree(), -1, -1):
+        c = polynomial[k]
+        if c == 0:
+            continue
+        sign = "-" if c < 0 else "+"
+        size = abs(c)
+        power = "" if k == 0 else f"{variable}" if k == 1 else f"{variable}^{k}"
+        body = str(size) if not power else power if size == 1 else f"{size}*{power}"
+        terms.append(f"{sign} {body}" if terms else body if sign == "+" else f"-{body}")
+    return f"{' '.join(terms)} = 0"
+
+
+def _polynomial(element: Any) -> Any:
+    from flint import fmpq, fmpq_poly
+
+    coefficients: list[Any] = list(reversed(element.to_dense())) if element else [0]
+    return fmpq_poly([fmpq(int(c.numerator), int(c.denominator)) for c in coefficients])

@@ -1,0 +1,486 @@
+r"""Local solutions of a linear system at a singular point, exactly: exponents, logarithms, the local monodromy.
+
+With $p = s - s_0$ and $u_i = p^{w_i} y_i$ for suitable integers $w_i$ the equations become $p\,u' = B(p)\,u$, B
+holomorphic at 0; the point is then regular singular, and the eigenvalues of $B(0)$ are its **exponents** (those of y up
+to integers).  To the exponents $e + n$, n integers, belong the solutions
+
+$$ u = p^e \sum_{n,j} u_{n,j}\,p^n \frac{(\ln p)^j}{j!}, \qquad
+   (e + n)\,u_{n,j} + u_{n,j+1} = \sum_{k\ge0} B_k u_{n-k,j} . $$
+
+Their number is that of these exponents.  Below the smallest of them all $u_n$ vanish, beyond the largest they are
+determined, so finitely many equations decide.  The derivative by $\ln p$, $u_{n,j} \mapsto u_{n,j+1}$, is a nilpotent
+map N of the solutions; the monodromy around the point is $e^{2\pi i e} \exp(2\pi i N)$, and ker N are the solutions
+without logarithms.  Everything is done in the field that the point generates over the rational numbers.
+
+References: [wasow1965], chapters I and II.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from math import lcm
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.errors import ParameterError
+
+if TYPE_CHECKING:
+    from liepoisson.integrability.galois.linear_systems import LinearSystem
+
+
+@dataclass(frozen=True)
+class Exponents:
+    """The exponents at a point.
+
+    Attributes:
+        rational: Those that are rational, with their multiplicities.
+        others: Irreducible polynomials over the rational numbers (FLINT) whose roots contain the others.
+        n: How many exponents there are.
+    """
+
+    rational: dict[Fraction, int]
+    others: tuple[Any, ...]
+    n: int
+
+    @property
+    def all_rational(self) -> bool:
+        """Whether the monodromy around the point has a power that is unipotent."""
+        return sum(self.rational.values()) == self.n
+
+    @property
+    def all_integers(self) -> bool:
+        """Whether the monodromy around the point is unipotent."""
+        return self.all_rational and all(e.denominator == 1 for e in self.rational)
+
+    @property
+    def classes(self) -> dict[Fraction, int]:
+        """The rational exponents modulo integers, each with the number of exponents in its class."""
+        found: dict[Fraction, int] = {}
+        for e, count in self.rational.items():
+            found[e % 1] = found.get(e % 1, 0) + count
+        return found
+
+    @cached_property
+    def neat_power(self) -> int:
+        """The power q of the monodromy for which no quotient of two different eigenvalues is a root of unity.
+
+        The quotients are exp(2 pi i q d), where d is a difference of exponents: d is irrational, or q d is an integer.
+        Two roots of irreducible polynomials f and g differ by a rational number d only if g(x) = f(x + d).
+        """
+        q = 1
+        first = next(iter(self.rational), Fraction(0))
+        for e in self.rational:
+            q = lcm(q, (e - first).denominator)
+        for k, f in enumerate(self.others):
+            for g in self.others[:k]:
+                if (d := rational_shift(f, g)) is not None:
+                    q = lcm(q, d.denominator)
+        return q
+
+    def differ_irrationally(self, other: Exponents) -> bool:
+        """Whether no difference of one of these exponents and one of the others is rational."""
+        if self.rational and other.rational:
+            return False
+        return all(rational_shift(f, g) is None for f in self.others for g in other.others)
+
+    @property
+    def text(self) -> str:
+        """The exponents in one line."""
+        from liepoisson.integrability.galois.linear_systems import root_text
+
+        parts = [str(e) for e in sorted(self.rational) for _ in range(self.rational[e])]
+        return ", ".join([*parts, *(f"the roots of {root_text(f, 'e')}" for f in self.others)])
+
+
+@dataclass(frozen=True)
+class LocalSolutions:
+    """The solutions whose exponents are e + n, n integers.
+
+    Attributes:
+        exponent: e, at least 0 and below 1.
+        first: The smallest n.
+        coefficients: u[n - first][j], each a matrix with one row for each component and one column for each solution.
+        nilpotent: N, the derivative by ln p of the solutions, a square matrix.
+    """
+
+    exponent: Fraction
+    first: int
+    coefficients: tuple[tuple[Any, ...], ...]
+    nilpotent: Any
+
+    @property
+    def n(self) -> int:
+        """How many there are."""
+        return int(self.nilpotent.shape[0])
+
+    @property
+    def n_without_logarithm(self) -> int:
+        """How many of them have no logarithm."""
+        return self.n - int(self.nilpotent.rank())
+
+
+class LocalSystem:
+    """A system near a singular point: its exponents, and its solutions as series with logarithms.
+
+    Attributes:
+        system: The system.
+        point: The irreducible polynomial whose roots are the points; None for infinity, where p = 1/s.
+        field: The numbers that the point generates.
+        weights: w, such that u_i = p^(w_i) y_i has a simple pole; None where there are none.
+    """
+
+    def __init__(self, system: LinearSystem, point: Any, weights: Sequence[int] | None = None) -> None:
+        from sympy import QQ, Poly, Symbol
+
+        self.system = system
+        self.point = point
+        self._here = system.at_infinity if point is None else system
+        self.field: Any = QQ
+        if point is not None and point.degree() > 1:
+            coefficients = [QQ(c.p, c.q) for c in reversed(point.coeffs())]
+            self.field = QQ.alg_field_from_poly(Poly(coefficients, Symbol("theta"), domain=QQ))
+        self._valuations, self._pole = self._orders()
+        self.weights: tuple[int, ...] | None = self._weights() if weights is None else self._checked(weights)
+        self._series: list[Any] = []
+
+    @property
+    def is_regular(self) -> bool:
+        """Whether weights were found, so that the point is regular singular; if not, it may still be so."""
+        return self.weights is not None
+
+    @cached_property
+    def exponents(self) -> Exponents:
+        """The exponents of u.
+
+        Raises:
+            ParameterError: no weights were found.
+        """
+        from flint import fmpq, fmpq_poly
+        from sympy import QQ
+
+        characteristic = [self.coefficient(0).domain.convert(c) for c in self.coefficient(0).charpoly()]
+        norm = fmpq_poly([1])
+        if all(_is_rational(c, self.field) for c in characteristic):
+            norm = fmpq_poly([_rational(c, self.field) for c in reversed(characteristic)])
+        else:
+            norm = _norm(characteristic, self.field)
+        rational: dict[Fraction, int] = {}
+        others: list[Any] = []
+        for factor, _ in norm.factor()[1]:
+            if factor.degree() > 1:
+                others.append(factor)
+                continue
+            root = fmpq(-factor[0] / factor[1])
+            count, left = 0, characteristic
+            while len(left) > 1:
+                quotient, rest = _divided(left, self.field(QQ(root.p, root.q)))
+                if rest:
+                    break
+                count, left = count + 1, quotient
+            if count:
+                rational[Fraction(int(root.p), int(root.q))] = count
+        if sum(rational.values()) == self.system.n:
+            others = []
+        return Exponents(rational, tuple(others), self.system.n)
+
+    def coefficient(self, k: int) -> Any:
+        """B_k, a matrix over the field.
+
+        Raises:
+            ParameterError: no weights were found.
+        """
+        if self.weights is None:
+            raise ParameterError(
+                f"{self.place} is an irregular singular point, or no weights of the components were "
+                "found; there are no exponents"
+            )
+        if k >= len(self._series):
+            self._series = self._expanded(2 * k + 4)
+        return self._series[k]
+
+    def solutions(self, exponent: Fraction = Fraction(0), *, terms: int = 0) -> LocalSolutions:
+        """The solutions of a class of rational exponents.
+
+        Args:
+            exponent: e, one of the keys of `exponents.classes`.
+            terms: How many terms beyond those that are needed to decide on logarithms.
+        """
+        whole = sorted(e - exponent for e in self.exponents.rational if (e - exponent).denominator == 1)
+        count = self.exponents.classes.get(exponent % 1, 0)
+        if not whole:
+            known = ", ".join(map(str, self.exponents.classes)) or "none that are rational"
+            raise ParameterError(f"{exponent} is no exponent modulo integers at {self.place}; there are {known}")
+        first, last = int(whole[0]), int(whole[-1]) + terms
+        powers = 1
+        while True:
+            found = self._solved(exponent, first, last, powers)
+            if found[0][0].shape[1] == count:
+                break
+            powers += 1
+        nilpotent = _shift_of(found, self.field, self.system.n, count)
+        return LocalSolutions(exponent, first, tuple(tuple(row) for row in found), nilpotent)
+
+    @cached_property
+    def n_without_logarithm(self) -> int:
+        """The number of independent solutions with rational exponents that have no logarithm."""
+        return sum(self.solutions(e).n_without_logarithm for e in self.exponents.classes)
+
+    @property
+    def n_single_valued(self) -> int:
+        """The number of independent solutions that are Laurent series."""
+        return self.solutions().n_without_logarithm if Fraction(0) in self.exponents.classes else 0
+
+    @property
+    def place(self) -> str:
+        """The point in words."""
+        from liepoisson.integrability.galois.linear_systems import root_text
+
+        return "infinity" if self.point is None else root_text(self.point, self.system.variable)
+
+    def series(self, polynomial: Any, count: int) -> list[Any]:
+        """The first coefficients of a polynomial at the point, in powers of p (of p = 1/s at infinity: at p = 0)."""
+        found: list[Any] = []
+        current, factorial = polynomial, 1
+        for k in range(count):
+            found.append(self._value(current / factorial))
+            current, factorial = current.derivative(), factorial * (k + 1)
+        return found
+
+    def _value(self, polynomial: Any) -> Any:
+        """A polynomial at the point."""
+        from sympy import QQ
+
+        if self.point is None:
+            c = polynomial[0]
+            return QQ(c.p, c.q)
+        rest = polynomial % self.point
+        if self.point.degree() == 1:
+            return QQ(rest[0].p, rest[0].q)
+        return self.field([QQ(c.p, c.q) for c in reversed(rest.coeffs())])
+
+    def _orders(self) -> tuple[list[list[int | None]], int]:
+        """The orders of the entries of A at the point (None for zeros), and that of its common denominator."""
+        from flint import fmpq_poly
+
+        numerators, denominator = self._here.polynomials
+        point = fmpq_poly([0, 1]) if self.point is None else self.point
+
+        def order(f: Any) -> int:
+            k = 0
+            while f.degree() > 0 and not f % point:
+                f, k = f / point, k + 1
+            return k
+
+        pole = order(denominator)
+        return [[order(f) - pole if f else None for f in row] for row in numerators], pole
+
+    def _weights(self) -> tuple[int, ...] | None:
+        """The largest weights, none above 0, that leave a simple pole: shortest paths; shifted to begin at 0."""
+        n = self.system.n
+        found = [0] * n
+        for _ in range(n + 1):
+            changed = False
+            for i in range(n):
+                for j in range(n):
+                    order = self._valuations[i][j]
+                    if order is not None and i != j and found[j] > found[i] + order + 1:
+                        found[j], changed = found[i] + order + 1, True
+            if not changed:
+                break
+        else:
+            return None
+        if any((order := self._valuations[i][i]) is not None and order < -1 for i in range(n)):
+            return None
+        least = min(found)
+        return tuple(w - least for w in found)
+
+    def _checked(self, weights: Sequence[int]) -> tuple[int, ...]:
+        n = self.system.n
+        if len(weights) != n:
+            raise ParameterError(f"weights: wanted {n}, one for each component; got {len(weights)}")
+        for i in range(n):
+            for j in range(n):
+                order = self._valuations[i][j]
+                if order is not None and order + 1 + weights[i] - weights[j] < 0:
+                    raise ParameterError(
+                        f"weights {tuple(weights)}: entry ({i + 1}, {j + 1}) keeps a pole that is not simple at "
+                        f"{self.place}; leave them out, and weights are found"
+                    )
+        return tuple(int(w) for w in weights)
+
+    def _expanded(self, count: int) -> list[Any]:
+        """B_0, B_1, ..., so many."""
+        from sympy.polys.matrices import DomainMatrix
+
+        assert self.weights is not None
+        w, n, pole, zero = self.weights, self.system.n, self._pole, self.field.zero
+        numerators, denominator = self._here.polynomials
+        spread = max(w) - min(w)
+        size = count + spread + pole
+        inverse = _inverse_series(self.series(denominator, size + pole)[pole:], self.field, size)
+        tables: list[list[list[Any]]] = [[[zero] * n for _ in range(n)] for _ in range(count)]
+        for i in range(n):
+            for j in range(n):
+                if not numerators[i][j]:
+                    continue
+                entry = _product(self.series(numerators[i][j], size), inverse, size, zero)
+                # p^(w_i - w_j + 1 - pole) times this series
+                for k in range(count):
+                    m = k - (w[i] - w[j] + 1 - pole)
+                    if 0 <= m < size:
+                        tables[k][i][j] = entry[m]
+            tables[0][i][i] = tables[0][i][i] + self.field(w[i])
+        return [DomainMatrix(table, (n, n), self.field) for table in tables]
+
+    def _solved(self, exponent: Fraction, first: int, last: int, powers: int) -> list[list[Any]]:
+        """The solutions with powers of ln p below a bound, as in `LocalSolutions.coefficients`."""
+        from sympy import QQ
+        from sympy.polys.matrices import DomainMatrix
+
+        n, field = self.system.n, self.field
+        e = field(QQ(exponent.numerator, exponent.denominator))
+        identity = DomainMatrix.eye(n, field).to_dense()
+        found: list[list[Any]] = []
+        n_columns = 0
+        for m in range(first, last + 1):
+            shifted = self.coefficient(0) - identity * (e + field(m))
+            # unknowns: u_{m,0}, ..., u_{m,powers-1}, then the coefficients of the solutions found so far
+            rows: list[list[Any]] = []
+            known = [_sum_of_products(self, found, j, m - first, (n, n_columns)) for j in range(powers)]
+            dense = shifted.to_dense().rep.to_list()
+            for j in range(powers):
+                given = known[j].to_dense().rep.to_list() if n_columns else [[]] * n
+                for i in range(n):
+                    row = [field.zero] * (n * powers)
+                    row[n * j : n * (j + 1)] = dense[i]
+                    if j + 1 < powers:
+                        row[n * (j + 1) + i] = -field.one
+                    rows.append([*row, *given[i]])
+            matrix = DomainMatrix(rows, (n * powers, n * powers + n_columns), field)
+            basis = matrix.to_sparse().nullspace().to_dense().rep.to_list()
+            if basis:
+                combine = DomainMatrix([v[n * powers :] for v in basis], (len(basis), n_columns), field).transpose()
+            else:
+                combine = DomainMatrix.zeros((n_columns, 0), field)
+            found = [
+                [u * combine if n_columns else DomainMatrix.zeros((n, len(basis)), field) for u in row] for row in found
+            ]
+            n_columns = len(basis)
+            new = [
+                DomainMatrix([[v[n * j + i] for v in basis] for i in range(n)], (n, n_columns), field)
+                for j in range(powers)
+            ]
+            found.append(new)
+        return found
+
+
+def local_system(system: LinearSystem, point: Any = None, *, weights: Sequence[int] | None = None) -> LocalSystem:
+    """A system near a singular point.
+
+    Args:
+        system: The system.
+        point: The irreducible polynomial (of FLINT) whose roots are the points; None for infinity.
+        weights: As in `LocalSystem`; found by default.
+
+    Raises:
+        ParameterError: the weights leave a pole that is not simple.
+    """
+    return LocalSystem(system, point, weights)
+
+
+def _sum_of_products(local: LocalSystem, found: list[list[Any]], j: int, m: int, shape: tuple[int, int]) -> Any:
+    """The sum of B_k u_(m-k,j) over k > 0."""
+    from sympy.polys.matrices import DomainMatrix
+
+    total = DomainMatrix.zeros(shape, local.field).to_dense()
+    for k in range(1, m + 1):
+        total = total + (local.coefficient(k) * found[m - k][j]).to_dense()
+    return total
+
+
+def _shift_of(found: list[list[Any]], field: Any, n: int, count: int) -> Any:
+    """N, with u_{m,j} N = u_{m,j+1}."""
+    from sympy.polys.matrices import DomainMatrix
+
+    powers = len(found[0])
+    zero = DomainMatrix.zeros((n, count), field).to_dense()
+    left = DomainMatrix.vstack(*(row[j].to_dense() for row in found for j in range(powers)))
+    right = DomainMatrix.vstack(
+        *(row[j + 1].to_dense() if j + 1 < powers else zero for row in found for j in range(powers))
+    )
+    reduced, pivots = left.hstack(right).rref()
+    assert pivots[:count] == tuple(range(count)), "solutions that are not independent"
+    return reduced.extract(list(range(count)), list(range(count, 2 * count)))
+
+
+def _inverse_series(series: list[Any], field: Any, count: int) -> list[Any]:
+    start = field.one / series[0]
+    found = [start]
+    for k in range(1, count):
+        total = field.zero
+        for j in range(1, min(k, len(series) - 1) + 1):
+            if series[j]:
+                total = total + series[j] * found[k - j]
+        found.append(-total * start)
+    return found
+
+
+def _product(a: list[Any], b: list[Any], count: int, zero: Any) -> list[Any]:
+    found = [zero] * count
+    for i, value in enumerate(a):
+        if value:
+            for j in range(count - i):
+                found[i + j] = found[i + j] + value * b[j]
+    return found
+
+
+def _is_rational(element: Any, field: Any) -> bool:
+    return not field.is_Algebraic or len(element.to_list()) <= 1
+
+
+def _rational(element: Any, field: Any) -> Any:
+    from flint import fmpq
+
+    value = element
+    if field.is_Algebraic:
+        value = element.to_list()[0] if element else field.dom.zero
+    return fmpq(int(value.numerator), int(value.denominator))
+
+
+def _norm(coefficients: list[Any], field: Any) -> Any:
+    """The product of the conjugates of a polynomial over an algebraic field, by interpolation of determinants."""
+    from flint import fmpq, fmpq_poly
+    from sympy import Poly, Symbol
+
+    x, theta = Symbol("x"), Symbol("theta")
+    modulus = Poly(field.mod.to_list(), theta)
+    expression = sum(
+        (Poly(c.to_list() or [0], theta).as_expr() * x**k for k, c in enumerate(reversed(coefficients))), 0 * x
+    )
+    result: Any = Poly(modulus.as_expr(), theta).resultant(Poly(expression, theta))
+    polynomial = Poly(result.as_expr(), x)
+    return fmpq_poly([fmpq(int(c.p), int(c.q)) for c in reversed(polynomial.all_coeffs())])
+
+
+def _divided(coefficients: list[Any], root: Any) -> tuple[list[Any], Any]:
+    """Quotient and rest of a polynomial, highest power first, by x - root."""
+    found = [coefficients[0]]
+    for c in coefficients[1:]:
+        found.append(found[-1] * root + c)
+    return found[:-1], found[-1]
+
+
+def rational_shift(f: Any, g: Any) -> Fraction | None:
+    """The rational d with g(x) = f(x + d) up to a factor, f and g of FLINT; None if there is none."""
+    from flint import fmpq_poly
+
+    n = f.degree()
+    if n != g.degree():
+        return None
+    d = (g[n - 1] / g[n] - f[n - 1] / f[n]) / n
+    moved = f(fmpq_poly([d, 1]))
+    if moved / moved.leading_coefficient() != g / g.leading_coefficient():
+        return None
+    return Fraction(int(d.p), int(d.q))

@@ -1,0 +1,438 @@
+r"""Variational equations along a particular solution, as a linear system with rational coefficients, and their flags.
+
+With $\dot x = f(x)$ and a solution x(s), $\dot s = p(s)$, the variations obey $d\delta/ds = p^{-1} Df(x(s))\,\delta$.
+Where the solution contains a root y, $y^2 = Q(s)$, the components of $\delta$ are divided into even and odd ones, the
+odd ones written as y times a function; a reverser of the solution makes the coefficients rational then.  The points of
+the s plane are those of the curve up to a double covering, which changes the Galois group by a finite group only.
+Without such a reverser $\delta = u + y v$ gives twice as many equations: they are solved by the variations for both
+signs of y, and their group has an abelian identity component if and only if that of the variations has.
+
+A **flag** is a chain of invariant subspaces $0 = F_0 \subset F_1 \subset \dots \subset F_r = V$, found from
+
+- components that do not influence others (coordinate subspaces),
+- solutions that are rational functions of s (each spans a line), and
+- linear integrals with such coefficients, $w\cdot\delta$ (each has an invariant kernel).
+
+The matrix P whose first columns span the subspaces is a polynomial one with a constant determinant as far as integrals
+and solutions are concerned, so that no new singular points appear at finite s.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.calls import explains_its_arguments
+from liepoisson.errors import ParameterError
+from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction, from_polynomial
+from liepoisson.integrability.galois.solutions import Arithmetic, ParticularSolution
+from liepoisson.wrong_values import not_a
+
+if TYPE_CHECKING:
+    from liepoisson.exact.system import System
+
+_MOST_UNKNOWNS = 600
+"""Of the search for rational solutions."""
+
+
+@explains_its_arguments
+def variational_equations(system: System, solution: ParticularSolution) -> LinearSystem:
+    r"""The variational equations along a solution, with coefficients that are rational functions of its variable.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> equations = lp.integrability.variational_equations(top, lp.integrability.particular_solutions(top)[0])
+        >>> [len(part) for part in equations.summands]
+        [5, 4]
+
+    Args:
+        system: The system.
+        solution: A solution of it, as `particular_solution` or `particular_solutions` give it.
+
+    Raises:
+        ParameterError: the solution is that of another system.
+    """
+    from sympy import QQ
+    from sympy.polys.matrices import DomainMatrix
+
+    if not isinstance(solution, ParticularSolution):  # pyright: ignore[reportUnnecessaryIsInstance]
+        raise not_a("a ParticularSolution", solution, "solution", "write particular_solution(system, ...)")
+    same = solution.system is system or (
+        solution.system.variables == system.variables and solution.system.equations == system.equations
+    )
+    if not same:
+        raise ParameterError(f"solution: wanted one of {system.name}; got one of {solution.system.name}")
+    arithmetic = Arithmetic(solution.variable, solution.root, QQ)
+    values = [arithmetic.read(f, name) for name, f in solution.state.items()]
+    speed = arithmetic.read(solution.rate, "rate")
+    most = max(1, *(int(d) for d in _degrees_of(system)))
+    powers = [arithmetic.powers(v, most) for v in values]
+    jacobian: Any = system.jacobian
+    n = len(system.variables)
+    entries = [[arithmetic.at(jacobian[i, j].expand(), system.variables, powers) for j in range(n)] for i in range(n)]
+    names = tuple(f"d{name}" for name in system.component_names)
+    if solution.root is None:
+        rows = [[entry[0] / speed[0] for entry in row] for row in entries]
+        return LinearSystem(solution.variable, DomainMatrix(rows, (n, n), arithmetic.field), names)
+    odd = _parities(entries)
+    square, c = arithmetic.square, speed[1]
+    root = str(solution.root[0])
+    if odd is None:
+        rows = _doubled(entries, square, c, arithmetic)
+        names = (*names, *(f"{name}/{root}" for name in names))
+        return LinearSystem(solution.variable, DomainMatrix(rows, (2 * n, 2 * n), arithmetic.field), names)
+    rows = []
+    for i in range(n):
+        row: list[Any] = []
+        for j in range(n):
+            even_part, odd_part = entries[i][j]
+            # (A0 + A1 y) / (c y), between components that are y^odd times a function
+            value = odd_part / c if odd[i] == odd[j] else even_part / c / (square if odd[i] else arithmetic.one)
+            if i == j and odd[i]:
+                value = value - square.diff(arithmetic.s) / (2 * square)
+            row.append(value)
+        rows.append(row)
+    names = tuple(f"{name}/{root}" if odd[k] else name for k, name in enumerate(names))
+    return LinearSystem(solution.variable, DomainMatrix(rows, (n, n), arithmetic.field), names)
+
+
+def linear_integrals(system: System, solution: ParticularSolution, equations: LinearSystem) -> dict[str, Any]:
+    """Linear integrals of the variational equations: dH and the dC along the solution, by name; those that vanish not.
+
+    Only where the solution contains no root.
+    """
+    from sympy import QQ
+    from sympy.polys.matrices import DomainMatrix
+
+    if solution.root is not None:
+        return {}
+    arithmetic = Arithmetic(solution.variable, None, QQ)
+    values = [arithmetic.read(f, name) for name, f in solution.state.items()]
+    functions: dict[str, Any] = {"H": system.hamiltonian}
+    functions |= {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
+    found: dict[str, Any] = {}
+    for name, f in functions.items():
+        if not f.is_polynomial(*system.variables):
+            continue
+        slopes = [f.diff(x).expand() for x in system.variables]
+        most = max(1, *(int(d) for d in _degrees(slopes, system.variables)))
+        powers = [arithmetic.powers(v, most) for v in values]
+        row = [arithmetic.at(slope, system.variables, powers)[0] for slope in slopes]
+        if any(row):
+            found[name] = DomainMatrix([row], (1, len(row)), arithmetic.field)
+    assert equations.n == len(system.variables)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Flag:
+    r"""A chain of invariant subspaces of a linear system.
+
+    Attributes:
+        system: The system.
+        basis: P; the first columns span the first subspace, and so on.
+        sizes: The dimensions of the quotients of a subspace by the one before it.
+        reasons: What each quotient comes from.
+    """
+
+    system: LinearSystem
+    basis: Any
+    sizes: tuple[int, ...]
+    reasons: tuple[str, ...]
+
+    @cached_property
+    def triangular(self) -> LinearSystem:
+        """The equations in this basis, block triangular."""
+        return self.system.changed(self.basis)
+
+    @cached_property
+    def dimensions(self) -> tuple[int, ...]:
+        """The dimensions of F_0, F_1, ..., F_r."""
+        found = [0]
+        for size in self.sizes:
+            found.append(found[-1] + size)
+        return tuple(found)
+
+    def quotient(self, low: int, high: int) -> LinearSystem:
+        """The equations on F_high / F_low."""
+        key = (low, high)
+        if key not in self._quotients:
+            self._quotients[key] = self.triangular.part(range(self.dimensions[low], self.dimensions[high]))
+        return self._quotients[key]
+
+    @cached_property
+    def _quotients(self) -> dict[tuple[int, int], LinearSystem]:
+        return {}
+
+    @cached_property
+    def annihilators(self) -> Any:
+        """The inverse of P: a solution lies in F_k if the rows from the dimension of F_k on vanish on it."""
+        return self.basis.inv()
+
+
+def flag(system: LinearSystem) -> Flag:
+    """A flag that is as fine as these means give, and verified: the matrix in its basis is block triangular."""
+    basis, sizes, reasons = _refined(system)
+    found = Flag(system, basis, tuple(sizes), tuple(reasons))
+    rows = found.triangular.entries.to_dense().rep.to_list()
+    d = found.dimensions
+    for k in range(len(sizes)):
+        assert not any(rows[i][j] for i in range(d[k + 1], system.n) for j in range(d[k], d[k + 1]))
+    return found
+
+
+def rational_solutions(system: LinearSystem) -> tuple[Any, ...]:
+    """A basis of the solutions that are rational functions, columns with polynomial entries up to a common factor.
+
+    It is empty where a singular point is not recognised as regular, which then proves nothing.
+    """
+    from flint import fmpq, fmpq_mat, fmpq_poly
+    from sympy.polys.matrices import DomainMatrix
+
+    if (bounds := _bounds(system)) is None:
+        return ()
+    numerators, denominator = system.polynomials
+    bottom, top_degree = bounds
+    n, count = system.n, top_degree + 1
+    if n * count > _MOST_UNKNOWNS:
+        return ()
+    # y = q / b: d b q' - d b' q - b M q = 0
+    columns: list[list[Any]] = []
+    height = 0
+    for j in range(n):
+        for k in range(count):
+            power = fmpq_poly([0] * k + [1])
+            entries = [-bottom * numerators[i][j] * power for i in range(n)]
+            entries[j] += denominator * (bottom * power.derivative() - bottom.derivative() * power)
+            columns.append(entries)
+            height = max(height, *(e.degree() + 1 for e in entries))
+    rows = [[column[i][m] for column in columns] for i in range(n) for m in range(height)]
+    reduced, rank = fmpq_mat(rows).rref()
+    pivots = [next(c for c in range(n * count) if reduced[r, c] != 0) for r in range(rank)]
+    field = system.entries.domain
+    found: list[Any] = []
+    for free in (c for c in range(n * count) if c not in pivots):
+        values = [fmpq(0)] * (n * count)
+        values[free] = fmpq(1)
+        for r, c in enumerate(pivots):
+            values[c] = -reduced[r, free]
+        parts = [fmpq_poly(values[j * count : (j + 1) * count]) for j in range(n)]
+        column = [[from_polynomial(part, field) / from_polynomial(bottom, field)] for part in parts]
+        found.append(DomainMatrix(column, (n, 1), field))
+    return tuple(found)
+
+
+def _bounds(system: LinearSystem) -> tuple[Any, int] | None:
+    """A denominator of all rational solutions, and a bound of the degree of their numerators; None if there are none.
+
+    They have integer exponents at each singular point.
+    """
+    from flint import fmpq_poly
+
+    bottom, degree = fmpq_poly([1]), 0
+    for point in (*system.singular_points, *([None] if system.infinity_is_singular else [])):
+        local = system.local(point)
+        if not local.is_regular:
+            return None
+        whole = [e for e in local.exponents.rational if e.denominator == 1]
+        if not whole:
+            return None
+        pole = int(max(local.weights or ()) - min(whole))
+        if point is None:
+            degree = pole
+        else:
+            bottom *= point ** max(pole, 0)
+    return None if bottom.degree() + degree < 0 else (bottom, bottom.degree() + degree)
+
+
+def _refined(system: LinearSystem) -> tuple[Any, list[int], list[str]]:
+    from sympy.polys.matrices import DomainMatrix
+
+    n, field = system.n, system.entries.domain
+    groups = _components(system)
+    if len(groups) > 1:
+        order = [k for group in groups for k in group]
+        permutation = DomainMatrix(
+            [[field.one if order[j] == i else field.zero for j in range(n)] for i in range(n)], (n, n), field
+        )
+        parts = [_refined(system.part(group)) for group in groups]
+        blocks = _block_diagonal([part[0] for part in parts], field)
+        return permutation * blocks, [s for part in parts for s in part[1]], [r for part in parts for r in part[2]]
+    what = ", ".join(system.names)
+    if n == 1:
+        return DomainMatrix.eye(1, field).to_dense(), [1], [what]
+    if solutions := rational_solutions(system):
+        chosen = solutions[0].hstack(*solutions[1:])
+        k = len(solutions)
+        basis = _completed(chosen)
+        sizes, reasons = [1] * k, ["a rational solution"] * k
+        if k == n:
+            return basis, sizes, reasons
+        rest = _refined(system.changed(basis).part(range(k, n)))
+        blocks = _block_diagonal([DomainMatrix.eye(k, field).to_dense(), rest[0]], field)
+        return basis * blocks, sizes + rest[1], reasons + rest[2]
+    if integrals := rational_solutions(system.dual):
+        k = len(integrals)
+        chosen = integrals[0].hstack(*integrals[1:])
+        # columns 0 .. k-1 of the completed matrix W are the integrals; those of W^-T from k on span their kernel
+        dual = _completed(chosen).inv().transpose()
+        places = [*range(k, n), *reversed(range(k))]  # the last of them is combined from all
+        basis = dual.extract(list(range(n)), places)
+        kernel = _refined(system.changed(basis).part(range(n - k)))
+        blocks = _block_diagonal([kernel[0], DomainMatrix.eye(k, field).to_dense()], field)
+        return basis * blocks, kernel[1] + [1] * k, kernel[2] + ["a linear integral"] * k
+    return DomainMatrix.eye(n, field).to_dense(), [n], [what]
+
+
+def _completed(columns: Any) -> Any:
+    """An invertible matrix whose first columns span what these columns span, polynomial, with constant determinant.
+
+    Rows are reduced by Euclid's algorithm until the columns are those of the identity; the inverse steps give the
+    matrix.
+    """
+    from sympy.polys.matrices import DomainMatrix
+
+    field = columns.domain
+    n, k = columns.shape
+    work = [list(row) for row in _cleared(columns).to_dense().rep.to_list()]
+    undo = [[field.one if i == j else field.zero for j in range(n)] for i in range(n)]
+    for c in range(k):
+        while True:
+            rows = [i for i in range(c, n) if work[i][c]]
+            best = min(rows, key=lambda i: _degree(work[i][c]))
+            _swap(work, undo, c, best)
+            others = [i for i in range(c + 1, n) if work[i][c]]
+            if not others:
+                break
+            for i in others:
+                factor = _quotient(work[i][c], work[c][c], field)
+                work[i] = [a - factor * b for a, b in zip(work[i], work[c], strict=True)]
+                for row in undo:  # undo * (row i += factor row c): column c gains factor times column i
+                    row[c] = row[c] + factor * row[i]
+    return DomainMatrix(undo, (n, n), field)
+
+
+def _cleared(columns: Any) -> Any:
+    """Each column times a rational function so that its entries are polynomials without a common divisor."""
+    from flint import fmpq_poly
+    from sympy.polys.matrices import DomainMatrix
+
+    field = columns.domain
+    found: list[Any] = []
+    for column in columns.transpose().to_dense().rep.to_list():
+        parts = [fraction(entry) for entry in column]
+        common = fmpq_poly([1])
+        for _, bottom in parts:
+            common *= bottom / common.gcd(bottom)
+        tops = [top * (common / bottom) for top, bottom in parts]
+        divisor = fmpq_poly([0])
+        for top in tops:
+            divisor = divisor.gcd(top)
+        found.append([from_polynomial(top / divisor, field) for top in tops])
+    return DomainMatrix(found, (len(found), columns.shape[0]), field).transpose()
+
+
+def _swap(work: list[list[Any]], undo: list[list[Any]], a: int, b: int) -> None:
+    if a != b:
+        work[a], work[b] = work[b], work[a]
+        for row in undo:
+            row[a], row[b] = row[b], row[a]
+
+
+def _degree(entry: Any) -> int:
+    return int(_whole(entry).degree())
+
+
+def _quotient(a: Any, b: Any, field: Any) -> Any:
+    """The polynomial part of a / b."""
+    return from_polynomial(divmod(_whole(a), _whole(b))[0], field)
+
+
+def _whole(entry: Any) -> Any:
+    """A rational function that is a polynomial, as one of FLINT."""
+    top, bottom = fraction(entry)
+    assert bottom.degree() == 0
+    return top / bottom[0]
+
+
+def _block_diagonal(blocks: list[Any], field: Any) -> Any:
+    from sympy.polys.matrices import DomainMatrix
+
+    n = sum(block.shape[0] for block in blocks)
+    rows = [[field.zero] * n for _ in range(n)]
+    start = 0
+    for block in blocks:
+        for i, row in enumerate(block.to_dense().rep.to_list()):
+            rows[start + i][start : start + len(row)] = row
+        start += block.shape[0]
+    return DomainMatrix(rows, (n, n), field)
+
+
+def _components(system: LinearSystem) -> list[list[int]]:
+    """The strongly connected components, those that influence no others first."""
+    rows = system.entries.to_dense().rep.to_list()
+    n = system.n
+    reach = [{i} | {j for j in range(n) if rows[j][i]} for i in range(n)]  # i influences j
+    changed = True
+    while changed:
+        changed = False
+        for i in range(n):
+            larger = set().union(*(reach[j] for j in reach[i]))
+            if larger != reach[i]:
+                reach[i], changed = larger, True
+    groups = {frozenset(j for j in reach[i] if i in reach[j]): len(reach[i]) for i in range(n)}
+    return [sorted(group) for group in sorted(groups, key=lambda g: (groups[g], min(g)))]
+
+
+def _doubled(entries: list[list[tuple[Any, Any]]], square: Any, c: Any, arithmetic: Arithmetic) -> list[list[Any]]:
+    """The equations for u and v, where the variations are u + y v."""
+    n, zero = len(entries), arithmetic.zero
+    slope = square.diff(arithmetic.s) / (2 * square)
+    rows = [[zero] * (2 * n) for _ in range(2 * n)]
+    for i in range(n):
+        for j in range(n):
+            even_part, odd_part = entries[i][j]
+            rows[i][j] = rows[n + i][n + j] = odd_part / c
+            rows[i][n + j], rows[n + i][j] = even_part / c, even_part / (c * square)
+        rows[n + i][n + i] = rows[n + i][n + i] - slope
+    return rows
+
+
+def _parities(entries: list[list[tuple[Any, Any]]]) -> list[bool] | None:
+    """Which components are y times a function, so that the coefficients become rational; None if none are."""
+    n = len(entries)
+    odd: dict[int, bool] = {}
+    for start in range(n):
+        if start in odd:
+            continue
+        odd[start] = False
+        waiting = [start]
+        while waiting:
+            i = waiting.pop()
+            for j in range(n):
+                for even_part, odd_part in (entries[i][j], entries[j][i]):
+                    for part, differ in ((even_part, True), (odd_part, False)):
+                        if not part:
+                            continue
+                        wanted = odd[i] != differ
+                        if j not in odd:
+                            odd[j] = wanted
+                            waiting.append(j)
+                        elif odd[j] != wanted:
+                            return None
+    return [odd[k] for k in range(n)]
+
+
+def _degrees_of(system: System) -> list[int]:
+    return _degrees(list(system.equations.values()), system.variables)
+
+
+def _degrees(expressions: list[Any], variables: Any) -> list[int]:
+    from sympy import Poly
+
+    found = [0]
+    for e in expressions:
+        if e != 0:
+            found += [max(m) for m in Poly(e, *variables).monoms()]
+    return found
