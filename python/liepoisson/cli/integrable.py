@@ -29,8 +29,8 @@ def integrable(
 ) -> None:
     """Look for polynomial integrals, degree by degree, until they prove that the system is integrable.
 
-    Where none are found, it says up to which degree it is proved that there are none, and looks for a proof that there are
-    no meromorphic ones, by the differential Galois group; the singularities in complex time are evidence besides.
+    Where none are found, it says up to which degree it is proved that there are none, and looks for a proof that there
+    are no meromorphic ones, by the differential Galois group; the singularities in complex time are evidence besides.
     """
     from liepoisson.errors import ParameterError
     from liepoisson.integrability.certificates import save_certificate

@@ -52,8 +52,8 @@ class IntegrabilityReport:
 
     Attributes:
         system: The system.
-        verdict: "integrable", "superintegrable", "not integrable" (in the sense of Liouville with meromorphic integrals:
-            `obstruction` says where), "no further polynomial integral", or "open".
+        verdict: "integrable", "superintegrable", "not integrable" (in the sense of Liouville, with meromorphic
+            integrals; `obstruction` says where), "no further polynomial integral", or "open".
         rank: Dimension of a generic leaf.
         integrals: Independent integrals besides the Casimirs, by name: H first.
         dependent: Other integrals that were found, by name: functions of those and of Casimirs, though no polynomials
@@ -235,11 +235,7 @@ def integrability_report(
     """
     most, limit = as_count(degree, "degree", least=1), as_time_limit(time_limit)
     notes: list[str] = []
-    if len(system.variables) > len(system.bracket.variables):
-        from liepoisson.exact.system import System
-
-        system = System(system.bracket, system.hamiltonian, name=system.name)
-        notes.append("quadratures were left out: they are no functions on phase space")
+    system = _without_quadratures(system, notes)
     rank = system.bracket.rank()
     casimirs = {f"C{k}": c for k, c in enumerate(system.bracket.casimirs(), start=1)}
     integrals: dict[str, Expr] = {"H": system.hamiltonian}
@@ -271,16 +267,12 @@ def integrability_report(
             commuting, closed = _enough(system, integrals, dependent, rank, notes)
         if progress:
             progress(0.7 * d / most)
-    obstruction, singularities = None, None
-    if not (commuting or closed) and rank > _ONE_DEGREE_OF_FREEDOM:
+    proof, obstruction, singularities = None, None, None
+    if commuting:
+        proof = _certificate(system, {name: (integrals | dependent)[name] for name in commuting}, notes)
+    elif not closed:
         left = max(limit - (time.monotonic() - started), 0.0)
         obstruction, singularities = _reasons(system, left, notes)
-    proof = None
-    if commuting:
-        try:
-            proof = certificate(system, {name: (integrals | dependent)[name] for name in commuting})
-        except ParameterError as error:
-            notes.append(f"no certificate: {error}")
     return IntegrabilityReport(
         system,
         verdict_of(rank, integrals, commuting, closed, searches, degree=most, obstruction=obstruction),
@@ -298,12 +290,31 @@ def integrability_report(
     )
 
 
+def _without_quadratures(system: System, notes: list[str]) -> System:
+    from liepoisson.exact.system import System
+
+    if len(system.variables) == len(system.bracket.variables):
+        return system
+    notes.append("quadratures were left out: they are no functions on phase space")
+    return System(system.bracket, system.hamiltonian, name=system.name)
+
+
+def _certificate(system: System, commuting: Mapping[str, Expr], notes: list[str]) -> dict[str, Any] | None:
+    try:
+        return certificate(system, commuting)
+    except ParameterError as error:
+        notes.append(f"no certificate: {error}")
+        return None
+
+
 def _reasons(system: System, seconds: float, notes: list[str]) -> tuple[GaloisObstruction | None, PainleveTest | None]:
     """What the differential Galois group and the singularities in complex time say, where they apply."""
     from liepoisson.integrability.galois.obstruction import galois_obstruction
     from liepoisson.integrability.painleve.singularity_analysis import painleve_test
 
     obstruction, singularities = None, None
+    if system.bracket.rank() <= _ONE_DEGREE_OF_FREEDOM:
+        return None, None
     if seconds < _LEAST_TIME:
         notes.append("no time was left for the differential Galois group and for the singularities in complex time")
         return None, None
