@@ -76,8 +76,10 @@ def test_a_verdict_for_programs(command):
     code, out, _ = command("integrable", "henon-heiles", "--degree", "4", "--format", "json")
     record = json.loads(out)
     assert code == 0
-    assert (record["verdict"], record["searched_degree"]) == ("no further polynomial integral", 4)
+    assert (record["verdict"], record["searched_degree"]) == ("not integrable", 4)
     assert (record["certificate"], record["commuting"], record["rank"]) == (None, [], 4)
+    assert record["obstruction"]["theorem"] == "Morales-Ruiz and Ramis"
+    assert record["singularities"]["verdict"] == "fails"
     assert [search["degree"] for search in record["searches"]] == [1, 2, 3, 4]
 
 
