@@ -93,8 +93,15 @@ QUESTIONS: tuple[Question, ...] = (
                 "incomplete",
             ),
             Answer(
+                "proved",
+                "Three neighbours are not Liouville integrable with meromorphic integrals: Kovalevskaya’s inertia with "
+                "b = (0, 0, 1), the spherical top with b across a, and I = (2, 3, 4), a = (1, 0, 0), b = 0.",
+                *_NEARBY,
+            ),
+            Answer(
                 "not settled",
-                "Integrals of degree ≥ 3 for other parameters, b ≠ 0, and integrals that are not polynomial.",
+                "Integrals of degree ≥ 3 for other parameters, b ≠ 0, and integrals that are not polynomial, but for "
+                "these cases.",
                 *_NEARBY,
             ),
         ),

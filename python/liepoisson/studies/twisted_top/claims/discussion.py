@@ -8,6 +8,7 @@ from typing import Any
 from liepoisson.exact.extensions import semidirect
 from liepoisson.exact.system import System
 from liepoisson.integrability.families import integrable_families
+from liepoisson.integrability.galois.obstruction import galois_obstruction
 from liepoisson.integrability.polynomial_integrals import FirstIntegrals, first_integrals
 from liepoisson.studies.twisted_top.claims.common import complete_integrability
 from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
@@ -116,19 +117,38 @@ def _families(evidence: Evidence, context: Context) -> None:
     )
 
 
+def _obstructions(evidence: Evidence, context: Context) -> None:
+    """State of some neighbours that they are not integrable, by the differential Galois group."""
+    for what, inertia, a, b in (
+        ("I = (2, 2, 1), a = (−1, 0, 0), b = (0, 0, 1)", KOVALEVSKAYA, CENTRE_OF_MASS, (0, 0, 1)),
+        ("I = (1, 1, 1), a = (1, 0, 0), b = (0, 0, 1)", (1, 1, 1), (1, 0, 0), (0, 0, 1)),
+        ("I = (2, 3, 4), a = (1, 0, 0), b = 0", (2, 3, 4), (1, 0, 0), (0, 0, 0)),
+    ):
+        top = symbolic_top(context, inertia=inertia, a=a, b=b, epsilon=1)
+        found = galois_obstruction(System(top.bracket, top.hamiltonian))
+        how = "exactly" if found.is_proved_exactly else "with monodromy matrices in rigorous balls"
+        evidence.proof(
+            "value" if found.is_proved_exactly else "enclosure",
+            f"{what}, ε = 1: not Liouville integrable with meromorphic integrals, {how}",
+            found.verdict == "not integrable",
+            [step.text for step in found.steps],
+        )
+
+
 def nearby_integrable_case(context: Context) -> Verdict:
     """What is known here about integrable neighbours."""
     evidence = Evidence()
     evidence.note("I = (2, 2, 1), a = (−1, 0, 0), b = 0, ε = 1:")
     _no_polynomial_integral(evidence, context)
     _families(evidence, context)
+    _obstructions(evidence, context)
     evidence.note(
-        "Integrals of higher degree at other parameters, and any that are not polynomial, are not examined here."
+        "For other parameters integrals of higher degree, and any that are not polynomial, are not examined here."
     )
     return evidence.conclude(
         "not settled",
         "At the Kovalevskaya values themselves there is no further polynomial integral of degree ≤ 4; whether changed "
-        "parameters give an integrable case is not decided by what is computed here.",
+        "parameters give an integrable case is decided here for a few of them only.",
     )
 
 
