@@ -100,6 +100,19 @@ def test_three_generators_in_their_order_go_around_all():
     outer = continued(system, loop_around_all(system, generators(system)[0][1]))
     assert abs(np.poly(outer.matrix) - wanted).max() < 1e-9
     assert [w for _, w in outer.windings] == [1, 1, 1]
+    # It is the product itself from one of them on, and no conjugate of it: all have one base point, to the last digit.
+    loops = [loop for _, loop in generators(system)]
+    assert {loop.corners[0] for loop in (*loops, outer.loop)} == {loops[0].corners[0]}
+    each = [continued(system, loop).matrix for loop in loops]
+    products = [each[(k + 2) % 3] @ each[(k + 1) % 3] @ each[k] for k in range(3)]
+    assert min(abs(product - outer.matrix).max() for product in products) < 1e-12
+
+
+def test_loops_of_different_sizes_have_one_base_point():
+    """Near and far singular points have loops on grids of different fineness."""
+    system = linear_system(sp.Matrix([[1 / s + 1 / (s - sp.Rational(1, 1000)) + 1 / (2 * s - 3)]]), s)
+    loops = [loop for _, loop in generators(system)]
+    assert len({loop.corners[0] for loop in (*loops, loop_around_all(system, loops[0]))}) == 1
 
 
 @pytest.mark.parametrize(

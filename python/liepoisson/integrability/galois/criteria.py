@@ -235,7 +235,10 @@ def _pairs(
         loops = loops[:_MOST_LOOPS]
     elements: list[NeatElement] = []
     matrices: list[Monodromy] = []
+    base = loops[0][1].corners[0] if loops else None
     for f, loop in loops:
+        if loop.corners[0] != base:
+            raise EnclosureError(f"the loop around {loop.name}: it has another base point than the first one")
         matrices.append(continued(system, loop, precision=precision, until=until))
         if sum(abs(w) for _, w in matrices[-1].windings) != 1:
             raise EnclosureError(
@@ -250,7 +253,10 @@ def _pairs(
     if system.infinity_is_singular and not left:
         if system.local().is_regular:
             outer = continued(system, loop_around_all(system, loops[0][1]), precision=precision, until=until)
-            assert all(winding == 1 for _, winding in outer.windings)
+            if any(winding != 1 for _, winding in outer.windings) or outer.loop.corners[0] != base:
+                raise EnclosureError(
+                    "the loop around infinity does not go once around each singular point, from the base"
+                )
             new = _neat("infinity", outer.balls, system.local().exponents.neat_power)
             yield from ((other, new) for other in elements)
             elements.append(new)

@@ -166,10 +166,10 @@ def generators(system: LinearSystem) -> tuple[tuple[Any, Loop], ...]:
         clear = all(_distance(start, z, w) > _CLEARANCE * apart for z in places for w in others[z])
         if clear and all(abs(start - z) > _CLEARANCE * apart for z in places):
             ordered = sorted(roots, key=lambda root: phase(root[1] - start))
-            return tuple(
-                (f, _lasso(start, z, min([abs(start - z), *(abs(z - w) for w in others[z])]), f, system))
-                for f, z in ordered
-            )
+            near = {z: min([abs(start - z), *(abs(z - w) for w in others[z])]) for z in places}
+            # Rounded once: matrices of loops from two base points, however near, cannot be compared.
+            corner = _rounded([start], min(near.values(), default=1.0))[0]
+            return tuple((f, _lasso(corner, z, near[z], f, system)) for f, z in ordered)
     raise EnclosureError(
         "generators of the monodromy group: found no base point from which every singular point is "
         "seen at a distance from the others; give a polygon to `monodromy`"
@@ -360,18 +360,17 @@ def _distance(start: complex, end: complex, point: complex) -> float:
     return abs(start + min(max(along, 0.0), 1.0) * way - point)
 
 
-def _lasso(start: complex, z: complex, near: float, point: Any, system: LinearSystem) -> Loop:
-    """From the start towards z, around it counterclockwise, and back."""
+def _lasso(base: tuple[Fraction, Fraction], z: complex, near: float, point: Any, system: LinearSystem) -> Loop:
+    """From the base point towards z, around it counterclockwise, and back."""
     from liepoisson.integrability.galois.linear_systems import root_text
 
     radius = near / 2
-    angle = phase(start - z)
+    angle = phase(complex(*map(float, base)) - z)
     around = [z + radius * exp(1j * (angle + 2 * pi * k / _SIDES)) for k in range(_SIDES)]
     name = root_text(point, system.variable)
     if point.degree() > 1:
         name = f"{system.variable} = {z:.3g}"
-    way = [start, *around, around[0]]
-    return Loop(_rounded(way, radius), name)
+    return Loop((base, *_rounded([*around, around[0]], radius)), name)
 
 
 def _rounded(way: Sequence[complex], unit: float) -> tuple[tuple[Fraction, Fraction], ...]:
