@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
+import matplotlib.pyplot as plt
 import numpy as np
 import pytest
 
@@ -134,6 +135,7 @@ def test_blocks_run_and_print_what_is_shown(document, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("MPLBACKEND", "Agg")
     monkeypatch.delenv("LIEPOISSON_SIMD", raising=False)
+    plt.close("all")  # pages leave theirs open, and Matplotlib warns of more than 20
     for block, printed in outputs(document):
         wrong = difference(block.content, printed, errors=accepted_errors())
         again = "" if wrong is None else "python docs/print_again.py writes what is printed now into the page\n"

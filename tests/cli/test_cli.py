@@ -264,7 +264,7 @@ def test_damaged_piece_is_refused_by_name(tmp_path):
     assert "--fresh" in message
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_quick_study_prints_a_table_and_is_silent_if_it_shall_be(tmp_path):
     done = run(*STUDY, "--quick", "--members", 100, "--quiet", "--out", tmp_path)
     assert done.returncode == 0, done.stderr

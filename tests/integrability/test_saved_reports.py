@@ -22,7 +22,7 @@ CENTRAL = lp.System(
         (lp.catalog.system("toda"), 3, "integrable"),
         (lp.catalog.system("henon-heiles"), 3, "not integrable"),
         (lp.Top.kovalevskaya(epsilon=1), 3, "not integrable"),
-        (lp.catalog.system("twisted-top"), 1, "no further polynomial integral"),
+        pytest.param(lp.catalog.system("twisted-top"), 1, "no further polynomial integral", marks=pytest.mark.slow),
         (lp.catalog.system("zeitlin-3"), 2, "no further polynomial integral"),
         (lp.catalog.system("free-rigid-body"), 2, "integrable"),
     ],

@@ -34,7 +34,7 @@ def test_two_closed_curves_have_their_shares_whatever_the_state_of_the_leaf(ener
     assert np.array_equal(first, other)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_mirrored_wells_of_a_top_have_equal_shares():
     """The wells at (l2, beta2) and (-l2, -beta2), 0.176 below the pass between them, 0.006 above their bottom.
 

@@ -50,7 +50,7 @@ def test_one_singular_system_of_equations_does_not_end_the_search():
     assert np.isnan(solved[3]).all()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_mirrored_circles_of_one_energy_are_two():
     """The lowest states of this leaf are two circles, x and -x on one of l and alpha."""
     system = lp.catalog.system("clebsch")

@@ -152,7 +152,15 @@ EXPECTED |= {("kovalevskaya-inertia", "one structure constant"): OPEN}
 """Verdicts that are known beforehand, by claim and mutation; of the others some mutation must change the verdict."""
 
 
-@pytest.mark.parametrize("claim", ABOUT_THE_BRACKET)
+LONG = {"kovalevskaya-painleve", "rigorous-demonstration", "nearby-integrable-case"}
+"""Claims that are computed in many seconds with a wrong bracket."""
+
+
+def marked(claims):
+    return [pytest.param(claim, marks=pytest.mark.slow) if claim in LONG else claim for claim in claims]
+
+
+@pytest.mark.parametrize("claim", marked(ABOUT_THE_BRACKET))
 def test_every_claim_about_the_bracket_notices_a_wrong_one(claim):
     expected = {name: found for (about, name), found in EXPECTED.items() if about == claim}
     assert {name: verdict(claim, mutated(name)) for name in expected} == expected
@@ -167,6 +175,6 @@ def test_all_verdicts_that_are_known_are_asked_for():
     assert {claim for claim, _ in EXPECTED} <= set(ABOUT_THE_BRACKET)
 
 
-@pytest.mark.parametrize("claim", sorted(NOT_ABOUT_THE_BRACKET))
+@pytest.mark.parametrize("claim", marked(sorted(NOT_ABOUT_THE_BRACKET)))
 def test_the_other_claims_do_not_ask_for_the_bracket(claim):
     assert {verdict(claim, mutated(name)) for name in ("cocycle", "all signs")} == {right_verdict(claim)}

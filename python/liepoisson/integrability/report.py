@@ -42,6 +42,8 @@ _GROWTH = 12.0
 
 _ONE_DEGREE_OF_FREEDOM = 2
 """Rank of the bracket with which H alone makes a system integrable."""
+_LONGEST_TEST = 20.0
+"""Seconds for the singularities in complex time, which are evidence only."""
 _LEAST_TIME = 1.0
 """Seconds that must be left for the two tests of non-integrability."""
 
@@ -313,7 +315,7 @@ def _reasons(system: System, seconds: float, notes: list[str]) -> tuple[GaloisOb
     from liepoisson.integrability.painleve.singularity_analysis import painleve_test
 
     obstruction, singularities = None, None
-    if system.bracket.rank() <= _ONE_DEGREE_OF_FREEDOM:
+    if system.bracket.rank() <= _ONE_DEGREE_OF_FREEDOM or not any(system.bracket.vector_field(system.hamiltonian)):
         return None, None
     if seconds < _LEAST_TIME:
         notes.append("no time was left for the differential Galois group and for the singularities in complex time")
@@ -323,7 +325,7 @@ def _reasons(system: System, seconds: float, notes: list[str]) -> tuple[GaloisOb
     except ParameterError as error:
         notes.append(f"the differential Galois group was not examined: {error}")
     try:
-        singularities = painleve_test(system, time_limit=seconds / 2)
+        singularities = painleve_test(system, time_limit=min(seconds / 2, _LONGEST_TEST))
     except ParameterError as error:
         notes.append(f"singularities in complex time were not examined: {error}")
     return obstruction, singularities
