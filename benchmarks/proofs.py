@@ -7,11 +7,8 @@ theorem (the least of three).  No other tool does these, so the times stand alon
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from typing import Any
-
 import liepoisson as lp
+from integrals import timed
 
 TOP = lp.Top.twisted_kovalevskaya()
 LEVEL, ENERGY = {"C1": "1", "C2": "1/2", "C3": "1"}, "1/2"
@@ -28,17 +25,6 @@ def main() -> None:
     print(f"{'search':12} {seconds:7.2f} s  {len(found.chain.record()['sets'])} sets")
     orbits, seconds = timed(lambda: lp.orbits.symmetric_periodic_orbits(TOP, LEVEL, ENERGY, threads=1), 3)
     print(f"{'orbits':12} {seconds:7.2f} s  {len(orbits)} distinct orbits")
-
-
-def timed(call: Callable[[], Any], repeats: int) -> tuple[Any, float]:
-    """The last result, and the least time."""
-    times: list[float] = []
-    result = None
-    for _ in range(repeats):
-        began = time.perf_counter()
-        result = call()
-        times.append(time.perf_counter() - began)
-    return result, min(times)
 
 
 if __name__ == "__main__":

@@ -84,11 +84,11 @@ class _Complex:
 
     def rational_parts(self, elements: Sequence[complex]) -> list[list[fmpq]]:
         """Not for numbers that are rounded."""
-        raise NotImplementedError(elements)
+        raise TypeError("rounded numbers have no rational parts")
 
     def rational(self, element: complex) -> fmpq | None:
         """Not for numbers that are rounded."""
-        raise NotImplementedError(element)
+        raise TypeError("rounded numbers are not known to be rational")
 
     def text(self, element: complex) -> str:
         """The number."""
