@@ -110,6 +110,9 @@ def orbits(
     components: bool,
     progress: Callable[[float], object] | None,
 ) -> _Orbits: ...
+def states_at(
+    series: list[tuple[_Array, _Array]], ends: list[float], n_components: int, times: _Array, backwards: bool
+) -> _Array: ...
 def growth(
     field: Field,
     method: Method,

@@ -147,6 +147,25 @@ fn orbits<'py>(
     Ok(result)
 }
 
+/// States of trajectories with dense output at `times`; arrays are flat, row-major: see `_core.pyi`.
+#[pyfunction]
+fn states_at<'py>(
+    py: Python<'py>,
+    series: Vec<(PyReadonlyArray1<'py, f64>, PyReadonlyArray1<'py, f64>)>,
+    ends: Vec<f64>,
+    n_components: usize,
+    times: PyReadonlyArray1<'py, f64>,
+    backwards: bool,
+) -> PyResult<Doubles<'py>> {
+    let simd = Simd::from_environment().map_err(translate)?;
+    let kept = series.iter().zip(&ends).map(|((times, coefficients), &end)| {
+        Ok(orbit::Kept { times: times.as_slice()?, coefficients: coefficients.as_slice()?, end })
+    });
+    let (kept, times) = (kept.collect::<PyResult<Vec<_>>>()?, copied(&times)?);
+    let states = py.detach(|| orbit::states_at(&kept, n_components, &times, backwards, simd));
+    Ok(states.map_err(translate)?.into_pyarray(py))
+}
+
 /// Finite-time Lyapunov exponents at `times[1:]`; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
 #[pyo3(signature = (field, method, states, tangents, times, threads, time_limit, progress))]
@@ -329,6 +348,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<Field>()?;
     module.add_class::<Method>()?;
     module.add_function(wrap_pyfunction!(orbits, module)?)?;
+    module.add_function(wrap_pyfunction!(states_at, module)?)?;
     module.add_function(wrap_pyfunction!(growth, module)?)?;
     module.add_function(wrap_pyfunction!(sections, module)?)?;
     module.add_function(wrap_pyfunction!(orthonormal, module)?)?;

@@ -143,24 +143,14 @@ class Orbit(IntegratedRun, KeepsInvariants):
         low, high = min(self.time[0], self.time[-1]), max(self.time[0], self.time[-1])
         if not ((times >= low) & (times <= high)).all():
             raise ParameterError(f"at(times): wanted times from {low} to {high}; got {times.min()} to {times.max()}")
-        values = np.stack([self._evaluate(k, times.ravel()) for k in range(len(self.series))])
+        values = _core.states_at(
+            [(starts, coefficients.ravel()) for starts, coefficients in self.series],
+            self.end_time.tolist(),
+            self.state.shape[-1],
+            np.ascontiguousarray(times).ravel(),
+            bool(self.time[-1] < self.time[0]),
+        )
         return values.reshape(len(self.series), *times.shape, self.state.shape[-1])
-
-    def _evaluate(self, trajectory: int, times: Array) -> Array:
-        starts, coefficients = self.series[trajectory]
-        direction = np.sign(self.time[-1] - self.time[0])
-        values = np.full((len(times), coefficients.shape[-1]), np.nan)
-        reached = direction * times <= direction * self.end_time[trajectory]
-        if not len(starts) or not reached.any():
-            return values
-        step = np.searchsorted(direction * starts, direction * times[reached], side="right") - 1
-        step = np.maximum(step, 0)
-        tau = (times[reached] - starts[step])[:, None]
-        value = coefficients[step, -1]
-        for k in range(coefficients.shape[1] - 2, -1, -1):
-            value = value * tau + coefficients[step, k]
-        values[reached] = value
-        return values
 
     def __repr__(self) -> str:
         span = f"t = {self.time[0]:g} to {self.time[-1]:g}"

@@ -5,7 +5,7 @@ use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summ
 use crate::error::Error;
 use crate::field::Space;
 use crate::lanes::Simd;
-use crate::method::Method;
+use crate::method::{Method, sum_series};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -30,6 +30,67 @@ pub struct Series {
     pub times: Vec<f64>,
     /// `(step, order, component)`.
     pub coefficients: Vec<f64>,
+}
+
+/// Dense output that somebody else keeps: one trajectory.
+#[derive(Clone, Copy, Debug)]
+pub struct Kept<'k> {
+    /// Time at the start of each step, in the order of travel.
+    pub times: &'k [f64],
+    /// `(step, order, component)`.
+    pub coefficients: &'k [f64],
+    /// Time that the trajectory reached.
+    pub end: f64,
+}
+
+/// States of trajectories with dense output at `times`, `(trajectory, time, component)`; NaN at times beyond their end.
+///
+/// Times that follow one another within a step are summed side by side, so that times in order are quickest.
+///
+/// # Errors
+/// No memory for the states; coefficients that are not so many for each step.
+pub fn states_at(kept: &[Kept<'_>], n: usize, times: &[f64], backwards: bool, simd: Simd) -> Result<Vec<f64>, Error> {
+    let size = times.len().saturating_mul(n);
+    let mut states = filled(kept.len().saturating_mul(size), f64::NAN)?;
+    if size == 0 {
+        return Ok(states);
+    }
+    let mut taus = Vec::new();
+    for (kept, states) in kept.iter().zip(states.chunks_exact_mut(size)) {
+        let Some(per_step) = kept.coefficients.len().checked_div(kept.times.len()) else { continue };
+        if per_step < n || !per_step.is_multiple_of(n) || per_step * kept.times.len() != kept.coefficients.len() {
+            return Err(Error::Length { name: "coefficients", wanted: n * kept.times.len(), got: kept.coefficients.len() });
+        }
+        let is_before = |a: f64, b: f64| if backwards { a > b } else { a < b };
+        let (mut first, mut step) = (0, 0);
+        while first < times.len() {
+            if is_before(kept.end, times[first]) {
+                first += 1;
+                continue;
+            }
+            step = step_at(kept.times, step, |start| !is_before(times[first], start));
+            let (start, next) = (kept.times[step], kept.times.get(step + 1).copied());
+            let is_within = |time: f64| {
+                !is_before(kept.end, time) && !is_before(time, start) && next.is_none_or(|next| is_before(time, next))
+            };
+            taus.clear();
+            taus.push(times[first] - start);
+            taus.extend(times[first + 1..].iter().take_while(|&&time| is_within(time)).map(|time| time - start));
+            let series = &kept.coefficients[step * per_step..][..per_step];
+            sum_series(simd, series, n, &taus, &mut states[first * n..(first + taus.len()) * n]);
+            first += taus.len();
+        }
+    }
+    Ok(states)
+}
+
+/// The last step, or the first, that has begun; it is mostly `near` or the one after it.
+fn step_at(starts: &[f64], near: usize, has_begun: impl Fn(f64) -> bool) -> usize {
+    let is_step = |k: usize| has_begun(starts[k]) && starts.get(k + 1).is_none_or(|&next| !has_begun(next));
+    match (near..starts.len().min(near + 2)).find(|&k| is_step(k)) {
+        Some(step) => step,
+        None => starts.partition_point(|&start| has_begun(start)).saturating_sub(1),
+    }
 }
 
 /// Integrates the ensemble and keeps its states at each of its times.
@@ -143,14 +204,20 @@ impl Observer for Recorder<'_> {
     }
 
     fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
-        let n = self.n;
-        step.state(tau, &mut self.states[lane][index * n..(index + 1) * n]);
-        for k in 0..self.n_tangents {
-            let at = (index * self.n_tangents + k) * n;
-            let tangent = &mut self.tangents[lane][at..at + n];
-            let scale = step.tangent(k, tau, tangent);
-            for component in tangent {
-                *component = libm::scalbn(*component, scale.clamp(-5000, 5000) as i32);
+        self.samples(lane, index, &[tau], step);
+    }
+
+    fn samples(&mut self, lane: usize, first: usize, taus: &[f64], step: &Step<'_>) {
+        let (n, n_tangents, count) = (self.n, self.n_tangents, taus.len());
+        step.states(taus, &mut self.states[lane][first * n..(first + count) * n]);
+        let tangents = &mut self.tangents[lane][first * n_tangents * n..(first + count) * n_tangents * n];
+        for k in 0..n_tangents {
+            let stride = n_tangents * n;
+            let scale = step.tangents(k, taus, n, &mut tangents[k * n..], stride).clamp(-5000, 5000) as i32;
+            if scale != 0 {
+                for tangent in tangents[k * n..].chunks_mut(stride) {
+                    tangent[..n].iter_mut().for_each(|component| *component = libm::scalbn(*component, scale));
+                }
             }
         }
     }

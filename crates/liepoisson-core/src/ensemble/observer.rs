@@ -25,6 +25,19 @@ impl Step<'_> {
         self.block.evaluate(self.lane, 0, tau, values);
     }
 
+    /// The states at several times after the start of the step, one after the other.
+    pub fn states(&self, taus: &[f64], values: &mut [f64]) {
+        let n = values.len() / taus.len().max(1);
+        self.block.evaluate_at(self.lane, 0, taus, n, values, n.max(1));
+    }
+
+    /// Tangent vector `k` (from 0) of `n` components as `values * 2^scale` at several times, whose values begin a `stride`
+    /// apart; returns `scale`.
+    pub fn tangents(&self, k: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize) -> i64 {
+        self.block.evaluate_at(self.lane, 1 + k, taus, n, values, stride);
+        self.scales[k]
+    }
+
     /// Tangent vector `k` (from 0) as `values * 2^scale`; returns `scale`.
     pub fn tangent(&self, k: usize, tau: f64, values: &mut [f64]) -> i64 {
         self.block.evaluate(self.lane, 1 + k, tau, values);
@@ -68,6 +81,12 @@ pub trait Observer: Send {
     /// The step contains time number `index` of the ensemble, `tau` after its start.
     fn sample(&mut self, lane: usize, index: usize, tau: f64, step: &Step<'_>) {
         let _ = (lane, index, tau, step);
+    }
+    /// The step contains the times of the ensemble from number `first` on that are `taus` after its start.
+    fn samples(&mut self, lane: usize, first: usize, taus: &[f64], step: &Step<'_>) {
+        for (k, &tau) in taus.iter().enumerate() {
+            self.sample(lane, first + k, tau, step);
+        }
     }
     /// `member` has ended.
     fn end(&mut self, lane: usize, member: usize, summary: Summary);

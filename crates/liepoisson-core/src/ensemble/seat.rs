@@ -18,6 +18,8 @@ pub(super) struct Seat {
     pub(super) careful_steps: u64,
     /// Exponents of the powers of two taken out of the tangent vectors.
     pub(super) scales: Vec<i64>,
+    /// The wanted times within one step, after its start.
+    pub(super) taus: Vec<f64>,
     pub(super) reported: u64,
 }
 
@@ -35,6 +37,7 @@ impl Seat {
             equal_step: 0.0,
             careful_steps: 0,
             scales: vec![0; n_tangents],
+            taus: vec![],
             reported: 0,
         }
     }

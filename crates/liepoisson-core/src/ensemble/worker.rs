@@ -197,14 +197,21 @@ impl Worker<'_> {
             (size, is_last) = (after, false);
         }
         while seat.next_sample < times.len() {
-            let tau = seat.until(times[seat.next_sample]);
-            if !is_last && tau.abs() > size.abs() {
+            let first = seat.next_sample;
+            let mut taus = std::mem::take(&mut seat.taus);
+            let within = |tau: &f64| is_last || tau.abs() <= size.abs();
+            let ahead = times[first..].iter().map(|&time| seat.until(time));
+            taus.clear();
+            taus.extend(ahead.take_while(within).take(SAMPLES_PER_LOOK));
+            if !taus.is_empty() {
+                observer.samples(lane, first, &taus, &step);
+            }
+            let count = taus.len();
+            (seat.taus, seat.next_sample) = (taus, first + count);
+            if count < SAMPLES_PER_LOOK {
                 break;
             }
-            observer.sample(lane, seat.next_sample, tau, &step);
-            seat.next_sample += 1;
-            if seat.next_sample.is_multiple_of(SAMPLES_PER_LOOK)
-                && let Some(outcome) = self.control.look_at_clock()
+            if let Some(outcome) = self.control.look_at_clock()
             {
                 self.dismiss(block, lane, seat, outcome, observer);
                 return 0.0;

@@ -127,9 +127,12 @@ impl<V: Wide> Block for SingleBlock<V> {
         V::outline(Advance { block: self, step: sizes[0] });
     }
 
-    fn evaluate(&self, _lane: usize, _group: usize, tau: f64, values: &mut [f64]) {
-        let (l, fields) = self.sum(tau);
-        Row { l, fields, ..Row::default() }.copy_to(values);
+    fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
+        self.evaluate_at(lane, group, &[tau], values.len(), values, values.len());
+    }
+
+    fn evaluate_at(&self, _lane: usize, _group: usize, taus: &[f64], _n: usize, values: &mut [f64], stride: usize) {
+        V::outline(Evaluation { block: self, taus, values, stride });
     }
 
     fn norms(&self, _group: usize, norms: &mut [f64]) {
@@ -411,6 +414,26 @@ fn add_term<V: Wide>(
         V::TwoVectors::load(&x.fields).mul_add(V::TwoVectors::both(omega_rotated), plus),
         V::TwoVectors::load(&x.fields_rotated).mul_add(V::TwoVectors::both(omega), minus),
     )
+}
+
+/// The state at times after the start of the step.
+struct Evaluation<'b, V> {
+    block: &'b SingleBlock<V>,
+    taus: &'b [f64],
+    values: &'b mut [f64],
+    stride: usize,
+}
+
+impl<V: Wide> Body for Evaluation<'_, V> {
+    #[inline(always)]
+    fn run(self) {
+        for (&tau, values) in self.taus.iter().zip(self.values.chunks_mut(self.stride)) {
+            let (l, fields) = self.block.sum(tau);
+            values[..3].copy_from_slice(&l[..3]);
+            values[3..6].copy_from_slice(&fields[..3]);
+            values[6..9].copy_from_slice(&fields[4..7]);
+        }
+    }
 }
 
 struct Advance<'b, V> {

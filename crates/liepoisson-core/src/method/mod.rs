@@ -8,6 +8,7 @@ mod gauss_legendre;
 mod known_terms;
 mod mixed_taylor;
 mod runge_kutta;
+mod series_sum;
 mod splitting;
 mod step_end;
 mod taylor;
@@ -17,6 +18,7 @@ pub use components::AcrossComponents;
 pub use gauss::Gauss;
 pub use mixed_taylor::MixedTaylor;
 pub use runge_kutta::RungeKutta;
+pub(crate) use series_sum::sum_series;
 pub use splitting::{LagrangeMap, Split, Splitting};
 pub(crate) use taylor::MAX_ORDER;
 pub use taylor::Taylor;
@@ -134,6 +136,13 @@ pub trait Block {
     fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
         let _ = tau;
         self.read(lane, group, values);
+    }
+
+    /// [`Block::evaluate`] at several times, whose values begin a `stride` apart.
+    fn evaluate_at(&self, lane: usize, group: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize) {
+        for (&tau, values) in taus.iter().zip(values.chunks_mut(stride)) {
+            self.evaluate(lane, group, tau, &mut values[..n]);
+        }
     }
 
     /// For each lane the sum of the absolute values of the components of one group.

@@ -9,9 +9,11 @@ use crate::field::Field;
 use crate::lanes::{Body, Lane, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
+use crate::method::series_sum::{FEW, Strides, Sums};
 use crate::method::step_end::StepEnd;
 use crate::method::{Block, Method, StepOutcome, Stepping};
 use std::collections::TryReserveError;
+use std::marker::PhantomData;
 
 pub(crate) const MAX_ORDER: usize = 64;
 
@@ -186,6 +188,18 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
 
     fn evaluate(&self, lane: usize, group: usize, tau: f64, values: &mut [f64]) {
         V::outline(Evaluation { block: self, lane, group, tau, values });
+    }
+
+    fn evaluate_at(&self, lane: usize, group: usize, taus: &[f64], n: usize, values: &mut [f64], stride: usize) {
+        if taus.len() <= FEW {
+            for (&tau, values) in taus.iter().zip(values.chunks_mut(stride)) {
+                self.evaluate(lane, group, tau, &mut values[..n]);
+            }
+            return;
+        }
+        let coefficients = &as_scalars(&self.rows)[group * self.field.group() * V::WIDTH + lane..];
+        let (strides, order) = (Strides { order: self.row * V::WIDTH, component: V::WIDTH }, self.method.order);
+        V::outline(Sums::<V> { coefficients, strides, order, n, taus, values, stride, registers: PhantomData });
     }
 
     fn norms(&self, group: usize, norms: &mut [f64]) {
