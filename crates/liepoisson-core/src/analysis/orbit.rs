@@ -192,7 +192,7 @@ impl Observer for Recorder<'_> {
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
         if self.dense {
             let Series { times, coefficients } = &mut self.series[lane];
-            if times.try_reserve(1).is_err() || step.copy_series(coefficients).is_err() {
+            if times.try_reserve(1).is_err() || step.copy_series(usize::MAX, coefficients).is_err() {
                 self.refused.store((8 * coefficients.len()).max(1), Ordering::Relaxed);
                 self.control.cancel();
                 self.series[lane] = Series::default();

@@ -44,12 +44,12 @@ impl Step<'_> {
         self.scales[k]
     }
 
-    /// Appends the power series of the state about the start of the step.
+    /// Appends the power series of the state about the start of the step, so many orders or all that there are.
     ///
     /// # Errors
     /// There is no memory for it.
-    pub fn copy_series(&self, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
-        self.block.copy_series(self.lane, to)
+    pub fn copy_series(&self, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        self.block.copy_series(self.lane, n_orders, to)
     }
 }
 
@@ -73,6 +73,10 @@ pub enum Stop {
 pub trait Observer: Send {
     /// `member` starts in `lane`.
     fn begin(&mut self, lane: usize, member: usize);
+    /// The power series of all lanes are made: what is looked at in all of them at once is looked at here.
+    fn look_over(&mut self, block: &dyn Block) {
+        let _ = block;
+    }
     /// A step was accepted. Breaks where the trajectory is to end.
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
         let _ = (lane, step);

@@ -39,6 +39,9 @@ impl Worker<'_> {
             if block.looks_ahead() {
                 self.look_ahead(block, &seats, &mut sizes, &mut ahead);
             }
+            if block.stepping() == Stepping::Series {
+                observer.look_over(block);
+            }
             let repeats = self.plan(block, &mut seats, pace.repeats);
             for (lane, seat) in seats.iter_mut().enumerate() {
                 sizes[lane] = self.decide(block, lane, seat, sizes[lane], repeats, &mut observer);

@@ -141,8 +141,8 @@ impl<V: Wide> Block for SingleBlock<V> {
 
     fn scale_tangent(&mut self, _lane: usize, _group: usize, _exponent: i32) {}
 
-    fn copy_series(&self, _lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
-        let rows = &self.rows[..=self.method.order()];
+    fn copy_series(&self, _lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        let rows = &self.rows[..n_orders.min(self.method.order() + 1)];
         to.try_reserve(9 * rows.len())?;
         let mut values = [0.0; 9];
         for row in rows {

@@ -180,9 +180,10 @@ impl<V: Wide> Block for MixedBlock<'_, V> {
         }
     }
 
-    fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
-        to.try_reserve((self.method.order() + 1) * N)?;
-        for k in 0..=self.method.order() {
+    fn copy_series(&self, lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        let n_orders = n_orders.min(self.method.order() + 1);
+        to.try_reserve(n_orders * N)?;
+        for k in 0..n_orders {
             // A unit whose power leaves the range of numbers takes coefficients with it that the step counts on.
             let scale = libm::pow(self.units[lane], -(k as f64));
             let scale = if (1e-280..1e280).contains(&scale) { scale } else { f64::NAN };

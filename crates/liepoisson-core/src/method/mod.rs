@@ -156,12 +156,29 @@ pub trait Block {
     /// Multiplies a tangent vector (group 1, 2, ...) of one lane by a power of two, which rounds nothing.
     fn scale_tangent(&mut self, lane: usize, group: usize, exponent: i32);
 
-    /// Appends the power series of one lane's state, order by order, its components; nothing without series.
+    /// Appends the first orders of the power series of one lane's state, order by order, its components; nothing without series.
     ///
     /// # Errors
     /// There is no memory for it.
-    fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
-        let _ = (lane, to);
+    fn copy_series(&self, lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        let _ = (lane, n_orders, to);
         Ok(())
     }
+
+    /// Of the power series of all lanes' states some sums and sizes; false, and nothing, where there are none side by side.
+    fn look_over(&self, of: &mut Overview<'_>) -> bool {
+        let _ = of;
+        false
+    }
+}
+
+/// What is known of the power series of all lanes at once.
+#[derive(Clone, Debug, Default)]
+pub struct Overview<'f> {
+    /// `constant + sum c_i x_i`, terms `(i, c_i)`.
+    pub form: (f64, &'f [(usize, f64)]),
+    /// The series of this form, `(order, lane)`.
+    pub values: Vec<f64>,
+    /// Of each order the size of the largest component, `(order, lane)`.
+    pub largest: Vec<f64>,
 }

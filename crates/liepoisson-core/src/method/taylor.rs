@@ -11,7 +11,7 @@ use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
 use crate::method::series_sum::{FEW, Strides, Sums};
 use crate::method::step_end::StepEnd;
-use crate::method::{Block, Method, StepOutcome, Stepping};
+use crate::method::{Block, Method, Overview, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 use std::marker::PhantomData;
 
@@ -213,13 +213,19 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
         }
     }
 
-    fn copy_series(&self, lane: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
-        to.try_reserve((self.method.order + 1) * self.field.n_components())?;
+    fn copy_series(&self, lane: usize, n_orders: usize, to: &mut Vec<f64>) -> Result<(), TryReserveError> {
+        let n_orders = n_orders.min(self.method.order + 1);
+        to.try_reserve(n_orders * self.field.n_components())?;
         let (scalars, n) = (as_scalars(&self.rows), self.field.n_components());
-        for row in scalars.chunks_exact(self.row * V::WIDTH).take(self.method.order + 1) {
+        for row in scalars.chunks_exact(self.row * V::WIDTH).take(n_orders) {
             to.extend(row[lane..].iter().step_by(V::WIDTH).take(n));
         }
         Ok(())
+    }
+
+    fn look_over(&self, of: &mut Overview<'_>) -> bool {
+        V::outline(LookOver { block: self, of });
+        true
     }
 }
 
@@ -513,6 +519,38 @@ impl Trend {
                     *step = unit + allowed;
                 }
             }
+        }
+    }
+}
+
+/// A linear form in the state and its largest component, order by order.
+struct LookOver<'b, 'f, 'o, F, V> {
+    block: &'b TaylorBlock<'f, F, V>,
+    of: &'b mut Overview<'o>,
+}
+
+impl<F: Field, V: Wide> Body for LookOver<'_, '_, '_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        let LookOver { block, of: Overview { form: (constant, terms), values, largest } } = self;
+        let (n, n_orders) = (block.field.n_components(), block.method.order + 1);
+        values.resize(n_orders * V::WIDTH, 0.0);
+        largest.resize(n_orders * V::WIDTH, 0.0);
+        let rows = block.rows.chunks_exact(block.row).zip(values.chunks_exact_mut(V::WIDTH));
+        for (k, ((row, value), largest)) in rows.zip(largest.chunks_exact_mut(V::WIDTH)).enumerate() {
+            let mut sum = V::splat(if k == 0 { *constant } else { 0.0 });
+            for &(i, c) in *terms {
+                sum = sum.add(V::splat(c).mul(row[i]));
+            }
+            value.copy_from_slice(sum.as_scalars());
+            let mut most = V::splat(0.0);
+            for component in &row[..n] {
+                let size = component.abs();
+                for (most, &size) in most.as_scalars_mut().iter_mut().zip(size.as_scalars()) {
+                    *most = if size > *most { size } else { *most };
+                }
+            }
+            largest.copy_from_slice(most.as_scalars());
         }
     }
 }

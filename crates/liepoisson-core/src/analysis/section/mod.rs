@@ -16,7 +16,7 @@ use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summ
 use crate::error::Error;
 use crate::field::{Field, Functions};
 use crate::lanes::Simd;
-use crate::method::Taylor;
+use crate::method::{Block, Overview, Taylor};
 use points::Collected;
 pub use points::Points;
 use remainder::shifted;
@@ -167,6 +167,8 @@ fn sections_of(
         start: ensemble.times[0],
         seats: vec![Seat::default(); lanes],
         room: Room::default(),
+        overview: Overview { form: surface.function.linear_form().unwrap_or_default(), ..Overview::default() },
+        is_looked_over: false,
     };
     ensemble.run(threads, simd, control, recorder, watch)?;
     match refused.into_inner() {
@@ -205,6 +207,9 @@ struct Recorder<'s> {
     start: f64,
     seats: Vec<Seat>,
     room: Room,
+    /// What is known of a surface that is linear in the state for all trajectories at once.
+    overview: Overview<'s>,
+    is_looked_over: bool,
 }
 
 impl Observer for Recorder<'_> {
@@ -212,6 +217,10 @@ impl Observer for Recorder<'_> {
         let side = self.surface.sides.get(member).map_or(0, |side| side.signum());
         self.seats[lane] = Seat::default();
         self.seats[lane].side = side;
+    }
+
+    fn look_over(&mut self, block: &dyn Block) {
+        self.is_looked_over = self.surface.function.linear_form().is_some() && block.look_over(&mut self.overview);
     }
 
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
@@ -222,7 +231,9 @@ impl Observer for Recorder<'_> {
         if self.seats[lane].first_step.is_nan() {
             self.seats[lane].first_step = step.size.abs();
         }
-        let looked = if step.copy_series(&mut state).is_ok() {
+        let looked = if self.look_at_once(lane, step, &mut state, whole) {
+            ControlFlow::Continue(())
+        } else if step.copy_series(usize::MAX, &mut state).is_ok() {
             let is_bounded = self.room.measure(&state, step.size, self.ensemble);
             self.seats[lane].doubts.n_unbounded += u64::from(!is_bounded);
             self.look(lane, step, &state, whole, 0)
@@ -297,6 +308,25 @@ impl Recorder<'_> {
         self.surface.n_crossings.unwrap_or(usize::MAX)
     }
 
+    /// Looks for crossings on a whole step of a surface that is linear in the state, from what is known of all lanes; whether
+    /// that was enough. It sees what [`Recorder::look`] would.
+    fn look_at_once(&mut self, lane: usize, step: &Step<'_>, state: &mut Vec<f64>, whole: Part) -> bool {
+        if !self.is_looked_over || step.copy_series(2, state).is_err() {
+            return false;
+        }
+        let place = (lane, self.seats.len());
+        let measured = self.room.measure_and_expand(state, place, step.size, self.ensemble, &self.overview);
+        let found = measured.and_then(|is_bounded| {
+            let error = self.room.error(&state[..self.n], &self.surface.function, 0, false)?;
+            Some((is_bounded, error))
+        });
+        state.clear();
+        let Some((is_bounded, error)) = found else { return false };
+        self.seats[lane].doubts.n_unbounded += u64::from(!is_bounded);
+        self.survey_part(lane, step, whole, error);
+        true
+    }
+
     /// Looks for crossings on a part of a step, given the series of the state about its start. Breaks where the run has to stop,
     /// with the place up to which it has looked.
     ///
@@ -318,19 +348,7 @@ impl Recorder<'_> {
         }
         self.room.expand(state, step.size * part.length, &surface.function, n);
         if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
-            let (wanted, seat) = (self.wanted(), &mut self.seats[lane]);
-            let series = std::mem::take(&mut self.room.series);
-            seat.doubt_side(series[0], error);
-            survey(&series, error, &mut |mark| {
-                if seat.crossings.signs.len() < wanted {
-                    let keep = &mut |at| self.room.keep(step, surface, n, part.from + at * part.length);
-                    seat.note(mark, surface.direction, keep);
-                    if seat.crossings.signs.len() == wanted {
-                        seat.served_at = part.from + first_known(&series, error, mark) * part.length;
-                    }
-                }
-            });
-            self.room.series = series;
+            self.survey_part(lane, step, part, error);
             return ControlFlow::Continue(());
         }
         let exists = self.exists_somewhere(step, part);
@@ -342,6 +360,23 @@ impl Recorder<'_> {
         self.look(lane, step, state, half, halvings + 1)?;
         let middle = shifted(state, n, step.size * half.length);
         self.look(lane, step, &middle, Part { from: part.from + half.length, ..half }, halvings + 1)
+    }
+
+    /// Notes what the series of the function, known up to an error, says of its sign on a part of a step.
+    fn survey_part(&mut self, lane: usize, step: &Step<'_>, part: Part, error: f64) {
+        let (wanted, surface, n, seat) = (self.wanted(), self.surface, self.n, &mut self.seats[lane]);
+        let series = std::mem::take(&mut self.room.series);
+        seat.doubt_side(series[0], error);
+        survey(&series, error, &mut |mark| {
+            if seat.crossings.signs.len() < wanted {
+                let keep = &mut |at| self.room.keep(step, surface, n, part.from + at * part.length);
+                seat.note(mark, surface.direction, keep);
+                if seat.crossings.signs.len() == wanted {
+                    seat.served_at = part.from + first_known(&series, error, mark) * part.length;
+                }
+            }
+        });
+        self.room.series = series;
     }
 
     /// Nothing is known of the function here: what its sign was before says nothing about what comes.

@@ -71,11 +71,18 @@ impl Sizes {
 
     /// Of the series `(order, component)` of a state, for a step of size `step`.
     pub(super) fn measure(&mut self, state: &[f64], n_components: usize, step: f64) {
+        let largest =
+            |row: &[f64]| row.iter().fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest });
+        self.measure_largest(state.chunks_exact(n_components).map(largest), step);
+    }
+
+    /// The same, given the largest coefficients of all orders.
+    #[inline(always)]
+    pub(super) fn measure_largest(&mut self, largest: impl Iterator<Item = f64>, step: f64) {
         self.step = step.abs();
         self.terms.clear();
         let mut power = 1.0;
-        for (k, coefficient) in state.chunks_exact(n_components).enumerate() {
-            let largest = coefficient.iter().fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest });
+        for (k, largest) in largest.enumerate() {
             self.terms.push(term(largest, self.step, k, power));
             power *= self.step;
         }
@@ -137,12 +144,20 @@ impl Sizes {
     /// Whether a component is small beside the others along the whole step, so that what is known of the largest tells nothing
     /// of it. One that stays zero is not small: what is known of it is known of all its orbits in the same subspace.
     pub(super) fn has_small_component(&self, state: &[f64], n_components: usize) -> bool {
+        let least = self.least();
+        self.may_be_small(state, n_components).any(|i| self.is_small(&state[i..], n_components, least))
+    }
+
+    /// Components that may be small, by the first two orders of the series `(order, component)`: one of these terms of nearly
+    /// every component is large, or all are zero.
+    pub(super) fn may_be_small(&self, state: &[f64], n_components: usize) -> impl Iterator<Item = usize> {
         let (start, rate) = state[..2 * n_components].split_at(n_components);
-        let least = SMALL * self.terms[0].max(self.terms[1]);
-        // one of the first two terms of nearly every component is large, or all are zero
-        let is_large = |(x, rate): (&f64, &f64)| x.abs() >= least || (rate * self.step).abs() >= least;
-        let may_be_small = |i: &usize| !is_large((&start[*i], &rate[*i]));
-        (0..n_components).filter(may_be_small).any(|i| self.is_small(&state[i..], n_components, least))
+        let least = self.least();
+        (0..n_components).filter(move |&i| !(start[i].abs() >= least || (rate[i] * self.step).abs() >= least))
+    }
+
+    fn least(&self) -> f64 {
+        SMALL * self.terms[0].max(self.terms[1])
     }
 
     /// Whether the component that a series begins with has no term so large, and does not stay zero.

@@ -6,6 +6,7 @@ use super::components::Components;
 use super::remainder::{Sizes, left_out, term};
 use crate::ensemble::{AnyEnsemble, Step};
 use crate::field::{Enclosure, Functions};
+use crate::method::Overview;
 
 /// Memory that steps share.
 #[derive(Default)]
@@ -31,6 +32,15 @@ const SHARP: f64 = 16.0;
 /// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
 const BLUNT: f64 = 8.0;
 
+/// Puts a series in units of a length.
+fn scale(series: &mut [f64], length: f64) {
+    let mut power = 1.0;
+    for (k, coefficient) in series.iter_mut().enumerate() {
+        *coefficient = term(*coefficient, length, k, power);
+        power *= length;
+    }
+}
+
 /// Round-off of a sum of terms of a series of so many orders, relative to their sizes.
 pub(super) fn unit(n_orders: usize) -> f64 {
     2.0 * n_orders as f64 * f64::EPSILON
@@ -52,16 +62,38 @@ impl Room {
         bound.is_some()
     }
 
+    /// Measures and expands a function that is linear in the state on a step of one of so many lanes, whose series were looked
+    /// over; whether the error of the state is bounded. Nothing is known where a component may be small beside the others.
+    ///
+    /// `state` are the first two orders of the series of the state.
+    pub(super) fn measure_and_expand(
+        &mut self,
+        state: &[f64],
+        (lane, n_lanes): (usize, usize),
+        step: f64,
+        field: &AnyEnsemble<'_>,
+        overview: &Overview<'_>,
+    ) -> Option<bool> {
+        let Room { sizes, error_of_state, components, series, .. } = self;
+        sizes.measure_largest(overview.largest.iter().skip(lane).step_by(n_lanes).copied(), step);
+        if sizes.may_be_small(state, field.n_components).next().is_some() {
+            return None;
+        }
+        components.are_looked_at = false;
+        let bound = field.majorant.and_then(|majorant| sizes.error_of_state(majorant));
+        *error_of_state = bound.unwrap_or_else(|| sizes.last());
+        series.clear();
+        series.extend(overview.values.iter().skip(lane).step_by(n_lanes));
+        scale(series, step);
+        Some(bound.is_some())
+    }
+
     /// Expands the function along a part of a step, in units of that part.
     pub(super) fn expand(&mut self, state: &[f64], length: f64, function: &Functions, n: usize) {
         let Room { series, work, .. } = self;
         series.resize(state.len() / n, 0.0);
         function.series(state, work, series);
-        let mut power = 1.0;
-        for (k, coefficient) in series.iter_mut().enumerate() {
-            *coefficient = term(*coefficient, length, k, power);
-            power *= length;
-        }
+        scale(series, length);
     }
 
     /// Measures the sizes of the series of the state on a part of the step.

@@ -38,6 +38,14 @@ pub(super) enum Mark {
     },
 }
 
+/// Coefficients of a polynomial, as many as there can be.
+type Coefficients = [f64; MAX_ORDER + 1];
+
+/// A move of Newton's method, in units of half the piece, after which the next one is below round-off where the slope is
+/// [`STEEP`] in units of the mean one: the square of the first times at most the degree over the second.
+const CLOSE: f64 = 1e-10;
+const STEEP: f64 = 0.01;
+
 /// Pieces are halved at most so often: then they are as short as the spacing of numbers near 1.
 const MOST_HALVINGS: u32 = 52;
 
@@ -88,12 +96,16 @@ fn survey_scaled(coefficients: &[f64], error: f64, mark: &mut impl FnMut(Mark)) 
     if coefficients[0].abs() > rest + error {
         return mark(Mark::Sign { at: 0.0, positive: coefficients[0] > 0.0 });
     }
-    let mut centred = [0.0; MAX_ORDER + 1];
-    let centred = &mut centred[..coefficients.len()];
-    centred.copy_from_slice(coefficients);
-    shift_and_halve(centred, 0.5);
-    Survey { coefficients, error, mark }.piece(centred, Place { centre: 0.5, half: 0.5 }, 0);
+    let mut survey = Survey { coefficients, error, mark };
+    // most steps end here or above: on a step as long as a series allows the first terms tell most of it
+    if is_monotone(coefficients) {
+        return survey.monotone([coefficients[0], value(coefficients, 1.0)], WHOLE);
+    }
+    survey.piece(&half(coefficients, true)[..coefficients.len()], WHOLE, 0);
 }
+
+/// All of the interval.
+const WHOLE: Place = Place { centre: 0.5, half: 0.5 };
 
 #[derive(Clone, Copy)]
 struct Place {
@@ -125,33 +137,29 @@ impl<M: FnMut(Mark)> Survey<'_, M> {
         } else if c[0].abs() + rest <= self.error || halvings == MOST_HALVINGS {
             (self.mark)(Mark::Near { at: place.centre, size: c[0].abs() });
         } else if is_monotone(c) {
-            self.monotone(c, place);
+            self.monotone([-1.0, 1.0].map(|end| value(c, end)), place);
         } else {
-            for side in [-1.0, 1.0] {
-                let mut part = [0.0; MAX_ORDER + 1];
-                let part = &mut part[..c.len()];
-                part.copy_from_slice(c);
-                shift_and_halve(part, side * 0.5);
-                self.piece(part, place.part(side), halvings + 1);
+            for (side, is_right) in [(-1.0, false), (1.0, true)] {
+                self.piece(&half(c, is_right)[..c.len()], place.part(side), halvings + 1);
             }
         }
     }
 
-    fn monotone(&mut self, c: &[f64], place: Place) {
-        let (left, right) = (value(c, -1.0), value(c, 1.0));
+    /// Given the values at both ends.
+    fn monotone(&mut self, [left, right]: [f64; 2], place: Place) {
         let is_known = |end: f64| end.abs() > self.error;
         if is_known(left) {
             (self.mark)(Mark::Sign { at: place.at(-1.0), positive: left > 0.0 });
         }
         if is_known(left) && is_known(right) {
             if (left > 0.0) != (right > 0.0) {
-                let at = self.zero(c, place);
+                let at = self.zero([left, right], place);
                 (self.mark)(Mark::Zero { at, positive: right > 0.0, until: place.at(1.0) });
             }
             return;
         }
         if (left > 0.0) != (right > 0.0) {
-            let at = self.zero(c, place);
+            let at = self.zero([left, right], place);
             (self.mark)(Mark::Near { at, size: 0.0 });
         } else {
             let (end, size) = if left.abs() < right.abs() { (-1.0, left.abs()) } else { (1.0, right.abs()) };
@@ -164,10 +172,10 @@ impl<M: FnMut(Mark)> Survey<'_, M> {
 
     /// The only zero on a piece with a change of sign, by Newton's method between two ends that enclose it; with the original
     /// coefficients, which no shift has rounded.
-    fn zero(&self, c: &[f64], place: Place) -> f64 {
-        let rises = value(c, 1.0) > value(c, -1.0);
+    fn zero(&self, [left, right]: [f64; 2], place: Place) -> f64 {
+        let rises = right > left;
         let (mut low, mut high) = (place.at(-1.0), place.at(1.0));
-        let mut at = 0.5 * (low + high);
+        let mut at = (low + (high - low) * (left / (left - right))).clamp(low, high);
         for _ in 0..200 {
             let (value, slope) = value_and_slope(self.coefficients, at);
             *(if (value > 0.0) == rises { &mut high } else { &mut low }) = at;
@@ -176,7 +184,14 @@ impl<M: FnMut(Mark)> Survey<'_, M> {
             if next == at || value == 0.0 {
                 break;
             }
+            // With half the piece as unit, and the mean slope (right - left)/2, which is at least half of that in the middle, the
+            // second derivative is at most twice the degree times the mean slope.
+            let is_steep = slope.abs() * place.half > STEEP * (right - left).abs() / 2.0;
+            let is_close = (next - at).abs() < CLOSE * place.half;
             at = next;
+            if is_close && is_steep {
+                break;
+            }
         }
         at
     }
@@ -191,19 +206,38 @@ fn sum_of_sizes(c: &[f64]) -> f64 {
     c.iter().map(|c| c.abs()).sum()
 }
 
-/// The coefficients about `v = by`, in units of half the present width.
-fn shift_and_halve(c: &mut [f64], by: f64) {
-    let n = c.len();
-    for k in 0..n {
-        for j in (k..n - 1).rev() {
-            c[j] += by * c[j + 1];
+/// `binomial(k, j) 2^-k` in row `k`.
+static SHIFTS: [Coefficients; MAX_ORDER + 1] = {
+    let mut rows = [[0.0; MAX_ORDER + 1]; MAX_ORDER + 1];
+    rows[0][0] = 1.0;
+    let mut k = 1;
+    while k <= MAX_ORDER {
+        rows[k][0] = 0.5 * rows[k - 1][0];
+        let mut j = 1;
+        while j <= k {
+            rows[k][j] = 0.5 * (rows[k - 1][j - 1] + rows[k - 1][j]);
+            j += 1;
+        }
+        k += 1;
+    }
+    rows
+};
+
+/// The coefficients about `v = 1/2`, or `-1/2`, in units of half the present width: `sum_k binomial(k, j) (+-1)^(k - j) 2^-k c_k`.
+///
+/// Coefficient by coefficient of the given ones, so that no sum waits for the one before it.
+fn half(c: &[f64], is_right: bool) -> Coefficients {
+    let mut sums = [0.0; MAX_ORDER + 1];
+    for (k, &c) in c.iter().enumerate() {
+        let c = if is_right || k % 2 == 0 { c } else { -c };
+        for (sum, shift) in sums[..=k].iter_mut().zip(&SHIFTS[k][..=k]) {
+            *sum += shift * c;
         }
     }
-    let mut scale = 1.0;
-    for c in c {
-        *c *= scale;
-        scale *= 0.5;
+    if !is_right {
+        sums.iter_mut().skip(1).step_by(2).for_each(|sum| *sum = -*sum);
     }
+    sums
 }
 
 fn value(c: &[f64], v: f64) -> f64 {

@@ -83,6 +83,15 @@ impl Functions {
         }
     }
 
+    /// The constant and the coefficients of the components, `(component, coefficient)`, of one function that is linear in the
+    /// state.
+    pub fn linear_form(&self) -> Option<(f64, &[(usize, f64)])> {
+        match self.affine.as_deref()? {
+            [Affine { constant, terms }] => Some((*constant, terms)),
+            _ => None,
+        }
+    }
+
     /// Whether all functions are linear combinations of components, with a constant.
     pub fn is_affine(&self) -> bool {
         self.affine.is_some()
