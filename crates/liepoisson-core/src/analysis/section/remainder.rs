@@ -52,6 +52,18 @@ pub(super) fn term(coefficient: f64, length: f64, k: usize, power: f64) -> f64 {
     libm::scalbn(coefficient * power, (i64::from(exponent) * k as i64).clamp(-5000, 5000) as i32)
 }
 
+/// Puts a series in units of a length: [`term`] for each coefficient.
+#[inline(always)]
+pub(super) fn scale(series: &mut [f64], length: f64) {
+    let highest = length.abs().powi(series.len() as i32);
+    let is_in_range = (1e-280..1e280).contains(&highest);
+    let mut power = 1.0;
+    for (k, coefficient) in series.iter_mut().enumerate() {
+        *coefficient = if is_in_range { *coefficient * power } else { term(*coefficient, length, k, power) };
+        power *= length;
+    }
+}
+
 /// The sizes of the terms of a series about the start of a step.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sizes {
@@ -81,11 +93,8 @@ impl Sizes {
     pub(super) fn measure_largest(&mut self, largest: impl Iterator<Item = f64>, step: f64) {
         self.step = step.abs();
         self.terms.clear();
-        let mut power = 1.0;
-        for (k, largest) in largest.enumerate() {
-            self.terms.push(term(largest, self.step, k, power));
-            power *= self.step;
-        }
+        self.terms.extend(largest);
+        scale(&mut self.terms, self.step);
     }
 
     /// `E`, a bound of the error of the state on the whole step; none if there is no sharp one.

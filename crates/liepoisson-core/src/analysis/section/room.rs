@@ -3,7 +3,7 @@
 
 use super::Surface;
 use super::components::Components;
-use super::remainder::{Sizes, left_out, term};
+use super::remainder::{Sizes, left_out, scale};
 use crate::ensemble::{AnyEnsemble, Step};
 use crate::field::{Enclosure, Functions};
 use crate::method::Overview;
@@ -31,15 +31,6 @@ const SHARP: f64 = 16.0;
 
 /// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
 const BLUNT: f64 = 8.0;
-
-/// Puts a series in units of a length.
-fn scale(series: &mut [f64], length: f64) {
-    let mut power = 1.0;
-    for (k, coefficient) in series.iter_mut().enumerate() {
-        *coefficient = term(*coefficient, length, k, power);
-        power *= length;
-    }
-}
 
 /// Round-off of a sum of terms of a series of so many orders, relative to their sizes.
 pub(super) fn unit(n_orders: usize) -> f64 {
