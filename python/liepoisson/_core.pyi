@@ -38,6 +38,8 @@ class Field:
     @staticmethod
     def top(inertia: Vector3, a: Vector3, b: Vector3, epsilon: float) -> Field: ...
     @staticmethod
+    def tops(tops: Sequence[tuple[Vector3, Vector3, Vector3, float]]) -> Field: ...
+    @staticmethod
     def quadratic(
         n_components: int,
         constant: Sequence[tuple[int, float]],

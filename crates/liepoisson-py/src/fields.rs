@@ -2,7 +2,7 @@
 
 use crate::errors::guarded;
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
+use liepoisson_core::field::{Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top, Tops};
 use pyo3::prelude::*;
 
 /// A vector field that the core integrates.
@@ -11,6 +11,7 @@ pub(crate) struct Field(pub(crate) Kind);
 
 pub(crate) enum Kind {
     Top(Top),
+    Tops(Tops),
     Quadratic(Quadratic),
     Tape(Tape),
     Pieces(Pieces),
@@ -18,6 +19,9 @@ pub(crate) enum Kind {
 
 /// A linear form, the coefficients of a polynomial, a sparse matrix.
 type PieceParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
+
+/// Inertia, a, b, epsilon.
+type TopParts = ([f64; 3], [f64; 3], [f64; 3], f64);
 
 /// Name, registers, numbers.
 pub(crate) type InstructionParts = (String, Vec<usize>, Vec<f64>);
@@ -34,6 +38,7 @@ impl Field {
     pub(crate) fn n_components(&self) -> usize {
         match &self.0 {
             Kind::Top(top) => top.n_components(),
+            Kind::Tops(tops) => tops.n_components(),
             Kind::Quadratic(quadratic) => quadratic.n_components(),
             Kind::Tape(tape) => tape.n_components(),
             Kind::Pieces(pieces) => pieces.n_components(),
@@ -44,6 +49,16 @@ impl Field {
     #[staticmethod]
     fn top(inertia: [f64; 3], a: [f64; 3], b: [f64; 3], epsilon: f64) -> PyResult<Field> {
         guarded(|| Top::new(inertia, a, b, epsilon)).map(|top| Field(Kind::Top(top)))
+    }
+
+    /// Tops, one for each trajectory.
+    #[staticmethod]
+    fn tops(tops: Vec<TopParts>) -> PyResult<Field> {
+        guarded(|| {
+            let made = tops.into_iter().map(|(inertia, a, b, epsilon)| Top::new(inertia, a, b, epsilon));
+            Tops::new(made.collect::<Result<_, _>>()?)
+        })
+        .map(|tops| Field(Kind::Tops(tops)))
     }
 
     /// Any field of degree at most two, by its nonzero entries.

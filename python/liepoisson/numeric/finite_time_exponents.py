@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -175,6 +175,44 @@ def finite_time_exponents(
         kernel=raw["kernel"],
         time_limit=limit,
     )
+
+
+def exponents_of_tops(
+    tops: Sequence[TopField],
+    states: Array,
+    *,
+    t_end: float,
+    tangents: Array,
+    method: Taylor,
+    threads: int | None,
+    time_limit: float,
+    progress: Callable[[float], Any] | None,
+) -> tuple[Array, NDArray[np.str_]]:
+    """Exponents at `t_end` and outcomes of one trajectory of each of many tops, shape (top,).
+
+    Tops fill a register as trajectories of one top do, with the same bits as each of them by itself.
+
+    Args:
+        tops: The tops.
+        states: States at time 0, shape (top, component).
+        t_end: The time, positive.
+        tangents: Tangent vectors at time 0, shape (top, component).
+        method: How.
+        threads: By default all processors that the process may use.
+        time_limit: Seconds that the run may take.
+        progress: Called a few times a second with the fraction that is done.
+    """
+    raw = _core.growth(
+        _core.Field.tops([(top.inertia, top.a, top.b, top.epsilon) for top in tops]),
+        method.core(),
+        states.ravel(),
+        tangents.ravel(),
+        np.array([0.0, t_end]),
+        as_threads(threads),
+        as_time_limit(time_limit),
+        progress,
+    )
+    return raw["exponent"], outcome_names(raw["outcome"])
 
 
 def _as_exponent_times(t_end: float | None, times: ArrayLike | None) -> Array:

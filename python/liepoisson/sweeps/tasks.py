@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,8 @@ from liepoisson import _core
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.field import TopField
-from liepoisson.numeric.finite_time_exponents import finite_time_exponents
-from liepoisson.numeric.methods import Method
+from liepoisson.numeric.finite_time_exponents import exponents_of_tops, finite_time_exponents
+from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.sampling import sample_states, sample_tangents
 from liepoisson.numeric.verdict import METHOD as DEFAULT_OF_VERDICTS
 from liepoisson.numeric.verdict import Rule, decide
@@ -207,7 +207,12 @@ class _Points:
         piece = replace(self.piece, targets=self.piece.targets.rows(chosen), n_points=len(chosen))
         systems = [self.systems[point] for point in chosen]
         x0, found = _starts(piece, systems, self.listen)
-        for rows in _groups(systems):
+        groups = _groups(systems)
+        if piece.quantity == "exponent" and len(groups) > 1 and (tops := _tops(piece, systems)):
+            self.method = str(_method(piece, systems[0]))
+            self.value[chosen], self.outcome[chosen] = _exponents_of_tops(piece, tops, x0, found, self.listen)
+            return
+        for rows in groups:
             system, points = systems[rows[0]], [chosen[row] for row in rows]
             if piece.quantity == "chaotic_fraction":
                 self.method = str(piece.method or DEFAULT_OF_VERDICTS)
@@ -293,6 +298,34 @@ def _liouville(piece: Piece, systems: list[Any], listen: Listener) -> tuple[Arra
 
 def _method(piece: Piece, system: Any) -> Method:
     return piece.method or (DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL)
+
+
+def _tops(piece: Piece, systems: list[Any]) -> list[TopField]:
+    """The systems as tops, if all are and the method takes many at once; else none."""
+    fields = [system.field() for system in systems]
+    tops = [data for data in fields if isinstance(data, TopField)]
+    return tops if len(tops) == len(systems) and isinstance(_method(piece, systems[0]), Taylor) else []
+
+
+def _exponents_of_tops(
+    piece: Piece, tops: list[TopField], x0: Array, found: NDArray[np.bool_], listen: Listener
+) -> tuple[Array, NDArray[np.int8]]:
+    """Exponents and outcomes of points with a top of their own, shape (point, member): all in the same registers."""
+    value, outcome = np.full(found.shape, np.nan), np.full(found.shape, NO_START, np.int8)
+    point, member = np.nonzero(found)
+    if len(point):
+        value[found], ended = exponents_of_tops(
+            [tops[k] for k in point],
+            x0[found],
+            t_end=piece.t_end,
+            tangents=sample_tangents(x0.shape[-1], piece.n, seed=piece.seed)[member],
+            method=cast("Taylor", _method(piece, NumericTop("", tops[0]))),
+            threads=piece.threads,
+            time_limit=_TIME_LIMIT,
+            progress=listen,
+        )
+        outcome[found] = _ORDER[np.searchsorted(_SORTED, ended)]
+    return value, outcome
 
 
 def _exponents(

@@ -31,6 +31,8 @@ pub(crate) struct AnyEnsemble<'a> {
     pub(super) max_steps: u64,
     pub(crate) majorant: Option<Majorant>,
     pub(crate) n_components: usize,
+    /// For how many members the field is made, if not for any.
+    pub(super) fields: Option<usize>,
     pub(crate) n_tangents: usize,
     pub(crate) states: &'a [f64],
     pub(crate) tangents: &'a [f64],
@@ -61,6 +63,9 @@ impl<'a> AnyEnsemble<'a> {
         if !self.states.len().is_multiple_of(n) {
             let wanted = n.saturating_mul(self.n_members() + 1);
             return Err(Error::Length { name: "states", wanted, got: self.states.len() });
+        }
+        if let Some(wanted) = self.fields.filter(|&fields| fields != self.n_members()) {
+            return Err(Error::Length { name: "states", wanted: wanted.saturating_mul(n), got: self.states.len() });
         }
         let wanted = self.states.len().saturating_mul(self.n_tangents);
         if self.tangents.len() != wanted {

@@ -83,6 +83,7 @@ impl<F: Space, M: Method<F>> Ensemble<'_, F, M> {
             max_steps: self.method.max_steps(),
             majorant: self.field.majorant(),
             n_components: self.field.n_components(),
+            fields: self.field.n_members(),
             n_tangents: self.n_tangents,
             states: self.states,
             tangents: self.tangents,

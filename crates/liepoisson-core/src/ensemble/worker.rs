@@ -84,6 +84,7 @@ impl Worker<'_> {
             if may_sit && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
                 let member = self.queue.fetch_add(1, Ordering::Relaxed);
                 if member < ensemble.n_members() {
+                    block.seat(lane, member);
                     load(block, lane, 0, &ensemble.states[member * n..][..n]);
                     for k in 0..n_tangents {
                         load(block, lane, 1 + k, &ensemble.tangents[(member * n_tangents + k) * n..][..n]);

@@ -7,12 +7,14 @@ mod quadratic;
 mod tape;
 mod terms;
 pub(crate) mod top;
+mod tops;
 
 pub use pieces::{Pieces, Ridge};
 pub use quadratic::Quadratic;
 pub use tape::{Enclosure, Functions, Instruction, Tape};
 pub use terms::Terms;
 pub use top::Top;
+pub use tops::{SeatedTops, Tops};
 
 use crate::error::Error;
 use crate::lanes::{Body, Lane};
@@ -29,6 +31,11 @@ fn check_components(got: usize) -> Result<(), Error> {
 pub trait Space: Sync {
     /// Number of components of the state.
     fn n_components(&self) -> usize;
+
+    /// For how many trajectories it is made, where each has parameters of its own.
+    fn n_members(&self) -> Option<usize> {
+        None
+    }
 
     /// What its rates of change are bounded by, if they are polynomials of degree two.
     fn majorant(&self) -> Option<Majorant> {
@@ -55,6 +62,10 @@ pub trait Space: Sync {
 impl<S: Space> Space for &S {
     fn n_components(&self) -> usize {
         (**self).n_components()
+    }
+
+    fn n_members(&self) -> Option<usize> {
+        (**self).n_members()
     }
 
     fn majorant(&self) -> Option<Majorant> {
@@ -98,6 +109,11 @@ pub trait Field: Space {
     /// Registers that the series up to `order` take in all: the rows, and after them what else the field keeps.
     fn registers(&self, n_tangents: usize, order: usize) -> usize {
         self.row(n_tangents) * (order + 1)
+    }
+
+    /// A member of the ensemble takes a lane: where each has parameters of its own, they are those of this lane from now on.
+    fn seat(&mut self, lane: usize, member: usize) {
+        let _ = (lane, member);
     }
 
     /// Completes row `k`: work quantities from the components.
@@ -149,6 +165,70 @@ pub trait Field: Space {
         Self: Sized,
     {
         V::outline(Rates { field: self, x, n_tangents, work, rates });
+    }
+}
+
+/// A field as each block of trajectories holds it: shared, or with the parameters of its own trajectories.
+pub trait Hold: Space {
+    /// What a block holds.
+    type Held<'f>: Field
+    where
+        Self: 'f;
+
+    /// Makes it.
+    fn hold(&self) -> Self::Held<'_>;
+}
+
+impl<F: Field> Field for &F {
+    fn group(&self) -> usize {
+        (**self).group()
+    }
+
+    fn row(&self, n_tangents: usize) -> usize {
+        (**self).row(n_tangents)
+    }
+
+    fn registers(&self, n_tangents: usize, order: usize) -> usize {
+        (**self).registers(n_tangents, order)
+    }
+
+    #[inline(always)]
+    fn derive_work<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
+        (**self).derive_work(rows, n_tangents, k);
+    }
+
+    #[inline(always)]
+    fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
+        (**self).extend(rows, n_tangents, k);
+    }
+
+    fn shows_its_terms(&self) -> bool {
+        (**self).shows_its_terms()
+    }
+
+    fn has_walls(&self, order: usize) -> bool {
+        (**self).has_walls(order)
+    }
+
+    fn has_branches(&self) -> bool {
+        (**self).has_branches()
+    }
+
+    #[inline(always)]
+    fn keep_to_branches<V: Lane>(
+        &self,
+        rows: &[V],
+        n_tangents: usize,
+        order: usize,
+        largest: &[f64],
+        steps: &mut [f64],
+    ) {
+        (**self).keep_to_branches(rows, n_tangents, order, largest, steps);
+    }
+
+    #[inline(always)]
+    fn rates<V: Lane>(&self, x: &[V], n_tangents: usize, work: &mut [V], rates: &mut [V]) {
+        (**self).rates(x, n_tangents, work, rates);
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::convolution::{Kernel, MOST_PRODUCTS, Series, Sums, Tile};
 use super::cover::cover;
-use super::{Field, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over};
+use super::{Field, Hold, Majorant, SinglePrecision, Space, Terms, check_components, needs_remainder, over};
 use crate::error::Error;
 use crate::lanes::Lane;
 
@@ -155,6 +155,14 @@ impl Space for Quadratic {
 }
 
 impl SinglePrecision for Quadratic {}
+
+impl Hold for Quadratic {
+    type Held<'f> = &'f Quadratic;
+
+    fn hold(&self) -> &Quadratic {
+        self
+    }
+}
 
 impl Field for Quadratic {
     fn group(&self) -> usize {

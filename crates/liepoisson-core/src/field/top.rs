@@ -1,6 +1,6 @@
 //! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
 
-use super::{Field, Majorant, SinglePrecision, Space, Terms, over};
+use super::{Field, Hold, Majorant, SinglePrecision, Space, Terms, over};
 use crate::error::Error;
 use crate::lanes::{Body, Lane};
 
@@ -57,6 +57,18 @@ impl Top {
         })
     }
 
+    /// One of the vectors of constants.
+    #[inline(always)]
+    pub(super) fn vector(&self, constant: Constant) -> &[f64; 3] {
+        match constant {
+            Constant::A => &self.a,
+            Constant::B => &self.b,
+            Constant::Twist => &self.twist,
+            Constant::InverseInertia => &self.inverse_inertia,
+            Constant::Asymmetry => &self.asymmetry,
+        }
+    }
+
     #[inline(always)]
     fn omega<V: Lane>(&self, group: &[V; N]) -> [V; 3] {
         let mut omega = [V::splat(0.0); 3];
@@ -65,16 +77,104 @@ impl Top {
         }
         omega
     }
+}
 
-    /// Terms linear in the coefficients, and the factor of `l x omega`: the sum of products becomes the derivative.
+/// The vectors of constants in the equations of a top.
+#[derive(Clone, Copy)]
+pub(crate) enum Constant {
+    A,
+    B,
+    Twist,
+    InverseInertia,
+    Asymmetry,
+}
+
+impl Constant {
+    pub(super) const COUNT: usize = 5;
+    pub(super) const ALL: [Constant; Constant::COUNT] =
+        [Constant::A, Constant::B, Constant::Twist, Constant::InverseInertia, Constant::Asymmetry];
+}
+
+/// Where the constants come from: the same in all lanes, or lane by lane.
+pub(crate) trait Constants {
+    /// A constant in a register whose first number belongs to `first_lane`.
+    fn of<V: Lane>(&self, constant: Constant, axis: usize, first_lane: usize) -> V;
+
+    /// Whether it is zero in all lanes: then it costs nothing.
+    fn vanishes(&self, constant: Constant, axis: usize) -> bool;
+
+    /// The top of a lane.
+    fn in_lane(&self, lane: usize) -> &Top;
+}
+
+impl Constants for Top {
     #[inline(always)]
-    fn finish<V: Lane>(&self, derivative: &mut [V; N], row: &[V]) {
+    fn of<V: Lane>(&self, constant: Constant, axis: usize, _first_lane: usize) -> V {
+        V::splat(self.vector(constant)[axis])
+    }
+
+    #[inline(always)]
+    fn vanishes(&self, constant: Constant, axis: usize) -> bool {
+        self.vector(constant)[axis] == 0.0
+    }
+
+    fn in_lane(&self, _lane: usize) -> &Top {
+        self
+    }
+}
+
+impl Hold for Top {
+    type Held<'f> = Top;
+
+    fn hold(&self) -> Top {
+        *self
+    }
+}
+
+/// Terms linear in the coefficients, and the factor of `l x omega`: the sum of products becomes the derivative.
+#[inline(always)]
+fn finish<C: Constants, V: Lane>(top: &C, derivative: &mut [V; N], row: &[V]) {
+    for i in 0..3 {
+        derivative[i] = derivative[i].mul(top.of(Constant::Asymmetry, i, 0));
+    }
+    add_cross_with_constant(derivative, 0, row, 3, top, Constant::A);
+    add_cross_with_constant(derivative, 0, row, 6, top, Constant::B);
+    add_cross_with_constant(derivative, 3, row, 6, top, Constant::Twist);
+}
+
+/// [`Field::derive_work`] of tops.
+#[inline(always)]
+pub(super) fn derive_work<C: Constants, V: Lane>(top: &C, rows: &mut [V], row: usize, k: usize) {
+    for group in rows[k * row..(k + 1) * row].chunks_exact_mut(GROUP) {
         for i in 0..3 {
-            derivative[i] = derivative[i].mul(V::splat(self.asymmetry[i]));
+            group[OMEGA + i] = group[i].mul(top.of(Constant::InverseInertia, i, 0));
         }
-        add_cross_with_constant(derivative, 0, row, 3, &self.a);
-        add_cross_with_constant(derivative, 0, row, 6, &self.b);
-        add_cross_with_constant(derivative, 3, row, 6, &self.twist);
+    }
+}
+
+/// [`Field::extend`] of tops.
+#[inline(always)]
+pub(super) fn extend<C: Constants, V: Lane>(top: &C, rows: &mut [V], n_tangents: usize, k: usize) {
+    let row = GROUP * (1 + n_tangents);
+    let (known, next) = rows.split_at_mut((k + 1) * row);
+    // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
+    // the same, term by term, so a trajectory has the same bits either way.
+    let fused = n_tangents > 0 && V::REGISTERS >= 32;
+    if fused {
+        let (mut derivative, mut tangent) = products_of_state_and_tangent(known, row);
+        finish(top, &mut derivative, group_of(known, k * row));
+        store(next, 0, &derivative, k + 1);
+        finish(top, &mut tangent, group_of(known, k * row + GROUP));
+        store(next, GROUP, &tangent, k + 1);
+    } else {
+        let mut derivative = products_of_state(known, row);
+        finish(top, &mut derivative, group_of(known, k * row));
+        store(next, 0, &derivative, k + 1);
+    }
+    for i in 1 + usize::from(fused)..=n_tangents {
+        let mut tangent = products_of_tangent(known, row, i * GROUP);
+        finish(top, &mut tangent, group_of(known, k * row + i * GROUP));
+        store(next, i * GROUP, &tangent, k + 1);
     }
 }
 
@@ -119,37 +219,12 @@ impl Field for Top {
 
     #[inline(always)]
     fn derive_work<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
-        let row = self.row(n_tangents);
-        for group in rows[k * row..(k + 1) * row].chunks_exact_mut(GROUP) {
-            for i in 0..3 {
-                group[OMEGA + i] = group[i].mul(V::splat(self.inverse_inertia[i]));
-            }
-        }
+        derive_work(self, rows, self.row(n_tangents), k);
     }
 
     #[inline(always)]
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
-        let row = self.row(n_tangents);
-        let (known, next) = rows.split_at_mut((k + 1) * row);
-        // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
-        // the same, term by term, so a trajectory has the same bits either way.
-        let fused = n_tangents > 0 && V::REGISTERS >= 32;
-        if fused {
-            let (mut derivative, mut tangent) = products_of_state_and_tangent(known, row);
-            self.finish(&mut derivative, group_of(known, k * row));
-            store(next, 0, &derivative, k + 1);
-            self.finish(&mut tangent, group_of(known, k * row + GROUP));
-            store(next, GROUP, &tangent, k + 1);
-        } else {
-            let mut derivative = products_of_state(known, row);
-            self.finish(&mut derivative, group_of(known, k * row));
-            store(next, 0, &derivative, k + 1);
-        }
-        for i in 1 + usize::from(fused)..=n_tangents {
-            let mut tangent = products_of_tangent(known, row, i * GROUP);
-            self.finish(&mut tangent, group_of(known, k * row + i * GROUP));
-            store(next, i * GROUP, &tangent, k + 1);
-        }
+        extend(self, rows, n_tangents, k);
     }
 
     /// The sums of [`Field::extend`] for order 0, in registers.
@@ -180,7 +255,7 @@ impl<V: Lane> Body for Rates<'_, V> {
                 add_products(&mut sum, &state, &top.omega(group));
                 add_products(&mut sum, group, &omega);
             }
-            top.finish(&mut sum, group);
+            finish(top, &mut sum, group);
             *to = sum;
         }
     }
@@ -202,11 +277,18 @@ fn store<V: Lane>(next: &mut [V], at: usize, derivative: &[V; N], order: usize) 
 
 /// `sum[at..] += row[from..] x c`, skipping components of `c` that are zero.
 #[inline(always)]
-fn add_cross_with_constant<V: Lane>(sum: &mut [V; N], at: usize, row: &[V], from: usize, c: &[f64; 3]) {
+fn add_cross_with_constant<C: Constants, V: Lane>(
+    sum: &mut [V; N],
+    at: usize,
+    row: &[V],
+    from: usize,
+    top: &C,
+    c: Constant,
+) {
     for axis in 0..3 {
-        if c[axis] != 0.0 {
+        if !top.vanishes(c, axis) {
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-            let factor = V::splat(c[axis]);
+            let factor: V = top.of(c, axis, 0);
             sum[at + next] = row[from + last].mul_add(factor, sum[at + next]);
             sum[at + last] = row[from + next].neg_mul_add(factor, sum[at + last]);
         }

@@ -1,7 +1,9 @@
 //! The Taylor method of tops in mixed precision: what a step is made of in single precision, what it is added to in double.
 
-use crate::field::top::{GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangent};
-use crate::field::{Field, Top, over};
+use crate::field::top::{
+    Constant, Constants, GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangent,
+};
+use crate::field::{Field, Hold, Top, over};
 use crate::lanes::{Body, Lane, Wide};
 use crate::method::taylor::{Terms, Trend, shorten, shorten_by_trend, sum_of_sizes};
 use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
@@ -54,10 +56,14 @@ impl MixedTaylor {
     }
 }
 
-impl Method<Top> for MixedTaylor {
-    fn block<'f, V: Wide>(&self, field: &'f Top, n_tangents: usize) -> Box<dyn Block + 'f> {
+impl<F: Hold> Method<F> for MixedTaylor
+where
+    for<'f> F::Held<'f>: Constants,
+{
+    fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
+        let field = field.hold();
         let (n_double, row) = (self.double_order() + 1, field.row(n_tangents));
-        Box::new(MixedBlock::<V> {
+        Box::new(MixedBlock::<F::Held<'f>, V> {
             top: field,
             method: self.0,
             double_order: self.double_order(),
@@ -75,7 +81,8 @@ impl Method<Top> for MixedTaylor {
         })
     }
 
-    fn registers(&self, field: &Top, n_tangents: usize) -> usize {
+    fn registers(&self, field: &F, n_tangents: usize) -> usize {
+        let field = field.hold();
         2 * (self.double_order() + 1) * GROUP + (self.0.order() + 1) * field.row(n_tangents)
     }
 
@@ -84,8 +91,8 @@ impl Method<Top> for MixedTaylor {
     }
 }
 
-struct MixedBlock<'f, V: Wide> {
-    top: &'f Top,
+struct MixedBlock<C, V: Wide> {
+    top: C,
     method: Taylor,
     double_order: usize,
     tangent_order: usize,
@@ -103,13 +110,17 @@ struct MixedBlock<'f, V: Wide> {
     units: Vec<f64>,
 }
 
-impl<V: Wide> Block for MixedBlock<'_, V> {
+impl<C: Constants + Field, V: Wide> Block for MixedBlock<C, V> {
     fn n_lanes(&self) -> usize {
         2 * V::WIDTH
     }
 
     fn stepping(&self) -> Stepping {
         Stepping::Series
+    }
+
+    fn seat(&mut self, lane: usize, member: usize) {
+        self.top.seat(lane, member);
     }
 
     fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
@@ -121,7 +132,7 @@ impl<V: Wide> Block for MixedBlock<'_, V> {
             }
         }
         if group == 0 {
-            self.units[lane] = first_unit(self.top, values);
+            self.units[lane] = first_unit(self.top.in_lane(lane), values);
         }
     }
 
@@ -200,7 +211,7 @@ impl<V: Wide> Block for MixedBlock<'_, V> {
     }
 }
 
-impl<V: Wide> MixedBlock<'_, V> {
+impl<C, V: Wide> MixedBlock<C, V> {
     fn is_finite(&self, lane: usize) -> bool {
         self.double[lane / V::WIDTH][..N].iter().all(|component| component.get(lane % V::WIDTH).is_finite())
     }
@@ -229,38 +240,65 @@ fn power_of_two(x: f64) -> f64 {
 
 /// The parameters of the top with time in units of each lane: products that single precision can hold where it cannot hold
 /// the factors.
-struct ScaledTop<'f, V> {
-    top: &'f Top,
+struct ScaledTop<V> {
+    /// Which components of a, b and the twist are zero in all lanes.
+    vanish: [[bool; 3]; 3],
+    asymmetry: [V; 3],
     inverse_inertia: [V; 3],
     a: [V; 3],
     b: [V; 3],
     twist: [V; 3],
 }
 
-impl<'f, V: Wide> ScaledTop<'f, V> {
+impl<V: Wide> ScaledTop<V> {
     #[inline(always)]
-    fn new(top: &'f Top, unit: V) -> Self {
-        let scaled = |vector: [f64; 3]| vector.map(|component| unit.mul(V::splat(component)));
-        let [inverse_inertia, a, b, twist] = [top.inverse_inertia, top.a, top.b, top.twist].map(scaled);
-        ScaledTop { top, inverse_inertia, a, b, twist }
+    fn new<C: Constants>(top: &C, unit: V, first_lane: usize) -> Self {
+        let mut scaled = ScaledTop {
+            vanish: [[false; 3]; 3],
+            asymmetry: [unit; 3],
+            inverse_inertia: [unit; 3],
+            a: [unit; 3],
+            b: [unit; 3],
+            twist: [unit; 3],
+        };
+        // loops: what is called through `map` is not compiled for these registers
+        for axis in 0..3 {
+            scaled.vanish[0][axis] = top.vanishes(Constant::A, axis);
+            scaled.vanish[1][axis] = top.vanishes(Constant::B, axis);
+            scaled.vanish[2][axis] = top.vanishes(Constant::Twist, axis);
+            scaled.asymmetry[axis] = top.of(Constant::Asymmetry, axis, first_lane);
+            scaled.inverse_inertia[axis] = unit.mul(top.of(Constant::InverseInertia, axis, first_lane));
+            scaled.a[axis] = unit.mul(top.of(Constant::A, axis, first_lane));
+            scaled.b[axis] = unit.mul(top.of(Constant::B, axis, first_lane));
+            scaled.twist[axis] = unit.mul(top.of(Constant::Twist, axis, first_lane));
+        }
+        scaled
     }
 
     /// Of all lanes, from the two halves.
     #[inline(always)]
-    fn narrow(halves: [&ScaledTop<'f, V>; 2]) -> ScaledTop<'f, V::Narrow> {
-        let both = |first: [V; 3], second: [V; 3]| [0, 1, 2].map(|i| V::narrow(first[i], second[i]));
-        let [first, second] = halves;
-        ScaledTop {
-            top: first.top,
-            inverse_inertia: both(first.inverse_inertia, second.inverse_inertia),
-            a: both(first.a, second.a),
-            b: both(first.b, second.b),
-            twist: both(first.twist, second.twist),
+    fn narrow([first, second]: &[ScaledTop<V>; 2]) -> ScaledTop<V::Narrow> {
+        let zero = V::Narrow::splat(0.0);
+        let mut both = ScaledTop {
+            vanish: first.vanish,
+            asymmetry: [zero; 3],
+            inverse_inertia: [zero; 3],
+            a: [zero; 3],
+            b: [zero; 3],
+            twist: [zero; 3],
+        };
+        for axis in 0..3 {
+            both.asymmetry[axis] = V::narrow(first.asymmetry[axis], second.asymmetry[axis]);
+            both.inverse_inertia[axis] = V::narrow(first.inverse_inertia[axis], second.inverse_inertia[axis]);
+            both.a[axis] = V::narrow(first.a[axis], second.a[axis]);
+            both.b[axis] = V::narrow(first.b[axis], second.b[axis]);
+            both.twist[axis] = V::narrow(first.twist[axis], second.twist[axis]);
         }
+        both
     }
 }
 
-impl<V: Lane> ScaledTop<'_, V> {
+impl<V: Lane> ScaledTop<V> {
     #[inline(always)]
     fn derive_omega(&self, group: &mut [V]) {
         for i in 0..3 {
@@ -272,11 +310,12 @@ impl<V: Lane> ScaledTop<'_, V> {
     #[inline(always)]
     fn finish(&self, sum: &mut [V; N], last: &[V], next: &mut [V], k: usize) {
         for i in 0..3 {
-            sum[i] = sum[i].mul(V::splat(self.top.asymmetry[i]));
+            sum[i] = sum[i].mul(self.asymmetry[i]);
         }
-        add_cross(sum, 0, &last[3..6], &self.top.a, &self.a);
-        add_cross(sum, 0, &last[6..9], &self.top.b, &self.b);
-        add_cross(sum, 3, &last[6..9], &self.top.twist, &self.twist);
+        let [a, b, twist] = &self.vanish;
+        add_cross(sum, 0, &last[3..6], a, &self.a);
+        add_cross(sum, 0, &last[6..9], b, &self.b);
+        add_cross(sum, 3, &last[6..9], twist, &self.twist);
         for i in 0..N {
             next[i] = over(sum[i], k + 1);
         }
@@ -284,32 +323,32 @@ impl<V: Lane> ScaledTop<'_, V> {
     }
 }
 
-/// `sum[at..] += u x scaled`, where `scaled` is a multiple of `c`: components that are zero cost nothing.
+/// `sum[at..] += u x c`: components of `c` that are zero cost nothing.
 #[inline(always)]
-fn add_cross<V: Lane>(sum: &mut [V; N], at: usize, u: &[V], c: &[f64; 3], scaled: &[V; 3]) {
+fn add_cross<V: Lane>(sum: &mut [V; N], at: usize, u: &[V], vanish: &[bool; 3], c: &[V; 3]) {
     for axis in 0..3 {
-        if c[axis] != 0.0 {
+        if !vanish[axis] {
             let (next, last) = ((axis + 1) % 3, (axis + 2) % 3);
-            sum[at + next] = u[last].mul_add(scaled[axis], sum[at + next]);
-            sum[at + last] = u[next].neg_mul_add(scaled[axis], sum[at + last]);
+            sum[at + next] = u[last].mul_add(c[axis], sum[at + next]);
+            sum[at + last] = u[next].neg_mul_add(c[axis], sum[at + last]);
         }
     }
 }
 
 /// The power series: the low orders of the state in double precision, the rest from them in single precision.
-struct Expansion<'b, 'f, V: Wide>(&'b mut MixedBlock<'f, V>);
+struct Expansion<'b, C, V: Wide>(&'b mut MixedBlock<C, V>);
 
-impl<V: Wide> Body for Expansion<'_, '_, V> {
+impl<C: Constants, V: Wide> Body for Expansion<'_, C, V> {
     #[inline(always)]
     fn run(self) {
         let MixedBlock { top, method, double_order, tangent_order, n_tangents, row, double, single, units, .. } =
             self.0;
         let (row, n_tangents) = (*row, *n_tangents);
-        let halves = [0, 1].map(|half| {
-            let mut unit = V::splat(0.0);
-            unit.as_scalars_mut().copy_from_slice(&units[half * V::WIDTH..][..V::WIDTH]);
-            ScaledTop::new(top, unit)
-        });
+        let mut both = [V::splat(0.0); 2];
+        for (unit, units) in both.iter_mut().zip(units.chunks_exact(V::WIDTH)) {
+            unit.as_scalars_mut().copy_from_slice(units);
+        }
+        let halves = [ScaledTop::new(&*top, both[0], 0), ScaledTop::new(&*top, both[1], V::WIDTH)];
         for (half, top) in halves.iter().enumerate() {
             let rows = &mut double[half];
             top.derive_omega(&mut rows[..GROUP]);
@@ -324,7 +363,7 @@ impl<V: Wide> Body for Expansion<'_, '_, V> {
                 single[k * row + i] = V::narrow(double[0][k * GROUP + i], double[1][k * GROUP + i]);
             }
         }
-        let top = ScaledTop::narrow(halves.each_ref());
+        let top = ScaledTop::narrow(&halves);
         for tangent in 1..=n_tangents {
             top.derive_omega(&mut single[tangent * GROUP..][..GROUP]);
         }
@@ -351,12 +390,12 @@ impl<V: Wide> Body for Expansion<'_, '_, V> {
 }
 
 /// For each lane the longest step, in its unit: as [`Taylor`] chooses it, but for the tolerance of tangent vectors.
-struct Steps<'b, 'f, V: Wide> {
-    block: &'b MixedBlock<'f, V>,
+struct Steps<'b, C, V: Wide> {
+    block: &'b MixedBlock<C, V>,
     sizes: &'b mut [f64],
 }
 
-impl<V: Wide> Body for Steps<'_, '_, V> {
+impl<C, V: Wide> Body for Steps<'_, C, V> {
     #[inline(always)]
     fn run(self) {
         let Steps { block, sizes } = self;
@@ -370,31 +409,37 @@ impl<V: Wide> Body for Steps<'_, '_, V> {
             let (size, last, before) = (block.norm(0, group), block.norm(order, group), block.norm(order - 1, group));
             let defect = size.add(last).mul(V::Narrow::splat(0.0));
             // in double precision: the tolerance times the size may be less than single precision has numbers for
-            let [size, last, before, defect] = [size, last, before, defect].map(V::widen);
-            for half in 0..2 {
-                let pick = |pair: (V, V)| if half == 0 { pair.0 } else { pair.1 };
-                let allowed = pick(size).mul(V::splat(tolerance));
-                let sizes = &mut sizes[half * V::WIDTH..][..V::WIDTH];
-                for (longest, defect) in sizes.iter_mut().zip(pick(defect).as_scalars()) {
+            let (size, last) = (halves_of::<V>(size), halves_of::<V>(last));
+            let (before, defect) = (halves_of::<V>(before), halves_of::<V>(defect));
+            for (half, sizes) in sizes.chunks_exact_mut(V::WIDTH).enumerate() {
+                let allowed = size[half].mul(V::splat(tolerance));
+                for (longest, defect) in sizes.iter_mut().zip(defect[half].as_scalars()) {
                     *longest += defect;
                 }
-                shorten(sizes, allowed.as_scalars(), pick(last).as_scalars(), order);
-                shorten(sizes, allowed.as_scalars(), pick(before).as_scalars(), order - 1);
+                shorten(sizes, allowed.as_scalars(), last[half].as_scalars(), order);
+                shorten(sizes, allowed.as_scalars(), before[half].as_scalars(), order - 1);
             }
         }
         let (first, second) = sizes.split_at_mut(V::WIDTH);
-        shorten_by_trend(block.trends.each_ref(), block.n_tangents, first, &Half::<V> { block, second: false });
-        shorten_by_trend(block.trends.each_ref(), block.n_tangents, second, &Half::<V> { block, second: true });
+        shorten_by_trend(block.trends.each_ref(), block.n_tangents, first, &Half::<C, V> { block, second: false });
+        shorten_by_trend(block.trends.each_ref(), block.n_tangents, second, &Half::<C, V> { block, second: true });
     }
 }
 
+/// Both halves of the lanes, in double precision.
+#[inline(always)]
+fn halves_of<V: Wide>(narrow: V::Narrow) -> [V; 2] {
+    let (first, second) = V::widen(narrow);
+    [first, second]
+}
+
 /// One half of the lanes, in double precision.
-struct Half<'h, 'f, V: Wide> {
-    block: &'h MixedBlock<'f, V>,
+struct Half<'h, C, V: Wide> {
+    block: &'h MixedBlock<C, V>,
     second: bool,
 }
 
-impl<V: Wide> Terms<V> for Half<'_, '_, V> {
+impl<C, V: Wide> Terms<V> for Half<'_, C, V> {
     #[inline(always)]
     fn size(&self, k: usize, group: usize) -> V {
         let (first, second) = V::widen(self.block.norm(k, group));
@@ -403,15 +448,15 @@ impl<V: Wide> Terms<V> for Half<'_, '_, V> {
 }
 
 /// One group of one lane, some time after the start of the step.
-struct Evaluation<'b, 'f, V: Wide> {
-    block: &'b MixedBlock<'f, V>,
+struct Evaluation<'b, C, V: Wide> {
+    block: &'b MixedBlock<C, V>,
     lane: usize,
     group: usize,
     tau: f64,
     values: &'b mut [f64],
 }
 
-impl<V: Wide> Body for Evaluation<'_, '_, V> {
+impl<C, V: Wide> Body for Evaluation<'_, C, V> {
     #[inline(always)]
     fn run(self) {
         let Evaluation { block, lane, group, tau, values } = self;
@@ -431,13 +476,13 @@ impl<V: Wide> Body for Evaluation<'_, '_, V> {
 }
 
 /// Sizes of one group of all lanes.
-struct Norms<'b, 'f, V: Wide> {
-    block: &'b MixedBlock<'f, V>,
+struct Norms<'b, C, V: Wide> {
+    block: &'b MixedBlock<C, V>,
     group: usize,
     norms: &'b mut [f64],
 }
 
-impl<V: Wide> Body for Norms<'_, '_, V> {
+impl<C, V: Wide> Body for Norms<'_, C, V> {
     #[inline(always)]
     fn run(self) {
         let (low, high) = V::widen(self.block.norm(0, self.group));
@@ -447,12 +492,12 @@ impl<V: Wide> Body for Norms<'_, '_, V> {
 }
 
 /// Horner's rule: the high orders in single precision, then the low ones of the state in double precision.
-struct Advance<'b, 'f, V: Wide> {
-    block: &'b mut MixedBlock<'f, V>,
+struct Advance<'b, C, V: Wide> {
+    block: &'b mut MixedBlock<C, V>,
     sizes: &'b [f64],
 }
 
-impl<V: Wide> Body for Advance<'_, '_, V> {
+impl<C, V: Wide> Body for Advance<'_, C, V> {
     #[inline(always)]
     fn run(self) {
         let Advance { block, sizes } = self;

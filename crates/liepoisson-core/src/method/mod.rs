@@ -108,6 +108,11 @@ pub trait Block {
         1
     }
 
+    /// A member of the ensemble takes a lane, before its values are put there.
+    fn seat(&mut self, lane: usize, member: usize) {
+        let _ = (lane, member);
+    }
+
     /// Puts values into one group of a lane; into group 0 (which comes first) those of a new trajectory.
     fn load(&mut self, lane: usize, group: usize, values: &[f64]);
 

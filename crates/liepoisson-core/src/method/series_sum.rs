@@ -55,7 +55,10 @@ impl<V: Wide> Sums<'_, V> {
         let Strides { order: row, component } = self.strides;
         let coefficients = |k: usize| &self.coefficients[k * row + i * component..][..(M - 1) * component + 1];
         let last = coefficients(self.order);
-        let mut sums: [V; M] = std::array::from_fn(|j| V::splat(last[j * component]));
+        let mut sums = [V::splat(0.0); M];
+        for j in 0..M {
+            sums[j] = V::splat(last[j * component]);
+        }
         for k in (0..self.order).rev() {
             let terms = coefficients(k);
             for j in 0..M {

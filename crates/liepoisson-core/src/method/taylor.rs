@@ -5,7 +5,7 @@
 //! Experimental Mathematics 14 (2005): the choice of order and step; here each lane takes its own step.
 
 use crate::error::Error;
-use crate::field::Field;
+use crate::field::{Field, Hold};
 use crate::lanes::{Body, Lane, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
@@ -66,18 +66,19 @@ impl Taylor {
     }
 }
 
-impl<F: Field> Method<F> for Taylor {
+impl<F: Hold> Method<F> for Taylor {
     fn block<'f, V: Wide>(&self, field: &'f F, n_tangents: usize) -> Box<dyn Block + 'f> {
+        let field = field.hold();
         let rows = vec![V::splat(0.0); field.registers(n_tangents, self.order)];
         let trend = Trend::new(self.tolerance, self.order);
         let largest = vec![0.0; if field.has_branches() { V::WIDTH } else { 0 }];
-        let end = (!field.shows_its_terms()).then(|| StepEnd::new(field, self.order, self.tolerance));
+        let end = (!field.shows_its_terms()).then(|| StepEnd::new(&field, self.order, self.tolerance));
         Box::new(TaylorBlock {
+            row: field.row(n_tangents),
             field,
             method: *self,
             trend,
             n_tangents,
-            row: field.row(n_tangents),
             rows,
             largest,
             end,
@@ -85,7 +86,7 @@ impl<F: Field> Method<F> for Taylor {
     }
 
     fn registers(&self, field: &F, n_tangents: usize) -> usize {
-        field.registers(n_tangents, self.order)
+        field.hold().registers(n_tangents, self.order)
     }
 
     fn max_steps(&self) -> u64 {
@@ -94,8 +95,8 @@ impl<F: Field> Method<F> for Taylor {
 }
 
 /// Trajectories with their tangent vectors and the power series of all of them.
-struct TaylorBlock<'f, F, V> {
-    field: &'f F,
+struct TaylorBlock<F, V> {
+    field: F,
     method: Taylor,
     trend: Trend,
     n_tangents: usize,
@@ -107,13 +108,17 @@ struct TaylorBlock<'f, F, V> {
     end: Option<StepEnd<V>>,
 }
 
-impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
+impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
     fn n_lanes(&self) -> usize {
         V::WIDTH
     }
 
     fn stepping(&self) -> Stepping {
         Stepping::Series
+    }
+
+    fn seat(&mut self, lane: usize, member: usize) {
+        self.field.seat(lane, member);
     }
 
     fn load(&mut self, lane: usize, group: usize, values: &[f64]) {
@@ -161,7 +166,7 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
     fn look_ahead(&mut self, sizes: &mut [f64]) {
         let TaylorBlock { field, method, row, rows, end, .. } = self;
         if let Some(end) = end {
-            end.keep_to_the_field(*field, rows, (*row, method.order), sizes);
+            end.keep_to_the_field(field, rows, (*row, method.order), sizes);
         }
         for (size, largest) in sizes.iter_mut().zip(&self.largest) {
             // what is hidden is the corner of a root, where the branch ends, and no wall
@@ -229,7 +234,7 @@ impl<F: Field, V: Wide> Block for TaylorBlock<'_, F, V> {
     }
 }
 
-impl<F: Field, V: Wide> TaylorBlock<'_, F, V> {
+impl<F: Field, V: Wide> TaylorBlock<F, V> {
     /// Sum of the absolute values of the components of `group`, in coefficient `k`; not finite if one of them is not.
     #[inline(always)]
     fn norm(&self, k: usize, group: usize) -> V {
@@ -297,9 +302,9 @@ pub(super) fn sum_of_sizes<V: Lane>(components: &[V]) -> V {
 }
 
 /// The power series, from its first coefficients.
-struct Expansion<'b, 'f, F, V>(&'b mut TaylorBlock<'f, F, V>);
+struct Expansion<'b, F, V>(&'b mut TaylorBlock<F, V>);
 
-impl<F: Field, V: Wide> Body for Expansion<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Expansion<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         let TaylorBlock { field, method, n_tangents, rows, .. } = self.0;
@@ -316,14 +321,14 @@ impl<F: Field, V: Wide> Body for Expansion<'_, '_, F, V> {
 ///
 /// Tangent vectors have a say because the state alone does not see the linear flow about it: at an equilibrium its
 /// own series allows any step.
-struct Steps<'b, 'f, F, V> {
-    block: &'b TaylorBlock<'f, F, V>,
+struct Steps<'b, F, V> {
+    block: &'b TaylorBlock<F, V>,
     sizes: &'b mut [f64],
     /// Whether a last term may be lost, or is beyond the range of numbers, in any lane.
     is_doubtful: &'b mut bool,
 }
 
-impl<F: Field, V: Wide> Body for Steps<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         let Steps { block, sizes, is_doubtful } = self;
@@ -350,12 +355,12 @@ impl<F: Field, V: Wide> Body for Steps<'_, '_, F, V> {
 }
 
 /// Shortens the steps of a field with branches so that none is left.
-struct Branches<'b, 'f, F, V> {
-    block: &'b TaylorBlock<'f, F, V>,
+struct Branches<'b, F, V> {
+    block: &'b TaylorBlock<F, V>,
     sizes: &'b mut [f64],
 }
 
-impl<F: Field, V: Wide> Body for Branches<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Branches<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         let Branches { block, sizes } = self;
@@ -404,14 +409,14 @@ pub(super) fn shorten(sizes: &mut [f64], allowed: &[f64], terms: &[f64], power: 
 }
 
 /// Advances every lane by its own step: Horner's rule, several components at once to hide the latency of each.
-struct Advance<'b, 'f, F, V> {
-    block: &'b mut TaylorBlock<'f, F, V>,
+struct Advance<'b, F, V> {
+    block: &'b mut TaylorBlock<F, V>,
     sizes: &'b [f64],
     /// The state, group 0, may be known already.
     first_group: usize,
 }
 
-impl<F: Field, V: Wide> Body for Advance<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Advance<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         let Advance { block, sizes, first_group } = self;
@@ -440,7 +445,7 @@ pub(super) trait Terms<V> {
     fn size(&self, k: usize, group: usize) -> V;
 }
 
-impl<F: Field, V: Wide> Terms<V> for TaylorBlock<'_, F, V> {
+impl<F: Field, V: Wide> Terms<V> for TaylorBlock<F, V> {
     #[inline(always)]
     fn size(&self, k: usize, group: usize) -> V {
         self.norm(k, group)
@@ -524,12 +529,12 @@ impl Trend {
 }
 
 /// A linear form in the state and its largest component, order by order.
-struct LookOver<'b, 'f, 'o, F, V> {
-    block: &'b TaylorBlock<'f, F, V>,
+struct LookOver<'b, 'o, F, V> {
+    block: &'b TaylorBlock<F, V>,
     of: &'b mut Overview<'o>,
 }
 
-impl<F: Field, V: Wide> Body for LookOver<'_, '_, '_, F, V> {
+impl<F: Field, V: Wide> Body for LookOver<'_, '_, F, V> {
     #[inline(always)]
     fn run(self) {
         let LookOver { block, of: Overview { form: (constant, terms), values, largest } } = self;
@@ -556,13 +561,13 @@ impl<F: Field, V: Wide> Body for LookOver<'_, '_, '_, F, V> {
 }
 
 /// Sizes of one group of all lanes.
-struct Norms<'b, 'f, F, V> {
-    block: &'b TaylorBlock<'f, F, V>,
+struct Norms<'b, F, V> {
+    block: &'b TaylorBlock<F, V>,
     group: usize,
     norms: &'b mut [f64],
 }
 
-impl<F: Field, V: Wide> Body for Norms<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Norms<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         self.norms.copy_from_slice(self.block.norm(0, self.group).as_scalars());
@@ -570,15 +575,15 @@ impl<F: Field, V: Wide> Body for Norms<'_, '_, F, V> {
 }
 
 /// One group of one lane, some time after the start of the step.
-struct Evaluation<'b, 'f, F, V> {
-    block: &'b TaylorBlock<'f, F, V>,
+struct Evaluation<'b, F, V> {
+    block: &'b TaylorBlock<F, V>,
     lane: usize,
     group: usize,
     tau: f64,
     values: &'b mut [f64],
 }
 
-impl<F: Field, V: Wide> Body for Evaluation<'_, '_, F, V> {
+impl<F: Field, V: Wide> Body for Evaluation<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         let Evaluation { block, lane, group, tau, values } = self;

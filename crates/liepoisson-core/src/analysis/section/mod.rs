@@ -14,7 +14,7 @@ mod survey;
 use super::{CALLED_ONCE, UNREACHED, filled, name_unreached};
 use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
-use crate::field::{Field, Functions};
+use crate::field::{Functions, Hold};
 use crate::lanes::Simd;
 use crate::method::{Block, Overview, Taylor};
 use points::Collected;
@@ -111,7 +111,7 @@ pub struct Sections {
 /// # Errors
 /// See [`Ensemble::check`]; functions of another number of components than the field; a direction that is none, no crossing
 /// wanted; no memory for the points.
-pub fn sections<F: Field>(
+pub fn sections<F: Hold>(
     ensemble: &Ensemble<'_, F, Taylor>,
     surface: &Surface,
     threads: usize,

@@ -19,7 +19,7 @@ pub use enclosure::Enclosure;
 pub use functions::Functions;
 pub use instruction::Instruction;
 
-use super::{Field, Space, Terms};
+use super::{Field, Hold, Space, Terms};
 use crate::error::Error;
 use crate::lanes::Lane;
 use enclosure::enclose;
@@ -101,6 +101,14 @@ impl Space for Tape {
         for (sum, &output) in to.linear.iter_mut().zip(&self.outputs) {
             *sum = to.work[output].error;
         }
+    }
+}
+
+impl Hold for Tape {
+    type Held<'f> = &'f Tape;
+
+    fn hold(&self) -> &Tape {
+        self
     }
 }
 

@@ -129,10 +129,22 @@ fn add_cross<V: Lane>(sum: &mut Group<V>, at: usize, u: [V; 3], v: [V; 3]) {
 /// `u x v`
 #[inline(always)]
 fn cross<V: Lane>(u: [V; 3], v: [V; 3]) -> [V; 3] {
-    [0, 1, 2].map(|i| {
+    let mut product = u;
+    // loops: what is called through `map` is not compiled for these registers
+    for i in 0..3 {
         let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        u[k].neg_mul_add(v[j], u[j].mul(v[k]))
-    })
+        product[i] = u[k].neg_mul_add(v[j], u[j].mul(v[k]));
+    }
+    product
+}
+
+/// `factor u`
+#[inline(always)]
+fn times<V: Lane>(mut u: [V; 3], factor: V) -> [V; 3] {
+    for component in &mut u {
+        *component = component.mul(factor);
+    }
+    u
 }
 
 /// One of the three vectors of a group.
@@ -156,8 +168,8 @@ fn add_transformed<V: Lane>(x: &mut Group<V>, at: usize, matrix: &[[V; 3]; 3]) {
 #[inline(always)]
 fn rotation_less_identity<V: Lane>(v: [V; 3], c1: V, c2: V) -> [[V; 3]; 3] {
     let [v1, v2, v3] = v;
-    let [s1, s2, s3] = v.map(|component| component.mul(c1));
-    let [p1, p2, p3] = v.map(|component| component.mul(c2));
+    let [s1, s2, s3] = times(v, c1);
+    let [p1, p2, p3] = times(v, c2);
     let zero = V::splat(0.0);
     let (q1, q2, q3) = (p1.neg_mul_add(v1, zero), p2.neg_mul_add(v2, zero), p3.neg_mul_add(v3, zero));
     [
@@ -202,7 +214,7 @@ impl Angle for OfCayley {
 /// The flow of a function of `|l|^2` for the time `tau`: alpha and beta turn about l.
 #[inline(always)]
 pub(super) fn turn_about_momentum<A: Angle, V: Lane>(x: &mut Group<V>, tangents: &mut [Group<V>], tau: V) {
-    let v = vector(x, 0).map(|component| component.mul(tau));
+    let v = times(vector(x, 0), tau);
     let z = v[2].mul_add(v[2], v[1].mul_add(v[1], v[0].mul(v[0])));
     let ([c1, c2], [k0, k1, k2]) = A::coefficients(z);
     let matrix = rotation_less_identity(v, c1, c2);
@@ -210,10 +222,13 @@ pub(super) fn turn_about_momentum<A: Angle, V: Lane>(x: &mut Group<V>, tangents:
         add_transformed(x, at, &matrix);
     }
     for dx in tangents {
-        let dv = vector(dx, 0).map(|component| component.mul(tau));
+        let dv = times(vector(dx, 0), tau);
         let first = cross(dv, v);
         let second = cross(first, v);
-        let w = [0, 1, 2].map(|i| second[i].mul_add(k2, first[i].mul_add(k1, dv[i].mul(k0))));
+        let mut w = times(dv, k0);
+        for i in 0..3 {
+            w[i] = second[i].mul_add(k2, first[i].mul_add(k1, w[i]));
+        }
         for at in [3, 6] {
             add_transformed(dx, at, &matrix);
             add_cross(dx, at, vector(x, at), w);

@@ -1,0 +1,118 @@
+//! Tops of one kind with parameters of their own, one for each trajectory: a register holds trajectories of different tops.
+
+use super::top::{self, Constant, Constants, GROUP, N};
+use super::{Field, Hold, Space, Top};
+use crate::error::Error;
+use crate::lanes::{Lane, Number};
+
+/// Most trajectories that a block advances: a register of single precision holds them.
+const MOST_LANES: usize = 16;
+
+/// The top of each member of an ensemble, in their order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tops {
+    tops: Vec<Top>,
+    /// Which constants vanish for all of them.
+    vanish: [[bool; 3]; Constant::COUNT],
+}
+
+impl Tops {
+    /// One top for each member.
+    ///
+    /// # Errors
+    /// No top.
+    pub fn new(tops: Vec<Top>) -> Result<Tops, Error> {
+        if tops.is_empty() {
+            return Err(Error::Length { name: "tops", wanted: 1, got: 0 });
+        }
+        let vanishes = |constant: Constant, axis: usize| tops.iter().all(|top| top.vector(constant)[axis] == 0.0);
+        let vanish = Constant::ALL.map(|constant| [0, 1, 2].map(|axis| vanishes(constant, axis)));
+        Ok(Tops { tops, vanish })
+    }
+
+    /// How many.
+    pub fn n_members(&self) -> usize {
+        self.tops.len()
+    }
+}
+
+impl Space for Tops {
+    fn n_components(&self) -> usize {
+        N
+    }
+
+    fn n_members(&self) -> Option<usize> {
+        Some(self.tops.len())
+    }
+}
+
+impl Hold for Tops {
+    type Held<'f> = SeatedTops<'f>;
+
+    fn hold(&self) -> SeatedTops<'_> {
+        SeatedTops { tops: self, members: [0; MOST_LANES], lanes: [[[0.0; MOST_LANES]; 3]; Constant::COUNT] }
+    }
+}
+
+/// The tops of the trajectories that a block advances.
+#[derive(Clone, Debug)]
+pub struct SeatedTops<'f> {
+    tops: &'f Tops,
+    /// Which top each lane has.
+    members: [usize; MOST_LANES],
+    /// Their constants, lane by lane; zero for a lane that was always empty.
+    lanes: [[[f64; MOST_LANES]; 3]; Constant::COUNT],
+}
+
+impl Constants for SeatedTops<'_> {
+    #[inline(always)]
+    fn of<V: Lane>(&self, constant: Constant, axis: usize, first_lane: usize) -> V {
+        let mut register = V::splat(0.0);
+        let numbers = &self.lanes[constant as usize][axis][first_lane..first_lane + V::WIDTH];
+        for (to, &number) in register.as_scalars_mut().iter_mut().zip(numbers) {
+            *to = V::Number::of(number);
+        }
+        register
+    }
+
+    #[inline(always)]
+    fn vanishes(&self, constant: Constant, axis: usize) -> bool {
+        self.tops.vanish[constant as usize][axis]
+    }
+
+    fn in_lane(&self, lane: usize) -> &Top {
+        &self.tops.tops[self.members[lane]]
+    }
+}
+
+impl Space for SeatedTops<'_> {
+    fn n_components(&self) -> usize {
+        N
+    }
+}
+
+impl Field for SeatedTops<'_> {
+    fn group(&self) -> usize {
+        GROUP
+    }
+
+    fn seat(&mut self, lane: usize, member: usize) {
+        self.members[lane] = member;
+        let top = &self.tops.tops[member];
+        for constant in Constant::ALL {
+            for (numbers, &number) in self.lanes[constant as usize].iter_mut().zip(top.vector(constant)) {
+                numbers[lane] = number;
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn derive_work<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
+        top::derive_work(self, rows, self.row(n_tangents), k);
+    }
+
+    #[inline(always)]
+    fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
+        top::extend(self, rows, n_tangents, k);
+    }
+}
