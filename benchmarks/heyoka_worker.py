@@ -122,6 +122,62 @@ def single(request: dict[str, Any]) -> dict[str, Any]:
     return {"seconds": seconds, "order": integrator.order, "drift": problem.drift(x0, ends)}
 
 
+def dense(request: dict[str, Any]) -> dict[str, Any]:
+    """Seconds of each repeat of evaluating a kept orbit at many times."""
+    integrator, x, times = _one_orbit(request)
+    output = _run_kept(integrator, x, request["t_end"])
+    return {"seconds": _timed(lambda: output(times), request), "order": integrator.order}
+
+
+def _one_orbit(request: dict[str, Any]) -> tuple[Any, Array, Array]:
+    x = np.load(request["problem"])[0, :9]
+    integrator = hy.taylor_adaptive(top_system(tangent=False), np.zeros(9), tol=request["tol"])
+    return integrator, x, np.linspace(0.0, request["t_end"], request["n_times"])
+
+
+def _run_kept(integrator: Any, x: Array, t_end: float) -> Any:
+    integrator.time, integrator.state[:] = 0.0, x
+    return integrator.propagate_until(t_end, c_output=True)[4]
+
+
+def _timed(run: Any, request: dict[str, Any]) -> list[float]:
+    run()
+    seconds: list[float] = []
+    for _ in range(request["repeats"]):
+        begin = time.perf_counter()
+        run()
+        seconds.append(time.perf_counter() - begin)
+    return seconds
+
+
+def grid(request: dict[str, Any]) -> dict[str, Any]:
+    """Seconds of each repeat of an orbit with its states at many times."""
+    integrator, x, times = _one_orbit(request)
+
+    def run() -> None:
+        integrator.time, integrator.state[:] = 0.0, x
+        integrator.propagate_grid(times)
+
+    return {"seconds": _timed(run, request), "order": integrator.order}
+
+
+def section(request: dict[str, Any]) -> dict[str, Any]:
+    """Seconds of each repeat of finding all crossings of l3 = 0, by events in batches."""
+    x0, batch, equations = np.load(request["problem"])[: request["n_starts"], :9], request["batch"], top_system(False)
+    found: list[float] = []
+    event = hy.nt_event_batch(equations[2][0], lambda ta, t, d, i: found.append(t))
+    integrator = hy.taylor_adaptive_batch(equations, np.zeros((9, batch)), tol=request["tol"], nt_events=[event])
+
+    def run() -> None:
+        found.clear()
+        for k in range(0, len(x0), batch):
+            integrator.set_time(0.0)
+            integrator.state[:] = x0[k : k + batch].T
+            integrator.propagate_until(request["t_end"])
+
+    return {"seconds": _timed(run, request), "order": integrator.order, "crossings": len(found)}
+
+
 def cold(request: dict[str, Any]) -> dict[str, Any]:
     """One ensemble result as soon as possible; the clock is the caller's."""
     x0, t_end = np.load(request["problem"]), request["t_end"]
@@ -165,8 +221,8 @@ def main() -> None:
     hy.llvm_state.set_diskcache_enabled("diskcache" in request)
     if "diskcache" in request:
         hy.llvm_state.set_diskcache_path(request["diskcache"])
-    tasks = {"ensemble": ensemble, "single": single, "cold": cold, "scan": scan, "versions": versions}
-    print(json.dumps(tasks[request["task"]](request)))
+    tasks = (ensemble, single, dense, grid, section, cold, scan, versions)
+    print(json.dumps({task.__name__: task for task in tasks}[request["task"]](request)))
 
 
 if __name__ == "__main__":

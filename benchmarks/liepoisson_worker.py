@@ -19,6 +19,8 @@ import problem
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from problem import Array
 
 
@@ -79,6 +81,74 @@ def single(request: dict[str, Any]) -> dict[str, Any]:
         seconds.append((time.perf_counter() - begin) / len(x0))
     _require_finished(orbit)
     return {"seconds": seconds, "order": orbit.order, "kernel": orbit.kernel, "drift": problem.drift(x0, ends)}
+
+
+def _timed(run: Callable[[], Any], request: dict[str, Any]) -> list[float]:
+    run()
+    seconds: list[float] = []
+    for _ in range(request["repeats"]):
+        begin = time.perf_counter()
+        run()
+        seconds.append(time.perf_counter() - begin)
+    return seconds
+
+
+def dense(request: dict[str, Any]) -> dict[str, Any]:
+    """Seconds of each repeat of evaluating a kept orbit at many times."""
+    x, times = np.load(request["problem"])[0, :9], np.linspace(0.0, request["t_end"], request["n_times"])
+    method = lp.Taylor(tol=request["tol"])
+    orbit = lp.integrate(_top(), x, times=[0.0, request["t_end"]], method=method, dense=True, threads=1)
+    _require_finished(orbit)
+    return {"seconds": _timed(lambda: orbit.at(times), request), "order": orbit.order, "kernel": orbit.kernel}
+
+
+def grid(request: dict[str, Any]) -> dict[str, Any]:
+    """Seconds of each repeat of an orbit with its states at many times."""
+    x, times = np.load(request["problem"])[0, :9], np.linspace(0.0, request["t_end"], request["n_times"])
+    top, method = _top(), lp.Taylor(tol=request["tol"])
+    orbit = lp.integrate(top, x, times=times, method=method, threads=1)
+    _require_finished(orbit)
+    seconds = _timed(lambda: lp.integrate(top, x, times=times, method=method, threads=1), request)
+    return {"seconds": seconds, "order": orbit.order, "kernel": orbit.kernel}
+
+
+def section(request: dict[str, Any]) -> dict[str, Any]:
+    """Seconds of each repeat of finding all crossings of l3 = 0."""
+    x0, top = np.load(request["problem"])[: request["n_starts"], :9], _top()
+    method = lp.Taylor(tol=request["tol"])
+
+    def run() -> Any:
+        return lp.section(top, x0, surface="l3", t_end=request["t_end"], method=method, threads=1)
+
+    found = run()
+    seconds = _timed(run, request)
+    return {"seconds": seconds, "order": found.order, "kernel": found.kernel, "crossings": len(found.time)}
+
+
+def sweep(request: dict[str, Any]) -> dict[str, Any]:
+    """Seconds of each repeat of a sweep through twists, one orbit at each."""
+    from liepoisson.sweeps.spec import Axis, SweepSpec
+
+    axis = Axis.linear("epsilon", 0, 1, request["n_starts"])
+    parameters = {"I": problem.INERTIA, "a": problem.A, "b": problem.B}
+    method = lp.Taylor(tol=request["tol"], precision="mixed")
+    spec = SweepSpec(
+        system="twisted-top",
+        parameters=parameters,
+        axes=(axis,),
+        n_starts=1,
+        t_end=request["t_end"],
+        seed=problem.SEED,
+        method=method,
+    )
+    return {"seconds": _timed(lambda: lp.sweep(spec, threads=1), request)}
+
+
+def full(request: dict[str, Any]) -> dict[str, Any]:
+    """Seconds of each repeat of as many orbits of one top."""
+    x0 = np.load(request["problem"])[: request["n_starts"], :9]
+    method = lp.Taylor(tol=request["tol"], precision="mixed")
+    return {"seconds": _timed(lambda: run_ensemble(x0, request["t_end"], method), request)}
 
 
 def cold(request: dict[str, Any]) -> dict[str, Any]:
@@ -147,8 +217,8 @@ def versions(_: dict[str, Any]) -> dict[str, Any]:
 def main() -> None:
     """Answer the request on the command line."""
     request: dict[str, Any] = json.loads(sys.argv[1])
-    tasks = {"ensemble": ensemble, "single": single, "cold": cold, "scan": scan, "versions": versions}
-    print(json.dumps(tasks[request["task"]](request)))
+    tasks = (ensemble, single, dense, grid, section, sweep, full, cold, scan, versions)
+    print(json.dumps({task.__name__: task for task in tasks}[request["task"]](request)))
 
 
 if __name__ == "__main__":

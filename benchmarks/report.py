@@ -22,7 +22,20 @@ from measure import Measured, Row, choice
 TABLES = measure.HERE / "results" / "tables"
 DOCUMENT = measure.ROOT / "docs" / "benchmarks.md"
 MARKED = re.compile(r"(<!-- table ([\w.-]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
-SUMMARY = ("1e-13", "1e-8", "1e-4", "single-precision", "single-tolerance", "single-level", "cold-20", "cold-200")
+SUMMARY = (
+    "1e-13",
+    "1e-8",
+    "1e-4",
+    "single-precision",
+    "single-tolerance",
+    "single-level",
+    "dense",
+    "grid",
+    "sections-1e-15",
+    "sections-1e-9",
+    "cold-20",
+    "cold-200",
+)
 Record = dict[str, Any]
 
 
@@ -176,6 +189,9 @@ def notes(data: Record) -> str:
     drifts = [f"{name} {answer['drift']:.1e}" for name, answer in answers if "drift" in answer]
     if drifts:
         said.append(f"Largest change of H, C1, C2, C3 at the end, median over starts: {'; '.join(drifts)}.")
+    crossings = [f"{name} {answer['crossings']}" for name, answer in answers if "crossings" in answer]
+    if crossings:
+        said.append(f"Crossings found: {'; '.join(crossings)}.")
     means = [f"{name} {answer['mean_exponent']:.5f}" for name, answer in answers if "mean_exponent" in answer]
     if means and not data["wall"]:
         said.append(f"Mean exponent at the end of the run: {'; '.join(means)}.")
@@ -210,7 +226,7 @@ def summary(tables: dict[str, Record]) -> str:
                 [
                     data["title"],
                     f"{ours['contender']['name']}, {choice(setting['request'])}",
-                    _errors(setting, "state", "tangent") if setting["tangent"] else _errors(setting, "state"),
+                    _errors(setting, "state", "tangent") if setting.get("tangent") else _errors(setting, "state"),
                     _errors(setting, "exponent_largest"),
                     _rate(data, ours),
                     f"{_rate(data, peer)} ({peer['contender']['name']})",
@@ -222,7 +238,11 @@ def summary(tables: dict[str, Record]) -> str:
 
 def _rate(data: Record, one: Record) -> str:
     best = min(one["seconds"])
-    return duration(best) if data["wall"] or "Single" in data["title"] else rate(work_of(one) / best)
+    return (
+        duration(best)
+        if data["wall"] or data["title"].startswith(("Single", "Dense", "Output"))
+        else rate(work_of(one) / best)
+    )
 
 
 def blocks(tables: dict[str, Record]) -> dict[str, str]:

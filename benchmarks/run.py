@@ -18,6 +18,7 @@ import dispatch
 import environment
 import kernels
 import measure
+import output
 import peers
 import problem
 import reference
@@ -47,6 +48,11 @@ class Run:
             "single-precision": lambda: self._time(self.bench.single_precision()),
             "single-tolerance": lambda: self._time(self.bench.single(None)),
             "single-level": lambda: self._time(self.bench.single(bench.SINGLE_LEVEL)),
+            "dense": lambda: self._time(output.dense(RESULTS / "problem.npy")),
+            "grid": lambda: self._time(output.grid(RESULTS / "problem.npy")),
+            "sections-1e-15": lambda: self._time(output.sections(RESULTS / "problem.npy", 1e-15)),
+            "sections-1e-9": lambda: self._time(output.sections(RESULTS / "problem.npy", 1e-9)),
+            "sweep": lambda: self._time(output.sweep(RESULTS / "problem.npy")),
             "cold-20": lambda: self._time(self.bench.cold(problem.T_ACCURACY)),
             "cold-200": lambda: self._time(self.bench.cold(problem.T_END)),
             "kernels": lambda: kernels.run(self.bench, self.simds, self.rounds),

@@ -116,6 +116,24 @@ def test_dense_output_is_the_orbit(times):
         assert np.array_equal(orbit.at(float(wanted[0])), orbit.at(wanted)[:, 0])
 
 
+@pytest.mark.parametrize("direction", [1, -1])
+@pytest.mark.parametrize("members", [1, 3])
+def test_dense_output_does_not_depend_on_the_order_of_times(direction, members):
+    """Times within one step are summed side by side: in order, shuffled and one by one they have the same bits."""
+    orbit = lp.integrate(TOP, lp.sample_states(TOP, members, seed=4), times=[0.0, 9.0 * direction], dense=True)
+    rng = np.random.default_rng(5)
+    times = direction * np.sort(rng.uniform(0.0, 9.0, 400))
+    times[::50] = orbit.series[0][0][1:9]  # where steps begin
+    values, shuffled = orbit.at(times), rng.permutation(400)
+    np.testing.assert_array_equal(orbit.at(times[shuffled]), values[:, shuffled])
+    np.testing.assert_array_equal(np.stack([orbit.at(time) for time in times], axis=1), values)
+    np.testing.assert_array_equal(orbit.at(times.reshape(20, 20)), values.reshape(members, 20, 20, 9))
+    starts, coefficients = orbit.series[-1]
+    step = np.clip(np.searchsorted(direction * starts, direction * times, side="right") - 1, 0, None)
+    powers = (times - starts[step])[:, None] ** np.arange(coefficients.shape[1])
+    assert np.abs(values[-1] - np.einsum("tk,tkn->tn", powers, coefficients[step])).max() < 1e-13
+
+
 def test_dense_output_refuses_what_it_does_not_have():
     x0 = lp.sample_states(TOP, 1, seed=4)
     with pytest.raises(ParameterError, match="dense=True"):

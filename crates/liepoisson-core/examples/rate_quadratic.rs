@@ -7,7 +7,7 @@
 
 use liepoisson_core::analysis::lyapunov;
 use liepoisson_core::ensemble::{Control, Ensemble};
-use liepoisson_core::field::{Field, Quadratic, Top};
+use liepoisson_core::field::{Hold, Quadratic, Top};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::Taylor;
 use std::collections::BTreeSet;
@@ -33,7 +33,7 @@ impl Starts {
     }
 
     /// Nanoseconds for a step of one trajectory.
-    fn time<F: Field>(&self, field: &F, method: Taylor, simd: Simd) -> f64 {
+    fn time<F: Hold>(&self, field: &F, method: Taylor, simd: Simd) -> f64 {
         let times = [0.0, self.t_end];
         let (states, tangents) = (&self.states, &self.tangents);
         let ensemble = Ensemble { field, method, states, tangents, n_tangents: 1, times: &times };

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from liepoisson import _core
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.field import TopField
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories, typical
 from liepoisson.numeric.run import IntegratedRun, given

@@ -59,7 +59,11 @@ pub fn states_at(kept: &[Kept<'_>], n: usize, times: &[f64], backwards: bool, si
     for (kept, states) in kept.iter().zip(states.chunks_exact_mut(size)) {
         let Some(per_step) = kept.coefficients.len().checked_div(kept.times.len()) else { continue };
         if per_step < n || !per_step.is_multiple_of(n) || per_step * kept.times.len() != kept.coefficients.len() {
-            return Err(Error::Length { name: "coefficients", wanted: n * kept.times.len(), got: kept.coefficients.len() });
+            return Err(Error::Length {
+                name: "coefficients",
+                wanted: n * kept.times.len(),
+                got: kept.coefficients.len(),
+            });
         }
         let is_before = |a: f64, b: f64| if backwards { a > b } else { a < b };
         let (mut first, mut step) = (0, 0);

@@ -215,8 +215,7 @@ impl Worker<'_> {
             if count < SAMPLES_PER_LOOK {
                 break;
             }
-            if let Some(outcome) = self.control.look_at_clock()
-            {
+            if let Some(outcome) = self.control.look_at_clock() {
                 self.dismiss(block, lane, seat, outcome, observer);
                 return 0.0;
             }

@@ -16,4 +16,5 @@ mod splitting;
 mod tape;
 mod taylor;
 mod top;
+mod tops;
 mod units;

@@ -5,7 +5,7 @@ use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::analysis::section::{Sections, Surface, sections};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Field, Functions, Instruction, Quadratic, Tape};
+use liepoisson_core::field::{Functions, Hold, Instruction, Quadratic, Tape};
 use liepoisson_core::lanes::Simd;
 use proptest::prelude::*;
 use std::f64::consts::PI;
@@ -36,19 +36,12 @@ fn surface(n: usize, instructions: Vec<Instruction>) -> Surface {
     }
 }
 
-fn run<F: Field>(
-    field: &F,
-    states: &[f64],
-    times: [f64; 2],
-    surface: &Surface,
-    threads: usize,
-    simd: Simd,
-) -> Sections {
+fn run<F: Hold>(field: &F, states: &[f64], times: [f64; 2], surface: &Surface, threads: usize, simd: Simd) -> Sections {
     let ensemble = Ensemble { field, method: taylor(TOLERANCE), states, tangents: &[], n_tangents: 0, times: &times };
     sections(&ensemble, surface, threads, simd, &Control::default(), |_| ()).unwrap()
 }
 
-fn alone<F: Field>(field: &F, start: &[f64], times: [f64; 2], surface: &Surface) -> Sections {
+fn alone<F: Hold>(field: &F, start: &[f64], times: [f64; 2], surface: &Surface) -> Sections {
     run(field, start, times, surface, 1, Simd::widest())
 }
 

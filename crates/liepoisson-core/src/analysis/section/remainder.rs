@@ -52,11 +52,15 @@ pub(super) fn term(coefficient: f64, length: f64, k: usize, power: f64) -> f64 {
     libm::scalbn(coefficient * power, (i64::from(exponent) * k as i64).clamp(-5000, 5000) as i32)
 }
 
+/// Whether the powers of a length up to this one are well within the range of numbers.
+fn is_in_range(length: f64, power: usize) -> bool {
+    (1e-280..1e280).contains(&length.abs().powi(power as i32))
+}
+
 /// Puts a series in units of a length: [`term`] for each coefficient.
 #[inline(always)]
 pub(super) fn scale(series: &mut [f64], length: f64) {
-    let highest = length.abs().powi(series.len() as i32);
-    let is_in_range = (1e-280..1e280).contains(&highest);
+    let is_in_range = is_in_range(length, series.len());
     let mut power = 1.0;
     for (k, coefficient) in series.iter_mut().enumerate() {
         *coefficient = if is_in_range { *coefficient * power } else { term(*coefficient, length, k, power) };
@@ -88,9 +92,31 @@ impl Sizes {
         self.measure_largest(state.chunks_exact(n_components).map(largest), step);
     }
 
+    /// The same, given for all orders a coefficient of another series and the largest coefficient of this one; the other series in
+    /// units of the step goes to `series`.
+    #[inline(always)]
+    pub(super) fn measure_beside(&mut self, pairs: impl Iterator<Item = (f64, f64)>, step: f64, series: &mut Vec<f64>) {
+        self.step = step.abs();
+        self.terms.clear();
+        for (value, largest) in pairs {
+            series.push(value);
+            self.terms.push(largest);
+        }
+        if is_in_range(step, series.len()) {
+            let mut power = 1.0;
+            for (value, largest) in series.iter_mut().zip(&mut self.terms) {
+                (*value, *largest) = (*value * power, *largest * f64::abs(power));
+                power *= step;
+            }
+        } else {
+            scale(series, step);
+            scale(&mut self.terms, self.step);
+        }
+    }
+
     /// The same, given the largest coefficients of all orders.
     #[inline(always)]
-    pub(super) fn measure_largest(&mut self, largest: impl Iterator<Item = f64>, step: f64) {
+    fn measure_largest(&mut self, largest: impl Iterator<Item = f64>, step: f64) {
         self.step = step.abs();
         self.terms.clear();
         self.terms.extend(largest);

@@ -32,6 +32,18 @@ const SHARP: f64 = 16.0;
 /// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
 const BLUNT: f64 = 8.0;
 
+/// How wrong a linear form is where each component is within `rest` of that of `start` and known up to `error`: what its tape
+/// says, in one pass.
+fn error_of_form((constant, terms): (f64, &[(usize, f64)]), start: &[f64], rest: f64, error: f64, unit: f64) -> f64 {
+    let (mut value, mut sizes, mut errors) = (constant, 0.0, 0.0);
+    for &(i, c) in terms {
+        value += c * start[i];
+        sizes += c.abs() * rest;
+        errors += c.abs() * (error + unit * (start[i].abs() + rest));
+    }
+    errors + unit * (value.abs() + sizes)
+}
+
 /// Round-off of a sum of terms of a series of so many orders, relative to their sizes.
 pub(super) fn unit(n_orders: usize) -> f64 {
     2.0 * n_orders as f64 * f64::EPSILON
@@ -66,16 +78,15 @@ impl Room {
         overview: &Overview<'_>,
     ) -> Option<bool> {
         let Room { sizes, error_of_state, components, series, .. } = self;
-        sizes.measure_largest(overview.largest.iter().skip(lane).step_by(n_lanes).copied(), step);
+        let (values, largest) = (overview.values.chunks_exact(n_lanes), overview.largest.chunks_exact(n_lanes));
+        series.clear();
+        sizes.measure_beside(values.zip(largest).map(|(values, largest)| (values[lane], largest[lane])), step, series);
         if sizes.may_be_small(state, field.n_components).next().is_some() {
             return None;
         }
         components.are_looked_at = false;
         let bound = field.majorant.and_then(|majorant| sizes.error_of_state(majorant));
         *error_of_state = bound.unwrap_or_else(|| sizes.last());
-        series.clear();
-        series.extend(overview.values.iter().skip(lane).step_by(n_lanes));
-        scale(series, step);
         Some(bound.is_some())
     }
 
@@ -104,7 +115,10 @@ impl Room {
         let Room { series, enclosures, sizes, error_of_state, components, .. } = self;
         let unit = unit(series.len());
         let total: f64 = series.iter().map(|c| c.abs()).sum();
-        let [here, along, left_out] = if components.are_looked_at {
+        let [here, along, left_out] = if let Some(form) = function.linear_form().filter(|_| !components.are_looked_at) {
+            let error = |rest| error_of_form(form, start, rest, *error_of_state, unit);
+            [error(0.0), error(sizes.rest(1.0)), 0.0]
+        } else if components.are_looked_at {
             let [here, along] =
                 [f64::INFINITY, 1.0].map(|ratio| components.enclose(function, start, ratio, unit, enclosures).error);
             let enclose = |ratio| components.enclose_exact(function, start, ratio, enclosures);
