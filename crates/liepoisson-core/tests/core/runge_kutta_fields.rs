@@ -57,7 +57,7 @@ fn the_origin_can_be_left() {
 fn tapes_and_quadratic_fields_follow_the_taylor_method() {
     fn check<F>(field: &F, states: &[f64], tangents: &[f64])
     where
-        F: liepoisson_core::field::Field,
+        F: liepoisson_core::field::Field + liepoisson_core::field::Hold,
     {
         let n_tangents = tangents.len() / states.len();
         let exact = Ensemble { field, method: taylor(1e-15), states, tangents, n_tangents, times: &[0.0, 0.7, 3.0] };
