@@ -3,18 +3,23 @@
 //! Prints the steps that all members took. `benchmarks/instructions.py` runs it under a counting emulator.
 
 use liepoisson_core::analysis::orbit::orbits;
+use liepoisson_core::analysis::section::{Surface, sections};
 use liepoisson_core::ensemble::{Control, Ensemble};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Instruction, Quadratic, Space, Tape, Top};
+use liepoisson_core::field::{Functions, Instruction, Quadratic, Space, Tape, Top, Tops};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{
     AcrossComponents, Gauss, LagrangeMap, Method, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
 };
 
-const KERNELS: [&str; 14] = [
+const KERNELS: [&str; 18] = [
     "taylor",
     "taylor-state",
     "taylor-mixed",
+    "taylor-tops",
+    "taylor-mixed-tops",
+    "taylor-grid",
+    "taylor-section",
     "taylor-components",
     "taylor-quadratic",
     "taylor-tape",
@@ -43,10 +48,15 @@ fn steps(kernel: &str, t_end: f64) -> Result<u64, Box<dyn std::error::Error>> {
     let general = Top::new([1.7, 1.1, 0.6], [0.4, -0.3, 0.9], [0.2, 0.5, -0.1], 1.0)?;
     let lagrange = Top::new([2.0, 2.0, 1.0], [0.0, 0.0, 1.0], [0.0; 3], 1.0)?;
     let (series, max) = (Taylor::new(1e-13, None, u64::MAX)?, u64::MAX);
+    let tops = Tops::new((0..64).map(|_| kovalevskaya).collect())?;
     Ok(match kernel {
         "taylor" => run(&kovalevskaya, series, 1, 64, t_end)?,
         "taylor-state" => run(&kovalevskaya, series, 0, 64, t_end)?,
         "taylor-mixed" => run(&kovalevskaya, MixedTaylor(series), 1, 64, t_end)?,
+        "taylor-tops" => run(&tops, series, 1, 64, t_end)?,
+        "taylor-mixed-tops" => run(&tops, MixedTaylor(series), 1, 64, t_end)?,
+        "taylor-grid" => run_at(&kovalevskaya, series, 0, 64, &grid(t_end))?,
+        "taylor-section" => section(&kovalevskaya, series, 64, t_end)?,
         "taylor-components" => run(&kovalevskaya, AcrossComponents(series), 0, 1, 16.0 * t_end)?,
         "taylor-quadratic" => run(&kovalevskaya_as_quadratic()?, series, 1, 64, t_end)?,
         "taylor-tape" => run(&pendulum()?, series, 1, 64, t_end)?,
@@ -69,13 +79,40 @@ fn run<F: Space, M: Method<F>>(
     members: usize,
     t_end: f64,
 ) -> Result<u64, Error> {
+    run_at(field, method, n_tangents, members, &[0.0, t_end])
+}
+
+/// Any fixed number of modest size.
+fn number(k: usize) -> f64 {
+    0.7 * (1.0 - 2.0 * ((k as f64 * 0.618_033_988_75) % 1.0))
+}
+
+/// Some twenty times to a step.
+fn grid(t_end: f64) -> Vec<f64> {
+    (0..=(64.0 * t_end) as usize).map(|k| k as f64 / 64.0).collect()
+}
+
+/// Crossings of `l3 = 0`.
+fn section(field: &Top, method: Taylor, members: usize, t_end: f64) -> Result<u64, Error> {
+    let (function, kept) = Functions::new(9, vec![], vec![2])?.split_first();
+    let surface = Surface { function, kept, direction: 0, n_crossings: None, sides: vec![] };
+    let states: Vec<f64> = (0..9 * members).map(number).collect();
+    let ensemble = Ensemble { field, method, states: &states, tangents: &[], n_tangents: 0, times: &[0.0, t_end] };
+    let found = sections(&ensemble, &surface, 1, Simd::from_environment()?, &Control::default(), |_| ())?;
+    Ok(found.summaries.iter().map(|summary| summary.n_steps).sum())
+}
+
+fn run_at<F: Space, M: Method<F>>(
+    field: &F,
+    method: M,
+    n_tangents: usize,
+    members: usize,
+    times: &[f64],
+) -> Result<u64, Error> {
     let n = field.n_components();
-    // any fixed numbers of modest size
-    let number = |k: usize| 0.7 * (1.0 - 2.0 * ((k as f64 * 0.618_033_988_75) % 1.0));
     let states: Vec<f64> = (0..n * members).map(number).collect();
     let tangents: Vec<f64> = (1..=n * members * n_tangents).map(number).collect();
-    let times = [0.0, t_end];
-    let ensemble = Ensemble { field, method, states: &states, tangents: &tangents, n_tangents, times: &times };
+    let ensemble = Ensemble { field, method, states: &states, tangents: &tangents, n_tangents, times };
     let run = orbits(&ensemble, 1, Simd::from_environment()?, &Control::default(), false, |_| ())?;
     Ok(run.summaries.iter().map(|summary| summary.n_steps).sum())
 }
