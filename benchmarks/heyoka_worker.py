@@ -126,7 +126,7 @@ def dense(request: dict[str, Any]) -> dict[str, Any]:
     """Seconds of each repeat of evaluating a kept orbit at many times."""
     integrator, x, times = _one_orbit(request)
     output = _run_kept(integrator, x, request["t_end"])
-    return {"seconds": _timed(lambda: output(times), request), "order": integrator.order}
+    return {"seconds": problem.timed(lambda: output(times), request["repeats"]), "order": integrator.order}
 
 
 def _one_orbit(request: dict[str, Any]) -> tuple[Any, Array, Array]:
@@ -140,16 +140,6 @@ def _run_kept(integrator: Any, x: Array, t_end: float) -> Any:
     return integrator.propagate_until(t_end, c_output=True)[4]
 
 
-def _timed(run: Any, request: dict[str, Any]) -> list[float]:
-    run()
-    seconds: list[float] = []
-    for _ in range(request["repeats"]):
-        begin = time.perf_counter()
-        run()
-        seconds.append(time.perf_counter() - begin)
-    return seconds
-
-
 def grid(request: dict[str, Any]) -> dict[str, Any]:
     """Seconds of each repeat of an orbit with its states at many times."""
     integrator, x, times = _one_orbit(request)
@@ -158,7 +148,7 @@ def grid(request: dict[str, Any]) -> dict[str, Any]:
         integrator.time, integrator.state[:] = 0.0, x
         integrator.propagate_grid(times)
 
-    return {"seconds": _timed(run, request), "order": integrator.order}
+    return {"seconds": problem.timed(run, request["repeats"]), "order": integrator.order}
 
 
 def section(request: dict[str, Any]) -> dict[str, Any]:
@@ -175,7 +165,7 @@ def section(request: dict[str, Any]) -> dict[str, Any]:
             integrator.state[:] = x0[k : k + batch].T
             integrator.propagate_until(request["t_end"])
 
-    return {"seconds": _timed(run, request), "order": integrator.order, "crossings": len(found)}
+    return {"seconds": problem.timed(run, request["repeats"]), "order": integrator.order, "crossings": len(found)}
 
 
 def cold(request: dict[str, Any]) -> dict[str, Any]:

@@ -19,8 +19,6 @@ import problem
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from problem import Array
 
 
@@ -83,23 +81,17 @@ def single(request: dict[str, Any]) -> dict[str, Any]:
     return {"seconds": seconds, "order": orbit.order, "kernel": orbit.kernel, "drift": problem.drift(x0, ends)}
 
 
-def _timed(run: Callable[[], Any], request: dict[str, Any]) -> list[float]:
-    run()
-    seconds: list[float] = []
-    for _ in range(request["repeats"]):
-        begin = time.perf_counter()
-        run()
-        seconds.append(time.perf_counter() - begin)
-    return seconds
-
-
 def dense(request: dict[str, Any]) -> dict[str, Any]:
     """Seconds of each repeat of evaluating a kept orbit at many times."""
     x, times = np.load(request["problem"])[0, :9], np.linspace(0.0, request["t_end"], request["n_times"])
     method = lp.Taylor(tol=request["tol"])
     orbit = lp.integrate(_top(), x, times=[0.0, request["t_end"]], method=method, dense=True, threads=1)
     _require_finished(orbit)
-    return {"seconds": _timed(lambda: orbit.at(times), request), "order": orbit.order, "kernel": orbit.kernel}
+    return {
+        "seconds": problem.timed(lambda: orbit.at(times), request["repeats"]),
+        "order": orbit.order,
+        "kernel": orbit.kernel,
+    }
 
 
 def grid(request: dict[str, Any]) -> dict[str, Any]:
@@ -108,7 +100,7 @@ def grid(request: dict[str, Any]) -> dict[str, Any]:
     top, method = _top(), lp.Taylor(tol=request["tol"])
     orbit = lp.integrate(top, x, times=times, method=method, threads=1)
     _require_finished(orbit)
-    seconds = _timed(lambda: lp.integrate(top, x, times=times, method=method, threads=1), request)
+    seconds = problem.timed(lambda: lp.integrate(top, x, times=times, method=method, threads=1), request["repeats"])
     return {"seconds": seconds, "order": orbit.order, "kernel": orbit.kernel}
 
 
@@ -121,7 +113,7 @@ def section(request: dict[str, Any]) -> dict[str, Any]:
         return lp.section(top, x0, surface="l3", t_end=request["t_end"], method=method, threads=1)
 
     found = run()
-    seconds = _timed(run, request)
+    seconds = problem.timed(run, request["repeats"])
     return {"seconds": seconds, "order": found.order, "kernel": found.kernel, "crossings": len(found.time)}
 
 
@@ -141,14 +133,14 @@ def sweep(request: dict[str, Any]) -> dict[str, Any]:
         seed=problem.SEED,
         method=method,
     )
-    return {"seconds": _timed(lambda: lp.sweep(spec, threads=1), request)}
+    return {"seconds": problem.timed(lambda: lp.sweep(spec, threads=1), request["repeats"])}
 
 
 def full(request: dict[str, Any]) -> dict[str, Any]:
     """Seconds of each repeat of as many orbits of one top."""
     x0 = np.load(request["problem"])[: request["n_starts"], :9]
     method = lp.Taylor(tol=request["tol"], precision="mixed")
-    return {"seconds": _timed(lambda: run_ensemble(x0, request["t_end"], method), request)}
+    return {"seconds": problem.timed(lambda: run_ensemble(x0, request["t_end"], method), request["repeats"])}
 
 
 def cold(request: dict[str, Any]) -> dict[str, Any]:

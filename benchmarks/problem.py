@@ -6,11 +6,14 @@ Needs numpy only, since both environments import it.
 
 from __future__ import annotations
 
+import time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
@@ -45,6 +48,17 @@ def starts() -> Array:
     """States x = (l, alpha, beta) of independent vectors uniform on the unit sphere, shape (N_STARTS, 9)."""
     v = np.random.default_rng(SEED).standard_normal((N_STARTS, 3, 3))
     return (v / np.linalg.norm(v, axis=2, keepdims=True)).reshape(N_STARTS, 9)
+
+
+def timed(run: Callable[[], object], repeats: int) -> list[float]:
+    """Seconds of each of some calls, after one that does not count."""
+    run()
+    seconds: list[float] = []
+    for _ in range(repeats):
+        begin = time.perf_counter()
+        run()
+        seconds.append(time.perf_counter() - begin)
+    return seconds
 
 
 def relative_error(x: NDArray[Any], exact: NDArray[Any]) -> Array:
