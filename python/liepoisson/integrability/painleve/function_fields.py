@@ -8,7 +8,10 @@ from fractions import Fraction
 from flint import fmpq
 
 from liepoisson.integrability.painleve.coefficient_fields import Ratio, RationalFunctions
-from liepoisson.integrability.painleve.linear import solved
+from liepoisson.integrability.painleve.linear import characteristic_polynomial, solved
+
+# Norms of larger degrees are long polynomials.
+_MOST_CONJUGATES = 4
 
 
 class AlgebraicFunctions:
@@ -77,6 +80,34 @@ class AlgebraicFunctions:
             if c
         ]
         return " + ".join(terms) or "0"
+
+    def zeros(self, element: AlgebraicFunction) -> str:
+        """Those of the norm, the product of the conjugates; the element itself where that is long."""
+        return self.base.zeros(self.norm(element)) if self.degree <= _MOST_CONJUGATES else self.text(element)
+
+    def norm(self, element: AlgebraicFunction) -> Ratio:
+        """The determinant of the multiplication with the element."""
+        rows: list[list[Ratio]] = []
+        power = list(element.coefficients)
+        for _ in range(self.degree):
+            rows.append(list(self._reduced(power)))
+            power = [self.base.number(0), *rows[-1]]
+        determinant = characteristic_polynomial(rows, self.base)[0]
+        return -determinant if self.degree % 2 else determinant
+
+    @property
+    def generator(self) -> str:
+        """The equation of theta."""
+        equation = [*(self.text(self._constant(c)) for c in self.modulus), "1"]
+        terms = [
+            (f"({c})*" if c != "1" else "") + ("theta" if k == 1 else f"theta^{k}") if k else c
+            for k, c in enumerate(equation)
+            if c != "0"
+        ]
+        return "theta is a root of " + " + ".join(reversed(terms))
+
+    def _constant(self, value: Ratio) -> AlgebraicFunction:
+        return AlgebraicFunction((value, *[self.base.number(0)] * (self.degree - 1)), self)
 
     def _reduced(self, coefficients: list[Ratio]) -> tuple[Ratio, ...]:
         zero = self.base.number(0)
