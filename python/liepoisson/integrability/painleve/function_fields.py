@@ -74,11 +74,7 @@ class AlgebraicFunctions:
         """A polynomial in theta."""
         if not any(element.coefficients[1:]):
             return self.base.text(element.coefficients[0])
-        terms = [
-            f"({self.base.text(c)})" + (f"*theta^{k}" if k > 1 else "*theta" if k else "")
-            for k, c in enumerate(element.coefficients)
-            if c
-        ]
+        terms = [_term(self.base.text(c), k) for k, c in enumerate(element.coefficients) if c]
         return " + ".join(terms) or "0"
 
     def zeros(self, element: AlgebraicFunction) -> str:
@@ -98,16 +94,8 @@ class AlgebraicFunctions:
     @property
     def generator(self) -> str:
         """The equation of theta."""
-        equation = [*(self.text(self._constant(c)) for c in self.modulus), "1"]
-        terms = [
-            (f"({c})*" if c != "1" else "") + ("theta" if k == 1 else f"theta^{k}") if k else c
-            for k, c in enumerate(equation)
-            if c != "0"
-        ]
-        return "theta is a root of " + " + ".join(reversed(terms))
-
-    def _constant(self, value: Ratio) -> AlgebraicFunction:
-        return AlgebraicFunction((value, *[self.base.number(0)] * (self.degree - 1)), self)
+        terms = [_term(self.base.text(c), k) for k, c in enumerate(self.modulus) if c]
+        return "theta is a root of " + " + ".join([_term("1", self.degree), *reversed(terms)])
 
     def _reduced(self, coefficients: list[Ratio]) -> tuple[Ratio, ...]:
         zero = self.base.number(0)
@@ -119,6 +107,16 @@ class AlgebraicFunctions:
                 for k, m in enumerate(self.modulus):
                     total[shift + k] = total[shift + k] - top * m
         return tuple(total)
+
+
+def _term(coefficient: str, power: int) -> str:
+    """A coefficient times a power of theta."""
+    generator = f"theta^{power}" if power > 1 else "theta"
+    if not power:
+        return coefficient
+    if coefficient == "1":
+        return generator
+    return f"{coefficient}*{generator}" if coefficient.isalnum() else f"({coefficient})*{generator}"
 
 
 class AlgebraicFunction:
