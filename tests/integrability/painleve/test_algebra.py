@@ -141,6 +141,10 @@ def test_generic_points_of_curves():
         for point in (*points, ring):
             (residual,) = PolynomialSystem.of([equation], [x, y]).equations
             assert not polynomial_at(residual, point.values, point.field)
+        # what is the number 3 on the family has no zeros, and a coordinate of the ring is named
+        assert all(condition_text([()], [point.field.number(3)], point.field) == "1" for point in (*points, ring))
+        assert condition_text([()], [ring.values["y"]], ring.field) == "y"
+        assert ring.field.generator == ""
 
 
 def test_all_parts_of_a_component_are_found():
