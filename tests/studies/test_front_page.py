@@ -10,6 +10,7 @@ from liepoisson.studies.twisted_top.front_page import _CONFIRMED, _NOT_CONFIRMED
 from liepoisson.studies.twisted_top.report import spans
 
 NUMBERS = {claim.id: number for number, claim in enumerate(CLAIMS, 1)}
+AS_PRINTED = "The exponent of the ordinary top as printed stays positive."
 EXPECTED = dict((*_NOT_CONFIRMED, *_REFINED))
 EXPECTED |= {name: "holds" for line in _CONFIRMED for name in line.claims}
 
@@ -38,9 +39,20 @@ def test_every_claim_is_on_the_first_page_once(changed):
 def test_no_line_falls_back_when_all_is_as_expected():
     texts = {line.text for line in _CONFIRMED} | {*_NOT_CONFIRMED.values(), *_REFINED.values()}
     page = table()
-    assert {line.text for line in (*page.confirmed, *page.not_confirmed, *page.refined)} == texts
+    found = {line.text for line in (*page.confirmed, *page.not_confirmed, *page.refined)}
+    assert {text.removesuffix(" " + AS_PRINTED) for text in found} == texts
     assert [line.claims for line in page.open] == [("nearby-integrable-case",)]
     assert len(page.questions) == len(_QUESTIONS)
+
+
+@pytest.mark.parametrize("verdict", ["misprint", "not settled", "not run"])
+def test_what_is_measured_is_on_the_first_page_only_if_the_runs_show_it(verdict):
+    page = table(dashed_curve_inertia=verdict)
+    (line,) = [line for line in page.not_confirmed if line.claims[0] == "kovalevskaya-inertia"]
+    (question,) = [line for line in page.questions if line.claims == ("kovalevskaya-inertia",)]
+    assert line.text.startswith("Section 5: I₃ = 2I₁ is a misprint of I₁ = 2I₃.")
+    assert (AS_PRINTED in line.text) is ("dashed-curve-inertia" in line.claims) is (verdict == "misprint")
+    assert ("dashed curve" in question.text) is (verdict == "misprint")
 
 
 def test_another_verdict_is_never_told_in_the_old_words():

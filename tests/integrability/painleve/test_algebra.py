@@ -17,7 +17,7 @@ from liepoisson.integrability.painleve.coefficient_fields import (
     Rationals,
     polynomial_at,
 )
-from liepoisson.integrability.painleve.expansion import OverField, expand
+from liepoisson.integrability.painleve.expansion import OverField, condition_text, expand
 from liepoisson.integrability.painleve.exponents import exponents_of
 from liepoisson.integrability.painleve.function_fields import AlgebraicFunctions
 from liepoisson.integrability.painleve.generic_points import generic_points, of_family
@@ -141,6 +141,10 @@ def test_generic_points_of_curves():
         for point in (*points, ring):
             (residual,) = PolynomialSystem.of([equation], [x, y]).equations
             assert not polynomial_at(residual, point.values, point.field)
+        # what is the number 3 on the family has no zeros, and a coordinate of the ring is named
+        assert all(condition_text([()], [point.field.number(3)], point.field) == "1" for point in (*points, ring))
+        assert condition_text([()], [ring.values["y"]], ring.field) == "y"
+        assert ring.field.generator == ""
 
 
 def test_all_parts_of_a_component_are_found():
@@ -191,8 +195,40 @@ def test_the_series_of_weierstrass_function():
 
 
 def test_a_logarithm_at_a_resonance():
-    """x'' = 6x^2 + c x' has the exponent 6, where the condition is c times a number, and only c = 0 passes."""
+    """x'' = 6x^2 + c x' has the exponent 6, where the condition is c times a number, and only c = 0 passes.
+
+    For c = 1 it is a number other than 0, which no value of anything makes 0.
+    """
     x, y = lp.systems.CanonicalSystem(["x"], ["y"], "y^2").variables
     assert expansion([y, 6 * x**2], [x, y], [2, 3], [1, -2]).resonances[-1].conditions == ()
     (condition,) = expansion([y, 6 * x**2 + y], [x, y], [2, 3], [1, -2]).resonances[-1].conditions
-    assert fmpq(*map(int, condition.split("/"))) != 0
+    assert condition == "1"
+
+
+THETA = ROOT.element([FUNCTIONS.number(0), FUNCTIONS.number(1)])
+POWERS = [(0,), (1,), (2,)]
+
+
+@pytest.mark.parametrize(
+    ("field", "row", "expected"),
+    [
+        (Q, [0, 0, 0], None),
+        (Q, [fmpq(-2, 3), 0, 0], "1"),
+        (Q, [0, 0, fmpq(5)], "C1"),
+        (Q, [fmpq(3), 0, fmpq(-2)], "-3/2 + C1^2"),
+        (SQRT2, [SQRT2.element(fmpq_poly([1, 3])), SQRT2.number(0), SQRT2.number(0)], "1"),
+        (
+            FUNCTIONS,
+            [FUNCTIONS.number(3) - S * S * S - S * S * S, FUNCTIONS.number(0), FUNCTIONS.number(0)],
+            "s^3 - 3/2",
+        ),
+        (FUNCTIONS, [FUNCTIONS.number(0), S * S * S + S * S, FUNCTIONS.number(0)], "(s*(s + 1))*C1"),
+        (ROOT, [THETA, ROOT.number(0), ROOT.number(0)], "s"),  # theta^2 = s: theta vanishes where s does
+        (ROOT, [ROOT.element([S]) - THETA * ROOT.number(2), ROOT.number(0), ROOT.number(0)], "s*(s - 4)"),
+    ],
+    ids=lambda one: type(one).__name__,
+)
+def test_conditions_say_where_they_hold(field, row, expected):
+    """The norm of s - 2 theta is (s - 2 theta)(s + 2 theta) = s^2 - 4s."""
+    row = [field.number(c) if isinstance(c, int) else c for c in row]
+    assert condition_text(POWERS, row, field) == expected

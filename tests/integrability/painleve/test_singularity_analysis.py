@@ -468,3 +468,37 @@ class _nothing:  # noqa: N801  # a context
 
     def __exit__(self, *_):
         pass
+
+
+def test_a_logarithm_for_all_constants_comes_without_a_condition():
+    """Sawada and Kotera's cubic with A = 2, B = 3: the condition at the exponent 2 is B - A, a number."""
+    system = lp.System(lp.catalog.system("henon-heiles").bracket, "(p_x^2 + p_y^2 + 2*x^2 + 3*y^2)/2 + x^2*y + y^3/3")
+    found = [balance.obstructions for balance in painleve_test(system).balances]
+    assert found == [(), ("logarithm at the exponent 2",), ("logarithm at the exponent 2",)]
+
+
+def test_what_a_condition_depends_on_is_a_coordinate_or_explained():
+    bracket = lp.so(3) @ lp.leibniz(3, 1).rename("l", "alpha", "beta")
+    for system in (
+        lp.System(bracket, "(l1^2 + l2^2 + 2*l3^2)/2 + alpha1 + beta2"),
+        lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + 2*l2^2 + 3*l3^2)/2 + alpha1 + 2*alpha2 - alpha3"),
+    ):
+        texts = [text for balance in painleve_test(system).balances for text in balance.obstructions]
+        assert any("unless" in text for text in texts)
+        assert all("theta" not in text or "theta is a root of" in text for text in texts), texts
+
+
+def test_exponents_over_algebraic_functions_say_what_theta_is():
+    """V = x^2 y + B x^3, at B = 1: a balance (x, y)/t^2 has -6x = 2xy + 3Bx^2 and -6y = x^2, so x^2 - 9Bx - 18 = 0.
+
+    The linear equation v'' = -V'' v/t^2 has powers r - 2 with (r - 2)(r - 3) = s, where s is the eigenvalue of -V''
+    besides 12, which belongs to -1 and 6.
+    """
+    system = lp.System(lp.catalog.system("henon-heiles").bracket, "(p_x^2+p_y^2)/2 + x^2*y + B*x^3", symbols=["B"])
+    (balance,) = painleve_test(system).balances
+    assert str(balance.kovalevskaya) == (
+        "-1, 6, the roots of r^2 - 5*r + 6 + theta, where theta is a root of theta^2 + (-27*B^2 - 12)*theta + 36"
+    )
+    x = np.roots([1, -9, -18])
+    theta = 12 + 6 * x + 2 * (-(x**2) / 6)  # s = -12 - trace(V''), and theta = -s
+    np.testing.assert_allclose(sorted(theta), sorted(np.roots([1, -39, 36])), rtol=1e-12)

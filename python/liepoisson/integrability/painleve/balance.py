@@ -221,9 +221,17 @@ def obstructions_of(exponents: Exponents, resonances: tuple[Resonance, ...], dim
                 f"{r.kernel}"
             )
         if r.conditions:
-            equations = " and ".join(f"{_shortened(text)} = 0" for text in r.conditions[:_MOST_CONDITIONS])
-            found.append(f"logarithm at the exponent {r.exponent}, unless {equations}")
+            found.append(f"logarithm at the exponent {r.exponent}{_unless(r.conditions, exponents.field.generator)}")
     return tuple(found)
+
+
+def _unless(conditions: tuple[str, ...], generator: str) -> str:
+    """Where there is no logarithm, as words; nothing if there is one in any case."""
+    if "1" in conditions:
+        return ""
+    shown = conditions[:_MOST_CONDITIONS]
+    words = ", unless " + " and ".join(f"{_shortened(text)} = 0" for text in shown)
+    return words + (f", where {generator}" if any("theta" in text for text in shown) else "")
 
 
 def _shortened(text: str) -> str:

@@ -18,6 +18,7 @@ from typing import Any, Protocol, TypeAlias
 
 from flint import fmpq, fmpq_poly
 
+from liepoisson.exact.polynomials.components import irreducible_factors
 from liepoisson.exact.polynomials.groebner import rational_context
 
 Element: TypeAlias = Any
@@ -60,6 +61,18 @@ class Field(Protocol):
         """The element as a formula in the generators."""
         ...
 
+    def zeros(self, element: Element) -> str:
+        """A polynomial in the parameters that is 0 wherever the element is, or one of its conjugates; "1" for a number.
+
+        The element is not zero.
+        """
+        ...
+
+    @property
+    def generator(self) -> str:
+        """What theta is, as words; empty if there is none."""
+        ...
+
 
 def as_fmpq(value: fmpq | Fraction | int) -> fmpq:
     """A rational number as FLINT's."""
@@ -92,6 +105,16 @@ class Rationals:
     def text(self, element: fmpq) -> str:
         """The number as text."""
         return str(element)
+
+    def zeros(self, element: fmpq) -> str:
+        """A number has none."""
+        del element
+        return "1"
+
+    @property
+    def generator(self) -> str:
+        """There is none."""
+        return ""
 
 
 class NumberField:
@@ -131,6 +154,16 @@ class NumberField:
     def text(self, element: Residue) -> str:
         """A polynomial in theta."""
         return str(element.polynomial).replace("x", "theta")
+
+    def zeros(self, element: Residue) -> str:
+        """A number has none."""
+        del element
+        return "1"
+
+    @property
+    def generator(self) -> str:
+        """The equation of theta."""
+        return f"theta is a root of {str(self.modulus).replace('x', 'theta')}"
 
 
 def _coefficient(polynomial: fmpq_poly, k: int) -> fmpq:
@@ -201,6 +234,18 @@ class RationalFunctions:
         """The quotient as text."""
         top, bottom = str(element.numerator), str(element.denominator)
         return top if bottom == "1" else f"({top})/({bottom})"
+
+    def zeros(self, element: Ratio) -> str:
+        """The irreducible factors of the numerator."""
+        factors = sorted(map(str, irreducible_factors(element.numerator)))
+        if len(factors) < 2:
+            return "".join(factors) or "1"
+        return "*".join(f"({q})" if " " in q else q for q in factors)
+
+    @property
+    def generator(self) -> str:
+        """There is none."""
+        return ""
 
 
 class Ratio:

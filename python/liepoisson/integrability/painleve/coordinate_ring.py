@@ -83,6 +83,15 @@ class CoordinateRing:
         """The normal form."""
         return str(element.polynomial)
 
+    def zeros(self, element: RingElement) -> str:
+        """The normal form, unless it is a number."""
+        return "1" if element.polynomial.is_constant() else self.text(element)
+
+    @property
+    def generator(self) -> str:
+        """There is none: elements are written in the coordinates."""
+        return ""
+
 
 class RingElement:
     """A function on a family of balances."""

@@ -54,8 +54,9 @@ class Resonance:
         exponent: The exponent r.
         multiplicity: How often it is an eigenvalue of K.
         kernel: The dimension of the kernel of K - r.
-        conditions: Polynomials in the constants of lower orders that do not vanish and should; None where they were not
-            computed: of negative exponents, and after a logarithm.
+        conditions: Polynomials in the constants of lower orders that do not vanish and should, up to factors without
+            zeros, so that "1" cannot be satisfied; None where they were not computed: of negative exponents, and after
+            a logarithm.
     """
 
     exponent: Fraction
@@ -301,12 +302,27 @@ def _step(series: Expansion, equations: Equations, order: Fraction, multiplicity
 
 
 def condition_text(monomials: Sequence[Powers], row: Sequence[Element], field: Field) -> str | None:
-    """A condition on the free constants as text, None if it holds identically."""
-    terms: list[str] = []
-    for m, c in zip(monomials, row, strict=True):
-        if not c:
-            continue
+    """A condition on the free constants and the parameters as text, None if it holds identically, "1" if it cannot.
+
+    A text is 0 where the condition holds.  Factors that do not change where that is are left out.
+    """
+    terms = [(m, c) for m, c in zip(monomials, row, strict=True) if c]
+    if not terms:
+        return None
+    if len(terms) == 1:
+        ((m, c),) = terms
+        zeros = field.zeros(c)
+        factors = [f"C{k + 1}" for k, e in enumerate(m) if e]
+        if zeros == "1":
+            return "*".join(factors) or zeros
+        return "*".join([f"({zeros})" if factors and " " in zeros else zeros, *factors])
+    if not field.parameters:  # another coefficient than 1 is a number, by which the condition is divided
+        scale = field.inverse(terms[-1][1])
+        terms = [(m, c * scale) for m, c in terms]
+    texts: list[str] = []
+    for m, c in terms:
         power = "*".join(f"C{k + 1}" + (f"^{e}" if e > 1 else "") for k, e in enumerate(m) if e)
         text = field.text(c)
-        terms.append(power if power and text == "1" else f"({text})*{power}" if power else text)
-    return " + ".join(terms) if terms else None
+        whole = text if text.lstrip("-").isalnum() else f"({text})"
+        texts.append(power if power and text == "1" else f"{whole}*{power}" if power else text)
+    return " + ".join(texts)

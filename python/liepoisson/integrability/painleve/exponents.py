@@ -118,7 +118,7 @@ class Exponents:
         """The exponents that depend on parameters."""
         degree = len(self.rest) - 1
         if degree == 1:
-            return self.field.text(-self.rest[0] * self.field.inverse(self.rest[1]))
+            return self._explained(self.field.text(-self.rest[0] * self.field.inverse(self.rest[1])))
         lead = self.field.inverse(self.rest[-1])
         monic = [c * lead for c in self.rest]
         terms: list[str] = []
@@ -128,7 +128,11 @@ class Exponents:
                 text = self.field.text(monic[k])
                 simple = text if text.isalnum() or not power else f"({text})"
                 terms.append(power if text == "1" and power else f"{simple}*{power}" if power else text)
-        return f"the roots of {_readable(' + '.join(terms))}"
+        return self._explained(f"the roots of {_readable(' + '.join(terms))}")
+
+    def _explained(self, text: str) -> str:
+        """A text, with the equation of theta if it occurs."""
+        return f"{text}, where {self.field.generator}" if "theta" in text else text
 
 
 def _readable(polynomial: str) -> str:

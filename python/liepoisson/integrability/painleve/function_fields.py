@@ -8,7 +8,10 @@ from fractions import Fraction
 from flint import fmpq
 
 from liepoisson.integrability.painleve.coefficient_fields import Ratio, RationalFunctions
-from liepoisson.integrability.painleve.linear import solved
+from liepoisson.integrability.painleve.linear import characteristic_polynomial, solved
+
+# Norms of larger degrees are long polynomials.
+_MOST_CONJUGATES = 4
 
 
 class AlgebraicFunctions:
@@ -71,12 +74,28 @@ class AlgebraicFunctions:
         """A polynomial in theta."""
         if not any(element.coefficients[1:]):
             return self.base.text(element.coefficients[0])
-        terms = [
-            f"({self.base.text(c)})" + (f"*theta^{k}" if k > 1 else "*theta" if k else "")
-            for k, c in enumerate(element.coefficients)
-            if c
-        ]
+        terms = [_term(self.base.text(c), k) for k, c in enumerate(element.coefficients) if c]
         return " + ".join(terms) or "0"
+
+    def zeros(self, element: AlgebraicFunction) -> str:
+        """Those of the norm, the product of the conjugates; the element itself where that is long."""
+        return self.base.zeros(self.norm(element)) if self.degree <= _MOST_CONJUGATES else self.text(element)
+
+    def norm(self, element: AlgebraicFunction) -> Ratio:
+        """The determinant of the multiplication with the element."""
+        rows: list[list[Ratio]] = []
+        power = list(element.coefficients)
+        for _ in range(self.degree):
+            rows.append(list(self._reduced(power)))
+            power = [self.base.number(0), *rows[-1]]
+        determinant = characteristic_polynomial(rows, self.base)[0]
+        return -determinant if self.degree % 2 else determinant
+
+    @property
+    def generator(self) -> str:
+        """The equation of theta."""
+        terms = [_term(self.base.text(c), k) for k, c in enumerate(self.modulus) if c]
+        return "theta is a root of " + " + ".join([_term("1", self.degree), *reversed(terms)])
 
     def _reduced(self, coefficients: list[Ratio]) -> tuple[Ratio, ...]:
         zero = self.base.number(0)
@@ -88,6 +107,16 @@ class AlgebraicFunctions:
                 for k, m in enumerate(self.modulus):
                     total[shift + k] = total[shift + k] - top * m
         return tuple(total)
+
+
+def _term(coefficient: str, power: int) -> str:
+    """A coefficient times a power of theta."""
+    generator = f"theta^{power}" if power > 1 else "theta"
+    if not power:
+        return coefficient
+    if coefficient == "1":
+        return generator
+    return f"{coefficient}*{generator}" if coefficient.isalnum() else f"({coefficient})*{generator}"
 
 
 class AlgebraicFunction:

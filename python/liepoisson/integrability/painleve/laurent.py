@@ -94,6 +94,16 @@ class _Complex:
         """The number."""
         return str(element)
 
+    def zeros(self, element: complex) -> str:
+        """A number has none."""
+        del element
+        return "1"
+
+    @property
+    def generator(self) -> str:
+        """There is none."""
+        return ""
+
 
 def _float(value: Any) -> float:
     if isinstance(value, fmpq):

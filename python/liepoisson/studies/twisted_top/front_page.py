@@ -6,7 +6,7 @@ in this run.  What no line speaks for is listed by its statement and its verdict
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -112,7 +112,7 @@ _NOT_CONFIRMED: dict[tuple[str, str], str] = {
     (
         "kovalevskaya-inertia",
         "misprint",
-    ): "Section 5: I₃ = 2I₁ is a misprint of I₁ = 2I₃; the exponent of the ordinary top as printed stays positive.",
+    ): "Section 5: I₃ = 2I₁ is a misprint of I₁ = 2I₃.",
     (
         "lagrange-centre-of-rotation",
         "misprint",
@@ -120,6 +120,12 @@ _NOT_CONFIRMED: dict[tuple[str, str], str] = {
     ("lyapunov-exponent-value", "underspecified"): "λ ≃ 0.122 depends on the starts, on the window and on the scale of "
     "the inertia, which are not stated.",
 }
+
+# What a claim that repeats a mistake adds to its line, and to its question.  It is measured, so runs may be too short.
+_REPEATED: dict[str, str] = {
+    "dashed-curve-inertia": "The exponent of the ordinary top as printed stays positive.",
+}
+_ASKED_WITH: dict[str, str] = {"dashed-curve-inertia": "The dashed curve says so."}
 
 _REFINED: dict[tuple[str, str], str] = {
     ("charged-phase-space", "holds with a condition"): "phase space of the charged top (α × β ≠ 0)",
@@ -145,7 +151,7 @@ _QUESTIONS: dict[tuple[str, str], str] = {
         "underspecified",
     ): "Which starts, which inertia (not only its ratios) and which window gave "
     "0.122? Do the data of the figure still exist?",
-    ("kovalevskaya-inertia", "misprint"): "Was the program run with I₁ = I₂ = 2I₃? The dashed curve says so.",
+    ("kovalevskaya-inertia", "misprint"): "Was the program run with I₁ = I₂ = 2I₃?",
     (
         "collinear-stays-collinear",
         "wrong",
@@ -175,6 +181,7 @@ def front_page(claims: Iterable[Mapping[str, Any]], errata: Iterable[Mapping[str
     )
     # The mistake that most claims share comes first among those of its kind.
     own = sorted(mistakes(errata), key=lambda pair: (_ORDER.index(pair[0]["verdict"]), -len(pair[1])))
+    repeats = {str(entry["id"]): same for entry, same in own}
     return FrontPage(
         confirmed=confirmed,
         not_confirmed=tuple(_line(entry, same, _NOT_CONFIRMED) for entry, same in own if entry["verdict"] in _MISTAKES),
@@ -185,12 +192,19 @@ def front_page(claims: Iterable[Mapping[str, Any]], errata: Iterable[Mapping[str
             if claim["verdict"] in ("not settled", "not run")
         ),
         questions=tuple(
-            Line(text, (name,)) for (name, verdict), text in _QUESTIONS.items() if verdicts[name] == verdict
+            Line(_with(text, repeats.get(name, []), _ASKED_WITH), (name,))
+            for (name, verdict), text in _QUESTIONS.items()
+            if verdicts[name] == verdict
         ),
     )
 
 
-def _line(entry: Mapping[str, Any], same: Iterable[Mapping[str, Any]], words: Mapping[tuple[str, str], str]) -> Line:
+def _line(entry: Mapping[str, Any], same: Sequence[Mapping[str, Any]], words: Mapping[tuple[str, str], str]) -> Line:
     fallback = f"{entry['statement'].rstrip('.')}: {entry['verdict']}."
     text = words.get((entry["id"], entry["verdict"]), fallback)
-    return Line(text, (entry["id"], *(other["id"] for other in same)))
+    return Line(_with(text, same, _REPEATED), (entry["id"], *(other["id"] for other in same)))
+
+
+def _with(text: str, same: Iterable[Mapping[str, Any]], added: Mapping[str, str]) -> str:
+    """A text with what is added by the claims that repeat a mistake."""
+    return " ".join([text, *(added[other["id"]] for other in same if other["id"] in added)])
