@@ -63,7 +63,7 @@ class Frame:
         except ZeroDivisionError as error:
             raise EnclosureError(
                 "the flow and the gradients of H and the Casimirs may depend on each other at a state of the orbit, "
-                "as they do at equilibria and on singular leaves"
+                "as they do at an equilibrium or on a singular leaf"
             ) from error
         return cls(center, columns, back, n - m - 1)
 
