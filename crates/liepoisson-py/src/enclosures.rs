@@ -134,11 +134,7 @@ fn square(flat: &[f64], n_rows: usize, n_columns: usize) -> Matrix<f64> {
 }
 
 fn failed(failure: Failure) -> PyErr {
-    let hint = match failure {
-        Failure::Stopped => "give a larger time_limit, a smaller set or a shorter time",
-        _ => "try a smaller set, a shorter time or another order",
-    };
-    exception("EnclosureError", &format!("no enclosure: {failure}; {hint}"))
+    exception("EnclosureError", &format!("no enclosure: {failure}; try a smaller set, a shorter time or another order"))
 }
 
 /// Runs `work` with Ctrl-C at hand; what could not be enclosed is an `EnclosureError`.
