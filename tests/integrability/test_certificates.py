@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
+from liepoisson.errors import DamagedFileError, ExpressionError, MissingFileError, OutputError, ParameterError
 from liepoisson.integrability import checker
 
 NAMES = ["kovalevskaya", "clebsch", "twisted-lagrange", "two-field-kovalevskaya", "manakov-so4", "henon-heiles-kdv"]
@@ -228,3 +228,12 @@ def test_the_checker_is_short_and_stands_alone(tmp_path):
         file.write_text(json.dumps(data))
         ran = subprocess.run([sys.executable, path, file], capture_output=True, text=True, check=False)
         assert (ran.returncode, ran.stdout.strip(), ran.stderr) == (code, words, "")
+
+
+def test_functions_are_given_as_text_and_others_are_refused():
+    system = lp.catalog.system("henon-heiles-kdv")
+    with pytest.raises(ParameterError, match="does not commute"):
+        lp.integrability.certificate(system, {"F": "x^2"})
+    for wrong in (None, [1], "x^"):
+        with pytest.raises((ParameterError, ExpressionError)):
+            lp.integrability.certificate(system, {"F": wrong})

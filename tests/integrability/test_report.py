@@ -159,3 +159,17 @@ def test_quadratures_are_left_out():
 
 def test_a_function_on_which_nothing_depends_moves_nothing():
     assert "nothing moves" in str(report(lp.System(lp.canonical(1), "1"), degree=1))
+
+
+@pytest.mark.parametrize(
+    ("bracket", "hamiltonian"),
+    [
+        (lp.canonical(names=("H", "F1")), "(p_H^2 + H^2)/2 + p_F1^2 + F1^2"),
+        ((lp.so(3) @ lp.semidirect(2)).rename("C", "F"), "C1^2 + (C2^2 + C3^2)/2 + F1"),
+    ],
+)
+def test_integrals_and_casimirs_are_not_called_like_coordinates(bracket, hamiltonian):
+    found = report(lp.System(bracket, hamiltonian), degree=2)
+    assert found.certificate is not None
+    names = {*found.integrals, *found.certificate["casimirs"]} - {"H"}
+    assert not names & set(found.system.component_names)

@@ -29,6 +29,10 @@ REFUSED = {
     "a level that is a number": lambda d: d["level"].update(H=0.5),
     "a level divided by zero": lambda d: d["level"].update(H="1/0"),
     "a level that is no number": lambda d: d["level"].update(H="nan"),
+    "a time with a long exponent": lambda d: d["edges"][0].update(time="0x0p999999999999"),
+    "a time that is tiny": lambda d: d["edges"][0].update(time="0x1p-999999999999"),
+    "a level with a long exponent": lambda d: d["level"].update(H="1e999999999"),
+    "a radius with a long exponent": lambda d: d.update(level_radius="1e-\uff19\uff19\uff19999999"),
     "no system": lambda d: d.pop("system"),
 }
 

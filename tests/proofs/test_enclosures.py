@@ -3,6 +3,7 @@
 import functools
 import math
 import random
+import time
 
 import numpy as np
 import pytest
@@ -328,3 +329,21 @@ def test_results_say_what_they_are():
     assert "henon-heiles" in repr(flow())
     assert "x = 0" in repr(crossing())
     assert not flow().image.lower.flags.writeable
+
+
+def test_the_time_limit_holds_while_a_crossing_is_looked_for():
+    oscillator = lp.System(lp.canonical(1), "(p1^2 + q1^2)/2", name="oscillator")
+    begin = time.monotonic()
+    for surface in ("q1 - 1", "q1 - 5"):  # a circle touches one and does not meet the other
+        with pytest.raises(EnclosureError, match="before the time limit"):
+            lp.proofs.enclose_section_map(oscillator, [0, 1], surface=surface, time_limit=0.2)
+    assert time.monotonic() - begin < 30  # without a limit it takes minutes
+
+
+def test_numbers_below_the_smallest_normal_double():
+    box = lp.proofs.Box.around([1e-320, 0, 0, 1e-310], 0)
+    found = lp.proofs.enclose_flow(lp.catalog.system("henon-heiles"), box, time=1)
+    # to the first order the four components rotate
+    exact = np.array([1e-320 * math.cos(1), 1e-310 * math.sin(1), -1e-320 * math.sin(1), 1e-310 * math.cos(1)])
+    assert np.all(found.image.lower <= exact + 1e-322)
+    assert np.all(exact - 1e-322 <= found.image.upper)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from fractions import Fraction
-from itertools import combinations
+from itertools import combinations, count
 from pathlib import Path
 from random import Random
 from typing import TYPE_CHECKING, Any
@@ -29,7 +29,7 @@ _LARGEST = 7
 
 
 @explains_its_arguments
-def certificate(system: System, commuting: Mapping[str, Expr]) -> dict[str, Any]:
+def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str, Any]:
     """The certificate that functions on phase space, as many as half the rank, make a system integrable; checked.
 
     Args:
@@ -37,9 +37,13 @@ def certificate(system: System, commuting: Mapping[str, Expr]) -> dict[str, Any]
         commuting: Polynomials that commute with H and with each other, by name.
 
     Raises:
+        ExpressionError: a text is no formula.
         ParameterError: coefficients are not rational, or the functions do not prove it; the message says what fails.
     """
     x, casimirs = system.bracket.variables, system.bracket.casimirs()  # quadratures are no functions on phase space
+    # a name in a certificate stands for one function: a Casimir is not called like a coordinate
+    taken = {*map(str, x), *commuting}
+    names = (name for k in count(1) if (name := f"C{k}") not in taken)
     data: dict[str, Any] = {
         "format": FORMAT,
         "system": system.name,
@@ -50,8 +54,8 @@ def certificate(system: System, commuting: Mapping[str, Expr]) -> dict[str, Any]
             if system.bracket(x[i], x[j]) != 0
         ],
         "hamiltonian": _terms(system.hamiltonian, x),
-        "casimirs": {f"C{k}": _terms(c, x) for k, c in enumerate(casimirs, start=1)},
-        "commuting": {name: _terms(f, x) for name, f in commuting.items()},
+        "casimirs": {name: _terms(c, x) for c, name in zip(casimirs, names, strict=False)},
+        "commuting": {name: _terms(system.expression(f), x) for name, f in commuting.items()},
     }
     random, wrong = Random(1), ""
     for _ in range(_MOST_POINTS):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations, count
 from pathlib import Path
@@ -264,7 +264,9 @@ def integrability_report(
         last = time.monotonic() - started - used
         searches.append(found)
         for f in found.found:
-            (integrals if f.is_independent else dependent)[_next_name(integrals, dependent)] = f.expression
+            (integrals if f.is_independent else dependent)[_next_name(system.component_names, integrals, dependent)] = (
+                f.expression
+            )
         if found.found:
             commuting, closed = _enough(system, integrals, dependent, rank, notes)
         if progress:
@@ -370,15 +372,15 @@ def _enough(
     for function, formula in commuting_combinations(system, integrals | dependent, rank):
         name = str(formula)
         if name not in integrals | dependent:
-            name = _next_name(integrals, dependent)
+            name = _next_name(system.component_names, integrals, dependent)
             dependent[name] = function
             notes.append(f"{name} = {Formula(formula).plain}")
         chosen.append(name)
     return tuple(chosen), closed
 
 
-def _next_name(*known: Mapping[str, Expr]) -> str:
-    """F1, F2, ..., the first that is free."""
+def _next_name(*known: Collection[str]) -> str:
+    """F1, F2, ..., the first that is neither a coordinate nor taken."""
     return next(name for k in count(1) if all((name := f"F{k}") not in names for names in known))
 
 
@@ -391,7 +393,7 @@ def _add_brackets(system: System, integrals: dict[str, Expr], dependent: Mapping
             if bracket == 0 or len(integrals) >= rank - 1:
                 continue
             if fields_rank(system, [*integrals.values(), bracket]) > len(integrals):
-                name = _next_name(integrals, dependent)
+                name = _next_name(system.component_names, integrals, dependent)
                 integrals[name] = bracket
                 notes.append(f"{name} = {{{a}, {b}}}, by Poisson's theorem")
                 break

@@ -188,7 +188,7 @@ class Search:
 
     @property
     def _next_name(self) -> str:
-        names = {g.name for g in self.generators}
+        names = {g.name for g in self.generators} | set(map(str, self.derivation.variables))
         return next(name for k in count(1) if (name := f"F{k}") not in names)
 
     def _nullity(self, block: Sequence[Exponents], progress: Callable[[float], Any] | None) -> int:

@@ -62,8 +62,8 @@ class Frame:
             back = columns.inv()
         except ZeroDivisionError as error:
             raise EnclosureError(
-                "the flow and the gradients of H and the Casimirs may depend on each other at a state of the orbit; "
-                "is it an equilibrium, or a state of a singular leaf?"
+                "the flow and the gradients of H and the Casimirs may depend on each other at a state of the orbit, "
+                "as they do at an equilibrium or on a singular leaf"
             ) from error
         return cls(center, columns, back, n - m - 1)
 

@@ -28,14 +28,13 @@ def zeros(
     Raises:
         EnclosureError: the time limit has passed.
     """
-    deadline = clock.monotonic() + means.time_limit
     waiting: list[Vector] = [[as_ball(float(a), float(b)) for a, b in zip(region.lower, region.upper, strict=True)]]
     found: list[tuple[Vector, Vector]] = []
     undecided: list[Vector] = []
     for _ in range(most):
         if not waiting:
             break
-        if clock.monotonic() > deadline:
+        if clock.monotonic() > means.deadline:
             raise EnclosureError("stopped: the time limit has passed; give a larger time_limit or a smaller box")
         if means.progress is not None:
             means.progress(0.0)

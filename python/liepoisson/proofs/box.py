@@ -74,7 +74,7 @@ class Box(ReadOnlyArrays):
         """
         (low, high), (_, far) = enclosed_numbers(center, "center"), enclosed_numbers(radius, "radius")
         if np.any(far < 0):
-            raise ParameterError(f"radius: wanted numbers that are not negative; got {shown(far.min())}")
+            raise ParameterError(f"radius: wanted numbers that are not negative; got {shown(far.min().item())}")
         try:
             far = np.broadcast_to(far, low.shape)
         except ValueError as error:
@@ -194,7 +194,7 @@ def enclosed_numbers(values: ArrayLike, name: str) -> tuple[Array, Array]:
         given = np.array(given)
     doubles = as_array(given, name)
     if not np.all(np.isfinite(doubles)):
-        raise ParameterError(f"{name}: wanted finite numbers; got {shown(doubles[~np.isfinite(doubles)][0])}")
+        raise ParameterError(f"{name}: wanted finite numbers; got {shown(doubles[~np.isfinite(doubles)][0].item())}")
     kind = cast("NDArray[Any]", given).dtype.str[1:] if isinstance(given, np.ndarray) else ""
     if kind in {"f2", "f4", "f8"}:
         return doubles, doubles.copy()

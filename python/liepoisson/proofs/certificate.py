@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -30,6 +31,9 @@ LEVEL_RADIUS = Fraction(3, 10**8)
 """Radius of the ball of levels of a certificate that does not name one."""
 _MOST_BYTES = 20_000_000
 _MOST_SETS = 2_000
+_MOST_DIGITS, _MOST_DIGITS_OF_EXPONENT = 200, 4
+_EXPONENTS = {"e": re.compile(r"[eE][+-]?([\d_]+)\s*$"), "p": re.compile(r"[pP][+-]?([\d_]+)\s*$")}
+"""Of decimal and of hexadecimal numbers."""
 
 
 @dataclass(frozen=True)
@@ -166,6 +170,7 @@ def _numbers(data: object, n: int, where: str) -> tuple[float, ...]:
 def _double(value: object, where: str) -> float:
     """A double from its hexadecimal form, without rounding."""
     text = _text(value, where)
+    _check_length(text, where)
     try:
         found = float.fromhex(text)
     except (ValueError, OverflowError) as error:
@@ -188,11 +193,22 @@ def _exactly(text: str) -> Fraction:
 
 def _rational(value: object, where: str) -> Fraction:
     text = _text(value, where)
+    _check_length(text, where)
     try:
         found = Fraction(text)
     except (ValueError, ZeroDivisionError) as error:
         raise _FormatError(f"{where}: wanted a rational number as text, such as 1/2; got {shown(text)}") from error
     return found
+
+
+def _check_length(text: str, where: str) -> None:
+    """Refuse a number that is too long, or whose exponent is: its exact value would fill the memory."""
+    exponent = _EXPONENTS["p" if "0x" in text.lower() else "e"].search(text)
+    if len(text) > _MOST_DIGITS or (exponent and len(exponent[1]) > _MOST_DIGITS_OF_EXPONENT):
+        raise _FormatError(
+            f"{where}: wanted a number of at most {_MOST_DIGITS} characters, {_MOST_DIGITS_OF_EXPONENT} of them in its "
+            f"exponent; got {shown(text)}"
+        )
 
 
 def _text(value: object, where: str) -> str:

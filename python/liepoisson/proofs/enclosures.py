@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time as clock
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -337,12 +338,17 @@ def _next_crossing(field: PolynomialField, middle: Box, section: Terms, directio
     """When one orbit crosses the section next, about.
 
     Raises:
-        EnclosureError: no crossing was found.
+        EnclosureError: no crossing was found, or the time limit has passed.
     """
     speed = max((abs(_at(rate, middle)) for rate in field.rates), default=0.0) or 1.0
     length = _FIRST_STEP * max(float(np.abs(middle.midpoint).max(initial=0.0)), 1e-6) / speed
     elapsed, before, state = 0.0, None, middle
     for _ in range(_LOOKS):
+        if clock.monotonic() > means.deadline:
+            raise EnclosureError(
+                f"no crossing of the section was found up to time {elapsed:.6g} before the time limit has passed; does "
+                "the orbit of the midpoint of the box meet it? If so, give the time of the crossing, about"
+            )
         try:
             found = _flow_in_intervals(field, state, length, means)
         except EnclosureError:

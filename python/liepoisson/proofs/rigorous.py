@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -35,6 +36,7 @@ PRECISION = 128
 MAX_STEPS = 1_000_000
 _DIGITS = 2.0**-57
 """Remainders of the series, in units of the largest component: below the round-off of doubles."""
+_SMALLEST = sys.float_info.min
 _LEAST, _MOST = -100, 60
 """Powers of two between which numbers are small enough for the rational numbers of the core."""
 
@@ -48,7 +50,7 @@ class Means:
         order: Of the Taylor polynomials.
         step: The longest step; none where the series alone says.
         precision: Bits of the balls.
-        time_limit: Seconds.
+        deadline: When to give up, on the clock of `time.monotonic`: one for all parts of a run.
         progress: Called with the fraction that is done.
     """
 
@@ -56,7 +58,7 @@ class Means:
     order: int
     step: float | None
     precision: int
-    time_limit: float
+    deadline: float
     progress: Callable[[float], Any] | None
 
     @classmethod
@@ -86,20 +88,34 @@ class Means:
             ORDERS[chosen] if order is None else as_count(order, "order", least=2, most=60, hint="try order=20"),
             longest,
             as_count(precision, "precision", least=53, most=100_000, hint="try precision=128"),
-            as_time_limit(time_limit),
+            clock.monotonic() + as_time_limit(time_limit),
             progress,
         )
+
+    @property
+    def time_limit(self) -> float:
+        """The seconds that are left.
+
+        Raises:
+            EnclosureError: none are.
+        """
+        left = self.deadline - clock.monotonic()
+        if not left > 0:
+            raise EnclosureError(
+                "no enclosure: stopped, the time limit has passed; give a larger time_limit or a smaller set"
+            )
+        return left
 
     def of_core(self, box: Box, time: float) -> tuple[int, float, float | None, int]:
         """The same for the core."""
         size = float(max(np.abs(box.lower).max(initial=0.0), np.abs(box.upper).max(initial=0.0)))
         longest = max(abs(time), 1e-300) if self.step is None else self.step
-        return self.order, longest, _DIGITS * (size or 1.0), MAX_STEPS
+        return self.order, longest, max(_DIGITS * (size or 1.0), _SMALLEST), MAX_STEPS
 
     def of_balls(self, time: float) -> How:
         """The same for balls."""
         longest = max(abs(time), 1e-300) if self.step is None else self.step
-        return How(self.order, longest, self.precision, clock.monotonic() + self.time_limit, self.progress)
+        return How(self.order, longest, self.precision, self.deadline, self.progress)
 
 
 def positive(given: object, name: str, hint: str, *, or_zero: bool = False) -> float:

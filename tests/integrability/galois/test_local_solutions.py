@@ -6,7 +6,7 @@ import pytest
 import sympy as sp
 from flint import fmpq_poly
 
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.integrability import linear_system
 from liepoisson.integrability.galois.linear_systems import root_text
 from liepoisson.integrability.galois.local_solutions import local_system, rational_shift
@@ -134,3 +134,12 @@ def test_a_shift_of_polynomials():
 def test_what_is_no_linear_system_is_refused(matrix, variable, error, words):
     with pytest.raises(error, match=words):
         linear_system(matrix, variable)
+
+
+def test_entries_are_texts_or_numbers_and_never_run(tmp_path):
+    ran = tmp_path / "ran"
+    given = linear_system([["s/3", 0.1], [0.3333, sp.Float(0.7) * s]], s)
+    assert given.matrix == sp.Matrix([[s / 3, sp.Rational(1, 10)], [sp.Rational(3333, 10000), sp.Rational(7, 10) * s]])
+    with pytest.raises(ExpressionError):
+        linear_system([[f"__import__('pathlib').Path({str(ran)!r}).touch()"]], s)
+    assert not ran.exists()

@@ -123,11 +123,19 @@ def test_loops_of_different_sizes_have_one_base_point():
         ([1, 2], "at least 3"),
         ([1, 2, "x"], "finite complex numbers"),
         ([1, 2, float("nan")], "finite complex numbers"),
+        ([1, 1, 1], "one point"),
+        ([1e308, 1e308j, -1e308], "numbers up to"),
     ],
 )
 def test_loops_that_are_none_are_refused(corners, words):
     with pytest.raises(ParameterError, match=words):
         monodromy(linear_system(sp.Matrix([[1 / s]]), s), corners)
+
+
+def test_repeated_corners_and_equations_that_are_zero():
+    root = linear_system(sp.Matrix([[1 / (2 * s)]]), s)
+    assert abs(monodromy(root, [1, 1, 1j, -1, -1, -1j]).matrix[0, 0] + 1) < 1e-15
+    assert monodromy(linear_system(sp.zeros(2), s), [1, 1j, -1]).matrix.tolist() == [[1, 0], [0, 1]]
 
 
 def test_diagonal_equations_commute_and_those_of_gauss_do_not():

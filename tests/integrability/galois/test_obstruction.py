@@ -8,7 +8,7 @@ import liepoisson as lp
 from liepoisson.errors import ParameterError
 from liepoisson.integrability import galois_obstruction, particular_solution, variational_equations
 from liepoisson.integrability.galois.criteria import exact_obstruction, logarithms
-from liepoisson.integrability.galois.linear_systems import LinearSystem
+from liepoisson.integrability.galois.linear_systems import LinearSystem, linear_system
 from liepoisson.integrability.galois.variational import flag
 
 x = sp.Symbol("x")
@@ -234,3 +234,14 @@ def test_integrable_systems_of_the_catalog_are_never_said_not_to_be(name):
 @pytest.mark.slow
 def test_the_goryachev_chaplygin_top_is_integrable_on_one_level_only():
     assert galois_obstruction(lp.catalog.system("goryachev-chaplygin")).verdict == "not integrable"
+
+
+def test_equal_irrational_exponents_commute_with_everything():
+    # scalars times a unipotent matrix: the group is abelian, though the exponents at s^2 = 2 are irrational
+    s, nilpotent = sp.Symbol("s"), sp.Matrix([[-2, 1], [-4, 2]])
+    equal = linear_system(nilpotent / s + sp.eye(2) * 4 / (s**2 - 2), s)
+    assert exact_obstruction(flag(equal)) is None
+    assert not equal.local(equal.singular_points[1]).exponents.pairwise_irrational
+    # exponents -e and e, those of Euler's equation with e^2 = 1/2, differ by irrational numbers
+    different = linear_system(sp.Matrix([[0, 1], [sp.Rational(1, 2), 0]]) / s, s)
+    assert different.local(different.singular_points[0]).exponents.pairwise_irrational

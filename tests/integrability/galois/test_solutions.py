@@ -4,7 +4,7 @@ import pytest
 import sympy as sp
 
 import liepoisson as lp
-from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.errors import ExpressionError, ParameterError, ShapeError
 from liepoisson.integrability import particular_solution, particular_solutions, variational_equations
 from liepoisson.integrability.galois.linear_systems import LinearSystem, derivative, linear_system
 from liepoisson.integrability.galois.solutions import Arithmetic, invariant_planes
@@ -94,6 +94,35 @@ def test_one_sign_changed_is_no_solution():
 def test_what_is_no_solution_is_refused(system, state, options, error, words):
     with pytest.raises(error, match=words):
         particular_solution(system, state, **({"variable": x, "rate": x} | options))
+
+
+CODE = "__import__('pathlib').Path('ran').touch()"
+
+
+@pytest.mark.parametrize("arguments", [{"state": [CODE, 0]}, {"rate": CODE}, {"root": (y, CODE)}])
+def test_texts_are_never_run(arguments, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(ExpressionError):
+        particular_solution(CUBIC, **({"state": [x, 0], "variable": x, "rate": x} | arguments))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_solution_may_be_given_as_text():
+    q = 1 - 6 * x / (1 + x) ** 2
+    given = particular_solution(CUBIC, ["1 - 6*x/(1 + x)^2", x * q.diff(x)], variable=x, rate="x")
+    assert sp.cancel(given.state["q"] - q) == 0
+
+
+@pytest.mark.parametrize("names", [("x", "u", "sigma"), ("s", "u", "sigma"), ("y", "w", "root")])
+def test_coordinates_may_have_the_names_of_variables(names):
+    a, b, c = names
+    potential = f"{a}^2/2 - {a}^3/3 + {b}^2*{a} + {c}^2"
+    system = lp.System(lp.canonical(names=names), f"(p_{a}^2 + p_{b}^2 + p_{c}^2)/2 + {potential}", name="three")
+    found = particular_solutions(system)
+    assert found
+    for one in found:
+        used = {str(one.variable), str(one.root[0]) if one.root else ""}
+        assert not used & set(system.component_names)
 
 
 @pytest.mark.parametrize("k", [0, 2, 4])

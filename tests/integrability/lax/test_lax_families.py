@@ -101,3 +101,11 @@ def test_numbers_outside_of_all_families_have_no_pair(moments):
 def test_what_is_not_searched_is_refused(system, options, words):
     with pytest.raises(ParameterError, match=words):
         lax_families(system(), **options)
+
+
+def test_parameters_may_be_called_like_components_of_b():
+    names = ["B1", "B_1", "B__1"]
+    body = lp.System(lp.so(3) @ lp.trivial(), "B1*l1^2 + B_1*l2^2 + B__1*l3^2", symbols=names)
+    found = lp.integrability.lax_families(body, degree=1, form="diagonal")
+    assert found.complete
+    assert not {str(s) for case in found.families for c in case.conditions for s in c.free_symbols} & {"B2", "B_2"}

@@ -403,6 +403,8 @@ def test_functions_without_algebraic_equations_are_refused():
         ([3, 3, 3, 3], "exceeds its coordinate by"),
         ({"x": 2}, "one for each of"),
         ([2, 2, "x", 3], "rational numbers"),
+        ([2, 2, float("inf"), 3], "rational numbers"),
+        ([2, 2, "1e999999999", 3], "rational numbers"),
         ("2233", "one for each of"),
     ],
 )

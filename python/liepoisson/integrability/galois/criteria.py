@@ -25,7 +25,6 @@ from typing import TYPE_CHECKING, Any
 
 from liepoisson.errors import EnclosureError
 from liepoisson.integrability.galois.linear_systems import LinearSystem, fraction
-from liepoisson.integrability.galois.local_solutions import rational_shift
 from liepoisson.integrability.galois.monodromy import PRECISION, Monodromy, continued, generators, loop_around_all
 
 if TYPE_CHECKING:
@@ -184,7 +183,7 @@ def exact_obstruction(flag: Flag) -> ExactObstruction | None:
                 if not (image.is_regular and source.is_regular):
                     continue
                 if log.high - log.low == 1:
-                    enough = _pairwise_irrational(image.exponents)
+                    enough = image.exponents.pairwise_irrational
                 else:
                     enough = image.exponents.differ_irrationally(source.exponents)
                 if enough:
@@ -284,16 +283,6 @@ def _neat(name: str, balls: Any, power: int) -> NeatElement:
         found = found * balls
     text = f"the monodromy around {name}"
     return NeatElement(text if power == 1 else f"power {power} of {text}", found)
-
-
-def _pairwise_irrational(exponents: Any) -> bool:
-    """Whether no difference of two of the exponents is rational, equal ones included."""
-    if sum(exponents.rational.values()) > 1:
-        return False
-    if sum(exponents.rational.values()) + sum(f.degree() for f in exponents.others) != exponents.n:
-        return False
-    others = exponents.others
-    return all(rational_shift(f, g) is None for k, f in enumerate(others) for g in others[:k])
 
 
 def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[Any, list[Any]]:

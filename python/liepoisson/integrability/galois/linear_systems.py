@@ -143,34 +143,77 @@ def linear_system(matrix: Any, variable: Symbol, *, names: Sequence[str] | None 
         '-2, 2'
 
     Args:
-        matrix: A, a SymPy matrix whose entries are rational functions of the variable with rational coefficients.
+        matrix: A, a SymPy matrix or rows of expressions, numbers or texts: rational functions of the variable with
+            rational coefficients; doubles are read as the decimals that they print as.
         variable: The symbol s.
         names: Names of the components of y; y1, y2, ... by default.
 
     Raises:
+        ExpressionError: a text is no formula.
         ShapeError: the matrix is not square, is too large, or has not as many rows as there are names.
         ParameterError: an entry is no rational function of the variable over the rational numbers.
     """
-    from sympy import QQ, ImmutableMatrix
+    from sympy import QQ
     from sympy import Symbol as SymPySymbol
-    from sympy.core.sympify import SympifyError
     from sympy.polys.matrices import DomainMatrix
 
     if not isinstance(variable, SymPySymbol):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"variable: wanted a SymPy symbol; got {shown(variable)}")
-    try:
-        given: Any = ImmutableMatrix(matrix)
-    except (TypeError, ValueError, SympifyError):
-        raise ParameterError(f"matrix: wanted a SymPy matrix; got {shown(matrix)}") from None
-    n = given.shape[0]
-    if given.shape != (n, n) or not 0 < n <= MOST_COMPONENTS:
-        raise ShapeError(f"matrix must be square with 1 to {MOST_COMPONENTS} rows; got shape {given.shape}.")
+    rows = _rows(matrix)
+    n = len(rows)
+    if {len(row) for row in rows} != {n} or n > MOST_COMPONENTS:
+        shape = (n, max(map(len, rows), default=0))
+        raise ShapeError(f"matrix must be square with 1 to {MOST_COMPONENTS} rows; got shape {shape}.")
     labels = tuple(f"y{k}" for k in range(1, n + 1)) if names is None else tuple(map(str, names))
     if len(labels) != n:
         raise ShapeError(f"names must be {n}, one for each row of the matrix; got {len(labels)}.")
     field = QQ.frac_field(variable)
-    rows = [[rational_function(given[i, j], field) for j in range(n)] for i in range(n)]
-    return LinearSystem(variable, DomainMatrix(rows, (n, n), field), labels)
+    entries = [[rational_function(exact_expression(e, [variable], "matrix"), field) for e in row] for row in rows]
+    return LinearSystem(variable, DomainMatrix(entries, (n, n), field), labels)
+
+
+def _rows(matrix: Any) -> list[list[Any]]:
+    """The rows of a matrix of SymPy or NumPy, or of lists.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    try:
+        given = matrix.tolist() if hasattr(matrix, "tolist") else matrix
+        if isinstance(given, str) or any(isinstance(row, str) for row in given):
+            raise TypeError("a text is no row")
+        return [list(row) for row in given]
+    except (TypeError, ValueError):
+        raise ParameterError(f"matrix: wanted a SymPy matrix; got {shown(matrix)}") from None
+
+
+def exact_expression(given: Any, symbols: Sequence[Any], where: str) -> Any:
+    """A SymPy expression: texts are read as formulas, never as code, and doubles as the decimals that they print as.
+
+    Args:
+        given: An expression, a number or a text.
+        symbols: The symbols that a text may name.
+        where: What to call it in an error message.
+
+    Raises:
+        ExpressionError: a text that is no formula.
+        ParameterError: what is none of these.
+    """
+    from sympy import Basic, Expr, Float, Symbol
+
+    from liepoisson.exact.expression import read_expression
+    from liepoisson.exact.formula.scope import Scope
+    from liepoisson.exact.parameters import read_parameter, to_sympy
+
+    if isinstance(given, str):
+        read: Any = read_expression(given, Scope(symbols=[str(s) for s in symbols]))
+        return read.xreplace({Symbol(str(s)): s for s in symbols})
+    if not isinstance(given, Basic):
+        return to_sympy(read_parameter(given, where))
+    if not isinstance(given, Expr):
+        raise ParameterError(f"{where}: wanted a function of {symbols[0]}; got {shown(str(given))}")
+    exact: Any = given
+    return exact.xreplace({d: to_sympy(read_parameter(d, where)) for d in exact.atoms(Float)})
 
 
 def rational_function(expression: Any, field: Any) -> Any:

@@ -38,11 +38,13 @@ class Exponents:
         rational: Those that are rational, with their multiplicities.
         others: Irreducible polynomials over the rational numbers (FLINT) whose roots contain the others.
         n: How many exponents there are.
+        n_different: How many of them are different.
     """
 
     rational: dict[Fraction, int]
     others: tuple[Any, ...]
     n: int
+    n_different: int
 
     @property
     def all_rational(self) -> bool:
@@ -78,6 +80,16 @@ class Exponents:
                 if (d := rational_shift(f, g)) is not None:
                     q = lcm(q, d.denominator)
         return q
+
+    @property
+    def pairwise_irrational(self) -> bool:
+        """Whether no difference of two of the exponents is rational, that of two equal ones included.
+
+        Two different roots of one irreducible polynomial never differ by a rational number.
+        """
+        if self.n_different < self.n or len(self.rational) > 1:
+            return False
+        return all(rational_shift(f, g) is None for k, f in enumerate(self.others) for g in self.others[:k])
 
     def differ_irrationally(self, other: Exponents) -> bool:
         """Whether no difference of one of these exponents and one of the others is rational."""
@@ -159,6 +171,8 @@ class LocalSystem:
         """
         from flint import fmpq, fmpq_poly
         from sympy import QQ
+        from sympy.polys.densetools import dup_diff
+        from sympy.polys.euclidtools import dup_gcd
 
         characteristic = [self.coefficient(0).domain.convert(c) for c in self.coefficient(0).charpoly()]
         norm = fmpq_poly([1])
@@ -183,7 +197,8 @@ class LocalSystem:
                 rational[Fraction(int(root.p), int(root.q))] = count
         if sum(rational.values()) == self.system.n:
             others = []
-        return Exponents(rational, tuple(others), self.system.n)
+        repeated = dup_gcd(characteristic, dup_diff(characteristic, 1, self.field), self.field)
+        return Exponents(rational, tuple(others), self.system.n, self.system.n - len(repeated) + 1)
 
     def coefficient(self, k: int) -> Any:
         """B_k, a matrix over the field.

@@ -52,6 +52,9 @@ _DISC = 0.4
 _NEAR = 1e-9
 """A loop that comes so near to a singular point, in units of its longest edge, is refused."""
 
+_LARGEST = 1e150
+"""Absolute value of the coordinates of a corner, so that a double holds every distance."""
+
 _SIDES = 8
 """Corners of the polygon around a singular point."""
 
@@ -277,7 +280,7 @@ def _step(system: LinearSystem, factors: Any, here: Any, h: Any, *, radius: floa
     ]
     d = acb_poly(list(map(acb, denominator.coeffs())))(moved)
     d0 = d[0]
-    top = max((f.degree() for row in matrices for f in row), default=0)
+    top = max(0, *(f.degree() for row in matrices for f in row))  # that of the polynomial 0 is -1
     layers = [acb_mat([[f[k] for f in row] for row in matrices]) * (1 / d0) for k in range(top + 1)]
     lower = [d[k] / d0 for k in range(1, d.degree() + 1)]
     bound = _largest(numerators, factors, here, rho) * rho
@@ -350,6 +353,10 @@ def _corners(given: Sequence[Any]) -> tuple[tuple[Fraction, Fraction], ...]:
         ) from None
     if len(found) < 3:
         raise ParameterError(f"corners: wanted at least 3, the last is joined to the first; got {len(found)}")
+    if any(max(abs(x), abs(y)) > _LARGEST for x, y in found):
+        raise ParameterError(f"corners: wanted numbers up to {_LARGEST:g}; got {shown(given)}; take another unit")
+    if len(set(found)) < 2:
+        raise ParameterError(f"corners: wanted a polygon; got one point, {shown(given[0])}; give [1, 1j, -1, -1j]")
     return tuple(found)
 
 

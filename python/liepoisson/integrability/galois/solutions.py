@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import combinations, islice, product
+from itertools import chain, combinations, count, islice, product
 from math import isqrt
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -114,12 +114,13 @@ def particular_solution(
     Args:
         system: The system.
         state: The coordinates as functions of the variable, rational with rational coefficients, by name (those that
-            are left out are zero) or in their order.
+            are left out are zero) or in their order; SymPy expressions or texts.
         variable: The symbol s.
         rate: The derivative of s by time.
         root: A symbol y that may occur, too, and the function Q of s with $y^2 = Q$; the rate is then a multiple of y.
 
     Raises:
+        ExpressionError: a text is no formula.
         ParameterError: the system is not polynomial with rational coefficients, a function is not of this kind, or
             the curve is no solution; the message says what remains of which equation.
         ShapeError: the state has not as many functions as there are coordinates.
@@ -260,16 +261,25 @@ def _verified(
     system: System, state: Sequence[Any], variable: Any, rate: Any, *, root: tuple[Any, Any] | None, origin: str
 ) -> ParticularSolution:
     """A solution, after it was put into the equations."""
-    from sympy import QQ, Symbol, sympify
+    from sympy import QQ, Symbol
+
+    from liepoisson.integrability.galois.linear_systems import exact_expression
 
     check_polynomial(system)
     if not isinstance(variable, Symbol):
         raise ParameterError(f"variable: wanted a SymPy symbol; got {shown(variable)}")
+    if root is not None:
+        if not isinstance(root, (tuple, list)) or len(root) != 2 or not isinstance(root[0], Symbol):  # pyright: ignore[reportUnnecessaryIsInstance]
+            raise ParameterError(f"root: wanted a SymPy symbol y and y^2, as (y, 1 - x**2); got {shown(root)}")
+        root = (root[0], exact_expression(root[1], [variable], "root"))
     arithmetic = Arithmetic(variable, root, QQ)
-    values = [
-        arithmetic.read(sympify(f), f"state: {name}") for name, f in zip(system.component_names, state, strict=True)
-    ]
-    speed = arithmetic.read(sympify(rate), "rate")
+    symbols = [variable] if root is None else [variable, root[0]]
+
+    def read(given: Any, where: str) -> tuple[Any, Any]:
+        return arithmetic.read(exact_expression(given, symbols, where), where)
+
+    values = [read(f, f"state: {name}") for name, f in zip(system.component_names, state, strict=True)]
+    speed = read(rate, "rate")
     if not any(speed):
         raise ParameterError("rate: wanted a function that is not zero; the variable must move")
     if root is not None and speed[0]:
@@ -550,7 +560,8 @@ def _new_symbol(system: System, *names: str) -> Any:
     """A symbol that is no coordinate."""
     from sympy import Symbol
 
-    return Symbol(next(name for name in names if name not in system.component_names))
+    further = (f"{names[0]}_{k}" for k in count(1))
+    return Symbol(next(name for name in chain(names, further) if name not in system.component_names))
 
 
 Terms: TypeAlias = list[tuple[tuple[int, ...], Fraction]]

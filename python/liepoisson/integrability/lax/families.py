@@ -34,7 +34,9 @@ class LaxFamily:
     """Parameters for which there is a Lax pair.
 
     Attributes:
-        conditions: Polynomials in the parameters and the components B1, B2, ... of B that vanish.
+        conditions: Polynomials in the parameters and the components B1, B2, ... of B that vanish. At special points
+            of a case, such as a free body that turns about one axis only, the eigenvalues of all pairs may be Casimirs
+            or numbers.
         nonzero: Polynomials that must not vanish for the conditions to suffice, besides what was assumed.
         example: Values of the parameters with these conditions; None if none were found that are rational.
         pair: A pair at these values, verified; None if there is no example, or if the eigenvalues of all pairs there
@@ -174,7 +176,9 @@ class _Splitting:
         from sympy import Symbol, factor_list
 
         self.ansatz, self.names, self.degree = ansatz, list(names), degree
-        prefix = next(p for p in ("B", "B_", "B__") if not any(name.startswith(p) for name in names))
+        prefix = "B"
+        while any(name.startswith(prefix) for name in names):
+            prefix += "_"
         self.partners = [f"{prefix}{k + 1}" for k in range(len(ansatz.partners))]
         self.context = rational_context([*names, *self.partners])
         self.symbols: list[Any] = [*ansatz.parameters, *map(Symbol, self.partners)]

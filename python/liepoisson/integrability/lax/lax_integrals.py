@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
+from itertools import count
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.exact.printing import Formula
@@ -156,7 +157,8 @@ def _sorted_one(
         return LaxIntegral("", f, "Casimir", "", _formula(system, f, casimirs))
     if (formula := _formula(system, f, known)) is not None:
         return LaxIntegral("", f, "known", "", formula)
-    name = f"F{sum(key.startswith('F') for key in known) + 1}"
+    taken = {*known, *system.component_names}
+    name = next(name for k in count(1) if (name := f"F{k}") not in taken)
     others = [system.hamiltonian, *independent.values()]
     is_new = fields_rank(system, [*others, f]) > len(others)
     return LaxIntegral("", f, "integral" if is_new else "dependent", name, None)

@@ -128,6 +128,9 @@ def search_lax_pairs(
     known: dict[tuple[Fraction, ...], list[tuple[int, Vector]]] = {}
     n_undecided, n_families = 0, 0
     for d in range(1, most + 1):
+        if d > 1 and time.monotonic() > deadline:
+            n_undecided += 1
+            break
         found = list(_partners(ansatz, d, len(trivial), lambda: time.monotonic() < deadline))
         n_undecided = sum(one is None for one in found)
         n_families = sum(one is not None and one.is_free for one in found)

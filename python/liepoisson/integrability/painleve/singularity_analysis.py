@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.display import as_text
 from liepoisson.errors import ParameterError
+from liepoisson.exact.parameters import read_parameter
 from liepoisson.exact.polynomials.components import Assumptions, Component, components
 from liepoisson.exact.polynomials.limits import Budget, Limits, NotDecidedError
 from liepoisson.exact.polynomials.operations import radical_contains
@@ -256,9 +257,12 @@ def _read(weights: Weights, derivation: Derivation) -> tuple[Fraction, ...]:
         if len(given) != len(names):
             raise ParameterError(f"{wanted}; got {shown(weights)}")
     try:
-        read = tuple(Fraction(w) for w in given)
-    except (TypeError, ValueError, ZeroDivisionError) as error:
+        numbers = [read_parameter(w, "weights") for w in given]
+    except ParameterError as error:
         raise ParameterError(f"{wanted}, rational numbers; got {shown(given)}") from error
+    read = tuple(w for w in numbers if isinstance(w, Fraction))
+    if len(read) < len(numbers):
+        raise ParameterError(f"{wanted}, rational numbers; got {shown(given)}")
     if any(w < 0 for w in read):
         raise ParameterError(f"{wanted}, none negative; got {shown(weights)}; a coordinate without a pole has 0")
     if (found := excess(inequalities(derivation), read)) > 1:
