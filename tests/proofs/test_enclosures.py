@@ -262,7 +262,7 @@ STATE = [0, 0.1, 0.3, 0.1]
         (lambda: flow(precision=10), ParameterError, "from 53"),
         (lambda: flow(box=Box.around(STATE, 1.0), time=20), EnclosureError, "smaller set"),
         (lambda: flow(box=Box.around(STATE, 1.0), time=20, arithmetic="balls"), EnclosureError, "smaller"),
-        (lambda: flow(time=1e9, time_limit=0.05), EnclosureError, "stopped"),
+        (lambda: flow(time=1e9, time_limit=0.05), EnclosureError, "time limit has passed"),
         (lambda: flow(time=1e9, time_limit=0.05, arithmetic="balls"), EnclosureError, "time limit"),
         (lambda: flow(system=lp.catalog.system("toda"), box=[0] * 6), ParameterError, "wanted a polynomial"),
         (lambda: flow(system=lp.catalog.system("zeitlin-3"), box=[0] * 8), ParameterError, "rational coefficients"),

@@ -153,7 +153,7 @@ def test_the_level_is_that_of_the_guess_if_none_is_given():
         (lambda: every(level=None), ParameterError, "level: wanted values of C1, C2"),
         (lambda: every(box=([1] * 6, [0] * 6)), ParameterError, "empty box"),
         (lambda: every(max_boxes=0), ParameterError, "max_boxes"),
-        (lambda: every(time_limit=1e-9), EnclosureError, "stopped"),
+        (lambda: every(time_limit=1e-9), EnclosureError, "time limit has passed"),
         (lambda: every(time_limit=1e-9, arithmetic="balls"), EnclosureError, "time limit"),
     ],
 )

@@ -134,7 +134,11 @@ fn square(flat: &[f64], n_rows: usize, n_columns: usize) -> Matrix<f64> {
 }
 
 fn failed(failure: Failure) -> PyErr {
-    exception("EnclosureError", &format!("no enclosure: {failure}; try a smaller set, a shorter time or another order"))
+    let hint = match failure {
+        Failure::Stopped => "give a larger time_limit, a smaller set or a shorter time",
+        _ => "try a smaller set, a shorter time or another order",
+    };
+    exception("EnclosureError", &format!("no enclosure: {failure}; {hint}"))
 }
 
 /// Runs `work` with Ctrl-C at hand; what could not be enclosed is an `EnclosureError`.

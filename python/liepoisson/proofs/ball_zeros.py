@@ -35,7 +35,7 @@ def zeros(
         if not waiting:
             break
         if clock.monotonic() > means.deadline:
-            raise EnclosureError("stopped: the time limit has passed; give a larger time_limit or a smaller box")
+            raise EnclosureError("the time limit has passed; give a larger time_limit or a smaller box")
         if means.progress is not None:
             means.progress(0.0)
         box = waiting.pop()

@@ -102,7 +102,7 @@ class Means:
         left = self.deadline - clock.monotonic()
         if not left > 0:
             raise EnclosureError(
-                "no enclosure: stopped, the time limit has passed; give a larger time_limit or a smaller set"
+                "no enclosure: the time limit has passed; give a larger time_limit, a smaller set or a shorter time"
             )
         return left
 

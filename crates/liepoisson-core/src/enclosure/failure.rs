@@ -36,7 +36,7 @@ impl fmt::Display for Failure {
             Failure::OutsideChart => f.write_str("images that may lie beyond the reach of a chart"),
             Failure::Singular => f.write_str("a matrix that may be singular"),
             Failure::NotContracted => f.write_str("Newton's operator does not map the box into itself"),
-            Failure::Stopped => f.write_str("stopped"),
+            Failure::Stopped => f.write_str("the time limit has passed"),
         }
     }
 }
