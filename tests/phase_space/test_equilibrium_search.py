@@ -148,3 +148,34 @@ def test_search_follows_a_circle_that_is_degenerate_across():
     found = searched(top, lp.Leaf(top, {"C1": 12, "C2": 6, "C3": 3}), 20)
     assert [e.family for e in found] == ["circle", "point", "point"]
     assert found[0].signature == (4, 0, 2)
+
+
+@pytest.mark.parametrize(
+    ("potential", "critical"),
+    [("exp(q)", []), ("tanh(q)", []), ("exp(-q^2)", [0]), ("q^3 + exp(-3*q)", None), ("q^4", [0])],
+)
+def test_flat_at_infinity_is_no_equilibrium(potential, critical):
+    """At q = -38 the slope of exp(q) is below round-off, and that of tanh(q) from q = 19 on; neither has a zero."""
+    system = lp.System(lp.canonical(names=("q",), momenta=("p",)), f"p^2/2 + {potential}")
+    found = searched(system, lp.Leaf.through(system, np.array([0.5, 0.3])), 4)
+    if critical is None:  # 3 q^2 = 3 exp(-3 q)
+        assert found
+        for equilibrium in found:
+            q = equilibrium.state[0]
+            assert q**2 == pytest.approx(np.exp(-3 * q), rel=1e-9)
+    else:
+        assert [e.state[0] for e in found] == pytest.approx(critical, abs=1e-4)
+
+
+def test_a_lattice_of_toda_on_a_line_has_none():
+    """Its first particle never stops accelerating: nothing pulls it back."""
+    line = lp.catalog.toda(3, closed=False)
+    assert searched(line, lp.Leaf.through(line, np.zeros(6)), 3) == []
+
+
+@pytest.mark.slow
+def test_a_lattice_of_toda_on_a_ring_rests_at_equal_distances():
+    ring = lp.catalog.toda(3)
+    (rest,) = searched(ring, lp.Leaf.through(ring, np.zeros(6)), 4)
+    assert rest.family == "family of dimension 1"
+    assert rest.energy == pytest.approx(3, abs=1e-12)

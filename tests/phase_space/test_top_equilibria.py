@@ -180,7 +180,7 @@ def test_many_random_tops(seed):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("n_fields", [1, 2])
-@pytest.mark.parametrize("seed", range(12))
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 12))])
 def test_heavy_tops_of_six_components_and_rigid_bodies_of_three(seed, n_fields):
     rng = np.random.default_rng(seed)
     top = random_small_top(rng, n_fields)
@@ -198,7 +198,7 @@ def test_many_random_heavy_tops(seed, signs):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(k, marks=pytest.mark.slow) for k in range(4, 8))])
 def test_moments_of_any_sign_typed_by_hand(seed):
     """Where l.alpha = 0 a heavy top with an indefinite kinetic energy has more equilibria than the two at rest."""
     rng = np.random.default_rng(seed)

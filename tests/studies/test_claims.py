@@ -5,7 +5,6 @@ import re
 
 import numpy as np
 import pytest
-from evaluated_claims import exact_results
 from numerical_claims import NUMERICAL
 
 import liepoisson as lp
@@ -81,8 +80,8 @@ BY_ID = {claim.id: claim for claim in CLAIMS}
 
 
 @pytest.fixture(scope="module")
-def results():
-    return list(exact_results())
+def results(exact_results):
+    return list(exact_results)
 
 
 def test_every_claim_is_expected_here(results):

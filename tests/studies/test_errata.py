@@ -3,7 +3,6 @@
 from dataclasses import replace
 
 import pytest
-from evaluated_claims import exact_results
 
 from liepoisson.studies.twisted_top.claims import CLAIMS, Claim, ClaimResult, Context, Verdict
 from liepoisson.studies.twisted_top.claims.errata import (
@@ -65,8 +64,8 @@ STEP = Step("identity", "a = b", succeeded=True)
 
 
 @pytest.mark.thorough
-def test_the_paper_has_these_errata():
-    found = errata(list(exact_results()))
+def test_the_paper_has_these_errata(exact_results):
+    found = errata(list(exact_results))
     assert {kind: {e["id"] for e in found if e["verdict"] == kind} for kind in EXPECTED} == EXPECTED
     for entry in found:
         assert entry["statement"]

@@ -1,7 +1,6 @@
 """The section on open questions says what the claims of this run bear out, and nothing else."""
 
 import pytest
-from evaluated_claims import exact_results
 
 from liepoisson.studies.twisted_top.claims import CLAIMS
 from liepoisson.studies.twisted_top.open_questions import QUESTIONS, STATUS_CLASSES, open_questions
@@ -39,6 +38,6 @@ def test_a_question_without_answers_is_not_settled():
 
 
 @pytest.mark.thorough
-def test_verdicts_of_this_package_bear_all_answers_out():
-    verdicts = [{"id": r.claim.id, "verdict": r.verdict.verdict} for r in exact_results()]
+def test_verdicts_of_this_package_bear_all_answers_out(exact_results):
+    verdicts = [{"id": r.claim.id, "verdict": r.verdict.verdict} for r in exact_results]
     assert open_questions(verdicts) == list(QUESTIONS)

@@ -3,7 +3,6 @@
 import re
 
 import pytest
-from evaluated_claims import exact_results
 
 from liepoisson.studies.twisted_top.claims import CLAIMS
 from liepoisson.studies.twisted_top.mathematics import mathematics
@@ -39,8 +38,8 @@ def test_statements_use_symbols_that_are_listed(claim):
 
 
 @pytest.mark.thorough
-def test_corrections_use_symbols_that_are_listed_or_explained():
-    for result in exact_results():
+def test_corrections_use_symbols_that_are_listed_or_explained(exact_results):
+    for result in exact_results:
         text = result.verdict.correct_statement
         assert unexplained(text) == set(), f"{result.claim.id}: {text}"
 

@@ -11,7 +11,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_methods
@@ -64,6 +64,22 @@ class PhaseFunction:
             return self._traces.hessian(self._states(states))
         n = len(self._variables)
         return self._evaluate(self._hessian, states, (n, n))
+
+    def exact_gradient(self, state: Array, digits: int) -> NDArray[np.object_]:
+        r"""The first derivatives at one state, shape (N,), as SymPy's numbers of so many digits.
+
+        They have exponents of any size, so that what is not zero is not rounded to zero.
+        """
+        from sympy import Float
+
+        at = {v: Float(float(x), digits) for v, x in zip(self._variables, self._states(state), strict=True)}
+        slopes = [slope.xreplace(at).evalf(digits, maxn=10 * digits) for slope in self._gradient]
+        return np.array(slopes, dtype=object)
+
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether the function is a polynomial in the coordinates."""
+        return self._traces is not None or bool(self.expression.is_polynomial(*self._variables))
 
     @cached_property
     def _traces(self) -> TraceSum | None:

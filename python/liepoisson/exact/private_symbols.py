@@ -112,8 +112,10 @@ def evaluated(variables: Sequence[Symbol], expressions: Sequence[Expr], states: 
             "a function to be evaluated must have numbers that fit into doubles (below 1.8e308); got a larger one. "
             "Rescale the system, or set parameters that are nearly 0 to 0."
         ) from error
-    columns = [np.broadcast_to(np.asarray(value, dtype=np.float64), states.shape[:-1]) for value in values]
-    return np.stack(columns, axis=-1)
+    columns = np.empty((*states.shape[:-1], len(values)))
+    for k, value in enumerate(values):  # a constant is a single number
+        columns[..., k] = value
+    return columns
 
 
 def _not_for_arrays(expressions: Sequence[Any]) -> UnsupportedFieldError:

@@ -28,8 +28,9 @@ from liepoisson.phase_space.critical_points import (
     stretched_steps,
 )
 from liepoisson.phase_space.equilibrium_list import signed_sum
+from liepoisson.phase_space.flat_tails import is_on_a_tail
 from liepoisson.phase_space.leaf_search import representative
-from liepoisson.phase_space.stability import Equilibrium, analysis, curvatures, null_directions
+from liepoisson.phase_space.stability import Equilibrium, analysis, curvatures, null_directions, soft_directions
 from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
@@ -114,7 +115,7 @@ class EquilibriumSearch:
         self._add_from(starts / self._leaf.units)
 
     def _add_from(self, starts: Array) -> None:
-        states, residual = self._reached(self._origin, starts)
+        states, residual = self._reached(self._origin, starts, at_infinity=False)
         for state in states[np.argsort(residual, kind="stable")]:
             self._add(state)
 
@@ -132,11 +133,18 @@ class EquilibriumSearch:
         while any(family.n_found == 1 for family in self.found) and self.n_starts < most_starts:
             self.extend(min(self.n_starts, most_starts - self.n_starts))
 
-    def _reached(self, leaf: LeafInUnits, starts: Array, most_steps: int = MOST_STEPS) -> tuple[Array, Array]:
-        """The critical points that Newton's method leads to from the starts, and their residuals."""
+    def _reached(
+        self, leaf: LeafInUnits, starts: Array, most_steps: int = MOST_STEPS, *, at_infinity: bool = True
+    ) -> tuple[Array, Array]:
+        """The critical points that Newton's method leads to from the starts, and their residuals.
+
+        Unless `at_infinity`, states on the way to infinity are left out, where H becomes flat without a critical point.
+        """
         states, residual = critical_points(leaf, self._fields, starts, self._values, most_steps)
-        near = is_critical(self._fields, self._leaf, states, residual, within=_NEAR)
-        states = np.array([self._polished(x) for x in states[near]]).reshape(-1, starts.shape[1])
+        states = states[is_critical(self._fields, self._leaf, states, residual, within=_NEAR)]
+        if not at_infinity:
+            states = states[[not self._is_at_infinity(x) for x in states]]
+        states = np.array([self._polished(x) for x in states]).reshape(-1, starts.shape[1])
         if not len(states):
             return states, np.zeros(0)
         residual = residuals(leaf, self._fields, states, self._values)
@@ -172,6 +180,13 @@ class EquilibriumSearch:
                 break
             state, softness = trial[int(np.argmin(found))], min(found)
         return state
+
+    def _is_at_infinity(self, state: Array) -> bool:
+        energy = self._leaf.system.functions.energy
+        if self._integrals or energy.is_polynomial:
+            return False
+        length = float(np.linalg.norm(state)) + self._fields.unit
+        return is_on_a_tail(energy, state, soft_directions(self._leaf, self._fields, state), length)
 
     def _is_scattered(self, known: Equilibrium, nearest: Array, state: Array) -> bool:
         """Whether a state is the end of a slow way to a degenerate equilibrium that is known, and no other one.

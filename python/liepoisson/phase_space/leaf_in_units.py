@@ -8,7 +8,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.errors import LeafError
@@ -35,6 +35,11 @@ class FunctionInUnits(PhaseFunction):
         self.expression = function.expression  # of f itself
         self._function, self._units = function, units
 
+    @property
+    def is_polynomial(self) -> bool:
+        """Whether f is a polynomial."""
+        return self._function.is_polynomial
+
     def __call__(self, states: ArrayLike) -> Array:
         """Values, shape (...), at y of shape (..., N)."""
         return self._function(np.asarray(states) * self._units)
@@ -42,6 +47,10 @@ class FunctionInUnits(PhaseFunction):
     def gradient(self, states: ArrayLike) -> Array:
         """Derivatives with respect to y, shape (..., N)."""
         return self._function.gradient(np.asarray(states) * self._units) * self._units
+
+    def exact_gradient(self, state: Array, digits: int) -> NDArray[np.object_]:
+        """The first derivatives at one state, as SymPy's numbers of so many digits."""
+        return self._units * self._function.exact_gradient(state * self._units, digits)
 
     def hessian(self, states: ArrayLike) -> Array:
         """Second derivatives with respect to y, shape (..., N, N)."""

@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
-from liepoisson.phase_space.critical_points import CANCELLED, VANISHES, HamiltonianFields, multipliers
+from liepoisson.phase_space.critical_points import CANCELLED, SOFT, VANISHES, HamiltonianFields, multipliers
 from liepoisson.phase_space.exact_linearisation import exact_linearisation
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.linearisation import (
@@ -364,6 +364,14 @@ def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> A
     point, flow, basis = _on_slice(leaf, fields, x)
     found = np.concatenate([point.symmetry, basis @ flow.kernel()], axis=1)
     return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
+
+
+def soft_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
+    """Orthonormal directions in which the second variation on the slice is soft or flat, shape (N, n)."""
+    point, flow, basis = _on_slice(leaf, fields, x)
+    values, vectors = np.linalg.eigh(flow.hessian)
+    sizes = np.abs(values)
+    return point.tangents @ basis @ vectors[:, sizes <= SOFT * sizes.max(initial=0.0)]
 
 
 def curvatures(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
