@@ -38,7 +38,7 @@ types: $(VENV)/.dev
 	$(BIN)/basedpyright
 
 quick-tests:
-	$(BIN)/pytest -n auto -m "not slow and not thorough"
+	$(BIN)/pytest -n auto --dist loadfile -m "not slow and not thorough"
 
 guard: instructions sanitize miri wheel-check ## what guards the build: instruction counts, sanitizer, Miri, the wheel without Rust
 
@@ -83,7 +83,7 @@ test-rust: | tools
 # Each instruction set that the processor has gets its turn; results must not depend on it.
 test-python:
 	$(BIN)/python -m mypy.stubtest liepoisson._core --mypy-config-file pyproject.toml
-	$(BIN)/pytest -n auto -m "not slow"
+	$(BIN)/pytest -n auto --dist loadfile -m "not slow"
 
 instructions: | tools
 	$(PYTHON) benchmarks/instructions.py
