@@ -40,6 +40,17 @@ class Field:
     @staticmethod
     def tops(tops: Sequence[tuple[Vector3, Vector3, Vector3, float]]) -> Field: ...
     @staticmethod
+    def quadratics(
+        n_components: int,
+        fields: Sequence[
+            tuple[
+                Sequence[tuple[int, float]],
+                Sequence[tuple[int, int, float]],
+                Sequence[tuple[int, int, int, float]],
+            ]
+        ],
+    ) -> Field: ...
+    @staticmethod
     def quadratic(
         n_components: int,
         constant: Sequence[tuple[int, float]],

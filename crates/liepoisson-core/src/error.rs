@@ -108,6 +108,11 @@ pub enum Error {
     },
     /// The kernel for one orbit, for something else than the state of a top in power series.
     AcrossComponents,
+    /// Quadratic fields for trajectories side by side that differ in more than coefficients.
+    OtherTerms {
+        /// Which field has other terms than the first.
+        member: usize,
+    },
     /// The name of an instruction that no tape has.
     UnknownInstruction {
         /// What came.
@@ -277,6 +282,11 @@ impl fmt::Display for Error {
             Error::Threads { wanted } => {
                 write!(f, "threads: wanted {wanted}; the system starts none; try fewer, or end other programs")
             }
+            Error::OtherTerms { member } => write!(
+                f,
+                "fields: wanted quadratic fields with the same terms; got one, number {member}, with others than the first; \
+                 integrate fields with other terms apart"
+            ),
             Error::AcrossComponents => write!(
                 f,
                 "components: wanted a top, Taylor in double precision and no tangent vectors; got another run; try \

@@ -32,6 +32,7 @@ pub(crate) fn translate(error: Error) -> PyErr {
         | Error::Direction { .. }
         | Error::NoCrossings
         | Error::AcrossComponents
+        | Error::OtherTerms { .. }
         | Error::NotLagrange
         | Error::InstructionRegister { .. }
         | Error::InstructionNumber { .. }

@@ -2,7 +2,7 @@
 
 use crate::errors::guarded;
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top, Tops};
+use liepoisson_core::field::{Instruction, Pieces, Quadratic, Quadratics, Ridge, Space, Tape, Top, Tops};
 use pyo3::prelude::*;
 
 /// A vector field that the core integrates.
@@ -13,12 +13,16 @@ pub(crate) enum Kind {
     Top(Top),
     Tops(Tops),
     Quadratic(Quadratic),
+    Quadratics(Quadratics),
     Tape(Tape),
     Pieces(Pieces),
 }
 
 /// A linear form, the coefficients of a polynomial, a sparse matrix.
 type PieceParts = (Vec<(usize, f64)>, Vec<f64>, Vec<(usize, usize, f64)>);
+
+/// Entries of degree zero, one and two.
+type QuadraticParts = (Vec<(usize, f64)>, Vec<(usize, usize, f64)>, Vec<(usize, usize, usize, f64)>);
 
 /// Inertia, a, b, epsilon.
 type TopParts = ([f64; 3], [f64; 3], [f64; 3], f64);
@@ -40,6 +44,7 @@ impl Field {
             Kind::Top(top) => top.n_components(),
             Kind::Tops(tops) => tops.n_components(),
             Kind::Quadratic(quadratic) => quadratic.n_components(),
+            Kind::Quadratics(quadratics) => quadratics.n_components(),
             Kind::Tape(tape) => tape.n_components(),
             Kind::Pieces(pieces) => pieces.n_components(),
         }
@@ -71,6 +76,15 @@ impl Field {
     ) -> PyResult<Field> {
         let field = guarded(|| Quadratic::new(n_components, &constant, &linear, &quadratic))?;
         Ok(Field(Kind::Quadratic(field)))
+    }
+
+    /// Fields of degree at most two with the same terms, one for each trajectory, by their nonzero entries.
+    #[staticmethod]
+    fn quadratics(n_components: usize, fields: Vec<QuadraticParts>) -> PyResult<Field> {
+        let make = |(constant, linear, quadratic): QuadraticParts| {
+            Quadratic::new(n_components, &constant, &linear, &quadratic)
+        };
+        guarded(|| Quadratics::new(fields.into_iter().map(make))).map(|fields| Field(Kind::Quadratics(fields)))
     }
 
     /// Any smooth field, by the instructions that compute it.

@@ -239,7 +239,7 @@ fn sections<'py>(
         Kind::Top(field) => run!(field),
         Kind::Quadratic(field) => run!(field),
         Kind::Tape(field) => run!(field),
-        Kind::Tops(_) | Kind::Pieces(_) => return Err(translate(Error::MethodForField)),
+        Kind::Tops(_) | Kind::Quadratics(_) | Kind::Pieces(_) => return Err(translate(Error::MethodForField)),
     };
     let result = PyDict::new(py);
     add_summaries(&result, &sections.summaries, field.n_components())?;

@@ -105,6 +105,7 @@ macro_rules! with_field_and_method {
             (Kind::Top(field), How::LagrangeMap(method)) => $run!(field, method),
             (Kind::Tops(field), How::Taylor(method)) => $run!(field, method),
             (Kind::Tops(field), How::MixedTaylor(method)) => $run!(field, method),
+            (Kind::Quadratics(field), How::Taylor(method)) => $run!(field, method),
             (Kind::Quadratic(field), How::Taylor(method)) => $run!(field, method),
             (Kind::Quadratic(field), How::RungeKutta(method)) => $run!(field, method),
             (Kind::Quadratic(field), How::SingleRungeKutta(method)) => $run!(field, method),

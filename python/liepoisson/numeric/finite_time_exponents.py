@@ -13,13 +13,13 @@ from liepoisson import _core
 from liepoisson.arrays import Array
 from liepoisson.calls import shows_progress
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.field import TopField
+from liepoisson.field import QuadraticField, TopField
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
 from liepoisson.numeric.outcomes import outcome_names, trajectories, typical
 from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
-from liepoisson.numeric.systems import HasField, as_field, core_field
+from liepoisson.numeric.systems import HasField, as_field, core_field, core_fields
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
 
@@ -178,8 +178,8 @@ def finite_time_exponents(
     )
 
 
-def exponents_of_tops(
-    tops: Sequence[TopField],
+def exponents_of_many(
+    fields: Sequence[TopField] | Sequence[QuadraticField],
     states: Array,
     *,
     t_end: float,
@@ -189,22 +189,25 @@ def exponents_of_tops(
     time_limit: float,
     progress: Callable[[float], Any] | None,
 ) -> tuple[Array, NDArray[np.str_]]:
-    """Exponents at `t_end` and outcomes of one trajectory of each of many tops, shape (top,).
+    """Exponents at `t_end` and outcomes of one trajectory of each of many fields, shape (field,).
 
-    Tops fill a register as trajectories of one top do, with the same bits as each of them by itself.
+    They fill a register as trajectories of one field do, with the same bits as each of them by itself.
 
     Args:
-        tops: The tops.
-        states: States at time 0, shape (top, component).
+        fields: Tops, or quadratic fields that differ in their coefficients only.
+        states: States at time 0, shape (field, component).
         t_end: The time, positive.
-        tangents: Tangent vectors at time 0, shape (top, component).
+        tangents: Tangent vectors at time 0, shape (field, component).
         method: How.
         threads: By default all processors that the process may use.
         time_limit: Seconds that the run may take.
         progress: Called a few times a second with the fraction that is done.
+
+    Raises:
+        ParameterError: Quadratic fields with other terms than the first.
     """
     raw = _core.growth(
-        _core.Field.tops([(top.inertia, top.a, top.b, top.epsilon) for top in tops]),
+        core_fields(fields),
         method.core(),
         states.ravel(),
         tangents.ravel(),

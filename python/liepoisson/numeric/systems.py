@@ -6,7 +6,7 @@ they then do without it, or say what they want.  All of it is asked here, and `S
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, Protocol, TypeGuard
 
 from liepoisson import _core
@@ -47,6 +47,17 @@ def core_field(field: Field) -> _core.Field:
     if isinstance(field, PiecesField):
         return _core.Field.pieces(field.n_components, field.pieces)
     return _core.Field.tape(field.n_components, field.instructions, field.outputs)
+
+
+def core_fields(fields: Sequence[TopField] | Sequence[QuadraticField]) -> _core.Field:
+    """Fields of one kind as the core takes them, one for each trajectory."""
+    tops = [field for field in fields if isinstance(field, TopField)]
+    if tops:
+        return _core.Field.tops([(top.inertia, top.a, top.b, top.epsilon) for top in tops])
+    quadratic = [field for field in fields if isinstance(field, QuadraticField)]
+    return _core.Field.quadratics(
+        quadratic[0].n_components, [(field.constant, field.linear, field.quadratic) for field in quadratic]
+    )
 
 
 def component_names(system: Any, n: int) -> tuple[str, ...]:

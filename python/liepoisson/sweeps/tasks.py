@@ -15,8 +15,8 @@ import liepoisson
 from liepoisson import _core
 from liepoisson.arrays import Array, as_array
 from liepoisson.errors import LiePoissonError, ParameterError
-from liepoisson.field import TopField
-from liepoisson.numeric.finite_time_exponents import exponents_of_tops, finite_time_exponents
+from liepoisson.field import QuadraticField, TopField
+from liepoisson.numeric.finite_time_exponents import exponents_of_many, finite_time_exponents
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.sampling import sample_states, sample_tangents
 from liepoisson.numeric.verdict import METHOD as DEFAULT_OF_VERDICTS
@@ -208,9 +208,9 @@ class _Points:
         systems = [self.systems[point] for point in chosen]
         x0, found = _starts(piece, systems, self.listen)
         groups = _groups(systems)
-        if piece.quantity == "exponent" and len(groups) > 1 and (tops := _tops(piece, systems)):
+        if piece.quantity == "exponent" and len(groups) > 1 and (fields := _of_one_kind(piece, systems)):
             self.method = str(_method(piece, systems[0]))
-            self.value[chosen], self.outcome[chosen] = _exponents_of_tops(piece, tops, x0, found, self.listen)
+            self.value[chosen], self.outcome[chosen] = _exponents_of_many(piece, fields, x0, found, self.listen)
             return
         for rows in groups:
             system, points = systems[rows[0]], [chosen[row] for row in rows]
@@ -300,26 +300,39 @@ def _method(piece: Piece, system: Any) -> Method:
     return piece.method or (DEFAULT_METHOD if isinstance(system.field(), TopField) else DEFAULT_GENERAL)
 
 
-def _tops(piece: Piece, systems: list[Any]) -> list[TopField]:
-    """The systems as tops, if all are and the method takes many at once; else none."""
+def _of_one_kind(piece: Piece, systems: list[Any]) -> list[TopField] | list[QuadraticField]:
+    """The fields of the systems, if orbits of all can share a register; else none."""
+    if not isinstance(_method(piece, systems[0]), Taylor):
+        return []
     fields = [system.field() for system in systems]
     tops = [data for data in fields if isinstance(data, TopField)]
-    return tops if len(tops) == len(systems) and isinstance(_method(piece, systems[0]), Taylor) else []
+    if len(tops) == len(systems):
+        return tops
+    quadratic = [data for data in fields if isinstance(data, QuadraticField)]
+    terms = {
+        tuple(entry[:-1] for part in (data.constant, data.linear, data.quadratic) for entry in part)
+        for data in quadratic
+    }
+    return quadratic if len(quadratic) == len(systems) and len(terms) == 1 else []
 
 
-def _exponents_of_tops(
-    piece: Piece, tops: list[TopField], x0: Array, found: NDArray[np.bool_], listen: Listener
+def _exponents_of_many(
+    piece: Piece,
+    fields: list[TopField] | list[QuadraticField],
+    x0: Array,
+    found: NDArray[np.bool_],
+    listen: Listener,
 ) -> tuple[Array, NDArray[np.int8]]:
-    """Exponents and outcomes of points with a top of their own, shape (point, member): all in the same registers."""
+    """Exponents and outcomes of points with a field of their own, shape (point, member): all in the same registers."""
     value, outcome = np.full(found.shape, np.nan), np.full(found.shape, NO_START, np.int8)
     point, member = np.nonzero(found)
     if len(point):
-        value[found], ended = exponents_of_tops(
-            [tops[k] for k in point],
+        value[found], ended = exponents_of_many(
+            cast("list[TopField]", [fields[k] for k in point]),
             x0[found],
             t_end=piece.t_end,
             tangents=sample_tangents(x0.shape[-1], piece.n, seed=piece.seed)[member],
-            method=cast("Taylor", _method(piece, NumericTop("", tops[0]))),
+            method=cast("Taylor", _method(piece, fields[0])),
             threads=piece.threads,
             time_limit=_TIME_LIMIT,
             progress=listen,

@@ -4,6 +4,7 @@ mod convolution;
 mod cover;
 pub(crate) mod pieces;
 mod quadratic;
+mod quadratics;
 mod tape;
 mod terms;
 pub(crate) mod top;
@@ -11,6 +12,7 @@ mod tops;
 
 pub use pieces::{Pieces, Ridge};
 pub use quadratic::Quadratic;
+pub use quadratics::{Quadratics, SeatedQuadratics};
 pub use tape::{Enclosure, Functions, Instruction, Tape};
 pub use terms::Terms;
 pub use top::Top;

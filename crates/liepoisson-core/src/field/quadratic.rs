@@ -32,6 +32,25 @@ struct Term {
     target: usize,
     source: usize,
     coefficient: f64,
+    /// Its number among all coefficients.
+    number: usize,
+}
+
+/// Where coefficients come from: the same in all lanes, or lane by lane.
+pub(super) trait Coefficients: Copy {
+    /// `scale coefficient`, given that of the field that all share, and its number.
+    fn scaled<V: Lane>(self, coefficient: f64, number: usize, scale: f64) -> V;
+}
+
+/// Those of the field itself.
+#[derive(Clone, Copy)]
+struct Shared;
+
+impl Coefficients for Shared {
+    #[inline(always)]
+    fn scaled<V: Lane>(self, coefficient: f64, _number: usize, scale: f64) -> V {
+        V::splat(coefficient * scale)
+    }
 }
 
 /// A tile and its terms: from `first` on one for each product, then those of products that enter several components.
@@ -83,7 +102,7 @@ impl Quadratic {
                     let at = quadratic.partition_point(|&([j, k, _], _)| [j, k] < product);
                     let entries = quadratic[at..].iter().take_while(|&&([j, k, _], _)| [j, k] == product);
                     let mut entries =
-                        entries.map(|&([_, _, target], coefficient)| Term { target, source, coefficient });
+                        entries.map(|&([_, _, target], coefficient)| Term { target, source, coefficient, number: 0 });
                     terms.extend(entries.next());
                     further.extend(entries);
                 }
@@ -91,11 +110,16 @@ impl Quadratic {
                 PlacedTile { tile, first, end: terms.len() }
             })
             .collect();
+        let linear = linear.iter().map(|&([i, j], c)| Term { target: i, source: j, coefficient: c, number: 0 });
+        let mut linear: Vec<Term> = linear.collect();
+        for (number, term) in (constant.len()..).zip(linear.iter_mut().chain(&mut terms)) {
+            term.number = number;
+        }
         Ok(Quadratic {
             n_components,
             group: n_components | 1,
             constant: constant.iter().map(|&([i], c)| (i, c)).collect(),
-            linear: linear.iter().map(|&([i, j], c)| Term { target: i, source: j, coefficient: c }).collect(),
+            linear,
             tiles,
             terms,
             majorant,
@@ -174,15 +198,46 @@ impl Field for Quadratic {
 
     #[inline(always)]
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
+        self.extend_with(Shared, rows, n_tangents, k);
+    }
+}
+
+impl Quadratic {
+    /// Whether two fields differ in their coefficients only.
+    pub(super) fn has_the_terms_of(&self, other: &Quadratic) -> bool {
+        let indices = |field: &Quadratic| {
+            let constant: Vec<usize> = field.constant.iter().map(|&(i, _)| i).collect();
+            let terms = field.linear.iter().chain(&field.terms).map(|term| (term.target, term.source));
+            let products: Vec<_> = field.tiles.iter().flat_map(|placed| placed.tile.products()).collect();
+            (field.n_components, constant, terms.collect::<Vec<_>>(), products)
+        };
+        indices(self) == indices(other)
+    }
+
+    /// All coefficients, by their numbers.
+    pub(super) fn coefficients(&self) -> impl Iterator<Item = f64> {
+        let terms = self.linear.iter().chain(&self.terms).map(|term| term.coefficient);
+        self.constant.iter().map(|&(_, value)| value).chain(terms)
+    }
+
+    /// [`Field::extend`] with coefficients from somewhere.
+    #[inline(always)]
+    pub(super) fn extend_with<C: Coefficients, V: Lane>(
+        &self,
+        coefficients: C,
+        rows: &mut [V],
+        n_tangents: usize,
+        k: usize,
+    ) {
         let row = self.row(n_tangents);
         let (known, next) = rows.split_at_mut((k + 1) * row);
         let next = &mut next[..row];
         let scale = if needs_remainder(k + 1) { 1.0 } else { 1.0 / (k + 1) as f64 };
-        self.begin(&known[k * row..], next, n_tangents, k, scale);
+        self.begin(coefficients, &known[k * row..], next, n_tangents, k, scale);
         let series = Series::new(known, row, self.group, k);
         for placed in &self.tiles {
             let terms = &self.terms[placed.first..placed.end];
-            placed.tile.run(AddProducts { series, terms, next, group: self.group, n_tangents, scale });
+            placed.tile.run(AddProducts { coefficients, series, terms, next, group: self.group, n_tangents, scale });
         }
         if needs_remainder(k + 1) {
             for value in next {
@@ -190,22 +245,28 @@ impl Field for Quadratic {
             }
         }
     }
-}
 
-impl Quadratic {
     /// The constant and linear parts.
     #[inline(always)]
-    fn begin<V: Lane>(&self, last: &[V], next: &mut [V], n_tangents: usize, k: usize, scale: f64) {
+    fn begin<C: Coefficients, V: Lane>(
+        &self,
+        coefficients: C,
+        last: &[V],
+        next: &mut [V],
+        n_tangents: usize,
+        k: usize,
+        scale: f64,
+    ) {
         for value in next.iter_mut() {
             *value = V::splat(0.0);
         }
         if k == 0 {
-            for &(i, value) in &self.constant {
-                next[i] = V::splat(value);
+            for (number, &(i, value)) in self.constant.iter().enumerate() {
+                next[i] = coefficients.scaled(value, number, 1.0);
             }
         }
         for term in &self.linear {
-            let factor = V::splat(term.coefficient * scale);
+            let factor: V = coefficients.scaled(term.coefficient, term.number, scale);
             for g in 0..=n_tangents {
                 let to = &mut next[g * self.group + term.target];
                 *to = last[g * self.group + term.source].mul_add(factor, *to);
@@ -215,7 +276,8 @@ impl Quadratic {
 }
 
 /// Adds the products of one tile to the next row.
-struct AddProducts<'r, V> {
+struct AddProducts<'r, C, V> {
+    coefficients: C,
     series: Series<'r, V>,
     terms: &'r [Term],
     next: &'r mut [V],
@@ -224,7 +286,7 @@ struct AddProducts<'r, V> {
     scale: f64,
 }
 
-impl<V: Lane> Kernel for AddProducts<'_, V> {
+impl<C: Coefficients, V: Lane> Kernel for AddProducts<'_, C, V> {
     #[inline(always)]
     fn run<const Q: usize, const S: usize, const A: usize>(mut self, tile: &Tile) {
         // Two sums for every product, and the factors at hand, in registers; the sums are the same, term by term, so a
@@ -242,7 +304,7 @@ impl<V: Lane> Kernel for AddProducts<'_, V> {
     }
 }
 
-impl<V: Lane> AddProducts<'_, V> {
+impl<C: Coefficients, V: Lane> AddProducts<'_, C, V> {
     /// Adds sums of `G` groups, from number `group` on.
     #[inline(always)]
     fn add<const G: usize, const Q: usize, const S: usize, const A: usize>(
@@ -250,7 +312,8 @@ impl<V: Lane> AddProducts<'_, V> {
         group: usize,
         sums: &[Sums<V, Q, S, A>; G],
     ) {
-        let mut next = Next::<V, G>::new(&mut self.next[group * self.group..], self.group, self.scale);
+        let mut next =
+            Next::<C, V, G>::new(&mut self.next[group * self.group..], self.group, (self.coefficients, self.scale));
         let (leading, further) = self.terms.split_at(Q * S + A);
         for p in 0..S {
             for q in 0..Q {
@@ -284,25 +347,26 @@ impl<V: Lane> AddProducts<'_, V> {
 }
 
 /// `G` groups of the next row.
-struct Next<'r, V, const G: usize> {
+struct Next<'r, C, V, const G: usize> {
+    coefficients: C,
     groups: [&'r mut [V]; G],
     scale: f64,
 }
 
-impl<'r, V: Lane, const G: usize> Next<'r, V, G> {
+impl<'r, C: Coefficients, V: Lane, const G: usize> Next<'r, C, V, G> {
     #[inline(always)]
-    fn new(mut rest: &'r mut [V], group: usize, scale: f64) -> Self {
+    fn new(mut rest: &'r mut [V], group: usize, (coefficients, scale): (C, f64)) -> Self {
         let mut groups: [&mut [V]; G] = std::array::from_fn(|_| Default::default());
         for g in 0..G {
             let (first, others) = std::mem::take(&mut rest).split_at_mut(group);
             (groups[g], rest) = (first, others);
         }
-        Next { groups, scale }
+        Next { coefficients, groups, scale }
     }
 
     #[inline(always)]
     fn add(&mut self, product: [V; G], term: &Term) {
-        let factor = V::splat(term.coefficient * self.scale);
+        let factor: V = self.coefficients.scaled(term.coefficient, term.number, self.scale);
         for g in 0..G {
             let to = &mut self.groups[g][term.target];
             *to = product[g].mul_add(factor, *to);

@@ -6,7 +6,7 @@ use crate::error::Error;
 use crate::lanes::{Lane, Number};
 
 /// Most trajectories that a block advances: a register of single precision holds them.
-const MOST_LANES: usize = 16;
+pub(super) const MOST_LANES: usize = 16;
 
 /// The top of each member of an ensemble, in their order.
 #[derive(Clone, Debug, PartialEq)]

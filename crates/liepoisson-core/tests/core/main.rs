@@ -8,6 +8,7 @@ mod frame;
 mod gauss;
 mod mixed_taylor;
 mod modular;
+mod own_parameters;
 mod quadratic;
 mod runge_kutta;
 mod runge_kutta_fields;
@@ -16,5 +17,5 @@ mod splitting;
 mod tape;
 mod taylor;
 mod top;
-mod tops;
+
 mod units;

@@ -1,10 +1,11 @@
-//! Tops with parameters of their own side by side: each trajectory as if it were alone.
+//! Fields with parameters of their own side by side: each trajectory as if it were alone.
 
 use crate::common::*;
 use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble};
 use liepoisson_core::error::Error;
-use liepoisson_core::field::{Top, Tops};
+use liepoisson_core::field::{Quadratic, Quadratics, Top, Tops};
+use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{Method, MixedTaylor};
 use proptest::prelude::*;
 
@@ -53,6 +54,51 @@ proptest! {
         agree(&tops, taylor(1e-10), &states, &tangents);
         agree(&tops, MixedTaylor(taylor(1e-9)), &states, &tangents);
     }
+}
+
+/// Random coefficients for the same terms, whose constants, factors and products enter several components.
+fn quadratic(coefficients: &[f64]) -> Quadratic {
+    let c = |k: usize| coefficients[k];
+    let linear = [(0, 1, c(2)), (1, 2, c(3)), (2, 0, c(4)), (2, 1, c(5))];
+    let products = [(0, 1, 2, c(6)), (1, 0, 2, c(7)), (1, 1, 2, c(8)), (2, 0, 1, c(9)), (2, 2, 2, c(10))];
+    Quadratic::new(3, &[(0, c(0)), (2, c(1))], &linear, &products).unwrap()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    #[test]
+    fn quadratic_fields_with_the_same_terms_share_registers(
+        coefficients in prop::collection::vec(prop::collection::vec(prop_oneof![-1.0..-0.1_f64, 0.1..1.0_f64], 11), 1..30),
+    ) {
+        let fields: Vec<Quadratic> = coefficients.iter().map(|c| quadratic(c)).collect();
+        let all = Quadratics::new(fields.iter().cloned().map(Ok)).unwrap();
+        let states: Vec<f64> = (0..3 * fields.len()).map(|k| 0.3 * libm::sin(k as f64)).collect();
+        let tangents: Vec<f64> = (0..3 * fields.len()).map(|k| libm::cos(k as f64)).collect();
+        let (method, control) = (taylor(1e-10), Control::default());
+        let together =
+            Ensemble { field: &all, method, states: &states, tangents: &tangents, n_tangents: 1, times: &TIMES };
+        let found = everywhere(|simd, threads| orbits(&together, threads, simd, &control, false, |_| ()).unwrap());
+        for other in &found {
+            for (k, field) in fields.iter().enumerate() {
+                let member = 3 * k..3 * (k + 1);
+                let (states, tangents) = (&states[member.clone()], &tangents[member]);
+                let alone = Ensemble { field, method, states, tangents, n_tangents: 1, times: &TIMES };
+                let alone = orbits(&alone, 1, Simd::widest(), &control, false, |_| ()).unwrap();
+                prop_assert_eq!(bits(&other.states[9 * k..9 * (k + 1)]), bits(&alone.states));
+                prop_assert_eq!(bits(&other.tangents[9 * k..9 * (k + 1)]), bits(&alone.tangents));
+            }
+        }
+    }
+}
+
+#[test]
+fn fields_with_other_terms_are_refused() {
+    let some = quadratic(&[1.0; 11]);
+    let other = Quadratic::new(3, &[], &[], &[(0, 1, 2, 1.0)]).unwrap();
+    let refused = Quadratics::new([Ok(some.clone()), Ok(some), Ok(other)]).map(|_| ());
+    assert_eq!(refused, Err(Error::OtherTerms { member: 2 }));
+    assert!(Quadratics::new([]).is_err());
 }
 
 #[test]
