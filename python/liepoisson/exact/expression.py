@@ -47,7 +47,7 @@ from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 from liepoisson.exact.values import component_name
 
 if TYPE_CHECKING:
-    from sympy import Expr, Symbol
+    from sympy import Expr
 
 _NOT_SMOOTH = {
     "abs", "fabs", "sign", "sgn", "min", "max", "floor", "ceil", "ceiling", "round", "trunc", "int", "frac", "fract",
@@ -167,21 +167,28 @@ def _read(tree: Node, text: str, scope: Scope, *, insert_values: bool) -> Expr:
 
 
 def _evaluated(tree: Node, text: str, scope: Scope, *, insert_values: bool) -> Exact:
-    reader = _Reader(text, scope, insert_values=insert_values)
+    reader = Reader(text, scope, insert_values=insert_values)
     try:
         return reader.read(tree)
     except RecursionError:  # SymPy calls itself for each level of nesting, and so may the caller have done
         raise ExpressionError("the formula is nested too deeply. Simplify it", text, tree.position) from None
 
 
-class _Reader:
-    """Turns a tree into a value, from the leaves up."""
+class Reader:
+    """Turns a tree into a value, from the leaves up.
 
-    def __init__(self, text: str, scope: Scope, *, insert_values: bool) -> None:
+    Args:
+        text: The formula, for messages.
+        scope: The names that it may use.
+        insert_values: Whether parameters are read as their values, and not as symbols.
+        scalars: The arithmetic; by default that of Fractions and SymPy expressions.
+    """
+
+    def __init__(self, text: str, scope: Scope, *, insert_values: bool, scalars: Arithmetic | None = None) -> None:
         self.text = text
         self.scope = scope
         self.insert_values = insert_values
-        self.scalars = Arithmetic()
+        self.scalars = Arithmetic() if scalars is None else scalars
         self.tensors = TensorArithmetic(self.scalars)
         self.rules: dict[type[Node], Callable[[Any, Sequence[Value]], Value]] = {
             Number: lambda node, _: node.value,
@@ -222,18 +229,28 @@ class _Reader:
     def named(self, node: Name, _parts: Sequence[Value] = ()) -> Value:
         name = node.name
         if name in self.scope.fields:
-            return Vector(tuple(_symbol(f"{name}{component}") for component in self.scope.fields[name]))
+            return Vector(tuple(self.symbol(f"{name}{component}") for component in self.scope.fields[name]))
         if name in self.scope.shapes:
             return self.parameter(name)
         if name in self.scope.components:
             owner, index = self.scope.components[name]
             whole = self.scope.values.get(owner) if self.insert_values else None
-            return _symbol(name) if whole is None else _entry(whole, index)
+            return self.symbol(name) if whole is None else _entry(whole, index)
         if name in CONSTANTS:
-            from sympy import pi
-
-            return pi
+            return self.circle_number()
         raise self.error(_unknown_name(name, self.scope), node.position)
+
+    def symbol(self, name: str) -> Exact:
+        """What stands for a coordinate or a symbol."""
+        from sympy import Symbol
+
+        return Symbol(name)
+
+    def circle_number(self) -> Exact:
+        """The number pi."""
+        from sympy import pi
+
+        return pi
 
     def parameter(self, name: str) -> Value:
         """A parameter by its value, or by symbols."""
@@ -241,7 +258,7 @@ class _Reader:
         value = self.scope.values.get(name) if self.insert_values else None
 
         def entry(*index: int) -> Exact:
-            return _symbol(component_name(name, index, shape)) if value is None else _entry(value, index)
+            return self.symbol(component_name(name, index, shape)) if value is None else _entry(value, index)
 
         if not shape:
             return entry()
@@ -312,12 +329,6 @@ class _Reader:
 
     def error(self, message: str, position: int) -> ExpressionError:
         return ExpressionError(message, self.text, position)
-
-
-def _symbol(name: str) -> Symbol:
-    from sympy import Symbol
-
-    return Symbol(name)
 
 
 def _entry(values: object, index: tuple[int, ...]) -> Exact:
