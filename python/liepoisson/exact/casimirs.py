@@ -347,12 +347,12 @@ def _lift(bracket: Bracket, pivots: set[Any] | None = None) -> _Found | None:
     base = bracket.algebra @ leibniz(1)
     of_base = CasimirSearch(base.tensor, with_pivots=pivots is not None and bool(base.tensor.field.parameters))
     found = _search(of_base, None, _corank(base.tensor))
-    to_field = base.tensor.field.to_sympy
+    exactly = base.tensor.field.write
     if pivots is not None:
-        pivots |= {field.read(to_field(pivot)) for pivot in of_base.pivots}
+        pivots |= {field.read(exactly(pivot)) for pivot in of_base.pivots}
     generators: list[tuple[int, Polynomial]] = []
     for d, polynomial in found.generators:
-        here = {m: field.read(to_field(c)) for m, c in polynomial.items()}
+        here = {m: field.read(exactly(c)) for m, c in polynomial.items()}
         generators += [(d, casimir) for casimir in lifted(here, bracket.algebra.dimension, n, field.read(strength))]
     generators.sort(key=lambda generator: (generator[0], place(leading(generator[1], base.dimension), base.dimension)))
     search = CasimirSearch(bracket.tensor)

@@ -242,7 +242,7 @@ class System:
             return None
         found = {"H": self.polynomial_hamiltonian, **{f"C{k}": casimir for k, casimir in enumerate(casimirs, start=1)}}
         for name, given in self._given_integrals.items():
-            integral = self.polynomial(given)
+            integral = self._polynomial(given) if isinstance(given, str) else None
             try:
                 if integral is None or bracket_with(rates, integral):
                     return None
