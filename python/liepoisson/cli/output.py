@@ -62,12 +62,12 @@ def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:
         ParameterError: --figure names no file, or one of another kind.
         OutputError: it is a folder, or lies in one that cannot be written to.
     """
-    from liepoisson.plot.style import FORMATS
-
     if figure is None and plot:
         _check_folder(Path(default))
     if figure is None:
         return Path(default) if plot else None
+    from liepoisson.plot.style import FORMATS
+
     return checked_file(figure, "--figure", ("", *(f".{extension}" for extension in FORMATS)), f"{default}.png")
 
 
