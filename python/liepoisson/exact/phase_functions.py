@@ -72,6 +72,11 @@ class PhaseFunction:
         return self._polynomial
 
     @property
+    def n_coordinates(self) -> int:
+        """Number of components of a state."""
+        return self._n
+
+    @property
     def is_constant(self) -> bool:
         """Whether no coordinate occurs in it."""
         return not (self.expression.free_symbols if self.polynomial is None else self.polynomial.coordinates)

@@ -371,12 +371,11 @@ def _unknown(system: System, place: Place) -> str:
 
 
 def _values(system: System, casimirs: Mapping[str, float | str], place: Place) -> Array:
-    wanted = ", ".join(formulas(system))
     if isinstance(casimirs, Mapping) and not set(casimirs) <= set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
         casimirs = by_name(system, casimirs)
     if not isinstance(casimirs, Mapping) or set(casimirs) != set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(
-            f"casimirs must give a value by name for each of {wanted}; got {shown(casimirs)}. Those of a state: "
+            f"casimirs must give a value by name for each of {', '.join(formulas(system))}; got {shown(casimirs)}. Those of a state: "
             "Leaf.through(system, state).casimirs."
         )
     values = np.array([as_number(casimirs[name], name, "a finite number") for name in place.casimirs])
