@@ -202,6 +202,7 @@ class Reader:
         }
 
     def read(self, tree: Node) -> Exact:
+        """The scalar that a tree stands for."""
         waiting, values = [(tree, False)], list[Value]()  # a stack of our own: long formulas must not fill Python's
         while waiting:
             node, children_are_read = waiting.pop()
@@ -224,9 +225,11 @@ class Reader:
             raise self.error(str(refusal), node.position) from None
 
     def negative(self, _node: Negative, parts: Sequence[Value]) -> Value:
+        """The opposite of a value."""
         return self.tensors.times(Fraction(-1), parts[0])
 
     def named(self, node: Name, _parts: Sequence[Value] = ()) -> Value:
+        """What a name stands for."""
         name = node.name
         if name in self.scope.fields:
             return Vector(tuple(self.symbol(f"{name}{component}") for component in self.scope.fields[name]))
@@ -268,6 +271,7 @@ class Reader:
         return Matrix(tuple(tuple(entry(i, j) for j in range(1, columns + 1)) for i in range(1, rows + 1)))
 
     def sum(self, node: Sum, terms: Sequence[Value]) -> Value:
+        """A sum or difference of values of one shape."""
         for term, position in zip(terms, node.positions, strict=True):
             if kind_of(term) != kind_of(terms[0]):
                 message = f"terms of a sum must have one shape; got {kind_of(terms[0])} and {kind_of(term)}"
@@ -278,6 +282,7 @@ class Reader:
         return self.tensors.sum(signed)
 
     def product(self, node: Product, factors: Sequence[Value]) -> Value:
+        """A product of scalars and tensors, and quotients by scalars."""
         scalars: list[Exact] = []
         tensor: Vector | Matrix | None = None
         for factor, operator, position in zip(factors, node.operators, node.positions, strict=True):
@@ -294,6 +299,7 @@ class Reader:
         return scalar if tensor is None else self.tensors.times(scalar, tensor)
 
     def power(self, node: Power, parts: Sequence[Value]) -> Value:
+        """A power of a scalar."""
         base, exponent = parts
         if isinstance(base, (Vector, Matrix)) or isinstance(exponent, (Vector, Matrix)):
             kind = kind_of(base if isinstance(base, (Vector, Matrix)) else exponent)
@@ -305,6 +311,7 @@ class Reader:
         return self.scalars.power(base, exponent)
 
     def component(self, node: Component, parts: Sequence[Value]) -> Value:
+        """A component of a vector or a matrix."""
         whole = parts[0]
         shape = shape_of(whole)
         if len(shape) != len(node.indices):
@@ -317,6 +324,7 @@ class Reader:
         return _entry(_entries(whole), node.indices)
 
     def call(self, node: Call, arguments: Sequence[Value]) -> Value:
+        """A function of its arguments."""
         name = node.function
         if name in MATRIX_FUNCTIONS:
             return self.tensors.apply(name, arguments)
@@ -328,6 +336,7 @@ class Reader:
         return self.scalars.apply(name, arguments[0])
 
     def error(self, message: str, position: int) -> ExpressionError:
+        """An error at a position of the text; to be raised."""
         return ExpressionError(message, self.text, position)
 
 

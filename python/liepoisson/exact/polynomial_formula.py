@@ -1,7 +1,7 @@
 """Formulas that are polynomials in the coordinates with rational coefficients, read without SymPy.
 
-Most Hamiltonians and integrals are.  What is anything else, or near to a limit of `liepoisson.exact.expression`, is left
-to that module: it alone says what is wrong with a formula.
+Most Hamiltonians and integrals are.  What is anything else, or near to a limit of `liepoisson.exact.expression`, is
+left to that module: it alone says what is wrong with a formula.
 """
 
 from __future__ import annotations

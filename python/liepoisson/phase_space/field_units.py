@@ -193,7 +193,7 @@ def _terms(polynomial: Any, variables: tuple[Symbol, ...]) -> list[tuple[tuple[i
     return cast("Any", Poly(polynomial, *variables)).terms()
 
 
-def _polynomial_part(expression: Any, variables: tuple[Expr, ...]) -> Any:
+def _polynomial_part(expression: Any, variables: tuple[Symbol, ...]) -> Any:
     """The terms of an expression that are polynomials; None for too many."""
     from sympy import Add
 

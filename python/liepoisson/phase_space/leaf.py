@@ -374,8 +374,9 @@ def _values(system: System, casimirs: Mapping[str, float | str], place: Place) -
     if isinstance(casimirs, Mapping) and not set(casimirs) <= set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
         casimirs = by_name(system, casimirs)
     if not isinstance(casimirs, Mapping) or set(casimirs) != set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
+        wanted = ", ".join(formulas(system))
         raise ParameterError(
-            f"casimirs must give a value by name for each of {', '.join(formulas(system))}; got {shown(casimirs)}. Those of a state: "
+            f"casimirs must give a value by name for each of {wanted}; got {shown(casimirs)}. Those of a state: "
             "Leaf.through(system, state).casimirs."
         )
     values = np.array([as_number(casimirs[name], name, "a finite number") for name in place.casimirs])
