@@ -66,7 +66,8 @@ def occurring(
     None if this leaves a parameter open whose name occurs in the formula.
     """
     tree, found = parse(text), set[str]()
-    for name in {owner for word in names_in(tree) if (owner := scope.owner(word)) in scope.values}:
+    owners = {scope.owner(word) for word in names_in(tree)}
+    for name in [name for name in scope.values if name in owners]:
         other = Scope(
             fields=scope.fields,
             parameters={**scope.parameters, name: _other(scope.values[name])},

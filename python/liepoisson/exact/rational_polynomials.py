@@ -59,7 +59,9 @@ class RationalPolynomial:
     @classmethod
     def of_powers(cls, terms: Mapping[tuple[int, ...], Fraction]) -> RationalPolynomial:
         """The polynomial with these coefficients, by the powers of all coordinates."""
-        named = {tuple((k, power) for k, power in enumerate(powers) if power): c for powers, c in terms.items()}
+        named: dict[Monomial, Fraction] = {}
+        for powers, c in terms.items():
+            named[tuple((k, power) for k, power in enumerate(powers) if power)] = c
         return cls(named)
 
     @cached_property

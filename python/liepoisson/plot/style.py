@@ -135,9 +135,9 @@ def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS)
         ParameterError: a format is none of these.
         OSError: a file could not be written.
     """
-    if isinstance(formats, str) or (unknown := [name for name in formats if name not in FORMATS]):
-        got = formats if isinstance(formats, str) else unknown[0]
-        raise ParameterError(f"formats: wanted some of {FORMATS}; got {got!r:.60}; write a tuple of them")
+    unknown = [name for name in formats if name not in FORMATS]
+    if isinstance(formats, str) or unknown:
+        raise ParameterError(f"formats: wanted a tuple of some of {FORMATS}; got {formats!r:.60}; leave the others out")
     paths: list[Path] = []
     with house_style():
         # Laid out once; each format would lay it out anew.
