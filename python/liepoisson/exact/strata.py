@@ -61,6 +61,12 @@ class Stratum:
         """Functions that are constant on the leaves in this set."""
         return tuple(self.functions())
 
+    def __repr__(self) -> str:
+        known = f"casimirs={self.casimirs}, certificate={self.certificate!r}"
+        return (
+            f"Stratum(locus={self.locus!r}, rank={self.rank}, {known}, proved={self.proved}, complete={self.complete})"
+        )
+
     @property
     def condition(self) -> str:
         """The locus as text, for example "beta = 0, alpha != 0"."""
