@@ -31,6 +31,51 @@ orbit = lp.integrate(top, growth.end_state, times=[0, 1], dense=True).at(0.5)
     assert loaded(program) == []
 
 
+CALLS = """
+from liepoisson.cli.main import COMMANDS, main
+
+CALLED = {called}
+HEAVY = ("sympy", "xarray", "pandas", "scipy", "matplotlib", "matplotlib.pyplot", "rich", "h5netcdf")
+for arguments in {calls}:
+    sys.argv = ["liepoisson", *arguments]
+    try:
+        main()
+    except SystemExit as end:
+        assert not end.code, (arguments, end.code)
+    others = [name for name in COMMANDS if name not in CALLED and f"liepoisson.cli.{{name}}" in sys.modules]
+    print("LOADED", *others, *(name for name in HEAVY if name in sys.modules))
+sys.exit()
+"""
+
+
+def loaded_by(calls, folder):
+    """The heavy modules, and the commands that were not called, that are there after each command of one process."""
+    program = "import sys\n" + CALLS.format(calls=calls, called={call[0] for call in calls})
+    done = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    return [line.split()[1:] for line in done.stdout.splitlines() if line.startswith("LOADED")]
+
+
+def test_commands_on_rational_systems_import_no_computer_algebra(tmp_path):
+    """Polynomials with rational coefficients: equations, Casimirs, leaves and surfaces are derived without SymPy."""
+    few, short = ("--starts", "2", "--crossings", "5"), ("--t-end", "5")
+    numbers = [
+        *(("orbit", name, *short) for name in ("kovalevskaya", "henon-heiles", "clebsch", "rattleback")),
+        ("section", "kovalevskaya", *few),
+        ("section", "henon-heiles", *few, "--energy", "0.1", "--surface", "x"),
+        ("lyapunov", "lagrange", "--starts", "2", *short),
+        ("orbit", "heavy-top", *short, "--set", "I=3,2,1", "--leaf", "C1=1/2", "--energy", "2", "--out", "a.csv"),
+    ]
+    figures = [
+        ("orbit", "kovalevskaya", *short, "--plot"),
+        ("section", "kovalevskaya", *few, "--figure", "a.svg"),
+        ("lyapunov", "lagrange", "--starts", "2", *short, "--figure", "b.png"),
+    ]
+    found = loaded_by([*numbers, *figures], tmp_path)
+    assert found == [[]] * len(numbers) + [["matplotlib"]] * len(figures)
+    assert {path.name for path in tmp_path.iterdir()} == {"a.csv", "kovalevskaya-orbit.png", "a.svg", "b.png"}
+
+
 CHAPTERS = [name for name in lp.__all__ if isinstance(getattr(lp, name), types.ModuleType)]
 """All but `catalog`, `errors` and `plot` are made of a stub alone."""
 

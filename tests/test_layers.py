@@ -41,7 +41,7 @@ STRANGERS = {
 """Rooms of one level that do not import each other."""
 
 LEVELS = {
-    "names and numbers": {"names", "parameters", "rounded", "values", "tensors", "styles"},
+    "names and numbers": {"names", "parameters", "rational_polynomials", "rounded", "values", "tensors", "styles"},
     "linear algebra": {"linear"},
     "polynomial systems": {"polynomials"},
     "algebras": {
@@ -53,9 +53,10 @@ LEVELS = {
         "bracket", "canonical_bracket", "constant_part", "casimirs", "certificates", "locus", "strata", "automorphisms",
         "trace", "trace_arithmetic", "trace_casimirs", "trace_words",
     },
-    "formulas": {"formula", "expression", "constructors"},
+    "formulas": {"formula", "expression", "constructors", "polynomial_formula"},
     "systems": {
         "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "overflow", "lowering",
+        "polynomial_dynamics",
         "pieces", "phase_functions", "trace_values", "system", "canonical_system", "discrete_symmetries",
         "signed_permutations",
     },

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from typing import Any, TypeAlias, cast
 
 import numpy as np
@@ -44,6 +45,8 @@ def as_array(values: ArrayLike, name: str) -> Array:
 
 def _has_masks(values: Any) -> bool:
     """Whether an entry of an array or of a list of arrays is masked: NumPy joins rows and forgets the masks."""
+    if "numpy.ma" not in sys.modules:  # which NumPy imports when it is asked for the first masked array
+        return False
     rows = cast("list[Any]", values) if isinstance(values, (list, tuple)) else [values]
     return any(isinstance(row, np.ma.MaskedArray) and np.ma.is_masked(row) for row in rows)
 

@@ -224,7 +224,7 @@ def test_control_c_while_a_class_is_made_is_one_line(monkeypatch, capsys):
         def __set_name__(self, owner, name):
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(main_module, "application", lambda: type("Made", (), {"at": Interrupted()}))
+    monkeypatch.setattr(main_module, "application", lambda _: type("Made", (), {"at": Interrupted()}))
     with pytest.raises(SystemExit) as stopped:
         main_module.main()
     assert stopped.value.code == 130
@@ -232,7 +232,7 @@ def test_control_c_while_a_class_is_made_is_one_line(monkeypatch, capsys):
 
 
 def test_errors_that_are_no_interruption_are_not_hidden(monkeypatch, capsys):
-    def application():
+    def application(_):
         raise RuntimeError("a mistake of ours") from ValueError("its cause")
 
     monkeypatch.setattr(main_module, "application", application)

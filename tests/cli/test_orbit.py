@@ -135,10 +135,15 @@ def test_netcdf_can_be_rerun_and_csv_has_all_digits(command, tmp_path):
 @pytest.mark.thorough
 def test_figures_are_written_where_it_says(command, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    _, out, _ = command("orbit", "twisted-kovalevskaya", "--plot", *SHORT)
-    names = [line.split()[1] for line in out.splitlines() if line.startswith("wrote")]
-    assert names == [f"twisted-kovalevskaya-orbit.{extension}" for extension in ("png", "svg", "pdf")]
-    assert sorted(path.name for path in tmp_path.iterdir()) == sorted(names)
+    for option, wanted in (
+        (("--plot",), ["twisted-kovalevskaya-orbit.png"]),
+        (("--figure", "all"), [f"all.{extension}" for extension in ("png", "svg", "pdf")]),
+    ):
+        _, out, _ = command("orbit", "twisted-kovalevskaya", *option, *SHORT)
+        names = [line.split()[1] for line in out.splitlines() if line.startswith("wrote")]
+        assert names == wanted
+        assert all((tmp_path / name).is_file() for name in names)
+    assert len(list(tmp_path.iterdir())) == 4
     _, out, _ = command("orbit", "lagrange", "--figure", "new/mine.svg", *SHORT)
     assert out.splitlines()[-1] == "wrote    new/mine.svg"
     assert [path.name for path in (tmp_path / "new").iterdir()] == ["mine.svg"]

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Generator
+import sys
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from liepoisson.calls import OFF
@@ -41,29 +43,38 @@ def _run() -> None:
     os.environ[OFF] = "0"  # the commands have a bar of their own
     from typer.main import get_command  # imports take most of the first second: Ctrl-C may come here
 
-    get_command(application()).main(prog_name="liepoisson")
+    get_command(application(asked_command(sys.argv[1:]))).main(prog_name="liepoisson")
 
 
-def application() -> typer.Typer:
-    """The commands, as a Typer application."""
+COMMANDS = (
+    "reproduce",
+    "inspect",
+    "integrals",
+    "integrable",
+    "families",
+    "darboux",
+    "painleve",
+    "prove",
+    "catalog",
+    "orbit",
+    "section",
+    "lyapunov",
+    "decide",
+    "equilibria",
+    "sweep",
+)
+"""In the order of the help; each is a function in the module of its name."""
+
+
+def asked_command(arguments: Sequence[str]) -> str | None:
+    """The command that is called; None where all are needed: for the help that lists them, or a name that is none."""
+    return arguments[0] if arguments and arguments[0] in COMMANDS else None
+
+
+def application(only: str | None = None) -> typer.Typer:
+    """The commands, or only one of them, as a Typer application: those that are not called are not imported."""
     import typer
     from typer.core import TyperCommand, TyperGroup
-
-    from liepoisson.cli.catalog import catalog
-    from liepoisson.cli.darboux import darboux
-    from liepoisson.cli.decide import decide
-    from liepoisson.cli.equilibria import equilibria
-    from liepoisson.cli.families import families
-    from liepoisson.cli.inspect import inspect
-    from liepoisson.cli.integrable import integrable
-    from liepoisson.cli.integrals import integrals
-    from liepoisson.cli.lyapunov import lyapunov
-    from liepoisson.cli.orbit import orbit
-    from liepoisson.cli.painleve import painleve
-    from liepoisson.cli.prove import prove
-    from liepoisson.cli.reproduce import reproduce
-    from liepoisson.cli.section import section
-    from liepoisson.cli.sweep import sweep
 
     class Command(TyperCommand):
         """A command that refuses an option given twice, of which only the last value would count."""
@@ -113,24 +124,8 @@ def application() -> typer.Typer:
         """The laboratory for Lie-Poisson dynamics."""
 
     app.callback()(options)
-    for command in (
-        reproduce,
-        inspect,
-        integrals,
-        integrable,
-        families,
-        darboux,
-        painleve,
-        prove,
-        catalog,
-        orbit,
-        section,
-        lyapunov,
-        decide,
-        equilibria,
-        sweep,
-    ):
-        app.command(cls=Command)(command)
+    for name in COMMANDS if only is None else (only,):
+        app.command(cls=Command)(getattr(import_module(f"liepoisson.cli.{name}"), name))
     return app
 
 

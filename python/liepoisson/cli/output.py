@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike
 
 OUT_HELP = "Also write the result to this file: .nc (which can be rerun) or .csv."
-PLOT_HELP = "Draw a figure, in the working folder: .png, .svg and .pdf."
+PLOT_HELP = "Draw a figure, a .png file in the working folder."
 FIGURE_HELP = "Draw the figure into this file: .png, .svg or .pdf; without an ending, all three."
 KEEP_HINT = "With --time-limit SECONDS a run ends by itself and keeps what is done by then."
 """What to try after Ctrl-C."""
@@ -56,18 +56,19 @@ def data_file(out: str | None, example: str, endings: Sequence[str] = DATA_ENDIN
 
 
 def figure_stem(plot: bool, figure: str | None, default: str) -> Path | None:
-    """What the figure is called, with an ending if only one format is wanted; None where none is wanted.
+    """What the figure is called, with an ending unless all formats are wanted; None where none is wanted.
 
     Raises:
         ParameterError: --figure names no file, or one of another kind.
         OutputError: it is a folder, or lies in one that cannot be written to.
     """
+    if figure is None and not plot:
+        return None
+    if figure is None:
+        _check_folder(path := Path(f"{default}.png"))
+        return path
     from liepoisson.plot.style import FORMATS
 
-    if figure is None and plot:
-        _check_folder(Path(default))
-    if figure is None:
-        return Path(default) if plot else None
     return checked_file(figure, "--figure", ("", *(f".{extension}" for extension in FORMATS)), f"{default}.png")
 
 
@@ -131,12 +132,12 @@ def write_figure(figure: Figure, stem: Path) -> list[Path]:
     Raises:
         OutputError: a file cannot be written.
     """
-    from liepoisson.plot.style import save_figure
+    from liepoisson.plot.style import FORMATS, save_figure
 
     written: list[Path] = []
     with TemporaryDirectory() as folder:
-        for path in save_figure(figure, Path(folder) / "figure"):
-            if stem.suffix in ("", path.suffix):
-                written.append(stem.with_suffix(path.suffix))
-                write_atomically(written[-1], path.read_bytes())
+        formats = (stem.suffix[1:],) if stem.suffix else FORMATS
+        for path in save_figure(figure, Path(folder) / "figure", formats=formats):
+            written.append(stem.with_suffix(path.suffix))
+            write_atomically(written[-1], path.read_bytes())
     return written

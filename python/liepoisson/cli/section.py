@@ -271,7 +271,7 @@ def _check_counts(starts: int | None, start: Sequence[str] | None, crossings: in
 def _check_formulas(system: System, formulas: Sequence[str]) -> None:
     """Refuse formulas that cannot be read before anything is printed or drawn at random."""
     for formula in formulas:
-        if not system.expression(formula).free_symbols:
+        if system.functions.of(formula).is_constant:
             raise ParameterError(f"a function of the state was wanted; {formula!r:.60} is constant. Try another one.")
 
 

@@ -31,10 +31,11 @@ if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
     from liepoisson.exact.automorphisms import Derivation, Scaling
-    from liepoisson.exact.casimirs import CasimirReport
+    from liepoisson.exact.casimirs import CasimirReport, KnownCasimirs
     from liepoisson.exact.certificates import JacobiCertificate, RankCertificate
     from liepoisson.exact.parameters import Exact
     from liepoisson.exact.poisson.poisson_tensor import LinearPoissonTensor
+    from liepoisson.exact.rational_polynomials import RationalPolynomial
     from liepoisson.exact.strata import Stratum
     from liepoisson.exact.trace_casimirs import TraceCasimirs
 
@@ -337,19 +338,22 @@ class Bracket:
         Raises:
             ParameterError: the degree is not a positive integer, or too large for the search.
         """
-        return list(self._known_casimirs(degree)[0])
+        return list(self._known_casimirs(degree).expressions)
+
+    def rational_casimirs(self) -> tuple[RationalPolynomial, ...] | None:
+        """The same for all degrees without SymPy; None if a coefficient is no rational number, and for traces."""
+        return self._known_casimirs(None).polynomials
 
     @property
     def n_unknown_casimirs(self) -> int:
         """How many independent Casimirs are missing in `casimirs()`: 0 if every one is a function of them."""
-        return self.corank() - self._known_casimirs(None)[1]
+        return self.corank() - self._known_casimirs(None).independent
 
-    def _known_casimirs(self, degree: int | None) -> tuple[tuple[Expr, ...], int]:
+    def _known_casimirs(self, degree: int | None) -> KnownCasimirs:
         if degree not in self._casimirs:
-            from liepoisson.exact.casimirs import generators_and_number
+            from liepoisson.exact.casimirs import KnownCasimirs
 
-            generators, n_independent = generators_and_number(self, degree)
-            self._casimirs[degree] = tuple(generators), n_independent
+            self._casimirs[degree] = KnownCasimirs.of(self, degree)
         return self._casimirs[degree]
 
     @cached_property
@@ -459,7 +463,7 @@ class Bracket:
         return PoissonMatrix(self.variables, self._terms, self.constant)
 
     @cached_property
-    def _casimirs(self) -> dict[int | None, tuple[tuple[Expr, ...], int]]:
+    def _casimirs(self) -> dict[int | None, KnownCasimirs]:
         return {}
 
     def _gradient(self, f: Expr) -> list[Expr]:

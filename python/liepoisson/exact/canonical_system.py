@@ -153,6 +153,11 @@ class CanonicalSystem(System):
         return self._function(given if isinstance(given, str) else self.symbolic_hamiltonian)
 
     @cached_property
+    def polynomial_hamiltonian(self) -> None:
+        """None: quadratures, which belong to no bracket, are read by SymPy."""
+        return
+
+    @cached_property
     def equations(self) -> dict[Symbol, Expr]:
         """The right-hand sides of the equations of motion, in the order of the state; not expanded."""
         H: Any = self.hamiltonian

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import count, zip_longest
 from numbers import Integral
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -34,6 +35,7 @@ from liepoisson.exact.poisson.leading_monomials import leading, place
 from liepoisson.exact.poisson.poisson_tensor import CONSTANT
 from liepoisson.exact.poisson.polynomials import Polynomial, expression_of
 from liepoisson.exact.poisson.takiff import leibniz_strength, lifted
+from liepoisson.exact.rational_polynomials import RationalPolynomial
 from liepoisson.exact.trace_casimirs import TraceCasimirs, replaces_search
 
 if TYPE_CHECKING:
@@ -120,15 +122,43 @@ class _Found:
 
 def casimir_generators(bracket: Bracket, degree: int | None = None) -> list[Expr]:
     """Generators of the Casimirs, without examining special values of the parameters; see `CasimirReport`."""
-    return generators_and_number(bracket, degree)[0]
+    return list(KnownCasimirs.of(bracket, degree).expressions)
 
 
-def generators_and_number(bracket: Bracket, degree: int | None) -> tuple[list[Expr], int]:
-    """The generators, and how many of them are functionally independent (proved to be so many)."""
-    found = _traces_or_found(bracket, degree)
-    if isinstance(found, TraceCasimirs):
-        return list(found.generators), found.independent
-    return _expressions(bracket, found), found.independent
+@dataclass(frozen=True)
+class KnownCasimirs:
+    """The generators that a search finds, as expressions and, where they are such, as rational polynomials.
+
+    Attributes:
+        bracket: The bracket.
+        found: What was found.
+        independent: How many generators are functionally independent (proved to be so many).
+    """
+
+    bracket: Bracket
+    found: _Found | TraceCasimirs
+    independent: int
+
+    @classmethod
+    def of(cls, bracket: Bracket, degree: int | None) -> KnownCasimirs:
+        """The generators up to a degree, or as far as is needed."""
+        found = _traces_or_found(bracket, degree)
+        return cls(bracket, found, found.independent)
+
+    @cached_property
+    def expressions(self) -> tuple[Expr, ...]:
+        """The generators as SymPy expressions."""
+        found = self.found
+        return found.generators if isinstance(found, TraceCasimirs) else tuple(_expressions(self.bracket, found))
+
+    @cached_property
+    def polynomials(self) -> tuple[RationalPolynomial, ...] | None:
+        """The same without SymPy; None for traces, and where a coefficient is no rational number."""
+        if isinstance(self.found, TraceCasimirs) or not self.bracket.tensor.field.is_rational:
+            return None
+        write = self.bracket.tensor.field.write
+        rational: Any = [{m: write(c) for m, c in polynomial.items()} for _, polynomial in self.found.generators]
+        return tuple(map(RationalPolynomial.of, rational))
 
 
 def shortage(bracket: Bracket) -> str:
@@ -317,12 +347,12 @@ def _lift(bracket: Bracket, pivots: set[Any] | None = None) -> _Found | None:
     base = bracket.algebra @ leibniz(1)
     of_base = CasimirSearch(base.tensor, with_pivots=pivots is not None and bool(base.tensor.field.parameters))
     found = _search(of_base, None, _corank(base.tensor))
-    to_field = base.tensor.field.to_sympy
+    exactly = base.tensor.field.write
     if pivots is not None:
-        pivots |= {field.read(to_field(pivot)) for pivot in of_base.pivots}
+        pivots |= {field.read(exactly(pivot)) for pivot in of_base.pivots}
     generators: list[tuple[int, Polynomial]] = []
     for d, polynomial in found.generators:
-        here = {m: field.read(to_field(c)) for m, c in polynomial.items()}
+        here = {m: field.read(exactly(c)) for m, c in polynomial.items()}
         generators += [(d, casimir) for casimir in lifted(here, bracket.algebra.dimension, n, field.read(strength))]
     generators.sort(key=lambda generator: (generator[0], place(leading(generator[1], base.dimension), base.dimension)))
     search = CasimirSearch(bracket.tensor)

@@ -47,7 +47,7 @@ from liepoisson.exact.parameters import Exact, symbols_of, to_sympy
 from liepoisson.exact.values import component_name
 
 if TYPE_CHECKING:
-    from sympy import Expr, Symbol
+    from sympy import Expr
 
 _NOT_SMOOTH = {
     "abs", "fabs", "sign", "sgn", "min", "max", "floor", "ceil", "ceiling", "round", "trunc", "int", "frac", "fract",
@@ -167,21 +167,28 @@ def _read(tree: Node, text: str, scope: Scope, *, insert_values: bool) -> Expr:
 
 
 def _evaluated(tree: Node, text: str, scope: Scope, *, insert_values: bool) -> Exact:
-    reader = _Reader(text, scope, insert_values=insert_values)
+    reader = Reader(text, scope, insert_values=insert_values)
     try:
         return reader.read(tree)
     except RecursionError:  # SymPy calls itself for each level of nesting, and so may the caller have done
         raise ExpressionError("the formula is nested too deeply. Simplify it", text, tree.position) from None
 
 
-class _Reader:
-    """Turns a tree into a value, from the leaves up."""
+class Reader:
+    """Turns a tree into a value, from the leaves up.
 
-    def __init__(self, text: str, scope: Scope, *, insert_values: bool) -> None:
+    Args:
+        text: The formula, for messages.
+        scope: The names that it may use.
+        insert_values: Whether parameters are read as their values, and not as symbols.
+        scalars: The arithmetic; by default that of Fractions and SymPy expressions.
+    """
+
+    def __init__(self, text: str, scope: Scope, *, insert_values: bool, scalars: Arithmetic | None = None) -> None:
         self.text = text
         self.scope = scope
         self.insert_values = insert_values
-        self.scalars = Arithmetic()
+        self.scalars = Arithmetic() if scalars is None else scalars
         self.tensors = TensorArithmetic(self.scalars)
         self.rules: dict[type[Node], Callable[[Any, Sequence[Value]], Value]] = {
             Number: lambda node, _: node.value,
@@ -195,6 +202,7 @@ class _Reader:
         }
 
     def read(self, tree: Node) -> Exact:
+        """The scalar that a tree stands for."""
         waiting, values = [(tree, False)], list[Value]()  # a stack of our own: long formulas must not fill Python's
         while waiting:
             node, children_are_read = waiting.pop()
@@ -217,23 +225,35 @@ class _Reader:
             raise self.error(str(refusal), node.position) from None
 
     def negative(self, _node: Negative, parts: Sequence[Value]) -> Value:
+        """The opposite of a value."""
         return self.tensors.times(Fraction(-1), parts[0])
 
     def named(self, node: Name, _parts: Sequence[Value] = ()) -> Value:
+        """What a name stands for."""
         name = node.name
         if name in self.scope.fields:
-            return Vector(tuple(_symbol(f"{name}{component}") for component in self.scope.fields[name]))
+            return Vector(tuple(self.symbol(f"{name}{component}") for component in self.scope.fields[name]))
         if name in self.scope.shapes:
             return self.parameter(name)
         if name in self.scope.components:
             owner, index = self.scope.components[name]
             whole = self.scope.values.get(owner) if self.insert_values else None
-            return _symbol(name) if whole is None else _entry(whole, index)
+            return self.symbol(name) if whole is None else _entry(whole, index)
         if name in CONSTANTS:
-            from sympy import pi
-
-            return pi
+            return self.circle_number()
         raise self.error(_unknown_name(name, self.scope), node.position)
+
+    def symbol(self, name: str) -> Exact:
+        """What stands for a coordinate or a symbol."""
+        from sympy import Symbol
+
+        return Symbol(name)
+
+    def circle_number(self) -> Exact:
+        """The number pi."""
+        from sympy import pi
+
+        return pi
 
     def parameter(self, name: str) -> Value:
         """A parameter by its value, or by symbols."""
@@ -241,7 +261,7 @@ class _Reader:
         value = self.scope.values.get(name) if self.insert_values else None
 
         def entry(*index: int) -> Exact:
-            return _symbol(component_name(name, index, shape)) if value is None else _entry(value, index)
+            return self.symbol(component_name(name, index, shape)) if value is None else _entry(value, index)
 
         if not shape:
             return entry()
@@ -251,6 +271,7 @@ class _Reader:
         return Matrix(tuple(tuple(entry(i, j) for j in range(1, columns + 1)) for i in range(1, rows + 1)))
 
     def sum(self, node: Sum, terms: Sequence[Value]) -> Value:
+        """A sum or difference of values of one shape."""
         for term, position in zip(terms, node.positions, strict=True):
             if kind_of(term) != kind_of(terms[0]):
                 message = f"terms of a sum must have one shape; got {kind_of(terms[0])} and {kind_of(term)}"
@@ -261,6 +282,7 @@ class _Reader:
         return self.tensors.sum(signed)
 
     def product(self, node: Product, factors: Sequence[Value]) -> Value:
+        """A product of scalars and tensors, and quotients by scalars."""
         scalars: list[Exact] = []
         tensor: Vector | Matrix | None = None
         for factor, operator, position in zip(factors, node.operators, node.positions, strict=True):
@@ -277,6 +299,7 @@ class _Reader:
         return scalar if tensor is None else self.tensors.times(scalar, tensor)
 
     def power(self, node: Power, parts: Sequence[Value]) -> Value:
+        """A power of a scalar."""
         base, exponent = parts
         if isinstance(base, (Vector, Matrix)) or isinstance(exponent, (Vector, Matrix)):
             kind = kind_of(base if isinstance(base, (Vector, Matrix)) else exponent)
@@ -288,6 +311,7 @@ class _Reader:
         return self.scalars.power(base, exponent)
 
     def component(self, node: Component, parts: Sequence[Value]) -> Value:
+        """A component of a vector or a matrix."""
         whole = parts[0]
         shape = shape_of(whole)
         if len(shape) != len(node.indices):
@@ -300,6 +324,7 @@ class _Reader:
         return _entry(_entries(whole), node.indices)
 
     def call(self, node: Call, arguments: Sequence[Value]) -> Value:
+        """A function of its arguments."""
         name = node.function
         if name in MATRIX_FUNCTIONS:
             return self.tensors.apply(name, arguments)
@@ -311,13 +336,8 @@ class _Reader:
         return self.scalars.apply(name, arguments[0])
 
     def error(self, message: str, position: int) -> ExpressionError:
+        """An error at a position of the text; to be raised."""
         return ExpressionError(message, self.text, position)
-
-
-def _symbol(name: str) -> Symbol:
-    from sympy import Symbol
-
-    return Symbol(name)
 
 
 def _entry(values: object, index: tuple[int, ...]) -> Exact:

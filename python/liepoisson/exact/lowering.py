@@ -20,6 +20,7 @@ from liepoisson.errors import ParameterError, UnsupportedFieldError
 from liepoisson.exact.cancellation import MOST_TERMS, MinorProduct, n_terms, regrouped
 from liepoisson.exact.overflow import without_overflow
 from liepoisson.exact.parameters import as_coefficient
+from liepoisson.exact.polynomial_dynamics import of_degree_two
 from liepoisson.exact.private_symbols import in_private_symbols, name_of_function
 from liepoisson.exact.rounded import ONE, ZERO, Rounded, rational, rounded
 from liepoisson.field import Instruction, QuadraticField, TapeField, TapeFunction
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
     from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.rational_polynomials import RationalPolynomial
 
 Polynomial: TypeAlias = "dict[tuple[int, ...], Fraction]"
 """Coefficients by monomial; a monomial is the sorted tuple of the indices of its factors."""
@@ -52,6 +54,53 @@ def lower(bracket: Bracket, hamiltonian: Expr) -> QuadraticField | TapeField:
         if all(_is_of_degree_two(rate, bracket.variables) for rate in rates):
             return quadratic_of_equations(bracket.variables, rates)
     return tape_of_bracket(bracket, hamiltonian)
+
+
+def lower_polynomial(
+    bracket: Bracket, hamiltonian: RationalPolynomial, rates: Sequence[RationalPolynomial]
+) -> QuadraticField | None:
+    """The same for a polynomial Hamiltonian, without SymPy; None where the field is no quadratic one.
+
+    Args:
+        bracket: A bracket with rational numbers.
+        hamiltonian: The Hamiltonian.
+        rates: The equations of motion.
+
+    Raises:
+        ParameterError: a coefficient does not fit into a double.
+    """
+    energy = of_degree_two(hamiltonian)
+    if energy is not None:
+        return _quadratic_field(bracket, energy)
+    if bracket.entries():
+        return None
+    terms: list[tuple[int, tuple[int, ...], Rounded]] = []
+    for i, rate in enumerate(rates):
+        polynomial = of_degree_two(rate)
+        if polynomial is None:
+            return None
+        terms += [(i, monomial, value) for monomial, value in polynomial.items()]
+    return _field_of_terms(bracket.dimension, terms)
+
+
+def tape_of_polynomials(n_components: int, polynomials: Sequence[RationalPolynomial]) -> TapeFunction:
+    """Polynomials in the coordinates as one tape, expanded."""
+    writer = _TapeWriter(())
+    writer.start_after(n_components)
+    outputs: list[int] = []
+    for polynomial in polynomials:
+        terms: list[tuple[int, Rounded]] = []
+        constant = ZERO
+        for monomial, value in polynomial.expanded.items():
+            if not monomial:
+                constant += rounded(value)
+                continue
+            register = monomial[0]
+            for factor in monomial[1:]:
+                register = writer.product(register, factor)
+            terms.append((register, rounded(value)))
+        outputs.append(writer.linear(terms, constant))
+    return TapeFunction(*writer.parts(outputs))
 
 
 def _is_of_degree_two(expression: Any, variables: Sequence[Symbol]) -> bool:
@@ -283,6 +332,10 @@ class _TapeWriter:
         self._n = len(variables)
         self._registers: dict[Expr, int] = {variable: i for i, variable in enumerate(variables)}
         self._written: dict[Instruction, int] = {}
+
+    def start_after(self, n_components: int) -> None:
+        """Let registers 0 to n - 1 be coordinates that have no symbols."""
+        self._n = n_components
 
     def parts(self, outputs: Iterable[int]) -> tuple[int, tuple[Instruction, ...], tuple[int, ...]]:
         """What a tape is made of: number of components, instructions, outputs."""

@@ -6,8 +6,8 @@ The expressions are the exact ones of a system, compiled to NumPy when they are 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from functools import cached_property
+from collections.abc import Callable, Sequence
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
@@ -17,10 +17,13 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.private_symbols import evaluated
+from liepoisson.exact.rational_polynomials import expression_of, values_of
 
 if TYPE_CHECKING:
-    from sympy import Expr
+    from sympy import Expr, Symbol
 
+    from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.rational_polynomials import RationalPolynomial
     from liepoisson.exact.system import System
     from liepoisson.exact.trace_values import TraceSum
 
@@ -42,28 +45,71 @@ class PhaseFunction:
         if free:
             names = ", ".join(sorted(map(str, free)))
             raise ParameterError(f"{system.name} must have numbers for all parameters; {names} has none. Give values.")
-        self.expression: Expr = expression
-        self._variables = system.variables
+        self._polynomial: RationalPolynomial | None = None
+        self._given: Callable[[], Expr] = lambda: expression
+        self._n = len(system.component_names)
+        self._system = system
         self._fields = system.parts_of_state
+
+    @classmethod
+    def of_polynomial(
+        cls, system: System, polynomial: RationalPolynomial, expression: Callable[[], Expr]
+    ) -> PhaseFunction:
+        """A polynomial, which needs no compilation, and what makes the expression that is the same."""
+        function = cls.__new__(cls)
+        function._polynomial, function._given = polynomial, expression
+        function._n, function._fields, function._system = len(system.component_names), system.parts_of_state, system
+        return function
+
+    @cached_property
+    def expression(self) -> Expr:
+        """The function as a SymPy expression."""
+        return self._given()
+
+    @property
+    def polynomial(self) -> RationalPolynomial | None:
+        """The function as a polynomial that was read without SymPy; None if it was not."""
+        return self._polynomial
+
+    @property
+    def n_coordinates(self) -> int:
+        """Number of components of a state."""
+        return self._n
+
+    @property
+    def is_constant(self) -> bool:
+        """Whether no coordinate occurs in it."""
+        return not (self.expression.free_symbols if self.polynomial is None else self.polynomial.coordinates)
+
+    @property
+    def variables(self) -> tuple[Symbol, ...]:
+        """The coordinates, as SymPy symbols."""
+        return self._system.variables
 
     def __call__(self, states: ArrayLike) -> Array:
         """Values, shape (...), at states of shape (..., N)."""
+        if self._polynomial is not None:
+            return values_of([self._polynomial], self._states(states))[..., 0]
         if self._traces is not None:
             return self._traces.value(self._states(states))
         return self._evaluate((self.expression,), states, ())
 
     def gradient(self, states: ArrayLike) -> Array:
         r"""Gradients $\partial f/\partial x_i$, shape (..., N)."""
+        if self._polynomial is not None:
+            return values_of(self._slopes, self._states(states))
         if self._traces is not None:
             return self._traces.gradient(self._states(states))
-        return self._evaluate(self._gradient, states, (len(self._variables),))
+        return self._evaluate(self._gradient, states, (self._n,))
 
     def hessian(self, states: ArrayLike) -> Array:
         r"""Second derivatives $\partial^2 f/\partial x_i\partial x_j$, shape (..., N, N)."""
+        if self._polynomial is not None:
+            x = self._states(states)
+            return values_of(self._curvatures, x).reshape(*x.shape[:-1], self._n, self._n)
         if self._traces is not None:
             return self._traces.hessian(self._states(states))
-        n = len(self._variables)
-        return self._evaluate(self._hessian, states, (n, n))
+        return self._evaluate(self._hessian, states, (self._n, self._n))
 
     def exact_gradient(self, state: Array, digits: int) -> NDArray[np.object_]:
         r"""The first derivatives at one state, shape (N,), as SymPy's numbers of so many digits.
@@ -79,30 +125,41 @@ class PhaseFunction:
     @property
     def is_polynomial(self) -> bool:
         """Whether the function is a polynomial in the coordinates."""
-        return self._traces is not None or bool(self.expression.is_polynomial(*self._variables))
+        if self._polynomial is not None or self._traces is not None:
+            return True
+        return bool(self.expression.is_polynomial(*self._variables))
 
     @cached_property
     def _traces(self) -> TraceSum | None:
         """The function as a sum of traces, which need no compilation; None if it is none."""
         from liepoisson.exact.trace_values import TraceSum
 
-        return TraceSum.of(self.expression, self._variables)
+        return TraceSum.of(self.expression, self.variables)
+
+    @cached_property
+    def _slopes(self) -> tuple[RationalPolynomial, ...]:
+        assert self._polynomial is not None
+        return tuple(self._polynomial.derivative(k) for k in range(self._n))
+
+    @cached_property
+    def _curvatures(self) -> tuple[RationalPolynomial, ...]:
+        return tuple(slope.derivative(k) for slope in self._slopes for k in range(self._n))
 
     @cached_property
     def _gradient(self) -> tuple[Expr, ...]:
-        return tuple(self.expression.diff(v) for v in self._variables)
+        return tuple(self.expression.diff(v) for v in self.variables)
 
     @cached_property
     def _hessian(self) -> tuple[Expr, ...]:
-        return tuple(slope.diff(v) for slope in self._gradient for v in self._variables)
+        return tuple(slope.diff(v) for slope in self._gradient for v in self.variables)
 
     def _evaluate(self, expressions: tuple[Expr, ...], x: ArrayLike, shape: tuple[int, ...]) -> Array:
         states = self._states(x)
-        values = evaluated(self._variables, expressions, states)
+        values = evaluated(self.variables, expressions, states)
         return values.reshape(states.shape[:-1] + shape)
 
     def _states(self, x: ArrayLike) -> Array:
-        return as_phase_points(x, len(self._variables), self._fields)
+        return as_phase_points(x, self._n, self._fields)
 
     def __repr__(self) -> str:
         return f"<PhaseFunction {self.expression}>"
@@ -122,12 +179,22 @@ class PhaseFunctions:
     @cached_property
     def energy(self) -> PhaseFunction:
         """The Hamiltonian."""
-        return self.of(self._system.hamiltonian)
+        system, polynomial = self._system, self._system.polynomial_hamiltonian
+        if polynomial is not None:
+            return self.of_polynomial(polynomial, lambda: system.hamiltonian)
+        return self.of(system.hamiltonian)
 
     @cached_property
     def casimirs(self) -> dict[str, PhaseFunction]:
         """The Casimirs of the open stratum by name, C1, C2, ..."""
-        return {f"C{k}": self.of(casimir) for k, casimir in enumerate(self._system.bracket.casimirs(), start=1)}
+        bracket = self._system.bracket
+        polynomials = None if self._system.polynomial_hamiltonian is None else bracket.rational_casimirs()
+        if polynomials is None:
+            return {f"C{k}": self.of(casimir) for k, casimir in enumerate(bracket.casimirs(), start=1)}
+        return {
+            f"C{k + 1}": self.of_polynomial(polynomial, partial(_casimir, bracket, k))
+            for k, polynomial in enumerate(polynomials)
+        }
 
     def of(self, function: str | Expr | PhaseFunction) -> PhaseFunction:
         """Any function on phase space: a text, a SymPy expression or a PhaseFunction, as `System.expression` takes it.
@@ -136,10 +203,25 @@ class PhaseFunctions:
             ExpressionError: the text is not in the grammar, or a name in it is not known.
             ParameterError: the function is none of these, or a parameter in it has no number.
         """
+        if isinstance(function, PhaseFunction) and function.polynomial is not None:
+            return self.of_polynomial(function.polynomial, lambda: function.expression)
+        polynomial = self._system.polynomial(function)
+        if polynomial is not None:
+            return self.of_polynomial(polynomial, lambda: self._system.expression(function))
         expression = self._system.expression(function)
         known = self._known.get(expression)
         if known is None:
             known = self._known[expression] = PhaseFunction(self._system, expression)
+        return known
+
+    def of_polynomial(
+        self, polynomial: RationalPolynomial, expression: Callable[[], Expr] | None = None
+    ) -> PhaseFunction:
+        """A polynomial in the coordinates; `expression` makes the same as an expression, if there is one already."""
+        known = self._known.get(polynomial)
+        if known is None:
+            expression = expression or (lambda: expression_of(polynomial, self._system.variables))
+            known = self._known[polynomial] = PhaseFunction.of_polynomial(self._system, polynomial, expression)
         return known
 
     def poisson_tensor(self, states: ArrayLike) -> Array:
@@ -174,6 +256,10 @@ class PhaseFunctions:
     @cached_property
     def _jacobian(self) -> tuple[Expr, ...]:
         return tuple(cast("Any", self._system.jacobian).flat())
+
+
+def _casimir(bracket: Bracket, number: int) -> Expr:
+    return bracket.casimirs()[number]
 
 
 def as_phase_points(given: ArrayLike, n: int, fields: Sequence[str], name: str = "states") -> Array:

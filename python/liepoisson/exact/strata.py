@@ -8,10 +8,11 @@ outside of this set.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
 from itertools import combinations, product
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from liepoisson.calls import explains_its_methods
 from liepoisson.exact.casimirs import quotient_casimirs
@@ -31,6 +32,9 @@ if TYPE_CHECKING:
     from liepoisson.exact.poisson.polynomials import Polynomial
 
 
+_Functions: TypeAlias = "Callable[[], Sequence[Expr]]"
+
+
 @explains_its_methods
 @dataclass(frozen=True)
 class Stratum:
@@ -39,7 +43,7 @@ class Stratum:
     Attributes:
         locus: The fields that vanish there, that do not, that are parallel.
         rank: The rank of the Poisson tensor, the dimension of the leaves.
-        casimirs: Functions that are constant on the leaves in this set.
+        functions: Makes `casimirs`.
         certificate: What was computed.
         proved: Whether the rank is this one everywhere in the set.
         complete: Whether the functions are as many as cut out the leaves (not decided for parallel fields: True).
@@ -47,10 +51,21 @@ class Stratum:
 
     locus: Locus
     rank: int
-    casimirs: tuple[Expr, ...]
+    functions: Callable[[], Sequence[Expr]] = field(repr=False, compare=False)
     certificate: str
     proved: bool
     complete: bool = True
+
+    @cached_property
+    def casimirs(self) -> tuple[Expr, ...]:
+        """Functions that are constant on the leaves in this set."""
+        return tuple(self.functions())
+
+    def __repr__(self) -> str:
+        known = f"casimirs={self.casimirs}, certificate={self.certificate!r}"
+        return (
+            f"Stratum(locus={self.locus!r}, rank={self.rank}, {known}, proved={self.proved}, complete={self.complete})"
+        )
 
     @property
     def condition(self) -> str:
@@ -88,7 +103,7 @@ def strata(bracket: Bracket) -> list[Stratum]:
 
 def _with_constant_part(bracket: Bracket) -> Stratum:
     """The generic stratum, "everywhere" if J is constant or 1 is a combination of its Pfaffians."""
-    tensor, casimirs = bracket.tensor, tuple(bracket.casimirs())
+    tensor, casimirs = bracket.tensor, bracket.casimirs
     rank, n = tensor.rank_at_a_point, bracket.dimension
     known = n - rank - bracket.n_unknown_casimirs
     bound = min(n - known, n - n % 2)
@@ -140,7 +155,7 @@ class _Stratification:
             yield from self.below(tuple(f for f in fields if f not in lost), seen)
 
     def _open(
-        self, fields: tuple[int, ...], rank: int, bound: int, drop: _Drop | None, casimirs: tuple[Expr, ...]
+        self, fields: tuple[int, ...], rank: int, bound: int, drop: _Drop | None, casimirs: _Functions
     ) -> Stratum:
         text = f"rank {rank} at one point, at most {bound} by parity and independent Casimirs"
         zero = self._vanishing(fields)
@@ -237,16 +252,19 @@ class _Stratification:
         start = fields.index(field) * self.size
         return tuple(range(start, start + self.size))
 
-    def _casimirs(self, fields: tuple[int, ...]) -> tuple[Expr, ...]:
-        return tuple(self.bracket.variables[i] for i in self._coordinates(fields))
+    def _casimirs(self, fields: tuple[int, ...]) -> _Functions:
+        one = self.bracket.tensor.field.one
+        return partial(_expressions, self.bracket, [{(i,): one} for i in self._coordinates(fields)])
 
-    def _embedded(self, polynomials: Sequence[Polynomial], fields: tuple[int, ...]) -> tuple[Expr, ...]:
+    def _embedded(self, polynomials: Sequence[Polynomial], fields: tuple[int, ...]) -> _Functions:
         place = self._coordinates(fields)
         moved: list[dict[Any, Any]] = [{tuple(place[i] for i in m): c for m, c in p.items()} for p in polynomials]
-        return tuple(
-            expression_of(polynomial, self.bracket.variables, self.bracket.tensor.field) for polynomial in moved
-        )
+        return partial(_expressions, self.bracket, moved)
 
     def _vanishing(self, fields: tuple[int, ...]) -> tuple[str, ...]:
         """The fields that are not listed, the last one first: the order in which they were lost."""
         return tuple(name for k, name in reversed(list(enumerate(self.names))) if k not in fields)
+
+
+def _expressions(bracket: Bracket, polynomials: Sequence[Polynomial]) -> tuple[Expr, ...]:
+    return tuple(expression_of(polynomial, bracket.variables, bracket.tensor.field) for polynomial in polynomials)

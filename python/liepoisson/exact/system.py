@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
@@ -29,6 +30,7 @@ from liepoisson.exact.hamiltonian import (
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
+from liepoisson.exact.rational_polynomials import TooLargeError, values_of
 from liepoisson.exact.values import GivenValue, Value, flattened, read_values
 from liepoisson.field import Field, PiecesField, TapeFunction
 from liepoisson.wrong_values import not_a, shown
@@ -36,7 +38,9 @@ from liepoisson.wrong_values import not_a, shown
 if TYPE_CHECKING:
     from sympy import Expr, Matrix, Symbol
 
+    from liepoisson.exact.formula.scope import Scope
     from liepoisson.exact.phase_functions import PhaseFunction, PhaseFunctions
+    from liepoisson.exact.rational_polynomials import RationalPolynomial
     from liepoisson.exact.top_parameters import TopParameters
 
 _NAME = re.compile(r"[A-Za-z_]\w*")
@@ -135,7 +139,8 @@ class System:
         self.name: str = default if name is None else check_title(name, "the name of a system")
         self.source: str | None = source if source is None else _check_source(source)
         if isinstance(hamiltonian, str):
-            _ = self.hamiltonian  # a text is checked at once, so that its errors come where it is written
+            # A text is checked at once, so that its errors come where it is written.
+            _ = self.polynomial_hamiltonian or self.hamiltonian
 
     @property
     def variables(self) -> tuple[Symbol, ...]:
@@ -201,6 +206,87 @@ class System:
         energy = self._with_parameters(self.symbolic_hamiltonian)
         check_real(energy)
         return energy
+
+    @cached_property
+    def polynomial_hamiltonian(self) -> RationalPolynomial | None:
+        """The Hamiltonian as a polynomial with rational coefficients, read without SymPy.
+
+        None where it was not given as the text of one, and where the bracket or a parameter is not rational.
+        """
+        given = self._given_hamiltonian
+        if not isinstance(given, str) or self._given_symbols or not self._is_rational:
+            return None
+        polynomial = self._polynomial(given)
+        return polynomial if polynomial is not None and self._all_occur(given, polynomial) else None
+
+    @cached_property
+    def polynomial_rates(self) -> tuple[RationalPolynomial, ...] | None:
+        """The equations of motion of such a Hamiltonian, derived from the bracket without SymPy; None for others."""
+        polynomial = self.polynomial_hamiltonian
+        if polynomial is None:
+            return None
+        from liepoisson.exact.polynomial_dynamics import rates_of
+
+        try:
+            return rates_of(self.bracket, polynomial)
+        except TooLargeError:
+            return None
+
+    @cached_property
+    def polynomial_invariants(self) -> dict[str, RationalPolynomial] | None:
+        """The `invariants` of such a Hamiltonian without SymPy; None where one of them is no rational polynomial."""
+        from liepoisson.exact.polynomial_dynamics import bracket_with
+
+        rates, casimirs = self.polynomial_rates, self.bracket.rational_casimirs() if self._is_rational else None
+        if rates is None or casimirs is None or self.polynomial_hamiltonian is None or self.top_parameters is not None:
+            return None
+        found = {"H": self.polynomial_hamiltonian, **{f"C{k}": casimir for k, casimir in enumerate(casimirs, start=1)}}
+        for name, given in self._given_integrals.items():
+            integral = self._polynomial(given) if isinstance(given, str) else None
+            try:
+                if integral is None or bracket_with(rates, integral):
+                    return None
+            except TooLargeError:
+                return None
+            found.setdefault(name, integral)
+        return found
+
+    def polynomial(self, function: str | Expr | PhaseFunction) -> RationalPolynomial | None:
+        """What `expression` returns, as a rational polynomial and without SymPy; None if it is not the text of one."""
+        if not isinstance(function, str) or self.polynomial_hamiltonian is None:
+            return None
+        name = function.strip()
+        if RESERVED_NAME.fullmatch(name) or name in self._given_integrals:
+            return None  # may be the name of an invariant
+        return self._polynomial(function)
+
+    @cached_property
+    def _is_rational(self) -> bool:
+        """Whether the bracket and all parameters are rational numbers."""
+        from liepoisson.exact.polynomial_dynamics import is_rational
+
+        return all(isinstance(value, Fraction) for value in self.parameters.values()) and is_rational(self.bracket)
+
+    @cached_property
+    def _names_in_formulas(self) -> Scope:
+        from liepoisson.exact.formula.scope import Scope
+
+        return Scope.of_bracket(self.symbolic_bracket, self.values, self._given_symbols)
+
+    def _polynomial(self, text: str) -> RationalPolynomial | None:
+        from liepoisson.exact.polynomial_formula import read_polynomial
+
+        return read_polynomial(text, self._names_in_formulas, self.bracket.coordinate_names_in_order)
+
+    def _all_occur(self, text: str, polynomial: RationalPolynomial) -> bool:
+        """Whether every parameter is seen to occur in the bracket or in the Hamiltonian."""
+        from liepoisson.exact.polynomial_formula import occurring
+
+        names = occurring(text, self._names_in_formulas, self.bracket.coordinate_names_in_order, polynomial)
+        return names is not None and all(
+            name in names or self.symbolic_bracket.symbols & set(flattened({name: value}))
+            for name, value in self.values.items()
+        )
 
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:
@@ -278,6 +364,16 @@ class System:
 
         return is_zero(abbreviated(self.derivative(function))[0])
 
+    def is_casimir(self, function: str | Expr | PhaseFunction) -> bool:
+        r"""Whether $\{f, x_j\} = 0$ for all coordinates, as for a number and a Casimir."""
+        polynomial = self.polynomial(function)
+        if polynomial is not None:
+            from liepoisson.exact.polynomial_dynamics import rates_of
+
+            return not any(rates_of(self.bracket, polynomial))
+        f = self.expression(function)
+        return all(self.bracket(f, component) == 0 for component in self.variables)
+
     @cached_property
     def top_parameters(self) -> TopParameters | None:
         """The exact parameters of the top with these equations, or None if there is no such top."""
@@ -301,8 +397,12 @@ class System:
 
     @cached_property
     def _general_field(self) -> Field:
-        from liepoisson.exact.lowering import lower
+        from liepoisson.exact.lowering import lower, lower_polynomial
 
+        if self.polynomial_hamiltonian is not None and self.polynomial_rates is not None:
+            field = lower_polynomial(self.bracket, self.polynomial_hamiltonian, self.polynomial_rates)
+            if field is not None:
+                return field
         return lower(self.bracket, self.hamiltonian)
 
     def pieces(self) -> PiecesField:
@@ -329,6 +429,8 @@ class System:
             ShapeError: the last axis of `states` is not N.
             ParameterError: a parameter is symbolic.
         """
+        if self.polynomial_rates is not None:
+            return values_of(self.polynomial_rates, self._states(states))
         return np.stack(self._evaluate(list(self.equations.values()), states), axis=-1)
 
     def right_hand_side(self, time: float, state: ArrayLike) -> NDArray[np.float64]:
@@ -353,6 +455,9 @@ class System:
             ShapeError: the last axis of `states` is not N.
             ParameterError: a parameter is symbolic.
         """
+        if (known := self.polynomial_invariants) is not None:
+            values = values_of(known.values(), self._states(states))
+            return {name: values[..., k].copy() for k, name in enumerate(known)}
         return dict(zip(self.invariants, self._evaluate(list(self.invariants.values()), states), strict=True))
 
     @cached_property
@@ -447,8 +552,12 @@ class System:
             UnsupportedFieldError: a function is not smooth.
             ParameterError: a parameter is symbolic.
         """
-        from liepoisson.exact.lowering import tape_of_functions
+        from liepoisson.exact.lowering import tape_of_functions, tape_of_polynomials
 
+        polynomials = [self.polynomial(function) for function in functions]
+        found = [polynomial for polynomial in polynomials if polynomial is not None]
+        if len(found) == len(polynomials):
+            return tape_of_polynomials(len(self.component_names), found)
         return tape_of_functions(self.variables, [self._function(function) for function in functions])
 
     def __getstate__(self) -> dict[str, Any]:
@@ -471,19 +580,25 @@ class System:
         return f"<System {self.name!r} on {self.bracket!r}>"
 
     def _recognise_top(self) -> TopParameters | None:
+        if self.bracket.dimension != 9 or self.bracket.constant:
+            return None
         from liepoisson.exact.formula.arithmetic import expanded_terms
         from liepoisson.exact.top_parameters import MOST_TERMS, match_top
 
         # The equations are expanded to be compared, which for a high power of a sum would take minutes.
-        if self.bracket.dimension != 9 or self.bracket.constant or expanded_terms(self.hamiltonian) > MOST_TERMS:
+        if expanded_terms(self.hamiltonian) > MOST_TERMS:
             return None
         return match_top(self.bracket, self.equations)
 
-    def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
+    def _states(self, x: ArrayLike) -> NDArray[np.float64]:
         from liepoisson.exact.phase_functions import as_phase_points
+
+        return as_phase_points(x, len(self.component_names), self.parts_of_state)
+
+    def _evaluate(self, expressions: list[Expr], x: ArrayLike) -> list[NDArray[np.float64]]:
         from liepoisson.exact.private_symbols import evaluated
 
-        states = as_phase_points(x, len(self.component_names), self.parts_of_state)
+        states = self._states(x)
         free = {s for e in expressions for s in e.free_symbols} - set(self.variables)
         if free:
             names = ", ".join(sorted(map(str, free)))
@@ -496,9 +611,8 @@ class System:
         if not isinstance(given, str):
             return self.bracket.in_own_variables(with_exact_numbers(given))
         from liepoisson.exact.expression import read_expression
-        from liepoisson.exact.formula.scope import Scope
 
-        return read_expression(given, Scope.of_bracket(self.symbolic_bracket, self.values, self._given_symbols))
+        return read_expression(given, self._names_in_formulas)
 
     def _function(self, given: str | Expr) -> Expr:
         return self._with_parameters(self._read(given))

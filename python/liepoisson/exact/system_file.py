@@ -157,11 +157,14 @@ class SystemFile:
             SystemFileError: a formula has no meaning (shapes that do not fit, a function that is not smooth, ...), or a
                 parameter drops out of the bracket and the Hamiltonian.  The message names the key and the line.
         """
+        from liepoisson.exact.polynomial_formula import read_polynomial
         from liepoisson.exact.system import System
 
+        names = self.bracket.coordinate_names_in_order
         for keys, text in self.formulas.items():
             try:
-                read_formula(text, self.scope)
+                if read_polynomial(text, self.scope, names) is None:
+                    read_formula(text, self.scope)
             except ExpressionError as error:
                 raise self.error(keys, error.within_formula()) from error
         integrals = {name: item for name, item in self.integrals.items() if item.vanishing is None}

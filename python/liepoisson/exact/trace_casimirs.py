@@ -103,13 +103,16 @@ def replaces_search(bracket: Bracket) -> bool:
     """
     if bracket.constant:
         return False
+    strength = leibniz_strength(bracket.extension)
+    lifts = strength is not None and not is_zero(strength) and not bracket.tensor.field.is_cyclotomic
+    N, most = bracket.algebra.dimension if lifts else bracket.dimension, bracket.algebra.dimension + 1
+    if N * comb(N + most - 1, most) <= MAX_WORK:  # whatever the matrices are, their size is below this
+        return False
     parts = [defining_matrices(part) for _, part in summands(bracket.algebra)]
     degrees = [max((*part.degrees, part.pfaffian)) for part in parts if part is not None]
     if len(degrees) < len(parts):
         return False
-    strength = leibniz_strength(bracket.extension)
-    lifts = strength is not None and not is_zero(strength) and not bracket.tensor.field.is_cyclotomic
-    N, d = bracket.algebra.dimension if lifts else bracket.dimension, max(degrees)
+    d = max(degrees)
     return N * comb(N + d - 1, d) > MAX_WORK
 
 

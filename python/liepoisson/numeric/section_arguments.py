@@ -61,9 +61,9 @@ def check_that_it_varies(system: Any, surface: str | Expr) -> None:
     """
     if not has_bracket(system):
         return
-    s = system.expression(surface)
-    if all(system.bracket(s, component) == 0 for component in system.variables):
-        kind = "its bracket with every component is zero" if s.free_symbols else "no component occurs in it"
+    if system.is_casimir(surface):
+        occurs = system.expression(surface).free_symbols
+        kind = "its bracket with every component is zero" if occurs else "no component occurs in it"
         raise ParameterError(
             f"surface: wanted a function that changes along orbits; got {shown(surface)}, which is constant on each "
             f'leaf: {kind}; try a component such as "{component_names(system, len(system.variables))[0]}"'

@@ -152,9 +152,8 @@ class HasBracket(HasField, Protocol):
         """The coordinates of phase space, as symbols."""
         ...
 
-    @property
-    def bracket(self) -> Any:
-        """The bracket of two expressions."""
+    def is_casimir(self, function: Any) -> bool:
+        """Whether the bracket of a function with each coordinate is zero."""
         ...
 
     def expression(self, function: Any) -> Any:
@@ -164,4 +163,4 @@ class HasBracket(HasField, Protocol):
 
 def has_bracket(system: Any) -> TypeGuard[HasBracket]:
     """Whether a system knows its bracket exactly."""
-    return getattr(system, "bracket", None) is not None and getattr(system, "expression", None) is not None
+    return callable(getattr(system, "is_casimir", None)) and getattr(system, "bracket", None) is not None

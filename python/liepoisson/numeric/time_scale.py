@@ -253,7 +253,7 @@ def _rates(run: _Run, starts: Array) -> tuple[Array, Array, Array]:
     lengths = _STRETCH / first[moving]
     # A few members with stretches of about the same length run together, each seen at times of its own.
     octave = np.floor(np.log2(lengths))
-    for which in np.unique(octave):
+    for which in sorted({*octave.tolist()}):
         alike = np.flatnonzero(octave == which)
         for start in range(0, len(alike), run.together):
             some = alike[start : start + run.together]
@@ -287,7 +287,7 @@ def _derivatives(run: _Run, states: Array, lowest: Array) -> tuple[Array, Array]
     derivatives, rung = np.zeros((len(states), n, n)), lowest.copy()
     left = np.arange(len(states))
     while len(left):
-        for h in np.unique(rung[left]):
+        for h in sorted({*rung[left].tolist()}):
             here = left[rung[left] == h]
             change = run.changes(states[here], float(h))
             derivatives[here] = change / h

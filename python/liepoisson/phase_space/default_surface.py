@@ -8,6 +8,7 @@ import numpy as np
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
+from liepoisson.exact.rational_polynomials import in_words
 from liepoisson.phase_space.lengths import unit_length
 
 if TYPE_CHECKING:
@@ -57,5 +58,7 @@ def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     rates = np.abs(system.vector_field(nearby)).max(axis=0) / view.units
     for k in order:
         if rates[k] > _RESTS * rates.max():
+            if system.polynomial_rates is not None:
+                return in_words(system.polynomial_rates[k], names), names[k]
             return formula_text(list(system.equations.values())[k]), names[k]
     raise ParameterError(f"{system.name} must move on this leaf; every state is an equilibrium. Try another leaf.")

@@ -25,10 +25,11 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from liepoisson.arrays import Array
+from liepoisson.exact.rational_polynomials import RationalPolynomial, powers_of
 from liepoisson.phase_space.lengths import unit_groups
 
 if TYPE_CHECKING:
-    from sympy import Expr
+    from sympy import Symbol
 
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -87,10 +88,10 @@ def field_units(
     for sizes, constant in _blocks(bracket):
         problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     for function, value in zip(casimirs.values(), values.tolist(), strict=True):
-        problem.add(_sizes(function, system.variables, groups), value, weight=_IMPOSSIBLE)
-    own = _sizes(system.functions.energy, system.variables, groups)
+        problem.add(_sizes(function, groups), value, weight=_IMPOSSIBLE)
+    own = _sizes(system.functions.energy, groups)
     problem.add(_moving(system, own, casimirs), energy or 0.0, weight=_BALANCED)
-    for sizes, constant in _arguments(system.functions.energy, system.variables, groups):
+    for sizes, constant in _arguments(system.functions.energy, groups):
         problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     logarithms = problem.solution()
     if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:
@@ -176,13 +177,23 @@ def _blocks(bracket: Bracket) -> list[tuple[_Sizes, float]]:
 
 
 @lru_cache(maxsize=256)
-def _sizes(function: PhaseFunction, variables: tuple[Expr, ...], groups: tuple[int, ...]) -> _Sizes | None:
+def _sizes(function: PhaseFunction, groups: tuple[int, ...]) -> _Sizes | None:
     """The terms of a function that are polynomials; None where there are none, or too many."""
-    polynomial = _polynomial_part(function.expression, variables)
-    return None if polynomial is None else _sizes_of_terms(polynomial, variables, groups)
+    if function.polynomial is not None:
+        terms = powers_of(function.polynomial, len(groups))
+        return None if len(function.polynomial.terms) > _MOST_TERMS else _sizes_of_terms(terms, groups)
+    polynomial = _polynomial_part(function.expression, function.variables)
+    return None if polynomial is None else _sizes_of_terms(_terms(polynomial, function.variables), groups)
 
 
-def _polynomial_part(expression: Any, variables: tuple[Expr, ...]) -> Any:
+def _terms(polynomial: Any, variables: tuple[Symbol, ...]) -> list[tuple[tuple[int, ...], Any]]:
+    """The terms of a SymPy polynomial: powers and coefficients."""
+    from sympy import Poly
+
+    return cast("Any", Poly(polynomial, *variables)).terms()
+
+
+def _polynomial_part(expression: Any, variables: tuple[Symbol, ...]) -> Any:
     """The terms of an expression that are polynomials; None for too many."""
     from sympy import Add
 
@@ -198,13 +209,11 @@ def _degree(monomial: tuple[int, ...], groups: tuple[int, ...]) -> tuple[int, ..
     return tuple(np.bincount(groups, weights=monomial).astype(int).tolist())
 
 
-def _sizes_of_terms(polynomial: Any, variables: tuple[Expr, ...], groups: tuple[int, ...]) -> _Sizes | None:
+def _sizes_of_terms(terms: Iterable[tuple[tuple[int, ...], Any]], groups: tuple[int, ...]) -> _Sizes | None:
     """The terms of a polynomial by their degrees in the fields, each with its largest coefficient."""
-    from sympy import Poly
-
     classes: dict[tuple[int, ...], float] = {}
     is_sum_of_squares = True
-    for monomial, coefficient in cast("Any", Poly(polynomial, *variables)).terms():
+    for monomial, coefficient in terms:
         degree = _degree(monomial, groups)
         if not any(degree):
             continue
@@ -217,12 +226,13 @@ def _sizes_of_terms(polynomial: Any, variables: tuple[Expr, ...], groups: tuple[
 
 
 @lru_cache(maxsize=256)
-def _arguments(
-    function: PhaseFunction, variables: tuple[Expr, ...], groups: tuple[int, ...]
-) -> tuple[tuple[_Sizes, float], ...]:
+def _arguments(function: PhaseFunction, groups: tuple[int, ...]) -> tuple[tuple[_Sizes, float], ...]:
     """The polynomials inside of what is no polynomial, with the size that they are to have."""
+    if function.polynomial is not None:
+        return ()
     from sympy import Add, Pow, preorder_traversal
 
+    variables = function.variables
     found: dict[Any, float] = {}
     for term in Add.make_args(function.expression):
         if term.is_polynomial(*variables) or len(found) > _MOST_TERMS:
@@ -236,14 +246,14 @@ def _arguments(
                 if part.has(*variables) and part.is_polynomial(*variables):
                     constant = part.expand().as_independent(*variables, as_Add=True)[0] if base is not None else 1
                     found[part] = abs(float(constant))
-    sizes = [(_sizes_of_terms(part.expand(), variables, groups), constant) for part, constant in found.items()]
+    sizes = [(_sizes_of_terms(_terms(part.expand(), variables), groups), constant) for part, constant in found.items()]
     return tuple((one, constant) for one, constant in sizes if one is not None)
 
 
 def _moving(system: System, sizes: _Sizes | None, casimirs: Mapping[str, PhaseFunction]) -> _Sizes | None:
     """The terms of H without those that move nothing, as a multiple of a Casimir."""
     groups = unit_groups(system.bracket)
-    constant = [_sizes(function, system.variables, groups) for function in casimirs.values()]
+    constant = [_sizes(function, groups) for function in casimirs.values()]
     degrees = {tuple(row) for one in constant if one is not None for row in one.degrees.tolist()}
     if sizes is None or not degrees & {tuple(row) for row in sizes.degrees.tolist()}:
         return sizes
@@ -251,14 +261,23 @@ def _moving(system: System, sizes: _Sizes | None, casimirs: Mapping[str, PhaseFu
     return replace(sizes, degrees=sizes.degrees[kept], logarithms=sizes.logarithms[kept]) if any(kept) else None
 
 
-def _moves(system: System, degree: list[float]) -> bool:
-    """Whether the terms of H of these degrees in the fields have a vector field."""
+def _part(system: System, degree: list[float], groups: tuple[int, ...]) -> PhaseFunction:
+    """The terms of H of these degrees in the fields."""
+    polynomial = system.polynomial_hamiltonian
+    if polynomial is not None:
+        own = {p: c for p, c in powers_of(polynomial, len(groups)) if list(_degree(p, groups)) == degree}
+        return system.functions.of_polynomial(RationalPolynomial.of_powers(own))
     from sympy import Poly
 
-    groups, x = unit_groups(system.bracket), system.variables
-    terms = cast("Any", Poly(_polynomial_part(system.hamiltonian, x), *x)).terms()
+    x = system.variables
+    terms = _terms(_polynomial_part(system.hamiltonian, x), x)
     own = [(m, c) for m, c in terms if list(_degree(m, groups)) == degree]
-    part = system.functions.of(cast("Any", Poly(dict(own), *x)).as_expr())
-    state = np.random.default_rng(0).standard_normal(len(x))
-    slope, poisson = part.gradient(state), system.functions.poisson_tensor(state)
+    return system.functions.of(cast("Any", Poly(dict(own), *x)).as_expr())
+
+
+def _moves(system: System, degree: list[float]) -> bool:
+    """Whether the terms of H of these degrees in the fields have a vector field."""
+    groups = unit_groups(system.bracket)
+    state = np.random.default_rng(0).standard_normal(len(groups))
+    slope, poisson = _part(system, degree, groups).gradient(state), system.functions.poisson_tensor(state)
     return bool(np.linalg.norm(poisson @ slope) > _STILL * np.linalg.norm(poisson) * np.linalg.norm(slope))

@@ -371,10 +371,10 @@ def _unknown(system: System, place: Place) -> str:
 
 
 def _values(system: System, casimirs: Mapping[str, float | str], place: Place) -> Array:
-    wanted = ", ".join(formulas(system))
     if isinstance(casimirs, Mapping) and not set(casimirs) <= set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
         casimirs = by_name(system, casimirs)
     if not isinstance(casimirs, Mapping) or set(casimirs) != set(place.casimirs):  # pyright: ignore[reportUnnecessaryIsInstance]
+        wanted = ", ".join(formulas(system))
         raise ParameterError(
             f"casimirs must give a value by name for each of {wanted}; got {shown(casimirs)}. Those of a state: "
             "Leaf.through(system, state).casimirs."

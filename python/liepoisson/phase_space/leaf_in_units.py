@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from sympy import Expr
 
     from liepoisson.exact.bracket import Bracket
+    from liepoisson.exact.rational_polynomials import RationalPolynomial
     from liepoisson.exact.system import System
 
 
@@ -32,13 +33,22 @@ class FunctionInUnits(PhaseFunction):
     """
 
     def __init__(self, function: PhaseFunction, units: Array) -> None:
-        self.expression = function.expression  # of f itself
         self._function, self._units = function, units
 
     @property
     def is_polynomial(self) -> bool:
         """Whether f is a polynomial."""
         return self._function.is_polynomial
+
+    @property
+    def expression(self) -> Expr:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """That of f itself."""
+        return self._function.expression
+
+    @property
+    def polynomial(self) -> RationalPolynomial | None:
+        """That of f itself."""
+        return self._function.polynomial
 
     def __call__(self, states: ArrayLike) -> Array:
         """Values, shape (...), at y of shape (..., N)."""

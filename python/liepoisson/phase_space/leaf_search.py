@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.errors import LeafError
+from liepoisson.exact.phase_functions import PhaseFunction
+from liepoisson.exact.rational_polynomials import powers_of
 from liepoisson.phase_space.field_units import field_units
 from liepoisson.phase_space.leaf_in_units import LeafInUnits, equations_in_units
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
@@ -80,7 +82,7 @@ def _has_squares(system: System, place: Place, values: Array, states: Array) -> 
     """Which states have the wanted sums of squares: in these nothing cancels, so they are right to their own size."""
     right: Any = np.ones(len(states), dtype=bool)
     for function, value in zip(place.casimirs.values(), values, strict=True):
-        if _is_sum_of_squares(function.expression, system.variables):
+        if _is_sum_of_squares(function):
             right &= np.abs(function(states) - value) <= _OF_SQUARES * value
     return right
 
@@ -122,7 +124,7 @@ def representative(leaf: Leaf) -> Leaf:
 def _refuse_impossible(system: System, place: Place, values: Array) -> None:
     """Refuse a negative sum of squares, and values that violate the inequality of Cauchy and Schwarz."""
     for (name, function), value in zip(place.casimirs.items(), values, strict=True):
-        if value < 0 and _is_sum_of_squares(function.expression, system.variables):
+        if value < 0 and _is_sum_of_squares(function):
             raise LeafError(
                 f"{name} = {function.expression} is a sum of squares; {value:g} was asked for. Make it >= 0."
             )
@@ -143,9 +145,14 @@ def _refuse_impossible(system: System, place: Place, values: Array) -> None:
         )
 
 
-def _is_sum_of_squares(expression: Any, variables: tuple[Any, ...]) -> bool:
+def _is_sum_of_squares(function: PhaseFunction) -> bool:
+    if function.polynomial is not None:
+        terms = powers_of(function.polynomial, function.n_coordinates)
+        return all(c > 0 and all(power % 2 == 0 for power in powers) for powers, c in terms)
     from sympy import Poly
 
+    expression: Any = function.expression
+    variables = function.variables
     polynomial = Poly(expression, *variables) if expression.is_polynomial(*variables) else None
     if polynomial is None:
         return False

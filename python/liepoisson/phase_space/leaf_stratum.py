@@ -17,7 +17,6 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.exact.phase_functions import PhaseFunction
-from liepoisson.exact.report.vector_notation import VectorNotation
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -126,6 +125,8 @@ def _place(system: System, stratum: Stratum, x: Array, *, is_open: bool) -> Plac
     if is_open:
         casimirs = functions.casimirs
     else:
+        from liepoisson.exact.report.vector_notation import VectorNotation
+
         notation = VectorNotation(system.bracket)
         # Where J vanishes the coordinates are constant, and the rows say so already.
         own = stratum.casimirs if stratum.rank else ()

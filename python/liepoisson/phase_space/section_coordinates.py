@@ -38,7 +38,7 @@ def dimension_of_section(run: Section) -> int | None:
     if not isinstance(system, System) or not len(run.time) or run.coordinates != run.components:
         return None
     try:
-        if not system.expression(run.surface).free_symbols:
+        if system.functions.of(run.surface).is_constant:
             return None
     except (ExpressionError, ParameterError):
         return None

@@ -9,13 +9,14 @@ import numpy as np
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.numeric.verdict import Rule
 from liepoisson.plot.exponents import time_axis
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+
+    from liepoisson.numeric.verdict import Rule
 
 # The axes of growth and MEGNO are linear up to here, so that ln t and 2 can be read, and logarithmic beyond.
 _LINEAR_TO = 10.0
@@ -101,6 +102,8 @@ def indicators(
         top.plot(torus_time, np.log(torus_time / first), label=r"$\ln(t/t_0)$", **reference)
         middle.axhline(2.0, **reference)
         low.axhline(1e-16, **reference)
+        from liepoisson.numeric.verdict import Rule
+
         chosen_rule = Rule() if rule is None else rule
         for ax, thresholds in ((middle, chosen_rule.megno), (low, chosen_rule.sali)):
             for threshold in thresholds:

@@ -219,8 +219,11 @@ def _in_space(ax: Axes, path: FloatArray, sign: str, colour: str) -> None:
     strength = np.where(nearness >= 0, 0.9, 0.22) if on_sphere else 0.25 + 0.65 * (1 + nearness) / 2
     order = np.argsort(nearness, kind="stable")  # what is nearer is drawn over what is farther
     segments = np.stack([points[:-1, :2], points[1:, :2]], axis=1)[order]
-    rgba = np.array([(*_rgb(colour), s) for s in strength[order]])
-    ax.add_collection(LineCollection(list(segments), colors=list(rgba), linewidths=0.8, zorder=3))
+    rgba: Any = np.column_stack(
+        [np.tile(_rgb(colour), (len(order), 1)), np.broadcast_to(strength, len(points) - 1)[order]]
+    )
+    lines: Any = segments
+    ax.add_collection(LineCollection(lines, colors=rgba, linewidths=0.8, zorder=3))
     ax.plot(*points[0, :2], "o", color=INK, markersize=3.2, zorder=5)
     length = f"$|{sign}| = {radius:.3g}$"
     words = length if on_sphere else f"max {length}"

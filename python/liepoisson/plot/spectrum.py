@@ -8,7 +8,6 @@ import numpy as np
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
-from liepoisson.numeric.spectrum import Spectrum
 from liepoisson.numeric.time_scale import zero_threshold
 from liepoisson.plot.labels import plain
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, house_style, new_figure
@@ -17,6 +16,8 @@ from liepoisson.wrong_values import shown
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+
+    from liepoisson.numeric.spectrum import Spectrum
 
 
 @explains_its_arguments
@@ -36,6 +37,8 @@ def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) ->
     Raises:
         ParameterError: no spectrum, no such trajectory, or it did not finish.
     """
+    from liepoisson.numeric.spectrum import Spectrum
+
     if not isinstance(result, Spectrum):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"result: wanted what lyapunov_spectrum returns; got {shown(result)}; call it first")
     n = len(result.outcome)

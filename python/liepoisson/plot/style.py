@@ -123,18 +123,28 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 @explains_its_arguments
-def save_figure(figure: Figure, stem: Path) -> tuple[Path, ...]:
+def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS) -> tuple[Path, ...]:
     """Write a figure as `stem`.png, .svg and .pdf; the same figure gives the same bytes.
 
+    Args:
+        figure: The figure.
+        stem: The path of the files without an ending.
+        formats: Those of "png", "svg" and "pdf" that are wanted.
+
     Raises:
+        ParameterError: a format is none of these.
         OSError: a file could not be written.
     """
+    unknown = [name for name in formats if name not in FORMATS]
+    if isinstance(formats, str) or unknown:
+        raise ParameterError(f"formats: wanted a tuple of some of {FORMATS}; got {formats!r:.60}; leave the others out")
     paths: list[Path] = []
     with house_style():
-        figure.draw_without_rendering()
         # Laid out once; each format would lay it out anew.
+        if (engine := figure.get_layout_engine()) is not None:
+            engine.execute(figure)
         figure.set_layout_engine("none")
-        for extension in FORMATS:
+        for extension in formats:
             path = stem.with_suffix(f".{extension}")
             # A date in the file would make every run differ.
             no_date = {"svg": {"Date": None}, "pdf": {"CreationDate": None}}.get(extension, {})

@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from liepoisson.calls import explains_its_arguments
 from liepoisson.plot.labels import label, with_formulas
 from liepoisson.plot.style import INK, MUTED, SEQUENCE, axes_or_new, house_style
-from liepoisson.sweeps.tasks import NOT_COMPUTED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -70,6 +69,8 @@ def sweep(
 
 def _not_computed(result: Sweep) -> NDArray[np.bool_]:
     """The points of which some start was not computed, as the sweep was interrupted or had a limit of time."""
+    from liepoisson.sweeps.tasks import NOT_COMPUTED
+
     return np.asarray((result.outcome_code == NOT_COMPUTED).any(axis=1))
 
 

@@ -201,8 +201,9 @@ class Arithmetic:
     def _check_exponent(self, exponent: Exact) -> None:
         if not isinstance(exponent, Fraction) and not exponent.free_symbols:
             raise RefusedError(f"an exponent must be a rational number or a symbol; got {exponent}")
-        atoms: set[Any] = {to_sympy(exponent)} if isinstance(exponent, Fraction) else exponent.atoms()
-        for number in (_fraction(atom) for atom in atoms if atom.is_Rational):
+        atoms: set[Any] = set() if isinstance(exponent, Fraction) else exponent.atoms()
+        numbers = [exponent] if isinstance(exponent, Fraction) else [_fraction(a) for a in atoms if a.is_Rational]
+        for number in numbers:
             if abs(number) > MAX_EXPONENT:
                 raise RefusedError(
                     f"an exponent must be between -{MAX_EXPONENT} and {MAX_EXPONENT}; got one that is not"

@@ -71,7 +71,7 @@ def nullspace(rows: Sequence[Row], n_columns: int, field: Coefficients) -> NullS
 def nullspace_mod(rows: Iterable[Row], n_columns: int, p: int) -> list[dict[int, int]]:
     """A basis of the null space modulo the prime p, in the reduced form of `NullSpace`; entries are integers."""
     reduced = _reduced_mod(rows, p)
-    if p % 2 and p < _CORE_BELOW and n_columns >= _CORE_FROM:
+    if _is_for_core(n_columns, p):
         return _nullspace_of_core(reduced, n_columns, p)
     return _nullspace_mod(reduced, n_columns, p)
 
@@ -85,6 +85,17 @@ def _nullspace_mod(rows: list[Row], n_columns: int, p: int) -> list[dict[int, in
 
 def _nullspace_of_core(rows: list[Row], n_columns: int, p: int) -> list[dict[int, int]]:
     """The same by the compiled elimination, whose basis has the same form."""
+    found = _eliminated_by_core(rows, n_columns, p)
+    ends, places, values = found["indptr"].tolist(), found["columns"].tolist(), found["residues"].tolist()
+    return [dict(zip(places[i:j], values[i:j], strict=True)) for i, j in pairwise(ends)]
+
+
+def _is_for_core(n_columns: int, p: int) -> bool:
+    """Whether the compiled elimination takes this prime and is worth its call."""
+    return bool(p % 2) and p < _CORE_BELOW and n_columns >= _CORE_FROM
+
+
+def _eliminated_by_core(rows: list[Row], n_columns: int, p: int) -> Any:
     import numpy as np
 
     from liepoisson import _core
@@ -92,9 +103,7 @@ def _nullspace_of_core(rows: list[Row], n_columns: int, p: int) -> list[dict[int
     starts = np.cumsum([0, *map(len, rows)]).astype(np.uint64)
     columns = np.array([c for row in rows for c in row], dtype=np.uint32)
     residues = np.array([v for row in rows for v in row.values()], dtype=np.uint64)
-    found = _core.modular_null_space(starts, columns, residues, n_columns, p, None, inf, None)
-    ends, places, values = found["indptr"].tolist(), found["columns"].tolist(), found["residues"].tolist()
-    return [dict(zip(places[i:j], values[i:j], strict=True)) for i, j in pairwise(ends)]
+    return _core.modular_null_space(starts, columns, residues, n_columns, p, None, inf, None)
 
 
 def _nullspace(
@@ -177,13 +186,10 @@ def rank(rows: Sequence[Row], field: Coefficients) -> int:
 
 def rank_mod(rows: Sequence[Mapping[int, int]], n_columns: int, p: int = PRIME) -> int:
     """The rank modulo a prime of an integer matrix, at most its rank over Q."""
-    from flint import nmod_mat
-
-    entries = [[0] * n_columns for _ in rows]
-    for entry, row in zip(entries, rows, strict=True):
-        for column, value in row.items():
-            entry[column] = value % p
-    return int(nmod_mat(entries, p).rank()) if rows and n_columns else 0
+    reduced = _reduced_mod(rows, p)
+    if _is_for_core(n_columns, p):
+        return _eliminated_by_core(reduced, n_columns, p)["rank"]
+    return len(_eliminate(reduced, lambda value: pow(value, -1, p), _subtraction_mod(p))[0])
 
 
 def solve(columns: Sequence[Row], target: Row, field: Coefficients) -> list[Any] | None:

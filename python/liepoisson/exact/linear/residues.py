@@ -117,7 +117,7 @@ def _residue(number: Any, p: int) -> int:
 
 
 def _prime(skipped: int) -> int:
-    return next(islice(_probable_primes(PRIME, 2), skipped, None))
+    return PRIME if not skipped else next(islice(_probable_primes(PRIME, 2), skipped, None))
 
 
 def _probable_primes(start: int, step: int) -> Iterable[int]:

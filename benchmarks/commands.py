@@ -1,0 +1,108 @@
+"""How long does a person wait for a command?  Whole processes, from the shell's point of view, beside NumPy's import.
+
+`python benchmarks/commands.py [--rounds N]`.  Each line is one command as it is typed; its time is the processor time
+of the process in user mode, the least of five, which a busy machine disturbs less than the time on the wall.  Targets
+were set where `import numpy` takes 0.12 s, and are scaled by what it takes here.  Compiled modules are written to a
+folder of their own by a first run that is not counted, as an installation has them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+ROUNDS = 5
+REFERENCE = 0.12
+"""Seconds of `import numpy` where the targets were set."""
+COMMAND = ("-m", "liepoisson")
+
+
+@dataclass(frozen=True)
+class Case:
+    """One process.
+
+    Attributes:
+        name: What the table calls it.
+        arguments: Of Python.
+        target: The most seconds that it may take where NumPy's import takes `REFERENCE`; None without a target.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    target: float | None = None
+
+
+def command(line: str, target: float | None) -> Case:
+    """A call of `liepoisson`."""
+    return Case(f"liepoisson {line}", (*COMMAND, *line.split()), target)
+
+
+NUMPY = Case("import numpy", ("-c", "import numpy"))
+CASES = (
+    Case("import liepoisson", ("-c", "import liepoisson"), 0.04),
+    command("orbit kovalevskaya", 0.5),
+    command("section kovalevskaya --starts 4 --crossings 50", 0.5),
+    command("lyapunov kovalevskaya --starts 4", 0.5),
+    command("orbit kovalevskaya --plot", 1.5),
+    command("section kovalevskaya --starts 4 --crossings 50 --plot", 1.5),
+    command("lyapunov kovalevskaya --starts 4 --plot", 1.5),
+    command("orbit henon-heiles", 0.5),
+    command("orbit twisted-kovalevskaya", 0.5),
+    command("orbit toda", 0.5),
+    command("inspect kovalevskaya", 1.0),
+    command("inspect zeitlin-5", 2.0),
+    command("--help", None),
+)
+
+
+def seconds_of(case: Case, folder: Path, rounds: int) -> float:
+    """User time of one process, the least of some, in seconds.
+
+    Raises:
+        RuntimeError: the process failed; the message is what it wrote.
+    """
+    environment = {key: value for key, value in os.environ.items() if key != "PYTHONDONTWRITEBYTECODE"}
+    environment["PYTHONPYCACHEPREFIX"] = str(folder / "compiled")
+    times: list[float] = []
+    for _ in range(rounds + 1):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        done = subprocess.run(
+            [sys.executable, *case.arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
+        )
+        if done.returncode:
+            raise RuntimeError(f"{case.name} ended with {done.returncode}:\n{done.stderr}")
+        times.append(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before)
+    return min(times[1:])
+
+
+def table(found: Sequence[tuple[Case, float]], unit: float) -> str:
+    """A line for each case: seconds, times NumPy's import, and the target as it is here."""
+    width = max(len(case.name) for case, _ in found)
+    lines = [f"{'':<{width}}  seconds  x numpy  target here"]
+    for case, seconds in found:
+        target = "" if case.target is None else f"{case.target * unit / REFERENCE:11.2f}"
+        late = "  missed" if case.target is not None and seconds > case.target * unit / REFERENCE else ""
+        lines.append(f"{case.name:<{width}}  {seconds:7.2f}  {seconds / unit:7.1f}  {target}{late}")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Time all cases and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=ROUNDS, help="Processes of each case.")
+    rounds = parser.parse_args().rounds
+    with tempfile.TemporaryDirectory() as name:
+        unit = seconds_of(NUMPY, Path(name), rounds)
+        found = [(case, seconds_of(case, Path(name), rounds)) for case in CASES]
+    print(table([(NUMPY, unit), *found], unit))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,149 @@
+"""What is derived without SymPy is what SymPy derives, for every entry of the catalog that is read as a polynomial."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import liepoisson as lp
+from liepoisson.exact.expression import read_expression
+from liepoisson.exact.formula.scope import Scope
+from liepoisson.exact.lowering import lower
+from liepoisson.exact.polynomial_dynamics import bracket_with
+from liepoisson.exact.polynomial_formula import read_polynomial
+from liepoisson.exact.rational_polynomials import RationalPolynomial, expression_of, in_words
+from liepoisson.exact.system_text import formula_text
+
+READ = tuple(
+    name
+    for name in lp.catalog.names()
+    if not lp.catalog.entry(name).symbols and lp.catalog.system(name).polynomial_hamiltonian is not None
+)
+OTHERS = {
+    "double-pendulum", "goryachev", "kepler-on-the-sphere", "spring-pendulum", "toda",  # no polynomials
+    "reduced-mhd-3", "zeitlin-3", "zeitlin-5",  # irrational structure constants
+    "twisted-top",  # symbols
+}  # fmt: skip
+
+
+def test_all_entries_are_read_that_can_be():
+    assert set(READ) == set(lp.catalog.names()) - OTHERS
+
+
+def by_sympy(name):
+    """The same system, given as a SymPy expression."""
+    read = lp.catalog.system(name)
+    return lp.systems.System(read.bracket, read.hamiltonian, integrals=read.integrals)
+
+
+def expressions(system, polynomials):
+    return [expression_of(polynomial, system.variables) for polynomial in polynomials]
+
+
+@pytest.mark.parametrize("name", READ)
+def test_equations_field_and_invariants_are_those_of_sympy(name):
+    system, other = lp.catalog.system(name), by_sympy(name)
+    assert other.polynomial_hamiltonian is None
+    energy = expression_of(system.polynomial_hamiltonian, system.variables)
+    assert sp.expand(energy - other.hamiltonian) == 0
+    assert expressions(system, system.polynomial_rates) == [sp.expand(rate) for rate in other.equations.values()]
+    assert system.top_parameters == other.top_parameters
+    if other.top_parameters is None:
+        assert system.field() == lower(other.bracket, other.hamiltonian) == other.field()
+    casimirs = system.bracket.rational_casimirs()
+    assert expressions(system, casimirs) == [sp.expand(casimir) for casimir in other.bracket.casimirs()]
+    if system.polynomial_invariants is not None:
+        wanted = [sp.expand(invariant) for invariant in other.invariants.values()]
+        assert list(system.polynomial_invariants) == list(other.invariants)
+        assert expressions(system, system.polynomial_invariants.values()) == wanted
+
+
+@pytest.mark.parametrize("name", READ)
+def test_values_and_derivatives_are_those_of_compiled_expressions(name):
+    system, other = lp.catalog.system(name), by_sympy(name)
+    x = lp.sample_states(system, 5, seed=3)
+    mine, theirs = system.functions, other.functions
+    pairs = [(mine.energy, theirs.energy), *zip(mine.casimirs.values(), theirs.casimirs.values(), strict=True)]
+    for function, compiled in pairs:
+        assert function.polynomial is not None
+        assert compiled.polynomial is None
+        np.testing.assert_allclose(function(x), compiled(x), rtol=1e-13, atol=1e-14)
+        np.testing.assert_allclose(function.gradient(x), compiled.gradient(x), rtol=1e-13, atol=1e-14)
+        np.testing.assert_allclose(function.hessian(x), compiled.hessian(x), rtol=1e-13, atol=1e-14)
+    np.testing.assert_allclose(system.vector_field(x), other.vector_field(x), rtol=1e-13, atol=1e-14)
+    for key, values in other.invariant_values(x).items():
+        np.testing.assert_allclose(system.invariant_values(x)[key], values, rtol=1e-13, atol=1e-14)
+
+
+@pytest.mark.parametrize("name", READ)
+def test_equations_are_written_as_sympy_writes_them(name):
+    system = lp.catalog.system(name)
+    for rate, expression in zip(system.polynomial_rates, system.equations.values(), strict=True):
+        assert in_words(rate, system.component_names) == formula_text(sp.expand(expression))
+
+
+SCOPE = Scope(fields={"u": ("1", "2", "3")}, parameters={"k": Fraction(2, 3), "v": (1, "1/2", -2)})
+NAMES, SYMBOLS = ("u1", "u2", "u3"), sp.symbols("u1:4")
+atoms = st.sampled_from(["u1", "u2", "u3", "k", "v[2]", "2", "1/3", "dot(u, v)", "dot(u, inv(v)*u)"])
+formulas = st.recursive(
+    atoms,
+    lambda inner: st.one_of(
+        st.tuples(inner, inner).map(lambda pair: f"({pair[0]} + {pair[1]})"),
+        st.tuples(inner, inner).map(lambda pair: f"({pair[0]} - {pair[1]})"),
+        st.tuples(inner, inner).map(lambda pair: f"({pair[0]})*({pair[1]})"),
+        st.tuples(inner, st.integers(0, 3)).map(lambda pair: f"({pair[0]})^{pair[1]}"),
+    ),
+    max_leaves=6,
+)
+
+
+@settings(deadline=None, max_examples=40, derandomize=True)
+@given(formulas)
+def test_formulas_are_read_as_sympy_reads_them(text):
+    polynomial = read_polynomial(text, SCOPE, NAMES)
+    expression = read_expression(text, SCOPE, insert_values=True)
+    assert polynomial is not None
+    assert expression_of(polynomial, SYMBOLS) == sp.expand(expression)
+    for k, symbol in enumerate(SYMBOLS):
+        assert expression_of(polynomial.derivative(k), SYMBOLS) == sp.expand(expression.diff(symbol))
+
+
+@pytest.mark.parametrize(
+    "text", ["sin(u1)", "1/u1", "u1^(1/2)", "pi*u1", "norm(u)", "u1^17", "u1^k", "w*u1", "u1 +", "u", "sqrt(2)*u1"]
+)
+def test_what_is_no_small_rational_polynomial_is_left_to_sympy(text):
+    assert read_polynomial(text, SCOPE, NAMES) is None
+
+
+def test_a_parameter_that_drops_out_is_refused_as_before():
+    bracket = lp.so(3) @ lp.extensions.trivial()
+    for text in ("dot(l, l) + k - k", "dot(l, l)*k^0"):
+        with pytest.raises(lp.errors.ParameterError, match="'k' occurs in neither"):
+            lp.systems.System(bracket, text, {"k": 2})
+
+
+def test_a_false_integral_is_refused_as_before():
+    system = lp.systems.System(lp.so(3) @ lp.extensions.trivial(), "l1^2 + 2*l2^2", integrals={"P": "l3"})
+    assert system.polynomial_invariants is None
+    with pytest.raises(lp.errors.ParameterError, match="the integral P must be constant"):
+        system.invariant_values([1.0, 2.0, 3.0])
+
+
+def test_brackets_with_the_hamiltonian_are_derivatives_along_the_motion():
+    system = lp.catalog.system("kovalevskaya")
+    function = read_polynomial("l1*alpha2^2 - l3", Scope.of_bracket(system.bracket), system.component_names)
+    rate = bracket_with(system.polynomial_rates, function)
+    assert expression_of(rate, system.variables) == sp.expand(system.derivative("l1*alpha2^2 - l3"))
+
+
+def test_sums_in_products_stay_sums():
+    """Written out, the square would lose its digits where the sum is small."""
+    scope = Scope(fields={"u": ("1", "2", "3")})
+    polynomial = read_polynomial("(u1 - 1000000)^2", scope, NAMES)
+    x = np.array([1e6 + 1e-6, 0.0, 0.0])
+    assert polynomial.value(list(x)) == (x[0] - 1e6) ** 2
+    assert polynomial.expanded == {(0, 0): 1, (0,): -2_000_000, (): 10**12}
+    assert RationalPolynomial.of(polynomial.expanded) != polynomial
