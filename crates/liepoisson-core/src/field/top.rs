@@ -66,6 +66,60 @@ impl Top {
         omega
     }
 
+    /// The work quantities of some groups.
+    #[inline(always)]
+    fn derive_work_of<V: Lane>(&self, groups: &mut [V]) {
+        for group in groups.chunks_exact_mut(GROUP) {
+            for i in 0..3 {
+                group[OMEGA + i] = group[i].mul(V::splat(self.inverse_inertia[i]));
+            }
+        }
+    }
+
+    /// The next coefficients of the state, and of the `first` tangent vector if there is one.
+    #[inline(always)]
+    fn extend_state<V: Lane>(&self, known: &[V], next: &mut [V], row: usize, first: usize) {
+        let (order, last) = (known.len() / row, known.len() - row);
+        // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
+        // the same, term by term, so a trajectory has the same bits either way.
+        if first == 1 && V::REGISTERS >= 32 {
+            let (mut derivative, mut tangent) = products_of_state_and_tangent(known, row);
+            self.finish(&mut derivative, group_of(known, last));
+            store(next, 0, &derivative, order);
+            self.finish(&mut tangent, group_of(known, last + GROUP));
+            store(next, GROUP, &tangent, order);
+            return;
+        }
+        let mut derivative = products_of_state(known, row);
+        self.finish(&mut derivative, group_of(known, last));
+        store(next, 0, &derivative, order);
+        if first == 1 {
+            self.extend_tangents::<V, 1>(known, next, row, GROUP);
+        }
+    }
+
+    /// The next coefficients of the `M` tangent vectors from group `at` on.
+    #[inline(always)]
+    fn extend_tangents<V: Lane, const M: usize>(&self, known: &[V], next: &mut [V], row: usize, at: usize) {
+        let (order, last) = (known.len() / row, known.len() - row);
+        let mut tangents = products_of_tangents::<V, M>(known, row, at);
+        for m in 0..M {
+            self.finish(&mut tangents[m], group_of(known, last + at + m * GROUP));
+            store(next, at + m * GROUP, &tangents[m], order);
+        }
+    }
+
+    /// The series of these tangent vectors, where that of the state is known; the registers that they take.
+    #[inline(always)]
+    fn expand_tangents<V: Lane, const M: usize>(&self, rows: &mut [V], row: usize, at: usize, order: usize) -> usize {
+        for k in 0..order {
+            self.derive_work_of(&mut rows[k * row + at..][..M * GROUP]);
+            let (known, next) = rows.split_at_mut((k + 1) * row);
+            self.extend_tangents::<V, M>(known, next, row, at);
+        }
+        M * GROUP
+    }
+
     /// Terms linear in the coefficients, and the factor of `l x omega`: the sum of products becomes the derivative.
     #[inline(always)]
     fn finish<V: Lane>(&self, derivative: &mut [V; N], row: &[V]) {
@@ -120,35 +174,36 @@ impl Field for Top {
     #[inline(always)]
     fn derive_work<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
         let row = self.row(n_tangents);
-        for group in rows[k * row..(k + 1) * row].chunks_exact_mut(GROUP) {
-            for i in 0..3 {
-                group[OMEGA + i] = group[i].mul(V::splat(self.inverse_inertia[i]));
-            }
-        }
+        self.derive_work_of(&mut rows[k * row..(k + 1) * row]);
     }
 
     #[inline(always)]
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
         let row = self.row(n_tangents);
         let (known, next) = rows.split_at_mut((k + 1) * row);
-        // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
-        // the same, term by term, so a trajectory has the same bits either way.
-        let fused = n_tangents > 0 && V::REGISTERS >= 32;
-        if fused {
-            let (mut derivative, mut tangent) = products_of_state_and_tangent(known, row);
-            self.finish(&mut derivative, group_of(known, k * row));
-            store(next, 0, &derivative, k + 1);
-            self.finish(&mut tangent, group_of(known, k * row + GROUP));
-            store(next, GROUP, &tangent, k + 1);
-        } else {
-            let mut derivative = products_of_state(known, row);
-            self.finish(&mut derivative, group_of(known, k * row));
-            store(next, 0, &derivative, k + 1);
+        let first = n_tangents.min(1);
+        self.extend_state(known, next, row, first);
+        for i in 1 + first..=n_tangents {
+            self.extend_tangents::<V, 1>(known, next, row, i * GROUP);
         }
-        for i in 1 + usize::from(fused)..=n_tangents {
-            let mut tangent = products_of_tangent(known, row, i * GROUP);
-            self.finish(&mut tangent, group_of(known, k * row + i * GROUP));
-            store(next, i * GROUP, &tangent, k + 1);
+    }
+
+    /// The state and the first tangent vector are expanded to the last order, then the others one or two at a time: with the
+    /// state, these coefficients stay in the nearest cache, where those of all tangent vectors would not.
+    #[inline(always)]
+    fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
+        let (row, first) = (self.row(n_tangents), n_tangents.min(1));
+        for k in 0..order {
+            self.derive_work_of(&mut rows[k * row..][..(1 + first) * GROUP]);
+            let (known, next) = rows.split_at_mut((k + 1) * row);
+            self.extend_state(known, next, row, first);
+        }
+        let mut at = (1 + first) * GROUP;
+        while at < row {
+            at += match (row - at) / GROUP {
+                2.. if V::REGISTERS >= 32 => self.expand_tangents::<V, 2>(rows, row, at, order),
+                _ => self.expand_tangents::<V, 1>(rows, row, at, order),
+            };
         }
     }
 
@@ -235,7 +290,7 @@ pub(crate) fn products_of_state<V: Lane>(rows: &[V], row: usize) -> [V; N] {
     sum
 }
 
-/// The products of [`products_of_state`], and their directional derivative along the tangent vector in group `at`.
+/// The products of [`products_of_state`], and their directional derivative along the first tangent vector.
 #[inline(always)]
 pub(crate) fn products_of_state_and_tangent<V: Lane>(rows: &[V], row: usize) -> ([V; N], [V; N]) {
     let mut state = [V::splat(0.0); N];
@@ -250,12 +305,16 @@ pub(crate) fn products_of_state_and_tangent<V: Lane>(rows: &[V], row: usize) -> 
     (state, tangent)
 }
 
+/// The derivatives of [`products_of_state`] along the `M` tangent vectors from group `at` on.
 #[inline(always)]
-pub(crate) fn products_of_tangent<V: Lane>(rows: &[V], row: usize, at: usize) -> [V; N] {
-    let mut tangent = [V::splat(0.0); N];
+pub(crate) fn products_of_tangents<V: Lane, const M: usize>(rows: &[V], row: usize, at: usize) -> [[V; N]; M] {
+    let mut tangents = [[V::splat(0.0); N]; M];
     for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
-        add_products(&mut tangent, x, &y[at + OMEGA..at + GROUP]);
-        add_products(&mut tangent, &x[at..at + GROUP], &y[OMEGA..GROUP]);
+        let (dx, dy) = (&x[at..at + M * GROUP], &y[at..at + M * GROUP]);
+        for m in 0..M {
+            add_products(&mut tangents[m], x, &dy[m * GROUP + OMEGA..(m + 1) * GROUP]);
+            add_products(&mut tangents[m], &dx[m * GROUP..(m + 1) * GROUP], &y[OMEGA..GROUP]);
+        }
     }
-    tangent
+    tangents
 }

@@ -1,8 +1,8 @@
 //! The Taylor method of tops in mixed precision: what a step is made of in single precision, what it is added to in double.
 
-use crate::field::top::{GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangent};
+use crate::field::top::{GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangents};
 use crate::field::{Field, Top, over};
-use crate::lanes::{Body, Lane, Wide};
+use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::taylor::{Terms, Trend, shorten, shorten_by_trend, sum_of_sizes};
 use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
@@ -248,16 +248,21 @@ impl<'f, V: Wide> ScaledTop<'f, V> {
     /// Of all lanes, from the two halves.
     #[inline(always)]
     fn narrow(halves: [&ScaledTop<'f, V>; 2]) -> ScaledTop<'f, V::Narrow> {
-        let both = |first: [V; 3], second: [V; 3]| [0, 1, 2].map(|i| V::narrow(first[i], second[i]));
         let [first, second] = halves;
         ScaledTop {
             top: first.top,
-            inverse_inertia: both(first.inverse_inertia, second.inverse_inertia),
-            a: both(first.a, second.a),
-            b: both(first.b, second.b),
-            twist: both(first.twist, second.twist),
+            inverse_inertia: narrow(&first.inverse_inertia, &second.inverse_inertia),
+            a: narrow(&first.a, &second.a),
+            b: narrow(&first.b, &second.b),
+            twist: narrow(&first.twist, &second.twist),
         }
     }
+}
+
+/// Three registers from two halves; no closure, which the compiler was seen to call instead of inlining it.
+#[inline(always)]
+fn narrow<V: Wide>(first: &[V; 3], second: &[V; 3]) -> [V::Narrow; 3] {
+    [V::narrow(first[0], second[0]), V::narrow(first[1], second[1]), V::narrow(first[2], second[2])]
 }
 
 impl<V: Lane> ScaledTop<'_, V> {
@@ -310,13 +315,15 @@ impl<V: Wide> Body for Expansion<'_, '_, V> {
             unit.as_scalars_mut().copy_from_slice(&units[half * V::WIDTH..][..V::WIDTH]);
             ScaledTop::new(top, unit)
         });
-        for (half, top) in halves.iter().enumerate() {
-            let rows = &mut double[half];
-            top.derive_omega(&mut rows[..GROUP]);
-            for k in 0..*double_order {
-                let (known, next) = rows.split_at_mut((k + 1) * GROUP);
+        for half in 0..2 {
+            halves[half].derive_omega(&mut double[half][..GROUP]);
+        }
+        // order by order in both halves, so that one hides the latency of the other
+        for k in 0..*double_order {
+            for half in 0..2 {
+                let (known, next) = double[half].split_at_mut((k + 1) * GROUP);
                 let mut sum = products_of_state(known, GROUP);
-                top.finish(&mut sum, &known[k * GROUP..], &mut next[..GROUP], k);
+                halves[half].finish(&mut sum, &known[k * GROUP..], &mut next[..GROUP], k);
             }
         }
         for k in 0..=*double_order {
@@ -340,14 +347,54 @@ impl<V: Wide> Body for Expansion<'_, '_, V> {
                 let mut sum = products_of_state(known, row);
                 top.finish(&mut sum, &known[k * row..], &mut next[..GROUP], k);
             }
-            if with_tangents {
-                for at in (1 + usize::from(fused)..=n_tangents).map(|tangent| tangent * GROUP) {
-                    let mut sum = products_of_tangent(known, row, at);
-                    top.finish(&mut sum, &known[k * row + at..], &mut next[at..at + GROUP], k);
-                }
+            if with_tangents && !fused {
+                extend_tangents::<V::Narrow, 1>(&top, known, next, row, GROUP);
             }
         }
+        let mut at = 2 * GROUP;
+        while at < row {
+            at += match (row - at) / GROUP {
+                2.. if V::Narrow::REGISTERS >= 32 => {
+                    expand_tangents::<V::Narrow, 2>(&top, single, row, at, *tangent_order)
+                }
+                _ => expand_tangents::<V::Narrow, 1>(&top, single, row, at, *tangent_order),
+            };
+        }
     }
+}
+
+/// The next coefficients of the `M` tangent vectors from group `at` on.
+#[inline(always)]
+fn extend_tangents<V: Lane, const M: usize>(
+    top: &ScaledTop<'_, V>,
+    known: &[V],
+    next: &mut [V],
+    row: usize,
+    at: usize,
+) {
+    let (k, last) = (known.len() / row - 1, known.len() - row);
+    let mut sums = products_of_tangents::<V, M>(known, row, at);
+    for m in 0..M {
+        let at = at + m * GROUP;
+        top.finish(&mut sums[m], &known[last + at..], &mut next[at..at + GROUP], k);
+    }
+}
+
+/// The series of these tangent vectors, where that of the state is known; the registers that they take. With the state, they
+/// stay in the nearest cache.
+#[inline(always)]
+fn expand_tangents<V: Lane, const M: usize>(
+    top: &ScaledTop<'_, V>,
+    rows: &mut [V],
+    row: usize,
+    at: usize,
+    order: usize,
+) -> usize {
+    for k in 0..order {
+        let (known, next) = rows.split_at_mut((k + 1) * row);
+        extend_tangents::<V, M>(top, known, next, row, at);
+    }
+    M * GROUP
 }
 
 /// For each lane the longest step, in its unit: as [`Taylor`] chooses it, but for the tolerance of tangent vectors.
@@ -417,16 +464,22 @@ impl<V: Wide> Body for Evaluation<'_, '_, V> {
         let Evaluation { block, lane, group, tau, values } = self;
         let s = tau / block.units[lane];
         let top_order = if group == 0 { block.method.order() } else { block.tangent_order };
-        for (i, value) in values.iter_mut().enumerate() {
-            *value = (0..=top_order).rev().fold(0.0, |sum: f64, k| {
-                let coefficient = if group == 0 && k <= block.double_order {
-                    block.double[lane / V::WIDTH][k * GROUP + i].get(lane % V::WIDTH)
-                } else {
-                    block.single[k * block.row + group * GROUP + i].get(lane)
-                };
-                sum.mul_add(s, coefficient)
-            });
+        let (single, stride) = (as_scalars(&block.single), block.row * 2 * V::WIDTH);
+        let mut sums = [0.0_f64; N];
+        for k in (0..=top_order).rev() {
+            if group == 0 && k <= block.double_order {
+                let coefficients = &block.double[lane / V::WIDTH][k * GROUP..][..N];
+                for i in 0..N {
+                    sums[i] = sums[i].mul_add(s, coefficients[i].get(lane % V::WIDTH));
+                }
+            } else {
+                let coefficients = &single[k * stride + group * GROUP * 2 * V::WIDTH + lane..];
+                for i in 0..N {
+                    sums[i] = sums[i].mul_add(s, coefficients[i * 2 * V::WIDTH].to_f64());
+                }
+            }
         }
+        values.copy_from_slice(&sums[..values.len()]);
     }
 }
 
