@@ -1,11 +1,12 @@
 //! Orthonormal frames: Q R is the matrix, Q is orthonormal, R has a positive diagonal; known answers in whole numbers.
 
 use liepoisson_core::analysis::frame::orthonormalise;
+use liepoisson_core::lanes::Simd;
 use proptest::prelude::*;
 
 fn factors(matrix: &[f64], n_rows: usize, n_columns: usize) -> (Vec<f64>, Vec<f64>) {
     let (mut frame, mut triangle) = (matrix.to_vec(), vec![f64::NAN; n_columns * n_columns]);
-    orthonormalise(&mut frame, n_rows, n_columns, &mut triangle);
+    orthonormalise(Simd::widest(), &mut frame, n_rows, n_columns, &mut triangle);
     (frame, triangle)
 }
 
