@@ -16,6 +16,7 @@ TAYLOR = _core.Method.taylor(1e-12, None, False, 1000)
 SPLITTING = _core.Method.splitting(2, 1e-300, False, 2**63)
 """Its steps never end."""
 STATE = np.linspace(0.1, 0.9, 9)
+AXIS = np.eye(9)[0]
 TIMES = np.array([0.0, 1.0])
 PLANE = (9, [], [2])
 MATRIX = (np.array([0, 2, 3], np.uint64), np.array([0, 1, 1], np.uint32), np.array([1, 2, 3], np.uint64), 3)
@@ -33,6 +34,10 @@ GOOD = {
     "orbits": (_core.orbits, (TOP, TAYLOR, STATE, STATE, 1, TIMES, 1, 0.2, True, False, None)),
     "one orbit": (_core.orbits, (TOP, TAYLOR, STATE, STATE[:0], 0, TIMES, 1, 0.2, False, True, None)),
     "growth": (_core.growth, (TOP, TAYLOR, STATE, STATE, TIMES, 1, 0.2, None)),
+    "carry_frames": (
+        _core.carry_frames,
+        (TOP, TAYLOR, STATE, AXIS, 1, np.ones(9), np.zeros(1), 0.5, 3, 3, True, 1, 0.2, None),
+    ),
     "sections": (_core.sections, (TOP, TAYLOR, PLANE, STATE, TIMES, 0, None, [], 1, 0.2, None)),
     "modular_null_space": (_core.modular_null_space, (*MATRIX, 101, None, 0.2, None)),
 }

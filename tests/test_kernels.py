@@ -18,6 +18,9 @@ single = lp.integrate(top, x0[0], times=[0, 5], threads=THREADS)
 alone = lp.integrate(top, x0[0], times=[0, 5], kernel="lanes", threads=THREADS)
 assert np.array_equal(alone.state[0], lp.integrate(top, x0, times=[0, 5]).state[0])
 results = [growth.exponent, orbit.state, orbit.tangent, single.state]
+for method in (lp.Taylor(), lp.Taylor(precision="mixed")):
+    spectrum = lp.lyapunov_spectrum(top, x0, t_end=30, interval=0.4, method=method, threads=THREADS)
+    results += [spectrum.exponent, spectrum.end_state, spectrum.largest_ratio]
 for energy in ("l1^2/3 + l2^2/2 + l1*alpha2 + alpha3^2", "sqrt(1 + dot(l, l)) + sin(alpha1)/(3 + alpha2) + exp(l3/5)"):
     system = lp.System(lp.so(3) @ lp.semidirect(2), energy)
     start = lp.sample_states(system, 19, seed=2)

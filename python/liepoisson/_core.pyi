@@ -13,6 +13,7 @@ __all__ = [
     "Method",
     "__version__",
     "available_simd",
+    "carry_frames",
     "check_covering_relations",
     "enclose_equilibria",
     "enclose_flow",
@@ -136,6 +137,32 @@ def growth(
     time_limit: float,
     progress: Callable[[float], object] | None,
 ) -> _Growth: ...
+
+class _Carried(_Ends):
+    growth: _Array
+    triangle: _Array
+    kept_frame: _Array
+    kept_state: _Array
+    frame: _Array
+    n_complete: NDArray[np.int64]
+    largest_ratio: _Array
+
+def carry_frames(
+    field: Field,
+    method: Method,
+    states: _Array,
+    frames: _Array,
+    n_vectors: int,
+    units: _Array,
+    elapsed: _Array,
+    duration: float,
+    n_intervals: int,
+    per_row: int,
+    keep: bool,
+    threads: int,
+    time_limit: float,
+    progress: Callable[[float], object] | None,
+) -> _Carried: ...
 
 class _NullSpace(TypedDict):
     rank: int

@@ -13,6 +13,7 @@ use crate::fields::{Field, InstructionParts, Kind, read_instructions};
 use crate::methods::{How, Method, with_field_and_method};
 use liepoisson_core::analysis::frame::orthonormalise;
 use liepoisson_core::analysis::section::{self, Doubts, Surface};
+use liepoisson_core::analysis::tangent_frames::{self, Course};
 use liepoisson_core::analysis::{lyapunov, orbit};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
@@ -200,6 +201,58 @@ fn growth<'py>(
     Ok(result)
 }
 
+/// Orthonormal frames carried along trajectories, over many intervals; arrays are flat, row-major: see `_core.pyi`.
+#[pyfunction]
+#[pyo3(signature = (
+    field, method, states, frames, n_vectors, units, elapsed, duration, n_intervals, per_row, keep, threads, time_limit, progress
+))]
+#[allow(clippy::too_many_arguments)]
+fn carry_frames<'py>(
+    py: Python<'py>,
+    field: &Field,
+    method: &Method,
+    states: PyReadonlyArray1<'py, f64>,
+    frames: PyReadonlyArray1<'py, f64>,
+    n_vectors: usize,
+    units: PyReadonlyArray1<'py, f64>,
+    elapsed: PyReadonlyArray1<'py, f64>,
+    duration: f64,
+    n_intervals: usize,
+    per_row: usize,
+    keep: bool,
+    threads: usize,
+    time_limit: f64,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let simd = Simd::from_environment().map_err(translate)?;
+    let (states, frames) = (&*copied(&states)?, &*copied(&frames)?);
+    let (units, elapsed) = (&*copied(&units)?, &*copied(&elapsed)?);
+    let course = Course { frames, units, elapsed, n_intervals, per_row, keep };
+    let times = &[0.0, duration];
+    macro_rules! run {
+        ($field:expr, $method:expr) => {{
+            let ensemble =
+                Ensemble { field: $field, method: $method, states, tangents: &[], n_tangents: n_vectors, times };
+            supervised(py, ensemble.n_members(), time_limit, progress, |control, watch| {
+                tangent_frames::carry(&ensemble, &course, threads, simd, control, watch)
+            })?
+        }};
+    }
+    let carried = with_field_and_method!(field, method, run);
+    let result = PyDict::new(py);
+    add_summaries(&result, &carried.summaries, field.n_components())?;
+    result.set_item("growth", carried.growth.into_pyarray(py))?;
+    result.set_item("triangle", carried.triangles.into_pyarray(py))?;
+    result.set_item("kept_frame", carried.kept_frames.into_pyarray(py))?;
+    result.set_item("kept_state", carried.kept_states.into_pyarray(py))?;
+    result.set_item("frame", carried.frames.into_pyarray(py))?;
+    result.set_item("n_complete", PyArray1::from_iter(py, carried.n_complete.iter().map(|&n| n as i64)))?;
+    result.set_item("largest_ratio", carried.largest_ratios.into_pyarray(py))?;
+    result.set_item("kernel", simd.name())?;
+    result.set_item("order", method.0.order())?;
+    Ok(result)
+}
+
 /// Crossings of a surface; arrays are flat, row-major: see `_core.pyi`.
 #[pyfunction]
 #[pyo3(signature = (field, method, surface, states, times, direction, n_crossings, sides, threads, time_limit, progress))]
@@ -280,14 +333,14 @@ fn orthonormal<'py>(
     n_rows: usize,
     n_columns: usize,
 ) -> PyResult<(Doubles<'py>, Doubles<'py>)> {
-    let mut frames = copied(&matrices)?;
+    let (mut frames, simd) = (copied(&matrices)?, Simd::from_environment().map_err(translate)?);
     let size = n_rows * n_columns;
     if n_columns == 0 || n_columns > n_rows || !frames.len().is_multiple_of(size) {
         return Err(exception("ShapeError", "matrices must have at least as many rows as columns; got another shape."));
     }
     let mut triangles = vec![0.0; frames.len() / n_rows * n_columns];
     for (frame, triangle) in frames.chunks_exact_mut(size).zip(triangles.chunks_exact_mut(n_columns * n_columns)) {
-        orthonormalise(frame, n_rows, n_columns, triangle);
+        orthonormalise(simd, frame, n_rows, n_columns, triangle);
     }
     Ok((frames.into_pyarray(py), triangles.into_pyarray(py)))
 }
@@ -350,6 +403,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(orbits, module)?)?;
     module.add_function(wrap_pyfunction!(states_at, module)?)?;
     module.add_function(wrap_pyfunction!(growth, module)?)?;
+    module.add_function(wrap_pyfunction!(carry_frames, module)?)?;
     module.add_function(wrap_pyfunction!(sections, module)?)?;
     module.add_function(wrap_pyfunction!(orthonormal, module)?)?;
     module.add_function(wrap_pyfunction!(modular_null_space, module)?)?;

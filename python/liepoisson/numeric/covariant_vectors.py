@@ -20,7 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.mean_error import mean_error
-from liepoisson.numeric.tangent_frames import TangentFrames
+from liepoisson.numeric.tangent_frames import Carried, TangentFrames
 from liepoisson.result import labelled
 from liepoisson.scalars import as_count
 from liepoisson.streams import Purpose, stream
@@ -149,23 +149,18 @@ class CovariantRecord:
                 "intervals"
             )
         self._source, self._t_end, self._during = frames, t_end, during
-        self._frames: list[Array] = []
-        self._states: list[Array] = []
-        self._triangles: list[Array] = []
 
     def begin(self) -> None:
         """Keeps the frames where the averages begin."""
-        self._frames.append(self._source.frame.copy())
-        self._states.append(self._source.state.copy())
+        self._frame, self._state = self._source.frame.copy(), self._source.state.copy()
 
-    def keep(self, triangles: Array) -> None:
-        """Keeps an interval of the averages, and the frames at its end."""
-        self._triangles.append(triangles)
-        self.begin()
+    def keep(self, carried: Carried) -> None:
+        """Keeps the intervals of the averages."""
+        self._carried = carried
 
-    def settle(self, triangles: Array) -> None:
-        """Keeps an interval after the averages, where the vectors turn into their directions on the way back."""
-        self._triangles.append(triangles)
+    def settle(self, carried: Carried) -> None:
+        """Keeps the intervals after the averages, where the vectors turn into their directions on the way back."""
+        self._after = carried.triangle
 
     def vectors(self) -> CovariantVectors:
         """Goes back through the triangular matrices; states after the end of all runs are the last good ones."""
@@ -175,24 +170,29 @@ class CovariantRecord:
         vector = np.full((n_all, n_times, n, n), np.nan)
         growth = np.full((n_all, self._during, n), np.nan)
         time = self._t_end * np.arange(n_times) / self._during
-        states = self._states + [source.state] * (n_times - len(self._states))
-        states = np.stack(states, axis=1)
+        states = np.concatenate([self._state[:, None], self._carried.state], axis=1)
+        states = np.where(np.isnan(states).any(axis=2, keepdims=True), source.state[:, None], states)
         if not finished.any():
             return CovariantVectors(time, states, vector, growth)
         coefficients = _random_triangles(n, n_all, seed=source.seed, first=source.first)[finished]
-        for k in range(len(self._triangles) - 1, -1, -1):
-            if k < self._during:
-                vector[finished, k + 1] = _rows(self._frames[k + 1][finished] @ coefficients)
-            coefficients = np.linalg.solve(self._triangles[k][finished], coefficients)
-            length = np.linalg.norm(coefficients, axis=1)
-            coefficients /= length[:, None, :]
-            if k < self._during:
-                growth[finished, k] = -np.log(length) * self._during / self._t_end
-        vector[finished, 0] = _rows(self._frames[0][finished] @ coefficients)
+        for k in range(self._after.shape[1] - 1, -1, -1):
+            coefficients, _ = _back(self._after[finished, k], coefficients)
+        for k in range(self._during - 1, -1, -1):
+            vector[finished, k + 1] = _rows(self._carried.frame[finished, k] @ coefficients)
+            coefficients, length = _back(self._carried.triangle[finished, k], coefficients)
+            growth[finished, k] = -np.log(length) * self._during / self._t_end
+        vector[finished, 0] = _rows(self._frame[finished] @ coefficients)
         scaled = np.flatnonzero((source.unit != 1.0).any(axis=1))
         vector[scaled] *= source.unit[scaled, None, None, :]
         vector[scaled] /= np.linalg.norm(vector[scaled], axis=-1, keepdims=True)
         return CovariantVectors(time, states, vector, growth)
+
+
+def _back(triangles: Array, coefficients: Array) -> tuple[Array, Array]:
+    """Unit columns of coefficients an interval earlier, and the lengths that they had."""
+    earlier = np.linalg.solve(triangles, coefficients)
+    length = np.linalg.norm(earlier, axis=1)
+    return earlier / length[:, None, :], length
 
 
 def _rows(matrices: Array) -> NDArray[np.float64]:

@@ -22,7 +22,7 @@ from liepoisson.numeric.spectrum_check import SpectrumResiduals, check_lines, sp
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.structural_zeros import PoissonStructure, poisson_structure
 from liepoisson.numeric.systems import HasField
-from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals, stretchings
+from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals
 from liepoisson.numeric.time_scale import natural_duration, orbit_units
 from liepoisson.result import labelled, part
 from liepoisson.scalars import TIME_LIMIT, as_time_limit
@@ -260,24 +260,16 @@ def lyapunov_spectrum(
     during = n_times * per_time
     clock = Clock(before + during + (before if covariant else 0), progress)
     vectors = CovariantRecord(frames, t_end, transient, during, before) if covariant else None
-    for _ in clock.intervals(frames, before, transient / max(1, before)):
-        pass
+    clock.carry(frames, before, transient / max(1, before), per_row=max(1, before))
     if vectors is not None:
         vectors.begin()
-    growth = np.full((len(start), n_times, frames.frame.shape[2]), np.nan)
-    for k in range(n_times):
-        if not frames.goes_on().any():
-            break
-        growth[:, k] = 0.0
-        for triangles in clock.intervals(frames, per_time, t_end / during):
-            growth[:, k] += stretchings(triangles)
-            if vectors is not None:
-                vectors.keep(triangles)
+    carried = clock.carry(frames, during, t_end / during, per_row=per_time, keep=covariant)
+    growth = carried.growth
     time, finished = t_end * np.arange(1, n_times + 1) / n_times, frames.outcome == "finished"
     time[-1] = t_end  # which the quotient may miss by a bit; a file has the time from here
     if vectors is not None:
-        for triangles in clock.intervals(frames, before, transient / max(1, before)):
-            vectors.settle(triangles)
+        vectors.keep(carried)
+        vectors.settle(clock.carry(frames, before, transient / before, per_row=before, keep=True))
     rates = growth * n_times / t_end
     return Spectrum(
         **given(system, frames.field, frames.method, start),

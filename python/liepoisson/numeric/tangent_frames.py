@@ -9,7 +9,8 @@ References: [benettin1980]; Eckmann and Ruelle, Rev. Mod. Phys. 57 (1985) 617.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,14 +22,32 @@ from liepoisson.errors import ParameterError
 from liepoisson.field import Field
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor, as_method, field_for
+from liepoisson.numeric.outcomes import outcome_names
 from liepoisson.numeric.sampling import BLOCK, as_first, as_seed, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts
-from liepoisson.numeric.systems import HasField, as_field
+from liepoisson.numeric.systems import HasField, as_field, core_field
 from liepoisson.scalars import as_count, as_number, as_threads, as_time_limit
 from liepoisson.streams import Purpose, stream
 
 MOST_INTERVALS = 10_000_000
-"""Most intervals of a run: each costs some 0.1 ms at least, so that these take a quarter of an hour."""
+"""Most intervals of a run: each costs microseconds at least, so that these take a minute for each trajectory."""
+
+
+@dataclass(frozen=True)
+class Carried:
+    r"""What frames have found on their way over many intervals; NaN in what a trajectory did not complete.
+
+    Attributes:
+        growth: Sums of $\ln R_{kk}$ over the intervals of each row, shape (trajectory, row, vector).
+        triangle: R of each interval, shape (trajectory, interval, vector, vector); of none if they were not to be kept.
+        frame: Frames at the ends of the intervals, shape (trajectory, interval, component, vector), likewise.
+        state: States there, shape (trajectory, interval, component), likewise.
+    """
+
+    growth: Array
+    triangle: Array
+    frame: Array
+    state: Array
 
 
 class TangentFrames:
@@ -122,6 +141,96 @@ class TangentFrames:
             triangles[going] = self._advance(going, duration, left, progress)
         return triangles
 
+    def carry(
+        self,
+        n: int,
+        duration: float,
+        progress: Callable[[float], Any] | None = None,
+        *,
+        per_row: int = 1,
+        keep: bool = False,
+        only: NDArray[np.bool_] | None = None,
+    ) -> Carried:
+        """`advance`, n times, in one call of the core: the same steps, bit for bit.
+
+        Args:
+            n: Number of intervals.
+            duration: Length of each, positive.
+            progress: Called with the fraction that is done.
+            per_row: So many intervals make up a row of the growth.
+            keep: Whether what is found at each interval is kept.
+            only: Which trajectories, shape (trajectory,); by default all.
+
+        Returns:
+            Carried; NaN in what a trajectory did not complete.
+        """
+        members, n_vectors = len(self.state), self.frame.shape[2]
+        going = np.flatnonzero(self.goes_on(only))
+        left = self._deadline - time.monotonic()
+        raw: Any = None
+        if left <= 0.0 and n:
+            self.outcome[going] = "time limit"
+        elif len(going) and n:
+            raw = self._carry(going, n, duration, left, progress, per_row=per_row, keep=keep)
+            failed = np.zeros(members, dtype=np.bool_)
+            failed[going] = (raw["n_complete"] < n) & (self.outcome[going] == "finished")
+            if failed.any():  # by the way that says how
+                self.advance(duration, only=failed)
+                assert not self.goes_on(failed).any(), "both ways take the same steps"
+
+        def every(name: str, *shape: int) -> Array:
+            if raw is not None and len(going) == members:
+                return raw[name].reshape(members, *shape)
+            values = np.full((members, *shape), np.nan)
+            if raw is not None:
+                values[going] = raw[name].reshape(len(going), *shape)
+            return values
+
+        n_kept, n_components = n if keep else 0, self.state.shape[1]
+        return Carried(
+            growth=every("growth", n // per_row, n_vectors),
+            triangle=every("triangle", n_kept, n_vectors, n_vectors),
+            frame=every("kept_frame", n_kept, n_components, n_vectors),
+            state=every("kept_state", n_kept, n_components),
+        )
+
+    def _carry(
+        self,
+        going: NDArray[np.intp],
+        n: int,
+        duration: float,
+        left: float,
+        progress: Callable[[float], Any] | None,
+        *,
+        per_row: int,
+        keep: bool,
+    ) -> Any:
+        raw = _core.carry_frames(
+            core_field(self.field),
+            self.method.core(),
+            self.state[going].ravel(),
+            self.frame[going].ravel(),
+            self.frame.shape[2],
+            self.unit[going].ravel(),
+            self.end_time[going],
+            duration,
+            n,
+            per_row,
+            keep,
+            self._threads,
+            left,
+            progress,
+        )
+        self.order, self.kernel = raw["order"], raw["kernel"]
+        self.state[going] = raw["final_state"].reshape(len(going), -1)
+        self.frame[going] = raw["frame"].reshape(len(going), *self.frame.shape[1:])
+        self.end_time[going] = raw["end_time"]
+        self.n_steps[going] += raw["n_steps"]
+        self.largest_ratio[going] = np.maximum(self.largest_ratio[going], raw["largest_ratio"])
+        late = outcome_names(raw["outcome"]) == "time limit"
+        self.outcome[going[late]] = "time limit"
+        return raw
+
     def _advance(
         self, going: NDArray[np.intp], duration: float, left: float, progress: Callable[[float], Any] | None
     ) -> Array:
@@ -163,27 +272,25 @@ class Clock:
 
     def __init__(self, n_intervals: int, progress: Callable[[float], Any] | None) -> None:
         self._total, self._done, self._progress = n_intervals, 0, progress
-        self._told = time.monotonic()
 
-    def run(self, frames: TangentFrames, duration: float, *, only: NDArray[np.bool_] | None = None) -> Array:
-        """Advances by one interval; the triangular matrices."""
-        triangles = frames.advance(duration, None if self._progress is None else self._tell, only=only)
-        self._done += 1
-        if self._progress is not None and (time.monotonic() - self._told > 0.2 or self._done == self._total):
-            self._tell(0.0)
-        return triangles
-
-    def intervals(self, frames: TangentFrames, n: int, duration: float) -> Iterator[Array]:
-        """The triangular matrices of n intervals of a duration, of fewer if no trajectory goes on."""
-        for _ in range(n):
-            if not frames.goes_on().any():
-                break
-            yield self.run(frames, duration)
-
-    def _tell(self, part: float) -> None:
-        self._told = time.monotonic()
-        if self._progress is not None:
-            self._progress((self._done + part) / self._total)
+    def carry(
+        self,
+        frames: TangentFrames,
+        n: int,
+        duration: float,
+        *,
+        per_row: int = 1,
+        keep: bool = False,
+        only: NDArray[np.bool_] | None = None,
+    ) -> Carried:
+        """`TangentFrames.carry`, over some of the intervals of the run."""
+        tell, done = self._progress, self._done
+        progress = None if tell is None else lambda part: tell((done + part * n) / self._total)
+        carried = frames.carry(n, duration, progress, per_row=per_row, keep=keep, only=only)
+        self._done += n
+        if tell is not None and n:
+            tell(self._done / self._total)
+        return carried
 
 
 class _Prepared:
@@ -206,12 +313,6 @@ def positive_qr(matrices: Array) -> tuple[Array, Array]:
     n_rows, n_columns = matrices.shape[-2:]
     frames, triangles = _core.orthonormal(np.ascontiguousarray(matrices).ravel(), n_rows, n_columns)
     return frames.reshape(matrices.shape), triangles.reshape(*matrices.shape[:-2], n_columns, n_columns)
-
-
-def stretchings(triangles: Array) -> Array:
-    r"""$\ln R_{kk}$, shape (trajectory, vector): what each direction has grown; minus infinity if nothing is left."""
-    with np.errstate(divide="ignore"):
-        return np.log(np.diagonal(triangles, axis1=1, axis2=2))
 
 
 def orthonormal_frames(n_components: int, n_vectors: int, n: int, *, seed: int, first: int = 0) -> Array:

@@ -4,6 +4,7 @@ pub mod frame;
 pub mod lyapunov;
 pub mod orbit;
 pub mod section;
+pub mod tangent_frames;
 
 use crate::ensemble::{Control, Outcome, Summary};
 use crate::error::Error;

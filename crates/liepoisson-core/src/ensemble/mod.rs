@@ -11,7 +11,7 @@ mod worker;
 
 pub(crate) use any_ensemble::{AnyEnsemble, Watch};
 pub use control::Control;
-pub use observer::{Observer, Step, Stop};
+pub use observer::{Observer, Onward, Step, Stop};
 pub use outcome::{Outcome, Summary};
 pub(crate) use running::beside;
 

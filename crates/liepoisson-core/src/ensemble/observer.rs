@@ -44,6 +44,22 @@ impl Step<'_> {
         self.scales[k]
     }
 
+    /// The present state: where a step has been taken, that at its end.
+    pub fn present_state(&self, values: &mut [f64]) {
+        self.block.read(self.lane, 0, values);
+    }
+
+    /// The present tangent vector `k` (from 0) as `values * 2^scale`; returns `scale`.
+    pub fn present_tangent(&self, k: usize, values: &mut [f64]) -> i64 {
+        self.block.read(self.lane, 1 + k, values);
+        self.scales[k]
+    }
+
+    /// See [`Block::keeps_tangents_whole`].
+    pub fn keeps_tangents_whole(&self) -> bool {
+        self.block.keeps_tangents_whole()
+    }
+
     /// Appends the power series of the state about the start of the step, so many orders or all that there are.
     ///
     /// # Errors
@@ -69,6 +85,22 @@ pub enum Stop {
     },
 }
 
+/// What follows when a trajectory has reached the last time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Onward<'o> {
+    /// It has ended.
+    Ends,
+    /// It begins again at the first time, in its lane, as a new trajectory.
+    Begins {
+        /// The state.
+        state: &'o [f64],
+        /// The tangent vectors, one after the other.
+        tangents: &'o [f64],
+    },
+    /// So it does later, in any lane: the observer keeps it for [`Observer::resume`].
+    Waits,
+}
+
 /// What a worker does with the trajectories that it advances; each worker has its own.
 pub trait Observer: Send {
     /// `member` starts in `lane`.
@@ -91,6 +123,20 @@ pub trait Observer: Send {
         for (k, &tau) in taus.iter().enumerate() {
             self.sample(lane, first + k, tau, step);
         }
+    }
+    /// How often a trajectory goes from the first time to the last: it counts in the progress of a run as that part of a member.
+    fn passes(&self) -> u64 {
+        1
+    }
+    /// The last time is reached after so many steps; `last` is where the trajectory is then.
+    fn onward(&mut self, lane: usize, n_steps: u64, last: &Step<'_>) -> Onward<'_> {
+        let _ = (lane, n_steps, last);
+        Onward::Ends
+    }
+    /// The next member that waits, to go on in an empty lane: its number, its state and its tangent vectors.
+    fn resume(&mut self, lane: usize) -> Option<(usize, &[f64], &[f64])> {
+        let _ = lane;
+        None
     }
     /// `member` has ended.
     fn end(&mut self, lane: usize, member: usize, summary: Summary);

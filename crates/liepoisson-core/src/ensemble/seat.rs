@@ -20,6 +20,8 @@ pub(super) struct Seat {
     pub(super) scales: Vec<i64>,
     /// The wanted times within one step, after its start.
     pub(super) taus: Vec<f64>,
+    /// Room for what the lane holds of values that are put into it.
+    pub(super) held: Vec<f64>,
     pub(super) reported: u64,
 }
 
@@ -38,6 +40,7 @@ impl Seat {
             careful_steps: 0,
             scales: vec![0; n_tangents],
             taus: vec![],
+            held: vec![],
             reported: 0,
         }
     }

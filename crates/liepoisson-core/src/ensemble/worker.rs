@@ -2,7 +2,7 @@
 
 use super::any_ensemble::AnyEnsemble;
 use super::control::{Control, ONE};
-use super::observer::{Observer, Step, Stop};
+use super::observer::{Observer, Onward, Step, Stop};
 use super::outcome::{Outcome, Summary};
 use super::pace::Pace;
 use super::seat::Seat;
@@ -55,12 +55,12 @@ impl Worker<'_> {
             self.rescale_tangents(block, &mut seats, &mut sizes);
             for (lane, seat) in seats.iter_mut().enumerate() {
                 if seat.occupied && seat.next_sample == ensemble.times.len() {
-                    self.dismiss(block, lane, seat, Outcome::Finished, &mut observer);
+                    self.lead_on(block, lane, seat, &mut observer);
                 }
             }
             if pace.is_time(block.most_repeats()) {
                 for seat in seats.iter_mut().filter(|seat| seat.occupied) {
-                    self.report(seat, false);
+                    self.report(seat, false, observer.passes());
                 }
                 self.control.look_at_clock();
             }
@@ -84,18 +84,49 @@ impl Worker<'_> {
             if may_sit && self.queue.load(Ordering::Relaxed) < ensemble.n_members() {
                 let member = self.queue.fetch_add(1, Ordering::Relaxed);
                 if member < ensemble.n_members() {
-                    block.seat(lane, member);
-                    load(block, lane, 0, &ensemble.states[member * n..][..n]);
-                    for k in 0..n_tangents {
-                        load(block, lane, 1 + k, &ensemble.tangents[(member * n_tangents + k) * n..][..n]);
-                    }
-                    seat.take(member, ensemble.times[0]);
+                    let tangents = &ensemble.tangents[member * n_tangents * n..][..n_tangents * n];
+                    self.begin(block, lane, seat, (member, &ensemble.states[member * n..][..n], tangents));
                     observer.begin(lane, member);
                 }
+            }
+            if may_sit
+                && !seat.occupied
+                && let Some(start) = observer.resume(lane)
+            {
+                self.begin(block, lane, seat, start);
             }
             any |= seat.occupied;
         }
         any
+    }
+
+    /// Puts a trajectory, from its number, state and tangent vectors, into a lane at the first time.
+    fn begin(&self, block: &mut dyn Block, lane: usize, seat: &mut Seat, start: (usize, &[f64], &[f64])) {
+        let (member, state, tangents) = start;
+        block.seat(lane, member);
+        load(block, lane, 0, state, &mut seat.held);
+        for (k, tangent) in tangents.chunks_exact(state.len()).enumerate() {
+            load(block, lane, 1 + k, tangent, &mut seat.held);
+        }
+        seat.take(member, self.ensemble.times[0]);
+    }
+
+    /// What follows for a trajectory that has reached the last time.
+    #[inline(always)]
+    fn lead_on<O: Observer>(&self, block: &mut dyn Block, lane: usize, seat: &mut Seat, observer: &mut O) {
+        let (passes, n_steps, member) = (observer.passes(), seat.n_steps, seat.member);
+        let last = Step { block, lane, time: seat.time, size: 0.0, scales: &seat.scales };
+        match observer.onward(lane, n_steps, &last) {
+            Onward::Ends => self.dismiss(block, lane, seat, Outcome::Finished, observer),
+            Onward::Begins { state, tangents } => {
+                self.report(seat, true, passes);
+                self.begin(block, lane, seat, (member, state, tangents));
+            }
+            Onward::Waits => {
+                self.report(seat, true, passes);
+                self.vacate(block, lane, seat);
+            }
+        }
     }
 
     /// Shortens the longest steps of a method with series where the steps that they lead to would end wrongly.
@@ -318,19 +349,25 @@ impl Worker<'_> {
         let mut state = vec![0.0; n];
         block.read(lane, 0, &mut state);
         if !matches!(outcome, Outcome::Cancelled | Outcome::TimeLimit) {
-            self.report(seat, true);
+            self.report(seat, true, observer.passes());
         }
         observer.end(lane, seat.member, Summary { outcome, time: seat.time, n_steps: seat.n_steps, state });
+        self.vacate(block, lane, seat);
+    }
+
+    /// Empties a seat: its lane rests at the origin.
+    fn vacate(&self, block: &mut dyn Block, lane: usize, seat: &mut Seat) {
         for group in 0..=self.ensemble.n_tangents {
-            block.load(lane, group, &vec![0.0; n]);
+            block.load(lane, group, &vec![0.0; self.ensemble.n_components]);
         }
         seat.occupied = false;
     }
 
-    fn report(&self, seat: &mut Seat, ended: bool) {
+    fn report(&self, seat: &mut Seat, ended: bool, passes: u64) {
         let times = self.ensemble.times;
         let fraction = (seat.time - times[0]) / (times[times.len() - 1] - times[0]);
-        let done = if ended { ONE as u64 } else { (fraction * ONE) as u64 };
+        let whole = ONE / passes as f64;
+        let done = if ended { whole as u64 } else { (fraction * whole) as u64 };
         self.control.done.fetch_add(done - seat.reported, Ordering::Relaxed);
         seat.reported = done;
     }
@@ -338,12 +375,12 @@ impl Worker<'_> {
 
 /// Puts values into one group of a lane; those that its numbers cannot hold, since single precision ends at 1e-38, as NaN:
 /// a state of 1e-300 would come to rest at the origin and be said to have finished there.
-fn load(block: &mut dyn Block, lane: usize, group: usize, values: &[f64]) {
+fn load(block: &mut dyn Block, lane: usize, group: usize, values: &[f64], held: &mut Vec<f64>) {
     let size = |values: &[f64]| values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
     block.load(lane, group, values);
-    let mut held = vec![0.0; values.len()];
-    block.read(lane, group, &mut held);
-    if size(&held) < 0.5 * size(values) {
+    held.resize(values.len(), 0.0);
+    block.read(lane, group, held);
+    if size(held) < 0.5 * size(values) {
         block.load(lane, group, &vec![f64::NAN; values.len()]);
     }
 }

@@ -124,6 +124,15 @@ pub trait Field: Space {
     /// From the complete rows `0..=k` computes the components of row `k + 1`, of the state and of every tangent vector.
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize);
 
+    /// From the components of row 0 all rows up to `order`, of which the last one has no work quantities.
+    #[inline(always)]
+    fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
+        for k in 0..order {
+            self.derive_work(rows, n_tangents, k);
+            self.extend(rows, n_tangents, k);
+        }
+    }
+
     /// Whether each term of the field shows in the series of a solution, however small it is where the series begins: not that
     /// of a high power, nor of an exponential.
     fn shows_its_terms(&self) -> bool {
@@ -202,6 +211,11 @@ impl<F: Field> Field for &F {
     #[inline(always)]
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
         (**self).extend(rows, n_tangents, k);
+    }
+
+    #[inline(always)]
+    fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
+        (**self).expand(rows, n_tangents, order);
     }
 
     fn shows_its_terms(&self) -> bool {

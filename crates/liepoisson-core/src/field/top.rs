@@ -142,14 +142,64 @@ fn finish<C: Constants, V: Lane>(top: &C, derivative: &mut [V; N], row: &[V]) {
     add_cross_with_constant(derivative, 3, row, 6, top, Constant::Twist);
 }
 
-/// [`Field::derive_work`] of tops.
+/// The work quantities of some groups.
 #[inline(always)]
-pub(super) fn derive_work<C: Constants, V: Lane>(top: &C, rows: &mut [V], row: usize, k: usize) {
-    for group in rows[k * row..(k + 1) * row].chunks_exact_mut(GROUP) {
+pub(super) fn derive_work<C: Constants, V: Lane>(top: &C, groups: &mut [V]) {
+    for group in groups.chunks_exact_mut(GROUP) {
         for i in 0..3 {
             group[OMEGA + i] = group[i].mul(top.of(Constant::InverseInertia, i, 0));
         }
     }
+}
+
+/// The next coefficients of the state, and of the `first` tangent vector if there is one.
+#[inline(always)]
+fn extend_state<C: Constants, V: Lane>(top: &C, known: &[V], next: &mut [V], row: usize, first: usize) {
+    let (order, last) = (known.len() / row, known.len() - row);
+    // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
+    // the same, term by term, so a trajectory has the same bits either way.
+    if first == 1 && V::REGISTERS >= 32 {
+        let (mut derivative, mut tangent) = products_of_state_and_tangent(known, row);
+        finish(top, &mut derivative, group_of(known, last));
+        store(next, 0, &derivative, order);
+        finish(top, &mut tangent, group_of(known, last + GROUP));
+        store(next, GROUP, &tangent, order);
+        return;
+    }
+    let mut derivative = products_of_state(known, row);
+    finish(top, &mut derivative, group_of(known, last));
+    store(next, 0, &derivative, order);
+    if first == 1 {
+        extend_tangents::<C, V, 1>(top, known, next, row, GROUP);
+    }
+}
+
+/// The next coefficients of the `M` tangent vectors from group `at` on.
+#[inline(always)]
+fn extend_tangents<C: Constants, V: Lane, const M: usize>(top: &C, known: &[V], next: &mut [V], row: usize, at: usize) {
+    let (order, last) = (known.len() / row, known.len() - row);
+    let mut tangents = products_of_tangents::<V, M>(known, row, at);
+    for m in 0..M {
+        finish(top, &mut tangents[m], group_of(known, last + at + m * GROUP));
+        store(next, at + m * GROUP, &tangents[m], order);
+    }
+}
+
+/// The series of these tangent vectors, where that of the state is known; the registers that they take.
+#[inline(always)]
+fn expand_tangents<C: Constants, V: Lane, const M: usize>(
+    top: &C,
+    rows: &mut [V],
+    row: usize,
+    at: usize,
+    order: usize,
+) -> usize {
+    for k in 0..order {
+        derive_work(top, &mut rows[k * row + at..][..M * GROUP]);
+        let (known, next) = rows.split_at_mut((k + 1) * row);
+        extend_tangents::<C, V, M>(top, known, next, row, at);
+    }
+    M * GROUP
 }
 
 /// [`Field::extend`] of tops.
@@ -157,24 +207,29 @@ pub(super) fn derive_work<C: Constants, V: Lane>(top: &C, rows: &mut [V], row: u
 pub(super) fn extend<C: Constants, V: Lane>(top: &C, rows: &mut [V], n_tangents: usize, k: usize) {
     let row = GROUP * (1 + n_tangents);
     let (known, next) = rows.split_at_mut((k + 1) * row);
-    // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
-    // the same, term by term, so a trajectory has the same bits either way.
-    let fused = n_tangents > 0 && V::REGISTERS >= 32;
-    if fused {
-        let (mut derivative, mut tangent) = products_of_state_and_tangent(known, row);
-        finish(top, &mut derivative, group_of(known, k * row));
-        store(next, 0, &derivative, k + 1);
-        finish(top, &mut tangent, group_of(known, k * row + GROUP));
-        store(next, GROUP, &tangent, k + 1);
-    } else {
-        let mut derivative = products_of_state(known, row);
-        finish(top, &mut derivative, group_of(known, k * row));
-        store(next, 0, &derivative, k + 1);
+    let first = n_tangents.min(1);
+    extend_state(top, known, next, row, first);
+    for i in 1 + first..=n_tangents {
+        extend_tangents::<C, V, 1>(top, known, next, row, i * GROUP);
     }
-    for i in 1 + usize::from(fused)..=n_tangents {
-        let mut tangent = products_of_tangent(known, row, i * GROUP);
-        finish(top, &mut tangent, group_of(known, k * row + i * GROUP));
-        store(next, i * GROUP, &tangent, k + 1);
+}
+
+/// [`Field::expand`] of tops: the state and the first tangent vector are expanded to the last order, then the others one or two
+/// at a time: with the state, these coefficients stay in the nearest cache, where those of all tangent vectors would not.
+#[inline(always)]
+pub(super) fn expand<C: Constants, V: Lane>(top: &C, rows: &mut [V], n_tangents: usize, order: usize) {
+    let (row, first) = (GROUP * (1 + n_tangents), n_tangents.min(1));
+    for k in 0..order {
+        derive_work(top, &mut rows[k * row..][..(1 + first) * GROUP]);
+        let (known, next) = rows.split_at_mut((k + 1) * row);
+        extend_state(top, known, next, row, first);
+    }
+    let mut at = (1 + first) * GROUP;
+    while at < row {
+        at += match (row - at) / GROUP {
+            2.. if V::REGISTERS >= 32 => expand_tangents::<C, V, 2>(top, rows, row, at, order),
+            _ => expand_tangents::<C, V, 1>(top, rows, row, at, order),
+        };
     }
 }
 
@@ -219,12 +274,18 @@ impl Field for Top {
 
     #[inline(always)]
     fn derive_work<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
-        derive_work(self, rows, self.row(n_tangents), k);
+        let row = self.row(n_tangents);
+        derive_work(self, &mut rows[k * row..(k + 1) * row]);
     }
 
     #[inline(always)]
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
         extend(self, rows, n_tangents, k);
+    }
+
+    #[inline(always)]
+    fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
+        expand(self, rows, n_tangents, order);
     }
 
     /// The sums of [`Field::extend`] for order 0, in registers.
@@ -317,7 +378,7 @@ pub(crate) fn products_of_state<V: Lane>(rows: &[V], row: usize) -> [V; N] {
     sum
 }
 
-/// The products of [`products_of_state`], and their directional derivative along the tangent vector in group `at`.
+/// The products of [`products_of_state`], and their directional derivative along the first tangent vector.
 #[inline(always)]
 pub(crate) fn products_of_state_and_tangent<V: Lane>(rows: &[V], row: usize) -> ([V; N], [V; N]) {
     let mut state = [V::splat(0.0); N];
@@ -332,12 +393,16 @@ pub(crate) fn products_of_state_and_tangent<V: Lane>(rows: &[V], row: usize) -> 
     (state, tangent)
 }
 
+/// The derivatives of [`products_of_state`] along the `M` tangent vectors from group `at` on.
 #[inline(always)]
-pub(crate) fn products_of_tangent<V: Lane>(rows: &[V], row: usize, at: usize) -> [V; N] {
-    let mut tangent = [V::splat(0.0); N];
+pub(crate) fn products_of_tangents<V: Lane, const M: usize>(rows: &[V], row: usize, at: usize) -> [[V; N]; M] {
+    let mut tangents = [[V::splat(0.0); N]; M];
     for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
-        add_products(&mut tangent, x, &y[at + OMEGA..at + GROUP]);
-        add_products(&mut tangent, &x[at..at + GROUP], &y[OMEGA..GROUP]);
+        let (dx, dy) = (&x[at..at + M * GROUP], &y[at..at + M * GROUP]);
+        for m in 0..M {
+            add_products(&mut tangents[m], x, &dy[m * GROUP + OMEGA..(m + 1) * GROUP]);
+            add_products(&mut tangents[m], &dx[m * GROUP..(m + 1) * GROUP], &y[OMEGA..GROUP]);
+        }
     }
-    tangent
+    tangents
 }

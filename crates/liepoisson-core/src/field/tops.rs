@@ -108,11 +108,17 @@ impl Field for SeatedTops<'_> {
 
     #[inline(always)]
     fn derive_work<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
-        top::derive_work(self, rows, self.row(n_tangents), k);
+        let row = self.row(n_tangents);
+        top::derive_work(self, &mut rows[k * row..(k + 1) * row]);
     }
 
     #[inline(always)]
     fn extend<V: Lane>(&self, rows: &mut [V], n_tangents: usize, k: usize) {
         top::extend(self, rows, n_tangents, k);
+    }
+
+    #[inline(always)]
+    fn expand<V: Lane>(&self, rows: &mut [V], n_tangents: usize, order: usize) {
+        top::expand(self, rows, n_tangents, order);
     }
 }

@@ -1,10 +1,10 @@
 //! The Taylor method of tops in mixed precision: what a step is made of in single precision, what it is added to in double.
 
 use crate::field::top::{
-    Constant, Constants, GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangent,
+    Constant, Constants, GROUP, N, OMEGA, products_of_state, products_of_state_and_tangent, products_of_tangents,
 };
 use crate::field::{Field, Hold, Top, over};
-use crate::lanes::{Body, Lane, Wide};
+use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::taylor::{Terms, Trend, shorten, shorten_by_trend, sum_of_sizes};
 use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
@@ -278,24 +278,21 @@ impl<V: Wide> ScaledTop<V> {
     /// Of all lanes, from the two halves.
     #[inline(always)]
     fn narrow([first, second]: &[ScaledTop<V>; 2]) -> ScaledTop<V::Narrow> {
-        let zero = V::Narrow::splat(0.0);
-        let mut both = ScaledTop {
+        ScaledTop {
             vanish: first.vanish,
-            asymmetry: [zero; 3],
-            inverse_inertia: [zero; 3],
-            a: [zero; 3],
-            b: [zero; 3],
-            twist: [zero; 3],
-        };
-        for axis in 0..3 {
-            both.asymmetry[axis] = V::narrow(first.asymmetry[axis], second.asymmetry[axis]);
-            both.inverse_inertia[axis] = V::narrow(first.inverse_inertia[axis], second.inverse_inertia[axis]);
-            both.a[axis] = V::narrow(first.a[axis], second.a[axis]);
-            both.b[axis] = V::narrow(first.b[axis], second.b[axis]);
-            both.twist[axis] = V::narrow(first.twist[axis], second.twist[axis]);
+            asymmetry: narrow(&first.asymmetry, &second.asymmetry),
+            inverse_inertia: narrow(&first.inverse_inertia, &second.inverse_inertia),
+            a: narrow(&first.a, &second.a),
+            b: narrow(&first.b, &second.b),
+            twist: narrow(&first.twist, &second.twist),
         }
-        both
     }
+}
+
+/// Three registers from two halves; no closure, which the compiler was seen to call instead of inlining it.
+#[inline(always)]
+fn narrow<V: Wide>(first: &[V; 3], second: &[V; 3]) -> [V::Narrow; 3] {
+    [V::narrow(first[0], second[0]), V::narrow(first[1], second[1]), V::narrow(first[2], second[2])]
 }
 
 impl<V: Lane> ScaledTop<V> {
@@ -349,13 +346,15 @@ impl<C: Constants, V: Wide> Body for Expansion<'_, C, V> {
             unit.as_scalars_mut().copy_from_slice(units);
         }
         let halves = [ScaledTop::new(&*top, both[0], 0), ScaledTop::new(&*top, both[1], V::WIDTH)];
-        for (half, top) in halves.iter().enumerate() {
-            let rows = &mut double[half];
-            top.derive_omega(&mut rows[..GROUP]);
-            for k in 0..*double_order {
-                let (known, next) = rows.split_at_mut((k + 1) * GROUP);
+        for half in 0..2 {
+            halves[half].derive_omega(&mut double[half][..GROUP]);
+        }
+        // order by order in both halves, so that one hides the latency of the other
+        for k in 0..*double_order {
+            for half in 0..2 {
+                let (known, next) = double[half].split_at_mut((k + 1) * GROUP);
                 let mut sum = products_of_state(known, GROUP);
-                top.finish(&mut sum, &known[k * GROUP..], &mut next[..GROUP], k);
+                halves[half].finish(&mut sum, &known[k * GROUP..], &mut next[..GROUP], k);
             }
         }
         for k in 0..=*double_order {
@@ -379,14 +378,48 @@ impl<C: Constants, V: Wide> Body for Expansion<'_, C, V> {
                 let mut sum = products_of_state(known, row);
                 top.finish(&mut sum, &known[k * row..], &mut next[..GROUP], k);
             }
-            if with_tangents {
-                for at in (1 + usize::from(fused)..=n_tangents).map(|tangent| tangent * GROUP) {
-                    let mut sum = products_of_tangent(known, row, at);
-                    top.finish(&mut sum, &known[k * row + at..], &mut next[at..at + GROUP], k);
-                }
+            if with_tangents && !fused {
+                extend_tangents::<V::Narrow, 1>(&top, known, next, row, GROUP);
             }
         }
+        let mut at = 2 * GROUP;
+        while at < row {
+            at += match (row - at) / GROUP {
+                2.. if V::Narrow::REGISTERS >= 32 => {
+                    expand_tangents::<V::Narrow, 2>(&top, single, row, at, *tangent_order)
+                }
+                _ => expand_tangents::<V::Narrow, 1>(&top, single, row, at, *tangent_order),
+            };
+        }
     }
+}
+
+/// The next coefficients of the `M` tangent vectors from group `at` on.
+#[inline(always)]
+fn extend_tangents<V: Lane, const M: usize>(top: &ScaledTop<V>, known: &[V], next: &mut [V], row: usize, at: usize) {
+    let (k, last) = (known.len() / row - 1, known.len() - row);
+    let mut sums = products_of_tangents::<V, M>(known, row, at);
+    for m in 0..M {
+        let at = at + m * GROUP;
+        top.finish(&mut sums[m], &known[last + at..], &mut next[at..at + GROUP], k);
+    }
+}
+
+/// The series of these tangent vectors, where that of the state is known; the registers that they take. With the state, they
+/// stay in the nearest cache.
+#[inline(always)]
+fn expand_tangents<V: Lane, const M: usize>(
+    top: &ScaledTop<V>,
+    rows: &mut [V],
+    row: usize,
+    at: usize,
+    order: usize,
+) -> usize {
+    for k in 0..order {
+        let (known, next) = rows.split_at_mut((k + 1) * row);
+        extend_tangents::<V, M>(top, known, next, row, at);
+    }
+    M * GROUP
 }
 
 /// For each lane the longest step, in its unit: as [`Taylor`] chooses it, but for the tolerance of tangent vectors.
@@ -462,16 +495,22 @@ impl<C, V: Wide> Body for Evaluation<'_, C, V> {
         let Evaluation { block, lane, group, tau, values } = self;
         let s = tau / block.units[lane];
         let top_order = if group == 0 { block.method.order() } else { block.tangent_order };
-        for (i, value) in values.iter_mut().enumerate() {
-            *value = (0..=top_order).rev().fold(0.0, |sum: f64, k| {
-                let coefficient = if group == 0 && k <= block.double_order {
-                    block.double[lane / V::WIDTH][k * GROUP + i].get(lane % V::WIDTH)
-                } else {
-                    block.single[k * block.row + group * GROUP + i].get(lane)
-                };
-                sum.mul_add(s, coefficient)
-            });
+        let (single, stride) = (as_scalars(&block.single), block.row * 2 * V::WIDTH);
+        let mut sums = [0.0_f64; N];
+        for k in (0..=top_order).rev() {
+            if group == 0 && k <= block.double_order {
+                let coefficients = &block.double[lane / V::WIDTH][k * GROUP..][..N];
+                for i in 0..N {
+                    sums[i] = sums[i].mul_add(s, coefficients[i].get(lane % V::WIDTH));
+                }
+            } else {
+                let coefficients = &single[k * stride + group * GROUP * 2 * V::WIDTH + lane..];
+                for i in 0..N {
+                    sums[i] = sums[i].mul_add(s, coefficients[i * 2 * V::WIDTH].to_f64());
+                }
+            }
         }
+        values.copy_from_slice(&sums[..values.len()]);
     }
 }
 

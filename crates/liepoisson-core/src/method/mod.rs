@@ -150,6 +150,11 @@ pub trait Block {
         }
     }
 
+    /// Whether the tangent vectors after a step are, bit for bit, what [`Block::evaluate`] gave for its end.
+    fn keeps_tangents_whole(&self) -> bool {
+        false
+    }
+
     /// For each lane the sum of the absolute values of the components of one group.
     fn norms(&self, group: usize, norms: &mut [f64]);
 

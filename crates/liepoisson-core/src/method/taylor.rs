@@ -207,6 +207,10 @@ impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
         V::outline(Sums::<V> { coefficients, strides, order, n, taus, values, stride, registers: PhantomData });
     }
 
+    fn keeps_tangents_whole(&self) -> bool {
+        true
+    }
+
     fn norms(&self, group: usize, norms: &mut [f64]) {
         V::outline(Norms { block: self, group, norms });
     }
@@ -308,10 +312,7 @@ impl<F: Field, V: Wide> Body for Expansion<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         let TaylorBlock { field, method, n_tangents, rows, .. } = self.0;
-        for k in 0..method.order {
-            field.derive_work(rows, *n_tangents, k);
-            field.extend(rows, *n_tangents, k);
-        }
+        field.expand(rows, *n_tangents, method.order);
     }
 }
 

@@ -1,11 +1,13 @@
 //! Orthonormal frames: Q R is the matrix, Q is orthonormal, R has a positive diagonal; known answers in whole numbers.
 
+use crate::common::*;
 use liepoisson_core::analysis::frame::orthonormalise;
+use liepoisson_core::lanes::Simd;
 use proptest::prelude::*;
 
 fn factors(matrix: &[f64], n_rows: usize, n_columns: usize) -> (Vec<f64>, Vec<f64>) {
     let (mut frame, mut triangle) = (matrix.to_vec(), vec![f64::NAN; n_columns * n_columns]);
-    orthonormalise(&mut frame, n_rows, n_columns, &mut triangle);
+    orthonormalise(Simd::widest(), &mut frame, n_rows, n_columns, &mut triangle);
     (frame, triangle)
 }
 
@@ -42,6 +44,25 @@ proptest! {
         let matrix: Vec<f64> = entries[..n_rows * n_columns].iter().map(|x| x * unit).collect();
         let (product, gram) = defects(&matrix, n_rows, n_columns);
         prop_assert!(product <= 1e-14 * unit && gram <= 1e-14, "{product:e} {gram:e}");
+    }
+}
+
+proptest! {
+    #[test]
+    fn bits_do_not_depend_on_the_width_of_registers(
+        n_columns in 1usize..=20,
+        more in 0usize..4,
+        entries in prop::collection::vec(prop_oneof![Just(0.0), -1.0f64..1.0], 23 * 20),
+    ) {
+        let n_rows = n_columns + more;
+        let results = everywhere(|simd, _| {
+            let (mut frame, mut triangle) = (entries[..n_rows * n_columns].to_vec(), vec![f64::NAN; n_columns * n_columns]);
+            orthonormalise(simd, &mut frame, n_rows, n_columns, &mut triangle);
+            (bits(&frame), bits(&triangle))
+        });
+        for other in &results[1..] {
+            prop_assert_eq!(&results[0], other);
+        }
     }
 }
 

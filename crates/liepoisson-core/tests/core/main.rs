@@ -14,6 +14,7 @@ mod runge_kutta;
 mod runge_kutta_fields;
 mod section;
 mod splitting;
+mod tangent_frames;
 mod tape;
 mod taylor;
 mod top;
