@@ -11,6 +11,7 @@ mod modular;
 mod quadratic;
 mod runge_kutta;
 mod runge_kutta_fields;
+mod same_bits;
 mod section;
 mod splitting;
 mod tape;
