@@ -20,8 +20,12 @@ test: | tools ## set up, then run the tests (less than 8 minutes on two cores)
 	@$(MAKE) --no-print-directory -j 2 set-up test-rust
 	@$(MAKE) --no-print-directory test-python
 
-test-slow: $(VENV)/.built $(VENV)/.dev ## the anchors at full size (the paper's numbers with 20,000 members)
+test-slow: $(VENV)/.built $(VENV)/.dev ## the anchors at full size (the paper's numbers with 20,000 members); `make arm`
 	$(BIN)/pytest -m slow
+
+# The bits of the results are those that x86 has (crates/liepoisson-core/tests/core/same_bits.txt). Part of `make test-slow`.
+arm: $(VENV)/.dev ## the core's tests on an emulated ARM processor (15 minutes; says what it needs)
+	$(BIN)/pytest -m slow -rs -s tests/test_arm.py
 
 check: $(VENV)/.built lint ## format, lint, types and quick tests, in less than a minute
 	@$(MAKE) --no-print-directory -j 2 types quick-tests
@@ -68,7 +72,7 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
-.PHONY: help reproduce test test-rust test-python test-slow check static lint types quick-tests bench audit guard instructions \
+.PHONY: help reproduce test test-rust test-python test-slow check static lint types quick-tests arm bench audit guard instructions \
   sanitize miri wheel wheel-check lock clean set-up tools
 
 # One pip after the other.
@@ -99,7 +103,7 @@ sanitize: | tools
 	else echo "sanitize: skipped, it is set up for Linux on x86-64"; fi
 
 # What the sanitizer does not see: where a pointer came from, and alignment. In Miri there is one register type, the scalar one
-# (it finds no AVX), and thousands of times less speed, so the tests are those of lanes and tiles, in few cases; once under each
+# (it finds no AVX and is shown no NEON), and thousands of times less speed, so the tests are those of lanes and tiles, in few cases; once under each
 # of the two models of what a pointer may be used for. It needs a nightly toolchain with miri and rust-src.
 MIRIFLAGS_BOTH := -Zmiri-disable-isolation -Zmiri-ignore-leaks
 miri: | tools

@@ -349,7 +349,7 @@ impl fmt::Display for Error {
             ),
             Error::SimdNotAvailable { wanted } => write!(
                 f,
-                "LIEPOISSON_SIMD: wanted avx512, avx2 or scalar, on a processor that has it; got {wanted:?}; \
+                "LIEPOISSON_SIMD: wanted avx512, avx2, neon or scalar, on a processor that has it; got {wanted:?}; \
                  unset it to have the widest chosen"
             ),
         }

@@ -51,7 +51,7 @@ class Orbit(IntegratedRun, KeepsInvariants):
         end_state: Last good state of each trajectory, shape (trajectory, component).
         order: Order of the method.
         kernel: The code that advanced the trajectories: the instruction set of the kernel for many ("avx512", "avx2",
-            "scalar": the same bits), or "components", the kernel for one trajectory (other last bits).
+            "neon", "scalar": the same bits), or "components", the kernel for one trajectory (other last bits).
         series: Dense output of each trajectory, if it was asked for: starts of the steps, shape (step,), and
             coefficients, shape (step, order, component).
         time_limit: Seconds that the run was allowed to take.

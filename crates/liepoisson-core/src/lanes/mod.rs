@@ -1,4 +1,4 @@
-//! Lanes: one source for AVX-512, AVX2 and scalar arithmetic. The one folder that knows SIMD.
+//! Lanes: one source for AVX-512, AVX2, NEON and scalar arithmetic. The one folder that knows SIMD.
 //!
 //! A [`Lane`] is a register that holds the same quantity of several trajectories. Only operations that IEEE 754
 //! rounds correctly are offered (`+ - * /`, square root, fused multiply-add), so a trajectory has the same bits in a
@@ -6,6 +6,8 @@
 
 #[macro_use]
 mod scalar;
+#[cfg(target_arch = "aarch64")]
+mod neon;
 mod pair;
 mod simd;
 mod vectors;

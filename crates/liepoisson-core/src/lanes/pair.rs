@@ -43,13 +43,13 @@ impl<T: Lane> Lane for Pair<T> {
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        let [a, b] = [0, 1].map(|i| self.0[i].mul_add(factor.0[i], addend.0[i]));
-        Pair([a, b])
+        let ([a, b], [c, d], [e, f]) = (self.0, factor.0, addend.0);
+        Pair([a.mul_add(c, e), b.mul_add(d, f)])
     }
     #[inline(always)]
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
-        let [a, b] = [0, 1].map(|i| self.0[i].neg_mul_add(factor.0[i], addend.0[i]));
-        Pair([a, b])
+        let ([a, b], [c, d], [e, f]) = (self.0, factor.0, addend.0);
+        Pair([a.neg_mul_add(c, e), b.neg_mul_add(d, f)])
     }
     #[inline(always)]
     fn abs(self) -> Self {

@@ -1,6 +1,8 @@
 //! Which instructions a processor has, and how a computation gets the registers that go with them.
 
 use super::Wide;
+#[cfg(target_arch = "aarch64")]
+use super::neon;
 #[cfg(target_arch = "x86_64")]
 use super::x86;
 use crate::error::Error;
@@ -12,28 +14,31 @@ pub enum Simd {
     Avx512,
     /// Four trajectories at once.
     Avx2,
+    /// Four trajectories at once, on ARM.
+    Neon,
     /// One trajectory at a time.
     Scalar,
 }
 
 impl Simd {
-    /// All of them, widest first.
-    pub const ALL: [Simd; 3] = [Simd::Avx512, Simd::Avx2, Simd::Scalar];
+    /// All of them, of each processor the widest first.
+    pub const ALL: [Simd; 4] = [Simd::Avx512, Simd::Avx2, Simd::Neon, Simd::Scalar];
 
     /// Its name in `LIEPOISSON_SIMD` and in results.
     pub fn name(self) -> &'static str {
         match self {
             Simd::Avx512 => "avx512",
             Simd::Avx2 => "avx2",
+            Simd::Neon => "neon",
             Simd::Scalar => "scalar",
         }
     }
 
-    /// Number of trajectories in one register.
+    /// Number of trajectories that go through the kernels at once.
     pub fn width(self) -> usize {
         match self {
             Simd::Avx512 => 8,
-            Simd::Avx2 => 4,
+            Simd::Avx2 | Simd::Neon => 4,
             Simd::Scalar => 1,
         }
     }
@@ -50,12 +55,14 @@ impl Simd {
                         && Simd::Avx2.is_available()
                 }
                 Simd::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
+                Simd::Neon => false,
                 Simd::Scalar => true,
             }
         }
         #[cfg(not(target_arch = "x86_64"))]
         {
-            self == Simd::Scalar
+            // every 64-bit ARM processor has NEON; Miri does not run all of its instructions
+            self == Simd::Scalar || (self == Simd::Neon && cfg!(all(target_arch = "aarch64", not(miri))))
         }
     }
 
@@ -105,10 +112,17 @@ pub fn dispatch<T: Task>(simd: Simd, task: T) -> T::Output {
             Simd::Avx2 => unsafe { run_avx2(task) },
             // SAFETY: the guard has just found the instructions.
             Simd::Scalar if Simd::Avx2.is_available() => unsafe { run_single(task) },
-            Simd::Scalar => task.run::<f64>(),
+            Simd::Neon | Simd::Scalar => task.run::<f64>(),
         }
     }
-    #[cfg(not(target_arch = "x86_64"))]
+    #[cfg(target_arch = "aarch64")]
+    {
+        match simd {
+            Simd::Neon if simd.is_available() => task.run::<neon::Four>(),
+            _ => task.run::<f64>(),
+        }
+    }
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     {
         let _ = simd;
         task.run::<f64>()

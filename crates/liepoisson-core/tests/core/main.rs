@@ -12,6 +12,7 @@ mod own_parameters;
 mod quadratic;
 mod runge_kutta;
 mod runge_kutta_fields;
+mod same_bits;
 mod section;
 mod splitting;
 mod tangent_frames;
