@@ -21,7 +21,7 @@ use liepoisson_core::enclosure::polynomial::Polynomial;
 use liepoisson_core::enclosure::program::Program;
 use liepoisson_core::enclosure::rational::Rational;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
-use liepoisson_core::field::{Field, Functions, Instruction, Pieces, Quadratic, Ridge, Space, Tape};
+use liepoisson_core::field::{Field, Functions, Hold, Instruction, Pieces, Quadratic, Ridge, Space, Tape};
 use liepoisson_core::lanes::Simd;
 use liepoisson_core::method::{
     AcrossComponents, Gauss, LagrangeMap, Method, MixedTaylor, RungeKutta, Single, Splitting, Taylor,
@@ -129,7 +129,7 @@ impl Hashes {
     }
 
     /// Crossings of the surface on which the first component is 0.1.
-    fn section<F: Field>(&mut self, name: &str, field: &F, t_end: f64) {
+    fn section<F: Field + Hold>(&mut self, name: &str, field: &F, t_end: f64) {
         let n = field.n_components();
         let plane = Instruction::Linear { terms: vec![(0, 1.0)], constant: -0.1 };
         let function = Functions::new(n, vec![plane], vec![n]).unwrap();
@@ -304,10 +304,10 @@ fn fields(hashes: &mut Hashes) {
     hashes.section("tape, section", &pendulum, 8.0);
 }
 
-/// What no register is for: frames and enclosures.
+/// Frames, and enclosures, which no register is for.
 fn others(hashes: &mut Hashes) {
     let (mut matrix, mut triangle) = (numbers(63, 1), vec![0.0; 49]);
-    orthonormalise(&mut matrix, 9, 7, &mut triangle);
+    orthonormalise(hashes.simd, &mut matrix, 9, 7, &mut triangle);
     hashes.add("frame", |hash| {
         hash.numbers(&matrix);
         hash.numbers(&triangle);
