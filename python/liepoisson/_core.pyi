@@ -26,6 +26,7 @@ __all__ = [
     "outcomes",
     "sections",
     "simd",
+    "states_at",
 ]
 
 __version__: str

@@ -147,3 +147,13 @@ def test_sums_in_products_stay_sums():
     assert polynomial.value(list(x)) == (x[0] - 1e6) ** 2
     assert polynomial.expanded == {(0, 0): 1, (0,): -2_000_000, (): 10**12}
     assert RationalPolynomial.of(polynomial.expanded) != polynomial
+
+
+def test_powers_of_sums_do_not_cancel_in_rates_and_tapes():
+    """At q = 1 + d the force of (q - 1)^8/8 is -d^7; expanded, its terms of size 35 would leave 1e-15 of them."""
+    system = lp.System(lp.canonical(1), "p1^2/2 + (q1 - 1)^8/8")
+    assert system.polynomial_rates is not None
+    d = 2.0**-10
+    assert system.vector_field([1.0 + d, 0.0])[1] == -(d**7)
+    tape = system.function_tape("(q1 - 1)^7*p1")
+    assert any(name == "power" for name, *_ in tape.instructions)

@@ -84,23 +84,28 @@ def lower_polynomial(
 
 
 def tape_of_polynomials(n_components: int, polynomials: Sequence[RationalPolynomial]) -> TapeFunction:
-    """Polynomials in the coordinates as one tape, expanded."""
+    """Polynomials in the coordinates as one tape, as they are written: a power of a sum stays one, and does not cancel."""
     writer = _TapeWriter(())
     writer.start_after(n_components)
-    outputs: list[int] = []
-    for polynomial in polynomials:
-        terms: list[tuple[int, Rounded]] = []
-        constant = ZERO
-        for monomial, value in polynomial.expanded.items():
-            if not monomial:
-                constant += rounded(value)
-                continue
-            register = monomial[0]
-            for factor in monomial[1:]:
-                register = writer.product(register, factor)
-            terms.append((register, rounded(value)))
-        outputs.append(writer.linear(terms, constant))
-    return TapeFunction(*writer.parts(outputs))
+    return TapeFunction(*writer.parts([_write_polynomial(writer, polynomial) for polynomial in polynomials]))
+
+
+def _write_polynomial(writer: _TapeWriter, polynomial: RationalPolynomial) -> int:
+    terms: list[tuple[int, Rounded]] = []
+    constant = ZERO
+    for monomial, value in polynomial.terms.items():
+        if not monomial:
+            constant += rounded(value)
+            continue
+        factors = [
+            writer.power(atom if isinstance(atom, int) else _write_polynomial(writer, atom), power)
+            for atom, power in monomial
+        ]
+        register = factors[0]
+        for factor in factors[1:]:
+            register = writer.product(register, factor)
+        terms.append((register, rounded(value)))
+    return writer.linear(terms, constant)
 
 
 def _is_of_degree_two(expression: Any, variables: Sequence[Symbol]) -> bool:
@@ -378,6 +383,12 @@ class _TapeWriter:
 
     def product(self, first: int, second: int) -> int:
         return self._add("product", tuple(sorted((first, second))))
+
+    def power(self, register: int, exponent: int) -> int:
+        """A whole power, at least the first."""
+        if exponent <= 2:
+            return register if exponent == 1 else self.product(register, register)
+        return self._add("power", (register,), (float(exponent),))
 
     def _add(self, name: str, registers: tuple[int, ...], numbers: tuple[float, ...] = ()) -> int:
         return self._written.setdefault((name, registers, numbers), self._n + len(self._written))

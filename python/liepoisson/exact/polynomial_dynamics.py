@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from liepoisson.exact.rational_polynomials import Expanded, RationalPolynomial, multiplied
+from liepoisson.exact.rational_polynomials import Expanded, RationalPolynomial, multiplied, product_of, sum_of
 from liepoisson.exact.rounded import rounded
 
 if TYPE_CHECKING:
@@ -23,28 +23,33 @@ def is_rational(bracket: Bracket) -> bool:
 
 
 def rates_of(bracket: Bracket, hamiltonian: RationalPolynomial) -> tuple[RationalPolynomial, ...]:
-    r"""$J\nabla H$, expanded, one polynomial for each coordinate; the bracket must be rational.
+    r"""$J\nabla H$, one polynomial for each coordinate; the bracket must be rational.
+
+    They are expanded where the Hamiltonian is; a square of a sum in it stays one, whose terms do not cancel.
 
     Raises:
         TooLargeError: an expanded polynomial has too many terms.
     """
-    slopes = [hamiltonian.derivative(k).expanded for k in range(bracket.dimension)]
-    rates: list[Expanded] = [{} for _ in slopes]
+    slopes = [hamiltonian.derivative(k) for k in range(bracket.dimension)]
+    rates: list[list[RationalPolynomial]] = [[] for _ in slopes]
 
-    def add(i: int, j: int, factor: tuple[int, ...], number: Fraction) -> None:
-        for monomial, value in slopes[j].items():
-            key = tuple(sorted((*factor, *monomial)))
-            rates[i][key] = rates[i].get(key, Fraction(0)) + number * value
+    def add(i: int, j: int, factor: RationalPolynomial) -> None:
+        own = slopes[j].terms
+        parts = [RationalPolynomial({monomial: value}) for monomial, value in own.items()]
+        rates[i] += [product_of([factor, part]) for part in parts]
 
     for i, j, m, c in bracket.entries():
         assert isinstance(c, Fraction)
-        add(i, j, (m,), c)
-        add(j, i, (m,), -c)
+        add(i, j, product_of([c, RationalPolynomial.coordinate(m)]))
+        add(j, i, product_of([-c, RationalPolynomial.coordinate(m)]))
     for (i, j), c in bracket.constant.items():
         assert isinstance(c, Fraction)
-        add(i, j, (), c)
-        add(j, i, (), -c)
-    return tuple(RationalPolynomial.of(rate) for rate in rates)
+        add(i, j, RationalPolynomial.constant(c))
+        add(j, i, RationalPolynomial.constant(-c))
+    found = tuple(sum_of(rate) for rate in rates)
+    for rate in found:
+        _ = rate.expanded  # which others ask for, and which refuses what is too large
+    return found
 
 
 def bracket_with(rates: Sequence[RationalPolynomial], function: RationalPolynomial) -> RationalPolynomial:
