@@ -84,7 +84,7 @@ def lower_polynomial(
 
 
 def tape_of_polynomials(n_components: int, polynomials: Sequence[RationalPolynomial]) -> TapeFunction:
-    """Polynomials in the coordinates as one tape, as they are written: a power of a sum stays one, and does not cancel."""
+    """Polynomials in the coordinates as one tape, as they are written: powers of sums stay, and do not cancel."""
     writer = _TapeWriter(())
     writer.start_after(n_components)
     return TapeFunction(*writer.parts([_write_polynomial(writer, polynomial) for polynomial in polynomials]))

@@ -46,7 +46,7 @@ class PhaseFunction:
             names = ", ".join(sorted(map(str, free)))
             raise ParameterError(f"{system.name} must have numbers for all parameters; {names} has none. Give values.")
         self._polynomial: RationalPolynomial | None = None
-        self._given: Callable[[], Expr] = lambda: expression
+        self._given: Callable[[], Expr] = partial(_itself, expression)
         self._n = len(system.component_names)
         self._system = system
         self._fields = system.parts_of_state
@@ -181,7 +181,7 @@ class PhaseFunctions:
         """The Hamiltonian."""
         system, polynomial = self._system, self._system.polynomial_hamiltonian
         if polynomial is not None:
-            return self.of_polynomial(polynomial, lambda: system.hamiltonian)
+            return self.of_polynomial(polynomial, partial(getattr, system, "hamiltonian"))
         return self.of(system.hamiltonian)
 
     @cached_property
@@ -204,10 +204,10 @@ class PhaseFunctions:
             ParameterError: the function is none of these, or a parameter in it has no number.
         """
         if isinstance(function, PhaseFunction) and function.polynomial is not None:
-            return self.of_polynomial(function.polynomial, lambda: function.expression)
+            return self.of_polynomial(function.polynomial, partial(getattr, function, "expression"))
         polynomial = self._system.polynomial(function)
         if polynomial is not None:
-            return self.of_polynomial(polynomial, lambda: self._system.expression(function))
+            return self.of_polynomial(polynomial, partial(self._system.expression, function))
         expression = self._system.expression(function)
         known = self._known.get(expression)
         if known is None:
@@ -220,7 +220,7 @@ class PhaseFunctions:
         """A polynomial in the coordinates; `expression` makes the same as an expression, if there is one already."""
         known = self._known.get(polynomial)
         if known is None:
-            expression = expression or (lambda: expression_of(polynomial, self._system.variables))
+            expression = expression or partial(_in_variables, polynomial, self._system)
             known = self._known[polynomial] = PhaseFunction.of_polynomial(self._system, polynomial, expression)
         return known
 
@@ -256,6 +256,15 @@ class PhaseFunctions:
     @cached_property
     def _jacobian(self) -> tuple[Expr, ...]:
         return tuple(cast("Any", self._system.jacobian).flat())
+
+
+def _itself(expression: Expr) -> Expr:
+    """For `partial`, which can be pickled."""
+    return expression
+
+
+def _in_variables(polynomial: RationalPolynomial, system: System) -> Expr:
+    return expression_of(polynomial, system.variables)
 
 
 def _casimir(bracket: Bracket, number: int) -> Expr:
