@@ -118,7 +118,7 @@ class PhaseFunction:
         """
         from sympy import Float
 
-        at = {v: Float(float(x), digits) for v, x in zip(self._variables, self._states(state), strict=True)}
+        at = {v: Float(float(x), digits) for v, x in zip(self.variables, self._states(state), strict=True)}
         slopes = [slope.xreplace(at).evalf(digits, maxn=10 * digits) for slope in self._gradient]
         return np.array(slopes, dtype=object)
 
@@ -127,7 +127,7 @@ class PhaseFunction:
         """Whether the function is a polynomial in the coordinates."""
         if self._polynomial is not None or self._traces is not None:
             return True
-        return bool(self.expression.is_polynomial(*self._variables))
+        return bool(self.expression.is_polynomial(*self.variables))
 
     @cached_property
     def _traces(self) -> TraceSum | None:
