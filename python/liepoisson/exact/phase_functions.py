@@ -119,7 +119,7 @@ class PhaseFunction:
         from sympy import Float
 
         at = {v: Float(float(x), digits) for v, x in zip(self.variables, self._states(state), strict=True)}
-        slopes = [slope.xreplace(at).evalf(digits, maxn=10 * digits) for slope in self._gradient]
+        slopes = [cast("Expr", slope.xreplace(at)).evalf(digits, maxn=10 * digits) for slope in self._gradient]
         return np.array(slopes, dtype=object)
 
     @property
