@@ -29,11 +29,6 @@ impl Tops {
         let vanish = Constant::ALL.map(|constant| [0, 1, 2].map(|axis| vanishes(constant, axis)));
         Ok(Tops { tops, vanish })
     }
-
-    /// How many.
-    pub fn n_members(&self) -> usize {
-        self.tops.len()
-    }
 }
 
 impl Space for Tops {

@@ -19,5 +19,4 @@ mod tangent_frames;
 mod tape;
 mod taylor;
 mod top;
-
 mod units;
