@@ -32,6 +32,7 @@ impl Worker<'_> {
         let mut seats: Vec<Seat> = (0..lanes).map(|_| Seat::empty(ensemble.n_tangents)).collect();
         let (mut sizes, mut outcomes) = (vec![0.0; lanes], vec![StepOutcome::Taken; lanes]);
         let mut ahead = sizes.clone();
+        let (stepping, large) = (block.stepping(), libm::scalbn(1.0, block.range_exponent()));
         let mut pace = Pace::new();
         self.control.look_at_clock();
         while self.fill_seats(block, &mut seats, &mut observer) {
@@ -39,20 +40,20 @@ impl Worker<'_> {
             if block.looks_ahead() {
                 self.look_ahead(block, &seats, &mut sizes, &mut ahead);
             }
-            if block.stepping() == Stepping::Series {
+            if stepping == Stepping::Series {
                 observer.look_over(block);
             }
-            let repeats = self.plan(block, &mut seats, pace.repeats);
+            let repeats = self.plan(block, stepping, &mut seats, pace.repeats);
             for (lane, seat) in seats.iter_mut().enumerate() {
-                sizes[lane] = self.decide(block, lane, seat, sizes[lane], repeats, &mut observer);
+                sizes[lane] = self.decide(block, stepping, lane, seat, (sizes[lane], repeats), &mut observer);
             }
             block.advance(&sizes, repeats, &mut outcomes);
-            if block.stepping() != Stepping::Series {
+            if stepping != Stepping::Series {
                 for (lane, seat) in seats.iter_mut().enumerate().filter(|(_, seat)| seat.occupied) {
                     self.conclude(block, lane, seat, (sizes[lane], repeats), outcomes[lane], &mut observer);
                 }
             }
-            self.rescale_tangents(block, &mut seats, &mut sizes);
+            self.rescale_tangents(block, &mut seats, &mut sizes, large);
             for (lane, seat) in seats.iter_mut().enumerate() {
                 if seat.occupied && seat.next_sample == ensemble.times.len() {
                     self.lead_on(block, lane, seat, &mut observer);
@@ -148,8 +149,8 @@ impl Worker<'_> {
     /// Divides the time up to the next wanted one into equal steps, for a method that takes such; how many steps all
     /// seats can take at once, and not more than `most`. A power of two, so that the product with the size is exact.
     #[inline(always)]
-    fn plan(&self, block: &dyn Block, seats: &mut [Seat], most: u64) -> u64 {
-        let Stepping::Fixed(longest) = block.stepping() else { return 1 };
+    fn plan(&self, block: &dyn Block, stepping: Stepping, seats: &mut [Seat], most: u64) -> u64 {
+        let Stepping::Fixed(longest) = stepping else { return 1 };
         let (times, max_steps) = (self.ensemble.times, self.ensemble.max_steps);
         let mut repeats = block.most_repeats().min(most);
         for seat in seats.iter_mut().filter(|seat| seat.occupied) {
@@ -167,15 +168,15 @@ impl Worker<'_> {
         1 << repeats.max(1).ilog2()
     }
 
-    /// The step of one lane, at most `longest`: zero for an empty seat and for a trajectory that cannot go on, which
+    /// The step of one lane, at most `longest`, which may be taken so many times at once: zero for an empty seat and for a trajectory that cannot go on, which
     /// leaves its seat here, before the block advances, at the last point that was good.
     fn decide<O: Observer>(
         &self,
         block: &mut dyn Block,
+        stepping: Stepping,
         lane: usize,
         seat: &mut Seat,
-        longest: f64,
-        repeats: u64,
+        (longest, repeats): (f64, u64),
         observer: &mut O,
     ) -> f64 {
         if !seat.occupied {
@@ -183,7 +184,7 @@ impl Worker<'_> {
         }
         let times = self.ensemble.times;
         let end = times[times.len() - 1];
-        let (size, is_last) = match block.stepping() {
+        let (size, is_last) = match stepping {
             Stepping::Series => {
                 let remaining = seat.until(end);
                 let is_last = longest >= remaining.abs();
@@ -202,7 +203,7 @@ impl Worker<'_> {
             self.dismiss(block, lane, seat, outcome, observer);
             return 0.0;
         }
-        if block.stepping() == Stepping::Series {
+        if stepping == Stepping::Series {
             return self.observe_inside(block, lane, seat, (size, is_last), observer);
         }
         if seat.next_sample == 0 {
@@ -231,16 +232,14 @@ impl Worker<'_> {
         {
             (size, is_last) = (after, false);
         }
-        while seat.next_sample < times.len() {
+        let within = |tau: &f64| is_last || tau.abs() <= size.abs();
+        while times.get(seat.next_sample).is_some_and(|&time| within(&seat.until(time))) {
             let first = seat.next_sample;
             let mut taus = std::mem::take(&mut seat.taus);
-            let within = |tau: &f64| is_last || tau.abs() <= size.abs();
             let ahead = times[first..].iter().map(|&time| seat.until(time));
             taus.clear();
             taus.extend(ahead.take_while(within).take(SAMPLES_PER_LOOK));
-            if !taus.is_empty() {
-                observer.samples(lane, first, &taus, &step);
-            }
+            observer.samples(lane, first, &taus, &step);
             let count = taus.len();
             (seat.taus, seat.next_sample) = (taus, first + count);
             if count < SAMPLES_PER_LOOK {
@@ -319,15 +318,19 @@ impl Worker<'_> {
         }
     }
 
-    /// Takes powers of two out of tangent vectors that have grown or shrunk far: far from overflow, no rounding ever.
+    /// Takes powers of two out of tangent vectors that are longer than `large` or shorter than its inverse: far from overflow, no
+    /// rounding ever.
     #[inline(always)]
-    fn rescale_tangents(&self, block: &mut dyn Block, seats: &mut [Seat], norms: &mut [f64]) {
-        let large = libm::scalbn(1.0, block.range_exponent());
+    fn rescale_tangents(&self, block: &mut dyn Block, seats: &mut [Seat], norms: &mut [f64], large: f64) {
+        let usual = 1.0 / large..large;
         for tangent in 0..self.ensemble.n_tangents {
             block.norms(1 + tangent, norms);
+            if norms.iter().fold(true, |all, norm| all & usual.contains(norm)) {
+                continue;
+            }
             for (lane, seat) in seats.iter_mut().enumerate() {
                 let norm = norms[lane];
-                if seat.occupied && !(1.0 / large..large).contains(&norm) && norm > 0.0 && norm.is_finite() {
+                if seat.occupied && !usual.contains(&norm) && norm > 0.0 && norm.is_finite() {
                     let exponent = ((norm.to_bits() >> 52) & 0x7ff) as i64 - 1023;
                     block.scale_tangent(lane, 1 + tangent, -exponent as i32);
                     seat.scales[tangent] += exponent;

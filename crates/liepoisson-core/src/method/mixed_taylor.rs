@@ -5,7 +5,8 @@ use crate::field::top::{
 };
 use crate::field::{Field, Hold, Top, over};
 use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
-use crate::method::taylor::{Terms, Trend, shorten, shorten_by_trend, sum_of_sizes};
+use crate::method::estimates::exp2_estimate;
+use crate::method::taylor::{Terms, Trend, logarithms, shorten, shorten_by_trend, sum_of_sizes};
 use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
 
@@ -32,6 +33,14 @@ const SHORTER_UNIT: f64 = 1.0 / 256.0;
 
 /// Units shorter than this are not divided further.
 const SHORTEST_UNIT: f64 = 1e-290;
+
+/// Steps below two to minus this, in units of the step before, and states below this size are not judged in single precision,
+/// which has no numbers for the products of their terms.
+const LEAST_POWER: f64 = 4.0;
+const LEAST_SIZE: f32 = 1e-20;
+
+/// Units are powers of two between this one and its inverse.
+const LEAST_UNIT: f64 = f64::from_bits((1023 - 1000) << 52);
 
 /// Round-off of single precision, 2^-24.
 const ROUND_OFF: f64 = 1.0 / 16_777_216.0;
@@ -235,7 +244,8 @@ fn first_unit(top: &Top, state: &[f64]) -> f64 {
 
 /// The power of two below a positive number, between 2^-1000 and 2^1000.
 fn power_of_two(x: f64) -> f64 {
-    libm::scalbn(1.0, (libm::frexp(x).1 - 1).clamp(-1000, 1000))
+    const EXPONENT: u64 = 0x7ff << 52;
+    f64::from_bits(x.clamp(LEAST_UNIT, 1.0 / LEAST_UNIT).to_bits() & EXPONENT)
 }
 
 /// The parameters of the top with time in units of each lane: products that single precision can hold where it cannot hold
@@ -445,7 +455,7 @@ impl<C, V: Wide> Body for Steps<'_, C, V> {
             let (size, last) = (halves_of::<V>(size), halves_of::<V>(last));
             let (before, defect) = (halves_of::<V>(before), halves_of::<V>(defect));
             for (half, sizes) in sizes.chunks_exact_mut(V::WIDTH).enumerate() {
-                let allowed = size[half].mul(V::splat(tolerance));
+                let allowed = logarithms(size[half].mul(V::splat(tolerance)));
                 for (longest, defect) in sizes.iter_mut().zip(defect[half].as_scalars()) {
                     *longest += defect;
                 }
@@ -453,9 +463,43 @@ impl<C, V: Wide> Body for Steps<'_, C, V> {
                 shorten(sizes, allowed.as_scalars(), before[half].as_scalars(), order - 1);
             }
         }
-        let (first, second) = sizes.split_at_mut(V::WIDTH);
-        shorten_by_trend(block.trends.each_ref(), block.n_tangents, first, &Half::<C, V> { block, second: false });
-        shorten_by_trend(block.trends.each_ref(), block.n_tangents, second, &Half::<C, V> { block, second: true });
+        if block.suspects(sizes) {
+            let (first, second) = sizes.split_at_mut(V::WIDTH);
+            shorten_by_trend(block.trends.each_ref(), block.n_tangents, first, &Half::<C, V> { block, second: false });
+            shorten_by_trend(block.trends.each_ref(), block.n_tangents, second, &Half::<C, V> { block, second: true });
+        } else {
+            for size in sizes {
+                *size = exp2_estimate(*size);
+            }
+        }
+    }
+}
+
+impl<C, V: Wide> MixedBlock<C, V> {
+    /// Whether [`Trend::suspects`] a step, given by its logarithm, in any lane, or single precision cannot tell: all lanes at once.
+    #[inline(always)]
+    fn suspects(&self, logarithms: &[f64]) -> bool {
+        let mut step = V::Narrow::splat(0.0);
+        let mut is_usual = true;
+        for (step, &logarithm) in step.as_scalars_mut().iter_mut().zip(logarithms) {
+            is_usual &= logarithm > -LEAST_POWER;
+            *step = exp2_estimate(logarithm) as f32;
+        }
+        let mut suspicious = !is_usual;
+        for group in 0..=self.n_tangents {
+            for &size in self.norm(0, group).as_scalars() {
+                suspicious |= 0.0 < size && size < LEAST_SIZE;
+            }
+            suspicious |= self.trends[usize::from(group > 0)].suspects(step, self, group);
+        }
+        suspicious
+    }
+}
+
+impl<C, V: Wide> Terms<V::Narrow> for MixedBlock<C, V> {
+    #[inline(always)]
+    fn size(&self, k: usize, group: usize) -> V::Narrow {
+        self.norm(k, group)
     }
 }
 

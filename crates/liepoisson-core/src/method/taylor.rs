@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use crate::field::{Field, Hold};
-use crate::lanes::{Body, Lane, Wide, as_scalars};
+use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
 use crate::method::series_sum::{FEW, Strides, Sums};
@@ -340,7 +340,7 @@ impl<F: Field, V: Wide> Body for Steps<'_, F, V> {
             let (size, last, before) = (block.norm(0, group), block.norm(order, group), block.norm(order - 1, group));
             // Each coefficient enters the next, so the first and the highest tell of all; zero times infinity is NaN.
             let defect = size.add(last).mul(V::splat(0.0));
-            let allowed = size.mul(V::splat(block.method.tolerance));
+            let allowed = logarithms(size.mul(V::splat(block.method.tolerance)));
             for (longest, defect) in sizes.iter_mut().zip(defect.as_scalars()) {
                 *longest += defect;
             }
@@ -399,11 +399,20 @@ pub(super) fn shorten_by_trend<V: Lane<Number = f64>>(
     }
 }
 
-/// The logarithm of each size, at most that for which `term size^power` is `allowed`; NaN stays.
+/// The logarithm in each lane.
+#[inline(always)]
+pub(super) fn logarithms<V: Lane<Number = f64>>(mut x: V) -> V {
+    for x in x.as_scalars_mut() {
+        *x = log2_estimate(*x);
+    }
+    x
+}
+
+/// The logarithm of each size, at most that for which the logarithm of `term size^power` is `allowed`; NaN stays.
 #[inline(always)]
 pub(super) fn shorten(sizes: &mut [f64], allowed: &[f64], terms: &[f64], power: usize) {
     for ((size, &allowed), &term) in sizes.iter_mut().zip(allowed).zip(terms) {
-        let bound = (log2_estimate(allowed) - log2_estimate(term)) / power as f64;
+        let bound = (allowed - log2_estimate(term)) / power as f64;
         let bound = if term > 0.0 { bound } else { f64::INFINITY };
         *size = if bound < *size { bound } else { *size };
     }
@@ -495,7 +504,7 @@ impl Trend {
 
     /// Whether a step is under suspicion in any lane, given the sizes of the terms; a few operations for each.
     #[inline(always)]
-    pub(super) fn suspects<V: Lane<Number = f64>>(&self, step: V, terms: &impl Terms<V>, group: usize) -> bool {
+    pub(super) fn suspects<V: Lane>(&self, step: V, terms: &impl Terms<V>, group: usize) -> bool {
         let start = terms.size(0, group);
         let Some(&(lowest, _)) = self.limits.first() else { return false };
         let mut power = V::splat(1.0);
@@ -506,7 +515,7 @@ impl Trend {
         for &(k, limit) in &self.limits {
             let excess = start.neg_mul_add(V::splat(limit), terms.size(k, group).mul(power));
             for &lane in excess.as_scalars() {
-                suspicious |= lane > 0.0;
+                suspicious |= lane.to_f64() > 0.0;
             }
             power = power.mul(step);
         }
