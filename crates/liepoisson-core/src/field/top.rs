@@ -159,14 +159,14 @@ fn extend_state<C: Constants, V: Lane>(top: &C, known: &[V], next: &mut [V], row
     // With 32 registers the state and the first tangent vector share the coefficients that they load. The sums are
     // the same, term by term, so a trajectory has the same bits either way.
     if first == 1 && V::REGISTERS >= 32 {
-        let (mut derivative, mut tangent) = products_of_state_and_tangent(known, row);
+        let (mut derivative, mut tangent) = products_of_state_and_tangent::<V, false>(known, row);
         finish(top, &mut derivative, group_of(known, last));
         store(next, 0, &derivative, order);
         finish(top, &mut tangent, group_of(known, last + GROUP));
         store(next, GROUP, &tangent, order);
         return;
     }
-    let mut derivative = products_of_state(known, row);
+    let mut derivative = products_of_state::<V, false>(known, row);
     finish(top, &mut derivative, group_of(known, last));
     store(next, 0, &derivative, order);
     if first == 1 {
@@ -178,7 +178,7 @@ fn extend_state<C: Constants, V: Lane>(top: &C, known: &[V], next: &mut [V], row
 #[inline(always)]
 fn extend_tangents<C: Constants, V: Lane, const M: usize>(top: &C, known: &[V], next: &mut [V], row: usize, at: usize) {
     let (order, last) = (known.len() / row, known.len() - row);
-    let mut tangents = products_of_tangents::<V, M>(known, row, at);
+    let mut tangents = products_of_tangents::<V, M, false>(known, row, at);
     for m in 0..M {
         finish(top, &mut tangents[m], group_of(known, last + at + m * GROUP));
         store(next, at + m * GROUP, &tangents[m], order);
@@ -370,39 +370,76 @@ fn add_products<V: Lane>(sum: &mut [V; N], x: &[V], omega: &[V]) {
 }
 
 #[inline(always)]
-pub(crate) fn products_of_state<V: Lane>(rows: &[V], row: usize) -> [V; N] {
+pub(crate) fn products_of_state<V: Lane, const NEWEST_LAST: bool>(rows: &[V], row: usize) -> [V; N] {
     let mut sum = [V::splat(0.0); N];
-    for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
+    let (first, xs, ys) = pairs::<V, NEWEST_LAST>(rows, row);
+    for (x, y) in xs.chunks_exact(row).zip(ys.chunks_exact(row).rev()) {
         add_products(&mut sum, &x[..OMEGA], &y[OMEGA..GROUP]);
+    }
+    if NEWEST_LAST {
+        add_products(&mut sum, &first[..OMEGA], &rows[rows.len() - row..][OMEGA..GROUP]);
     }
     sum
 }
 
+/// The rows whose pairs are summed one after the other, from the ends of the series; `NEWEST_LAST` begins with the second row and
+/// leaves out the pair of the first row with the last.
+///
+/// The last row is the one that was just computed: sums that begin with it wait for it.
+#[inline(always)]
+fn pairs<V: Lane, const NEWEST_LAST: bool>(rows: &[V], row: usize) -> (&[V], &[V], &[V]) {
+    if NEWEST_LAST { (&rows[..row], &rows[row..], &rows[..rows.len() - row]) } else { (&rows[..row], rows, rows) }
+}
+
 /// The products of [`products_of_state`], and their directional derivative along the first tangent vector.
 #[inline(always)]
-pub(crate) fn products_of_state_and_tangent<V: Lane>(rows: &[V], row: usize) -> ([V; N], [V; N]) {
-    let mut state = [V::splat(0.0); N];
-    let mut tangent = [V::splat(0.0); N];
-    for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
-        let (x, y) = (&x[..2 * GROUP], &y[..2 * GROUP]);
-        let (omega, d_omega) = (&y[OMEGA..GROUP], &y[GROUP + OMEGA..]);
-        add_products(&mut state, x, omega);
-        add_products(&mut tangent, x, d_omega);
-        add_products(&mut tangent, &x[GROUP..], omega);
+pub(crate) fn products_of_state_and_tangent<V: Lane, const NEWEST_LAST: bool>(
+    rows: &[V],
+    row: usize,
+) -> ([V; N], [V; N]) {
+    let mut sums = ([V::splat(0.0); N], [V::splat(0.0); N]);
+    let (first, xs, ys) = pairs::<V, NEWEST_LAST>(rows, row);
+    for (x, y) in xs.chunks_exact(row).zip(ys.chunks_exact(row).rev()) {
+        add_products_and_derivatives(&mut sums, x, y);
     }
-    (state, tangent)
+    if NEWEST_LAST {
+        add_products_and_derivatives(&mut sums, first, &rows[rows.len() - row..]);
+    }
+    sums
+}
+
+#[inline(always)]
+fn add_products_and_derivatives<V: Lane>((state, tangent): &mut ([V; N], [V; N]), x: &[V], y: &[V]) {
+    let (x, y) = (&x[..2 * GROUP], &y[..2 * GROUP]);
+    let (omega, d_omega) = (&y[OMEGA..GROUP], &y[GROUP + OMEGA..]);
+    add_products(state, x, omega);
+    add_products(tangent, x, d_omega);
+    add_products(tangent, &x[GROUP..], omega);
 }
 
 /// The derivatives of [`products_of_state`] along the `M` tangent vectors from group `at` on.
 #[inline(always)]
-pub(crate) fn products_of_tangents<V: Lane, const M: usize>(rows: &[V], row: usize, at: usize) -> [[V; N]; M] {
+pub(crate) fn products_of_tangents<V: Lane, const M: usize, const NEWEST_LAST: bool>(
+    rows: &[V],
+    row: usize,
+    at: usize,
+) -> [[V; N]; M] {
     let mut tangents = [[V::splat(0.0); N]; M];
-    for (x, y) in rows.chunks_exact(row).zip(rows.chunks_exact(row).rev()) {
-        let (dx, dy) = (&x[at..at + M * GROUP], &y[at..at + M * GROUP]);
-        for m in 0..M {
-            add_products(&mut tangents[m], x, &dy[m * GROUP + OMEGA..(m + 1) * GROUP]);
-            add_products(&mut tangents[m], &dx[m * GROUP..(m + 1) * GROUP], &y[OMEGA..GROUP]);
-        }
+    let (first, xs, ys) = pairs::<V, NEWEST_LAST>(rows, row);
+    for (x, y) in xs.chunks_exact(row).zip(ys.chunks_exact(row).rev()) {
+        add_derivatives(&mut tangents, x, y, at);
+    }
+    if NEWEST_LAST {
+        add_derivatives(&mut tangents, first, &rows[rows.len() - row..], at);
     }
     tangents
+}
+
+#[inline(always)]
+fn add_derivatives<V: Lane, const M: usize>(tangents: &mut [[V; N]; M], x: &[V], y: &[V], at: usize) {
+    let (dx, dy) = (&x[at..at + M * GROUP], &y[at..at + M * GROUP]);
+    for m in 0..M {
+        add_products(&mut tangents[m], x, &dy[m * GROUP + OMEGA..(m + 1) * GROUP]);
+        add_products(&mut tangents[m], &dx[m * GROUP..(m + 1) * GROUP], &y[OMEGA..GROUP]);
+    }
 }

@@ -363,7 +363,7 @@ impl<C: Constants, V: Wide> Body for Expansion<'_, C, V> {
         for k in 0..*double_order {
             for half in 0..2 {
                 let (known, next) = double[half].split_at_mut((k + 1) * GROUP);
-                let mut sum = products_of_state(known, GROUP);
+                let mut sum = products_of_state::<V, true>(known, GROUP);
                 halves[half].finish(&mut sum, &known[k * GROUP..], &mut next[..GROUP], k);
             }
         }
@@ -381,11 +381,11 @@ impl<C: Constants, V: Wide> Body for Expansion<'_, C, V> {
             let (with_state, with_tangents) = (k >= *double_order, k < *tangent_order && n_tangents > 0);
             let fused = with_state && with_tangents && V::Narrow::REGISTERS >= 32;
             if fused {
-                let (mut sum, mut tangent) = products_of_state_and_tangent(known, row);
+                let (mut sum, mut tangent) = products_of_state_and_tangent::<V::Narrow, true>(known, row);
                 top.finish(&mut sum, &known[k * row..], &mut next[..GROUP], k);
                 top.finish(&mut tangent, &known[k * row + GROUP..], &mut next[GROUP..2 * GROUP], k);
             } else if with_state {
-                let mut sum = products_of_state(known, row);
+                let mut sum = products_of_state::<V::Narrow, true>(known, row);
                 top.finish(&mut sum, &known[k * row..], &mut next[..GROUP], k);
             }
             if with_tangents && !fused {
@@ -408,7 +408,7 @@ impl<C: Constants, V: Wide> Body for Expansion<'_, C, V> {
 #[inline(always)]
 fn extend_tangents<V: Lane, const M: usize>(top: &ScaledTop<V>, known: &[V], next: &mut [V], row: usize, at: usize) {
     let (k, last) = (known.len() / row - 1, known.len() - row);
-    let mut sums = products_of_tangents::<V, M>(known, row, at);
+    let mut sums = products_of_tangents::<V, M, true>(known, row, at);
     for m in 0..M {
         let at = at + m * GROUP;
         top.finish(&mut sums[m], &known[last + at..], &mut next[at..at + GROUP], k);
