@@ -5,8 +5,8 @@ use crate::field::top::{
 };
 use crate::field::{Field, Hold, Top, over};
 use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
-use crate::method::estimates::exp2_estimate;
-use crate::method::taylor::{Terms, Trend, logarithms, shorten, shorten_by_trend, sum_of_sizes};
+use crate::method::estimates::{exp2_estimate, exp2_estimate_single, log2_estimate, log2_estimate_single};
+use crate::method::taylor::{Terms, Trend, sum_of_sizes};
 use crate::method::{Block, Method, StepOutcome, Stepping, Taylor};
 use std::collections::TryReserveError;
 
@@ -36,7 +36,7 @@ const SHORTEST_UNIT: f64 = 1e-290;
 
 /// Steps below two to minus this, in units of the step before, and states below this size are not judged in single precision,
 /// which has no numbers for the products of their terms.
-const LEAST_POWER: f64 = 4.0;
+const LEAST_POWER: f32 = 4.0;
 const LEAST_SIZE: f32 = 1e-20;
 
 /// Units are powers of two between this one and its inverse.
@@ -432,7 +432,8 @@ fn expand_tangents<V: Lane, const M: usize>(
     M * GROUP
 }
 
-/// For each lane the longest step, in its unit: as [`Taylor`] chooses it, but for the tolerance of tangent vectors.
+/// For each lane the longest step, in its unit: as [`Taylor`] chooses it, but for the tolerance of tangent vectors, from
+/// logarithms in single precision: they hold where the tolerance times a size has no number there.
 struct Steps<'b, C, V: Wide> {
     block: &'b MixedBlock<C, V>,
     sizes: &'b mut [f64],
@@ -442,50 +443,54 @@ impl<C, V: Wide> Body for Steps<'_, C, V> {
     #[inline(always)]
     fn run(self) {
         let Steps { block, sizes } = self;
-        let sizes = &mut sizes[..2 * V::WIDTH];
-        sizes.fill(libm::log2(LONGEST));
+        let mut logarithms = V::Narrow::splat(libm::log2(LONGEST));
         for group in 0..=block.n_tangents {
             let (order, tolerance) = match group {
                 0 => (block.method.order(), block.method.tolerance()),
                 _ => (block.tangent_order, 8.0 * block.tangent_tolerance),
             };
-            let (size, last, before) = (block.norm(0, group), block.norm(order, group), block.norm(order - 1, group));
-            let defect = size.add(last).mul(V::Narrow::splat(0.0));
-            // in double precision: the tolerance times the size may be less than single precision has numbers for
-            let (size, last) = (halves_of::<V>(size), halves_of::<V>(last));
-            let (before, defect) = (halves_of::<V>(before), halves_of::<V>(defect));
-            for (half, sizes) in sizes.chunks_exact_mut(V::WIDTH).enumerate() {
-                let allowed = logarithms(size[half].mul(V::splat(tolerance)));
-                for (longest, defect) in sizes.iter_mut().zip(defect[half].as_scalars()) {
-                    *longest += defect;
-                }
-                shorten(sizes, allowed.as_scalars(), last[half].as_scalars(), order);
-                shorten(sizes, allowed.as_scalars(), before[half].as_scalars(), order - 1);
+            let tolerance = log2_estimate(tolerance) as f32;
+            let (mut allowed, last) = (block.norm(0, group), block.norm(order, group));
+            logarithms = logarithms.add(allowed.add(last).mul(V::Narrow::splat(0.0)));
+            for allowed in allowed.as_scalars_mut() {
+                *allowed = log2_estimate_single(*allowed) + tolerance;
             }
+            shorten(&mut logarithms, &allowed, &last, order);
+            shorten(&mut logarithms, &allowed, &block.norm(order - 1, group), order - 1);
         }
-        if block.suspects(sizes) {
-            let (first, second) = sizes.split_at_mut(V::WIDTH);
-            shorten_by_trend(block.trends.each_ref(), block.n_tangents, first, &Half::<C, V> { block, second: false });
-            shorten_by_trend(block.trends.each_ref(), block.n_tangents, second, &Half::<C, V> { block, second: true });
-        } else {
-            for size in sizes {
-                *size = exp2_estimate(*size);
-            }
+        let mut step = logarithms;
+        for step in step.as_scalars_mut() {
+            *step = exp2_estimate_single(*step);
+        }
+        for (size, &step) in sizes.iter_mut().zip(step.as_scalars()) {
+            *size = f64::from(step);
+        }
+        if block.suspects(logarithms, step) {
+            block.shorten_by_trend(logarithms.as_scalars(), sizes);
         }
     }
 }
 
+/// The logarithm of each size, at most that for which the logarithm of `term size^power` is `allowed`; NaN stays.
+#[inline(always)]
+fn shorten<V: Lane<Number = f32>>(sizes: &mut V, allowed: &V, terms: &V, power: usize) {
+    let inverse = 1.0 / power as f32;
+    let terms = allowed.as_scalars().iter().zip(terms.as_scalars());
+    for (size, (&allowed, &term)) in sizes.as_scalars_mut().iter_mut().zip(terms) {
+        let bound = (allowed - log2_estimate_single(term)) * inverse;
+        let bound = if term > 0.0 { bound } else { f32::INFINITY };
+        *size = if bound < *size { bound } else { *size };
+    }
+}
+
 impl<C, V: Wide> MixedBlock<C, V> {
-    /// Whether [`Trend::suspects`] a step, given by its logarithm, in any lane, or single precision cannot tell: all lanes at once.
+    /// Whether [`Trend::suspects`] a step in any lane, or single precision cannot tell: all lanes at once.
     #[inline(always)]
-    fn suspects(&self, logarithms: &[f64]) -> bool {
-        let mut step = V::Narrow::splat(0.0);
-        let mut is_usual = true;
-        for (step, &logarithm) in step.as_scalars_mut().iter_mut().zip(logarithms) {
-            is_usual &= logarithm > -LEAST_POWER;
-            *step = exp2_estimate(logarithm) as f32;
+    fn suspects(&self, logarithms: V::Narrow, step: V::Narrow) -> bool {
+        let mut suspicious = false;
+        for &logarithm in logarithms.as_scalars() {
+            suspicious |= logarithm < -LEAST_POWER;
         }
-        let mut suspicious = !is_usual;
         for group in 0..=self.n_tangents {
             for &size in self.norm(0, group).as_scalars() {
                 suspicious |= 0.0 < size && size < LEAST_SIZE;
@@ -494,6 +499,28 @@ impl<C, V: Wide> MixedBlock<C, V> {
         }
         suspicious
     }
+
+    /// Shortens the steps with these logarithms where [`Trend::shorten`] does; the others keep their bits.
+    #[inline(always)]
+    fn shorten_by_trend(&self, logarithms: &[f32], steps: &mut [f64]) {
+        let halves = logarithms.chunks_exact(V::WIDTH).zip(steps.chunks_exact_mut(V::WIDTH));
+        for (second, (logarithms, steps)) in [false, true].into_iter().zip(halves) {
+            let mut shortened = V::splat(0.0);
+            for (shortened, &logarithm) in shortened.as_scalars_mut().iter_mut().zip(logarithms) {
+                *shortened = f64::from(logarithm);
+            }
+            for group in 0..=self.n_tangents {
+                let trend = &self.trends[usize::from(group > 0)];
+                trend.shorten(shortened.as_scalars_mut(), &Half::<C, V> { block: self, second }, group);
+            }
+            let lanes = logarithms.iter().zip(shortened.as_scalars());
+            for (step, (&logarithm, &shortened)) in steps.iter_mut().zip(lanes) {
+                if shortened < f64::from(logarithm) {
+                    *step = exp2_estimate(shortened);
+                }
+            }
+        }
+    }
 }
 
 impl<C, V: Wide> Terms<V::Narrow> for MixedBlock<C, V> {
@@ -501,13 +528,6 @@ impl<C, V: Wide> Terms<V::Narrow> for MixedBlock<C, V> {
     fn size(&self, k: usize, group: usize) -> V::Narrow {
         self.norm(k, group)
     }
-}
-
-/// Both halves of the lanes, in double precision.
-#[inline(always)]
-fn halves_of<V: Wide>(narrow: V::Narrow) -> [V; 2] {
-    let (first, second) = V::widen(narrow);
-    [first, second]
 }
 
 /// One half of the lanes, in double precision.

@@ -373,7 +373,7 @@ impl<F: Field, V: Wide> Body for Branches<'_, F, V> {
 /// Turns logarithms of steps into steps, shortened where the terms before the last two foretell larger ones; by the trends
 /// of the state and of tangent vectors.
 #[inline(always)]
-pub(super) fn shorten_by_trend<V: Lane<Number = f64>>(
+fn shorten_by_trend<V: Lane<Number = f64>>(
     trends: [&Trend; 2],
     n_tangents: usize,
     steps: &mut [f64],
@@ -401,7 +401,7 @@ pub(super) fn shorten_by_trend<V: Lane<Number = f64>>(
 
 /// The logarithm in each lane.
 #[inline(always)]
-pub(super) fn logarithms<V: Lane<Number = f64>>(mut x: V) -> V {
+fn logarithms<V: Lane<Number = f64>>(mut x: V) -> V {
     for x in x.as_scalars_mut() {
         *x = log2_estimate(*x);
     }
@@ -410,7 +410,7 @@ pub(super) fn logarithms<V: Lane<Number = f64>>(mut x: V) -> V {
 
 /// The logarithm of each size, at most that for which the logarithm of `term size^power` is `allowed`; NaN stays.
 #[inline(always)]
-pub(super) fn shorten(sizes: &mut [f64], allowed: &[f64], terms: &[f64], power: usize) {
+fn shorten(sizes: &mut [f64], allowed: &[f64], terms: &[f64], power: usize) {
     for ((size, &allowed), &term) in sizes.iter_mut().zip(allowed).zip(terms) {
         let bound = (allowed - log2_estimate(term)) / power as f64;
         let bound = if term > 0.0 { bound } else { f64::INFINITY };
