@@ -135,7 +135,7 @@ def test_powers_of_powers_and_products_of_sums_are_bounded(text):
 
 
 def test_brackets_that_are_too_large_are_left_to_sympy(monkeypatch):
-    """A function may have few terms and its brackets with the coordinates many: sums are multiplied in another order."""
+    """A function may have few terms and its brackets many: the sums in these are multiplied in another order."""
     system = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha1")
 
     def refuse(*_):

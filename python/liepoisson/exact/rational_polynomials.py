@@ -79,7 +79,7 @@ class RationalPolynomial:
 
     @cached_property
     def written_out(self) -> tuple[int, int]:
-        """At most so many terms it has when it is expanded, before equal ones are collected, and bits in their numbers."""
+        """At most so many terms when it is expanded, before equal ones are collected, and bits in their numbers."""
         n_terms = longest = 0
         for monomial, coefficient in self.terms.items():
             own, bits = 1, coefficient.numerator.bit_length() + coefficient.denominator.bit_length()
