@@ -14,7 +14,7 @@ from liepoisson.exact.formula.scope import Scope
 from liepoisson.exact.lowering import lower
 from liepoisson.exact.polynomial_dynamics import bracket_with
 from liepoisson.exact.polynomial_formula import read_polynomial
-from liepoisson.exact.rational_polynomials import RationalPolynomial, expression_of, in_words
+from liepoisson.exact.rational_polynomials import RationalPolynomial, TooLargeError, expression_of, in_words
 from liepoisson.exact.system_text import formula_text
 
 READ = tuple(
@@ -116,6 +116,34 @@ def test_formulas_are_read_as_sympy_reads_them(text):
 )
 def test_what_is_no_small_rational_polynomial_is_left_to_sympy(text):
     assert read_polynomial(text, SCOPE, NAMES) is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "(u1^16)^16",
+        "((u1 + u2)^16)^16",
+        "((((u1^16)^16)^16)^16)^16",
+        "((2^100*u1 + u2)^16)^2",
+        "(u1 + u2 + u3 + 1)^16*(u1 - u2 + 2*u3 + 3)^16",
+        "*".join(["(u1^5 + u1^4*u2 + u1^3*u2^2 + u1^2 + u1*u2 + u2^3 + u2^2 + 1)"] * 6),
+    ],
+)
+def test_powers_of_powers_and_products_of_sums_are_bounded(text):
+    """Each exponent is small; what they make together is left to the reader that says what is too large."""
+    assert read_polynomial(text, Scope(fields={"u": ("1", "2", "3")}), ("u1", "u2", "u3")) is None
+
+
+def test_brackets_that_are_too_large_are_left_to_sympy(monkeypatch):
+    """A function may have few terms and its brackets many: the sums in these are multiplied in another order."""
+    system = lp.System(lp.so(3) @ lp.semidirect(2), "dot(l, l)/2 + alpha1")
+
+    def refuse(*_):
+        raise TooLargeError
+
+    monkeypatch.setattr("liepoisson.exact.polynomial_dynamics.rates_of", refuse)
+    assert system.is_casimir("dot(l, alpha)")
+    assert not system.is_casimir("dot(l, l)")
 
 
 def test_a_parameter_that_drops_out_is_refused_as_before():

@@ -28,6 +28,7 @@ from liepoisson.exact.rational_polynomials import (
 from liepoisson.exact.values import Value
 
 _MOST_CHARACTERS, _MOST_NESTED, _MOST_BITS, _MOST_POWER = 10_000, 30, 256, 16
+_MOST_DEGREE, _MOST_FACTORS, _MOST_BITS_WRITTEN_OUT = 64, 50_000, 2048
 """Far below the limits of formulas, so that none that is refused there is taken here."""
 _MATRIX_FUNCTIONS = frozenset({"inv", "dot", "cross", "diag", "transpose", "trace"})
 
@@ -146,7 +147,10 @@ def _terms(values: Sequence[Any]) -> list[Any]:
 
 def _checked(result: RationalPolynomial) -> Fraction | RationalPolynomial:
     """The result, as a Fraction if it is a number."""
-    if len(result.terms) > MOST_TERMS or any(_bits(c) > _MOST_BITS for c in result.terms.values()):
+    if any(_bits(c) > _MOST_BITS for c in result.terms.values()) or result.degree > _MOST_DEGREE:
+        raise _OtherKindError
+    n_terms, bits = result.written_out
+    if n_terms * max(result.degree, 1) > _MOST_FACTORS or bits > _MOST_BITS_WRITTEN_OUT:
         raise _OtherKindError
     if not result:
         return Fraction(0)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
+from math import comb
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -70,6 +71,24 @@ class RationalPolynomial:
         atoms = [atom for monomial in self.terms for atom, _ in monomial]
         inner = (atom.coordinates if isinstance(atom, RationalPolynomial) else {atom} for atom in atoms)
         return frozenset().union(*inner)
+
+    @cached_property
+    def degree(self) -> int:
+        """The total degree as it is written: terms that cancel when the polynomial is expanded count."""
+        return max((sum(_degree(atom) * power for atom, power in monomial) for monomial in self.terms), default=0)
+
+    @cached_property
+    def written_out(self) -> tuple[int, int]:
+        """At most so many terms when it is expanded, before equal ones are collected, and bits in their numbers."""
+        n_terms = longest = 0
+        for monomial, coefficient in self.terms.items():
+            own, bits = 1, coefficient.numerator.bit_length() + coefficient.denominator.bit_length()
+            for atom, power in monomial:
+                if isinstance(atom, RationalPolynomial):
+                    inner, inner_bits = atom.written_out
+                    own, bits = own * comb(inner + power - 1, power), bits + inner_bits * power
+            n_terms, longest = n_terms + own, max(longest, bits)
+        return n_terms, longest
 
     @cached_property
     def expanded(self) -> Expanded:
@@ -209,6 +228,10 @@ def power_of(base: RationalPolynomial, exponent: int) -> RationalPolynomial:
 
 def _sorted(powers: Mapping[Atom, int]) -> Monomial:
     return tuple(sorted(powers.items(), key=lambda item: _place(item[0])))
+
+
+def _degree(atom: Atom) -> int:
+    return atom.degree if isinstance(atom, RationalPolynomial) else 1
 
 
 def _place(atom: Atom) -> tuple[int, int]:

@@ -370,7 +370,10 @@ class System:
         if polynomial is not None:
             from liepoisson.exact.polynomial_dynamics import rates_of
 
-            return not any(rate.expanded for rate in rates_of(self.bracket, polynomial))
+            try:
+                return not any(rate.expanded for rate in rates_of(self.bracket, polynomial))
+            except TooLargeError:
+                pass
         f = self.expression(function)
         return all(self.bracket(f, component) == 0 for component in self.variables)
 
