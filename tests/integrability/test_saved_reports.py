@@ -70,7 +70,7 @@ ALTERED = {
     "the commuting ones": (set_at("commuting", ["F1", "H"]), "the commuting integrals should be"),
     "the certificate": (set_at("certificate", "hamiltonian", []), "the certificate"),
     "a certificate of another": (set_at("certificate", "system", "another"), "the certificate should be"),
-    "what was found": (set_at("searches", 1, "found", 0, "expression", "m1"), "no integral"),
+    "what was found": (set_at("searches", 1, "found", 0, "expression", "m1"), "which should be among the"),
     "a Casimir": (set_at("searches", 0, "known", 0, "expression", "m1"), "the Casimirs should be"),
     "the degree": (set_at("searched_degree", 20), "searched_degree"),
     "the system": (set_at("file", "name = 3"), "the system of the file"),
@@ -122,3 +122,97 @@ def test_files_that_are_missing_or_called_otherwise(tmp_path):
     (tmp_path / "text.json").write_text("nothing")
     with pytest.raises(DamagedFileError):
         load(tmp_path / "text.json")
+
+
+SEPARABLE = lp.System(lp.canonical(2), "dot(p, p)/2 + q1^2/2 + q1^4 + q2^4/4", name="separable")
+HIDDEN = {"name": "F1", "expression": "p1^2/2 + q1^2/2 + q1^4"}
+
+
+@pytest.fixture(scope="module")
+def separable(tmp_path_factory):
+    """Of degree 2: the integral of degree 4 besides H is not found."""
+    made = report(SEPARABLE, degree=2, time_limit=0.9)
+    assert list(made.integrals) == ["H"]
+    return json.loads(made.save(tmp_path_factory.mktemp("reports") / "separable.json").read_text())
+
+
+def with_search_of_degree_4(data, known):
+    """As if degree 4 had been searched, with these functions besides H taken as known."""
+    found = lp.integrability.first_integrals(
+        SEPARABLE, degree=4, known={"H": SEPARABLE.hamiltonian} | {f["name"]: f["expression"] for f in known}
+    )
+    data = json.loads(json.dumps(data))
+    search = json.loads(json.dumps(data["searches"][-1])) | {"degree": 4, "found": []}
+    search["known"] += known
+    search["proof"] |= {
+        "monomials": found.n_monomials,
+        "integrals": found.n_integrals,
+        "blocks": found.n_blocks,
+    }
+    data["searches"].append(search)
+    data["degree"] = data["searched_degree"] = 4
+    data["verdict"], data["not_tried"][0] = "no further polynomial integral", "polynomials above degree 4"
+    return data
+
+
+@pytest.mark.parametrize("prove_again", [False, True])
+def test_a_search_cannot_hide_an_integral_among_what_is_known(prove_again, separable, tmp_path):
+    path = tmp_path / "report.json"
+    path.write_text(json.dumps(with_search_of_degree_4(separable, [HIDDEN])))
+    with pytest.raises(DamagedFileError, match=r"takes F1 = .* as known; the report has no such integral"):
+        load(path, prove_again=prove_again)
+
+
+@pytest.mark.parametrize("with_search", [False, True])
+def test_an_independent_integral_cannot_be_called_dependent(with_search, separable, tmp_path):
+    path = tmp_path / "report.json"
+    data = with_search_of_degree_4(separable, [HIDDEN]) if with_search else json.loads(json.dumps(separable))
+    data["dependent"] = [HIDDEN]
+    path.write_text(json.dumps(data))
+    with pytest.raises(DamagedFileError, match="said to depend on the others does not"):
+        load(path)
+
+
+def test_a_search_made_again_must_not_find_more(separable, tmp_path):
+    """The number of integrals agrees, since F1 is found either way: the report does not list it."""
+    path = tmp_path / "report.json"
+    path.write_text(json.dumps(with_search_of_degree_4(separable, [])))
+    load(path)
+    with pytest.raises(DamagedFileError, match="up to degree 4"):
+        load(path, prove_again=True)
+
+
+@pytest.mark.parametrize(
+    ("alter", "words"),
+    [
+        (set_at("kind", "x"), "the kind of system"),
+        (set_at("searches", 0, "on", ["p1"]), "the level of a search"),
+        (set_at("searches", 0, "system", "x"), "the system of a search"),
+        (set_at("searches", 0, "known", 0, "name", "x"), "as known; the report has no such integral"),
+    ],
+)
+def test_everything_that_a_search_says_of_itself_is_verified(alter, words, separable, tmp_path):
+    path = tmp_path / "report.json"
+    path.write_text(json.dumps(altered(separable, alter)))
+    with pytest.raises(DamagedFileError, match=words):
+        load(path)
+
+
+@pytest.mark.parametrize("told", ["open", "no obstruction found"])
+def test_what_depends_on_the_time_given_contradicts_nothing(told, separable, tmp_path):
+    """Neither is a theorem: a faster machine may find more, a slower one less, in the same file."""
+    path = tmp_path / "report.json"
+    reason = {"verdict": told, "theorem": "", "statement": "", "steps": []}
+    path.write_text(json.dumps(altered(separable, set_at("obstruction", reason))))
+    loaded = load(path, prove_again=True, time_limit=0.01)
+    assert loaded.verdict == separable["verdict"]
+    here = "open" if loaded.obstruction is None else loaded.obstruction.verdict
+    assert told == here or f"the differential Galois group: {told} in the file, open here" in loaded.notes
+
+
+def test_a_theorem_that_is_not_proved_again_in_time_is_refused(separable, tmp_path):
+    path = tmp_path / "report.json"
+    reason = {"verdict": "not integrable", "theorem": "", "statement": "", "steps": []}
+    path.write_text(json.dumps(altered(separable, set_at("obstruction", reason))))
+    with pytest.raises(DamagedFileError, match="give a longer time_limit"):
+        load(path, time_limit=0.01)

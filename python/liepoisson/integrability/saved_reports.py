@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
+from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.system_text import read_system_text
 from liepoisson.integrability import checker
 from liepoisson.integrability.certificates import certificate
@@ -18,12 +19,12 @@ from liepoisson.integrability.completeness import (
     commuting_integrals,
     fields_rank,
 )
-from liepoisson.integrability.galois.obstruction import GaloisObstruction, galois_obstruction
+from liepoisson.integrability.galois.obstruction import GaloisObstruction, Verdict, galois_obstruction
 from liepoisson.integrability.painleve.singularity_analysis import PainleveTest, painleve_test
 from liepoisson.integrability.polynomial_integrals import FirstIntegral, FirstIntegrals, first_integrals
 from liepoisson.integrability.records import named
 from liepoisson.integrability.report import FORMAT, IntegrabilityReport, report_record, verdict_of
-from liepoisson.scalars import as_count
+from liepoisson.scalars import as_count, as_time_limit
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -31,32 +32,41 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
 
+_KINDS = ("System", "CanonicalSystem", "Top")
+"""Classes of systems that have texts."""
+
 
 @explains_its_arguments
 @shows_progress
 def load_report(
-    path: str | Path, *, prove_again: bool = False, progress: Callable[[float], Any] | None = None
+    path: str | Path,
+    *,
+    prove_again: bool = False,
+    time_limit: float = 60.0,
+    progress: Callable[[float], Any] | None = None,
 ) -> IntegrabilityReport:
     """Read a report and verify it: nothing in the file is trusted.
 
     The rank, each integral, their independence, their brackets and the certificate are verified, and the verdict is
-    drawn anew.  That there are no further integrals is proved by the searches only: they are made again on request, or
-    the report says "not proved again".
+    drawn anew.  What a search took as known must be among the integrals of the report.  That there are no further
+    integrals is proved by the searches only: they are made again on request, or the report says "not proved again".
 
     Args:
         path: A file that `IntegrabilityReport.save` wrote.
         prove_again: Whether to make the searches again.
+        time_limit: Seconds after which no further matrix is computed where a proof that the system is not integrable
+            is found again; a report of such a system that is not proved again in this time is refused.
         progress: As for `integrate`.
 
     Raises:
         MissingFileError: there is no such file.
-        DamagedFileError: it is no report, or something in it is not true; the message says what.
+        DamagedFileError: it is no report, or something in it is not true or not proved again; the message says what.
     """
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"), object_pairs_hook=checker.once)
         if data["format"] != FORMAT:
             raise ParameterError("it has another format")
-        return _Reader(data, prove_again=prove_again, progress=progress).report()
+        return _Reader(data, prove_again, as_time_limit(time_limit), progress).report()
     except FileNotFoundError as error:
         raise MissingFileError(f"{path}: wanted a report; there is no such file; look at the name") from error
     except LiePoissonError as error:
@@ -75,11 +85,21 @@ def load_report(
 
 
 class _Reader:
-    def __init__(self, data: Mapping[str, Any], *, prove_again: bool, progress: Callable[[float], Any] | None) -> None:
+    def __init__(
+        self,
+        data: Mapping[str, Any],
+        prove_again: bool,
+        time_limit: float,
+        progress: Callable[[float], Any] | None,
+    ) -> None:
+        if data["kind"] not in _KINDS:
+            raise ParameterError(f"the kind of system should be one of {', '.join(_KINDS)}; got {shown(data['kind'])}")
         self.data = data
         self.system: System = read_system_text(data["file"], data["kind"])
         self.prove_again = prove_again
+        self.time_limit = time_limit
         self.progress = progress
+        self.notes: list[str] = []
 
     def report(self) -> IntegrabilityReport:
         data, system = self.data, self.system
@@ -91,6 +111,7 @@ class _Reader:
         _agree("the system", data["system"], system.name)
         _agree("the rank", data["rank"], rank)
         self._verify(integrals, dependent)
+        self._verify_searches(integrals, dependent)
         commuting, closed = tuple(data["commuting"]), None
         if commuting:
             chosen = {name: functions[name] for name in commuting}
@@ -99,7 +120,8 @@ class _Reader:
             closed = closed_integrals(system, integrals, rank)
             if closed is None:
                 raise ParameterError("the integrals are not closed under the bracket, or not enough")
-        searches = tuple(self._search(one, k / len(data["searches"])) for k, one in enumerate(data["searches"]))
+        told = data["searches"]
+        searches = tuple(self._search(one, integrals, (k + 1) / len(told)) for k, one in enumerate(told))
         proof = data["certificate"]
         if proof is not None:
             if wrong := checker.check(proof):
@@ -117,7 +139,7 @@ class _Reader:
             closed,
             searches,
             proof,
-            tuple(map(str, data["notes"])),
+            (*map(str, data["notes"]), *self.notes),
             self.prove_again or not searches,
             obstruction,
             singularities,
@@ -132,13 +154,31 @@ class _Reader:
         obstruction, singularities = None, None
         given = self.data["obstruction"]
         if given is not None and (self.prove_again or given["verdict"] == "not integrable"):
-            obstruction = galois_obstruction(self.system)
-            _agree("what the differential Galois group says", given["verdict"], obstruction.verdict)
+            obstruction = self._same_obstruction(given["verdict"])
         if self.data["singularities"] is not None and self.prove_again:
             singularities = painleve_test(self.system)
-            wanted = self.data["singularities"]["verdict"]
-            _agree("what the singularities in complex time say", wanted, singularities.verdict)
+            told = self.data["singularities"]["verdict"]
+            if "undecided" not in (told, singularities.verdict):  # which tells of the time that there was
+                _agree("what the singularities in complex time say", told, singularities.verdict)
+            elif told != singularities.verdict:
+                self.notes.append(f"singularities in complex time: {told} in the file, {singularities.verdict} here")
+                singularities = None
         return obstruction, singularities
+
+    def _same_obstruction(self, told: str) -> GaloisObstruction | None:
+        """What is found again, if it is the same.  Only "not integrable" is a theorem; the others tell of the time."""
+        found = galois_obstruction(self.system, time_limit=self.time_limit)
+        if told == found.verdict:
+            return found
+        if told == "not integrable":
+            raise ParameterError(
+                f"what the differential Galois group says should be {found.verdict!r}; the file says {told!r}. "
+                f"If it is true, {self.time_limit:g} s were too short to prove it again: give a longer time_limit"
+            )
+        if told not in get_args(Verdict):
+            raise ParameterError(f"no differential Galois group says {shown(told)}")
+        self.notes.append(f"the differential Galois group: {told} in the file, {found.verdict} here")
+        return None
 
     def _expressions(self, entries: list[dict[str, str]]) -> dict[str, Expr]:
         return {entry["name"]: self.system.expression(entry["expression"]) for entry in entries}
@@ -155,8 +195,30 @@ class _Reader:
                 raise ParameterError(f"{name} = {shown(f)} is no integral")
         if fields_rank(self.system, list(integrals.values())) < len(integrals):
             raise ParameterError("the integrals are not independent")
+        if dependent and fields_rank(self.system, list(functions.values())) > len(integrals):
+            raise ParameterError("an integral that is said to depend on the others does not")
 
-    def _search(self, data: Mapping[str, Any], done: float) -> FirstIntegrals:
+    def _verify_searches(self, integrals: Mapping[str, Expr], dependent: Mapping[str, Expr]) -> None:
+        """That nothing is hidden in them: what a search took as known or found is an integral of the report."""
+        n_casimirs, functions = len(self.system.bracket.casimirs()), {**integrals, **dependent}
+        casimirs = {f"C{k}" for k in range(1, n_casimirs + 1)}
+        for search in self.data["searches"]:
+            _agree("the system of a search", search["system"], self.system.name)
+            _agree("the level of a search", search["on"], [])
+            for name, f in self._expressions([one for one in search["known"] if one["name"] not in casimirs]).items():
+                if name not in functions or not _are_equal(f, functions[name]):
+                    raise ParameterError(
+                        f"a search takes {name} = {shown(f)} as known; the report has no such integral"
+                    )
+            for one in search["found"]:
+                f, listed = self.system.expression(one["expression"]), integrals if one["independent"] else dependent
+                if not any(_are_equal(f, known) for known in listed.values()):
+                    raise ParameterError(
+                        f"a search found {shown(f)}, which should be among the {'' if one['independent'] else 'in'}"
+                        f"dependent integrals of the report; it is not"
+                    )
+
+    def _search(self, data: Mapping[str, Any], integrals: Mapping[str, Expr], done: float) -> FirstIntegrals:
         """A search as the file says, or made again and compared."""
         casimirs = {f"C{k}": c for k, c in enumerate(self.system.bracket.casimirs(), start=1)}
         of_leaves = [entry for entry in data["known"] if entry["name"] in casimirs]
@@ -194,9 +256,18 @@ class _Reader:
         for what in ("complete", "n_integrals", "n_monomials"):
             _agree(f"{what} up to degree {told.degree}", getattr(told, what), getattr(again, what))
         _agree(f"the number of integrals up to degree {told.degree}", len(found), len(again.found))
+        functions = [*integrals.values(), *(f.expression for f in again.found)]
+        if fields_rank(self.system, functions) > len(integrals):
+            raise ParameterError(
+                f"a search up to degree {told.degree} finds an independent integral that is not in the report"
+            )
         if self.progress:
             self.progress(done)
         return again
+
+
+def _are_equal(f: Expr, g: Expr) -> bool:
+    return is_zero(f - g)
 
 
 def _agree(what: str, given: Any, wanted: Any) -> None:
