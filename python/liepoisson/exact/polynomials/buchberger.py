@@ -59,12 +59,13 @@ def remainder(
         leads: The leading monomials of the basis, where they are known.
     """
     known = list(basis)
-    divisors = list(zip(known, leads or map(leading, known), strict=True))
+    # a division by what divides no term costs as much as any; of few divisors none is worth the look
+    looks = leads is not None and len(known) > 8
+    divisors = list(zip(known, leads if looks and leads is not None else [()] * len(known), strict=True))
     while p:
         before = p
-        highest = tuple(map(int, p.degrees()))
+        highest = tuple(map(int, p.degrees())) if looks else ()
         for divisor, lead in divisors:
-            # a division by what divides no term costs as much as any
             if not divides(lead, highest):
                 continue
             if budget is not None:
