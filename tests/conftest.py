@@ -1,8 +1,58 @@
 """Settings shared by all tests."""
 
+import os
+import pickle
+import time
+
+import pytest
 from hypothesis import HealthCheck, settings
 
 # Random examples that are the same in every run, so that a red build can be repeated; no time limit for one example,
 # since the machines that run the tests are shared.
 settings.register_profile("liepoisson", deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("liepoisson")
+
+LONGEST = ("tests/test_docs.py",)
+"""The files that take longest, the longest first (seconds of one core, measured now and then).
+
+Workers that share the files take these first, so that none is left with one of them at the end. A file that is missing
+here runs later, nothing else.
+"""
+
+
+def pytest_configure(config):
+    # With `--dist loadfile` files would start by their numbers of tests, and those with few long tests come last.
+    config.option.loadscopereorder = False
+
+
+def pytest_collection_modifyitems(items):
+    rank = {name: k for k, name in enumerate(LONGEST)}
+    items.sort(key=lambda item: rank.get(item.nodeid.partition("::")[0], len(rank)))
+
+
+@pytest.fixture(scope="session")
+def shared_by_workers(tmp_path_factory):
+    """What a function computes, under a name: once for all workers of pytest-xdist, the others wait for its pickle."""
+
+    def shared(name, compute):
+        if "PYTEST_XDIST_WORKER" not in os.environ:
+            return compute()
+        folder = tmp_path_factory.getbasetemp().parent  # that of the run; each worker has one in it
+        done = folder / f"{name}.pickle"
+        try:
+            (folder / f"{name}.begun").mkdir()
+        except FileExistsError:
+            while not done.exists():  # if the worker that computes it dies, the limit of time of the test ends this
+                time.sleep(0.1)
+            return pickle.loads(done.read_bytes())
+        try:
+            found = compute()
+            written = folder / f"{name}.written"
+            written.write_bytes(pickle.dumps(found))
+            written.replace(done)
+        except BaseException:
+            (folder / f"{name}.begun").rmdir()
+            raise
+        return found
+
+    return shared

@@ -59,16 +59,21 @@ def test_a_damaged_file_that_is_read_without_its_checksum_is_refused_with_a_sent
     """Then numbers may be wrong, but no error of another kind comes out, from `rerun` neither."""
     path = RUNS[kind]().save(tmp_path / "run.nc")
     content = path.read_bytes()
-    random = np.random.default_rng(2)
+    random, said, n_read = np.random.default_rng(2), [], 0
     for bit in random.choice(8 * len(content), 150, replace=False).tolist():
         damaged = bytearray(content)
         damaged[bit // 8] ^= 1 << bit % 8
         path.write_bytes(damaged)
         try:
             dataset = read_dataset(path, verify=False)
-        except DamagedFileError:
+        except DamagedFileError as error:
+            said.append(str(error))
             continue
         dataset.to_dict()
+        n_read += 1
+    assert said
+    assert all(str(path) in sentence for sentence in said)
+    assert n_read
 
 
 @pytest.mark.thorough
@@ -283,4 +288,5 @@ def test_a_name_that_netcdf_cannot_hold_is_refused(tmp_path, name):
 def test_no_warning_comes_from_below(path):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        lp.rerun(path)
+        again = lp.rerun(path)
+    assert again.dataset.identical(read_dataset(path))

@@ -2,6 +2,7 @@ from fractions import Fraction
 from itertools import product
 
 import pytest
+from sympy import expand
 
 from liepoisson.errors import ParameterError
 from liepoisson.exact.extension import Extension
@@ -26,7 +27,12 @@ def test_reduced_mhd_has_one_cocycle():
     "extension", [trivial(), leibniz(6), leibniz(5, "epsilon"), leibniz(4, "-2/7"), semidirect(6), crmhd(), crmhd(0)]
 )
 def test_named_extensions_are_commutative_and_associative(extension):
-    Extension(extension.tensor)  # raises if not
+    """W_k^{ij} = W_k^{ji}, and e_i(e_j e_k) is symmetric in i, j and k; the constructor says the same."""
+    W, n = extension.tensor, range(len(extension.tensor))
+    assert all(W[k][i][j] == W[k][j][i] for i, j, k in product(n, n, n))
+    twice = {(i, j, k, s): expand(sum(W[s][i][r] * W[r][j][k] for r in n)) for i, j, k, s in product(n, n, n, n)}
+    assert all(value == twice[j, i, k, s] for (i, j, k, s), value in twice.items())
+    assert Extension(W).tensor == W
 
 
 def test_no_cocycle_leaves_no_products():

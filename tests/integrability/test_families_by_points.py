@@ -117,7 +117,12 @@ def random_family(rng):
     return (lp.System(bracket, text, symbols=used), rng.choice(degrees)) if used else random_family(rng)
 
 
-@pytest.mark.parametrize("seed", [*range(12), *(pytest.param(k, marks=pytest.mark.thorough) for k in range(12, 120))])
+THOROUGH = [pytest.param(k, marks=pytest.mark.thorough) for k in range(12, 60)]
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(12), *THOROUGH, *(pytest.param(k, marks=pytest.mark.slow) for k in range(60, 120))]
+)
 def test_random_families_at_points(seed):
     rng = random.Random(seed)
     system, degree = random_family(rng)

@@ -146,3 +146,16 @@ def test_a_run_with_any_method_can_be_repeated_from_its_file(tmp_path):
         again = lp.rerun(growth.save(tmp_path / f"{k}.nc"))
         assert again.method == method
         assert again.exponent.tobytes() == growth.exponent.tobytes()
+
+
+@pytest.mark.parametrize("top", [lp.Top.kovalevskaya(), lp.Top.twisted_lagrange()], ids=["Kovalevskaya", "Lagrange"])
+@pytest.mark.parametrize("tol", [1e-8, 1e-9])
+def test_tangent_vectors_of_regular_orbits_do_not_grow_exponentially_in_mixed_precision(top, tol):
+    """On tori they grow as t.  What a step leaves out of their series adds up: with sqrt(tol) the logarithms were off by 1 to 70."""
+    starts, times = lp.sample_states(top, 16, seed=4), [2000.0]
+    exact, mixed = (
+        lp.finite_time_exponents(top, starts, times=times, seed=4, method=method).exponent[:, -1] * times[0]
+        for method in (lp.Taylor(), lp.Taylor(tol=tol, precision="mixed"))
+    )
+    assert np.median(np.abs(mixed - exact)) < 0.03
+    assert np.abs(mixed - exact).max() < 0.3

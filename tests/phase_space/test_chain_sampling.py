@@ -22,7 +22,7 @@ def standard_error(halvings, n_chains=chain_sampling.N_CHAINS):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("energy", [0.3, 0.27])
+@pytest.mark.parametrize("energy", [0.3, pytest.param(0.27, marks=pytest.mark.slow)])
 def test_two_closed_curves_have_their_shares_whatever_the_state_of_the_leaf(energy):
     """The surface is one curve around e1 and one around -e1.  Uniform points on the sphere, in a window of energy."""
     noise = np.random.default_rng(1).standard_normal((2_000_000, 3))
@@ -72,7 +72,10 @@ def test_sheets_between_which_proposals_leap_have_equal_shares():
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("n", "k", "energy"), [(12, 10, 2.0), (12, 30, 50.0), (20, 3, 2.0)])
+@pytest.mark.parametrize(
+    ("n", "k", "energy"),
+    [(12, 30, 50.0), *(pytest.param(*ball, marks=pytest.mark.slow) for ball in ((12, 10, 2.0), (20, 3, 2.0)))],
+)
 def test_a_ball_off_the_origin_is_filled_evenly(n, k, energy):
     """H = (|p|^2 + |q|^2)/2 + k q1 <= E is a ball of radius R, R^2 = 2E + k^2, about q1 = -k in R^(2n).
 

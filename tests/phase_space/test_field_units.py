@@ -103,7 +103,7 @@ def test_lowest_energy_of_the_spherical_top(r, s):
 @pytest.mark.parametrize(
     ("r", "s"),
     [
-        (1e-3, 1.0),
+        pytest.param(1e-3, 1.0, marks=pytest.mark.slow),
         pytest.param(1e-5, 1.0, marks=pytest.mark.slow),
         (1e-7, 1e8),
         pytest.param(1e4, 1.0, marks=pytest.mark.slow),
@@ -132,7 +132,15 @@ def test_sample_at_high_energy():
     assert (p3**2).mean() == pytest.approx(1 / 3, abs=4 * 0.007)
 
 
-@pytest.mark.parametrize(("r", "s"), [(1e-3, 1.0), (1e-6, 1.0), (1e-10, 1e5), (1e5, 1.0)])
+@pytest.mark.parametrize(
+    ("r", "s"),
+    [
+        pytest.param(1e-3, 1.0, marks=pytest.mark.slow),
+        pytest.param(1e-6, 1.0, marks=pytest.mark.slow),
+        (1e-10, 1e5),
+        (1e5, 1.0),
+    ],
+)
 def test_equilibria_of_a_clebsch_system(r, s):
     here = lp.equilibria(clebsch(), values(0.2, 1, 1), n_starts=40)
     there = lp.equilibria(clebsch(r, s), values(0.2, r, s), n_starts=40)
@@ -242,7 +250,7 @@ def test_random_starts_in_any_unit(r, s):
         assert leaf.residual(start.state) < 1e-12
 
 
-@pytest.mark.parametrize("size", [1.0, 1e-3, 1e-6, 1e-12, 1e9])
+@pytest.mark.parametrize("size", [1e-12, 1e9, *(pytest.param(s, marks=pytest.mark.slow) for s in (1.0, 1e-3, 1e-6))])
 def test_one_field_of_a_non_compact_algebra_has_a_unit(size):
     """H(y) is a fixed polynomial of x = size y: the energies of equilibria do not depend on the size."""
     g = lp.so(3, 1) @ lp.trivial()
@@ -255,7 +263,14 @@ def test_one_field_of_a_non_compact_algebra_has_a_unit(size):
     assert [e.energy for e in found] == pytest.approx([-0.4580833104, 1.0690820], rel=1e-6)
 
 
-@pytest.mark.parametrize(("u", "v"), [(1.0, 1.0), (2.0**30, 1.0), (2.0**-30, 1.0), (1.0, 2.0**60), (2.0**-60, 2.0**30)])
+@pytest.mark.parametrize(
+    ("u", "v"),
+    [
+        (2.0**30, 1.0),
+        (2.0**-60, 2.0**30),
+        *(pytest.param(*units, marks=pytest.mark.slow) for units in ((1.0, 1.0), (2.0**-30, 1.0), (1.0, 2.0**60))),
+    ],
+)
 def test_energies_of_a_twisted_top_lie_between_the_same_limits_in_any_unit(u, v):
     """alpha in units 1/u and beta in units 1/v: the same top; the lowest energy is that of an equilibrium."""
     a, b = (u * x for x in (0.5, -0.2, 0.9)), (v * x for x in (0.3, 0.4, -0.2))
@@ -290,7 +305,7 @@ def test_lowest_energy_where_the_hamiltonian_is_no_polynomial(r, s):
     assert leaf.energy_range()[0] == pytest.approx(0.42686404633 * r, rel=1e-9)
 
 
-@pytest.mark.parametrize("k", [0, 2, 3, 6, -3, -6])
+@pytest.mark.parametrize("k", [6, -6, *(pytest.param(k, marks=pytest.mark.slow) for k in (0, 2, 3, -3))])
 def test_each_canonical_coordinate_has_a_unit_of_its_own(k):
     """q2 -> 10^k q2, p2 -> 10^-k p2 is canonical: nothing changes.  Energies from a search of its own with SciPy."""
     q1, q2, p1, p2 = lp.canonical(2).variables

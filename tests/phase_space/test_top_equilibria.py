@@ -120,7 +120,7 @@ def test_a_leaf_with_ten_equilibria_of_which_few_starts_find_some():
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(k, marks=pytest.mark.slow) for k in (2, 3))])
 def test_other_leaves_of_the_same_top(seed):
     top = lp.Top(**TEN)
     check(top, lp.Leaf.through(top, np.random.default_rng(seed).normal(size=9) * np.repeat([3, 1, 1], 3)), 30)
@@ -151,7 +151,7 @@ def test_leaf_on_which_one_equation_fixes_sigma_alone():
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", [*range(3), *(pytest.param(k, marks=pytest.mark.slow) for k in range(3, 8))])
 def test_exceptional_leaves_of_tops_with_parallel_vectors(seed):
     check(*parallel_top_on_its_exceptional_leaf(np.random.default_rng(seed)), 30)
 
@@ -163,7 +163,7 @@ def test_many_exceptional_leaves(seed):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(k, marks=pytest.mark.slow) for k in range(4, 12))])
+@pytest.mark.parametrize("seed", [0, 2, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, *range(3, 12)))])
 def test_signs_of_all_equilibria_sum_to_the_euler_characteristic_and_the_search_finds_no_other(seed):
     rng = np.random.default_rng(seed)
     top = random_top(rng)
@@ -180,7 +180,7 @@ def test_many_random_tops(seed):
 
 @pytest.mark.thorough
 @pytest.mark.parametrize("n_fields", [1, 2])
-@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(k, marks=pytest.mark.slow) for k in range(6, 12))])
+@pytest.mark.parametrize("seed", [*range(3), *(pytest.param(k, marks=pytest.mark.slow) for k in range(3, 12))])
 def test_heavy_tops_of_six_components_and_rigid_bodies_of_three(seed, n_fields):
     rng = np.random.default_rng(seed)
     top = random_small_top(rng, n_fields)
@@ -198,7 +198,7 @@ def test_many_random_heavy_tops(seed, signs):
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(k, marks=pytest.mark.slow) for k in range(4, 8))])
+@pytest.mark.parametrize("seed", [*range(2), *(pytest.param(k, marks=pytest.mark.slow) for k in range(2, 8))])
 def test_moments_of_any_sign_typed_by_hand(seed):
     """Where l.alpha = 0 a heavy top with an indefinite kinetic energy has more equilibria than the two at rest."""
     rng = np.random.default_rng(seed)
@@ -370,7 +370,7 @@ def test_mirrored_equilibria_out_of_the_plane_with_zero_middle_component():
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("unit", [1e-5, 1e-2, 1e3, 1e5])
+@pytest.mark.parametrize("unit", [1e-5, 1e5, *(pytest.param(u, marks=pytest.mark.slow) for u in (1e-2, 1e3))])
 def test_units_change_nothing(unit):
     """t -> t / u: l scales with u, alpha and a with u^p and u^(2-p), ...; and H with a factor of its own."""
     x = np.array([0.9, -0.6, 0.5, 0.7, 0.2, -0.8, 0.3, 0.9, 0.4])

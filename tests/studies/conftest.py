@@ -6,6 +6,6 @@ from liepoisson.studies.twisted_top.claims import ClaimResult, Context, evaluate
 
 
 @pytest.fixture(scope="session")
-def exact_results() -> tuple[ClaimResult, ...]:
+def exact_results(shared_by_workers) -> tuple[ClaimResult, ...]:
     # One of the two arithmetics: the other one takes seven times as long, and tests/proofs checks both.
-    return tuple(evaluate_claims(Context(arithmetics=("intervals",))))
+    return shared_by_workers("exact_results", lambda: tuple(evaluate_claims(Context(arithmetics=("intervals",)))))

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_methods
 from liepoisson.errors import ParameterError, ShapeError
-from liepoisson.exact.private_symbols import evaluated
+from liepoisson.exact.private_symbols import evaluated, first_of_equal
 from liepoisson.exact.rational_polynomials import expression_of, values_of
 
 if TYPE_CHECKING:
@@ -92,7 +92,7 @@ class PhaseFunction:
             return values_of([self._polynomial], self._states(states))[..., 0]
         if self._traces is not None:
             return self._traces.value(self._states(states))
-        return self._evaluate((self.expression,), states, ())
+        return self._evaluate(self._values, states, ())
 
     def gradient(self, states: ArrayLike) -> Array:
         r"""Gradients $\partial f/\partial x_i$, shape (..., N)."""
@@ -146,12 +146,16 @@ class PhaseFunction:
         return tuple(slope.derivative(k) for slope in self._slopes for k in range(self._n))
 
     @cached_property
+    def _values(self) -> tuple[Expr, ...]:
+        return first_of_equal((self.expression,))
+
+    @cached_property
     def _gradient(self) -> tuple[Expr, ...]:
-        return tuple(self.expression.diff(v) for v in self.variables)
+        return first_of_equal(tuple(self.expression.diff(v) for v in self.variables))
 
     @cached_property
     def _hessian(self) -> tuple[Expr, ...]:
-        return tuple(slope.diff(v) for slope in self._gradient for v in self.variables)
+        return first_of_equal(tuple(slope.diff(v) for slope in self._gradient for v in self.variables))
 
     def _evaluate(self, expressions: tuple[Expr, ...], x: ArrayLike, shape: tuple[int, ...]) -> Array:
         states = self._states(x)

@@ -77,6 +77,12 @@ def numpy_function(variables: Sequence[Symbol], expressions: Sequence[Expr]) -> 
 
 
 @lru_cache(maxsize=1024)
+def first_of_equal(expressions: tuple[Expr, ...]) -> tuple[Expr, ...]:
+    """The first equal expressions that were seen: to find these again, no expression is compared."""
+    return expressions
+
+
+@lru_cache(maxsize=1024)
 def _numpy_function(variables: tuple[Symbol, ...], expressions: tuple[Expr, ...]) -> NumpyFunction:
     from sympy import lambdify
     from sympy.printing.codeprinter import PrintMethodNotImplementedError
@@ -106,7 +112,7 @@ def evaluated(variables: Sequence[Symbol], expressions: Sequence[Expr], states: 
     """
     function = numpy_function(variables, expressions)
     try:
-        values = function(*np.moveaxis(states, -1, 0))
+        values = function(*(states[..., k] for k in range(states.shape[-1])))
     except OverflowError as error:  # exact numbers are divided as integers, which have no bounds
         raise ParameterError(
             "a function to be evaluated must have numbers that fit into doubles (below 1.8e308); got a larger one. "

@@ -180,9 +180,12 @@ class RationalPolynomial:
 
 def values_of(polynomials: Iterable[RationalPolynomial], states: Array) -> Array:
     """The values of polynomials at states of shape (..., N), stacked along a new last axis."""
-    columns, known = list(np.moveaxis(states, -1, 0)), dict[RationalPolynomial, Any]()
-    found = [np.broadcast_to(np.asarray(p.value(columns, known), np.float64), states.shape[:-1]) for p in polynomials]
-    return np.stack(found, axis=-1)
+    columns, known = [states[..., k] for k in range(states.shape[-1])], dict[RationalPolynomial, Any]()
+    given = list(polynomials)
+    found = np.empty((*states.shape[:-1], len(given)))
+    for k, p in enumerate(given):  # a constant is a single number
+        found[..., k] = p.value(columns, known)
+    return found
 
 
 def sum_of(terms: Iterable[Fraction | RationalPolynomial]) -> RationalPolynomial:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -58,17 +59,23 @@ class Equations:
         $\sum_b|P_b||x_b|$ for a row of P that has one block or several.  Both are NaN where a function has no finite
         gradient, as that of a square root at zero.
         """
-        values = np.stack([f(x) for f in self.functions], axis=-1) if self.functions else np.zeros((*x.shape[:-1], 0))
-        rows = self.mixing @ gradients_of(self.functions, x)
-        residuals = np.einsum("ij,...j->...i", self.mixing, values - self.values)
-        scales = np.abs(self.values) @ np.abs(self.mixing).T + self._of_terms(rows, x)
-        # Against an infinite gradient any residual would count as zero.
-        scales = np.select([scales == 0, np.isinf(scales)], [1.0, np.nan], scales)
-        pinned = np.broadcast_to(self.pinned, (*x.shape[:-1], *self.pinned.shape))
-        lengths = self._of_pinned(x)
-        lengths = np.where(lengths > 0, lengths, 1.0)
-        residuals = np.concatenate([x @ self.pinned.T / lengths, residuals / scales], axis=-1)
-        return residuals, np.concatenate([pinned / lengths[..., None], rows / scales[..., None]], axis=-2)
+        values = np.empty((*x.shape[:-1], len(self.functions)))
+        for k, f in enumerate(self.functions):
+            values[..., k] = f(x)
+        slopes = self.mixing @ gradients_of(self.functions, x)
+        scales = np.abs(self.values) @ np.abs(self.mixing).T + self._of_terms(slopes, x)
+        scales[scales == 0] = 1.0
+        scales[np.isinf(scales)] = np.nan  # against an infinite gradient any residual would count as zero
+        k, m = len(self.pinned), len(self.mixing)
+        residuals, rows = np.empty((*x.shape[:-1], k + m)), np.empty((*x.shape[:-1], k + m, x.shape[-1]))
+        residuals[..., k:] = np.einsum("ij,...j->...i", self.mixing, values - self.values) / scales
+        rows[..., k:, :] = slopes / scales[..., None]
+        if k:
+            lengths = self._of_pinned(x)
+            lengths = np.where(lengths > 0, lengths, 1.0)
+            residuals[..., :k] = x @ self.pinned.T / lengths
+            rows[..., :k, :] = self.pinned / lengths[..., None]
+        return residuals, rows
 
     def _of_terms(self, rows: Array, x: Array) -> Array:
         r"""$\sum_b|x_b||r_b|$ for each row r, shape (..., row)."""
@@ -77,7 +84,7 @@ class Equations:
         lengths, slopes = (np.sqrt(v**2 @ self._membership) for v in (x, rows))
         return np.einsum("...b,...ib->...i", lengths + self.unit, slopes)
 
-    @property
+    @cached_property
     def _membership(self) -> Array:
         """Which component is in which block, shape (N, k)."""
         return np.eye(1 + max(self.groups))[list(self.groups)]

@@ -111,7 +111,10 @@ def gradients_of(functions: Sequence[PhaseFunction], x: Array) -> Array:
     """The gradients of several functions, shape (..., function, N)."""
     if not functions:
         return np.zeros((*x.shape[:-1], 0, x.shape[-1]))
-    return np.stack([function.gradient(x) for function in functions], axis=-2)
+    gradients = np.empty((*x.shape[:-1], len(functions), x.shape[-1]))
+    for k, function in enumerate(functions):
+        gradients[..., k, :] = function.gradient(x)
+    return gradients
 
 
 @lru_cache(maxsize=32)

@@ -53,7 +53,7 @@ def test_the_steps_of_the_theorem():
     assert found.source.rational == {0: 1}
 
 
-@pytest.mark.parametrize("coefficient", ["-3", "2", "-1/2"])
+@pytest.mark.parametrize("coefficient", ["-1/2", *(pytest.param(c, marks=pytest.mark.slow) for c in ("-3", "2"))])
 def test_garniers_system_has_no_obstruction(coefficient):
     """H = p^2/2 + (A q1^2 + B q2^2)/2 + c |q|^4 is integrable for all A, B, c (Garnier; Wojciechowski)."""
     system = lp.System(PLANE, f"(p_q1^2 + p_q2^2)/2 + (q2^2 - q1^2)/2 + ({coefficient})*(q1^2 + q2^2)^2")

@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import compress
+from operator import le, mul, sub
 from typing import Any, TypeAlias
 
 from liepoisson.exact.polynomials.limits import Budget
@@ -27,20 +29,26 @@ _CALL, _TERM = 3.0, 0.15
 
 def leading(p: Poly) -> Monomial:
     """The exponents of the leading monomial."""
-    return tuple(int(k) for k in p.monomial(0))
+    return tuple(map(int, p.monomial(0)))
 
 
 def divides(first: Monomial, second: Monomial) -> bool:
     """Whether a monomial divides another."""
-    return all(a <= b for a, b in zip(first, second, strict=True))
+    return all(map(le, first, second))
 
 
 def common_multiple(first: Monomial, second: Monomial) -> Monomial:
     """The least common multiple of two monomials."""
-    return tuple(max(a, b) for a, b in zip(first, second, strict=True))
+    return tuple(map(max, first, second))
 
 
-def remainder(p: Poly, basis: Iterable[Poly], budget: Budget | None = None, words: int = 1) -> Poly:
+def remainder(
+    p: Poly,
+    basis: Iterable[Poly],
+    budget: Budget | None = None,
+    words: int = 1,
+    leads: Iterable[Monomial] | None = None,
+) -> Poly:
     """What is left of a polynomial when no leading monomial of the basis divides a term any more.
 
     Args:
@@ -48,11 +56,18 @@ def remainder(p: Poly, basis: Iterable[Poly], budget: Budget | None = None, word
         basis: Polynomials that are not zero.
         budget: Where the work is accounted.
         words: Size of the coefficients in machine words, for the account.
+        leads: The leading monomials of the basis, where they are known.
     """
-    divisors = list(basis)
+    known = list(basis)
+    # a division by what divides no term costs as much as any; of few divisors none is worth the look
+    looks = leads is not None and len(known) > 8
+    divisors = list(zip(known, leads if looks and leads is not None else [()] * len(known), strict=True))
     while p:
         before = p
-        for divisor in divisors:
+        highest = tuple(map(int, p.degrees())) if looks else ()
+        for divisor, lead in divisors:
+            if not divides(lead, highest):
+                continue
             if budget is not None:
                 budget.spend(_CALL + _TERM * (len(p) + len(divisor)) * words, "division of polynomials")
             p = p % divisor
@@ -83,12 +98,16 @@ class Run:
 
 @dataclass
 class _Pairs:
-    """The polynomials so far and the pairs that wait: (degree, least common multiple, first, second)."""
+    """The polynomials so far and the pairs that wait: (degree, least common multiple, number, first, second).
+
+    Pairs are numbered as they come, so that of two with one least common multiple the older is the smaller tuple.
+    """
 
     polynomials: list[Poly]
     leads: list[Monomial]
     needed: list[bool]
-    waiting: list[tuple[int, Monomial, int, int]]
+    waiting: list[tuple[int, Monomial, int, int, int]]
+    n_pairs: int = 0
 
     def add(self, p: Poly) -> None:
         """Add a polynomial with its pairs, without those that the criteria find superfluous."""
@@ -98,12 +117,12 @@ class _Pairs:
             for pair in self.waiting
             if not (
                 divides(new, pair[1])
-                and common_multiple(new, self.leads[pair[2]]) != pair[1]
                 and common_multiple(new, self.leads[pair[3]]) != pair[1]
+                and common_multiple(new, self.leads[pair[4]]) != pair[1]
             )
         ]
         fresh = [(common_multiple(new, self.leads[i]), i) for i in range(k) if self.needed[i]]
-        coprime = {i for _, i in fresh if not any(a and b for a, b in zip(new, self.leads[i], strict=True))}
+        coprime = {i for _, i in fresh if not any(map(mul, new, self.leads[i]))}
         # of the pairs with one least common multiple a coprime one comes first, and none of them is needed then
         fresh.sort(key=lambda pair: (sum(pair[0]), pair[1] not in coprime))
         kept: list[Monomial] = []
@@ -112,28 +131,34 @@ class _Pairs:
                 continue
             kept.append(multiple)
             if i not in coprime:
-                self.waiting.append((sum(multiple), multiple, i, k))
+                self.waiting.append((sum(multiple), multiple, self.n_pairs, i, k))
+                self.n_pairs += 1
         for i in range(k):
             self.needed[i] = self.needed[i] and not divides(new, self.leads[i])
         self.polynomials.append(p)
         self.leads.append(new)
         self.needed.append(True)
 
-    def next_pair(self) -> tuple[int, Monomial, int, int]:
-        first = min(range(len(self.waiting)), key=lambda k: self.waiting[k][:2])
-        return self.waiting.pop(first)
+    def next_pair(self) -> tuple[Monomial, int, int]:
+        """The least common multiple of the pair of smallest degree that waits, and the pair."""
+        first = min(self.waiting)
+        self.waiting.remove(first)
+        _, multiple, _, i, j = first
+        return multiple, i, j
 
     def difference(self, multiple: Monomial, i: int, j: int) -> Poly:
         """The S-polynomial of two monic polynomials."""
         context = self.polynomials[i].context()
-        shifts = [
-            context.from_dict({tuple(a - b for a, b in zip(multiple, self.leads[k], strict=True)): 1}) for k in (i, j)
-        ]
+        shifts = [context.from_dict({tuple(map(sub, multiple, self.leads[k])): 1}) for k in (i, j)]
         return shifts[0] * self.polynomials[i] - shifts[1] * self.polynomials[j]
 
-    def divisors(self) -> list[Poly]:
+    def remainder(self, p: Poly, budget: Budget, words: int) -> Poly:
+        """The remainder modulo the polynomials whose leading monomial is no multiple of another one."""
+        return remainder(p, self.minimal(), budget, words, compress(self.leads, self.needed))
+
+    def minimal(self) -> list[Poly]:
         """The polynomials whose leading monomial is no multiple of another one."""
-        return [p for p, needed in zip(self.polynomials, self.needed, strict=True) if needed]
+        return list(compress(self.polynomials, self.needed))
 
 
 def buchberger(generators: Sequence[Poly], budget: Budget, idle: frozenset[int] = frozenset(), words: int = 1) -> Run:
@@ -150,21 +175,21 @@ def buchberger(generators: Sequence[Poly], budget: Budget, idle: frozenset[int] 
     """
     pairs = _Pairs([], [], [], [])
     for generator in sorted((g for g in generators if g), key=lambda g: (g.total_degree(), len(g))):
-        if p := remainder(generator, pairs.divisors(), budget, words):
+        if p := pairs.remainder(generator, budget, words):
             pairs.add(monic(p))
     zeros: set[int] = set()
     count = -1
     while pairs.waiting:
         count += 1
-        _, multiple, i, j = pairs.next_pair()
+        multiple, i, j = pairs.next_pair()
         budget.spend(1.0 * len(pairs.polynomials), "choice of a pair")
         if count in idle:
             continue
-        if p := remainder(pairs.difference(multiple, i, j), pairs.divisors(), budget, words):
+        if p := pairs.remainder(pairs.difference(multiple, i, j), budget, words):
             pairs.add(monic(p))
         else:
             zeros.add(count)
-    return Run(reduced(pairs.divisors(), budget, words), frozenset(zeros) | idle)
+    return Run(reduced(pairs.minimal(), budget, words), frozenset(zeros) | idle)
 
 
 def reduced(basis: Sequence[Poly], budget: Budget | None = None, words: int = 1) -> tuple[Poly, ...]:
@@ -177,8 +202,9 @@ def reduced(basis: Sequence[Poly], budget: Budget | None = None, words: int = 1)
     ]
     found: list[Poly] = []
     for k in minimal:
-        others = [basis[j] for j in minimal if j != k]
-        found.append(monic(remainder(basis[k], others, budget, words)))
+        others = [j for j in minimal if j != k]
+        left = remainder(basis[k], [basis[j] for j in others], budget, words, [leads[j] for j in others])
+        found.append(monic(left))
     return tuple(sorted(found, key=lambda p: (sum(leading(p)), leading(p))))
 
 
@@ -192,7 +218,7 @@ def are_groebner(basis: Sequence[Poly], budget: Budget, words: int = 1) -> bool:
     for p in basis:
         pairs.add(p)
     while pairs.waiting:
-        _, multiple, i, j = pairs.next_pair()
-        if remainder(pairs.difference(multiple, i, j), basis, budget, words):
+        multiple, i, j = pairs.next_pair()
+        if remainder(pairs.difference(multiple, i, j), basis, budget, words, pairs.leads):
             return False
     return True

@@ -92,7 +92,7 @@ class GroebnerBasis:
 
     def remainder(self, p: Poly, budget: Budget | None = None) -> Poly:
         """The normal form of a polynomial modulo the ideal."""
-        return remainder(p, self.polynomials, budget, self.words)
+        return remainder(p, self.polynomials, budget, self.words, self.leads)
 
     def contains(self, p: Poly) -> bool:
         """Whether a polynomial lies in the ideal."""
@@ -197,7 +197,7 @@ class _Lift:
         if [leading(p) for p in candidate] != shape:
             return False
         words = _words(candidate)
-        in_ideal = all(not remainder(g, candidate, self._budget, words) for g in self._generators)
+        in_ideal = all(not remainder(g, candidate, self._budget, words, shape) for g in self._generators)
         return in_ideal and are_groebner(candidate, self._budget, words)
 
 

@@ -297,6 +297,7 @@ def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[A
         for row in flag.annihilators.to_dense().rep.to_list()
     ]
     size = len(found.coefficients)
+    entries = [[u.to_dense().rep.to_list() for u in row] for row in found.coefficients]
     chain: list[Any] = []
     powers = len(found.coefficients[0])
     # conditions[i]: the coefficients of row i applied to the solutions
@@ -312,8 +313,7 @@ def _chain(flag: Flag, local: LocalSystem, exponent: Any, terms: int) -> tuple[A
                     for k in range(m + 1 - offset):
                         c = row[i][m - offset - k]
                         if c:
-                            entries = found.coefficients[k][j].to_dense().rep.to_list()[i]
-                            total = [t + c * e for t, e in zip(total, entries, strict=True)]
+                            total = [t + c * e if e else t for t, e in zip(total, entries[k][j][i], strict=True)]
                 lines.append(total)
         conditions.append(lines)
     for d in flag.dimensions:

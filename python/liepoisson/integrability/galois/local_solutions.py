@@ -376,11 +376,16 @@ class LocalSystem:
             matrix = DomainMatrix(rows, (n * powers, n * powers + n_columns), field)
             basis = matrix.to_sparse().nullspace().to_dense().rep.to_list()
             if basis:
-                combine = DomainMatrix([v[n * powers :] for v in basis], (len(basis), n_columns), field).transpose()
+                combine = (
+                    DomainMatrix([v[n * powers :] for v in basis], (len(basis), n_columns), field)
+                    .transpose()
+                    .to_sparse()
+                )
             else:
                 combine = DomainMatrix.zeros((n_columns, 0), field)
             found = [
-                [u * combine if n_columns else DomainMatrix.zeros((n, len(basis)), field) for u in row] for row in found
+                [u.to_sparse() * combine if n_columns else DomainMatrix.zeros((n, len(basis)), field) for u in row]
+                for row in found
             ]
             n_columns = len(basis)
             new = [
@@ -409,10 +414,10 @@ def _sum_of_products(local: LocalSystem, found: list[list[Any]], j: int, m: int,
     """The sum of B_k u_(m-k,j) over k > 0."""
     from sympy.polys.matrices import DomainMatrix
 
-    total = DomainMatrix.zeros(shape, local.field).to_dense()
+    total = DomainMatrix.zeros(shape, local.field)  # sparse, as are most of the factors
     for k in range(1, m + 1):
-        total = total + (local.coefficient(k) * found[m - k][j]).to_dense()
-    return total
+        total = total + local.coefficient(k).to_sparse() * found[m - k][j].to_sparse()
+    return total.to_dense()
 
 
 def _shift_of(found: list[list[Any]], field: Any, n: int, count: int) -> Any:
