@@ -146,6 +146,17 @@ def test_brackets_that_are_too_large_are_left_to_sympy(monkeypatch):
     assert not system.is_casimir("dot(l, l)")
 
 
+def test_tapes_do_not_depend_on_names_and_on_the_order_of_terms():
+    text = "({x}^2 + {y}^2)/2 + {x}^2*{y}/3 - {y}^3/7 + 3*({x} - 2*{y})^2*{x}"
+    tapes = []
+    for x, y in [("x", "y"), ("y", "x"), ("Z", "a"), ("q10", "q9")]:
+        system = lp.System(lp.canonical(names=(x, y)), f"{text.format(x=x, y=y)} + (p_{x}^2 + p_{y}^2)/2")
+        surface = lp.sections.default_surface(lp.Leaf.through(system, [0.1, 0.2, 0.3, 0.4]))
+        tapes.append((system.function_tape(surface), system.function_tape(f"{y}/5 + {x}^3")))
+    assert all(tape == tapes[0] for tape in tapes[1:])
+    assert system.function_tape("q9/5 + q10^3") == system.function_tape("q10^3 + q9/5")
+
+
 def test_a_parameter_that_drops_out_is_refused_as_before():
     bracket = lp.so(3) @ lp.extensions.trivial()
     for text in ("dot(l, l) + k - k", "dot(l, l)*k^0"):

@@ -68,6 +68,7 @@ ALTERED = {
     "an integral": (set_at("integrals", 1, "expression", "m1^2"), "F1 = m1**2 is no integral"),
     "a dependent integral": (set_at("integrals", 1, "expression", "p1^2 + p2^2 + p3^2"), "not independent"),
     "the commuting ones": (set_at("commuting", ["F1", "H"]), "the commuting integrals should be"),
+    "no commuting ones": (set_at("commuting", []), "F1 commute and are enough"),
     "the certificate": (set_at("certificate", "hamiltonian", []), "the certificate"),
     "a certificate of another": (set_at("certificate", "system", "another"), "the certificate should be"),
     "what was found": (set_at("searches", 1, "found", 0, "expression", "m1"), "which should be among the"),

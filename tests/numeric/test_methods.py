@@ -151,7 +151,7 @@ def test_a_run_with_any_method_can_be_repeated_from_its_file(tmp_path):
 @pytest.mark.parametrize("top", [lp.Top.kovalevskaya(), lp.Top.twisted_lagrange()], ids=["Kovalevskaya", "Lagrange"])
 @pytest.mark.parametrize("tol", [1e-8, 1e-9])
 def test_tangent_vectors_of_regular_orbits_do_not_grow_exponentially_in_mixed_precision(top, tol):
-    """On tori they grow as t.  What a step leaves out of their series adds up: with sqrt(tol) the logarithms were off by 1 to 70."""
+    """On tori they grow as t.  What each step leaves out adds up: cut at sqrt(tol), logarithms were off by 1 to 70."""
     starts, times = lp.sample_states(top, 16, seed=4), [2000.0]
     exact, mixed = (
         lp.finite_time_exponents(top, starts, times=times, seed=4, method=method).exponent[:, -1] * times[0]

@@ -93,7 +93,8 @@ def tape_of_polynomials(n_components: int, polynomials: Sequence[RationalPolynom
 def _write_polynomial(writer: _TapeWriter, polynomial: RationalPolynomial) -> int:
     terms: list[tuple[int, Rounded]] = []
     constant = ZERO
-    for monomial, value in polynomial.terms.items():
+    for monomial in polynomial.monomials_in_order:
+        value = polynomial.terms[monomial]
         if not monomial:
             constant += rounded(value)
             continue

@@ -139,16 +139,20 @@ class RationalPolynomial:
         return hash(frozenset(self.terms.items()))
 
     @cached_property
-    def _in_order(self) -> tuple[tuple[float, Monomial], ...]:
-        """The terms in the order in which they are added up: that of SymPy, the last coordinates first."""
+    def monomials_in_order(self) -> list[Monomial]:
+        """In an order that depends on the numbers of the coordinates, not on how they were called or written."""
         top = max(self.coordinates, default=-1)
 
         def exponents(monomial: Monomial) -> list[int]:
             powers = {atom: power for atom, power in monomial if isinstance(atom, int)}
             return [powers.get(number, 0) for number in range(top, -1, -1)]
 
-        ordered = sorted(self.terms, key=exponents, reverse=True)
-        return tuple((float(self.terms[monomial]), tuple(reversed(monomial))) for monomial in ordered)
+        return sorted(self.terms, key=exponents, reverse=True)
+
+    @cached_property
+    def _in_order(self) -> tuple[tuple[float, Monomial], ...]:
+        """The terms in the order in which they are added up: that of SymPy, the last coordinates first."""
+        return tuple((float(self.terms[m]), tuple(reversed(m))) for m in self.monomials_in_order)
 
     def value(self, columns: Sequence[Array], known: dict[RationalPolynomial, Any] | None = None) -> Any:
         """The values, with the values of the coordinates one by one.

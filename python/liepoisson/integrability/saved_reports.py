@@ -116,6 +116,8 @@ class _Reader:
         if commuting:
             chosen = {name: functions[name] for name in commuting}
             _agree("the commuting integrals", commuting, commuting_integrals(system, chosen, rank))
+        elif found := commuting_integrals(system, functions, rank):
+            raise ParameterError(f"the report names no commuting integrals; {', '.join(found)} commute and are enough")
         if data["closed"] is not None:
             closed = closed_integrals(system, integrals, rank)
             if closed is None:
