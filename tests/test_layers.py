@@ -41,7 +41,9 @@ STRANGERS = {
 """Rooms of one level that do not import each other."""
 
 LEVELS = {
-    "names and numbers": {"names", "parameters", "rational_polynomials", "rounded", "values", "tensors", "styles"},
+    "names and numbers": {
+        "names", "parameters", "rational_polynomials", "rounded", "values", "tensors", "triples", "styles",
+    },
     "linear algebra": {"linear"},
     "polynomial systems": {"polynomials"},
     "algebras": {
@@ -55,8 +57,9 @@ LEVELS = {
     },
     "formulas": {"formula", "expression", "constructors", "polynomial_formula"},
     "systems": {
-        "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "overflow", "lowering",
-        "polynomial_dynamics",
+        "hamiltonian", "top_parameters", "top_recognition", "known_integrals",
+        "private_symbols", "cancellation", "overflow", "lowering",
+        "polynomial_dynamics", "polynomial_view",
         "pieces", "phase_functions", "trace_values", "system", "canonical_system", "discrete_symmetries",
         "signed_permutations",
     },
