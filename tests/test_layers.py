@@ -78,7 +78,7 @@ FACADES = {
     "exact.extension": {"exact.classification"},
     "proofs.theorem": {"proofs.statement"},
     "integrability.galois.linear_systems": {"integrability.galois.local_solutions"},
-    "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
+    "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text", "exact.top_recognition"},
     "integrability.lax.pair": {"integrability.lax.lax_integrals", "integrability.lax.spectral_curve"},
     "numeric.section": {"phase_space.section_coordinates"},
     "orbits.homoclinic_orbits": {"orbits.polish_homoclinic"},
