@@ -61,7 +61,9 @@ def test_commands_on_rational_systems_import_no_computer_algebra(tmp_path):
     few, short = ("--starts", "2", "--crossings", "5"), ("--t-end", "5")
     numbers = [
         *(("orbit", name, *short) for name in ("kovalevskaya", "henon-heiles", "clebsch", "rattleback")),
-        ("section", "kovalevskaya", *few),
+        *(("orbit", name, *short) for name in ("twisted-kovalevskaya", "two-field-kovalevskaya", "leibniz-top-4")),
+        *(("section", name, *few) for name in ("kovalevskaya", "twisted-kovalevskaya")),
+        ("lyapunov", "charged-twisted-lagrange", "--starts", "2", *short, "--set", "epsilon=1/3"),
         ("section", "henon-heiles", *few, "--energy", "0.1", "--surface", "x"),
         ("lyapunov", "lagrange", "--starts", "2", *short),
         ("orbit", "heavy-top", *short, "--set", "I=3,2,1", "--leaf", "C1=1/2", "--energy", "2", "--out", "a.csv"),

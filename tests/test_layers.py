@@ -41,7 +41,9 @@ STRANGERS = {
 """Rooms of one level that do not import each other."""
 
 LEVELS = {
-    "names and numbers": {"names", "parameters", "rational_polynomials", "rounded", "values", "tensors", "styles"},
+    "names and numbers": {
+        "names", "parameters", "rational_polynomials", "rounded", "values", "tensors", "triples", "styles",
+    },
     "linear algebra": {"linear"},
     "polynomial systems": {"polynomials"},
     "algebras": {
@@ -55,8 +57,9 @@ LEVELS = {
     },
     "formulas": {"formula", "expression", "constructors", "polynomial_formula"},
     "systems": {
-        "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "overflow", "lowering",
-        "polynomial_dynamics",
+        "hamiltonian", "top_parameters", "top_recognition", "known_integrals",
+        "private_symbols", "cancellation", "overflow", "lowering",
+        "polynomial_dynamics", "polynomial_view",
         "pieces", "phase_functions", "trace_values", "system", "canonical_system", "discrete_symmetries",
         "signed_permutations",
     },
@@ -75,7 +78,7 @@ FACADES = {
     "exact.extension": {"exact.classification"},
     "proofs.theorem": {"proofs.statement"},
     "integrability.galois.linear_systems": {"integrability.galois.local_solutions"},
-    "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text"},
+    "exact.system": {"exact.describe", "exact.phase_functions", "exact.system_text", "exact.top_recognition"},
     "integrability.lax.pair": {"integrability.lax.lax_integrals", "integrability.lax.spectral_curve"},
     "numeric.section": {"phase_space.section_coordinates"},
     "orbits.homoclinic_orbits": {"orbits.polish_homoclinic"},

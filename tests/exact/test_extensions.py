@@ -1,7 +1,9 @@
+import pickle
 from fractions import Fraction
 from itertools import product
 
 import pytest
+import sympy as sp
 from sympy import expand
 
 from liepoisson.errors import ParameterError
@@ -59,3 +61,30 @@ def test_files_know_the_constructors_by_name():
     assert set(EXTENSIONS) == set(calls)
     for name, arguments in calls.items():
         assert isinstance(EXTENSIONS[name](*arguments), Extension)
+
+
+NAMED = [
+    (leibniz, (3,), "epsilon"), (leibniz, (4,), "epsilon"), (leibniz, (2,), "epsilon"), (crmhd, (), "beta_e"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("make", "arguments", "name"), NAMED)
+@pytest.mark.parametrize("value", [Fraction(1), Fraction(-2, 7), Fraction(0), sp.sqrt(2), sp.Symbol("k") + 1])
+def test_a_name_for_a_parameter_is_its_symbol(make, arguments, name, value):
+    """The products of a name are made when they are asked for; those of a symbol are there at once."""
+    named, symbolic = make(*arguments, name), make(*arguments, sp.Symbol(name))
+    fields = [f"m{k}_" for k in range(named.dimension)]
+    at_value = [extension.rename(*fields).substitute({name: value}) for extension in (named, symbolic)]
+    restored = pickle.loads(pickle.dumps(named.rename(*fields))).substitute({name: value})
+    for first, second in ((named, symbolic), at_value, (restored, at_value[1])):
+        assert first.symbols == second.symbols
+        assert (first.name, first.field_names) == (second.name, second.field_names)
+        assert first.products == second.products
+        assert {type(v) for row in first.products.values() for v in row.values()} == {
+            type(v) for row in second.products.values() for v in row.values()
+        }
+
+
+def test_a_parameter_that_does_not_occur_is_no_symbol():
+    assert leibniz(2, "epsilon").symbols == set()
+    assert leibniz(2, "epsilon").name == "Leibniz(2, epsilon)"

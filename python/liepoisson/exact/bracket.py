@@ -25,6 +25,7 @@ from liepoisson.exact.parameters import (
     symbols_of,
 )
 from liepoisson.exact.poisson.poisson_matrix import PoissonMatrix, linear_terms
+from liepoisson.exact.tensors import read_names
 from liepoisson.wrong_values import not_a
 
 if TYPE_CHECKING:
@@ -508,8 +509,8 @@ class Bracket:
 
 
 def _renamed(extension: Extension, field_names: Sequence[str]) -> Extension:
-    """The extension with other field names; a tensor that is wrong on purpose stays as it is."""
-    return Extension(extension.tensor, extension.name, field_names, check=False)
+    """The extension with other field names."""
+    return extension.rename(*read_names(field_names, "field_names", extension.field_names))
 
 
 def _check_field_names(fields: tuple[str, ...], coordinates: set[str]) -> None:

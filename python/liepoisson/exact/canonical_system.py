@@ -153,7 +153,7 @@ class CanonicalSystem(System):
         return self._function(given if isinstance(given, str) else self.symbolic_hamiltonian)
 
     @cached_property
-    def polynomial_hamiltonian(self) -> None:
+    def _polynomials(self) -> None:
         """None: quadratures, which belong to no bracket, are read by SymPy."""
         return
 

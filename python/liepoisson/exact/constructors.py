@@ -89,11 +89,13 @@ def _build(node: Node, text: str, registry: _Registry[T], scope: Scope) -> T:
         known = ", ".join(registry.constructors)
         message = f"the {registry.kind} {node.function!r} is unknown. {hint}Known are {known}"
         raise ExpressionError(message, text, node.position)
-    arguments = [_argument(child, text, scope) for child in node.children]
+    parameters = signature(constructor).parameters
+    symbolic = {k for k, parameter in enumerate(parameters.values()) if parameter.annotation == "Parameter"}
+    arguments = [_argument(child, text, scope, may_be_a_name=k in symbolic) for k, child in enumerate(node.children)]
     try:
         signature(constructor).bind(*arguments)
     except TypeError as error:
-        wanted = f"{node.function}({', '.join(signature(constructor).parameters)})"
+        wanted = f"{node.function}({', '.join(parameters)})"
         raise ExpressionError(f"{error} for {wanted}. Correct the arguments", text, node.position) from None
     try:
         return constructor(*arguments)
@@ -101,7 +103,12 @@ def _build(node: Node, text: str, registry: _Registry[T], scope: Scope) -> T:
         raise ExpressionError(str(error).removesuffix("."), text, node.position) from error
 
 
-def _argument(node: Node, text: str, scope: Scope) -> object:
-    """A whole number as int, another rational number as Fraction, anything else as an expression in symbols."""
+def _argument(node: Node, text: str, scope: Scope, *, may_be_a_name: bool) -> object:
+    """A whole number as int, another rational number as Fraction, anything else as an expression in symbols.
+
+    A symbol stays a name, for which SymPy need not be imported, where the constructor takes one.
+    """
+    if may_be_a_name and isinstance(node, Name) and scope.shapes.get(node.name) == ():
+        return node.name
     value = evaluate(node, text, scope)
     return int(value) if isinstance(value, Fraction) and value.denominator == 1 else value

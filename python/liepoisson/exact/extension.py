@@ -6,7 +6,8 @@ small ones in `classification`.  References: Thiffeault and Morrison, Physica D 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise, product
@@ -101,22 +102,52 @@ class Extension:
         extension._set(n, _read_products(n, products), name, field_names, check=check)
         return extension
 
+    @classmethod
+    def with_symbol(cls, make: Callable[[Exact], Extension], symbol: str, name: str) -> Extension:
+        """An extension with one parameter, which is kept symbolic until a value is inserted.
+
+        SymPy is imported when its products are asked for; inserting a rational number does not ask for them.
+
+        Args:
+            make: The extension with a value, or with the symbol, for the parameter, on which the products depend
+                linearly and the fields do not.
+            symbol: The name of the parameter.
+            name: How the extension is printed.
+        """
+        extension, other = make(Fraction(1)), make(Fraction(2))
+        extension.name = name
+        if extension.products != other.products:
+            del extension.products
+            extension._family = (make, symbol)
+        return extension
+
     def _set(self, n: int, products: Products, name: str, field_names: Sequence[str] | None, *, check: bool) -> None:
         self.dimension = read_field_count(n)
         self.products = products
         self.name: str = check_title(name, "the name of an extension", None)
-        default = _FIELD_NAMES.get(n) or _numbered(n)
-        self.field_names: tuple[str, ...] = read_names(field_names, "field_names", default)
-        if len(self.field_names) != n:
-            raise ShapeError(f"field_names must be {n} names; got {len(self.field_names)}. Give one per basis element.")
+        self.field_names: tuple[str, ...] = self._read_field_names(field_names)
         if check:
             _check_associative(n, products)
+
+    def _read_field_names(self, given: Sequence[str] | None) -> tuple[str, ...]:
+        n = self.dimension
+        names = read_names(given, "field_names", _FIELD_NAMES.get(n) or _numbered(n))
+        if len(names) != n:
+            raise ShapeError(f"field_names must be {n} names; got {len(names)}. Give one per basis element.")
+        return names
 
     dimension: int
     """Number n of basis elements, which is the number of fields."""
 
-    products: Products
-    """The nonzero products, sparse: `products[mu, nu][lam]` = W[lam][mu][nu] for mu <= nu."""
+    _family: tuple[Callable[[Exact], Extension], str] | None = None
+    """What makes it of the value of its one parameter, and the name of this, where it was given so."""
+
+    @cached_property
+    def products(self) -> Products:
+        """The nonzero products, sparse: `products[mu, nu][lam]` = W[lam][mu][nu] for mu <= nu."""
+        assert self._family is not None, "other extensions begin with their products"
+        make, symbol = self._family
+        return make(read_parameter(symbol, symbol)).products
 
     @cached_property
     def tensor(self) -> Tensor3:
@@ -135,6 +166,8 @@ class Extension:
     @property
     def symbols(self) -> set[str]:
         """Names of the free symbols in the tensor."""
+        if self._family is not None:
+            return {self._family[1]}
         return {name for row in self.products.values() for value in row.values() for name in symbols_of(value)}
 
     def substitute(self, values: Mapping[str, Exact]) -> Extension:
@@ -147,12 +180,18 @@ class Extension:
             raise not_a("a mapping from names to values", values, "values", 'write {"epsilon": 1}')
         if not self.symbols & set(values):
             return self
-        products = {
-            pair: {k: substituted(value, values) for k, value in row.items()} for pair, row in self.products.items()
-        }
         shown = ", ".join(f"{name} = {values[name]}" for name in sorted(self.symbols & set(values)))
         named = f"{self.name} at {shown}"
-        return Extension.from_products(self.dimension, products, named, self.field_names, check=False)
+        return Extension.from_products(self.dimension, self._products_at(values), named, self.field_names, check=False)
+
+    def _products_at(self, values: Mapping[str, Exact]) -> Products:
+        if self._family is not None:
+            make, symbol = self._family
+            if isinstance(value := values[symbol], Fraction):
+                return make(value).products
+        return {
+            pair: {k: substituted(value, values) for k, value in row.items()} for pair, row in self.products.items()
+        }
 
     def rename(self, *field_names: str) -> Extension:
         """The same extension with other names for its fields.
@@ -160,7 +199,9 @@ class Extension:
         Raises:
             ShapeError: not n names.
         """
-        return Extension.from_products(self.dimension, self.products, self.name, field_names, check=False)
+        extension = copy(self)
+        extension.field_names = self._read_field_names(field_names)
+        return extension
 
     def __matmul__(self, other: Any) -> NoReturn:
         """Refused: a bracket has its Lie algebra first, `so(3) @ trivial()`."""

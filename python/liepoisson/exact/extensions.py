@@ -8,12 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from functools import partial
 from numbers import Integral
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.exact.extension import Extension, Products, read_field_count
-from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, to_sympy
+from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_parameter, read_symbol, to_sympy
 
 
 @explains_its_arguments
@@ -36,9 +37,11 @@ def leibniz(n: int, epsilon: Parameter = 1) -> Extension:
     Raises:
         ParameterError: n is not in the range, or epsilon is not exact.
     """
-    strength = read_parameter(epsilon, "epsilon")
-    shown = f"epsilon = {strength}" if isinstance(strength, Fraction) else f"{strength}"
-    return _graded(n, strength, f"Leibniz({n}, {shown})")
+    return _with_strength(partial(_leibniz, n), epsilon, "epsilon", f"Leibniz({n}, ")
+
+
+def _leibniz(n: int, strength: Exact) -> Extension:
+    return _graded(n, strength, f"leibniz({n})")
 
 
 @explains_its_arguments
@@ -69,10 +72,12 @@ def crmhd(beta_e: Parameter = "beta_e") -> Extension:
 
     References: Hazeltine, Kotschenreuther and Morrison (1985); Thiffeault and Morrison (2000).
     """
-    strength = read_parameter(beta_e, "beta_e")
-    shown = f"beta_e = {strength}" if isinstance(strength, Fraction) else f"{strength}"
+    return _with_strength(_crmhd, beta_e, "beta_e", "CRMHD(")
+
+
+def _crmhd(strength: Exact) -> Extension:
     products = _with_unit(4, {(1, 2): {3: -strength}}, strength)
-    return Extension.from_products(4, products, f"CRMHD({shown})", ("omega", "v", "p", "psi"), check=False)
+    return Extension.from_products(4, products, "CRMHD", ("omega", "v", "p", "psi"), check=False)
 
 
 def normal_form(n: int, k: int) -> Extension:
@@ -100,6 +105,16 @@ EXTENSIONS: dict[str, Callable[..., Extension]] = {
     "normal_form": normal_form,
 }
 """Constructors by the name that system files use."""
+
+
+def _with_strength(make: Callable[[Exact], Extension], given: Parameter, parameter: str, head: str) -> Extension:
+    """The extension with this parameter, printed behind the head; the products of a name are made when needed."""
+    if (symbol := read_symbol(given, parameter)) is not None:
+        return Extension.with_symbol(make, symbol, f"{head}{symbol})")
+    strength = read_parameter(given, parameter)
+    extension = make(strength)
+    extension.name = f"{head}{parameter} = {strength})" if isinstance(strength, Fraction) else f"{head}{strength})"
+    return extension
 
 
 def _graded(n: int, strength: Exact, name: str) -> Extension:

@@ -9,19 +9,21 @@ the top in two fields.  Each one is verified in the tests by exact differentiati
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from fractions import Fraction
 from typing import TYPE_CHECKING, TypeAlias
 
-from liepoisson.exact.parameters import Column, Exact, is_zero, to_sympy
-from liepoisson.exact.top_parameters import TopParameters
+from liepoisson.exact.parameters import Column, is_zero, to_sympy
+from liepoisson.exact.rational_polynomials import RationalPolynomial
+from liepoisson.exact.top_parameters import TopNumbers, TopParameters
+from liepoisson.exact.triples import Scalar, Triple
 
 if TYPE_CHECKING:
     from sympy import Expr
 
-Integrals: TypeAlias = "dict[str, Expr]"
+Integrals: TypeAlias = "dict[str, Scalar]"
 
 
-def known_integrals(top: TopParameters, l: Column, alpha: Column, beta: Column) -> Integrals:
+def known_integrals(top: TopParameters, l: Column, alpha: Column, beta: Column) -> dict[str, Expr]:
     """The integrals that are known for this top besides H and the Casimirs, by name.
 
     Args:
@@ -30,27 +32,32 @@ def known_integrals(top: TopParameters, l: Column, alpha: Column, beta: Column) 
         alpha: First field, 3 x 1.
         beta: Second field, 3 x 1.
     """
-    cases: tuple[Callable[[TopParameters, Column, Column, Column], Integrals], ...] = (
-        _free,
-        _single_field,
-        _axisymmetric,
-        _kovalevskaya,
-        _spherical,
-    )
+    return _integrals(top.numbers(to_sympy), Triple(*l), Triple(*alpha), Triple(*beta))
+
+
+def known_polynomials(top: TopParameters) -> dict[str, RationalPolynomial] | None:
+    """The same as rational polynomials in the nine coordinates, without SymPy; None if a parameter is irrational."""
+    if not all(isinstance(value, Fraction) for value in (*top.inertia, *top.a, *top.b, top.epsilon)):
+        return None
+    x = [RationalPolynomial.coordinate(k) for k in range(9)]
+    return _integrals(top.numbers(lambda value: value), Triple(*x[:3]), Triple(*x[3:6]), Triple(*x[6:]))
+
+
+def _integrals(top: TopNumbers, l: Triple, alpha: Triple, beta: Triple) -> Integrals:
     found: Integrals = {}
-    for case in cases:
+    for case in (_free, _single_field, _axisymmetric, _kovalevskaya, _spherical):
         found |= case(top, l, alpha, beta)
     return found
 
 
-def _free(top: TopParameters, l: Column, alpha: Column, beta: Column) -> Integrals:
+def _free(top: TopNumbers, l: Triple, alpha: Triple, beta: Triple) -> Integrals:
     """No torque: the length of l and its components along the two fields, which are fixed in space."""
     if not (_vanishes(top.a) and _vanishes(top.b)):
         return {}
     return {"l.l": l.dot(l), "l.alpha": l.dot(alpha), "l.beta": l.dot(beta)}
 
 
-def _single_field(top: TopParameters, l: Column, alpha: Column, beta: Column) -> Integrals:
+def _single_field(top: TopNumbers, l: Triple, alpha: Triple, beta: Triple) -> Integrals:
     """The torque is that of one field fixed in space: l along this field."""
     if _vanishes(top.a):
         return {"l.beta": l.dot(beta)}
@@ -60,7 +67,7 @@ def _single_field(top: TopParameters, l: Column, alpha: Column, beta: Column) ->
     return {}
 
 
-def _axisymmetric(top: TopParameters, l: Column, alpha: Column, beta: Column) -> Integrals:
+def _axisymmetric(top: TopNumbers, l: Triple, alpha: Triple, beta: Triple) -> Integrals:
     r"""Lagrange: $I_i = I_j$ and a, b along axis k: $\ell_k$, and P or, with charge, P'.
 
     $P = \ell\cdot\alpha + \epsilon I_i a_k \beta_k$ (b = 0), $P' = \ell\cdot(a_k\alpha + b_k\beta)
@@ -72,7 +79,7 @@ def _axisymmetric(top: TopParameters, l: Column, alpha: Column, beta: Column) ->
         if not (_equal_moments(top, i, j) and on_axis):
             continue
         found[f"l{k + 1}"] = l[k]
-        inertia, a_k, b_k, eps = (to_sympy(v) for v in (top.inertia[i], top.a[k], top.b[k], top.epsilon))
+        inertia, a_k, b_k, eps = top.inertia[i], top.a[k], top.b[k], top.epsilon
         if is_zero(top.a[k]) or is_zero(top.epsilon):  # without twist these are l.alpha and l.gamma, there already
             continue
         if is_zero(top.b[k]):
@@ -82,7 +89,7 @@ def _axisymmetric(top: TopParameters, l: Column, alpha: Column, beta: Column) ->
     return found
 
 
-def _kovalevskaya(top: TopParameters, l: Column, alpha: Column, beta: Column) -> Integrals:
+def _kovalevskaya(top: TopNumbers, l: Triple, alpha: Triple, beta: Triple) -> Integrals:
     r"""Kovalevskaya: $I = (2\kappa, 2\kappa, \kappa)$, a and b equatorial, and no twist ($\epsilon = 0$ or a = 0).
 
     $K = |\xi|^2$, $\xi = (\omega_1 + i\omega_2)^2 - [(a_1 + i a_2)(\alpha_1 + i\alpha_2)
@@ -93,11 +100,11 @@ def _kovalevskaya(top: TopParameters, l: Column, alpha: Column, beta: Column) ->
         return {}
     found: Integrals = {}
     for k, i, j in _axes():
-        kappa = to_sympy(top.inertia[k])
-        twice = is_zero(to_sympy(top.inertia[i]) - 2 * kappa) and _equal_moments(top, i, j)
+        kappa = top.inertia[k]
+        twice = is_zero(top.inertia[i] - 2 * kappa) and _equal_moments(top, i, j)
         if not (twice and is_zero(top.a[k]) and is_zero(top.b[k])):
             continue
-        a_i, a_j, b_i, b_j = (to_sympy(v) for v in (top.a[i], top.a[j], top.b[i], top.b[j]))
+        a_i, a_j, b_i, b_j = top.a[i], top.a[j], top.b[i], top.b[j]
         first, second = a_i * alpha + b_i * beta, a_j * alpha + b_j * beta
         w_i, w_j = l[i] / (2 * kappa), l[j] / (2 * kappa)
         real = w_i**2 - w_j**2 - (first[i] - second[j]) / kappa
@@ -111,7 +118,7 @@ def _kovalevskaya(top: TopParameters, l: Column, alpha: Column, beta: Column) ->
     return found
 
 
-def _spherical(top: TopParameters, l: Column, alpha: Column, beta: Column) -> Integrals:
+def _spherical(top: TopNumbers, l: Triple, alpha: Triple, beta: Triple) -> Integrals:
     r"""All moments equal: l.a (or l.b) and P for one field, S and T for two fields without twist.
 
     The latter is a Neumann system on $S^3$.  With $M = \alpha a^T + \beta b^T$,
@@ -121,8 +128,7 @@ def _spherical(top: TopParameters, l: Column, alpha: Column, beta: Column) -> In
     """
     if not (_equal_moments(top, 0, 1) and _equal_moments(top, 1, 2)) or (_vanishes(top.a) and _vanishes(top.b)):
         return {}
-    inertia, a, b = top.vectors()
-    moment, eps = inertia[0], to_sympy(top.epsilon)
+    moment, a, b, eps = top.inertia[0], top.a, top.b, top.epsilon
     if _vanishes(top.a):
         return {"l.b": l.dot(b)}
     if (ratio := _ratio(top)) is not None:
@@ -135,11 +141,15 @@ def _spherical(top: TopParameters, l: Column, alpha: Column, beta: Column) -> In
         return found
     if not is_zero(top.epsilon):
         return {}
-    M = alpha * a.T + beta * b.T
+    rows = [alpha[i] * a + beta[i] * b for i in range(3)]
+    columns = [Triple(*(row[j] for row in rows)) for j in range(3)]
+    Ml, Mtl = (Triple(*(vector.dot(l) for vector in vectors)) for vectors in (rows, columns))
     normals = a.cross(b), alpha.cross(beta)
-    S = l.dot(M.T * l) + 2 * moment * normals[0].dot(normals[1])
-    trace = M.trace() * (M.T * M).trace() - (M * M.T * M).trace()
-    T = (M * l).dot(M * l) + (M.T * l).dot(M.T * l) + 2 * l.dot(normals[0]) * l.dot(normals[1]) + 4 * moment * trace
+    S = l.dot(Mtl) + 2 * moment * normals[0].dot(normals[1])
+    traces = rows[0][0] + rows[1][1] + rows[2][2], sum(column.dot(column) for column in columns)
+    products = [Triple(*(row.dot(other) for other in rows)) for row in rows]
+    trace = traces[0] * traces[1] - sum(products[i].dot(columns[i]) for i in range(3))
+    T = Ml.dot(Ml) + Mtl.dot(Mtl) + 2 * l.dot(normals[0]) * l.dot(normals[1]) + 4 * moment * trace
     return {"S": S, "T": T}
 
 
@@ -148,22 +158,22 @@ def _axes() -> tuple[tuple[int, int, int], ...]:
     return (2, 0, 1), (0, 1, 2), (1, 2, 0)
 
 
-def _vanishes(vector: tuple[Exact, ...]) -> bool:
+def _vanishes(vector: Triple) -> bool:
     return all(is_zero(value) for value in vector)
 
 
-def _equal_moments(top: TopParameters, i: int, j: int) -> bool:
-    return is_zero(to_sympy(top.inertia[i]) - to_sympy(top.inertia[j]))
+def _equal_moments(top: TopNumbers, i: int, j: int) -> bool:
+    return is_zero(top.inertia[i] - top.inertia[j])
 
 
-def _along_an_axis(top: TopParameters) -> bool:
+def _along_an_axis(top: TopNumbers) -> bool:
     return sum(not is_zero(value) for value in top.a) == 1
 
 
-def _ratio(top: TopParameters) -> Expr | None:
+def _ratio(top: TopNumbers) -> Scalar | None:
     """The number d in b = d a for a nonzero a, or None if b is not parallel to a."""
-    _, a, b = top.vectors()
-    if not all(is_zero(component) for component in a.cross(b)):
+    if not _vanishes(top.a.cross(top.b)):
         return None
     k = next(k for k in range(3) if not is_zero(top.a[k]))
-    return (b[k] / a[k]).simplify()
+    ratio = top.b[k] / top.a[k]
+    return ratio if isinstance(ratio, Fraction) else ratio.simplify()

@@ -69,6 +69,18 @@ def read_parameter(value: object, name: str) -> Exact:
     raise _not_a_parameter(value, name)
 
 
+def read_symbol(value: object, name: str) -> str | None:
+    """The name of the symbol that a parameter is given as; None if it is given as anything but the text of a name.
+
+    Raises:
+        ParameterError: a user may not choose this name.
+    """
+    text = value.strip() if isinstance(value, str) else ""
+    if not _NAME.fullmatch(text) or text.lower() in {"nan", "inf", "infinity"} or text in CONSTANTS:
+        return None
+    return check_name(text, f"{name}: the name of a symbol")
+
+
 def read_vector(values: object, name: str, components: str) -> tuple[Exact, Exact, Exact]:
     """Read three parameters, for example the moments of inertia.
 
@@ -233,11 +245,11 @@ def display(value: Exact) -> str:
 
 
 def _read_string(text: str, name: str) -> Exact:
-    stripped = text.strip()
-    if _NAME.fullmatch(stripped) and stripped.lower() not in {"nan", "inf", "infinity"} and stripped not in CONSTANTS:
+    if (symbol := read_symbol(text, name)) is not None:
         from sympy import Symbol
 
-        return Symbol(check_name(stripped, f"{name}: the name of a symbol"))
+        return Symbol(symbol)
+    stripped = text.strip()
     if len(stripped) > _MAX_CHARACTERS:
         raise _not_a_parameter(text, name)
     if not _NUMBER.fullmatch(stripped):

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from math import comb
+from math import comb, prod
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -123,6 +123,37 @@ class RationalPolynomial:
                 found.append(product_of([coefficient * power, rest, *([] if inner is True else [inner])]))
         return sum_of(found)
 
+    @property
+    def most_terms(self) -> int:
+        """At most so many terms are there when it is expanded; counted without expanding it."""
+        total = 0
+        for monomial in self.terms:
+            sums = ((atom.most_terms, power) for atom, power in monomial if isinstance(atom, RationalPolynomial))
+            total += prod(comb(terms + power - 1, power) for terms, power in sums)  # the multinomial theorem
+        return max(total, 1)
+
+    def __add__(self, other: object) -> RationalPolynomial:
+        return sum_of([self, other]) if isinstance(other, _SCALARS) else NotImplemented
+
+    __radd__ = __add__
+
+    def __sub__(self, other: object) -> RationalPolynomial:
+        return sum_of([self, -other]) if isinstance(other, _SCALARS) else NotImplemented
+
+    def __neg__(self) -> RationalPolynomial:
+        return product_of([Fraction(-1), self])
+
+    def __mul__(self, other: object) -> RationalPolynomial:
+        return product_of([self, other]) if isinstance(other, _SCALARS) else NotImplemented
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: Fraction) -> RationalPolynomial:
+        return product_of([self, 1 / divisor])
+
+    def __pow__(self, exponent: int) -> RationalPolynomial:
+        return power_of(self, exponent)
+
     def __bool__(self) -> bool:
         return bool(self.terms)
 
@@ -192,7 +223,7 @@ def values_of(polynomials: Iterable[RationalPolynomial], states: Array) -> Array
     return found
 
 
-def sum_of(terms: Iterable[Fraction | RationalPolynomial]) -> RationalPolynomial:
+def sum_of(terms: Iterable[int | Fraction | RationalPolynomial]) -> RationalPolynomial:
     """The sum, with equal monomials collected."""
     total: dict[Monomial, Fraction] = {}
     for term in terms:
@@ -202,7 +233,7 @@ def sum_of(terms: Iterable[Fraction | RationalPolynomial]) -> RationalPolynomial
     return RationalPolynomial(total)
 
 
-def product_of(factors: Iterable[Fraction | RationalPolynomial]) -> RationalPolynomial:
+def product_of(factors: Iterable[int | Fraction | RationalPolynomial]) -> RationalPolynomial:
     """The product; a number is multiplied into a single sum, and sums into each other they are not."""
     coefficient, powers = Fraction(1), dict[Atom, int]()
     for factor in factors:
@@ -314,4 +345,5 @@ def _terms_in_words(
         yield ("-" if coefficient < 0 else "") + "*".join(factors) + below
 
 
+_SCALARS = (int, Fraction, RationalPolynomial)
 ZERO = RationalPolynomial({})

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from fractions import Fraction
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
@@ -30,7 +29,7 @@ from liepoisson.exact.hamiltonian import (
 from liepoisson.exact.lie_algebra import LieAlgebra
 from liepoisson.exact.names import check_title
 from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
-from liepoisson.exact.rational_polynomials import TooLargeError, values_of
+from liepoisson.exact.rational_polynomials import values_of
 from liepoisson.exact.values import GivenValue, Value, flattened, read_values
 from liepoisson.field import Field, PiecesField, TapeFunction
 from liepoisson.wrong_values import not_a, shown
@@ -40,6 +39,7 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.formula.scope import Scope
     from liepoisson.exact.phase_functions import PhaseFunction, PhaseFunctions
+    from liepoisson.exact.polynomial_view import PolynomialView
     from liepoisson.exact.rational_polynomials import RationalPolynomial
     from liepoisson.exact.top_parameters import TopParameters
 
@@ -207,86 +207,49 @@ class System:
         check_real(energy)
         return energy
 
-    @cached_property
+    @property
     def polynomial_hamiltonian(self) -> RationalPolynomial | None:
         """The Hamiltonian as a polynomial with rational coefficients, read without SymPy.
 
         None where it was not given as the text of one, and where the bracket or a parameter is not rational.
         """
-        given = self._given_hamiltonian
-        if not isinstance(given, str) or self._given_symbols or not self._is_rational:
-            return None
-        polynomial = self._polynomial(given)
-        return polynomial if polynomial is not None and self._all_occur(given, polynomial) else None
+        return None if self._polynomials is None else self._polynomials.hamiltonian
 
-    @cached_property
+    @property
     def polynomial_rates(self) -> tuple[RationalPolynomial, ...] | None:
         """The equations of motion of such a Hamiltonian, derived from the bracket without SymPy; None for others."""
-        polynomial = self.polynomial_hamiltonian
-        if polynomial is None:
-            return None
-        from liepoisson.exact.polynomial_dynamics import rates_of
-
-        try:
-            return rates_of(self.bracket, polynomial)
-        except TooLargeError:
-            return None
+        return None if self._polynomials is None else self._polynomials.rates
 
     @cached_property
     def polynomial_invariants(self) -> dict[str, RationalPolynomial] | None:
         """The `invariants` of such a Hamiltonian without SymPy; None where one of them is no rational polynomial."""
-        from liepoisson.exact.polynomial_dynamics import bracket_with
-
-        rates, casimirs = self.polynomial_rates, self.bracket.rational_casimirs() if self._is_rational else None
-        if rates is None or casimirs is None or self.polynomial_hamiltonian is None or self.top_parameters is not None:
-            return None
-        found = {"H": self.polynomial_hamiltonian, **{f"C{k}": casimir for k, casimir in enumerate(casimirs, start=1)}}
-        for name, given in self._given_integrals.items():
-            integral = self._polynomial(given) if isinstance(given, str) else None
-            try:
-                if integral is None or bracket_with(rates, integral):
-                    return None
-            except TooLargeError:
-                return None
-            found.setdefault(name, integral)
-        return found
+        view = self._polynomials
+        return None if view is None else view.invariants(self.top_parameters, self._given_integrals)
 
     def polynomial(self, function: str | Expr | PhaseFunction) -> RationalPolynomial | None:
         """What `expression` returns, as a rational polynomial and without SymPy; None if it is not the text of one."""
-        if not isinstance(function, str) or self.polynomial_hamiltonian is None:
+        if not isinstance(function, str) or self._polynomials is None:
             return None
         name = function.strip()
         if RESERVED_NAME.fullmatch(name) or name in self._given_integrals:
             return None  # may be the name of an invariant
-        return self._polynomial(function)
+        return self._polynomials.read(function)
 
     @cached_property
-    def _is_rational(self) -> bool:
-        """Whether the bracket and all parameters are rational numbers."""
-        from liepoisson.exact.polynomial_dynamics import is_rational
+    def _polynomials(self) -> PolynomialView | None:
+        """The system in rational polynomials, if it consists of such."""
+        given = self._given_hamiltonian
+        if not isinstance(given, str) or self._given_symbols:
+            return None
+        from liepoisson.exact.polynomial_view import PolynomialView
 
-        return all(isinstance(value, Fraction) for value in self.parameters.values()) and is_rational(self.bracket)
+        return PolynomialView.of(self.symbolic_bracket, self.bracket, self.values, given)
 
     @cached_property
     def _names_in_formulas(self) -> Scope:
         from liepoisson.exact.formula.scope import Scope
 
         return Scope.of_bracket(self.symbolic_bracket, self.values, self._given_symbols)
-
-    def _polynomial(self, text: str) -> RationalPolynomial | None:
-        from liepoisson.exact.polynomial_formula import read_polynomial
-
-        return read_polynomial(text, self._names_in_formulas, self.bracket.coordinate_names_in_order)
-
-    def _all_occur(self, text: str, polynomial: RationalPolynomial) -> bool:
-        """Whether every parameter is seen to occur in the bracket or in the Hamiltonian."""
-        from liepoisson.exact.polynomial_formula import occurring
-
-        names = occurring(text, self._names_in_formulas, self.bracket.coordinate_names_in_order, polynomial)
-        return names is not None and all(
-            name in names or self.symbolic_bracket.symbols & set(flattened({name: value}))
-            for name, value in self.values.items()
-        )
 
     @cached_property
     def equations(self) -> dict[Symbol, Expr]:
@@ -367,13 +330,10 @@ class System:
     def is_casimir(self, function: str | Expr | PhaseFunction) -> bool:
         r"""Whether $\{f, x_j\} = 0$ for all coordinates, as for a number and a Casimir."""
         polynomial = self.polynomial(function)
-        if polynomial is not None:
-            from liepoisson.exact.polynomial_dynamics import rates_of
-
-            try:
-                return not any(rate.expanded for rate in rates_of(self.bracket, polynomial))
-            except TooLargeError:
-                pass
+        if polynomial is not None and self._polynomials is not None:
+            known = self._polynomials.is_casimir(polynomial)
+            if known is not None:
+                return known
         f = self.expression(function)
         return all(self.bracket(f, component) == 0 for component in self.variables)
 
@@ -585,13 +545,9 @@ class System:
     def _recognise_top(self) -> TopParameters | None:
         if self.bracket.dimension != 9 or self.bracket.constant:
             return None
-        from liepoisson.exact.formula.arithmetic import expanded_terms
-        from liepoisson.exact.top_parameters import MOST_TERMS, match_top
+        from liepoisson.exact.top_recognition import recognised_top
 
-        # The equations are expanded to be compared, which for a high power of a sum would take minutes.
-        if expanded_terms(self.hamiltonian) > MOST_TERMS:
-            return None
-        return match_top(self.bracket, self.equations)
+        return recognised_top(self)
 
     def _states(self, x: ArrayLike) -> NDArray[np.float64]:
         from liepoisson.exact.phase_functions import as_phase_points

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, cast
 from flint import fmpq
 
 from liepoisson.exact.polynomials.certified_roots import rational
+from liepoisson.exact.top_recognition import recognised_top
 from liepoisson.phase_space.heavy_equilibria import Vector
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
-    from liepoisson.exact.top_parameters import TopParameters
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ class ExactTop:
 
 def exact_top(system: System) -> ExactTop | None:
     """The top with the bracket and the equations of this system, or None: not a top, or a parameter is irrational."""
-    found = _parameters(system)
+    found = system.top_parameters if system.bracket.dimension == 9 else recognised_top(system)
     if found is None or not found.has_bracket(system.bracket):
         return None
     numbers = (*found.inertia, *found.a, *found.b, found.epsilon)
@@ -48,15 +48,3 @@ def exact_top(system: System) -> ExactTop | None:
         return None
     exact = [rational(cast("Fraction", value)) for value in numbers]
     return ExactTop(exact[:3], exact[3:6], exact[6:9], exact[9])
-
-
-def _parameters(system: System) -> TopParameters | None:
-    from liepoisson.exact.formula.arithmetic import expanded_terms
-    from liepoisson.exact.top_parameters import MOST_TERMS, match_top
-
-    bracket = system.bracket
-    if bracket.dimension == 9:
-        return system.top_parameters
-    if bracket.dimension not in (3, 6) or expanded_terms(system.hamiltonian) > MOST_TERMS:
-        return None
-    return match_top(bracket, system.equations)
