@@ -49,11 +49,12 @@ ROWS = (
 """Rows of the top that have a peer, in the order of the tables; those of `general.py` follow, by name."""
 GENERAL = "general-"
 MAIN_ROW = "1e-13"
-"""A processor without it is not at the head of the page."""
+"""The processor on which this row was measured last is at the head of the page."""
 ERRORS = ("state", "tangent", "exponent_largest")
 SETS = {"avx512": "AVX-512", "avx2": "AVX2", "neon": "NEON", "scalar": "no vectors"}
 """Kernels, the widest first."""
-DIGITS = 6
+DIGITS = 10
+"""More than are shown, so that what is shown is rounded once."""
 
 
 def has_row(name: str, data: Record) -> bool:
@@ -187,9 +188,13 @@ def order_of(names: Any) -> list[str]:
 
 
 def at_head(processors: list[Record]) -> Record:
-    """The processor that was measured last, of those that have the ensembles."""
-    candidates = [one for one in processors if MAIN_ROW in one["rows"]] or processors
-    return max(candidates, key=lambda one: max(row["date"] for row in one["rows"].values()))
+    """The processor on which the ensembles were measured last; if on none, the one that was measured last."""
+
+    def last(one: Record) -> tuple[bool, str]:
+        rows = one["rows"]
+        return MAIN_ROW in rows, rows[MAIN_ROW]["date"] if MAIN_ROW in rows else one["facts"]["date"]
+
+    return max(processors, key=last)
 
 
 def columns(processors: list[Record]) -> list[tuple[Record, str]]:
