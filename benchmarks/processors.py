@@ -336,5 +336,6 @@ def summary(one: Record) -> str:
 
 
 def _shown_speed(row: Record, one: Record) -> str:
-    as_time = one["rate"] is None or row["title"].startswith(("Single", "Dense", "Output"))
-    return duration(one["seconds"]) if as_time else rate(one["rate"])
+    if one["rate"] is None or row["title"].startswith(("Single", "Dense", "Output")):
+        return duration(one["seconds"])
+    return rate(one["rate"])

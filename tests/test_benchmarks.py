@@ -160,6 +160,21 @@ def test_mixed_precision_does_less_than_double():
     assert 0.3 * double < sum(mixed.values()) < 0.8 * double
 
 
+def test_a_kernel_of_two_precisions_is_compared_with_both_peaks():
+    request = {"method": {"tol": 1e-9}}
+    contender = {"name": "Mixed, avx512", "simd": "avx512", "setting": {"request": request}}
+    one = {"contender": contender, "seconds": [6.0, 5.0], "answers": [{"n_steps": 10**9}]}
+    data = {
+        "peaks": {"avx512 f64": 100.0, "avx512 f32": 200.0},
+        "operations": {"Mixed, avx512": {"f64": 100, "f32": 300}},
+    }
+    facts = {"date": "2099-01-01"}
+    reached = processors.peak_of(data | {"measured": [one], "rounds": 2}, facts)["reached"]
+    # at the peaks a step would take 1 + 1.5 ns, and it takes 5
+    assert reached == [{"kernel": "Mixed", "simd": "avx512", "gflops": 80.0, "fraction": 0.5}]
+    assert kernels.lines(data | {"measured": [one]})[1][2:] == ["5.0", "80.0", "160.0 (avx512 f64 and f32)", "50%"]
+
+
 def test_commands_and_spectra_become_tables():
     cases = [
         {"name": "liepoisson orbit", "target": 0.5, "seconds": 0.3},
