@@ -50,9 +50,11 @@ audit: $(VENV)/.built ## evidence for each method: orders, drift, Poisson maps, 
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
 	$(BIN)/python verification/run.py
 
-bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (an hour; leave the machine alone meanwhile)
+bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (an hour and more; leave the machine alone meanwhile)
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/general.py
+	$(BIN)/python benchmarks/commands.py
+	$(BIN)/python benchmarks/spectra.py
 
 # As the editable install builds it, so that what is compiled serves both.
 wheel: | $(VENV)/.build ## build the wheel into dist/

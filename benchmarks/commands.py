@@ -3,7 +3,7 @@
 `python benchmarks/commands.py [--rounds N]`.  Each line is one command as it is typed; its time is the processor time
 of the process in user mode, the least of five, which a busy machine disturbs less than the time on the wall.  Targets
 were set where `import numpy` takes 0.12 s, and are scaled by what it takes here.  Compiled modules are written to a
-folder of their own by a first run that is not counted, as an installation has them.
+folder of their own by a first run that is not counted, as an installation has them.  Results: benchmarks/results/.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ import resource
 import subprocess
 import sys
 import tempfile
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 ROUNDS = 5
 REFERENCE = 0.12
@@ -82,26 +82,50 @@ def seconds_of(case: Case, folder: Path, rounds: int) -> float:
     return min(times[1:])
 
 
-def table(found: Sequence[tuple[Case, float]], unit: float) -> str:
-    """A line for each case: seconds, times NumPy's import, and the target as it is here."""
-    width = max(len(case.name) for case, _ in found)
-    lines = [f"{'':<{width}}  seconds  x numpy  target here"]
-    for case, seconds in found:
-        target = "" if case.target is None else f"{case.target * unit / REFERENCE:11.2f}"
-        late = "  missed" if case.target is not None and seconds > case.target * unit / REFERENCE else ""
-        lines.append(f"{case.name:<{width}}  {seconds:7.2f}  {seconds / unit:7.1f}  {target}{late}")
-    return "\n".join(lines)
+def lines(data: dict[str, Any]) -> list[list[str]]:
+    """The table: seconds of each case, times NumPy's import, and the target as it is here."""
+    unit = data["numpy"]
+    table = [
+        ["process", "seconds of the processor", "times `import numpy`", "target here"],
+        [NUMPY.name, f"{unit:.2f}", "1.0", ""],
+    ]
+    for one in data["cases"]:
+        target = None if one["target"] is None else one["target"] * unit / REFERENCE
+        late = " (MISSED)" if target is not None and one["seconds"] > target else ""
+        shown = "" if target is None else f"{target:.2f}{late}"
+        table.append([f"`{one['name']}`", f"{one['seconds']:.2f}", f"{one['seconds'] / unit:.1f}", shown])
+    return table
+
+
+def run(rounds: int) -> dict[str, Any]:
+    """Time all cases, as plain data for `report`."""
+    with tempfile.TemporaryDirectory() as name:
+        unit = seconds_of(NUMPY, Path(name), rounds)
+        cases = [asdict(case) | {"seconds": seconds_of(case, Path(name), rounds)} for case in CASES]
+    return {
+        "kind": "commands",
+        "title": "Commands as whole processes",
+        "numpy": unit,
+        "cases": cases,
+        "rounds": rounds,
+    }
 
 
 def main() -> None:
-    """Time all cases and print the table."""
+    """Time all cases, print the table, and write its data."""
+    import report
+    import run as runs
+
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rounds", type=int, default=ROUNDS, help="Processes of each case.")
-    rounds = parser.parse_args().rounds
-    with tempfile.TemporaryDirectory() as name:
-        unit = seconds_of(NUMPY, Path(name), rounds)
-        found = [(case, seconds_of(case, Path(name), rounds)) for case in CASES]
-    print(table([(NUMPY, unit), *found], unit))
+    parser.add_argument(
+        "--rounds", type=int, default=ROUNDS, help="Processes of each case; fewer do not go to the docs."
+    )
+    parser.add_argument("--core", type=int, help="core to use; by default the last one")
+    arguments = parser.parse_args()
+    facts = runs.facts(arguments.core)
+    data = run(arguments.rounds)
+    report.save(report.TABLES if arguments.rounds >= ROUNDS else report.QUICK, "commands", data, facts)
+    print(report.render(data))
 
 
 if __name__ == "__main__":

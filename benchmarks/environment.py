@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import venv
+from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
@@ -76,8 +77,9 @@ def _processor() -> dict[str, Any]:
 
 
 def facts(core: int) -> dict[str, Any]:
-    """Machine, versions, and the kernels of liepoisson that this processor has."""
+    """Date, machine, versions, and the kernels of liepoisson that this processor has."""
     return {
+        "date": datetime.now(UTC).isoformat(timespec="minutes"),
         "processor": _processor(),
         "cores": os.cpu_count(),
         "pinned_to": core,

@@ -1,7 +1,8 @@
 """What came out?  Tables in Markdown from what was measured; `python benchmarks/report.py` puts them into the docs.
 
-Each row of the benchmark is one file of plain data in results/tables/.  In docs/benchmarks.md a table stands between
-`<!-- table NAME -->` and `<!-- end of table -->`; no number there is written by hand.
+Each row of the benchmark is one file of plain data in results/tables/; what it says of its processor is kept in
+processors/.  In docs/benchmarks.md a table stands between `<!-- table NAME -->` and `<!-- end of table -->`; no number
+there is written by hand.
 """
 
 from __future__ import annotations
@@ -9,34 +10,40 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import asdict
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+import commands
 import dispatch
 import kernels
 import measure
+import processors
+import spectra
+from comparison import (
+    KINDS,
+    Record,
+    duration,
+    environment_text,
+    fastest,
+    markdown,
+    of_kind,
+    of_side,
+    processor_name,
+    rate,
+    ratios,
+    shown_errors,
+    shown_ratios,
+    with_work,
+    work_of,
+)
 from measure import Measured, Row, choice
 
 TABLES = measure.HERE / "results" / "tables"
+QUICK = measure.HERE / "results" / "quick"
 DOCUMENT = measure.ROOT / "docs" / "benchmarks.md"
 MARKED = re.compile(r"(<!-- table ([\w.-]+) -->\n).*?(<!-- end of table -->)", re.DOTALL)
-SUMMARY = (
-    "1e-13",
-    "1e-8",
-    "1e-4",
-    "single-precision",
-    "single-tolerance",
-    "single-level",
-    "dense",
-    "grid",
-    "sections-1e-15",
-    "sections-1e-9",
-    "cold-20",
-    "cold-200",
-)
-Record = dict[str, Any]
 
 
 def record(row: Row, measured: list[Measured], rounds: int) -> Record:
@@ -59,86 +66,23 @@ def save(folder: Path, name: str, data: Record, facts: Record) -> None:
 
 
 def load(folder: Path) -> dict[str, Record]:
-    """All tables' data, by name."""
-    return {path.stem: json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))}
-
-
-def environment_text(facts: Record) -> str:
-    """The facts that go with the numbers."""
-    processor, ours, peer = facts["processor"], facts["liepoisson"], facts["heyoka"]
-    busy = " (SOMETHING ELSE WAS COMPUTING: do not trust the times)" if facts["load_at_start"] > 0.7 else ""
-    return (
-        f"Processor: {processor['model name']}, {processor['vendor_id']} family {processor['cpu family']} model "
-        f"{processor['model']} ({' '.join(processor['flags'])}), core {facts['pinned_to']} of {facts['cores']}; "
-        f"{facts['system']}; Python {facts['python']}.\n"
-        f"liepoisson {ours['liepoisson']}, kernel {ours['kernel']} of {', '.join(ours['available'])}, "
-        f"numpy {ours['numpy']}; heyoka.py {peer['heyoka']} (recommended batch {peer['recommended_batch']}), "
-        f"numpy {peer['numpy']}.\n"
-        f"Load at the start {facts['load_at_start']:.2f}{busy}. "
-        f"Reference: good to {facts['reference_error']:.0e} (median)."
-    )
-
-
-def duration(seconds: float) -> str:
-    """Three digits with a unit."""
-    return f"{seconds * 1e3:.3g} ms" if seconds < 1 else f"{seconds:.3g} s"
-
-
-def rate(units: float) -> str:
-    """Trajectories times time a second."""
-    return f"{units / 1e6:.3f}M" if units >= 1e5 else f"{units / 1e3:.3g}k"
-
-
-def _errors(setting: Record, *names: str) -> str:
-    values = [setting.get(name, 0.0) for name in names]
-    return " / ".join(f"{value:.1e}" for value in values) if any(values) else ""
-
-
-def ratios(peer: Record, ours: Record) -> tuple[float, float, float]:
-    """How many times faster than the peer: by best times, by medians, and the median over rounds."""
-    theirs, mine = np.array(peer["seconds"]) / work_of(peer), np.array(ours["seconds"]) / work_of(ours)
-    return (
-        float(theirs.min() / mine.min()),
-        float(np.median(theirs) / np.median(mine)),
-        float(np.median(theirs / mine)),
-    )
-
-
-def work_of(one: Record, default: float = 1.0) -> float:
-    """Trajectories times time of one run; if a row has one work for all, it does not matter in ratios."""
-    return one["contender"]["work"] or default
+    """All tables' data, by name; the date of a table that does not say its own is that of its file."""
+    tables = {path.stem: json.loads(path.read_text()) for path in sorted(folder.glob("*.json"))}
+    for name, data in tables.items():
+        written = datetime.fromtimestamp((folder / f"{name}.json").stat().st_mtime, UTC)
+        data["facts"].setdefault("date", written.isoformat(timespec="minutes"))
+    return tables
 
 
 def _versus(peer: Record, one: Record) -> str:
-    return " / ".join(f"{ratio:.2f}" if ratio < 100 else f"{ratio:.0f}" for ratio in ratios(peer, one))
-
-
-def with_work(data: Record) -> list[Record]:
-    """What was measured in a row, each with its own work."""
-    return [one | {"contender": one["contender"] | {"work": work_of(one, data["work"])}} for one in data["measured"]]
-
-
-def fastest(measured: list[Record]) -> Record | None:
-    """The best rate among those that meet their level, if there are any."""
-    meeting = [one for one in measured if one["contender"]["setting"]["meets"]]
-    return min(meeting, key=lambda one: min(one["seconds"]) / work_of(one), default=None)
-
-
-def of_kind(measured: list[Record], kind: str) -> list[Record]:
-    """Those that compete as "double", "mixed" or "single"."""
-    return [one for one in measured if one["contender"]["kind"] == kind]
-
-
-def of_side(measured: list[Record], side: str) -> list[Record]:
-    """Those of one side."""
-    return [one for one in measured if one["contender"]["side"] == side]
+    return shown_ratios(ratios(peer, one))
 
 
 def row_lines(data: Record) -> list[list[str]]:
     """A line for each contender, with columns of ratios (best, median, rounds)."""
     measured = with_work(data)
     versus = _ratios_to_others(measured) if _has_others(measured) else _ratios_to_heyoka(measured)
-    best = [fastest(of_kind(measured, kind)) for kind in ("double", "mixed", "single")]
+    best = [fastest(of_kind(measured, kind)) for kind in KINDS]
     header = ["contender", "setting", "order", "state error", "tangent error", "exponent error", "largest, of the mean"]
     table = [[*header, "best", "median", "rate at best", *versus[0]]]
     for one, against in zip(measured, versus[1:], strict=True):
@@ -148,8 +92,8 @@ def row_lines(data: Record) -> list[list[str]]:
             (f"**{name}**" if one in best else name) + ("" if setting["meets"] else " (LEVEL NOT MET)"),
             choice(setting["request"]),
             str(setting["order"] or ""),
-            *(_errors(setting, error) for error in ("state", "tangent", "exponent")),
-            _errors(setting, "exponent_largest", "exponent_mean"),
+            *(shown_errors(setting, error) for error in ("state", "tangent", "exponent")),
+            shown_errors(setting, "exponent_largest", "exponent_mean"),
             duration(min(seconds)),
             duration(float(np.median(seconds))),
             "" if data["wall"] else rate(work_of(one) / min(seconds)),
@@ -199,66 +143,48 @@ def notes(data: Record) -> str:
     return " ".join(said)
 
 
-def markdown(table: list[list[str]]) -> str:
-    """A table's lines, the first of them its header."""
-    return "".join(f"| {' | '.join(line)} |\n" for line in [table[0], ["---"] * len(table[0]), *table[1:]])
-
-
 def render(data: Record) -> str:
     """One table with its title and its notes."""
-    lines = {"row": row_lines, "kernels": kernels.lines, "dispatch": dispatch.lines}[data["kind"]](data)
+    lines = {
+        "row": row_lines,
+        "kernels": kernels.lines,
+        "dispatch": dispatch.lines,
+        "commands": commands.lines,
+        "spectra": spectra.lines,
+    }[data["kind"]](data)
     tail = notes(data) if data["kind"] == "row" else f"Runs of each: {data['rounds']}."
     return f"### {data['title']}\n\n{markdown(lines)}\n{tail}\n"
 
 
-def summary(tables: dict[str, Record]) -> str:
-    """The quickest of ours in each precision against the quickest heyoka, a line for each row of the benchmark."""
-    header = ["what", "liepoisson", "state / tangent error", "largest exponent error", "rate", "heyoka's best", "ratio"]
-    lines = [header]
-    for data in (tables[name] for name in SUMMARY if name in tables):
-        measured = with_work(data)
-        peer = fastest(of_side(measured, "heyoka"))
-        for ours in (fastest(of_kind(measured, kind)) for kind in ("double", "mixed", "single")):
-            if ours is None or peer is None:
-                continue
-            setting = ours["contender"]["setting"]
-            lines.append(
-                [
-                    data["title"],
-                    f"{ours['contender']['name']}, {choice(setting['request'])}",
-                    _errors(setting, "state", "tangent") if setting.get("tangent") else _errors(setting, "state"),
-                    _errors(setting, "exponent_largest"),
-                    _rate(data, ours),
-                    f"{_rate(data, peer)} ({peer['contender']['name']})",
-                    _versus(peer, ours),
-                ]
-            )
-    return markdown(lines) + "\nRatios are of best times, of medians, and the median over rounds.\n"
+def summary(tables: dict[str, Record], facts: Record) -> str:
+    """The summary of these tables, which one machine measured."""
+    rows = {name: processors.row_of(data, facts) for name, data in tables.items() if processors.has_row(name, data)}
+    top = {name: row for name, row in rows.items() if name in processors.ROWS and row["lines"]}
+    return processors.summary({"processor": facts["processor"], "rows": top}) if top else ""
 
 
-def _rate(data: Record, one: Record) -> str:
-    best = min(one["seconds"])
-    return (
-        duration(best)
-        if data["wall"] or data["title"].startswith(("Single", "Dense", "Output"))
-        else rate(work_of(one) / best)
-    )
+def blocks(tables: dict[str, Record], measured: list[Record]) -> dict[str, str]:
+    """All that the document may hold, by the names of its markers: one for each table, and what all processors say."""
+    found: dict[str, str] = {}
+    first = None
+    if measured:
+        one = processors.at_head(measured)
+        first = one["facts"]
+        found = {
+            "head": processors.head(measured),
+            "summary": processors.summary(one),
+            "environment": processors.environment(measured),
+            "processors": processors.render(measured),
+        }
+    return found | {name: render(data) + _from_where(data["facts"], first) for name, data in tables.items()}
 
 
-def blocks(tables: dict[str, Record]) -> dict[str, str]:
-    """All that the document may hold, by the names of its markers."""
-    first = next((tables[name]["facts"] for name in SUMMARY if name in tables), None)
-    found = {name: render(data) + _elsewhere(data["facts"], first) for name, data in tables.items()}
-    if first is not None:
-        found |= {"summary": summary(tables), "environment": environment_text(first) + "\n"}
-    return found
-
-
-def _elsewhere(facts: Record, first: Record | None) -> str:
-    """The facts of a table that was measured on another machine, or with other versions, than the first."""
+def _from_where(facts: Record, first: Record | None) -> str:
+    """The processor and the day; all facts if machine or versions are not those at the head of the page."""
     what = ("processor", "python", "heyoka", "liepoisson")
     same = first is not None and all(facts[name] == first[name] for name in what)
-    return "" if same else f"\n{environment_text(facts)}\n"
+    line = f"\nMeasured on {processor_name(facts['processor'])}, {facts['date'][:10]}.\n"
+    return line if same else f"{line}\n{environment_text(facts)}\n"
 
 
 def write_document(document: Path, found: dict[str, str]) -> list[str]:
@@ -272,8 +198,11 @@ def write_document(document: Path, found: dict[str, str]) -> list[str]:
 
 
 def main() -> None:
-    """Put all tables of results/tables/ into the docs."""
-    found = blocks(load(TABLES))
+    """Put all tables of results/tables/ into the files of their processors and into the docs."""
+    tables = load(TABLES)
+    for file in processors.update(processors.FOLDER, tables):
+        print(f"{processors.FOLDER / file}: written")
+    found = blocks(tables, processors.load())
     replaced = write_document(DOCUMENT, found)
     print(f"{DOCUMENT}: wrote {', '.join(replaced) or 'nothing'}")
     missing = sorted(set(found) - set(replaced))

@@ -79,13 +79,18 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--core", type=int, help="core to use; by default the last one")
 
 
-def start(arguments: argparse.Namespace) -> tuple[dict[str, Any], int, Path]:
-    """The facts of this run, its rounds, and where its tables go: those of a quick look never to the docs."""
+def facts(core: int | None) -> dict[str, Any]:
+    """The facts of this run, with the peer at hand, and this process and all that it starts on one core."""
     RESULTS.mkdir(exist_ok=True)
     environment.ensure_peer()
-    facts = environment.facts(environment.pin(arguments.core))
+    return environment.facts(environment.pin(core))
+
+
+def start(arguments: argparse.Namespace) -> tuple[dict[str, Any], int, Path]:
+    """The facts of this run, its rounds, and where its tables go: those of a quick look never to the docs."""
+    found = facts(arguments.core)
     rounds = arguments.rounds or (QUICK_ROUNDS if arguments.quick else ROUNDS)
-    return facts, rounds, report.TABLES if rounds >= ROUNDS else RESULTS / "quick"
+    return found, rounds, report.TABLES if rounds >= ROUNDS else report.QUICK
 
 
 def main() -> None:
@@ -94,18 +99,18 @@ def main() -> None:
     add_options(parser)
     parser.add_argument("--only", nargs="+", metavar="ROW", help="only these rows; an unknown one lists them")
     arguments = parser.parse_args()
-    facts, rounds, folder = start(arguments)
-    run = Run(facts, rounds)
+    known, rounds, folder = start(arguments)
+    run = Run(known, rounds)
     wanted = arguments.only or list(run.rows)
     unknown = [name for name in wanted if name not in run.rows]
     if unknown:
         parser.error(f"--only: wanted rows out of {', '.join(run.rows)}; got {', '.join(unknown)}")
-    print(report.environment_text(facts), flush=True)
+    print(report.environment_text(known), flush=True)
     for name in wanted:
         data = run.rows[name]()
-        report.save(folder, name, data, facts)
+        report.save(folder, name, data, known)
         print("\n" + report.render(data), flush=True)
-    print("\n" + report.summary({name: data for name, data in report.load(folder).items() if name in wanted}))
+    print("\n" + report.summary({name: data for name, data in report.load(folder).items() if name in wanted}, known))
 
 
 if __name__ == "__main__":
