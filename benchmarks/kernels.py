@@ -63,7 +63,7 @@ def mixed_taylor_operations(order: int, tol: float) -> dict[str, int]:
     coefficients, divisions and sums are 41 operations for each order of either.  The orders are those of
     `MixedTaylor`; conversions between the precisions are not counted.
     """
-    single = max(2.0**-24, math.sqrt(tol))
+    single = max(2.0**-24, tol)
     low = min(max(1, math.ceil((1 + 22 * math.log(2) / math.log(tol)) * order)), order - 1)
     tangent = min(max(2, math.ceil(math.log(single) / math.log(tol) * order)), order)
     pairs = {n: n * (n + 1) // 2 for n in (low, order, tangent)}
