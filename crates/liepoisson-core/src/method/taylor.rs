@@ -6,7 +6,7 @@
 
 use crate::error::Error;
 use crate::field::{Field, Hold};
-use crate::lanes::{Body, Lane, Wide, as_scalars};
+use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
 use crate::method::series_sum::{FEW, Strides, Sums};
@@ -596,7 +596,7 @@ impl<F: Field, V: Wide> Body for Evaluation<'_, F, V> {
         for k in (0..block.method.order).rev() {
             let row = &scalars[k * stride + at..];
             for (i, value) in values.iter_mut().enumerate() {
-                *value = value.mul_add(tau, row[i * V::WIDTH]);
+                *value = value.multiply_add(tau, row[i * V::WIDTH]);
             }
         }
     }
