@@ -3,7 +3,7 @@
 use crate::json::{self, Value};
 use crate::refusal::{Kind, Refusal};
 use liepoisson_core::field::{Functions, Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
-use liepoisson_core::method::{RungeKutta, Splitting, Taylor};
+use liepoisson_core::method::{Splitting, Taylor};
 
 /// A vector field.
 pub(crate) enum Field {
@@ -17,7 +17,6 @@ pub(crate) enum Field {
 #[derive(Clone, Copy)]
 pub(crate) enum Method {
     Taylor(Taylor),
-    RungeKutta(RungeKutta),
     Splitting(Splitting),
 }
 
@@ -88,15 +87,11 @@ impl Method {
                 let tol = record.optional("tol").map_or(Ok(1e-15), |tol| tol.number())?;
                 Ok(Method::Taylor(Taylor::new(tol, order, max_steps)?))
             }
-            "runge-kutta" => Ok(Method::RungeKutta(match record.optional("step") {
-                Some(step) => RungeKutta::fixed(step.number()?, max_steps)?,
-                None => RungeKutta::new(record.optional("tol").map_or(Ok(1e-8), |tol| tol.number())?, max_steps)?,
-            })),
             "splitting" => {
                 let order = record.optional("order").map_or(Ok(4), |order| order.whole())?;
                 Ok(Method::Splitting(Splitting::new(order, record.get("step")?.number()?, max_steps)?))
             }
-            other => Err(record.unknown(other, "taylor, runge-kutta or splitting")),
+            other => Err(record.unknown(other, "taylor or splitting")),
         }
     }
 }

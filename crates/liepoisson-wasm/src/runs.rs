@@ -1,7 +1,7 @@
 //! The calls of the core: arrays in, a table of arrays out.
 
 use crate::describe::{Field, Method};
-use crate::refusal::Refusal;
+use crate::refusal::{Kind, Refusal};
 use liepoisson_core::analysis::lyapunov;
 use liepoisson_core::analysis::orbit::{self, Kept};
 use liepoisson_core::analysis::section::{self, Surface};
@@ -18,11 +18,6 @@ pub(crate) struct Table {
     dense: Option<(usize, bool)>,
 }
 
-/// One trajectory does not fill a register.
-fn registers(n_members: usize) -> Simd {
-    if n_members > 1 { Simd::widest() } else { Simd::Scalar }
-}
-
 /// Runs a macro with the field and the method of a call, as types of their own.
 macro_rules! with_field_and_method {
     ($field:expr, $method:expr, $run:ident) => {
@@ -30,14 +25,26 @@ macro_rules! with_field_and_method {
             (Field::Top(field), Method::Taylor(method)) => $run!(field, method),
             (Field::Quadratic(field), Method::Taylor(method)) => $run!(field, method),
             (Field::Tape(field), Method::Taylor(method)) => $run!(field, method),
-            (Field::Top(field), Method::RungeKutta(method)) => $run!(field, method),
-            (Field::Quadratic(field), Method::RungeKutta(method)) => $run!(field, method),
-            (Field::Tape(field), Method::RungeKutta(method)) => $run!(field, method),
             (Field::Top(field), Method::Splitting(method)) => $run!(field, method),
             (Field::Pieces(field), Method::Splitting(method)) => $run!(field, method),
             _ => return Err(Error::MethodForField.into()),
         }
     };
+}
+
+/// Most numbers that a state and its tangent vectors may have: their series must have room in the memory of a browser.
+const MOST_NUMBERS: usize = 1 << 20;
+
+fn check_size(field: &Field, n_vectors: usize) -> Result<(), Refusal> {
+    if n_vectors.saturating_add(1).saturating_mul(field.n_components()) <= MOST_NUMBERS {
+        return Ok(());
+    }
+    let message = format!(
+        "the trajectory: wanted at most {MOST_NUMBERS} numbers in its state and tangent vectors; got {n_vectors} vectors of {} \
+         components; try a smaller system, or fewer vectors",
+        field.n_components()
+    );
+    Err(Refusal::new(Kind::Memory, message))
 }
 
 /// Outcomes, times reached, numbers of steps and last states.
@@ -53,10 +60,6 @@ fn ends(summaries: &[Summary], n: usize) -> [Vec<f64>; 4] {
         summaries.iter().map(|summary| summary.n_steps as f64).collect(),
         summaries.iter().flat_map(state).collect(),
     ]
-}
-
-fn n_members(field: &Field, states: &[f64]) -> usize {
-    states.len() / field.n_components()
 }
 
 /// `[outcome, end_time, n_steps, end_state, state, tangent, step_time, series]`; the last two of one orbit with dense output.
@@ -76,9 +79,10 @@ pub(crate) fn orbits(
     macro_rules! run {
         ($field:expr, $method:expr) => {{
             let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents, times };
-            orbit::orbits(&ensemble, 0, registers(n_members(field, states)), &Control::default(), dense, |_| ())?
+            orbit::orbits(&ensemble, 0, Simd::widest(), &Control::default(), dense, |_| ())?
         }};
     }
+    check_size(field, n_tangents)?;
     let has_series = matches!(method, Method::Taylor(_));
     if dense && !has_series {
         return Err(Error::MethodForField.into());
@@ -108,10 +112,11 @@ pub(crate) fn exponents(
     tangents: &[f64],
     times: &[f64],
 ) -> Result<Table, Refusal> {
+    check_size(field, 1)?;
     macro_rules! run {
         ($field:expr, $method:expr) => {{
             let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents: 1, times };
-            lyapunov::growth(&ensemble, 0, registers(n_members(field, states)), &Control::default(), |_| ())?
+            lyapunov::growth(&ensemble, 0, Simd::widest(), &Control::default(), |_| ())?
         }};
     }
     let growth = with_field_and_method!(field, method, run);
@@ -133,6 +138,7 @@ pub(crate) fn frames(
     duration: f64,
     n_intervals: usize,
 ) -> Result<Table, Refusal> {
+    check_size(field, n_vectors)?;
     let units = vec![1.0; states.len()];
     let course = Course { frames, units: &units, elapsed, n_intervals, per_row: 1, keep: false };
     let times = &[0.0, duration];
@@ -140,14 +146,7 @@ pub(crate) fn frames(
         ($field:expr, $method:expr) => {{
             let ensemble =
                 Ensemble { field: $field, method: $method, states, tangents: &[], n_tangents: n_vectors, times };
-            tangent_frames::carry(
-                &ensemble,
-                &course,
-                0,
-                registers(n_members(field, states)),
-                &Control::default(),
-                |_| (),
-            )?
+            tangent_frames::carry(&ensemble, &course, 0, Simd::widest(), &Control::default(), |_| ())?
         }};
     }
     let carried = with_field_and_method!(field, method, run);
@@ -169,6 +168,7 @@ pub(crate) fn section(
     sides: &[f64],
     times: &[f64],
 ) -> Result<Table, Refusal> {
+    check_size(field, 0)?;
     let Method::Taylor(method) = method else { return Err(Error::MethodForField.into()) };
     let (function, kept) = functions.clone().split_first();
     let surface = Surface {
@@ -181,7 +181,7 @@ pub(crate) fn section(
     macro_rules! run {
         ($field:expr) => {{
             let ensemble = Ensemble { field: $field, method, states, tangents: &[], n_tangents: 0, times };
-            section::sections(&ensemble, &surface, 0, registers(n_members(field, states)), &Control::default(), |_| ())?
+            section::sections(&ensemble, &surface, 0, Simd::widest(), &Control::default(), |_| ())?
         }};
     }
     let sections = match field {

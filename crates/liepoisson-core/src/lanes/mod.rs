@@ -20,6 +20,7 @@ mod wasm;
 mod x86;
 
 pub use pair::Pair;
+pub(crate) use simd::dispatch_widest;
 pub use simd::{Simd, Task, dispatch};
 
 /// Whether a multiply-add is rounded once.

@@ -140,6 +140,14 @@ pub fn dispatch<T: Task>(simd: Simd, task: T) -> T::Output {
     }
 }
 
+/// The same with the widest registers; where these are known without a processor, nothing else is compiled.
+pub(crate) fn dispatch_widest<T: Task>(task: T) -> T::Output {
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    return task.run::<wasm::F64x2>();
+    #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+    dispatch(Simd::widest(), task)
+}
+
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma")]
 fn run_avx512<T: Task>(task: T) -> T::Output {
