@@ -146,6 +146,16 @@ pub extern "C" fn lp_n_functions(handle: i32) -> usize {
     table::functions(handle).map_or(0, |functions| functions.n_functions())
 }
 
+/// Numbers: rates of change at states, `(state, component)`.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_rates(field: i32, method: i32, states: i32) -> i32 {
+    let run = || {
+        let (field, method, states) = (table::field(field)?, table::method(method)?, table::numbers(states)?);
+        Ok(numbers(runs::rates(&field, method, &states.borrow())?))
+    };
+    answer(run())
+}
+
 /// Numbers: values of functions at states, `(state, function)`.
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_values(functions: i32, states: i32) -> i32 {

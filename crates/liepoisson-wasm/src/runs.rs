@@ -2,10 +2,10 @@
 
 use crate::describe::{Field, Method};
 use crate::refusal::{Kind, Refusal};
-use liepoisson_core::analysis::lyapunov;
 use liepoisson_core::analysis::orbit::{self, Kept};
 use liepoisson_core::analysis::section::{self, Surface};
 use liepoisson_core::analysis::tangent_frames::{self, Course};
+use liepoisson_core::analysis::{lyapunov, rates};
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
 use liepoisson_core::error::Error;
 use liepoisson_core::field::Functions;
@@ -210,6 +210,17 @@ pub(crate) fn section(
         sections.doubts.iter().map(|doubts| f64::from(u8::from(doubts.is_in_surface))).collect(),
     ]);
     Ok(Table { parts, dense: None })
+}
+
+/// Rates of change at states, `(state, component)`.
+pub(crate) fn rates(field: &Field, method: Method, states: &[f64]) -> Result<Vec<f64>, Refusal> {
+    check_size(field, 0)?;
+    Ok(match (field, method) {
+        (Field::Top(field), Method::Taylor(method)) => rates::rates(field, method, states, Simd::widest())?,
+        (Field::Quadratic(field), Method::Taylor(method)) => rates::rates(field, method, states, Simd::widest())?,
+        (Field::Tape(field), Method::Taylor(method)) => rates::rates(field, method, states, Simd::widest())?,
+        _ => return Err(Error::MethodForField.into()),
+    })
 }
 
 /// Values of functions, `(state, function)`.

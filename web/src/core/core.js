@@ -171,6 +171,14 @@ export class Core {
   }
 
   /**
+   * Rates of change at states (state, component): the arrows of the vector field.
+   * @param {Field} field @param {Method} method @param {Numbers} states
+   */
+  rates(field, method, states) {
+    return this.with([states], ([x]) => this.take(this.call("lp_rates", field.handle, method.handle, x)));
+  }
+
+  /**
    * Orbits from states (member, component) at `times`, the first of which is that of the states, perhaps with tangent vectors
    * (member, vector, component).
    * @param {Field} field @param {Method} method @param {Numbers} states @param {Numbers} times
