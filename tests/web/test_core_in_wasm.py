@@ -161,7 +161,8 @@ def drift_case():
 
     Along orbits that start close together errors in [0, t] and in [t, 16 t] are independent, of variances as 1 to 15 if
     errors of single steps are.  The logarithm of their ratio has the standard deviation sqrt(4/n), and both tests fail
-    once in a million times.  With an error that has a sign, as t^0.8, the ratio is 4.5 times as large.
+    once in a million times; measured: a ratio of 1.2, and errors 0.9 standard errors off zero.  With an error that has
+    a sign, as t^0.8, the ratio is 4.5 times as large.
     """
     invariants = description_of(TOP)["invariants"]
     noise = np.random.default_rng(7).normal(size=(N_DRIFTING, 9))

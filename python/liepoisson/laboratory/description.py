@@ -65,9 +65,9 @@ def _pieces(system: Any) -> dict[str, Any] | None:
 
 def _invariants(system: Any) -> dict[str, Any] | None:
     """Those that the core can evaluate; None if there are none."""
-    if not (has_functions(system) and reads_formulas(system)):
+    known: Mapping[str, Any] = known_constants(system) if has_functions(system) else {}
+    if not reads_formulas(system):
         return None
-    known: Mapping[str, Any] = known_constants(system)
     smooth: dict[str, Any] = {}
     for name, function in known.items():
         try:
