@@ -270,6 +270,7 @@ NAMES = [
     "values: sine and cosine of large angles",
     "rates: top",
     "rates: quadratic field",
+    "coefficients are divided by their order as IEEE 754 divides",
     "errors of Casimirs grow as the square root of time",
     "what is refused has a kind and a message, and the core goes on",
     "memory is given back",

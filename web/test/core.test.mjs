@@ -91,6 +91,24 @@ for (const { name, field, states, rates, bounds } of cases.rates) {
   });
 }
 
+test("coefficients are divided by their order as IEEE 754 divides", async () => {
+  // u = v t; x' = u u, x' = u x, ...: single products, whose quotients by 3, 5, 7 and 6 are the states at time 1
+  const core = await Core.start(program);
+  const quadratic = [[2, 1, 1, 1], [3, 1, 2, 1], [4, 1, 3, 1], [6, 1, 5, 1], [7, 1, 6, 1]];
+  const field = core.field({ kind: "quadratic", n_components: 8, constant: [], linear: [[1, 0, 1], [5, 1, 1]], quadratic });
+  const numbers = Array.from({ length: 500 }, (_, k) => 1 + ((k * 0.6180339887498949) % 1));
+  const starts = numbers.flatMap((v) => [v, 0, 0, 0, 0, 0, 0, 0]);
+  const { state, nSteps } = core.orbits(field, core.method({ kind: "taylor" }), starts, [0, 1]);
+  assert.ok(nSteps.every((n) => n === 1));
+  numbers.forEach((v, k) => {
+    const third = (v * v) / 3;
+    const fifth = (v * third) / 5;
+    const fourth = (v * (v / 2)) / 4;
+    const wanted = [v, v, third, fifth, (v * fifth) / 7, v / 2, fourth, (v * fourth) / 6];
+    assert.deepEqual([...state.slice(16 * k + 8, 16 * k + 16)], wanted, `v = ${v}`);
+  });
+});
+
 test("errors of Casimirs grow as the square root of time", async () => {
   const { field, invariants, index, starts, short, long, limits } = cases.drift;
   const core = await Core.start(program);
