@@ -131,7 +131,7 @@ impl Reader<'_> {
         }
         let start = self.at + 1;
         let is_end = |&sign: &u8| matches!(sign, b'"' | b'\\') || sign < 0x20;
-        let length = self.text.as_bytes()[start..].iter().position(|sign| is_end(sign));
+        let length = self.text.as_bytes()[start..].iter().position(is_end);
         self.at = length.map_or(self.text.len(), |length| start + length);
         if self.next() != Some(b'"') {
             return Err(self.wrong("the end of a text without backslashes"));
