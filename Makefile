@@ -71,11 +71,14 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 	  --output-file requirements/dev.txt
 	cargo update
 
+wasm: ## build the core for the browser (5 minutes; says what it needs); it is committed, with a hash of its sources
+	$(PYTHON) web/build_core.py
+
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
 .PHONY: help reproduce test test-rust test-python test-slow check static lint types quick-tests arm bench audit guard instructions \
-  sanitize miri wheel wheel-check lock clean set-up tools
+  sanitize miri wasm wheel wheel-check lock clean set-up tools
 
 # One pip after the other.
 set-up: $(VENV)/.dev

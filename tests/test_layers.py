@@ -29,6 +29,7 @@ ROOMS = (
     {"repeat"},
     {"plot"},
     {"studies"},
+    {"laboratory"},
     {"cli"},
     {"", "__main__", "algebras", "brackets", "chaos", "charts", "extensions", "fields", "fits", "methods",
      "results", "sections", "systems"},

@@ -3,6 +3,7 @@
 pub mod frame;
 pub mod lyapunov;
 pub mod orbit;
+pub mod rates;
 pub mod section;
 pub mod tangent_frames;
 

@@ -39,6 +39,9 @@ pub(crate) struct AnyEnsemble<'a> {
     pub(crate) times: &'a [f64],
 }
 
+/// Whether threads can be started at all.
+const HAS_THREADS: bool = !cfg!(target_family = "wasm");
+
 /// What the calling thread does meanwhile; see [`Ensemble::run`](super::Ensemble::run).
 pub(crate) type Watch<'w> = &'w mut dyn FnMut(&dyn Fn(Duration) -> bool);
 
@@ -97,9 +100,14 @@ impl<'a> AnyEnsemble<'a> {
         if self.n_members() == 0 {
             return Ok(());
         }
+        let on_this_thread = threads == 0 || !HAS_THREADS;
         let threads = threads.clamp(1, self.n_members());
         self.reserve(threads, simd)?;
         let (queue, running) = (AtomicUsize::new(0), Running::new(threads));
+        if on_this_thread {
+            Worker { ensemble: self, queue: &queue, control }.work(simd, &observer);
+            return Ok(());
+        }
         let mut panic = None;
         let mut refused = None;
         std::thread::scope(|scope| {

@@ -1,8 +1,9 @@
 //! Progress of a run, and the end of it that its caller or the clock wishes.
 
+use super::clock::Instant;
 use super::outcome::Outcome;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Progress of a run and the wish to end it; shared with the caller.
 #[derive(Default)]

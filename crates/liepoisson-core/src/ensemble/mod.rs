@@ -1,6 +1,7 @@
 //! Many trajectories: threads times lanes, with progress, cancellation, and one outcome per trajectory.
 
 mod any_ensemble;
+mod clock;
 mod control;
 mod observer;
 mod outcome;
@@ -53,7 +54,7 @@ impl<F: Space, M: Method<F>> Ensemble<'_, F, M> {
         self.any().check()
     }
 
-    /// Integrates every member on `threads` threads.
+    /// Integrates every member on `threads` threads; with 0, and in WebAssembly, on the calling thread, and nobody watches.
     ///
     /// The result for a member has the same bits for any number of threads and any instruction set. `observer` makes
     /// the observer of one worker, given the number of its lanes. `watch` runs on the calling thread meanwhile: the

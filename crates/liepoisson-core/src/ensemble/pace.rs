@@ -1,6 +1,7 @@
 //! How often a worker looks at the clock.
 
-use std::time::{Duration, Instant};
+use super::clock::Instant;
+use std::time::Duration;
 
 /// Turns of the loop between two looks at the clock, and two reports of progress, where turns are short.
 const TURNS_PER_REPORT: u64 = 64;

@@ -19,7 +19,7 @@ pub use top::Top;
 pub use tops::{SeatedTops, Tops};
 
 use crate::error::Error;
-use crate::lanes::{Body, Lane};
+use crate::lanes::{Body, IS_FUSED, Lane};
 
 /// Most components that a field may have: far more than any system here, and few enough that lists of them fit into memory.
 pub const MOST_COMPONENTS: usize = 1 << 20;
@@ -261,9 +261,13 @@ pub(crate) fn needs_remainder(order: usize) -> bool {
 ///
 /// The product with the inverse of 3, 5, 6 or 7 has a relative error of the same sign in every step. Over a long time that
 /// is a drift: the errors of the Casimirs of a top grew as `t^0.8` instead of `t^0.5`. So the remainder of the division,
-/// which the fused operation gives exactly, corrects the quotient. Terms of higher order are too small for it to matter.
+/// which the fused operation gives exactly, corrects the quotient; where that is not to be had, a division takes more time and is
+/// as good. Terms of higher order are too small for it to matter.
 #[inline(always)]
 pub(crate) fn over<V: Lane>(sum: V, order: usize) -> V {
+    if !IS_FUSED && needs_remainder(order) {
+        return sum.div(V::splat(order as f64));
+    }
     let inverse = V::splat(1.0 / order as f64);
     let quotient = sum.mul(inverse);
     if needs_remainder(order) {

@@ -1,8 +1,12 @@
-//! Lanes: one source for AVX-512, AVX2, NEON and scalar arithmetic. The one folder that knows SIMD.
+//! Lanes: one source for AVX-512, AVX2, NEON, WebAssembly and scalar arithmetic. The one folder that knows SIMD.
 //!
 //! A [`Lane`] is a register that holds the same quantity of several trajectories. Only operations that IEEE 754
 //! rounds correctly are offered (`+ - * /`, square root, fused multiply-add), so a trajectory has the same bits in a
 //! register of any width. Code generic over `V: Lane` reaches the instructions of a processor through [`dispatch`].
+//!
+//! WebAssembly has no fused multiply-add, and one in software was measured to take 23 times as long as the two operations. There it
+//! rounds twice ([`IS_FUSED`]), so bits are others than elsewhere; what needs an exact remainder asks for
+//! [`Lane::fused_mul_add`].
 
 #[macro_use]
 mod scalar;
@@ -11,11 +15,20 @@ mod neon;
 mod pair;
 mod simd;
 mod vectors;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+mod wasm;
 #[cfg(target_arch = "x86_64")]
 mod x86;
 
 pub use pair::Pair;
+pub(crate) use simd::dispatch_widest;
 pub use simd::{Simd, Task, dispatch};
+
+/// Whether a multiply-add is rounded once.
+pub const IS_FUSED: bool = !cfg!(target_family = "wasm");
+
+/// How often a multiply-add is rounded: what bounds of round-off are multiplied by.
+pub const ROUNDINGS: f64 = if IS_FUSED { 1.0 } else { 2.0 };
 
 /// What unsafe code relies on is implemented in this folder alone.
 mod sealed {
@@ -43,9 +56,9 @@ pub trait Vectors: Sealed + Copy + 'static {
     fn add(self, other: Self) -> Self;
     /// `self * other`, component by component.
     fn mul(self, other: Self) -> Self;
-    /// `self * factor + addend`, component by component, rounded once.
+    /// `self * factor + addend`, component by component, rounded as [`Lane::mul_add`] is.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
-    /// `addend - self * factor`, component by component, rounded once.
+    /// `addend - self * factor`, component by component, rounded likewise.
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
     /// `(2, 3, 1)` of each vector `(1, 2, 3)`; the fourth number stays.
     fn rotate(self) -> Self;
@@ -69,6 +82,8 @@ pub trait Number: Sealed + Copy + Send + Sync {
     fn of(x: f64) -> Self;
     /// The same number in double precision.
     fn to_f64(self) -> f64;
+    /// `self * factor + addend`, rounded as [`Lane::mul_add`] does.
+    fn multiply_add(self, factor: Self, addend: Self) -> Self;
 }
 
 impl Number for f64 {
@@ -80,6 +95,10 @@ impl Number for f64 {
     fn to_f64(self) -> f64 {
         self
     }
+    #[inline(always)]
+    fn multiply_add(self, factor: Self, addend: Self) -> Self {
+        if IS_FUSED { self.mul_add(factor, addend) } else { self * factor + addend }
+    }
 }
 
 impl Number for f32 {
@@ -90,6 +109,10 @@ impl Number for f32 {
     #[inline(always)]
     fn to_f64(self) -> f64 {
         f64::from(self)
+    }
+    #[inline(always)]
+    fn multiply_add(self, factor: Self, addend: Self) -> Self {
+        if IS_FUSED { self.mul_add(factor, addend) } else { self * factor + addend }
     }
 }
 
@@ -130,9 +153,9 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
     fn sub(self, other: Self) -> Self;
     /// `self * other`.
     fn mul(self, other: Self) -> Self;
-    /// `self * factor + addend`, rounded once.
+    /// `self * factor + addend`, rounded once where [`IS_FUSED`] says so.
     fn mul_add(self, factor: Self, addend: Self) -> Self;
-    /// `addend - self * factor`, rounded once.
+    /// `addend - self * factor`, rounded likewise.
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self;
     /// `|self|`.
     fn abs(self) -> Self;
@@ -144,6 +167,23 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
     fn div(self, other: Self) -> Self;
     /// The square root, NaN of a negative number.
     fn sqrt(self) -> Self;
+
+    /// `self * factor + addend`, rounded once everywhere, in double precision: for what would be lost otherwise, and not for
+    /// sums, since it is slow where it is done in software.
+    #[inline(always)]
+    fn fused_mul_add(self, factor: Self, addend: Self) -> Self {
+        if IS_FUSED { self.mul_add(factor, addend) } else { fused_by_software(self, factor, addend) }
+    }
+
+    /// `addend - self * factor`, rounded likewise.
+    #[inline(always)]
+    fn fused_neg_mul_add(self, factor: Self, addend: Self) -> Self {
+        if IS_FUSED {
+            self.neg_mul_add(factor, addend)
+        } else {
+            fused_by_software(self.mul(Self::splat(-1.0)), factor, addend)
+        }
+    }
 
     /// The lanes as numbers.
     #[inline(always)]
@@ -168,6 +208,15 @@ pub trait Lane: Sealed + Copy + Send + Sync + 'static {
     fn set(&mut self, lane: usize, value: f64) {
         self.as_scalars_mut()[lane] = Self::Number::of(value);
     }
+}
+
+/// The fused multiply-add lane by lane, which Rust computes in software where a processor has none.
+fn fused_by_software<V: Lane>(a: V, factor: V, addend: V) -> V {
+    let mut result = addend;
+    for lane in 0..V::WIDTH {
+        result.set(lane, f64::mul_add(a.get(lane), factor.get(lane), addend.get(lane)));
+    }
+    result
 }
 
 /// A register of double-precision numbers, and the registers of the same size that go with it.

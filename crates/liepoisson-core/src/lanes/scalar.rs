@@ -26,11 +26,11 @@ macro_rules! scalar_lane {
             }
             #[inline(always)]
             fn mul_add(self, factor: Self, addend: Self) -> Self {
-                $make(<$number>::mul_add(self.number(), factor.number(), addend.number()))
+                $make(self.number().multiply_add(factor.number(), addend.number()))
             }
             #[inline(always)]
             fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
-                $make(<$number>::mul_add(-self.number(), factor.number(), addend.number()))
+                $make((-self.number()).multiply_add(factor.number(), addend.number()))
             }
             #[inline(always)]
             fn abs(self) -> Self {

@@ -3,6 +3,8 @@
 use super::Wide;
 #[cfg(target_arch = "aarch64")]
 use super::neon;
+#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+use super::wasm;
 #[cfg(target_arch = "x86_64")]
 use super::x86;
 use crate::error::Error;
@@ -16,13 +18,15 @@ pub enum Simd {
     Avx2,
     /// Four trajectories at once, on ARM.
     Neon,
+    /// Two trajectories at once, in WebAssembly.
+    Wasm,
     /// One trajectory at a time.
     Scalar,
 }
 
 impl Simd {
     /// All of them, of each processor the widest first.
-    pub const ALL: [Simd; 4] = [Simd::Avx512, Simd::Avx2, Simd::Neon, Simd::Scalar];
+    pub const ALL: [Simd; 5] = [Simd::Avx512, Simd::Avx2, Simd::Neon, Simd::Wasm, Simd::Scalar];
 
     /// Its name in `LIEPOISSON_SIMD` and in results.
     pub fn name(self) -> &'static str {
@@ -30,6 +34,7 @@ impl Simd {
             Simd::Avx512 => "avx512",
             Simd::Avx2 => "avx2",
             Simd::Neon => "neon",
+            Simd::Wasm => "simd128",
             Simd::Scalar => "scalar",
         }
     }
@@ -39,6 +44,7 @@ impl Simd {
         match self {
             Simd::Avx512 => 8,
             Simd::Avx2 | Simd::Neon => 4,
+            Simd::Wasm => 2,
             Simd::Scalar => 1,
         }
     }
@@ -55,14 +61,16 @@ impl Simd {
                         && Simd::Avx2.is_available()
                 }
                 Simd::Avx2 => is_x86_feature_detected!("avx2") && is_x86_feature_detected!("fma"),
-                Simd::Neon => false,
+                Simd::Neon | Simd::Wasm => false,
                 Simd::Scalar => true,
             }
         }
         #[cfg(not(target_arch = "x86_64"))]
         {
             // every 64-bit ARM processor has NEON; Miri does not run all of its instructions
-            self == Simd::Scalar || (self == Simd::Neon && cfg!(all(target_arch = "aarch64", not(miri))))
+            self == Simd::Scalar
+                || (self == Simd::Neon && cfg!(all(target_arch = "aarch64", not(miri))))
+                || (self == Simd::Wasm && cfg!(all(target_arch = "wasm32", target_feature = "simd128")))
         }
     }
 
@@ -112,7 +120,7 @@ pub fn dispatch<T: Task>(simd: Simd, task: T) -> T::Output {
             Simd::Avx2 => unsafe { run_avx2(task) },
             // SAFETY: the guard has just found the instructions.
             Simd::Scalar if Simd::Avx2.is_available() => unsafe { run_single(task) },
-            Simd::Neon | Simd::Scalar => task.run::<f64>(),
+            Simd::Neon | Simd::Wasm | Simd::Scalar => task.run::<f64>(),
         }
     }
     #[cfg(target_arch = "aarch64")]
@@ -124,9 +132,20 @@ pub fn dispatch<T: Task>(simd: Simd, task: T) -> T::Output {
     }
     #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
     {
-        let _ = simd;
-        task.run::<f64>()
+        match simd {
+            #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+            Simd::Wasm => task.run::<wasm::F64x2>(),
+            _ => task.run::<f64>(),
+        }
     }
+}
+
+/// The same with the widest registers; where these are known without a processor, nothing else is compiled.
+pub(crate) fn dispatch_widest<T: Task>(task: T) -> T::Output {
+    #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
+    return task.run::<wasm::F64x2>();
+    #[cfg(not(all(target_arch = "wasm32", target_feature = "simd128")))]
+    dispatch(Simd::widest(), task)
 }
 
 #[cfg(target_arch = "x86_64")]

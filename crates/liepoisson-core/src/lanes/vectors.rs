@@ -1,7 +1,7 @@
 //! Vectors of space where no register holds them: as arrays, and two registers for two.
 
 use super::sealed::Sealed;
-use super::{TwoVectors, Vectors};
+use super::{Number, TwoVectors, Vectors};
 
 impl Sealed for [f64; 4] {}
 impl<T: Sealed> Sealed for [T; 2] {}
@@ -29,11 +29,11 @@ impl Vectors for [f64; 4] {
     }
     #[inline(always)]
     fn mul_add(self, factor: Self, addend: Self) -> Self {
-        std::array::from_fn(|i| f64::mul_add(self[i], factor[i], addend[i]))
+        std::array::from_fn(|i| self[i].multiply_add(factor[i], addend[i]))
     }
     #[inline(always)]
     fn neg_mul_add(self, factor: Self, addend: Self) -> Self {
-        std::array::from_fn(|i| f64::mul_add(-self[i], factor[i], addend[i]))
+        std::array::from_fn(|i| (-self[i]).multiply_add(factor[i], addend[i]))
     }
     #[inline(always)]
     fn rotate(self) -> Self {

@@ -23,7 +23,7 @@ pub use splitting::{LagrangeMap, Split, Splitting};
 pub(crate) use taylor::MAX_ORDER;
 pub use taylor::Taylor;
 
-use crate::lanes::{Simd, Task, Wide, dispatch};
+use crate::lanes::{Simd, Task, Wide, dispatch, dispatch_widest};
 use std::collections::TryReserveError;
 
 /// A method of integration, for vector fields of type `F`.
@@ -42,7 +42,13 @@ pub trait Method<F>: Copy + Sync {
     where
         Self: Sized,
     {
-        dispatch(simd, MakeBlock { method: self, field, n_tangents })
+        let task = MakeBlock { method: self, field, n_tangents };
+        // In WebAssembly a register of two numbers was measured to take as long as one number, so that one kernel does for both;
+        // with the other the program would be twice as large.
+        if cfg!(all(target_arch = "wasm32", target_feature = "simd128")) {
+            return dispatch_widest(task);
+        }
+        dispatch(simd, task)
     }
 }
 

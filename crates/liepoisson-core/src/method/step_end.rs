@@ -18,7 +18,7 @@
 //! obeys the equations up to its order is a solution.
 
 use crate::field::{Field, Terms};
-use crate::lanes::{Body, Wide};
+use crate::lanes::{Body, ROUNDINGS, Wide};
 use crate::method::taylor::sum_of_sizes;
 
 /// Passes over the nodes of one step at most; each at least halves it, or is the last one.
@@ -238,7 +238,7 @@ impl<V: Wide> StepEnd<V> {
 }
 
 /// Relative error of a sum of the terms of a series: each coefficient, each product and each sum is rounded.
-const UNIT: f64 = 4.0 * f64::EPSILON;
+const UNIT: f64 = 4.0 * ROUNDINGS * f64::EPSILON;
 
 /// Places to bound round-off in.
 #[derive(Default)]

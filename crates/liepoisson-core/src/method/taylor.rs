@@ -605,7 +605,7 @@ impl<F: Field, V: Wide> Body for Evaluation<'_, F, V> {
         for k in (0..block.method.order).rev() {
             let row = &scalars[k * stride + at..];
             for (i, value) in values.iter_mut().enumerate() {
-                *value = value.mul_add(tau, row[i * V::WIDTH]);
+                *value = value.multiply_add(tau, row[i * V::WIDTH]);
             }
         }
     }

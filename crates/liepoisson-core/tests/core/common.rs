@@ -116,7 +116,7 @@ pub fn run<M: Method<Top>>(
 /// What `run` gives with each instruction set that the processor has, on one thread and on three.
 pub fn everywhere<R>(run: impl Fn(Simd, usize) -> R) -> Vec<R> {
     let available = Simd::ALL.into_iter().filter(|simd| simd.is_available());
-    available.flat_map(|simd| [1, 3].map(|threads| run(simd, threads))).collect()
+    available.flat_map(|simd| [0, 1, 3].map(|threads| run(simd, threads))).collect()
 }
 
 pub fn bits(values: &[f64]) -> Vec<u64> {

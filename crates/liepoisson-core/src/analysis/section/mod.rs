@@ -15,7 +15,7 @@ use super::{CALLED_ONCE, UNREACHED, filled, name_unreached};
 use crate::ensemble::{AnyEnsemble, Control, Ensemble, Observer, Step, Stop, Summary, Watch};
 use crate::error::Error;
 use crate::field::{Functions, Hold};
-use crate::lanes::Simd;
+use crate::lanes::{ROUNDINGS, Simd};
 use crate::method::{Block, Overview, Taylor};
 use points::Collected;
 pub use points::Points;
@@ -412,7 +412,7 @@ impl Recorder<'_> {
     /// the surface.
     fn can_tell(&mut self, state: &[f64]) -> bool {
         let size = state.iter().fold(0.0_f64, |size, component| size.max(component.abs()));
-        let (size, unit) = (if size > 0.0 { size } else { 1.0 }, 16.0 * f64::EPSILON);
+        let (size, unit) = (if size > 0.0 { size } else { 1.0 }, 16.0 * ROUNDINGS * f64::EPSILON);
         let mut beside = state.to_vec();
         (0..state.len()).any(|i| {
             let found = BESIDE.iter().any(|distance| {

@@ -6,6 +6,7 @@ use super::components::Components;
 use super::remainder::{Sizes, left_out, scale};
 use crate::ensemble::{AnyEnsemble, Step};
 use crate::field::{Enclosure, Functions};
+use crate::lanes::ROUNDINGS;
 use crate::method::Overview;
 
 /// Memory that steps share.
@@ -46,7 +47,7 @@ fn error_of_form((constant, terms): (f64, &[(usize, f64)]), start: &[f64], rest:
 
 /// Round-off of a sum of terms of a series of so many orders, relative to their sizes.
 pub(super) fn unit(n_orders: usize) -> f64 {
-    2.0 * n_orders as f64 * f64::EPSILON
+    2.0 * ROUNDINGS * n_orders as f64 * f64::EPSILON
 }
 
 impl Room {

@@ -75,9 +75,9 @@ fn round_product<V: Lane>(x: V, factor: f64) -> V {
 /// `x - n (high + middle + low)` as a number and what it lacks.
 #[inline(always)]
 fn reduce<V: Lane>(x: V, n: V, high: f64, middle: f64, low: f64) -> (V, V) {
-    let first = n.neg_mul_add(V::splat(high), x); // exact: a multiple of 2^-53 below one
+    let first = n.fused_neg_mul_add(V::splat(high), x); // exact: a multiple of 2^-53 below one
     let second = n.mul(V::splat(middle));
-    let second_lacks = n.mul_add(V::splat(middle), second.mul(V::splat(-1.0)));
+    let second_lacks = n.fused_mul_add(V::splat(middle), second.mul(V::splat(-1.0)));
     let r = minus(first, second);
     // what the difference lost, whichever of the two is larger
     let taken = minus(r, first);

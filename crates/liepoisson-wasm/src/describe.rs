@@ -1,0 +1,219 @@
+//! Fields, functions and methods from their descriptions: the records that Python's `field.record_of` makes, as JSON.
+
+use crate::json::{self, Value};
+use crate::refusal::{Kind, Refusal};
+use liepoisson_core::field::{Functions, Instruction, Pieces, Quadratic, Ridge, Space, Tape, Top};
+use liepoisson_core::method::{Splitting, Taylor};
+
+/// A vector field.
+pub(crate) enum Field {
+    Top(Top),
+    Quadratic(Quadratic),
+    Tape(Tape),
+    Pieces(Pieces),
+}
+
+/// A method of integration.
+#[derive(Clone, Copy)]
+pub(crate) enum Method {
+    Taylor(Taylor),
+    Splitting(Splitting),
+}
+
+impl Field {
+    pub(crate) fn n_components(&self) -> usize {
+        match self {
+            Field::Top(field) => field.n_components(),
+            Field::Quadratic(field) => field.n_components(),
+            Field::Tape(field) => field.n_components(),
+            Field::Pieces(field) => field.n_components(),
+        }
+    }
+
+    pub(crate) fn read(text: &[u8]) -> Result<Field, Refusal> {
+        let record = Record::read("field", text)?;
+        match record.kind()? {
+            "top" => {
+                let [inertia, a, b] = ["inertia", "a", "b"].map(|name| record.get(name)?.triple());
+                Ok(Field::Top(Top::new(inertia?, a?, b?, record.get("epsilon")?.number()?)?))
+            }
+            "quadratic" => {
+                let constant = record.get("constant")?.each(|entry| entry.entry().map(|([i], c)| (i, c)))?;
+                let linear = record.get("linear")?.each(|entry| entry.entry().map(|([i, j], c)| (i, j, c)))?;
+                let quadratic =
+                    record.get("quadratic")?.each(|entry| entry.entry().map(|([i, j, k], c)| (i, j, k, c)))?;
+                Ok(Field::Quadratic(Quadratic::new(record.n_components()?, &constant, &linear, &quadratic)?))
+            }
+            "tape" => {
+                let (instructions, outputs) = record.lines()?;
+                Ok(Field::Tape(Tape::new(record.n_components()?, instructions, outputs)?))
+            }
+            "pieces" => {
+                let ridges = record.get("pieces")?.each(|piece| {
+                    let [form, derivative, generator] = piece.items()?;
+                    Ok(Ridge {
+                        form: form.each(|entry| entry.entry().map(|([i], c)| (i, c)))?,
+                        derivative: derivative.each(Part::number)?,
+                        generator: generator.each(|entry| entry.entry().map(|([i, k], c)| (i, k, c)))?,
+                    })
+                })?;
+                Ok(Field::Pieces(Pieces::new(record.n_components()?, ridges)?))
+            }
+            other => Err(record.unknown(other, "top, quadratic, tape or pieces")),
+        }
+    }
+}
+
+/// Functions on phase space: the record of a tape without its kind.
+pub(crate) fn read_functions(text: &[u8]) -> Result<Functions, Refusal> {
+    let record = Record::read("functions", text)?;
+    let (instructions, outputs) = record.lines()?;
+    Ok(Functions::new(record.n_components()?, instructions, outputs)?)
+}
+
+/// Steps that a trajectory may take unless a method says otherwise, as in Python.
+const MAX_STEPS: u64 = 10_000_000;
+
+impl Method {
+    pub(crate) fn read(text: &[u8]) -> Result<Method, Refusal> {
+        let record = Record::read("method", text)?;
+        let max_steps = match record.optional("max_steps") {
+            Some(count) => count.whole()? as u64,
+            None => MAX_STEPS,
+        };
+        match record.kind()? {
+            "taylor" => {
+                let order = record.optional("order").map(|order| order.whole()).transpose()?;
+                let tol = record.optional("tol").map_or(Ok(1e-15), |tol| tol.number())?;
+                Ok(Method::Taylor(Taylor::new(tol, order, max_steps)?))
+            }
+            "splitting" => {
+                let order = record.optional("order").map_or(Ok(4), |order| order.whole())?;
+                Ok(Method::Splitting(Splitting::new(order, record.get("step")?.number()?, max_steps)?))
+            }
+            other => Err(record.unknown(other, "taylor or splitting")),
+        }
+    }
+}
+
+/// A record, and what it describes.
+struct Record {
+    what: &'static str,
+    entries: Vec<(String, Value)>,
+}
+
+/// A part of a record, and what it is called.
+#[derive(Clone, Copy)]
+struct Part<'v> {
+    name: &'v str,
+    value: &'v Value,
+}
+
+impl Record {
+    fn read(what: &'static str, text: &[u8]) -> Result<Record, Refusal> {
+        match json::read(text) {
+            Ok(Value::Record(entries)) => Ok(Record { what, entries }),
+            Ok(_) => Err(Refusal::description(what, "wanted a record { ... }; got something else")),
+            Err(wrong) => Err(Refusal::description(what, &wrong)),
+        }
+    }
+
+    /// An entry that is there and not null.
+    fn optional<'r>(&'r self, name: &'r str) -> Option<Part<'r>> {
+        let (_, value) = self.entries.iter().find(|(key, value)| key == name && *value != Value::Null)?;
+        Some(Part { name, value })
+    }
+
+    fn get<'r>(&'r self, name: &'r str) -> Result<Part<'r>, Refusal> {
+        let absent = || Refusal::description(self.what, &format!("wanted an entry {name:?}; there is none"));
+        self.optional(name).ok_or_else(absent)
+    }
+
+    fn kind(&self) -> Result<&str, Refusal> {
+        self.get("kind")?.text()
+    }
+
+    fn n_components(&self) -> Result<usize, Refusal> {
+        self.get("n_components")?.whole()
+    }
+
+    fn unknown(&self, got: &str, wanted: &str) -> Refusal {
+        let got: String = got.chars().take(60).collect();
+        Refusal::new(Kind::UnknownName, format!("kind of {}: wanted {wanted}; got {got:?}", self.what))
+    }
+
+    /// The instructions and the outputs of a tape.
+    fn lines(&self) -> Result<(Vec<Instruction>, Vec<usize>), Refusal> {
+        let instructions = self.get("instructions")?.each(|line| {
+            let [name, registers, numbers] = line.items()?;
+            let (registers, numbers) = (registers.each(Part::whole)?, numbers.each(Part::number)?);
+            Ok(Instruction::from_parts(name.text()?, &registers, &numbers)?)
+        })?;
+        Ok((instructions, self.get("outputs")?.each(Part::whole)?))
+    }
+}
+
+impl<'v> Part<'v> {
+    fn wrong(self, wanted: &str) -> Refusal {
+        Refusal::description(self.name, &format!("wanted {wanted}; got something else"))
+    }
+
+    fn number(self) -> Result<f64, Refusal> {
+        match self.value {
+            Value::Number(number) => Ok(*number),
+            _ => Err(self.wrong("a number")),
+        }
+    }
+
+    /// A whole number that an index can be.
+    fn whole(self) -> Result<usize, Refusal> {
+        match self.value {
+            Value::Number(number) if *number >= 0.0 && *number <= f64::from(u32::MAX) && number.fract() == 0.0 => {
+                Ok(*number as usize)
+            }
+            _ => Err(self.wrong("a whole number from 0 to 4294967295")),
+        }
+    }
+
+    fn text(self) -> Result<&'v str, Refusal> {
+        match self.value {
+            Value::Text(text) => Ok(text),
+            _ => Err(self.wrong("a text")),
+        }
+    }
+
+    fn list(self) -> Result<&'v [Value], Refusal> {
+        match self.value {
+            Value::List(values) => Ok(values),
+            _ => Err(self.wrong("a list")),
+        }
+    }
+
+    fn each<T>(self, read: impl Fn(Part<'v>) -> Result<T, Refusal>) -> Result<Vec<T>, Refusal> {
+        self.list()?.iter().map(|value| read(Part { value, ..self })).collect()
+    }
+
+    /// A list of so many.
+    fn items<const N: usize>(self) -> Result<[Part<'v>; N], Refusal> {
+        let values: &[Value; N] = self.list()?.try_into().map_err(|_| self.wrong(&format!("lists of {N} entries")))?;
+        Ok(values.each_ref().map(|value| Part { value, ..self }))
+    }
+
+    fn triple(self) -> Result<[f64; 3], Refusal> {
+        let [first, second, third] = self.items()?;
+        Ok([first.number()?, second.number()?, third.number()?])
+    }
+
+    /// Indices and a number.
+    fn entry<const N: usize>(self) -> Result<([usize; N], f64), Refusal> {
+        let values = self.list()?;
+        let Some((last, first)) = values.split_last().filter(|(_, first)| first.len() == N) else {
+            return Err(self.wrong(&format!("entries of {N} indices and a number")));
+        };
+        let mut indices = [0; N];
+        for (index, value) in indices.iter_mut().zip(first) {
+            *index = Part { value, ..self }.whole()?;
+        }
+        Ok((indices, Part { value: last, ..self }.number()?))
+    }
+}

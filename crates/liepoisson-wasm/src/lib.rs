@@ -1,0 +1,267 @@
+//! WebAssembly shell over `liepoisson-core`: plain C exports, arrays in, tables of arrays out, no formulas.
+//!
+//! Whatever comes in or goes out is a thing with a number, its handle. JavaScript makes an array ([`lp_numbers`], [`lp_bytes`]),
+//! writes into it where [`lp_pointer`] says, and hands its handle over; no pointer comes in, so none can be wrong. A call returns
+//! a handle, or a negative number: [`lp_refusals`] has the names of these, and [`lp_message`] what the last one has to say. A panic,
+//! which is a mistake in the core, stops the instance; its message can still be read. Growing memory moves it, so views of
+//! it have to be made anew after each call.
+
+mod describe;
+mod json;
+mod refusal;
+mod runs;
+mod table;
+
+use crate::describe::{Field, Method};
+use crate::refusal::{Kind, Refusal};
+use crate::table::{Thing, keep, say};
+use liepoisson_core::ensemble::Outcome;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// A handle, or the kind of a refusal, whose message is kept.
+fn answer(result: Result<Thing, Refusal>) -> i32 {
+    match result {
+        Ok(thing) => keep(thing),
+        Err(Refusal { kind, message }) => {
+            say(message);
+            kind as i32
+        }
+    }
+}
+
+fn text(text: String) -> Result<Thing, Refusal> {
+    Ok(Thing::Bytes(Rc::new(RefCell::new(text.into_bytes()))))
+}
+
+fn numbers(numbers: Vec<f64>) -> Thing {
+    Thing::Numbers(Rc::new(RefCell::new(numbers)))
+}
+
+fn table(table: runs::Table) -> Thing {
+    Thing::Table(Rc::new(table))
+}
+
+/// To be called once, before all else: keeps the message of a panic. The version of this interface.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_start() -> i32 {
+    std::panic::set_hook(Box::new(|panic| say(panic.to_string())));
+    1
+}
+
+/// Room for a text.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_bytes(len: u32) -> i32 {
+    answer(table::room(len as usize, 0).map(Thing::Bytes))
+}
+
+/// Room for numbers of double precision.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_numbers(len: u32) -> i32 {
+    answer(table::room(len as usize, 0.0).map(Thing::Numbers))
+}
+
+/// Where a text or numbers are in memory; 0 of anything else.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_pointer(handle: i32) -> usize {
+    match table::thing(handle) {
+        Some(Thing::Bytes(bytes)) => bytes.borrow().as_ptr().addr(),
+        Some(Thing::Numbers(numbers)) => numbers.borrow().as_ptr().addr(),
+        _ => 0,
+    }
+}
+
+/// How many bytes or numbers there are; 0 of anything else.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_length(handle: i32) -> usize {
+    match table::thing(handle) {
+        Some(Thing::Bytes(bytes)) => bytes.borrow().len(),
+        Some(Thing::Numbers(numbers)) => numbers.borrow().len(),
+        _ => 0,
+    }
+}
+
+/// Gives a thing back; nothing if there is none.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_free(handle: i32) {
+    table::forget(handle);
+}
+
+/// Where the message of the last refusal, or of a panic, is.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_message() -> usize {
+    table::message().0.addr()
+}
+
+/// Its length in bytes.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_message_length() -> usize {
+    table::message().1
+}
+
+/// The names of refusals: that of -1 first, one a line.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_refusals() -> i32 {
+    answer(text(Kind::NAMES.join("\n")))
+}
+
+/// The names of outcomes: that of 0 first, one a line.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_outcomes() -> i32 {
+    answer(text(Outcome::ALL.map(Outcome::name).join("\n")))
+}
+
+/// A field from its description.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_field(description: i32) -> i32 {
+    answer(table::bytes(description).and_then(|text| Ok(Thing::Field(Rc::new(Field::read(&text.borrow())?)))))
+}
+
+/// Functions on phase space from their description.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_functions(description: i32) -> i32 {
+    let read = |text: Rc<RefCell<Vec<u8>>>| Ok(Thing::Functions(Rc::new(describe::read_functions(&text.borrow())?)));
+    answer(table::bytes(description).and_then(read))
+}
+
+/// A method from its description.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_method(description: i32) -> i32 {
+    answer(table::bytes(description).and_then(|text| Ok(Thing::Method(Method::read(&text.borrow())?))))
+}
+
+/// Components of the state of a field or of functions; 0 of anything else.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_n_components(handle: i32) -> usize {
+    match table::thing(handle) {
+        Some(Thing::Field(field)) => field.n_components(),
+        Some(Thing::Functions(functions)) => functions.n_components(),
+        _ => 0,
+    }
+}
+
+/// How many functions there are; 0 of anything else.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_n_functions(handle: i32) -> usize {
+    table::functions(handle).map_or(0, |functions| functions.n_functions())
+}
+
+/// Numbers: rates of change at states, `(state, component)`.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_rates(field: i32, method: i32, states: i32) -> i32 {
+    let run = || {
+        let (field, method, states) = (table::field(field)?, table::method(method)?, table::numbers(states)?);
+        Ok(numbers(runs::rates(&field, method, &states.borrow())?))
+    };
+    answer(run())
+}
+
+/// Numbers: values of functions at states, `(state, function)`.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_values(functions: i32, states: i32) -> i32 {
+    let run = || Ok(numbers(runs::values(&*table::functions(functions)?, &table::numbers(states)?.borrow())?));
+    answer(run())
+}
+
+/// A result: orbits at `times`. Its parts are `[outcome, end_time, n_steps, end_state, state, tangent, step_time, series]`.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_orbits(
+    field: i32,
+    method: i32,
+    states: i32,
+    tangents: i32,
+    n_tangents: u32,
+    times: i32,
+    dense: u32,
+) -> i32 {
+    let run = || {
+        let (field, method) = (table::field(field)?, table::method(method)?);
+        let [states, tangents, times] = [states, tangents, times].map(table::numbers);
+        let (states, tangents, times) = (states?, tangents?, times?);
+        let (states, tangents, times) = (states.borrow(), tangents.borrow(), times.borrow());
+        runs::orbits(&field, method, &states, &tangents, n_tangents as usize, &times, dense != 0).map(table)
+    };
+    answer(run())
+}
+
+/// Numbers: states of an orbit with dense output at `times`, `(time, component)`.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_states_at(orbit: i32, times: i32) -> i32 {
+    let run = || Ok(numbers(runs::states_at(&*table::table(orbit)?, &table::numbers(times)?.borrow())?));
+    answer(run())
+}
+
+/// A result: finite-time exponents at `times` after the first. Its parts are `[outcome, end_time, n_steps, end_state, exponent]`.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_exponents(field: i32, method: i32, states: i32, tangents: i32, times: i32) -> i32 {
+    let run = || {
+        let (field, method) = (table::field(field)?, table::method(method)?);
+        let [states, tangents, times] = [states, tangents, times].map(table::numbers);
+        let (states, tangents, times) = (states?, tangents?, times?);
+        runs::exponents(&field, method, &states.borrow(), &tangents.borrow(), &times.borrow()).map(table)
+    };
+    answer(run())
+}
+
+/// A result: frames of tangent vectors, `(member, component, vector)`, orthonormal after each of `n_intervals` intervals of length
+/// `duration`, to go on with. Its parts are `[outcome, end_time, n_steps, end_state, growth, frame, n_complete]`.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_frames(
+    field: i32,
+    method: i32,
+    states: i32,
+    frames: i32,
+    n_vectors: u32,
+    elapsed: i32,
+    duration: f64,
+    n_intervals: u32,
+) -> i32 {
+    let run = || {
+        let (field, method) = (table::field(field)?, table::method(method)?);
+        let [states, frames, elapsed] = [states, frames, elapsed].map(table::numbers);
+        let (states, frames, elapsed) = (states?, frames?, elapsed?);
+        let (states, frames, elapsed) = (states.borrow(), frames.borrow(), elapsed.borrow());
+        let (n_vectors, n_intervals) = (n_vectors as usize, n_intervals as usize);
+        runs::frames(&field, method, &states, &frames, n_vectors, &elapsed, duration, n_intervals).map(table)
+    };
+    answer(run())
+}
+
+/// A result: crossings of the surface where the first function is zero; the others are kept of each, or the state if there are
+/// none. `n_crossings` 0 is no limit; `sides` may be empty. Its parts are `[outcome, end_time, n_steps, end_state, count, time,
+/// state, sign, touch_count, touch_time, touch_state, side, seen_to, unresolved_time, undefined_time, unbounded_steps,
+/// unseen_steps, in_surface]`.
+#[unsafe(no_mangle)]
+#[allow(clippy::too_many_arguments)] // flat, as C has it
+pub extern "C" fn lp_section(
+    field: i32,
+    method: i32,
+    functions: i32,
+    direction: i32,
+    n_crossings: u32,
+    states: i32,
+    sides: i32,
+    times: i32,
+) -> i32 {
+    let run = || {
+        let (field, method, functions) = (table::field(field)?, table::method(method)?, table::functions(functions)?);
+        let [states, sides, times] = [states, sides, times].map(table::numbers);
+        let (states, sides, times) = (states?, sides?, times?);
+        let (states, sides, times) = (states.borrow(), sides.borrow(), times.borrow());
+        let n_crossings = n_crossings as usize;
+        runs::section(&field, method, &functions, direction, n_crossings, &states, &sides, &times).map(table)
+    };
+    answer(run())
+}
+
+/// Where a part of a result is in memory.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_part(result: i32, index: u32) -> usize {
+    table::table(result).map_or(0, |table| table.part(index as usize).as_ptr().addr())
+}
+
+/// How many numbers it has.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_part_length(result: i32, index: u32) -> usize {
+    table::table(result).map_or(0, |table| table.part(index as usize).len())
+}

@@ -1,0 +1,248 @@
+//! The calls of the core: arrays in, a table of arrays out.
+
+use crate::describe::{Field, Method};
+use crate::refusal::{Kind, Refusal};
+use liepoisson_core::analysis::orbit::{self, Kept};
+use liepoisson_core::analysis::section::{self, Surface};
+use liepoisson_core::analysis::tangent_frames::{self, Course};
+use liepoisson_core::analysis::{lyapunov, rates};
+use liepoisson_core::ensemble::{Control, Ensemble, Outcome, Summary};
+use liepoisson_core::error::Error;
+use liepoisson_core::field::Functions;
+use liepoisson_core::lanes::Simd;
+
+/// Arrays of a result, one after the other; what each is, the call says that made it.
+pub(crate) struct Table {
+    pub(crate) parts: Vec<Vec<f64>>,
+    /// Of an orbit with dense output: number of components, and whether it runs backwards.
+    dense: Option<(usize, bool)>,
+}
+
+/// Runs a macro with the field and the method of a call, as types of their own.
+macro_rules! with_field_and_method {
+    ($field:expr, $method:expr, $run:ident) => {
+        match ($field, $method) {
+            (Field::Top(field), Method::Taylor(method)) => $run!(field, method),
+            (Field::Quadratic(field), Method::Taylor(method)) => $run!(field, method),
+            (Field::Tape(field), Method::Taylor(method)) => $run!(field, method),
+            (Field::Top(field), Method::Splitting(method)) => $run!(field, method),
+            (Field::Pieces(field), Method::Splitting(method)) => $run!(field, method),
+            _ => return Err(Error::MethodForField.into()),
+        }
+    };
+}
+
+/// Most numbers that a state and its tangent vectors may have: their series must have room in the memory of a browser.
+const MOST_NUMBERS: usize = 1 << 20;
+
+fn check_size(field: &Field, n_vectors: usize) -> Result<(), Refusal> {
+    if n_vectors.saturating_add(1).saturating_mul(field.n_components()) <= MOST_NUMBERS {
+        return Ok(());
+    }
+    let message = format!(
+        "the trajectory: wanted at most {MOST_NUMBERS} numbers in its state and tangent vectors; got {n_vectors} vectors of {} \
+         components; try a smaller system, or fewer vectors",
+        field.n_components()
+    );
+    Err(Refusal::new(Kind::Memory, message))
+}
+
+/// Outcomes, times reached, numbers of steps and last states.
+fn ends(summaries: &[Summary], n: usize) -> [Vec<f64>; 4] {
+    let code = |summary: &Summary| {
+        Outcome::ALL.iter().position(|&outcome| outcome == summary.outcome).map_or(f64::NAN, |code| code as f64)
+    };
+    let state =
+        |summary: &Summary| (0..n).map(|i| summary.state.get(i).copied().unwrap_or(f64::NAN)).collect::<Vec<_>>();
+    [
+        summaries.iter().map(code).collect(),
+        summaries.iter().map(|summary| summary.time).collect(),
+        summaries.iter().map(|summary| summary.n_steps as f64).collect(),
+        summaries.iter().flat_map(state).collect(),
+    ]
+}
+
+/// `[outcome, end_time, n_steps, end_state, state, tangent, step_time, series]`; the last two of one orbit with dense output.
+pub(crate) fn orbits(
+    field: &Field,
+    method: Method,
+    states: &[f64],
+    tangents: &[f64],
+    n_tangents: usize,
+    times: &[f64],
+    dense: bool,
+) -> Result<Table, Refusal> {
+    let n = field.n_components();
+    if dense && states.len() != n {
+        return Err(Error::Length { name: "states of an orbit with dense output", wanted: n, got: states.len() }.into());
+    }
+    macro_rules! run {
+        ($field:expr, $method:expr) => {{
+            let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents, times };
+            orbit::orbits(&ensemble, 0, Simd::widest(), &Control::default(), dense, |_| ())?
+        }};
+    }
+    check_size(field, n_tangents)?;
+    let has_series = matches!(method, Method::Taylor(_));
+    if dense && !has_series {
+        return Err(Error::MethodForField.into());
+    }
+    let mut orbits = with_field_and_method!(field, method, run);
+    let [outcome, time, n_steps, last] = ends(&orbits.summaries, n);
+    let series = orbits.series.pop().unwrap_or_default();
+    let parts = vec![outcome, time, n_steps, last, orbits.states, orbits.tangents, series.times, series.coefficients];
+    let backwards = times.len() > 1 && times[1] < times[0];
+    Ok(Table { parts, dense: dense.then_some((n, backwards)) })
+}
+
+/// States of an orbit with dense output, `(time, component)`; NaN beyond its end.
+pub(crate) fn states_at(orbit: &Table, times: &[f64]) -> Result<Vec<f64>, Refusal> {
+    let Some((n, backwards)) = orbit.dense else {
+        return Err(Error::Length { name: "series of the orbit", wanted: 1, got: 0 }.into());
+    };
+    let kept = Kept { times: &orbit.parts[6], coefficients: &orbit.parts[7], end: orbit.parts[1][0] };
+    Ok(orbit::states_at(&[kept], n, times, backwards, Simd::widest())?)
+}
+
+/// `[outcome, end_time, n_steps, end_state, exponent]`, the last `(member, time)` at the times after the first.
+pub(crate) fn exponents(
+    field: &Field,
+    method: Method,
+    states: &[f64],
+    tangents: &[f64],
+    times: &[f64],
+) -> Result<Table, Refusal> {
+    check_size(field, 1)?;
+    macro_rules! run {
+        ($field:expr, $method:expr) => {{
+            let ensemble = Ensemble { field: $field, method: $method, states, tangents, n_tangents: 1, times };
+            lyapunov::growth(&ensemble, 0, Simd::widest(), &Control::default(), |_| ())?
+        }};
+    }
+    let growth = with_field_and_method!(field, method, run);
+    let mut parts = ends(&growth.summaries, field.n_components()).to_vec();
+    parts.push(growth.exponents);
+    Ok(Table { parts, dense: None })
+}
+
+/// `[outcome, end_time, n_steps, end_state, growth, frame, n_complete]`: frames of tangent vectors over intervals, to be carried
+/// on from where a call ends; `growth` is `(member, interval, vector)`.
+#[allow(clippy::too_many_arguments)] // flat, as the call comes in
+pub(crate) fn frames(
+    field: &Field,
+    method: Method,
+    states: &[f64],
+    frames: &[f64],
+    n_vectors: usize,
+    elapsed: &[f64],
+    duration: f64,
+    n_intervals: usize,
+) -> Result<Table, Refusal> {
+    check_size(field, n_vectors)?;
+    let units = vec![1.0; states.len()];
+    let course = Course { frames, units: &units, elapsed, n_intervals, per_row: 1, keep: false };
+    let times = &[0.0, duration];
+    macro_rules! run {
+        ($field:expr, $method:expr) => {{
+            let ensemble =
+                Ensemble { field: $field, method: $method, states, tangents: &[], n_tangents: n_vectors, times };
+            tangent_frames::carry(&ensemble, &course, 0, Simd::widest(), &Control::default(), |_| ())?
+        }};
+    }
+    let carried = with_field_and_method!(field, method, run);
+    let mut parts = ends(&carried.summaries, field.n_components()).to_vec();
+    parts.extend([carried.growth, carried.frames, carried.n_complete.iter().map(|&n| n as f64).collect()]);
+    Ok(Table { parts, dense: None })
+}
+
+/// `[outcome, end_time, n_steps, end_state, count, time, state, sign, touch_count, touch_time, touch_state, side, seen_to,
+/// unresolved_time, undefined_time, unbounded_steps, unseen_steps, in_surface]`
+#[allow(clippy::too_many_arguments)] // flat, as the call comes in
+pub(crate) fn section(
+    field: &Field,
+    method: Method,
+    functions: &Functions,
+    direction: i32,
+    n_crossings: usize,
+    states: &[f64],
+    sides: &[f64],
+    times: &[f64],
+) -> Result<Table, Refusal> {
+    check_size(field, 0)?;
+    let Method::Taylor(method) = method else { return Err(Error::MethodForField.into()) };
+    let (function, kept) = functions.clone().split_first();
+    let surface = Surface {
+        function,
+        kept,
+        direction: direction.clamp(-2, 2) as i8,
+        n_crossings: (n_crossings > 0).then_some(n_crossings),
+        sides: sides.iter().map(|&side| side as i8).collect(),
+    };
+    macro_rules! run {
+        ($field:expr) => {{
+            let ensemble = Ensemble { field: $field, method, states, tangents: &[], n_tangents: 0, times };
+            section::sections(&ensemble, &surface, 0, Simd::widest(), &Control::default(), |_| ())?
+        }};
+    }
+    let sections = match field {
+        Field::Top(field) => run!(field),
+        Field::Quadratic(field) => run!(field),
+        Field::Tape(field) => run!(field),
+        Field::Pieces(_) => return Err(Error::MethodForField.into()),
+    };
+    let counts = |counts: Vec<usize>| counts.into_iter().map(|count| count as f64).collect();
+    let signs = |signs: Vec<i8>| signs.into_iter().map(f64::from).collect();
+    let mut parts = ends(&sections.summaries, field.n_components()).to_vec();
+    parts.extend([
+        counts(sections.crossing_counts),
+        sections.crossings.times,
+        sections.crossings.states,
+        signs(sections.crossings.signs),
+        counts(sections.touch_counts),
+        sections.touches.times,
+        sections.touches.states,
+        signs(sections.sides),
+        sections.doubts.iter().map(|doubts| doubts.seen_to).collect(),
+        sections.doubts.iter().map(|doubts| doubts.unresolved_time).collect(),
+        sections.doubts.iter().map(|doubts| doubts.undefined_time).collect(),
+        sections.doubts.iter().map(|doubts| doubts.n_unbounded as f64).collect(),
+        sections.doubts.iter().map(|doubts| doubts.n_unseen as f64).collect(),
+        sections.doubts.iter().map(|doubts| f64::from(u8::from(doubts.is_in_surface))).collect(),
+    ]);
+    Ok(Table { parts, dense: None })
+}
+
+/// Rates of change at states, `(state, component)`.
+pub(crate) fn rates(field: &Field, method: Method, states: &[f64]) -> Result<Vec<f64>, Refusal> {
+    check_size(field, 0)?;
+    Ok(match (field, method) {
+        (Field::Top(field), Method::Taylor(method)) => rates::rates(field, method, states, Simd::widest())?,
+        (Field::Quadratic(field), Method::Taylor(method)) => rates::rates(field, method, states, Simd::widest())?,
+        (Field::Tape(field), Method::Taylor(method)) => rates::rates(field, method, states, Simd::widest())?,
+        _ => return Err(Error::MethodForField.into()),
+    })
+}
+
+/// Values of functions, `(state, function)`.
+pub(crate) fn values(functions: &Functions, states: &[f64]) -> Result<Vec<f64>, Refusal> {
+    let (n, n_functions) = (functions.n_components(), functions.n_functions());
+    if !states.len().is_multiple_of(n) {
+        let wanted = states.len().next_multiple_of(n);
+        return Err(Error::Length { name: "states", wanted, got: states.len() }.into());
+    }
+    let mut values = Vec::new();
+    let len = (states.len() / n).saturating_mul(n_functions);
+    values.try_reserve_exact(len).map_err(|_| Error::Memory { bytes: 8 * len })?;
+    values.resize(len, 0.0);
+    let mut work = Vec::new();
+    for (state, values) in states.chunks_exact(n).zip(values.chunks_exact_mut(n_functions)) {
+        functions.series(state, &mut work, values);
+    }
+    Ok(values)
+}
+
+impl Table {
+    pub(crate) fn part(&self, index: usize) -> &[f64] {
+        self.parts.get(index).map_or(&[], Vec::as_slice)
+    }
+}

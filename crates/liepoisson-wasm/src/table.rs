@@ -1,0 +1,92 @@
+//! What JavaScript holds by number: arrays, fields, functions, methods, results. No pointer comes in, so none can be wrong.
+
+use crate::describe::{Field, Method};
+use crate::refusal::{Kind, Refusal};
+use crate::runs::Table;
+use liepoisson_core::error::Error;
+use liepoisson_core::field::Functions;
+use std::cell::RefCell;
+use std::rc::Rc;
+
+/// A thing with a number.
+#[derive(Clone)]
+pub(crate) enum Thing {
+    Bytes(Rc<RefCell<Vec<u8>>>),
+    Numbers(Rc<RefCell<Vec<f64>>>),
+    Field(Rc<Field>),
+    Functions(Rc<Functions>),
+    Method(Method),
+    Table(Rc<Table>),
+}
+
+thread_local! {
+    static THINGS: RefCell<Vec<Option<Thing>>> = const { RefCell::new(Vec::new()) };
+    static MESSAGE: RefCell<String> = const { RefCell::new(String::new()) };
+}
+
+/// Keeps a thing; its number, from 1.
+pub(crate) fn keep(thing: Thing) -> i32 {
+    THINGS.with_borrow_mut(|things| {
+        let place = things.iter().position(Option::is_none).unwrap_or_else(|| {
+            things.push(None);
+            things.len() - 1
+        });
+        things[place] = Some(thing);
+        place as i32 + 1
+    })
+}
+
+/// Forgets a thing.
+pub(crate) fn forget(handle: i32) {
+    THINGS.with_borrow_mut(|things| {
+        if let Some(thing) = usize::try_from(handle - 1).ok().and_then(|place| things.get_mut(place)) {
+            *thing = None;
+        }
+    });
+}
+
+pub(crate) fn thing(handle: i32) -> Option<Thing> {
+    let place = usize::try_from(handle.checked_sub(1)?).ok()?;
+    THINGS.with_borrow(|things| things.get(place).cloned().flatten())
+}
+
+macro_rules! by_handle {
+    ($name:ident, $variant:ident, $type:ty, $what:literal) => {
+        pub(crate) fn $name(handle: i32) -> Result<$type, Refusal> {
+            match thing(handle) {
+                Some(Thing::$variant(thing)) => Ok(thing),
+                _ => Err(Refusal::new(
+                    Kind::Handle,
+                    format!("handle {handle}: wanted {}; it was freed, or is another thing", $what),
+                )),
+            }
+        }
+    };
+}
+
+by_handle!(bytes, Bytes, Rc<RefCell<Vec<u8>>>, "bytes");
+by_handle!(numbers, Numbers, Rc<RefCell<Vec<f64>>>, "numbers");
+by_handle!(field, Field, Rc<Field>, "a field");
+by_handle!(functions, Functions, Rc<Functions>, "functions");
+by_handle!(method, Method, Method, "a method");
+by_handle!(table, Table, Rc<Table>, "a result");
+
+/// Room for so many, or the refusal of the memory for it.
+pub(crate) fn room<T: Clone>(len: usize, value: T) -> Result<Rc<RefCell<Vec<T>>>, Refusal> {
+    let mut values = Vec::new();
+    let bytes = len.saturating_mul(size_of::<T>());
+    values.try_reserve_exact(len).map_err(|_| Error::Memory { bytes })?;
+    values.resize(len, value);
+    Ok(Rc::new(RefCell::new(values)))
+}
+
+/// Sets what the last refusal, or the panic, has to say.
+pub(crate) fn say(message: String) {
+    // a panic may come while it is borrowed
+    let _ = MESSAGE.try_with(|said| said.try_borrow_mut().map(|mut said| *said = message));
+}
+
+/// Where the message is.
+pub(crate) fn message() -> (*const u8, usize) {
+    MESSAGE.with_borrow(|message| (message.as_ptr(), message.len()))
+}
