@@ -16,7 +16,7 @@ WORK = [
     (lp.Taylor(), 24, 2231),
     (lp.Taylor(tol=1e-13), 21, 2260),
     (lp.Taylor(tol=1e-8), 15, 1982),
-    (lp.Taylor(tol=1e-9, precision="mixed"), 16, 1966),
+    (lp.Taylor(tol=1e-9, precision="mixed"), 16, 1873),
     (lp.RungeKutta(tol=1e-8), 8, 3094),
     (lp.RungeKutta(tol=1e-12), 8, 9630),
     (lp.RungeKutta(tol=1e-5, precision="single"), 8, 1358),
