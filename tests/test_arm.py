@@ -54,6 +54,7 @@ def _answer(folder: str, *question: str) -> str:
 
 # A build of the standard library and of the tests, and an emulator that takes ten times as long as the processor.
 @pytest.mark.slow
+@pytest.mark.timeout(7200)
 def test_the_tests_of_the_core_pass_on_an_emulated_arm_processor():
     if platform.machine() in ("aarch64", "arm64"):
         pytest.skip("this processor is an ARM: `make test` runs the same tests on it")

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
 
     from liepoisson.exact.system import System
 
+TOLD = "note of the file: "
+"""Stands before what a file notes."""
 _KINDS = ("System", "CanonicalSystem", "Top")
 """Classes of systems that have texts."""
 
@@ -50,6 +52,7 @@ def load_report(
     The rank, each integral, their independence, their brackets and the certificate are verified, and the verdict is
     drawn anew.  What a search took as known must be among the integrals of the report.  That there are no further
     integrals is proved by the searches only: they are made again on request, or the report says "not proved again".
+    Notes are quoted.
 
     Args:
         path: A file that `IntegrabilityReport.save` wrote.
@@ -141,7 +144,7 @@ class _Reader:
             closed,
             searches,
             proof,
-            (*map(str, data["notes"]), *self.notes),
+            (*(_quoted(note) for note in data["notes"]), *self.notes),
             self.prove_again or not searches,
             obstruction,
             singularities,
@@ -266,6 +269,12 @@ class _Reader:
         if self.progress:
             self.progress(done)
         return again
+
+
+def _quoted(note: object) -> str:
+    """A note of a file: words that nothing verifies, on one line, so that none of them looks like what is proved."""
+    words = "".join(c if c.isprintable() else "\ufffd" for c in " ".join(str(note).split()))
+    return words if words.startswith(TOLD) else TOLD + words
 
 
 def _are_equal(f: Expr, g: Expr) -> bool:
