@@ -374,6 +374,12 @@ def soft_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> A
     return point.tangents @ basis @ vectors[:, sizes <= SOFT * sizes.max(initial=0.0)]
 
 
+def symmetry_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
+    """Orthonormal directions in which the motions of the integrals carry x, shape (N, n)."""
+    point, _, _ = _on_slice(leaf, fields, x)
+    return point.tangents @ point.symmetry
+
+
 def curvatures(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
     """The moduli of the eigenvalues of the second variation on the slice, relative to the largest, ascending."""
     values = np.sort(np.abs(np.linalg.eigvalsh(_on_slice(leaf, fields, x)[1].hessian)))
