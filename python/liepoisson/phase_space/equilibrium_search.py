@@ -103,6 +103,7 @@ class EquilibriumSearch:
         self._rng = stream(seed, Purpose.EQUILIBRIA)
         self._kicks = np.random.default_rng(0)
         self._families: list[_Family] = []
+        self._flat: list[Array] = []
         self.n_starts = 0
 
     @property
@@ -167,7 +168,8 @@ class EquilibriumSearch:
             if distances.min() <= _SAME * size or self._is_scattered(family.first, nearest, state):
                 family.states.append(state)
                 return
-        new = analysis(self._itself, state * self._leaf.units, self._integrals)
+        is_flat = any(np.array_equal(state, other) for other in self._flat)
+        new = analysis(self._itself, state * self._leaf.units, self._integrals, is_flat=is_flat)
         directions = null_directions(self._leaf, self._fields, state)
         if directions.shape[1]:
             alike = [family for family in self._families if self._may_be_one(family.first, new, state)]
@@ -192,7 +194,10 @@ class EquilibriumSearch:
         if not soft.shape[1]:
             return state
         phases = symmetry_directions(self._leaf, self._fields, state)
-        return zero_along(self._leaf, self._fields, self._values, state, soft, phases)
+        zero = zero_along(self._leaf, self._fields, self._values, state, soft, phases)
+        if zero is not None and zero.is_flat:
+            self._flat.append(zero.state)
+        return None if zero is None else zero.state
 
     def _polished(self, state: Array) -> Array:
         """The state, or one nearer to a degenerate equilibrium to which Newton's method was on its way."""

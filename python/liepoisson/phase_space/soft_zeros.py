@@ -58,7 +58,7 @@ _ROUND_OFF, _FEW, _SURELY_WHOLE = 1e-14, 10, 0.01
 
 def zero_along(
     leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, soft: Array, phases: Array
-) -> Array | None:
+) -> SoftZero | None:
     """The critical point to which a state was on its way, or None if there is none.
 
     The state itself is returned where H is flat along the soft directions, as on a family of critical points.
@@ -74,20 +74,30 @@ def zero_along(
     with precision(_BITS):
         slope = _ReducedSlope.at_state(leaf, fields, values, state, soft, phases)
         if slope is None:
-            return state
+            return SoftZero(state, is_flat=False)
         origin = [arb(0)] * soft.shape[1]
         here = slope.at(origin)
         if here is not None and here.is_seen:
-            found = _zero(slope, origin, is_own=True)
-            return None if found is None else slope.state(found)
+            return _zero(slope, origin, is_own=True)
         starts = _where_seen(slope, soft.shape[1])
         if starts is None:
-            return state
-        for s in starts:
-            found = _zero(slope, s, is_own=False)
-            if found is not None:
-                return slope.state(found)
-        return None
+            return SoftZero(state, is_flat=False)
+        found = (_zero(slope, s, is_own=False) for s in starts)
+        return next((zero for zero in found if zero is not None), None)
+
+
+@dataclass(frozen=True)
+class SoftZero:
+    """A critical point with soft directions.
+
+    Attributes:
+        state: The state, shape (N,).
+        is_flat: Whether it is known to be of an order above one along all of these, so that the second variation is
+            zero there.
+    """
+
+    state: Array
+    is_flat: bool
 
 
 @dataclass(frozen=True)
@@ -148,10 +158,13 @@ class _ReducedSlope:
             slope = replace(slope, mixing=mixing / lengths[:, None])
         return slope if slope._refreshed(state) else None
 
-    def state(self, s: Sequence[arb]) -> Array | None:
-        """The state that belongs to s, in doubles."""
+    def zero(self, s: Sequence[arb], orders: Sequence[float]) -> SoftZero | None:
+        """The critical point that belongs to s, in doubles."""
         solved = self.at(list(s))
-        return None if solved is None else np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
+        if solved is None:
+            return None
+        state = np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
+        return SoftZero(state, is_flat=min(orders) > 1 + _WHOLE)
 
     def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> _Slope | None:
         """The slope at s, None where the other unknowns were not found."""
@@ -262,16 +275,16 @@ def _where_seen(slope: _ReducedSlope, k: int) -> list[list[arb]] | None:
     return [*found.values()] or None
 
 
-def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> list[arb] | None:
+def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None:
     """A zero of the slope, by Newton's method for n from s; `is_own`: s is where the search came to rest."""
-    last, slow, rounded = None, 0, None
-    for step_number in range(_STEPS):
+    last, slow, rounded, orders = None, 0, None, [np.inf]
+    for number in range(_STEPS):
         there = slope.at(s)
         if there is None:
             break
         if not there.is_seen:
             if last is not None and last <= _CLOSE:
-                return s
+                return slope.zero(s, orders)
             break
         found = _step(slope, s, there)
         if found is None:
@@ -283,9 +296,9 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> list[arb] | No
         s = [(a - b).mid() for a, b in zip(s, step, strict=True)]
         is_whole = len(orders) > 1 or abs(orders[0] - round(orders[0])) <= _WHOLE
         if size <= _CONVERGED and is_whole and (last is None or size <= _SHORTER * last):
-            return s
-        if step_number == 0 and is_own and len(orders) == 1 and _is_zero_to_round_off(slope, s, orders[0]):
-            rounded = s
+            return slope.zero(s, orders)
+        if number == 0 and is_own and len(orders) == 1 and _is_zero_to_round_off(slope, s, orders[0]):
+            rounded = slope.zero(s, orders)
         slow += last is not None and size > _SHORTER * last
         if slow > 1:
             break

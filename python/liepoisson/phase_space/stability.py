@@ -298,7 +298,14 @@ _TRIED = 4
 """Random states at which two vector fields are compared."""
 
 
-def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units: Array | None = None) -> Equilibrium:
+def analysis(
+    leaf: Leaf,
+    x: Array,
+    integrals: Mapping[str, PhaseFunction],
+    units: Array | None = None,
+    *,
+    is_flat: bool = False,
+) -> Equilibrium:
     """The linear and the energy-Casimir stability of a critical point.
 
     Args:
@@ -307,6 +314,7 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
         integrals: Integrals for a relative equilibrium.
         units: Sizes of the coordinates, shape (N,), by default those of the leaf; an eigenvalue of the second variation
             counts as zero by its size in these units.
+        is_flat: Whether small eigenvalues of the second variation are known to be zero, whatever the units.
     """
     view = _in_units(leaf, units)
     fields, y = _fields(view, integrals), x / view.units
@@ -316,7 +324,7 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
     basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
     flow = flow.restricted(basis)
     reduced = flow.without_zeros()
-    if flow.has_more_than(reduced):
+    if not is_flat and flow.has_more_than(reduced):
         reduced = flow
     eigenvalues, bounds = reduced.eigenvalues()
     n_zero = flow.size - reduced.size
