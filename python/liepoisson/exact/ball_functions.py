@@ -37,7 +37,8 @@ class BallFunctions:
         from sympy import cse, numbered_symbols
 
         self._variables = tuple(variables)
-        self._parts, self._expressions = cse(list(expressions), symbols=numbered_symbols("_part"))
+        exact = [expression.replace(_is_cancelling, _without_cancelling) for expression in expressions]
+        self._parts, self._expressions = cse(exact, symbols=numbered_symbols("_part"))
 
     def __call__(self, point: Sequence[arb]) -> list[arb]:
         """Balls that contain their values; not finite where they are not defined as real numbers."""
@@ -45,6 +46,19 @@ class BallFunctions:
         for symbol, part in self._parts:
             known[symbol] = _ball(part, known)
         return [_ball(expression, known) for expression in self._expressions]
+
+
+def _is_cancelling(expression: Any) -> bool:
+    r"""Whether this is $1-\tanh^2u$, as SymPy writes the derivative of tanh: no number of digits is enough for it."""
+    from sympy import tanh
+
+    return expression.is_Add and any(expression == 1 - t**2 for t in expression.atoms(tanh))
+
+
+def _without_cancelling(expression: Any) -> Any:
+    from sympy import cosh, tanh
+
+    return next(cosh(t.args[0]) ** -2 for t in expression.atoms(tanh) if expression == 1 - t**2)
 
 
 def _ball(expression: Any, known: Mapping[Any, arb]) -> arb:

@@ -31,7 +31,7 @@ from liepoisson.phase_space.critical_points import (
 )
 from liepoisson.phase_space.equilibrium_list import signed_sum
 from liepoisson.phase_space.leaf_search import representative
-from liepoisson.phase_space.soft_zeros import zero_along
+from liepoisson.phase_space.soft_zeros import SoftZero, zero_along
 from liepoisson.phase_space.stability import (
     Equilibrium,
     analysis,
@@ -66,6 +66,10 @@ Newton's method after each."""
 
 _ORDERS, _FLATTER = (2.0, 3.0, 4.0, 5.0), 0.25
 """Degrees of the first terms that do not vanish, which are tried, and what a step must do to the soft directions."""
+
+
+_SUSPECT = 1e-3
+"""Directions that are softer than this, relative to the largest curvature, are looked at with more digits."""
 
 
 @dataclass
@@ -103,7 +107,7 @@ class EquilibriumSearch:
         self._rng = stream(seed, Purpose.EQUILIBRIA)
         self._kicks = np.random.default_rng(0)
         self._families: list[_Family] = []
-        self._flat: list[Array] = []
+        self._zeros: list[SoftZero] = []
         self.n_starts = 0
 
     @property
@@ -168,8 +172,8 @@ class EquilibriumSearch:
             if distances.min() <= _SAME * size or self._is_scattered(family.first, nearest, state):
                 family.states.append(state)
                 return
-        is_flat = any(np.array_equal(state, other) for other in self._flat)
-        new = analysis(self._itself, state * self._leaf.units, self._integrals, is_flat=is_flat)
+        zero = next((zero for zero in self._zeros if np.array_equal(zero.state, state)), SoftZero(state))
+        new = analysis(self._itself, state * self._leaf.units, self._integrals, is_flat=zero.is_flat)
         directions = null_directions(self._leaf, self._fields, state)
         if directions.shape[1]:
             alike = [family for family in self._families if self._may_be_one(family.first, new, state)]
@@ -177,7 +181,10 @@ class EquilibriumSearch:
                 if self._is_connected(family, state):
                     family.states.append(state)
                     return
-        self._families.append(self._family(new, state, directions))
+        if zero.is_isolated:
+            self._families.append(_Family(new, [state], "degenerate" if directions.shape[1] else "point"))
+        else:
+            self._families.append(self._family(new, state, directions))
 
     @cached_property
     def _may_mislead(self) -> bool:
@@ -190,13 +197,13 @@ class EquilibriumSearch:
 
     def _led_on(self, state: Array) -> Array | None:
         """The critical point to which Newton's method was on its way, None if there is none."""
-        soft = soft_directions(self._leaf, self._fields, state)
+        soft = soft_directions(self._leaf, self._fields, state, _SUSPECT)
         if not soft.shape[1]:
             return state
         phases = symmetry_directions(self._leaf, self._fields, state)
         zero = zero_along(self._leaf, self._fields, self._values, state, soft, phases)
-        if zero is not None and zero.is_flat:
-            self._flat.append(zero.state)
+        if zero is not None:
+            self._zeros.append(zero)
         return None if zero is None else zero.state
 
     def _polished(self, state: Array) -> Array:

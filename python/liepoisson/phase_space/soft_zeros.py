@@ -42,7 +42,7 @@ _SOLVED = arb(2) ** -930
 """What the equations that are not soft are solved to, relative."""
 _VISIBLE = arb(2) ** 320
 """A slope is known well enough for second differences if it is larger than its error by this factor."""
-_NEARBY = (0.05, -0.05, 0.3, -0.3, 1.0, -1.0)
+_NEARBY = tuple(sign * share for share in (0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.1) for sign in (1, -1))
 """Where the slope is looked at, relative to the length of the state, if it is not seen at the state itself."""
 _STEPS, _CHORDS, _REFRESHED = 14, 60, 4
 _CONVERGED, _CLOSE, _FAR = 1e-10, 1e-6, 2.0
@@ -50,6 +50,8 @@ _CONVERGED, _CLOSE, _FAR = 1e-10, 1e-6, 2.0
 not seen any more counts as zero, and one that leads away."""
 _SHORTER = 0.7
 """What each step is to the one before, at most, but for one."""
+_LEAST = 1e-3
+"""The derivative of n along a direction is 1/m for a zero of order m; orders up to the inverse of this are believed."""
 _WHOLE = 0.05
 """How far an order may be from a whole number."""
 _ROUND_OFF, _FEW, _SURELY_WHOLE = 1e-14, 10, 0.01
@@ -74,14 +76,14 @@ def zero_along(
     with precision(_BITS):
         slope = _ReducedSlope.at_state(leaf, fields, values, state, soft, phases)
         if slope is None:
-            return SoftZero(state, is_flat=False)
+            return SoftZero(state)
         origin = [arb(0)] * soft.shape[1]
         here = slope.at(origin)
         if here is not None and here.is_seen:
             return _zero(slope, origin, is_own=True)
         starts = _where_seen(slope, soft.shape[1])
         if starts is None:
-            return SoftZero(state, is_flat=False)
+            return SoftZero(state)
         found = (_zero(slope, s, is_own=False) for s in starts)
         return next((zero for zero in found if zero is not None), None)
 
@@ -94,10 +96,12 @@ class SoftZero:
         state: The state, shape (N,).
         is_flat: Whether it is known to be of an order above one along all of these, so that the second variation is
             zero there.
+        is_isolated: Whether it is known to be no state of a family of critical points.
     """
 
     state: Array
-    is_flat: bool
+    is_flat: bool = False
+    is_isolated: bool = False
 
 
 @dataclass(frozen=True)
@@ -158,13 +162,13 @@ class _ReducedSlope:
             slope = replace(slope, mixing=mixing / lengths[:, None])
         return slope if slope._refreshed(state) else None
 
-    def zero(self, s: Sequence[arb], orders: Sequence[float]) -> SoftZero | None:
+    def zero(self, s: Sequence[arb], shares: Array) -> SoftZero | None:
         """The critical point that belongs to s, in doubles."""
         solved = self.at(list(s))
         if solved is None:
             return None
         state = np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
-        return SoftZero(state, is_flat=min(orders) > 1 + _WHOLE)
+        return SoftZero(state, is_flat=bool(shares.max() < 1 - _WHOLE), is_isolated=len(s) == 1)
 
     def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> _Slope | None:
         """The slope at s, None where the other unknowns were not found."""
@@ -277,28 +281,27 @@ def _where_seen(slope: _ReducedSlope, k: int) -> list[list[arb]] | None:
 
 def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None:
     """A zero of the slope, by Newton's method for n from s; `is_own`: s is where the search came to rest."""
-    last, slow, rounded, orders = None, 0, None, [np.inf]
+    last, slow, rounded, shares = None, 0, None, np.zeros(0)
     for number in range(_STEPS):
         there = slope.at(s)
         if there is None:
             break
         if not there.is_seen:
             if last is not None and last <= _CLOSE:
-                return slope.zero(s, orders)
+                return slope.zero(s, shares)
             break
         found = _step(slope, s, there)
         if found is None:
             break
-        step, orders = found
+        step, shares = found
         size = float(_largest(step)) / slope.length
-        if not size <= _FAR or not all(order > 1 - _WHOLE for order in orders):
+        if not size <= _FAR or not _may_be_orders(shares):
             break
         s = [(a - b).mid() for a, b in zip(s, step, strict=True)]
-        is_whole = len(orders) > 1 or abs(orders[0] - round(orders[0])) <= _WHOLE
-        if size <= _CONVERGED and is_whole and (last is None or size <= _SHORTER * last):
-            return slope.zero(s, orders)
-        if number == 0 and is_own and len(orders) == 1 and _is_zero_to_round_off(slope, s, orders[0]):
-            rounded = slope.zero(s, orders)
+        if size <= _CONVERGED and _is_one_over_whole(shares, _WHOLE) and (last is None or size <= _SHORTER * last):
+            return slope.zero(s, shares)
+        if number == 0 and is_own and _is_zero_to_round_off(slope, s, shares):
+            rounded = slope.zero(s, shares)
         slow += last is not None and size > _SHORTER * last
         if slow > 1:
             break
@@ -306,15 +309,26 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
     return rounded
 
 
-def _is_zero_to_round_off(slope: _ReducedSlope, s: list[arb], order: float) -> bool:
-    if order > _FEW or abs(order - round(order)) > _SURELY_WHOLE:
+def _may_be_orders(shares: Array) -> bool:
+    """Whether the derivatives of n may be the 1/m of zeros of orders m >= 1, or 0 along a family."""
+    least = _LEAST if len(shares) == 1 else -_WHOLE
+    return bool((shares >= least).all() and shares.max() >= _LEAST and shares.max() <= 1 + _WHOLE)
+
+
+def _is_one_over_whole(shares: Array, within: float) -> bool:
+    """The same where there is one direction; with several, zeros that are not homogeneous have other derivatives."""
+    return len(shares) > 1 or bool(abs(1 / shares[0] - round(1 / shares[0])) <= within)
+
+
+def _is_zero_to_round_off(slope: _ReducedSlope, s: list[arb], shares: Array) -> bool:
+    if len(shares) > 1 or shares[0] < 1 / _FEW or not _is_one_over_whole(shares, _SURELY_WHOLE):
         return False
     there = slope.at(s)
     return there is not None and bool(_largest(there.value) <= _ROUND_OFF * slope.curvature * slope.length)
 
 
-def _step(slope: _ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb], list[float]] | None:
-    r"""Newton's step $(\partial n)^{-1}n$ for the displacement n, and the orders of the zero that it leads to.
+def _step(slope: _ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb], Array] | None:
+    r"""Newton's step $(\partial n)^{-1}n$ for the displacement n, and the eigenvalues of its derivative.
 
     Where $\partial g$ is singular, as across a family, the step is along g.
     """
@@ -340,11 +354,10 @@ def _step(slope: _ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb],
         shares = np.array([[float(v.mid()) for v in row] for row in matrix.tolist()])
         if not np.isfinite(shares).all() or not all(v.is_finite() for v in along):
             continue
-        orders = [float(1 / v.real) if v.real else np.inf for v in np.linalg.eigvals(shares)]
         step = [arb(0)] * k
         for length, direction in zip(along, basis, strict=True):
             step = _moved(step, length, direction)
-        return [v.mid() for v in step], orders
+        return [v.mid() for v in step], np.linalg.eigvals(shares).real
     return None
 
 

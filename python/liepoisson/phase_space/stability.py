@@ -374,12 +374,12 @@ def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> A
     return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
 
 
-def soft_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
+def soft_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, within: float = SOFT) -> Array:
     """Orthonormal directions in which the second variation on the slice is soft or flat, shape (N, n)."""
     point, flow, basis = _on_slice(leaf, fields, x)
     values, vectors = np.linalg.eigh(flow.hessian)
     sizes = np.abs(values)
-    return point.tangents @ basis @ vectors[:, sizes <= SOFT * sizes.max(initial=0.0)]
+    return point.tangents @ basis @ vectors[:, sizes <= within * sizes.max(initial=0.0)]
 
 
 def symmetry_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
