@@ -175,6 +175,7 @@ class _Search:
         return found, residual <= CONVERGED
 
 
+@np.errstate(all="ignore")  # a step may lead to where a function is not defined; it is not taken then
 def critical_points(
     leaf: LeafInUnits, fields: HamiltonianFields, starts: Array, values: Array, most_steps: int = MOST_STEPS
 ) -> tuple[Array, Array]:

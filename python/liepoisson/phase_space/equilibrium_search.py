@@ -128,6 +128,7 @@ class EquilibriumSearch:
         """Search from these states, and add what they lead to."""
         self._add_from(starts / self._leaf.units)
 
+    @np.errstate(all="ignore")  # H may overflow; where it is not defined there is no critical point
     def _add_from(self, starts: Array) -> None:
         states, residual = self._reached(self._origin, starts, is_sure=False)
         for state in states[np.argsort(residual, kind="stable")]:
