@@ -10,6 +10,8 @@ References: [johansson2017].
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import reduce
+from operator import add, mul
 from typing import TYPE_CHECKING, Any
 
 from flint import arb, ctx, fmpq
@@ -19,10 +21,14 @@ from liepoisson.exact.private_symbols import name_of_function
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-_SAME_NAME = frozenset(
-    "exp log sin cos tan sec csc cot sinh cosh tanh sech csch coth asin acos atan asinh acosh atanh erf erfc".split()
-)
+_SAME_NAME = frozenset({
+    "exp", "log", "sin", "cos", "tan", "sec", "csc", "cot", "sinh", "cosh", "tanh", "sech", "csch", "coth",
+    "asin", "acos", "atan", "asinh", "acosh", "atanh", "erf", "erfc",
+})  # fmt: skip
 """Functions that SymPy and Arb call by one name."""
+
+_GUARD = 15
+"""Digits of SymPy's results that are not believed."""
 
 
 class BallFunctions:
@@ -62,20 +68,13 @@ def _without_cancelling(expression: Any) -> Any:
 
 
 def _ball(expression: Any, known: Mapping[Any, arb]) -> arb:
-    if expression.is_Symbol:
-        return known[expression]
-    if expression.is_Float or expression.is_Rational:
-        return _number(expression)
-    if expression.is_NumberSymbol:
-        return _of_sympy(expression, known)
+    if expression.is_Atom:
+        return known[expression] if expression.is_Symbol else _number(expression)
     parts = [_ball(part, known) for part in expression.args]
     if expression.is_Add:
-        return sum(parts[1:], parts[0])
+        return reduce(add, parts)
     if expression.is_Mul:
-        product = parts[0]
-        for part in parts[1:]:
-            product = product * part
-        return product
+        return reduce(mul, parts)
     if expression.is_Pow:
         return parts[0] ** parts[1]
     name = name_of_function(expression)
@@ -85,9 +84,11 @@ def _ball(expression: Any, known: Mapping[Any, arb]) -> arb:
 
 
 def _number(value: Any) -> arb:
-    """A rational number, or a floating-point one, which is rational, too."""
+    """A rational number, or a floating-point one, which is rational, too; or one like pi."""
     from sympy import Rational
 
+    if not (value.is_Rational or value.is_Float):
+        return _of_sympy(value, {})
     exact = Rational(value)
     return arb(fmpq(int(exact.p), int(exact.q)))
 
@@ -96,10 +97,10 @@ def _of_sympy(expression: Any, known: Mapping[Any, arb]) -> arb:
     """What Arb has no function for, by SymPy's own arithmetic; its last digits are not trusted."""
     from sympy import Float
 
-    digits = ctx.dps
+    digits = ctx.dps + _GUARD
     at = {s: Float(known[s].mid().str(digits, radius=False), digits) for s in expression.free_symbols}
     value = expression.xreplace(at).evalf(digits)
     if not value.is_Float and not value.is_Rational:
         return arb.nan()
     number = arb(str(value))
-    return number + arb(0, abs(number).upper() * arb(10) ** (10 - digits))
+    return number + arb(0, abs(number).upper() * arb(10) ** (_GUARD - digits))

@@ -202,7 +202,7 @@ class EquilibriumSearch:
         if not soft.shape[1]:
             return state
         phases = symmetry_directions(self._leaf, self._fields, state)
-        zero = zero_along(self._leaf, self._fields, self._values, state, soft, phases)
+        zero = zero_along(self._leaf, self._fields, self._values, state, (soft, phases))
         if zero is not None:
             self._zeros.append(zero)
         return None if zero is None else zero.state

@@ -59,7 +59,7 @@ _ROUND_OFF, _FEW, _SURELY_WHOLE = 1e-14, 10, 0.01
 
 
 def zero_along(
-    leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, soft: Array, phases: Array
+    leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, directions: tuple[Array, Array]
 ) -> SoftZero | None:
     """The critical point to which a state was on its way, or None if there is none.
 
@@ -70,18 +70,18 @@ def zero_along(
         fields: Those of H and of integrals.
         values: The values of the integrals.
         state: Where a search came to rest, shape (N,).
-        soft: Directions along the leaf in which the second variation is soft or flat, shape (N, k).
-        phases: Directions in which the integrals move the state, shape (N, j), which are left fixed.
+        directions: Those along the leaf in which the second variation is soft or flat, shape (N, k), and those in
+            which the integrals move the state, shape (N, j), where it is left.
     """
     with precision(_BITS):
-        slope = _ReducedSlope.at_state(leaf, fields, values, state, soft, phases)
+        slope = _ReducedSlope.at_state(leaf, fields, values, state, directions)
         if slope is None:
             return SoftZero(state)
-        origin = [arb(0)] * soft.shape[1]
+        origin = [arb(0)] * directions[0].shape[1]
         here = slope.at(origin)
         if here is not None and here.is_seen:
             return _zero(slope, origin, is_own=True)
-        starts = _where_seen(slope, soft.shape[1])
+        starts = _where_seen(slope, len(origin))
         if starts is None:
             return SoftZero(state)
         found = (_zero(slope, s, is_own=False) for s in starts)
@@ -141,7 +141,7 @@ class _ReducedSlope:
 
     @classmethod
     def at_state(
-        cls, leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, soft: Array, phases: Array
+        cls, leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, directions: tuple[Array, Array]
     ) -> _ReducedSlope | None:
         equations = leaf.equations
         m, n = equations.mixing.shape
@@ -149,12 +149,12 @@ class _ReducedSlope:
         mixing[:m, :n], mixing[m:, n:] = equations.mixing, np.eye(len(values))
         mixing[m:, :n] = 0.0
         functions = (*equations.functions, *fields.functions[1:])
-        fixed = np.concatenate([soft, phases], axis=1)
+        fixed = np.concatenate(directions, axis=1)
         others = np.linalg.svd(fixed)[0][:, fixed.shape[1] :]
         length = float(np.linalg.norm(state)) + fields.unit
         goals = np.append(equations.values, values)
-        slope = cls(fields, equations.pinned, functions, goals, mixing, state, soft, others, length, [])
-        if m:
+        slope = cls(fields, equations.pinned, functions, goals, mixing, state, directions[0], others, length, [])
+        if functions:
             rows = mixing @ np.array([f.gradient(state) for f in functions]).reshape(-1, len(state))
             lengths = np.linalg.norm(rows, axis=1)
             if not (np.isfinite(lengths).all() and lengths.all()):
@@ -216,12 +216,12 @@ class _ReducedSlope:
         constraints: list[arb] = []
         if multipliers:
             rows = [[arb(float(v)) for v in row] for row in self.pinned]
-            constraints = [sum((a * b for a, b in zip(row, y, strict=True)), arb(0)) for row in rows]
+            constraints = [_product(row, y) for row in rows]
             slopes = [f.gradient_in_balls(y) for f in self.functions]
             gaps = [f.value_in_balls(y) - float(c) for f, c in zip(self.functions, self.values, strict=True)]
-            for weights in self.mixing.tolist():
-                rows.append([sum((w * v for w, v in zip(weights, c, strict=True) if w), arb(0)) for c in zip(*slopes)])
-                constraints.append(sum((w * gap for w, gap in zip(weights, gaps, strict=True) if w), arb(0)))
+            for weights in ([*map(arb, row)] for row in self.mixing.tolist()):
+                rows.append([_product(weights, column) for column in zip(*slopes, strict=True)])
+                constraints.append(_product(weights, gaps))
             for multiplier, row in zip(multipliers, rows, strict=True):
                 left = [a - multiplier * b for a, b in zip(left, row, strict=True)]
         along = [v for (v,) in (self._transposed * _column(left)).tolist()]
