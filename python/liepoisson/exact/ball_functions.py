@@ -89,7 +89,7 @@ def _number(value: Any) -> arb:
 
     if not (value.is_Rational or value.is_Float):
         return _of_sympy(value, {})
-    exact = Rational(value)
+    exact: Any = Rational(value)
     return arb(fmpq(int(exact.p), int(exact.q)))
 
 

@@ -20,7 +20,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
-from liepoisson.exact.rational_polynomials import powers_of
 from liepoisson.phase_space.critical_points import (
     MOST_STEPS,
     SOFT,
@@ -31,14 +30,12 @@ from liepoisson.phase_space.critical_points import (
 )
 from liepoisson.phase_space.equilibrium_list import signed_sum
 from liepoisson.phase_space.leaf_search import representative
-from liepoisson.phase_space.soft_zeros import SoftZero, zero_along
+from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, zero_near
 from liepoisson.phase_space.stability import (
     Equilibrium,
     analysis,
     curvatures,
     null_directions,
-    soft_directions,
-    symmetry_directions,
 )
 from liepoisson.streams import Purpose, stream
 
@@ -47,7 +44,7 @@ if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
     from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
-FOUND, _NEAR = 1e-11, 1e-8
+FOUND, NEAR = 1e-11, 1e-8
 """Relative residual up to which a state counts as a critical point that was found; one below the second may be on the
 slow way to a degenerate one."""
 
@@ -66,10 +63,6 @@ Newton's method after each."""
 
 _ORDERS, _FLATTER = (2.0, 3.0, 4.0, 5.0), 0.25
 """Degrees of the first terms that do not vanish, which are tried, and what a step must do to the soft directions."""
-
-
-_SUSPECT = 1e-3
-"""Directions that are softer than this, relative to the largest curvature, are looked at with more digits."""
 
 
 @dataclass
@@ -156,7 +149,7 @@ class EquilibriumSearch:
         Unless `is_sure` that there are critical points nearby, those are left out that only look like one in doubles.
         """
         states, residual = critical_points(leaf, self._fields, starts, self._values, most_steps)
-        states = states[is_critical(self._fields, self._leaf, states, residual, within=_NEAR)]
+        states = states[is_critical(self._fields, self._leaf, states, residual, within=NEAR)]
         ends = [self._polished(x) if is_sure or not self._may_mislead else self._led_on(x) for x in states]
         states = np.array([x for x in ends if x is not None]).reshape(-1, starts.shape[1])
         if not len(states):
@@ -189,20 +182,11 @@ class EquilibriumSearch:
 
     @cached_property
     def _may_mislead(self) -> bool:
-        """Whether H may be flat without a critical point, or of so high an order that doubles do not lead to it."""
-        energy = self._leaf.system.functions.energy
-        if energy.polynomial is None:
-            return not energy.is_polynomial
-        degree = max((sum(powers) for powers, _ in powers_of(energy.polynomial, energy.n_coordinates)), default=0)
-        return degree > _ORDERS[-1] + 1
+        return may_mislead(self._leaf.system.functions.energy)
 
     def _led_on(self, state: Array) -> Array | None:
         """The critical point to which Newton's method was on its way, None if there is none."""
-        soft = soft_directions(self._leaf, self._fields, state, _SUSPECT)
-        if not soft.shape[1]:
-            return state
-        phases = symmetry_directions(self._leaf, self._fields, state)
-        zero = zero_along(self._leaf, self._fields, self._values, state, (soft, phases))
+        zero = zero_near(self._leaf, self._fields, self._values, state)
         if zero is not None:
             self._zeros.append(zero)
         return None if zero is None else zero.state
@@ -312,6 +296,8 @@ class EquilibriumSearch:
             if len(curve) > 3 and np.linalg.norm(moved - begin) < 0.7 * _STEP * size:
                 return np.array(curve)
             way = moved - x  # its part along soft directions, which lead nowhere, was undone
+            if not way.any():
+                return None
             x, before = moved, way / np.linalg.norm(way)
         return None
 

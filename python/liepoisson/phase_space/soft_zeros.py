@@ -21,7 +21,7 @@ References: [golubitsky1985], for the reduction; [ortega2000].
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -30,11 +30,18 @@ from flint import arb, arb_mat
 
 from liepoisson.arrays import Array
 from liepoisson.exact.polynomials.certified_roots import precision
+from liepoisson.exact.rational_polynomials import powers_of
 from liepoisson.phase_space.critical_points import HamiltonianFields
+from liepoisson.phase_space.stability import soft_directions, symmetry_directions
 
 if TYPE_CHECKING:
+    from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
+_SUSPECT = 1e-3
+"""Directions that are softer than this, relative to the largest curvature, are looked at with more digits."""
+_LED_ON_BY_DOUBLES = 6
+"""Degree of polynomials whose critical points are of orders that the search needs no more digits for."""
 _BITS = 1060
 _OUTER, _INNER = arb(2) ** -100, arb(2) ** -200
 """Steps of the differences of n and of g, relative to the length of the state."""
@@ -58,26 +65,39 @@ _ROUND_OFF, _FEW, _SURELY_WHOLE = 1e-14, 10, 0.01
 """A zero of low order that is one to round-off in the numbers of the problem, such as the values of the Casimirs."""
 
 
-def zero_along(
-    leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, directions: tuple[Array, Array]
-) -> SoftZero | None:
-    """The critical point to which a state was on its way, or None if there is none.
+def may_mislead(energy: PhaseFunction) -> bool:
+    """Whether H may be flat without a critical point, or have one of so high an order that doubles do not lead to it.
 
-    The state itself is returned where H is flat along the soft directions, as on a family of critical points.
+    A polynomial decays nowhere.
+    """
+    if energy.polynomial is None:
+        return not energy.is_polynomial
+    degree = max((sum(powers) for powers, _ in powers_of(energy.polynomial, energy.n_coordinates)), default=0)
+    return degree > _LED_ON_BY_DOUBLES
+
+
+@np.errstate(all="ignore")  # functions need not be defined where they are tried
+def zero_near(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array) -> SoftZero | None:
+    """The critical point to which Newton's method was on its way, or None if there is none.
+
+    The state itself is returned where no direction is soft, and where H is flat along those that are, as on a family of
+    critical points.
 
     Args:
         leaf: The leaf.
         fields: Those of H and of integrals.
         values: The values of the integrals.
-        state: Where a search came to rest, shape (N,).
-        directions: Those along the leaf in which the second variation is soft or flat, shape (N, k), and those in
-            which the integrals move the state, shape (N, j), where it is left.
+        state: Where the method came to rest, shape (N,).
     """
+    soft = soft_directions(leaf, fields, state, _SUSPECT)
+    if not soft.shape[1]:
+        return SoftZero(state)
+    phases = symmetry_directions(leaf, fields, state)
     with precision(_BITS):
-        slope = _ReducedSlope.at_state(leaf, fields, values, state, directions)
+        slope = _ReducedSlope.at_state(leaf, fields, values, state, (soft, phases))
         if slope is None:
             return SoftZero(state)
-        origin = [arb(0)] * directions[0].shape[1]
+        origin = [arb(0)] * soft.shape[1]
         here = slope.at(origin)
         if here is not None and here.is_seen:
             return _zero(slope, origin, is_own=True)
@@ -135,7 +155,7 @@ class _ReducedSlope:
     others: Array
     length: float
     start: list[arb]
-    inverse: arb_mat | None = None
+    inverse: arb_mat = field(default_factory=lambda: arb_mat(0, 0))
     curvature: float = 0.0
     scale: float = 0.0
 
