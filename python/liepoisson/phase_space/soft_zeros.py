@@ -15,7 +15,7 @@ the steps do not become shorter.
 
 Derivatives are differences, of numbers with 300 digits, in which the slope of a tail is not zero.
 
-References: [golubitsky1985], for the reduction; [ortega2000].
+References: [golubitsky1985], for the reduction; [schroeder1870], for Newton's method for n.
 """
 
 from __future__ import annotations
