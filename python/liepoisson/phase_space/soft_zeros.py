@@ -1,7 +1,7 @@
 r"""Whether the end of a search is on its way to a critical point, or on a tail along which H only decays.
 
 Newton's method comes to rest where the slope of H is below round-off. Near a critical point of high order that is far
-off: with $f\sim d^{20}$ at the distance d = 0.2. And it comes to rest where there is no critical point at all, as on
+off: with $g\sim d^{19}$ some tenths. And it comes to rest where there is no critical point at all, as on
 the tails of $e^q$, $\tanh(q + q^3)$ or $e^{-\cosh q}$, whose slope is zero in doubles and positive for all q.
 
 Both look alike in doubles, and are told apart by analysis with more digits. The second variation is soft along
