@@ -1,8 +1,8 @@
 r"""Whether the end of a search is on its way to a critical point, or on a tail along which H only decays.
 
 Newton's method comes to rest where the slope of H is below round-off. Near a critical point of high order that is far
-off: with $g\sim d^{19}$ some tenths. And it comes to rest where there is no critical point at all, as on
-the tails of $e^q$, $\tanh(q + q^3)$ or $e^{-\cosh q}$, whose slope is zero in doubles and positive for all q.
+off, some tenths for a slope of the order of $d^{19}$ at the distance d. And it comes to rest where there is no critical
+point at all, on the tails of $e^q$, $\tanh(q + q^3)$ or $e^{-\cosh q}$, where the slope is zero in doubles only.
 
 Both look alike in doubles, and are told apart by analysis with more digits. The second variation is soft along
 directions V at the state x. For each s the other unknowns are found from the equations that are not soft (Lyapunov and
