@@ -57,7 +57,7 @@ LEVELS = {
     "systems": {
         "hamiltonian", "top_parameters", "known_integrals", "private_symbols", "cancellation", "overflow", "lowering",
         "polynomial_dynamics",
-        "pieces", "phase_functions", "trace_values", "system", "canonical_system", "discrete_symmetries",
+        "pieces", "ball_functions", "phase_functions", "trace_values", "system", "canonical_system", "discrete_symmetries",
         "signed_permutations",
     },
     "files and charts": {"system_file", "system_file_reader", "system_text", "charts"},
