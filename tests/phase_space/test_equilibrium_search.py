@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+import sympy
 
 import liepoisson as lp
 from liepoisson.phase_space import critical_points as newton
@@ -186,3 +187,89 @@ def test_a_lattice_of_toda_on_a_ring_rests_at_equal_distances():
     (rest,) = searched(ring, lp.Leaf.through(ring, np.zeros(6)), 4)
     assert rest.family == "family of dimension 1"
     assert rest.energy == pytest.approx(3, abs=1e-12)
+
+
+def potential(text, near=()):
+    """A particle on a line, with starts near the origin, far out, and near these."""
+    system = lp.System(lp.canonical(names=("q",), momenta=("p",)), text)
+    search = EquilibriumSearch(lp.Leaf.through(system, np.array([0.5, 0.3])), {}, np.zeros(0), 0)
+    starts = [*np.sinh(np.linspace(-3.3, 3.3, 14) + 0.02), *(x + 0.01 for x in near)]
+    search.add_from(np.array([[q, 0.001] for q in starts]))
+    return search.found
+
+
+@pytest.mark.parametrize(
+    "tail",
+    [
+        "tanh(q + q^3)", "tanh(sinh(q))", "exp(-exp(q))", "exp(-exp(-q))", "1/(1 + exp(exp(-q)))", "q/sqrt(1 + q^2)",
+    ],
+)  # fmt: skip
+def test_a_tail_of_any_steepness_has_no_equilibrium(tail):
+    """The slope is positive, or negative, for all q; in doubles it is zero on long intervals, or it overflows."""
+    assert potential(f"p^2/2 + {tail}") == []
+
+
+@pytest.mark.parametrize(
+    ("text", "real"),
+    [
+        ("p^2/2 + exp(-cosh(q))", [0]),
+        ("p^2/2 + exp(-q^4)", [0]),
+        ("p^2/2 + q*exp(-q^4)", [-(4**-0.25), 4**-0.25]),
+        ("p^2/2 + q^4*exp(q)", [-4, 0]),
+        ("p^2/2 + tanh((q - 1)^5)", [1]),
+        ("p^2*exp(-q^4) + exp(-q^4)", [0]),
+        ("p^2/2 + 1/(1 + exp(q^3 - 3*q))", [-1, 1]),
+        ("p^2/2 + exp(q) - q/1000000", [np.log(1e-6)]),
+    ],
+)
+def test_equilibria_between_steep_tails(text, real):
+    assert sorted(e.state[0] for e in potential(text)) == pytest.approx(real, abs=1e-9)
+
+
+@pytest.mark.parametrize("order", [3, 10, 14, 20, 31])
+def test_a_degenerate_equilibrium_of_high_order_is_listed_once_and_exactly(order):
+    (found,) = potential(f"cosh(p) + (exp(q - 1) - 1)^{order}")
+    assert found.state == pytest.approx([1, 0], abs=1e-14)
+    assert (found.family, found.linear_stability, found.growth_rate) == ("degenerate", "degenerate", 0)
+    assert found.signature == (1, 0, 1)
+
+
+def random_potential(rng):
+    """A function of q with tails, the critical points that it has by theory, and which of them doubles can show."""
+    q = sympy.Symbol("q")
+    zeros = [sympy.Rational(int(z), 8) for z in rng.choice(np.arange(-9, 10), rng.integers(0, 3), replace=False)]
+    product = sympy.prod([(q - zero) ** int(rng.integers(1, 3)) for zero in zeros])
+    if rng.integers(2):
+        inner = sympy.integrate(sympy.expand(product), q)
+        function = rng.choice([sympy.tanh(inner), 1 / (1 + sympy.exp(-2 * inner)), sympy.atan(sympy.sinh(inner))])
+        return function, zeros, [zero for zero in zeros if abs(inner.subs(q, zero)) < 4]
+    k = int(rng.choice([2, 4, 6]))
+    slope = sympy.Poly(sympy.expand(sympy.diff(product, q) - k * q ** (k - 1) * product), q)
+    real = [float(root.evalf(20)) for root, _ in slope.real_roots(multiple=False)]
+    return product * sympy.exp(-(q**k)), real, [x for x in real if x**k < 8]
+
+
+@pytest.mark.parametrize("seed", [*range(4), *(pytest.param(k, marks=pytest.mark.slow) for k in range(4, 80))])
+def test_random_functions_with_tails_have_the_equilibria_that_they_have(seed):
+    function, real, shown = random_potential(np.random.default_rng(seed))
+    found = [e.state[0] for e in potential(f"p^2/2 + {function}".replace("**", "^"), map(float, shown))]
+    assert all(min(abs(x - float(zero)) for zero in real) < 1e-9 for x in found), function
+    assert all(min(abs(x - float(zero)) for x in found) < 1e-9 for zero in shown), function
+    assert len(found) <= len(set(real))
+
+
+def test_a_guess_on_a_tail_is_near_no_equilibrium_and_one_near_a_flat_top_is_led_to_it():
+    line = lp.canonical(names=("q",), momenta=("p",))
+    near = lp.phase_space.equilibrium_near
+    with pytest.raises(lp.errors.ParameterError, match="only becomes flat and has no critical point"):
+        near(lp.System(line, "p^2/2 + exp(-exp(q))"), [8, 0.1])
+    top = near(lp.System(line, "p^2/2 + exp(-q^8)"), [0.5, 0.3])
+    assert top.state == pytest.approx([0, 0], abs=1e-14)
+    assert top.linear_stability == "degenerate"
+
+
+def test_rings_of_degenerate_equilibria_stay_rings():
+    plane = lp.System(lp.canonical(2), "p1^2/2 + p2^2/2 + cosh((q1^2 + q2^2 - 1)^2)")
+    ring, middle = searched(plane, lp.Leaf.through(plane, np.array([0.5, 0.2, 0.1, 0.3])), 12)
+    assert (ring.family, middle.family) == ("circle", "point")
+    assert np.linalg.norm(ring.state[:2]) == pytest.approx(1, abs=1e-12)

@@ -11,7 +11,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_methods
@@ -20,8 +20,10 @@ from liepoisson.exact.private_symbols import evaluated, first_of_equal
 from liepoisson.exact.rational_polynomials import expression_of, values_of
 
 if TYPE_CHECKING:
+    from flint import arb
     from sympy import Expr, Symbol
 
+    from liepoisson.exact.ball_functions import BallFunctions
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.rational_polynomials import RationalPolynomial
     from liepoisson.exact.system import System
@@ -111,16 +113,13 @@ class PhaseFunction:
             return self._traces.hessian(self._states(states))
         return self._evaluate(self._hessian, states, (self._n, self._n))
 
-    def exact_gradient(self, state: Array, digits: int) -> NDArray[np.object_]:
-        r"""The first derivatives at one state, shape (N,), as SymPy's numbers of so many digits.
+    def gradient_in_balls(self, state: Sequence[arb]) -> list[arb]:
+        """Balls that contain the first derivatives at one state of balls, with the digits that FLINT is set to."""
+        return self._balls(state)[1:]
 
-        They have exponents of any size, so that what is not zero is not rounded to zero.
-        """
-        from sympy import Float
-
-        at = {v: Float(float(x), digits) for v, x in zip(self.variables, self._states(state), strict=True)}
-        slopes = [cast("Expr", slope.xreplace(at)).evalf(digits, maxn=10 * digits) for slope in self._gradient]
-        return np.array(slopes, dtype=object)
+    def value_in_balls(self, state: Sequence[arb]) -> arb:
+        """A ball that contains the value there."""
+        return self._balls(state)[0]
 
     @property
     def is_polynomial(self) -> bool:
@@ -156,6 +155,12 @@ class PhaseFunction:
     @cached_property
     def _hessian(self) -> tuple[Expr, ...]:
         return first_of_equal(tuple(slope.diff(v) for slope in self._gradient for v in self.variables))
+
+    @cached_property
+    def _balls(self) -> BallFunctions:
+        from liepoisson.exact.ball_functions import BallFunctions
+
+        return BallFunctions(self.variables, [self.expression, *self._gradient])
 
     def _evaluate(self, expressions: tuple[Expr, ...], x: ArrayLike, shape: tuple[int, ...]) -> Array:
         states = self._states(x)

@@ -99,6 +99,19 @@ class HamiltonianFields:
         self._last = x.copy(), found
         return found
 
+    @cached_property
+    def _of_limited_range(self) -> tuple[PhaseFunction, ...]:
+        return tuple(f for f in self.functions if not f.is_polynomial)
+
+    def are_defined(self, x: Array) -> NDArray[np.bool_]:
+        """At which states, (...,), all functions have finite derivatives up to the second ones; polynomials have."""
+        with np.errstate(all="ignore"):
+            finite = np.isfinite(x).all(axis=-1)
+            for f in self._of_limited_range:
+                finite = finite & np.isfinite(f.gradient(x)).all(axis=-1)
+                finite &= np.isfinite(f.hessian(x)).all(axis=(-2, -1))
+        return np.asarray(finite)
+
     def scale(self, x: Array) -> Array:
         """What the size of the vector fields is compared with: the norms of `parts` times that of x."""
         size = sum(np.linalg.norm(part, axis=(-3, -2)) for part in self.parts(x))
@@ -162,6 +175,7 @@ class _Search:
         return found, residual <= CONVERGED
 
 
+@np.errstate(all="ignore")  # a step may lead to where a function is not defined; it is not taken then
 def critical_points(
     leaf: LeafInUnits, fields: HamiltonianFields, starts: Array, values: Array, most_steps: int = MOST_STEPS
 ) -> tuple[Array, Array]:
@@ -186,6 +200,7 @@ def critical_points(
     search = _Search(leaf, fields, values)
     x, alive = search.projected(starts)
     x = x[alive]
+    x = x[fields.are_defined(x)]
     omega = multipliers(fields.fields(x), fields.scale(x))
     residual = search.residual(x, omega)
     damping, failed = np.ones(len(x)), np.zeros(len(x), dtype=np.int64)
@@ -195,6 +210,8 @@ def critical_points(
         if not rows.size:
             break
         trial, trial_omega, possible = _step(search, x[rows], omega[rows], residual[rows], damping[rows])
+        # where the second derivatives overflow, the residual relative to them would count as zero
+        possible &= fields.are_defined(trial)
         new = search.residual(trial, trial_omega)
         better = possible & (np.linalg.norm(new, axis=1) < np.linalg.norm(residual[rows], axis=1))
         taken = rows[better]
@@ -217,9 +234,10 @@ def stretched_steps(
     search = _Search(leaf, fields, values)
     step = _undamped(search, x, _SINGULAR)
     found, possible = search.projected(x + np.array(factors)[:, None] * step)
-    found = found[possible]
+    found = found[possible & fields.are_defined(found)]
     for _ in range(_SETTLING):
         found = search.projected(np.array([y + _undamped(search, y, SOFT) for y in found]).reshape(found.shape))[0]
+        found = found[fields.are_defined(found)]
     return found
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -28,9 +29,14 @@ from liepoisson.phase_space.critical_points import (
     stretched_steps,
 )
 from liepoisson.phase_space.equilibrium_list import signed_sum
-from liepoisson.phase_space.flat_tails import is_on_a_tail
 from liepoisson.phase_space.leaf_search import representative
-from liepoisson.phase_space.stability import Equilibrium, analysis, curvatures, null_directions, soft_directions
+from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, zero_near
+from liepoisson.phase_space.stability import (
+    Equilibrium,
+    analysis,
+    curvatures,
+    null_directions,
+)
 from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
@@ -38,7 +44,7 @@ if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
     from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
-FOUND, _NEAR = 1e-11, 1e-8
+FOUND, NEAR = 1e-11, 1e-8
 """Relative residual up to which a state counts as a critical point that was found; one below the second may be on the
 slow way to a degenerate one."""
 
@@ -94,6 +100,7 @@ class EquilibriumSearch:
         self._rng = stream(seed, Purpose.EQUILIBRIA)
         self._kicks = np.random.default_rng(0)
         self._families: list[_Family] = []
+        self._zeros: list[SoftZero] = []
         self.n_starts = 0
 
     @property
@@ -114,8 +121,9 @@ class EquilibriumSearch:
         """Search from these states, and add what they lead to."""
         self._add_from(starts / self._leaf.units)
 
+    @np.errstate(all="ignore")  # H may overflow; where it is not defined there is no critical point
     def _add_from(self, starts: Array) -> None:
-        states, residual = self._reached(self._origin, starts, at_infinity=False)
+        states, residual = self._reached(self._origin, starts, is_sure=False)
         for state in states[np.argsort(residual, kind="stable")]:
             self._add(state)
 
@@ -134,17 +142,16 @@ class EquilibriumSearch:
             self.extend(min(self.n_starts, most_starts - self.n_starts))
 
     def _reached(
-        self, leaf: LeafInUnits, starts: Array, most_steps: int = MOST_STEPS, *, at_infinity: bool = True
+        self, leaf: LeafInUnits, starts: Array, most_steps: int = MOST_STEPS, *, is_sure: bool = True
     ) -> tuple[Array, Array]:
         """The critical points that Newton's method leads to from the starts, and their residuals.
 
-        Unless `at_infinity`, states on the way to infinity are left out, where H becomes flat without a critical point.
+        Unless `is_sure` that there are critical points nearby, those are left out that only look like one in doubles.
         """
         states, residual = critical_points(leaf, self._fields, starts, self._values, most_steps)
-        states = states[is_critical(self._fields, self._leaf, states, residual, within=_NEAR)]
-        if not at_infinity:
-            states = states[[not self._is_at_infinity(x) for x in states]]
-        states = np.array([self._polished(x) for x in states]).reshape(-1, starts.shape[1])
+        states = states[is_critical(self._fields, self._leaf, states, residual, within=NEAR)]
+        ends = [self._polished(x) if is_sure or not self._may_mislead else self._led_on(x) for x in states]
+        states = np.array([x for x in ends if x is not None]).reshape(-1, starts.shape[1])
         if not len(states):
             return states, np.zeros(0)
         residual = residuals(leaf, self._fields, states, self._values)
@@ -159,7 +166,8 @@ class EquilibriumSearch:
             if distances.min() <= _SAME * size or self._is_scattered(family.first, nearest, state):
                 family.states.append(state)
                 return
-        new = analysis(self._itself, state * self._leaf.units, self._integrals)
+        zero = next((zero for zero in self._zeros if np.array_equal(zero.state, state)), SoftZero(state))
+        new = analysis(self._itself, state * self._leaf.units, self._integrals, is_flat=zero.is_flat)
         directions = null_directions(self._leaf, self._fields, state)
         if directions.shape[1]:
             alike = [family for family in self._families if self._may_be_one(family.first, new, state)]
@@ -167,7 +175,21 @@ class EquilibriumSearch:
                 if self._is_connected(family, state):
                     family.states.append(state)
                     return
-        self._families.append(self._family(new, state, directions))
+        if zero.is_isolated:
+            self._families.append(_Family(new, [state], "degenerate" if directions.shape[1] else "point"))
+        else:
+            self._families.append(self._family(new, state, directions))
+
+    @cached_property
+    def _may_mislead(self) -> bool:
+        return may_mislead(self._leaf.system.functions.energy)
+
+    def _led_on(self, state: Array) -> Array | None:
+        """The critical point to which Newton's method was on its way, None if there is none."""
+        zero = zero_near(self._leaf, self._fields, self._values, state)
+        if zero is not None:
+            self._zeros.append(zero)
+        return None if zero is None else zero.state
 
     def _polished(self, state: Array) -> Array:
         """The state, or one nearer to a degenerate equilibrium to which Newton's method was on its way."""
@@ -180,13 +202,6 @@ class EquilibriumSearch:
                 break
             state, softness = trial[int(np.argmin(found))], min(found)
         return state
-
-    def _is_at_infinity(self, state: Array) -> bool:
-        energy = self._leaf.system.functions.energy
-        if self._integrals or energy.is_polynomial:
-            return False
-        length = float(np.linalg.norm(state)) + self._fields.unit
-        return is_on_a_tail(energy, state, soft_directions(self._leaf, self._fields, state), length)
 
     def _is_scattered(self, known: Equilibrium, nearest: Array, state: Array) -> bool:
         """Whether a state is the end of a slow way to a degenerate equilibrium that is known, and no other one.
@@ -221,7 +236,7 @@ class EquilibriumSearch:
         if not n:
             return _Family(first, [state])
         step = _STEP * (float(np.linalg.norm(state)) + self._fields.unit)
-        moved = [self._corrected(state + step * v) for v in directions.T]
+        moved = [self._corrected(state + step * v, is_sure=False) for v in directions.T]
         steps = np.array([(m - state if m is not None else np.zeros_like(state)) / step for m in moved])
         _, lengths, along = np.linalg.svd(steps @ directions)
         n_free = int((lengths > 0.3).sum())
@@ -281,13 +296,15 @@ class EquilibriumSearch:
             if len(curve) > 3 and np.linalg.norm(moved - begin) < 0.7 * _STEP * size:
                 return np.array(curve)
             way = moved - x  # its part along soft directions, which lead nowhere, was undone
+            if not way.any():
+                return None
             x, before = moved, way / np.linalg.norm(way)
         return None
 
-    def _corrected(self, guess: Array) -> Array | None:
+    def _corrected(self, guess: Array, *, is_sure: bool = True) -> Array | None:
         """The critical point near a guess; near a degenerate one, few steps of Newton's method do, or all are slow."""
         for most_steps in (_FEW_STEPS, MOST_STEPS):
-            states, _ = self._reached(self._leaf, guess[None], most_steps)
+            states, _ = self._reached(self._leaf, guess[None], most_steps, is_sure=is_sure)
             if len(states):
                 return states[0]
         return None
@@ -305,6 +322,9 @@ def is_critical(
     rank = leaf.rank
     if not len(states) or not rank:
         return residual <= within
+    if not (defined := fields.are_defined(states)).all():
+        defined[defined] = is_critical(fields, leaf, states[defined], residual[defined], within)
+        return defined
     vectors, sizes, _ = np.linalg.svd(fields.poisson(states))
     own = np.linalg.svd(fields.poisson(leaf.state), compute_uv=False)
     length, lengths = float(np.linalg.norm(leaf.state)) + fields.unit, np.linalg.norm(states, axis=1) + fields.unit

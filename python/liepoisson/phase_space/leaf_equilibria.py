@@ -20,13 +20,14 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.numeric.sampling import as_seed
 from liepoisson.phase_space._checks import are_equal, as_system
-from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points
+from liepoisson.phase_space.critical_points import HamiltonianFields, critical_points, residuals
 from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
-from liepoisson.phase_space.equilibrium_search import EquilibriumSearch, is_critical
+from liepoisson.phase_space.equilibrium_search import NEAR, EquilibriumSearch, is_critical
 from liepoisson.phase_space.euler_characteristic import euler_characteristic
 from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.polynomial_equilibria import polynomial_equilibria
+from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, zero_near
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
 from liepoisson.phase_space.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 from liepoisson.scalars import as_count, as_number
@@ -213,14 +214,22 @@ def equilibrium_near(
     view = leaf.in_units()
     functions = view.system.functions
     fields = HamiltonianFields(view.system, [functions.energy, *map(functions.of, integrals.values())])
-    states, residual = critical_points(view, fields, view.state[None], _level(integrals, values, leaf.state))
-    if not len(states) or not is_critical(fields, view, states, residual)[0]:
-        left = f"{residual[0]:.1e}" if len(residual) else "no state of the leaf"
+    level = _level(integrals, values, leaf.state)
+    states, residual = critical_points(view, fields, view.state[None], level)
+    zero = SoftZero(states[0]) if len(states) else None
+    reached = f"a relative residual of {residual[0]:.1e}" if len(states) else "no state where H has finite derivatives"
+    if zero is not None and may_mislead(functions.energy) and is_critical(fields, view, states, residual, NEAR)[0]:
+        zero = zero_near(view, fields, level, zero.state)
+        reached = f"{reached}, where H only becomes flat and has no critical point" if zero is None else reached
+    if zero is not None:
+        states = zero.state[None]
+        residual = residuals(view, fields, states, level)
+    if zero is None or not is_critical(fields, view, states, residual)[0]:
         raise ParameterError(
-            f"guess must be near a critical point of H on its leaf{_named(integrals)}; Newton's method ends with a "
-            f"relative residual of {left}. Search with equilibria(system, leaf, along=..., values=...)."
+            f"guess must be near a critical point of H on its leaf{_named(integrals)}; Newton's method ends with "
+            f"{reached}. Search with equilibria(system, leaf, along=..., values=...)."
         )
-    return analysis(leaf, states[0] * view.units, integrals)
+    return analysis(leaf, zero.state * view.units, integrals, is_flat=zero.is_flat)
 
 
 def _level(integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] | None, x: Array | None) -> Array:

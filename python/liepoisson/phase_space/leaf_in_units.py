@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array
 from liepoisson.errors import LeafError
@@ -17,6 +17,7 @@ from liepoisson.phase_space.leaf_projection import Equations
 from liepoisson.phase_space.lengths import unit_groups, unit_length
 
 if TYPE_CHECKING:
+    from flint import arb
     from sympy import Expr
 
     from liepoisson.exact.bracket import Bracket
@@ -41,6 +42,11 @@ class FunctionInUnits(PhaseFunction):
         return self._function.is_polynomial
 
     @property
+    def n_coordinates(self) -> int:
+        """Number of components of a state."""
+        return self._function.n_coordinates
+
+    @property
     def expression(self) -> Expr:  # pyright: ignore[reportIncompatibleVariableOverride]
         """That of f itself."""
         return self._function.expression
@@ -58,9 +64,15 @@ class FunctionInUnits(PhaseFunction):
         """Derivatives with respect to y, shape (..., N)."""
         return self._function.gradient(np.asarray(states) * self._units) * self._units
 
-    def exact_gradient(self, state: Array, digits: int) -> NDArray[np.object_]:
-        """The first derivatives at one state, as SymPy's numbers of so many digits."""
-        return self._units * self._function.exact_gradient(state * self._units, digits)
+    def gradient_in_balls(self, state: Sequence[arb]) -> list[arb]:
+        """Balls that contain the derivatives with respect to y."""
+        units = [*map(float, self._units)]
+        slopes = self._function.gradient_in_balls([u * y for u, y in zip(units, state, strict=True)])
+        return [u * slope for u, slope in zip(units, slopes, strict=True)]
+
+    def value_in_balls(self, state: Sequence[arb]) -> arb:
+        """A ball that contains the value."""
+        return self._function.value_in_balls([float(u) * y for u, y in zip(self._units, state, strict=True)])
 
     def hessian(self, states: ArrayLike) -> Array:
         """Second derivatives with respect to y, shape (..., N, N)."""

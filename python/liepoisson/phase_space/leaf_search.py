@@ -159,6 +159,7 @@ def _is_sum_of_squares(function: PhaseFunction) -> bool:
     return all(c.is_number and c > 0 and all(e % 2 == 0 for e in m) for m, c in polynomial.terms())
 
 
+@np.errstate(all="ignore")  # H may overflow far out
 def energy_range(leaf: Leaf) -> tuple[float, float]:
     """The lowest and the highest energy on a leaf, -inf and inf if it is unbounded."""
     view = leaf.in_units()

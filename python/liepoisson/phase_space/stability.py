@@ -298,7 +298,14 @@ _TRIED = 4
 """Random states at which two vector fields are compared."""
 
 
-def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units: Array | None = None) -> Equilibrium:
+def analysis(
+    leaf: Leaf,
+    x: Array,
+    integrals: Mapping[str, PhaseFunction],
+    units: Array | None = None,
+    *,
+    is_flat: bool = False,
+) -> Equilibrium:
     """The linear and the energy-Casimir stability of a critical point.
 
     Args:
@@ -307,6 +314,7 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
         integrals: Integrals for a relative equilibrium.
         units: Sizes of the coordinates, shape (N,), by default those of the leaf; an eigenvalue of the second variation
             counts as zero by its size in these units.
+        is_flat: Whether small eigenvalues of the second variation are known to be zero, whatever the units.
     """
     view = _in_units(leaf, units)
     fields, y = _fields(view, integrals), x / view.units
@@ -316,7 +324,7 @@ def analysis(leaf: Leaf, x: Array, integrals: Mapping[str, PhaseFunction], units
     basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
     flow = flow.restricted(basis)
     reduced = flow.without_zeros()
-    if flow.has_more_than(reduced):
+    if not is_flat and flow.has_more_than(reduced):
         reduced = flow
     eigenvalues, bounds = reduced.eigenvalues()
     n_zero = flow.size - reduced.size
@@ -366,12 +374,18 @@ def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> A
     return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
 
 
-def soft_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
+def soft_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, within: float = SOFT) -> Array:
     """Orthonormal directions in which the second variation on the slice is soft or flat, shape (N, n)."""
     point, flow, basis = _on_slice(leaf, fields, x)
     values, vectors = np.linalg.eigh(flow.hessian)
     sizes = np.abs(values)
-    return point.tangents @ basis @ vectors[:, sizes <= SOFT * sizes.max(initial=0.0)]
+    return point.tangents @ basis @ vectors[:, sizes <= within * sizes.max(initial=0.0)]
+
+
+def symmetry_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
+    """Orthonormal directions in which the motions of the integrals carry x, shape (N, n)."""
+    point, _, _ = _on_slice(leaf, fields, x)
+    return point.tangents @ point.symmetry
 
 
 def curvatures(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:

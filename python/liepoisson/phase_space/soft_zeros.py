@@ -1,0 +1,427 @@
+r"""Whether the end of a search is on its way to a critical point, or on a tail along which H only decays.
+
+Newton's method comes to rest where the slope of H is below round-off. Near a critical point of high order that is far
+off, some tenths for a slope of the order of $d^{19}$ at the distance d. And it comes to rest where there is no critical
+point at all, on the tails of $e^q$, $\tanh(q + q^3)$ or $e^{-\cosh q}$, where the slope is zero in doubles only.
+
+Both look alike in doubles, and are told apart by analysis with more digits. The second variation is soft along
+directions V at the state x. For each s the other unknowns are found from the equations that are not soft (Lyapunov and
+Schmidt), so that H on the leaf becomes a function h(s) of few variables, with the slope $g = \nabla h$. The critical
+points are the zeros of g, and Newton's displacement $n(s) = (\partial g)^{-1}g$ is zero there, too. For a zero of order
+m along a direction $g\sim d^m$ and $n\sim d/m$: of whatever order, it is a *simple* zero of n with the derivative 1/m.
+Newton's method for n, instead of g, converges to it quadratically, and shows the order. On a tail
+$n = 1/(\ln|g|)'$ tends to zero without having one: for $e^q$ its derivative is 0, for $e^{-q^4}$ it is $3/(4q^4)$, and
+the steps do not become shorter.
+
+Derivatives are differences, of numbers with 300 digits, in which the slope of a tail is not zero.
+
+References: [golubitsky1985], for the reduction; [schroeder1870], for Newton's method for n.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from flint import arb, arb_mat
+
+from liepoisson.arrays import Array
+from liepoisson.exact.polynomials.certified_roots import precision
+from liepoisson.exact.rational_polynomials import powers_of
+from liepoisson.phase_space.critical_points import HamiltonianFields
+from liepoisson.phase_space.stability import soft_directions, symmetry_directions
+
+if TYPE_CHECKING:
+    from liepoisson.exact.phase_functions import PhaseFunction
+    from liepoisson.phase_space.leaf_in_units import LeafInUnits
+
+_SUSPECT = 1e-3
+"""Directions that are softer than this, relative to the largest curvature, are looked at with more digits."""
+_LED_ON_BY_DOUBLES = 6
+"""Degree of polynomials whose critical points are of orders that the search needs no more digits for."""
+_BITS = 1060
+_OUTER, _INNER = arb(2) ** -100, arb(2) ** -200
+"""Steps of the differences of n and of g, relative to the length of the state."""
+_SOLVED = arb(2) ** -930
+"""What the equations that are not soft are solved to, relative."""
+_VISIBLE = arb(2) ** 320
+"""A slope is known well enough for second differences if it is larger than its error by this factor."""
+_NEARBY = tuple(sign * share for share in (0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.1) for sign in (1, -1))
+"""Where the slope is looked at, relative to the length of the state, if it is not seen at the state itself."""
+_STEPS, _CHORDS, _REFRESHED = 14, 60, 4
+_CONVERGED, _CLOSE, _FAR = 1e-10, 1e-6, 2.0
+"""Steps of Newton's method for n, relative to the length of the state: the last one, one after which a slope that is
+not seen any more counts as zero, and one that leads away."""
+_SHORTER = 0.7
+"""What each step is to the one before, at most, but for one."""
+_LEAST = 1e-3
+"""The derivative of n along a direction is 1/m for a zero of order m; orders up to the inverse of this are believed."""
+_WHOLE = 0.05
+"""How far an order may be from a whole number."""
+_ROUND_OFF, _FEW, _SURELY_WHOLE = 1e-14, 10, 0.01
+"""A zero of low order that is one to round-off in the numbers of the problem, such as the values of the Casimirs."""
+
+
+def may_mislead(energy: PhaseFunction) -> bool:
+    """Whether H may be flat without a critical point, or have one of so high an order that doubles do not lead to it.
+
+    A polynomial decays nowhere.
+    """
+    if energy.polynomial is None:
+        return not energy.is_polynomial
+    degree = max((sum(powers) for powers, _ in powers_of(energy.polynomial, energy.n_coordinates)), default=0)
+    return degree > _LED_ON_BY_DOUBLES
+
+
+@np.errstate(all="ignore")  # functions need not be defined where they are tried
+def zero_near(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array) -> SoftZero | None:
+    """The critical point to which Newton's method was on its way, or None if there is none.
+
+    The state itself is returned where no direction is soft, and where H is flat along those that are, as on a family of
+    critical points.
+
+    Args:
+        leaf: The leaf.
+        fields: Those of H and of integrals.
+        values: The values of the integrals.
+        state: Where the method came to rest, shape (N,).
+    """
+    soft = soft_directions(leaf, fields, state, _SUSPECT)
+    if not soft.shape[1]:
+        return SoftZero(state)
+    phases = symmetry_directions(leaf, fields, state)
+    with precision(_BITS):
+        slope = _ReducedSlope.at_state(leaf, fields, values, state, (soft, phases))
+        if slope is None:
+            return SoftZero(state)
+        origin = [arb(0)] * soft.shape[1]
+        here = slope.at(origin)
+        if here is not None and here.is_seen:
+            return _zero(slope, origin, is_own=True)
+        starts = _where_seen(slope, len(origin))
+        if starts is None:
+            return SoftZero(state)
+        found = (_zero(slope, s, is_own=False) for s in starts)
+        return next((zero for zero in found if zero is not None), None)
+
+
+@dataclass(frozen=True)
+class SoftZero:
+    """A critical point with soft directions.
+
+    Attributes:
+        state: The state, shape (N,).
+        is_flat: Whether it is known to be of an order above one along all of these, so that the second variation is
+            zero there.
+        is_isolated: Whether it is known to be no state of a family of critical points.
+    """
+
+    state: Array
+    is_flat: bool = False
+    is_isolated: bool = False
+
+
+@dataclass(frozen=True)
+class _Slope:
+    """The slope g at one s, bounds on its errors, and the other unknowns there."""
+
+    value: list[arb]
+    error: arb
+    unknowns: list[arb]
+
+    @property
+    def is_seen(self) -> bool:
+        size = max((abs(v) for v in self.value), key=lambda v: v.mid())
+        return bool(size.lower() > _VISIBLE * self.error)
+
+
+@dataclass
+class _ReducedSlope:
+    r"""The slope of H on the leaf as a function of few coordinates s, with $y = x + Vs + Wv$.
+
+    The unknowns v and the multipliers $\lambda$ solve $W^t(\nabla H - \lambda\nabla C) = 0$ and C(y) = c.
+    """
+
+    fields: HamiltonianFields
+    pinned: Array
+    functions: tuple[Any, ...]
+    values: Array
+    mixing: Array
+    origin: Array
+    soft: Array
+    others: Array
+    length: float
+    start: list[arb]
+    inverse: arb_mat = field(default_factory=lambda: arb_mat(0, 0))
+    curvature: float = 0.0
+    scale: float = 0.0
+
+    @classmethod
+    def at_state(
+        cls, leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, directions: tuple[Array, Array]
+    ) -> _ReducedSlope | None:
+        equations = leaf.equations
+        m, n = equations.mixing.shape
+        mixing = np.eye(m + len(values), n + len(values))
+        mixing[:m, :n], mixing[m:, n:] = equations.mixing, np.eye(len(values))
+        mixing[m:, :n] = 0.0
+        functions = (*equations.functions, *fields.functions[1:])
+        fixed = np.concatenate(directions, axis=1)
+        others = np.linalg.svd(fixed)[0][:, fixed.shape[1] :]
+        length = float(np.linalg.norm(state)) + fields.unit
+        goals = np.append(equations.values, values)
+        slope = cls(fields, equations.pinned, functions, goals, mixing, state, directions[0], others, length, [])
+        if functions:
+            rows = mixing @ np.array([f.gradient(state) for f in functions]).reshape(-1, len(state))
+            lengths = np.linalg.norm(rows, axis=1)
+            if not (np.isfinite(lengths).all() and lengths.all()):
+                return None
+            slope = replace(slope, mixing=mixing / lengths[:, None])
+        return slope if slope._refreshed(state) else None
+
+    def zero(self, s: Sequence[arb], shares: Array) -> SoftZero | None:
+        """The critical point that belongs to s, in doubles."""
+        solved = self.at(list(s))
+        if solved is None:
+            return None
+        state = np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
+        return SoftZero(state, is_flat=bool(shares.max() < 1 - _WHOLE), is_isolated=len(s) == 1)
+
+    def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> _Slope | None:
+        """The slope at s, None where the other unknowns were not found."""
+        unknowns = self.start if unknowns is None else unknowns
+        last, refreshed = None, 0
+        for _ in range(_CHORDS):
+            value, rest = self._equations(s, unknowns)
+            if not all(v.is_finite() for v in (*value, *rest)):
+                return None
+            change = [v for (v,) in (self.inverse * _column(rest)).tolist()] if rest else []
+            unknowns = [(a - b).mid() for a, b in zip(unknowns, change, strict=True)]
+            moved, turned = self._sizes(change)
+            size = moved / self.length + turned / self.scale
+            if size <= _SOLVED:
+                error = self.curvature * moved + turned
+                for v in value:
+                    error += v.rad()
+                return _Slope([v.mid() for v in value], error.upper(), unknowns)
+            if last is not None and not size < last / 4:
+                refreshed += 1
+                y = np.array([float(y.mid()) for y in self._state(s, unknowns)])
+                if refreshed > _REFRESHED or not self._refreshed(y):
+                    return None
+                size = None
+            last = size
+        return None
+
+    def _state(self, s: Sequence[arb], unknowns: Sequence[arb]) -> list[arb]:
+        moved = self._frame * _column([*s, *unknowns[: self.others.shape[1]]])
+        return [float(x) + v for x, (v,) in zip(self.origin, moved.tolist(), strict=True)]
+
+    @cached_property
+    def _frame(self) -> arb_mat:
+        return _matrix(np.concatenate([self.soft, self.others], axis=1))
+
+    @cached_property
+    def _transposed(self) -> arb_mat:
+        return _matrix(np.concatenate([self.soft, self.others], axis=1).T)
+
+    def _equations(self, s: Sequence[arb], unknowns: Sequence[arb]) -> tuple[list[arb], list[arb]]:
+        """The slopes along the soft directions, and what is to be zero."""
+        k, n = self.soft.shape[1], self.others.shape[1]
+        y, multipliers = self._state(s, unknowns), unknowns[n:]
+        left = self.fields.functions[0].gradient_in_balls(y)
+        constraints: list[arb] = []
+        if multipliers:
+            rows = [[arb(float(v)) for v in row] for row in self.pinned]
+            constraints = [_product(row, y) for row in rows]
+            slopes = [f.gradient_in_balls(y) for f in self.functions]
+            gaps = [f.value_in_balls(y) - float(c) for f, c in zip(self.functions, self.values, strict=True)]
+            for weights in ([*map(arb, row)] for row in self.mixing.tolist()):
+                rows.append([_product(weights, column) for column in zip(*slopes, strict=True)])
+                constraints.append(_product(weights, gaps))
+            for multiplier, row in zip(multipliers, rows, strict=True):
+                left = [a - multiplier * b for a, b in zip(left, row, strict=True)]
+        along = [v for (v,) in (self._transposed * _column(left)).tolist()]
+        return along[:k], [*along[k:], *constraints]
+
+    def _sizes(self, change: Sequence[arb]) -> tuple[arb, arb]:
+        """The largest change of the state and of the multipliers."""
+        n = self.others.shape[1]
+        return _largest(change[:n]), _largest(change[n:])
+
+    def _refreshed(self, y: Array) -> bool:
+        """Take the linear equations at a state for those that follow, if they are regular."""
+        energy = self.fields.functions[0]
+        gradient, curvature = energy.gradient(y), energy.hessian(y)
+        rows = self.pinned
+        if self.functions:
+            rows = np.concatenate([rows, self.mixing @ np.array([f.gradient(y) for f in self.functions])])
+        if not all(np.isfinite(v).all() for v in (gradient, curvature, rows)):
+            return False
+        multipliers = np.linalg.lstsq(rows.T, gradient)[0] if len(rows) else np.zeros(0)
+        weights = multipliers[len(self.pinned) :] @ self.mixing
+        for weight, function in zip(weights, self.functions, strict=True):
+            curvature = curvature - weight * function.hessian(y)
+        if not np.isfinite(curvature).all():
+            return False
+        w = self.others
+        zero = np.zeros((len(rows), len(rows)))
+        matrix = np.block([[w.T @ curvature @ w, -w.T @ rows.T], [rows @ w, zero]])
+        size = float(np.abs(curvature).max(initial=0.0))
+        units = np.append(np.full(w.shape[1], self.length), np.full(len(rows), size * self.length or 1.0))
+        if len(matrix):
+            balanced = matrix * units
+            lengths = np.abs(balanced).max(axis=1)
+            if not lengths.all() or not np.linalg.cond(balanced / lengths[:, None]) < 1e12:
+                return False
+            inverse = units[:, None] * np.linalg.inv(balanced / lengths[:, None]) / lengths
+            self.inverse = _matrix(inverse)
+        if not self.start:
+            self.start = [arb(0)] * w.shape[1] + [arb(v) for v in multipliers.tolist()]
+        self.curvature, self.scale = size, size * self.length or 1.0
+        return True
+
+
+def _where_seen(slope: _ReducedSlope, k: int) -> list[list[arb]] | None:
+    """Where the slope is seen near the state, at most one place on each side; None if H is flat all around."""
+    found: dict[tuple[int, bool], list[arb]] = {}
+    for share in _NEARBY:
+        for i in range(k):
+            s = [arb(0)] * k
+            s[i] = arb(share * slope.length)
+            if (i, share > 0) not in found:
+                there = slope.at(s)
+                if there is not None and there.is_seen:
+                    found[i, share > 0] = s
+    return [*found.values()] or None
+
+
+def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None:
+    """A zero of the slope, by Newton's method for n from s; `is_own`: s is where the search came to rest."""
+    last, slow, rounded, shares = None, 0, None, np.zeros(0)
+    for number in range(_STEPS):
+        there = slope.at(s)
+        if there is None:
+            break
+        if not there.is_seen:
+            if last is not None and last <= _CLOSE:
+                return slope.zero(s, shares)
+            break
+        found = _step(slope, s, there)
+        if found is None:
+            break
+        step, shares = found
+        size = float(_largest(step)) / slope.length
+        if not size <= _FAR or not _may_be_orders(shares):
+            break
+        s = [(a - b).mid() for a, b in zip(s, step, strict=True)]
+        if size <= _CONVERGED and _is_one_over_whole(shares, _WHOLE) and (last is None or size <= _SHORTER * last):
+            return slope.zero(s, shares)
+        if number == 0 and is_own and _is_zero_to_round_off(slope, s, shares):
+            rounded = slope.zero(s, shares)
+        slow += last is not None and size > _SHORTER * last
+        if slow > 1:
+            break
+        last = size
+    return rounded
+
+
+def _may_be_orders(shares: Array) -> bool:
+    """Whether the derivatives of n may be the 1/m of zeros of orders m >= 1, or 0 along a family."""
+    least = _LEAST if len(shares) == 1 else -_WHOLE
+    return bool((shares >= least).all() and shares.max() >= _LEAST and shares.max() <= 1 + _WHOLE)
+
+
+def _is_one_over_whole(shares: Array, within: float) -> bool:
+    """The same where there is one direction; with several, zeros that are not homogeneous have other derivatives."""
+    return len(shares) > 1 or bool(abs(1 / shares[0] - round(1 / shares[0])) <= within)
+
+
+def _is_zero_to_round_off(slope: _ReducedSlope, s: list[arb], shares: Array) -> bool:
+    if len(shares) > 1 or shares[0] < 1 / _FEW or not _is_one_over_whole(shares, _SURELY_WHOLE):
+        return False
+    there = slope.at(s)
+    return there is not None and bool(_largest(there.value) <= _ROUND_OFF * slope.curvature * slope.length)
+
+
+def _step(slope: _ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb], Array] | None:
+    r"""Newton's step $(\partial n)^{-1}n$ for the displacement n, and the eigenvalues of its derivative.
+
+    Where $\partial g$ is singular, as across a family, the step is along g.
+    """
+    k = len(s)
+    bases = [[[arb(int(i == j)) for i in range(k)] for j in range(k)]]
+    if k > 1:
+        size = sum((v * v for v in there.value), arb(0)).sqrt()
+        bases.append([[(v / size).mid() for v in there.value]])
+    for basis in bases:
+        here = _displacement(slope, s, basis)
+        if here is None:
+            continue
+        h = _OUTER * slope.length
+        beside = [_displacement(slope, _moved(s, h, direction), basis) for direction in basis]
+        columns = [[(b - a) / h for a, b in zip(here, other, strict=True)] for other in beside if other is not None]
+        if len(columns) < len(basis):
+            continue
+        matrix = arb_mat([list(row) for row in zip(*columns, strict=True)])
+        try:
+            along = [v for (v,) in matrix.solve(_column(here)).tolist()]
+        except ZeroDivisionError:
+            continue
+        shares = np.array([[float(v.mid()) for v in row] for row in matrix.tolist()])
+        if not np.isfinite(shares).all() or not all(v.is_finite() for v in along):
+            continue
+        step = [arb(0)] * k
+        for length, direction in zip(along, basis, strict=True):
+            step = _moved(step, length, direction)
+        return [v.mid() for v in step], np.linalg.eigvals(shares).real
+    return None
+
+
+def _displacement(slope: _ReducedSlope, s: list[arb], basis: list[list[arb]]) -> list[arb] | None:
+    r"""Newton's displacement $(\partial g)^{-1}g$ in the span of some directions."""
+    here = slope.at(s)
+    if here is None:
+        return None
+    h = _INNER * slope.length
+    beside = [slope.at(_moved(s, h, direction), here.unknowns) for direction in basis]
+    if any(other is None for other in beside):
+        return None
+    along = [_product(direction, here.value) for direction in basis]
+    columns = [
+        [(_product(direction, other.value) - a) / h for direction, a in zip(basis, along, strict=True)]
+        for other in beside
+        if other is not None
+    ]
+    try:
+        solved = arb_mat([list(row) for row in zip(*columns, strict=True)]).solve(_column(along))
+    except ZeroDivisionError:
+        return None
+    return [v.mid() for (v,) in solved.tolist()]
+
+
+def _moved(s: Sequence[arb], length: arb, direction: Sequence[arb]) -> list[arb]:
+    return [a + length * b for a, b in zip(s, direction, strict=True)]
+
+
+def _product(a: Sequence[arb], b: Sequence[arb]) -> arb:
+    return sum((u * v for u, v in zip(a, b, strict=True)), arb(0))
+
+
+def _largest(values: Sequence[arb]) -> arb:
+    largest = arb(0)
+    for v in values:
+        size = v.abs_upper()
+        largest = size if size > largest else largest
+    return largest
+
+
+def _column(values: Sequence[arb]) -> arb_mat:
+    return arb_mat([[v] for v in values])
+
+
+def _matrix(values: Array) -> arb_mat:
+    return arb_mat([[arb(v) for v in row] for row in values.tolist()])
