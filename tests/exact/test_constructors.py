@@ -29,6 +29,8 @@ def test_extensions_are_built_by_name_with_numbers_and_symbols():
     assert read_extension("leibniz(3, -2*epsilon/3)", ["epsilon"]).tensor[2][1][1] == -2 * epsilon / 3
     assert read_extension("leibniz(3, 0.5)").tensor[2][1][1] * 2 == 1
     assert read_extension("leibniz(4, a[2])", ["a[3]"]).symbols == {"a2"}
+    for name in ("nan", "inf", "Infinity"):  # no numbers in formulas, and so free to be names
+        assert read_extension(f"leibniz(3, {name})", [name]).tensor[2][1][1] == sp.Symbol(name)
     assert read_extension("trivial() + semidirect(2)").dimension == 3
     assert read_extension("crmhd(1/2)").field_names == ("omega", "v", "p", "psi")
 

@@ -15,6 +15,7 @@ from liepoisson.errors import ExpressionError, LiePoissonError, did_you_mean
 from liepoisson.exact.expression import evaluate
 from liepoisson.exact.formula.grammar import Call, Name, Node, Sum, parse
 from liepoisson.exact.formula.scope import Scope
+from liepoisson.exact.parameters import read_symbol
 
 if TYPE_CHECKING:
     from liepoisson.exact.extension import Extension
@@ -106,9 +107,15 @@ def _build(node: Node, text: str, registry: _Registry[T], scope: Scope) -> T:
 def _argument(node: Node, text: str, scope: Scope, *, may_be_a_name: bool) -> object:
     """A whole number as int, another rational number as Fraction, anything else as an expression in symbols.
 
-    A symbol stays a name, for which SymPy need not be imported, where the constructor takes one.
+    A symbol stays a name, for which SymPy need not be imported, where the constructor takes one for a symbol, as it does
+    not take "nan".
     """
-    if may_be_a_name and isinstance(node, Name) and scope.shapes.get(node.name) == ():
+    if (
+        may_be_a_name
+        and isinstance(node, Name)
+        and scope.shapes.get(node.name) == ()
+        and read_symbol(node.name, node.name) is not None
+    ):
         return node.name
     value = evaluate(node, text, scope)
     return int(value) if isinstance(value, Fraction) and value.denominator == 1 else value
