@@ -107,8 +107,8 @@ def _build(node: Node, text: str, registry: _Registry[T], scope: Scope) -> T:
 def _argument(node: Node, text: str, scope: Scope, *, may_be_a_name: bool) -> object:
     """A whole number as int, another rational number as Fraction, anything else as an expression in symbols.
 
-    A symbol stays a name, for which SymPy need not be imported, where the constructor takes one for a symbol, as it does
-    not take "nan".
+    A symbol stays a name, for which SymPy need not be imported, where the constructor takes one for a symbol; "nan" it
+    does not take.
     """
     if (
         may_be_a_name
