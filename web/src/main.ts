@@ -216,14 +216,16 @@ function frame(now: number): void {
 
 let drawnAt = -1;
 let drawnFor: Results | null = null;
+let drawnChunks = 0;
 
 function draw(): void {
-  const moved = lab.time !== drawnAt || results !== drawnFor || results.top.chunks.length < 5;
+  const chunks = results.top.chunks.length + results.shadow.chunks.length;
+  const moved = lab.time !== drawnAt || results !== drawnFor || chunks !== drawnChunks;
   // a processor that draws the scene itself is given half of the frames
   if ((moved || scene.dirty) && (!scene.software || frames % 2 === 0)) {
     scene.draw(lab, results, palette);
     portrait.draw(lab, results, palette);
-    [drawnAt, drawnFor] = [lab.time, results];
+    [drawnAt, drawnFor, drawnChunks] = [lab.time, results, chunks];
     find("clock").textContent = `t = ${lab.time.toFixed(2)}`;
     const apart = distance();
     find("apart").hidden = !lab.view.shadow || !apart;

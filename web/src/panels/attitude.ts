@@ -1,9 +1,10 @@
-/** How the body is turned at the start: the first field points up, the second to the front as far as it can. */
+/** How the body is turned at the start: the first field points up, the second to the right as far as it can. */
 
 import { Matrix4, Quaternion, Vector3 } from "three";
 
-/** Azimuth of the second field. */
-const FRONT = new Vector3(Math.cos(-0.5), Math.sin(-0.5), 0);
+/** Of the second field: to the right, as the view begins. */
+const AZIMUTH = 0.35;
+const FRONT = new Vector3(Math.cos(AZIMUTH), Math.sin(AZIMUTH), 0);
 
 /** Unit quaternion, real part first, that turns vectors of the body into vectors of space. */
 export function attitudeOf(start: readonly number[]): number[] {

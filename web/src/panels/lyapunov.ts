@@ -34,7 +34,7 @@ export class LyapunovPanel {
     plot.cursor(lab.time, palette);
   }
 
-  private curves({ exponent, band }: Results, palette: Palette): void {
+  private curves({ exponent, band, members }: Results, palette: Palette): void {
     const { plot } = this;
     const c = plot.below;
     c.save();
@@ -61,19 +61,42 @@ export class LyapunovPanel {
     exponent.rows.forEach((row, k) => c.lineTo(plot.px(exponent.times[k]), plot.py(row[0])));
     c.stroke();
     c.restore();
+    if (members) this.legend(members, palette);
+  }
+
+  private legend(members: number, palette: Palette): void {
+    const { below: c, width } = this.plot;
+    const text = `80 % of ${members} starts, median`;
+    c.font = `11px "Inter Variable", sans-serif`;
+    c.textAlign = "right";
+    c.fillStyle = palette.faint;
+    c.fillText(text, width - 22, 28);
+    const left = width - 22 - c.measureText(text).width - 32;
+    c.globalAlpha = 0.18;
+    c.fillStyle = palette.accent;
+    c.fillRect(left, 18, 26, 12);
+    c.globalAlpha = 1;
+    c.strokeStyle = palette.accent;
+    c.lineWidth = 1;
+    c.setLineDash([5, 4]);
+    c.beginPath();
+    c.moveTo(left, 24);
+    c.lineTo(left + 26, 24);
+    c.stroke();
+    c.setLineDash([]);
   }
 
   private heading({ exponent, members }: Results): void {
     const last = exponent.length - 1;
     if (last < 0) return this.head.replaceChildren();
     const value = document.createElement("b");
-    value.textContent = exponent.rows[last][0].toPrecision(3).replace("-", "−");
+    const lambda = exponent.rows[last][0];
+    value.textContent = lambda.toFixed(Math.abs(lambda) < 0.01 ? 4 : 3).replace("-", "−");
     const letter = document.createElement("i");
     letter.className = "symbol";
     letter.textContent = "λ";
     const time = Math.round(exponent.times[last]).toLocaleString("en");
     this.head.replaceChildren(letter, " = ", value, ` at t = ${time}`);
     this.head.title = members ? `Band: 80 % of ${members} starts along this orbit; dashed: their median.` : "";
-    if (members) this.head.append(` · band of ${members}`);
   }
 }

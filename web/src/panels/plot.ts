@@ -14,7 +14,7 @@ export interface Axis {
 const LEFT = 48;
 const RIGHT = 16;
 const TOP = 14;
-const BOTTOM = 30;
+const BOTTOM = 38;
 
 export class Plot {
   readonly below: CanvasRenderingContext2D;
@@ -73,7 +73,7 @@ export class Plot {
     c.font = `11px "Inter Variable", sans-serif`;
     const bottom = height - BOTTOM;
     c.textAlign = "center";
-    for (const { value, text } of ticks(this.x, (width - LEFT - RIGHT) / 90)) {
+    for (const { value, text } of ticks(this.x, (width - LEFT - RIGHT) / (this.x.log ? 50 : 90))) {
       const at = Math.round(this.px(value)) + 0.5;
       line(c, palette.grid, at, TOP, at, bottom);
       c.fillStyle = palette.faint;
@@ -88,7 +88,7 @@ export class Plot {
     }
     c.textAlign = "left";
     c.fillStyle = palette.ink;
-    draw(c, this.x.name, width - RIGHT - 14, height - 5, 16);
+    draw(c, this.x.name, width - RIGHT - 14, height - 6, 16);
     draw(c, this.y.name, 10, TOP + 2, 16);
   }
 
@@ -168,7 +168,7 @@ export function ticks({ range: [low, high], log }: Axis, wanted: number): { valu
   const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
   const found = [];
   for (let k = Math.ceil(low / step); k <= Math.floor(high / step); k++) {
-    found.push({ value: k * step, text: (k * step).toFixed(digits).replace("-", "−") });
+    found.push({ value: k * step, text: k === 0 ? "0" : (k * step).toFixed(digits).replace("-", "−") });
   }
   return found;
 }

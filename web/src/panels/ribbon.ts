@@ -29,7 +29,7 @@ varying float vPart;
 varying float vSide;
 void main() {
   float edge = smoothstep(1.0, 0.55, abs(vSide));
-  gl_FragColor = vec4(colour, strength * edge * vPart * vPart);
+  gl_FragColor = vec4(colour, strength * edge * pow(vPart, 1.3));
   #include <colorspace_fragment>
 }`;
 

@@ -18,11 +18,11 @@ import { element } from "../symbols";
 import { Ribbon } from "./ribbon";
 
 /** Longest half axis, and longest vector, in units of the scene. */
-const BODY = 1;
-const LONGEST = 1.55;
+const BODY = 0.95;
+const LONGEST = 1.7;
 /** Time units of the trails. */
-const PAST = 7;
-const TRAIL_POINTS = 351;
+const PAST = 9;
+const TRAIL_POINTS = 460;
 const FLOOR = -1.6;
 const UP = new Vector3(0, 1, 0);
 
@@ -43,7 +43,7 @@ export class ScenePanel {
   private readonly body = new Group();
   private readonly ghost = new Group();
   private readonly arrows = VECTORS.map(() => arrow());
-  private readonly trails = VECTORS.map(() => new Ribbon(TRAIL_POINTS, 3.4));
+  private readonly trails = VECTORS.map(() => new Ribbon(TRAIL_POINTS, 3.8));
   private readonly axisTrail = new Ribbon(TRAIL_POINTS, 2.2);
   private readonly labels: HTMLElement[];
   private readonly floor = new Group();
@@ -119,7 +119,8 @@ export class ScenePanel {
     sun.castShadow = true;
     sun.shadow.mapSize.set(2048, 2048);
     sun.shadow.radius = 7;
-    sun.shadow.bias = -0.0006;
+    sun.shadow.bias = -0.0004;
+    sun.shadow.normalBias = 0.04;
     Object.assign(sun.shadow.camera, { left: -3, right: 3, top: 3, bottom: -3, near: 1, far: 12 });
     this.scene.add(sun, new HemisphereLight(0xffffff, 0x8a8f9a, this.software ? 1.7 : 0.7), new AmbientLight(0xffffff, 0.15));
   }
@@ -281,7 +282,7 @@ function bodyOf(numbers: readonly number[], palette: Palette, simple: boolean): 
   const shell = new SphereGeometry(1, simple ? 48 : 96, simple ? 32 : 64);
   shell.rotateX(Math.PI / 2);
   const looks = { map: stripes(palette), roughness: 0.32, metalness: 0.05 };
-  const surface = simple ? new MeshStandardMaterial(looks) : new MeshPhysicalMaterial({ ...looks, clearcoat: 0.8, clearcoatRoughness: 0.15 });
+  const surface = simple ? new MeshStandardMaterial(looks) : new MeshPhysicalMaterial({ ...looks, clearcoat: 0.6, clearcoatRoughness: 0.4 });
   const ellipsoid = new Mesh(shell, surface);
   ellipsoid.scale.copy(axes);
   const gold = new MeshStandardMaterial({ color: palette.a, roughness: 0.25, metalness: 0.75 });
