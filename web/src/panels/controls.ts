@@ -43,7 +43,7 @@ export class ControlsPanel {
     panel.append(equations);
     this.heading("Twist");
     this.rows(["epsilon"], parameters, "single");
-    this.heading("Moments, centres of mass and charge");
+    this.heading("Moments and centres");
     this.rows(["I", "a", "b"], parameters);
     this.heading("Start");
     this.rows(["l", "alpha", "beta"], components);

@@ -19,7 +19,7 @@ export class PortraitPanel {
 
   constructor(panel: HTMLElement) {
     this.plot = new Plot(panel, "Phase portrait of the last 40 time units");
-    (panel.querySelector("p") as HTMLElement).textContent = `same components, last ${PAST} time units`;
+    (panel.querySelector("p") as HTMLElement).textContent = `last ${PAST} time units`;
   }
 
   draw(lab: Laboratory, results: Results, palette: Palette): void {

@@ -5,7 +5,7 @@
 
 import {
   ACESFilmicToneMapping, AmbientLight, BufferGeometry, CanvasTexture, CircleGeometry, Color, ConeGeometry, CylinderGeometry,
-  DirectionalLight, Float32BufferAttribute, Group, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshPhysicalMaterial,
+  DirectionalLight, Float32BufferAttribute, Group, GreaterDepth, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshPhysicalMaterial,
   MeshStandardMaterial, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Quaternion, Scene, ShadowMaterial, SphereGeometry,
   SRGBColorSpace, TorusGeometry, Vector3, WebGLRenderer, type Material, type Object3D,
 } from "three";
@@ -254,7 +254,12 @@ function arrow(): Group {
   const head = new Mesh(new ConeGeometry(0.078, 0.23, 28), material);
   head.geometry.translate(0, -0.115, 0);
   group.add(shaft, head);
-  for (const part of [shaft, head]) part.castShadow = true;
+  // what the body hides shines through it
+  const through = new MeshBasicMaterial({ transparent: true, opacity: 0.3, depthFunc: GreaterDepth, depthWrite: false });
+  for (const part of [shaft, head]) {
+    part.castShadow = true;
+    part.add(new Mesh(part.geometry, through));
+  }
   group.userData.tip = new Vector3();
   return group;
 }
@@ -312,6 +317,8 @@ function bodyOf(numbers: readonly number[], palette: Palette, simple: boolean): 
 function ghostOf(numbers: readonly number[], palette: Palette): Object3D[] {
   const axes = halfAxes(numbers.slice(0, 3));
   const glass = new MeshStandardMaterial({ color: palette.dark ? 0x9fb4cc : 0x66707c, transparent: true, opacity: 0.22, depthWrite: false, roughness: 0.6 });
+  // while both are in one place, the shadow is behind
+  Object.assign(glass, { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 12 });
   const shell = new Mesh(new SphereGeometry(1, 48, 32), glass);
   shell.scale.copy(axes);
   const reach = axes.z + 0.28;
