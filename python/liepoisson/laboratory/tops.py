@@ -1,7 +1,8 @@
 r"""Descriptions of tops with their parameters left open, so that the page can move them without a formula of its own.
 
 A parameter is one more component, after the nine of the state, in the order of `PARAMETERS`; in a field its rate is
-zero.  So one tape serves every top.  The attitude of the body follows from the angular velocity $\omega$ in the body frame by
+zero.  So one tape serves every top.  The attitude of the body follows from the angular velocity $\omega$ in the body
+frame by
 
 $$\dot q = \tfrac12\, q\,(0, \omega),$$
 
