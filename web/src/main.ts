@@ -88,7 +88,11 @@ function show(): void {
   const epsilon = lab.parameters[9].text.replace("-", "−");
   find("subtitle").textContent = `ε = ${epsilon}${preset ? ` · ${preset.kind}` : ""}`;
   controls.show(lab, preset?.story ?? "A projection of the section is a cloud even where the motion is regular: look at the exponent, too.");
-  for (const button of find("presets").querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.dataset.key === lab.preset));
+  for (const button of find("presets").querySelectorAll("button")) {
+    const chosen = button.dataset.key === lab.preset;
+    button.setAttribute("aria-pressed", String(chosen));
+    if (chosen) find("presets").scrollLeft = button.offsetLeft - find("presets").offsetLeft - 60;
+  }
   const play = find("play");
   play.textContent = lab.playing ? "❚❚" : "▶";
   play.setAttribute("aria-label", lab.playing ? "Pause" : "Play");

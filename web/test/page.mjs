@@ -101,6 +101,16 @@ const checks = {
   },
 };
 
+checks["without WebGL there is a message, and the charts go on"] = async () => {
+  const bare = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: ["--disable-3d-apis", "--no-sandbox"] });
+  const tab = await bare.newPage();
+  await tab.goto(`${page}?still=0#v=1&preset=kovalevskaya`);
+  await ready(tab);
+  assert.match(await tab.locator("#scene .none").innerText(), /no WebGL/);
+  assert.ok((await tab.evaluate(() => window.laboratory.results().crossings.length)) > 1000);
+  await bare.close();
+};
+
 let failed = 0;
 for (const [name, check] of Object.entries(checks)) {
   try {

@@ -24,6 +24,9 @@ const LONGEST = 1.7;
 const PAST = 9;
 const TRAIL_POINTS = 460;
 const FLOOR = -1.6;
+/** Opacity of the shadow top, and the angle to the body at which it has it. */
+const GLASS = 0.22;
+const APART = 0.15;
 const UP = new Vector3(0, 1, 0);
 
 const VECTORS = [
@@ -205,7 +208,7 @@ export class ScenePanel {
     this.arrows.forEach((one, k) => point(one, turned(state, 0, VECTORS[k].at).multiplyScalar(this.scales[k])));
     const shadow = lab.view.shadow ? results.shadow.at(lab.time) : null;
     this.ghost.visible = shadow !== null && !fixed;
-    if (shadow) this.ghost.quaternion.copy(quaternionOf(shadow, 0));
+    if (shadow) this.part(quaternionOf(shadow, 0));
     const from = lab.time - PAST;
     const paths: number[][] = [[], [], [], []];
     const add = (states: Float64Array, at: number) => {
@@ -217,6 +220,13 @@ export class ScenePanel {
     this.trails.forEach((trail, k) => trail.through(paths[k]));
     this.axisTrail.visible = !fixed;
     this.axisTrail.through(paths[3]);
+  }
+
+  /** Puts the shadow in its place: the farther from the body, the better it is seen. */
+  private part(shadow: Quaternion): void {
+    this.ghost.quaternion.copy(shadow);
+    const opacity = GLASS * Math.min(shadow.angleTo(this.body.quaternion) / APART, 1);
+    this.ghost.traverse((one) => one instanceof Mesh && ((one.material as Material).opacity = opacity));
   }
 
   private place(): void {
@@ -316,9 +326,7 @@ function bodyOf(numbers: readonly number[], palette: Palette, simple: boolean): 
 
 function ghostOf(numbers: readonly number[], palette: Palette): Object3D[] {
   const axes = halfAxes(numbers.slice(0, 3));
-  const glass = new MeshStandardMaterial({ color: palette.dark ? 0x9fb4cc : 0x66707c, transparent: true, opacity: 0.22, depthWrite: false, roughness: 0.6 });
-  // while both are in one place, the shadow is behind
-  Object.assign(glass, { polygonOffset: true, polygonOffsetFactor: 2, polygonOffsetUnits: 12 });
+  const glass = new MeshStandardMaterial({ color: palette.dark ? 0x9fb4cc : 0x66707c, transparent: true, opacity: GLASS, depthWrite: false, roughness: 0.6 });
   const shell = new Mesh(new SphereGeometry(1, 48, 32), glass);
   shell.scale.copy(axes);
   const reach = axes.z + 0.28;
