@@ -18,7 +18,7 @@ const WORDS: readonly (readonly [string, string])[] = [
   ["Section", "Crossings of a surface, in two components. With more than two degrees of freedom this is a projection, and a projection is a cloud even where the motion is regular."],
   ["Exponent", "The growth of a small distance per unit of time, up to that time. It tends to zero for a regular orbit, as slowly as the logarithm of time over time; a finite run proves neither order nor chaos."],
   ["Drift", "Distance of each invariant from its value at the start: what rounding and the tolerance have done. A shadow that parts company says that single states are no longer known, though the invariants are."],
-  ["Body", "The ellipsoid of inertia. Vectors are drawn to fit, one scale for the angular momentum and one for both fields."],
+  ["Body", "The ellipsoid of inertia. Balls outside it show the directions of the centres of mass and charge. Vectors are drawn to fit, one scale for the angular momentum and one for both fields."],
 ];
 
 export function fillHelp(dialog: HTMLDialogElement): void {
