@@ -77,7 +77,7 @@ def _symbols(names: Sequence[str]) -> list[Symbol]:
 
 def _in_symbols(expression: Expr, symbols: Mapping[str, Symbol]) -> Expr:
     """The same expression in the symbols of the page, which are told by their names."""
-    return expression.xreplace({symbol: symbols[symbol.name] for symbol in expression.free_symbols})  # type: ignore[attr-defined]
+    return expression.xreplace({symbol: symbols[symbol.name] for symbol in expression.free_symbols})
 
 
 def description_of_tops() -> dict[str, Any]:
@@ -103,7 +103,7 @@ def description_of_tops() -> dict[str, Any]:
 
     known: list[dict[str, Any]] = []
     for family in families():
-        conditions = [sympify(condition, locals=symbols) for condition in family.conditions]
+        conditions = [sympify(condition, locals=dict[str, Any](symbols)) for condition in family.conditions]
         invariants = family.top.invariants
         known.append(
             {
