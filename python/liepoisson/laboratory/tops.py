@@ -77,7 +77,8 @@ def _symbols(names: Sequence[str]) -> list[Symbol]:
 
 def _in_symbols(expression: Expr, symbols: Mapping[str, Symbol]) -> Expr:
     """The same expression in the symbols of the page, which are told by their names."""
-    return expression.xreplace({symbol: symbols[symbol.name] for symbol in expression.free_symbols})
+    known: dict[Any, Any] = {symbol: symbols[str(symbol)] for symbol in expression.free_symbols}
+    return expression.xreplace(known)
 
 
 def description_of_tops() -> dict[str, Any]:
@@ -91,7 +92,8 @@ def description_of_tops() -> dict[str, Any]:
           `names` and `functions` of invariants.  The last
           family that a top belongs to has all of its known invariants.
     """
-    from sympy import Integer, sympify
+    from sympy import Integer
+    from sympy.parsing.sympy_parser import parse_expr
 
     general = families()[0].top
     names = [*general.component_names, *PARAMETERS]
@@ -103,7 +105,7 @@ def description_of_tops() -> dict[str, Any]:
 
     known: list[dict[str, Any]] = []
     for family in families():
-        conditions = [sympify(condition, locals=dict[str, Any](symbols)) for condition in family.conditions]
+        conditions = [parse_expr(condition, local_dict=symbols) for condition in family.conditions]
         invariants = family.top.invariants
         known.append(
             {
