@@ -78,7 +78,8 @@ def _symbols(names: Sequence[str]) -> list[Symbol]:
 def _in_symbols(expression: Expr, symbols: Mapping[str, Symbol]) -> Expr:
     """The same expression in the symbols of the page, which are told by their names."""
     known: dict[Any, Any] = {symbol: symbols[str(symbol)] for symbol in expression.free_symbols}
-    return expression.xreplace(known)
+    renamed: Any = expression.xreplace(known)
+    return renamed
 
 
 def description_of_tops() -> dict[str, Any]:
