@@ -205,7 +205,8 @@ function frame(now: number): void {
   const passed = Math.min((now - before) / 1000, 0.1);
   before = now;
   if (lab.playing && still === null) {
-    const time = Math.min(lab.time + passed * lab.speed, results.top.end);
+    // a time from the address waits for the motion to come so far
+    const time = Math.max(lab.time, Math.min(lab.time + passed * lab.speed, results.top.end));
     if (time !== lab.time) lab = changed(lab, { do: "time", time });
   }
   if (lab.time + AHEAD / 2 > asked) {
