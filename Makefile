@@ -74,11 +74,17 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 wasm: ## build the core for the browser (5 minutes; says what it needs); it is committed, with a hash of its sources
 	$(PYTHON) web/build_core.py
 
+page: ## build the laboratory's page (needs node and npm); it is committed, with a hash of its sources
+	$(PYTHON) web/build_page.py
+
+test-web: ## the tests of the page in node and in Chromium (needs both)
+	cd web && npm ci --no-audit --no-fund && npm test && npm run build && node test/page.mjs
+
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
 .PHONY: help reproduce test test-rust test-python test-slow check static lint types quick-tests arm bench audit guard instructions \
-  sanitize miri wasm wheel wheel-check lock clean set-up tools
+  sanitize miri wasm page test-web wheel wheel-check lock clean set-up tools
 
 # One pip after the other.
 set-up: $(VENV)/.dev

@@ -1,0 +1,145 @@
+r"""Descriptions of tops with their parameters left open, so that the page can move them without a formula of its own.
+
+A parameter is one more component, after the nine of the state, in the order of `PARAMETERS`; in a field its rate is
+zero.  So one tape serves every top.  The attitude of the body follows from the angular velocity $\omega$ in the body
+frame by
+
+$$\dot q = \tfrac12\, q\,(0, \omega),$$
+
+where the unit quaternion q turns vectors of the body into vectors of space.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+from liepoisson.exact.lowering import tape_of_equations, tape_of_functions
+from liepoisson.field import record_of
+from liepoisson.tops import Top
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+VERSION = 1
+"""Of the format, which the page looks at."""
+
+PARAMETERS = ("I1", "I2", "I3", "a1", "a2", "a3", "b1", "b2", "b3", "epsilon")
+"""In the order in which they follow the state."""
+
+ATTITUDE = ("q0", "q1", "q2", "q3")
+"""The quaternion, real part first."""
+
+
+@dataclass(frozen=True)
+class Family:
+    """Tops that have invariants of their own.
+
+    Attributes:
+        name: How the family is called.
+        top: A member with its parameters left open; it knows the invariants.
+        conditions: What vanishes for the members.
+    """
+
+    name: str
+    top: Top
+    conditions: tuple[str, ...]
+
+
+def families() -> list[Family]:
+    """The tops that the page knows invariants of, the special ones after the more general."""
+    inertia, a, b = (tuple(PARAMETERS[first : first + 3]) for first in (0, 3, 6))
+    no_charge, no_twist = ("b1", "b2", "b3"), ("epsilon",)
+    axial = ("I1 - I2", "a1", "a2", "b1", "b2")
+    kovalevskaya = ("I1 - 2", "I2 - 2", "I3 - 1", "a3", *no_twist)
+    symmetric: dict[str, Any] = {"transverse": "I1", "axial": "I3", "a3": "a3"}
+    return [
+        Family("top", Top(inertia=inertia, a=a, b=b, epsilon="epsilon"), ()),
+        Family("heavy top", Top.heavy(inertia, a), (*no_charge, *no_twist)),
+        Family("twisted Lagrange", Top.twisted_lagrange(**symmetric, b3="b3", epsilon="epsilon"), axial),
+        Family("charged Lagrange", Top.charged_lagrange(**symmetric, b3="b3"), (*axial, *no_twist)),
+        Family("Lagrange", Top.lagrange(**symmetric), (*axial, "b3", *no_twist)),
+        Family("Kovalevskaya", Top.heavy((2, 2, 1), ("a1", "a2", 0)), (*kovalevskaya, *no_charge)),
+        Family(
+            "two-field Kovalevskaya",
+            Top.charged_heavy((2, 2, 1), (-1, 0, 0), (0, -1, 0)),
+            (*kovalevskaya, "a1 + 1", "a2", "b1", "b2 + 1", "b3"),
+        ),
+    ]
+
+
+def _symbols(names: Sequence[str]) -> list[Symbol]:
+    from sympy import Symbol
+
+    return [Symbol(name, real=True) for name in names]
+
+
+def _in_symbols(expression: Expr, symbols: Mapping[str, Symbol]) -> Expr:
+    """The same expression in the symbols of the page, which are told by their names."""
+    known: dict[Any, Any] = {symbol: symbols[str(symbol)] for symbol in expression.free_symbols}
+    renamed: Any = expression.xreplace(known)
+    return renamed
+
+
+def description_of_tops() -> dict[str, Any]:
+    """All tops as plain data.
+
+    Returns:
+        - `version`: of this format;
+        - `components`, `parameters`, `attitude`: names, in the order in which the tapes have them;
+        - `moving`: state, attitude and parameters as one field;
+        - `families`: each with `name`, `conditions` (functions of state and parameters, all zero for a member),
+          `names` and `functions` of invariants.  The last
+          family that a top belongs to has all of its known invariants.
+    """
+    from sympy import Integer
+    from sympy.parsing.sympy_parser import parse_expr
+
+    general = families()[0].top
+    names = [*general.component_names, *PARAMETERS]
+    variables = _symbols(names)
+    symbols = dict(zip(names, variables, strict=True))
+
+    def tape(functions: Sequence[Expr]) -> dict[str, Any]:
+        return asdict(tape_of_functions(variables, [_in_symbols(function, symbols) for function in functions]))
+
+    known: list[dict[str, Any]] = []
+    for family in families():
+        conditions = [parse_expr(condition, local_dict=symbols) for condition in family.conditions]
+        invariants = family.top.invariants
+        known.append(
+            {
+                "name": family.name,
+                "conditions": tape(conditions) if conditions else None,
+                "names": list(invariants),
+                "functions": tape(list(invariants.values())),
+            }
+        )
+    rates = [_in_symbols(rate, symbols) for rate in general.equations.values()]
+    attitude = _symbols(ATTITUDE)
+    turning = _rate_of_attitude(attitude, [symbols[f"l{k}"] / symbols[f"I{k}"] for k in (1, 2, 3)])
+    moving = tape_of_equations(
+        [*variables[:9], *attitude, *variables[9:]], [*rates, *turning, *[Integer(0)] * len(PARAMETERS)]
+    )
+    return {
+        "version": VERSION,
+        "components": list(general.component_names),
+        "parameters": list(PARAMETERS),
+        "attitude": list(ATTITUDE),
+        "moving": record_of(moving),
+        "families": known,
+    }
+
+
+def _rate_of_attitude(q: Sequence[Expr], omega: Sequence[Expr]) -> list[Expr]:
+    """Half of the product of the quaternions q and (0, omega)."""
+    q0, q1, q2, q3 = q
+    w1, w2, w3 = omega
+    twice = [
+        -q1 * w1 - q2 * w2 - q3 * w3,
+        q0 * w1 + q2 * w3 - q3 * w2,
+        q0 * w2 + q3 * w1 - q1 * w3,
+        q0 * w3 + q1 * w2 - q2 * w1,
+    ]
+    return [rate / 2 for rate in twice]

@@ -1,0 +1,280 @@
+/** The page: holds the state, hands it to the panels, and the orbit to the worker. */
+
+import "./style/page.css";
+import { components, presetOf, presets } from "./data/tops";
+import { attitudeOf } from "./panels/attitude";
+import { ControlsPanel } from "./panels/controls";
+import { DriftPanel } from "./panels/drift";
+import { fillHelp } from "./panels/help";
+import { LyapunovPanel } from "./panels/lyapunov";
+import { PortraitPanel } from "./panels/portrait";
+import { ScenePanel } from "./panels/scene";
+import { SectionPanel } from "./panels/section";
+import { Results, WIDTH } from "./results";
+import { shortest } from "./state/exact";
+import { begun, changed, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
+import { read, written } from "./state/url";
+import { palette as currentPalette, type Palette } from "./style/palette";
+import { Client } from "./worker/client";
+
+/** Time units of a step, of a frame at speed 1, and how far the motion is computed ahead. */
+const STEP = 1 / 60;
+const AHEAD = 60;
+/** Charts that do not move are looked at every so many frames. */
+const CHARTS_EVERY = 6;
+
+const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
+const query = new URLSearchParams(location.search);
+const still = /^\d{1,6}$/.test(query.get("still") ?? "") ? Number(query.get("still")) : null;
+const quality = (["low", "full"] as const).find((one) => one === query.get("quality")) ?? null;
+
+let lab: Laboratory = begun("twisted-kovalevskaya");
+let results = new Results();
+let palette: Palette = currentPalette();
+let client: Client | null = null;
+let asked = 0;
+
+function tell(message: string): void {
+  const box = find("message");
+  (box.firstElementChild as HTMLElement).textContent = message;
+  box.hidden = false;
+}
+const say = (text: string) => (find("said").textContent = text);
+
+const controls = new ControlsPanel(find("controls"), act, tell);
+const scene = new ScenePanel(find("scene"), quality);
+const section = new SectionPanel(find("section"), startAt, say);
+const portrait = new PortraitPanel(find("portrait"));
+const lyapunov = new LyapunovPanel(find("lyapunov"));
+const drift = new DriftPanel(find("drift"));
+
+/** The one way in which the state changes. */
+function act(action: Action): void {
+  const before = lab;
+  try {
+    lab = changed(lab, action);
+  } catch (error) {
+    tell((error as Error).message);
+  }
+  if (!sameRun(before, lab)) run();
+  show();
+}
+
+function run(): void {
+  results = new Results();
+  asked = 0;
+  lab = { ...lab, time: still === null ? lab.time : Math.min(still * STEP * lab.speed, HORIZON) };
+  const start = lab.start.map((one) => one.value);
+  client?.run({
+    parameters: lab.parameters.map((one) => one.value),
+    start,
+    attitude: attitudeOf(start),
+    surface: components.indexOf(lab.surface),
+    direction: lab.direction,
+    tol: lab.method.tol.value,
+    horizon: HORIZON,
+  });
+}
+
+function startAt(state: ArrayLike<number>): void {
+  act({ do: "start at", state: Array.from(state, shortest) });
+  say("a new orbit starts at the crossing");
+}
+
+/** What changes with the state, not with time. */
+function show(): void {
+  const preset = presetOf(lab.preset);
+  find("title").textContent = preset?.title ?? "A top of your own";
+  const epsilon = lab.parameters[9].text.replace("-", "−");
+  find("subtitle").textContent = `ε = ${epsilon}${preset ? ` · ${preset.kind}` : ""}`;
+  controls.show(lab, preset?.story ?? "A projection of the section is a cloud even where the motion is regular: look at the exponent, too.");
+  for (const button of find("presets").querySelectorAll("button")) {
+    const chosen = button.dataset.key === lab.preset;
+    button.setAttribute("aria-pressed", String(chosen));
+    if (chosen) find("presets").scrollLeft = button.offsetLeft - find("presets").offsetLeft - 60;
+  }
+  const play = find("play");
+  play.textContent = lab.playing ? "❚❚" : "▶";
+  play.setAttribute("aria-label", lab.playing ? "Pause" : "Play");
+  const speed = find<HTMLInputElement>("speed");
+  speed.value = String(Math.log2(lab.speed));
+  speed.style.setProperty("--fill", `${((Math.log2(lab.speed) + 4) / 8) * 100}%`);
+  find("rate").textContent = lab.speed < 1 ? `1/${1 / lab.speed}×` : `${lab.speed}×`;
+  const dark = matchMedia("(prefers-color-scheme: dark)").matches;
+  document.documentElement.dataset.shown = lab.theme === "auto" ? (dark ? "dark" : "light") : lab.theme;
+  palette = currentPalette();
+  scene.dirty = true;
+  remember();
+}
+
+let waiting = 0;
+/** Writes the state into the address, at rest only: browsers limit how often. */
+function remember(): void {
+  clearTimeout(waiting);
+  waiting = window.setTimeout(() => history.replaceState(null, "", `#${written(lab)}`), 400);
+}
+
+function header(): void {
+  find("presets").replaceChildren(
+    ...presets.map((preset) => {
+      const button = document.createElement("button");
+      const small = document.createElement("small");
+      small.textContent = preset.kind;
+      Object.assign(button, { type: "button" });
+      button.dataset.key = preset.key;
+      button.append(preset.title, small);
+      button.addEventListener("click", () => act({ do: "preset", key: preset.key }));
+      return button;
+    }),
+  );
+  find("share").addEventListener("click", share);
+  find("theme").addEventListener("click", nextTheme);
+  find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
+  find("message").querySelector("button")?.addEventListener("click", () => (find("message").hidden = true));
+  find("play").addEventListener("click", () => act({ do: "play", playing: !lab.playing }));
+  find("restart").addEventListener("click", () => act({ do: "time", time: 0 }));
+  find("step").addEventListener("click", () => step(1));
+  find("speed").addEventListener("input", (event) => act({ do: "speed", speed: 2 ** Number((event.target as HTMLInputElement).value) }));
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", show);
+}
+
+async function share(): Promise<void> {
+  const address = `${location.href.split("#")[0]}#${written(lab)}`;
+  try {
+    await navigator.clipboard.writeText(address);
+    tell("The address of this state is copied.");
+  } catch {
+    history.replaceState(null, "", `#${written(lab)}`);
+    tell("The address line now has this state; copy it from there.");
+  }
+}
+
+function nextTheme(): void {
+  const theme = THEMES[(THEMES.indexOf(lab.theme) + 1) % THEMES.length];
+  act({ do: "theme", theme });
+  say(`theme: ${theme}`);
+}
+
+function step(sign: number): void {
+  act({ do: "play", playing: false });
+  act({ do: "time", time: Math.min(lab.time + sign * STEP * lab.speed, Math.max(results.top.end, 0)) });
+}
+
+const KEYS: Readonly<Record<string, () => void>> = {
+  " ": () => act({ do: "play", playing: !lab.playing }),
+  ArrowRight: () => step(1),
+  ArrowLeft: () => step(-1),
+  "+": () => act({ do: "speed", speed: lab.speed * 2 }),
+  "-": () => act({ do: "speed", speed: lab.speed / 2 }),
+  r: () => act({ do: "time", time: 0 }),
+  f: () => act({ do: "view", view: { frame: lab.view.frame === "space" ? "body" : "space" } }),
+  g: () => act({ do: "view", view: { shadow: !lab.view.shadow } }),
+  t: nextTheme,
+  s: () => void share(),
+  "?": () => find<HTMLDialogElement>("keys").showModal(),
+};
+const TURNS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
+
+function keys(event: KeyboardEvent): void {
+  const target = event.target as HTMLElement;
+  if (event.ctrlKey || event.metaKey || event.altKey || target.closest("input, select, textarea, dialog")) return;
+  if (event.key === " " && target.closest("button")) return;
+  const turn = event.shiftKey ? TURNS[event.key] : undefined;
+  const preset = /^[1-9]$/.test(event.key) ? presets[Number(event.key) - 1] : undefined;
+  const does = turn ? () => scene.turn(...turn) : preset ? () => act({ do: "preset", key: preset.key }) : KEYS[event.key.length === 1 ? event.key.toLowerCase() : event.key];
+  if (!does) return;
+  event.preventDefault();
+  does();
+}
+
+/** Distance of the two states, which is no longer small when the orbits have parted. */
+function distance(): string {
+  const [one, other] = [results.top.at(lab.time), results.shadow.at(lab.time)];
+  if (!one || !other || results.shadow.end < lab.time) return "";
+  let sum = 0;
+  for (let k = 0; k < WIDTH - 4; k++) sum += (one[k] - other[k]) ** 2;
+  return Math.sqrt(sum) < 0.01 ? Math.sqrt(sum).toPrecision(2) : Math.sqrt(sum).toFixed(2);
+}
+
+let frames = 0;
+let before = 0;
+const spent: number[] = [];
+
+function frame(now: number): void {
+  const began = performance.now();
+  const passed = Math.min((now - before) / 1000, 0.1);
+  before = now;
+  if (lab.playing && still === null) {
+    // a time from the address waits for the motion to come so far
+    const time = Math.max(lab.time, Math.min(lab.time + passed * lab.speed, results.top.end));
+    if (time !== lab.time) lab = changed(lab, { do: "time", time });
+  }
+  if (lab.time + AHEAD / 2 > asked) {
+    asked = lab.time + AHEAD * Math.max(lab.speed, 1);
+    client?.until(asked);
+  }
+  draw();
+  spent[frames % 120] = performance.now() - began;
+  frames += 1;
+  requestAnimationFrame(frame);
+}
+
+let drawnAt = -1;
+let drawnFor: Results | null = null;
+let drawnChunks = 0;
+
+function draw(): void {
+  const chunks = results.top.chunks.length + results.shadow.chunks.length;
+  const moved = lab.time !== drawnAt || results !== drawnFor || chunks !== drawnChunks;
+  // a processor that draws the scene itself is given half of the frames
+  if ((moved || scene.dirty) && (!scene.software || frames % 2 === 0)) {
+    scene.draw(lab, results, palette);
+    portrait.draw(lab, results, palette);
+    [drawnAt, drawnFor, drawnChunks] = [lab.time, results, chunks];
+    find("clock").textContent = `t = ${lab.time.toFixed(2)}`;
+    const apart = distance();
+    find("apart").hidden = !lab.view.shadow || !apart;
+    (find("apart").lastElementChild as HTMLElement).textContent = apart;
+    controls.conserved(results, lab.time);
+  }
+  section.draw(lab, results, palette);
+  if (frames % CHARTS_EVERY === 0) lyapunov.draw(lab, results, palette);
+  if (frames % CHARTS_EVERY === CHARTS_EVERY / 2) drift.draw(lab, results, palette);
+  if (still !== null && results.finished && results.top.end >= lab.time && frames > 30) document.documentElement.dataset.ready = "1";
+}
+
+async function begin(): Promise<void> {
+  header();
+  fillHelp(find<HTMLDialogElement>("keys"));
+  document.addEventListener("keydown", keys);
+  if (location.hash.length > 1) {
+    try {
+      lab = read(location.hash);
+    } catch (error) {
+      tell(`This address cannot be read: ${(error as Error).message}. The page shows the twisted Kovalevskaya top instead.`);
+    }
+  }
+  if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null) lab = { ...lab, playing: false };
+  show();
+  requestAnimationFrame(frame);
+  try {
+    client = await Client.start((update) => {
+      results.take(update);
+      if (update.say === "ended") tell(`The orbit ends at t = ${update.time.toPrecision(6)}: ${update.outcome}. Another tolerance or another start may help.`);
+    }, (message) => tell(`The core refuses this: ${message}`));
+    run();
+  } catch (error) {
+    tell(`The core did not start: ${(error as Error).message}. The laboratory needs WebAssembly with vector instructions and workers.`);
+  }
+}
+
+/** For tests: what the page has computed, and how long a frame took our own code. */
+Object.assign(window, {
+  laboratory: {
+    state: () => lab,
+    results: () => results,
+    frameTimes: () => [...spent],
+  },
+});
+
+void begin();

@@ -1,0 +1,88 @@
+/** How far each invariant is from its value at the start, both axes logarithmic. */
+
+import type { Results } from "../results";
+import { HORIZON, type Laboratory } from "../state/laboratory";
+import type { Palette } from "../style/palette";
+import { element } from "../symbols";
+import { Plot } from "./plot";
+
+/** Below it, nothing can be seen of a double near one. */
+const LEAST = 1e-17;
+/** Places on the axis of time; where more times fall on one, the largest is drawn. */
+const PLACES = 160;
+
+export class DriftPanel {
+  private readonly plot: Plot;
+  private readonly head: HTMLElement;
+  private drawn = "";
+  private results: Results | null = null;
+
+  constructor(panel: HTMLElement) {
+    this.plot = new Plot(panel, "Drift of the invariants");
+    this.head = panel.querySelector("p") as HTMLElement;
+  }
+
+  draw(lab: Laboratory, results: Results, palette: Palette): void {
+    const { plot } = this;
+    const { drift } = results;
+    const key = `${drift.length} ${results.names.length} ${palette.dark} ${palette.panel}`;
+    if (plot.measure() || key !== this.drawn || results !== this.results) {
+      const colours = coloursOf(palette);
+      if (results !== this.results || !this.drawn.endsWith(palette.panel) || !this.head.childElementCount) this.legend(results, colours);
+      [this.drawn, this.results] = [key, results];
+      const largest = drift.rows.reduce((most, row) => row.reduce((a, b) => Math.max(a, Math.abs(b)), most), 1e-13);
+      plot.x = { range: [1, HORIZON], log: true, name: "t" };
+      plot.y = { range: [LEAST, Math.max(largest * 8, 1e-11)], log: true, name: "" };
+      plot.axes(palette);
+      this.curves(results, colours);
+    }
+    plot.clearAbove();
+    plot.cursor(lab.time, palette);
+  }
+
+  private curves({ drift, names }: Results, colours: readonly string[]): void {
+    const { plot } = this;
+    const c = plot.below;
+    c.save();
+    plot.clip(c);
+    c.lineWidth = 1.4;
+    c.lineJoin = "round";
+    names.forEach((_, column) => {
+      c.strokeStyle = colours[column % colours.length];
+      c.setLineDash(DASHES[column % DASHES.length]);
+      c.beginPath();
+      let [place, most] = [-1, 0];
+      const mark = () => place >= 0 && c.lineTo(plot.px(HORIZON ** (place / PLACES)), plot.py(Math.max(most, LEAST)));
+      drift.rows.forEach((row, k) => {
+        const next = Math.floor((Math.log(drift.times[k]) / Math.log(HORIZON)) * PLACES);
+        if (next !== place) {
+          mark();
+          [place, most] = [next, 0];
+        }
+        most = Math.max(most, Math.abs(row[column]));
+      });
+      mark();
+      c.stroke();
+    });
+    c.restore();
+  }
+
+  private legend({ names }: Results, colours: readonly string[]): void {
+    this.head.replaceChildren(
+      ...names.flatMap((name, k) => {
+        const key = document.createElement("span");
+        key.className = "key";
+        key.style.borderTopColor = colours[k % colours.length];
+        if (DASHES[k % DASHES.length].length) key.style.borderTopStyle = "dashed";
+        return [key, element(name)];
+      }),
+    );
+    this.head.title = "Distance from the value at the start";
+  }
+}
+
+const DASHES: readonly number[][] = [[], [], [5, 3], [], [2, 2], [6, 2, 2, 2]];
+
+function coloursOf(palette: Palette): string[] {
+  return [palette.ink, palette.alpha, palette.l, palette.beta, palette.b, palette.a];
+}

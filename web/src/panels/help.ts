@@ -1,0 +1,39 @@
+/** Keys, and what the charts do not prove. */
+
+const KEYS: readonly (readonly [string, string])[] = [
+  ["space", "play or pause"],
+  ["← →", "one step back or forth"],
+  ["+ −", "faster, slower"],
+  ["R", "start again"],
+  ["1 … 8", "presets"],
+  ["F", "space frame or body frame"],
+  ["G", "shadow top"],
+  ["T", "theme: automatic, light, dark, projector"],
+  ["S", "copy the address of this state"],
+  ["shift ← → ↑ ↓", "turn the view"],
+  ["← → and Enter in the section", "choose a crossing and start there"],
+];
+
+const WORDS: readonly (readonly [string, string])[] = [
+  ["Section", "Crossings of a surface, in two components. With more than two degrees of freedom this is a projection, and a projection is a cloud even where the motion is regular."],
+  ["Exponent", "The growth of a small distance per unit of time, up to that time. It tends to zero for a regular orbit, as slowly as the logarithm of time over time; a finite run proves neither order nor chaos."],
+  ["Drift", "Distance of each invariant from its value at the start: what rounding and the tolerance have done. A shadow that parts company says that single states are no longer known, though the invariants are."],
+  ["Body", "The ellipsoid of inertia. Balls outside it show the directions of the centres of mass and charge. Vectors are drawn to fit, one scale for the angular momentum and one for both fields."],
+];
+
+export function fillHelp(dialog: HTMLDialogElement): void {
+  const heading = Object.assign(document.createElement("h2"), { id: "keys-h", textContent: "Keys and charts" });
+  const form = Object.assign(document.createElement("form"), { method: "dialog" });
+  form.append(Object.assign(document.createElement("button"), { textContent: "Close" }));
+  dialog.append(heading, list(KEYS, true), list(WORDS, false), form);
+}
+
+function list(pairs: readonly (readonly [string, string])[], keys: boolean): HTMLElement {
+  const found = document.createElement("dl");
+  for (const [term, words] of pairs) {
+    const name = document.createElement("dt");
+    name.append(Object.assign(document.createElement(keys ? "kbd" : "b"), { textContent: term }));
+    found.append(name, Object.assign(document.createElement("dd"), { textContent: words }));
+  }
+  return found;
+}

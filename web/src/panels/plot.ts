@@ -1,0 +1,185 @@
+/** Axes of a chart on a canvas: scales, grid, ticks; a second canvas above carries what moves in every frame. */
+
+import { draw } from "../symbols";
+import type { Palette } from "../style/palette";
+
+export type Range = readonly [number, number];
+
+export interface Axis {
+  readonly range: Range;
+  readonly log?: boolean;
+  readonly name: string;
+}
+
+const LEFT = 48;
+const RIGHT = 16;
+const TOP = 14;
+const BOTTOM = 38;
+
+export class Plot {
+  readonly below: CanvasRenderingContext2D;
+  readonly above: CanvasRenderingContext2D;
+  readonly canvas: HTMLCanvasElement;
+  width = 0;
+  height = 0;
+  x: Axis = { range: [0, 1], name: "" };
+  y: Axis = { range: [0, 1], name: "" };
+  /** Whether the size has changed since the last `measure`. */
+  private resized = true;
+
+  constructor(panel: HTMLElement, label: string) {
+    const holder = document.createElement("div");
+    holder.className = "plot";
+    const [below, above] = [0, 1].map(() => document.createElement("canvas"));
+    holder.append(below, above);
+    panel.append(holder);
+    above.setAttribute("role", "img");
+    above.setAttribute("aria-label", label);
+    this.canvas = above;
+    this.below = below.getContext("2d") as CanvasRenderingContext2D;
+    this.above = above.getContext("2d") as CanvasRenderingContext2D;
+    new ResizeObserver(() => (this.resized = true)).observe(holder);
+  }
+
+  /** Fits the canvases to their place; true if they are new and empty. */
+  measure(): boolean {
+    if (!this.resized) return false;
+    this.resized = false;
+    const holder = this.canvas.parentElement as HTMLElement;
+    const scale = Math.min(devicePixelRatio, 2);
+    [this.width, this.height] = [holder.clientWidth, holder.clientHeight];
+    for (const context of [this.below, this.above]) {
+      context.canvas.width = Math.max(this.width * scale, 1);
+      context.canvas.height = Math.max(this.height * scale, 1);
+      context.setTransform(scale, 0, 0, scale, 0, 0);
+    }
+    return true;
+  }
+
+  /** Place of a value. */
+  px(value: number): number {
+    return LEFT + part(this.x, value) * (this.width - LEFT - RIGHT);
+  }
+
+  py(value: number): number {
+    return this.height - BOTTOM - part(this.y, value) * (this.height - TOP - BOTTOM);
+  }
+
+  /** Empties the chart and draws its axes. */
+  axes(palette: Palette): void {
+    const { below: c, width, height } = this;
+    c.clearRect(0, 0, width, height);
+    c.lineWidth = 1;
+    c.font = `11px "Inter Variable", sans-serif`;
+    const bottom = height - BOTTOM;
+    c.textAlign = "center";
+    for (const { value, text } of ticks(this.x, (width - LEFT - RIGHT) / (this.x.log ? 50 : 90))) {
+      const at = Math.round(this.px(value)) + 0.5;
+      line(c, palette.grid, at, TOP, at, bottom);
+      c.fillStyle = palette.faint;
+      number(c, text, at, bottom + 15);
+    }
+    c.textAlign = "right";
+    for (const { value, text } of ticks(this.y, (height - TOP - BOTTOM) / 45)) {
+      const at = Math.round(this.py(value)) + 0.5;
+      line(c, value === 0 && !this.y.log ? palette.zero : palette.grid, LEFT, at, width - RIGHT, at);
+      c.fillStyle = palette.faint;
+      number(c, text, LEFT - 8, at + 4);
+    }
+    c.textAlign = "left";
+    c.fillStyle = palette.ink;
+    draw(c, this.x.name, width - RIGHT - 14, height - 6, 16);
+    draw(c, this.y.name, 10, TOP + 2, 16);
+  }
+
+  clearAbove(): void {
+    this.above.clearRect(0, 0, this.width, this.height);
+  }
+
+  /** Whether a place lies between the axes. */
+  holds(x: number, y: number): boolean {
+    return x >= LEFT && x <= this.width - RIGHT && y >= TOP && y <= this.height - BOTTOM;
+  }
+
+  /** Keeps what is drawn between the axes. */
+  clip(context: CanvasRenderingContext2D): void {
+    context.beginPath();
+    context.rect(LEFT, TOP, this.width - LEFT - RIGHT, this.height - TOP - BOTTOM);
+    context.clip();
+  }
+
+  /** A dotted line at the time of the cursor. */
+  cursor(time: number, palette: Palette): void {
+    const at = Math.round(this.px(time)) + 0.5;
+    if (at < LEFT || at > this.width - RIGHT) return;
+    this.above.setLineDash([3, 3]);
+    line(this.above, palette.accent, at, TOP, at, this.height - BOTTOM);
+    this.above.setLineDash([]);
+  }
+}
+
+function part({ range: [low, high], log }: Axis, value: number): number {
+  if (log) return (Math.log10(Math.max(value, 1e-300)) - Math.log10(low)) / (Math.log10(high) - Math.log10(low));
+  return (value - low) / (high - low);
+}
+
+function line(c: CanvasRenderingContext2D, style: string, x0: number, y0: number, x1: number, y1: number): void {
+  c.strokeStyle = style;
+  c.lineWidth = 1;
+  c.beginPath();
+  c.moveTo(x0, y0);
+  c.lineTo(x1, y1);
+  c.stroke();
+}
+
+/** Powers of ten are written with a raised exponent. */
+function number(c: CanvasRenderingContext2D, text: string, x: number, y: number): void {
+  c.font = `11px "Inter Variable", sans-serif`;
+  const [base, power] = text.split("^");
+  if (power === undefined) {
+    c.fillText(base, x, y);
+    return;
+  }
+  const align = c.textAlign;
+  const width = c.measureText(base).width;
+  c.font = `8px "Inter Variable", sans-serif`;
+  const raised = c.measureText(power).width;
+  const left = align === "right" ? x - width - raised : x - (width + raised) / 2;
+  c.textAlign = "left";
+  c.fillText(power, left + width, y - 5);
+  c.font = `11px "Inter Variable", sans-serif`;
+  c.fillText(base, left, y);
+  c.textAlign = align;
+}
+
+/** Round values for labels, about as many as wanted. */
+export function ticks({ range: [low, high], log }: Axis, wanted: number): { value: number; text: string }[] {
+  const count = Math.max(wanted, 2);
+  if (log) {
+    const [from, to] = [Math.ceil(Math.log10(low) - 1e-9), Math.floor(Math.log10(high) + 1e-9)];
+    const every = Math.max(1, Math.ceil((to - from) / count));
+    const powers = [];
+    for (let power = from; power <= to; power += every) powers.push(power);
+    return powers.map((power) => ({ value: 10 ** power, text: powerOfTen(power) }));
+  }
+  const rough = (high - low) / count;
+  const size = 10 ** Math.floor(Math.log10(rough));
+  const step = [1, 2, 5, 10].map((factor) => factor * size).find((one) => one >= rough) ?? rough;
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const found = [];
+  for (let k = Math.ceil(low / step); k <= Math.floor(high / step); k++) {
+    found.push({ value: k * step, text: k === 0 ? "0" : (k * step).toFixed(digits).replace("-", "−") });
+  }
+  return found;
+}
+
+function powerOfTen(power: number): string {
+  if (power >= -1 && power <= 2) return String(10 ** power);
+  return `10^${String(power).replace("-", "−")}`;
+}
+
+/** A range with a margin; never empty. */
+export function padded([low, high]: Range, margin = 0.08): Range {
+  const room = Math.max(high - low, 1e-3 * Math.max(Math.abs(low), Math.abs(high), 1)) * margin;
+  return [low - room, high + room];
+}

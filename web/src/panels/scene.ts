@@ -1,0 +1,398 @@
+/**
+ * The moving top.  The body is its ellipsoid of inertia, with half axes in the ratio of 1/sqrt(I), the axes of the moments
+ * through it, and a ball at the centre of mass.  In the space frame the body turns; in the body frame it stands still.
+ */
+
+import {
+  ACESFilmicToneMapping, AmbientLight, BufferGeometry, CanvasTexture, CircleGeometry, Color, ConeGeometry, CylinderGeometry,
+  DirectionalLight, Float32BufferAttribute, Group, GreaterDepth, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshPhysicalMaterial,
+  MeshStandardMaterial, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Quaternion, Scene, ShadowMaterial, SphereGeometry,
+  SRGBColorSpace, TorusGeometry, Vector3, WebGLRenderer, type Material, type Object3D,
+} from "three";
+import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
+import { RoomEnvironment } from "three/examples/jsm/environments/RoomEnvironment.js";
+import { WIDTH, type Results } from "../results";
+import type { Laboratory } from "../state/laboratory";
+import type { Palette } from "../style/palette";
+import { element } from "../symbols";
+import { Ribbon } from "./ribbon";
+
+/** Longest half axis, and longest vector, in units of the scene. */
+const BODY = 0.95;
+const LONGEST = 1.7;
+/** Time units of the trails. */
+const PAST = 9;
+const TRAIL_POINTS = 460;
+const FLOOR = -1.6;
+/** Opacity of the shadow top, and the angle to the body at which it has it. */
+const GLASS = 0.22;
+const APART = 0.15;
+const UP = new Vector3(0, 1, 0);
+
+const VECTORS = [
+  { name: "l", at: 0, words: "angular momentum" },
+  { name: "alpha", at: 3, words: "first field" },
+  { name: "beta", at: 6, words: "second field" },
+] as const;
+
+export class ScenePanel {
+  /** Without WebGL there is a message, and everything else goes on. */
+  readonly works: boolean;
+  readonly software: boolean = false;
+  private renderer!: WebGLRenderer;
+  private readonly scene = new Scene();
+  private readonly camera = new PerspectiveCamera(32, 1, 0.1, 60);
+  private controls!: OrbitControls;
+  private readonly body = new Group();
+  private readonly ghost = new Group();
+  private readonly arrows = VECTORS.map(() => arrow());
+  private readonly trails = VECTORS.map(() => new Ribbon(TRAIL_POINTS, 3.8));
+  private readonly axisTrail = new Ribbon(TRAIL_POINTS, 2.2);
+  private readonly labels: HTMLElement[];
+  private readonly floor = new Group();
+  private readonly holder: HTMLElement;
+  private readonly legend: HTMLElement;
+  private built: unknown = null;
+  private scales = [1, 1, 1];
+  private scaledFor: Results | null = null;
+  private height = 0;
+  dirty = true;
+
+  constructor(panel: HTMLElement, quality: "low" | "full" | null) {
+    this.holder = panel.querySelector(".view") as HTMLElement;
+    this.legend = panel.querySelector(".legend") as HTMLElement;
+    this.labels = VECTORS.map(({ name }) => {
+      const label = element(name);
+      label.classList.add("label");
+      label.setAttribute("aria-hidden", "true");
+      return label;
+    });
+    this.works = this.begin(quality);
+    if (!this.works) return;
+    this.scene.add(this.body, this.ghost, this.floor, this.axisTrail, ...this.trails, ...this.arrows);
+    this.holder.append(...this.labels);
+    new ResizeObserver(() => this.resize()).observe(this.holder);
+    this.resize();
+  }
+
+  private begin(quality: "low" | "full" | null): boolean {
+    try {
+      this.renderer = new WebGLRenderer({ antialias: quality !== "low", alpha: true, preserveDrawingBuffer: true });
+    } catch {
+      const message = document.createElement("p");
+      message.className = "none";
+      message.textContent = "This browser shows no WebGL, so the moving body cannot be drawn. All charts go on.";
+      this.holder.append(message);
+      return false;
+    }
+    const { renderer, camera } = this;
+    const context = renderer.getContext();
+    const known = context.getExtension("WEBGL_debug_renderer_info");
+    const name = String(context.getParameter(known ? known.UNMASKED_RENDERER_WEBGL : context.RENDERER));
+    const slow = /swiftshader|llvmpipe|software|basic render/i.test(name);
+    (this as { software: boolean }).software = quality ? quality === "low" : slow;
+    renderer.setPixelRatio(this.software ? 1 : Math.min(devicePixelRatio, 2));
+    renderer.toneMapping = ACESFilmicToneMapping;
+    renderer.toneMappingExposure = 1.05;
+    renderer.shadowMap.enabled = !this.software;
+    renderer.shadowMap.type = PCFShadowMap;
+    renderer.domElement.setAttribute("role", "img");
+    renderer.domElement.setAttribute("aria-label", "The moving top with its vectors. Drag or use Shift and the arrow keys to turn the view.");
+    this.holder.append(renderer.domElement);
+    camera.up.set(0, 0, 1);
+    camera.position.set(4.9, -5.6, 2.35);
+    this.controls = new OrbitControls(camera, renderer.domElement);
+    Object.assign(this.controls, { enablePan: false, minDistance: 3.5, maxDistance: 16, maxPolarAngle: 1.75 });
+    this.controls.target.set(0, 0, -0.12);
+    this.controls.addEventListener("change", () => (this.dirty = true));
+    this.controls.update();
+    if (!this.software) {
+      const maker = new PMREMGenerator(renderer);
+      this.scene.environment = maker.fromScene(new RoomEnvironment(), 0.03).texture;
+      this.scene.environmentIntensity = 0.55;
+      maker.dispose();
+    }
+    this.lights();
+    return true;
+  }
+
+  private lights(): void {
+    const sun = new DirectionalLight(0xffffff, 2.3);
+    sun.position.set(2.2, -2.6, 6);
+    sun.castShadow = true;
+    sun.shadow.mapSize.set(2048, 2048);
+    sun.shadow.radius = 7;
+    sun.shadow.bias = -0.0004;
+    sun.shadow.normalBias = 0.04;
+    Object.assign(sun.shadow.camera, { left: -3, right: 3, top: 3, bottom: -3, near: 1, far: 12 });
+    this.scene.add(sun, new HemisphereLight(0xffffff, 0x8a8f9a, this.software ? 1.7 : 0.7), new AmbientLight(0xffffff, 0.15));
+  }
+
+  /** Turns the view by angles. */
+  turn(azimuth: number, polar: number): void {
+    if (!this.works) return;
+    const offset = this.camera.position.clone().sub(this.controls.target);
+    const side = new Vector3().crossVectors(this.camera.up, offset).normalize();
+    offset.applyAxisAngle(this.camera.up, azimuth).applyAxisAngle(side, polar);
+    this.camera.position.copy(this.controls.target).add(offset);
+    this.controls.update();
+    this.dirty = true;
+  }
+
+  draw(lab: Laboratory, results: Results, palette: Palette): void {
+    if (!this.works) return;
+    const key = `${lab.parameters.map((one) => one.text).join()} ${palette.panel} ${palette.dark}`;
+    if (key !== this.built) {
+      this.built = key;
+      this.build(lab, palette);
+    }
+    const state = results.top.at(lab.time);
+    if (state) this.move(lab, results, state);
+    this.renderer.render(this.scene, this.camera);
+    this.place();
+    this.dirty = false;
+  }
+
+  private resize(): void {
+    const { clientWidth: width, clientHeight: height } = this.holder;
+    if (!width || !height) return;
+    this.height = height;
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    // a narrow page sees the same width
+    this.camera.fov = width / height < 1.15 ? 32 * Math.min(1.15 / (width / height), 1.6) : 32;
+    this.camera.updateProjectionMatrix();
+    for (const trail of [...this.trails, this.axisTrail]) trail.material.uniforms.size.value.set(width, height);
+    this.dirty = true;
+  }
+
+  private build(lab: Laboratory, palette: Palette): void {
+    const numbers = lab.parameters.map((one) => one.value);
+    for (const group of [this.body, this.ghost, this.floor]) emptied(group);
+    this.body.add(...bodyOf(numbers, palette, this.software));
+    this.ghost.add(...ghostOf(numbers, palette));
+    this.floor.add(...floorOf(palette));
+    const colours = [palette.l, palette.alpha, palette.beta];
+    this.arrows.forEach((one, k) => one.traverse((part) => part instanceof Mesh && (part.material as MeshStandardMaterial).color.set(colours[k])));
+    this.trails.forEach((trail, k) => trail.material.uniforms.colour.value.set(colours[k]));
+    this.axisTrail.material.uniforms.colour.value.set(palette.axis);
+    this.axisTrail.material.uniforms.strength.value = 0.7;
+    this.labels.forEach((label, k) => (label.style.color = colours[k]));
+    this.legend.replaceChildren(
+      ...VECTORS.map(({ name, words }, k) => entry(name, words, colours[k])),
+      entry("a", "centre of mass", palette.a),
+      ...(numbers.slice(6, 9).some(Boolean) ? [entry("b", "centre of charge", palette.b)] : []),
+    );
+  }
+
+  /** Vectors are drawn to fit: each kind has one scale for the orbit. */
+  private scale(results: Results): void {
+    if (this.scaledFor === results) return;
+    const longest = [0, 0, 0];
+    results.top.visit(0, 60, (_, states, at) => {
+      VECTORS.forEach((vector, k) => (longest[k] = Math.max(longest[k], Math.hypot(...states.subarray(at + vector.at, at + vector.at + 3)))));
+    });
+    this.scales = longest.map((length) => (length > 0 ? LONGEST / length : 1));
+    // both fields have one unit
+    this.scales[1] = this.scales[2] = Math.min(...[1, 2].filter((k) => longest[k] > 0).map((k) => this.scales[k]), LONGEST);
+    if (results.top.end >= 35 || results.finished) this.scaledFor = results;
+  }
+
+  private move(lab: Laboratory, results: Results, state: Float64Array): void {
+    this.scale(results);
+    const start = results.top.chunks[0].states;
+    const fixed = lab.view.frame === "body" ? quaternionOf(start, 0) : null;
+    const turned = (states: Float64Array, at: number, k: number): Vector3 =>
+      new Vector3(states[at + k], states[at + k + 1], states[at + k + 2]).applyQuaternion(fixed ?? quaternionOf(states, at));
+    this.body.quaternion.copy(fixed ?? quaternionOf(state, 0));
+    this.arrows.forEach((one, k) => point(one, turned(state, 0, VECTORS[k].at).multiplyScalar(this.scales[k])));
+    const shadow = lab.view.shadow ? results.shadow.at(lab.time) : null;
+    this.ghost.visible = shadow !== null && !fixed;
+    if (shadow) this.part(quaternionOf(shadow, 0));
+    const from = lab.time - PAST;
+    const paths: number[][] = [[], [], [], []];
+    const add = (states: Float64Array, at: number) => {
+      VECTORS.forEach((vector, k) => paths[k].push(...turned(states, at, vector.at).multiplyScalar(this.scales[k]).toArray()));
+      if (!fixed) paths[3].push(...new Vector3(0, 0, 1.3).applyQuaternion(quaternionOf(states, at)).toArray());
+    };
+    results.top.visit(from, lab.time, (_, states, at) => add(states, at));
+    add(state, 0);
+    this.trails.forEach((trail, k) => trail.through(paths[k]));
+    this.axisTrail.visible = !fixed;
+    this.axisTrail.through(paths[3]);
+  }
+
+  /** Puts the shadow in its place: the farther from the body, the better it is seen. */
+  private part(shadow: Quaternion): void {
+    this.ghost.quaternion.copy(shadow);
+    const opacity = GLASS * Math.min(shadow.angleTo(this.body.quaternion) / APART, 1);
+    this.ghost.traverse((one) => one instanceof Mesh && ((one.material as Material).opacity = opacity));
+  }
+
+  private place(): void {
+    const { clientWidth: width } = this.holder;
+    this.labels.forEach((label, k) => {
+      const tip = this.arrows[k].userData.tip as Vector3;
+      const at = tip.clone().setLength(tip.length() + 0.16).project(this.camera);
+      label.hidden = tip.length() < 0.05;
+      label.style.transform = `translate(${((at.x + 1) / 2) * width}px, ${((1 - at.y) / 2) * this.height}px) translate(-50%, -50%)`;
+    });
+  }
+}
+
+const scratch = new Quaternion();
+
+function quaternionOf(states: Float64Array, at: number): Quaternion {
+  const [w, x, y, z] = states.subarray(at + WIDTH - 4, at + WIDTH);
+  return scratch.clone().set(x, y, z, w).normalize();
+}
+
+function entry(name: string, words: string, colour: string): HTMLElement {
+  const item = document.createElement("li");
+  const letter = element(name);
+  letter.style.color = colour;
+  item.append(letter, words);
+  return item;
+}
+
+/** An arrow along the second axis, of length one; its material is its own. */
+function arrow(): Group {
+  const group = new Group();
+  const material = new MeshStandardMaterial({ roughness: 0.35, metalness: 0.15 });
+  const shaft = new Mesh(new CylinderGeometry(0.026, 0.026, 1, 20), material);
+  shaft.geometry.translate(0, 0.5, 0);
+  const head = new Mesh(new ConeGeometry(0.078, 0.23, 28), material);
+  head.geometry.translate(0, -0.115, 0);
+  group.add(shaft, head);
+  // what the body hides shines through it
+  const through = new MeshBasicMaterial({ transparent: true, opacity: 0.3, depthFunc: GreaterDepth, depthWrite: false });
+  for (const part of [shaft, head]) {
+    part.castShadow = true;
+    part.add(new Mesh(part.geometry, through));
+  }
+  group.userData.tip = new Vector3();
+  return group;
+}
+
+function point(one: Group, to: Vector3): void {
+  const length = to.length();
+  one.userData.tip = to;
+  one.visible = length > 1e-3;
+  one.quaternion.setFromUnitVectors(UP, to.clone().normalize());
+  const [shaft, head] = one.children;
+  const small = Math.min(length / 0.4, 1);
+  shaft.scale.set(small, Math.max(length - 0.2 * small, 1e-3), small);
+  head.position.y = length;
+  head.scale.setScalar(small);
+}
+
+/** Half axes of the ellipsoid of inertia, the longest one of length `BODY`. */
+function halfAxes(inertia: readonly number[]): Vector3 {
+  const axes = new Vector3(...(inertia.map((moment) => 1 / Math.sqrt(moment)) as [number, number, number]));
+  return axes.multiplyScalar(BODY / Math.max(...axes.toArray()));
+}
+
+function bodyOf(numbers: readonly number[], palette: Palette, simple: boolean): Object3D[] {
+  const axes = halfAxes(numbers.slice(0, 3));
+  const shell = new SphereGeometry(1, simple ? 48 : 96, simple ? 32 : 64);
+  shell.rotateX(Math.PI / 2);
+  const looks = { map: stripes(palette), roughness: 0.32, metalness: 0.05 };
+  const surface = simple ? new MeshStandardMaterial(looks) : new MeshPhysicalMaterial({ ...looks, clearcoat: 0.6, clearcoatRoughness: 0.4 });
+  const ellipsoid = new Mesh(shell, surface);
+  ellipsoid.scale.copy(axes);
+  const gold = new MeshStandardMaterial({ color: palette.a, roughness: 0.25, metalness: 0.75 });
+  const steel = new MeshStandardMaterial({ color: 0xb9c0ca, roughness: 0.3, metalness: 0.75 });
+  const band = new Mesh(new TorusGeometry(1, 0.028, 16, 128), gold);
+  band.scale.set(axes.x * 1.004, axes.y * 1.004, 1);
+  const parts: Object3D[] = [ellipsoid, band];
+  for (const [k, axis] of [new Vector3(1, 0, 0), new Vector3(0, 1, 0), new Vector3(0, 0, 1)].entries()) {
+    const reach = axes.getComponent(k) + (k === 2 ? 0.28 : 0.16);
+    const thick = k === 2 ? 0.03 : 0.018;
+    parts.push(rod(axis.clone().multiplyScalar(-reach), axis.clone().multiplyScalar(reach), thick, steel));
+    for (const sign of [-1, 1]) parts.push(ball(axis.clone().multiplyScalar(sign * reach), k === 2 ? 0.062 : 0.036, k === 2 && sign > 0 ? gold : steel));
+  }
+  const [a, b] = [3, 6].map((k) => new Vector3(numbers[k], numbers[k + 1], numbers[k + 2]));
+  for (const [centre, colour] of [[a, palette.a], [b, palette.b]] as const) {
+    if (centre.length() === 0) continue;
+    const metal = new MeshStandardMaterial({ color: colour, roughness: 0.25, metalness: 0.7 });
+    const along = centre.clone().normalize();
+    // outside the shell, so that it is seen; its direction is what matters
+    const out = along.multiplyScalar(1 / Math.hypot(along.x / axes.x, along.y / axes.y, along.z / axes.z) + 0.3);
+    parts.push(rod(new Vector3(), out, 0.024, metal), ball(out, 0.115, metal));
+  }
+  for (const part of parts) part.castShadow = true;
+  return parts;
+}
+
+function ghostOf(numbers: readonly number[], palette: Palette): Object3D[] {
+  const axes = halfAxes(numbers.slice(0, 3));
+  const glass = new MeshStandardMaterial({ color: palette.dark ? 0x9fb4cc : 0x66707c, transparent: true, opacity: GLASS, depthWrite: false, roughness: 0.6 });
+  const shell = new Mesh(new SphereGeometry(1, 48, 32), glass);
+  shell.scale.copy(axes);
+  const reach = axes.z + 0.28;
+  const stick = rod(new Vector3(0, 0, -reach), new Vector3(0, 0, reach), 0.026, glass);
+  return [shell, stick, ball(new Vector3(0, 0, reach), 0.056, glass), ball(new Vector3(0, 0, -reach), 0.056, glass)];
+}
+
+function floorOf(palette: Palette): Object3D[] {
+  const points: number[] = [];
+  const colours: number[] = [];
+  const colour = new Color(palette.floor);
+  const add = (radius: number, angle: number) => {
+    points.push(radius * Math.cos(angle), radius * Math.sin(angle), FLOOR);
+    colours.push(colour.r, colour.g, colour.b, Math.max(0, 1 - radius / 4.2) * 0.75);
+  };
+  for (const radius of [0.6, 1.2, 1.8, 2.4, 3, 3.6]) {
+    for (let k = 0; k < 128; k++) [k, k + 1].forEach((end) => add(radius, (end * Math.PI) / 64));
+  }
+  for (let k = 0; k < 16; k++) for (let r = 0.6; r < 3.9; r += 0.3) [r, r + 0.3].forEach((radius) => add(radius, (k * Math.PI) / 8));
+  const geometry = new BufferGeometry();
+  geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
+  geometry.setAttribute("color", new Float32BufferAttribute(colours, 4));
+  const lines = new LineSegments(geometry, new LineBasicMaterial({ vertexColors: true, transparent: true, depthWrite: false }));
+  const ground = new Mesh(new CircleGeometry(5, 48), new ShadowMaterial({ opacity: palette.dark ? 0.5 : 0.2 }));
+  ground.position.z = FLOOR - 0.002;
+  ground.receiveShadow = true;
+  return [ground, lines];
+}
+
+function rod(from: Vector3, to: Vector3, radius: number, material: Material): Mesh {
+  const along = to.clone().sub(from);
+  const found = new Mesh(new CylinderGeometry(radius, radius, along.length(), 18), material);
+  found.position.copy(from).addScaledVector(along, 0.5);
+  found.quaternion.setFromUnitVectors(UP, along.normalize());
+  return found;
+}
+
+function ball(at: Vector3, radius: number, material: Material): Mesh {
+  const found = new Mesh(new SphereGeometry(radius, 28, 20), material);
+  found.position.copy(at);
+  return found;
+}
+
+/** Eight stripes from pole to pole. */
+function stripes(palette: Palette): CanvasTexture {
+  const canvas = document.createElement("canvas");
+  [canvas.width, canvas.height] = [1024, 4];
+  const c = canvas.getContext("2d") as CanvasRenderingContext2D;
+  for (let k = 0; k < 8; k++) {
+    c.fillStyle = k % 2 ? palette.body2 : palette.body;
+    c.fillRect(k * 128, 0, 128, 4);
+  }
+  const texture = new CanvasTexture(canvas);
+  texture.colorSpace = SRGBColorSpace;
+  texture.anisotropy = 8;
+  return texture;
+}
+
+/** Gives the memory of the graphics card back. */
+function emptied(group: Group): void {
+  group.traverse((part) => {
+    if (!(part instanceof Mesh || part instanceof LineSegments)) return;
+    part.geometry.dispose();
+    const material = part.material as MeshStandardMaterial;
+    material.map?.dispose();
+    material.dispose();
+  });
+  group.clear();
+}

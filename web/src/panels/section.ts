@@ -1,0 +1,140 @@
+/** Crossings of the surface in two components, coloured by their time.  A click on one starts there. */
+
+import { components } from "../data/tops";
+import type { Results } from "../results";
+import type { Laboratory } from "../state/laboratory";
+import { timeColour, type Palette } from "../style/palette";
+import { element, plain } from "../symbols";
+import { padded, Plot } from "./plot";
+
+/** How near the pointer must be, in pixels. */
+const REACH = 12;
+
+export class SectionPanel {
+  private readonly plot: Plot;
+  private drawn = 0;
+  private shown: unknown = null;
+  private chosen: number | null = null;
+  private readonly head: HTMLElement;
+
+  constructor(panel: HTMLElement, private readonly start: (state: Float64Array) => void, private readonly said: (text: string) => void) {
+    this.plot = new Plot(panel, "Poincaré section");
+    this.head = panel.querySelector("p") as HTMLElement;
+    const { canvas } = this.plot;
+    canvas.tabIndex = 0;
+    canvas.setAttribute("role", "application");
+    canvas.setAttribute("aria-label", "Crossings of the section. Arrow keys choose one, Enter starts there.");
+    canvas.addEventListener("pointermove", (event) => (this.chosen = this.near(event.offsetX, event.offsetY)));
+    canvas.addEventListener("pointerleave", () => (this.chosen = null));
+    canvas.addEventListener("click", (event) => this.begin(this.near(event.offsetX, event.offsetY)));
+    canvas.addEventListener("keydown", (event) => this.key(event));
+  }
+
+  private results: Results | null = null;
+  private columns: readonly [number, number] = [0, 1];
+
+  draw(lab: Laboratory, results: Results, palette: Palette): void {
+    const { plot } = this;
+    const sign = lab.direction === 0 ? "" : lab.direction > 0 ? ", rising" : ", falling";
+    const key = [results, lab.axes.join(), palette].map(String).join() && `${lab.axes.join()} ${palette.dark} ${palette.panel}`;
+    this.columns = [components.indexOf(lab.axes[0]), components.indexOf(lab.axes[1])];
+    const { rows, times } = results.crossings;
+    const outside = rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
+    if (plot.measure() || results !== this.results || key !== this.shown || outside) {
+      [this.results, this.shown, this.drawn] = [results, key, 0];
+      for (const [axis, column] of [["x", this.columns[0]], ["y", this.columns[1]]] as const) {
+        const values = rows.map((row) => row[column]);
+        const range = values.length ? padded([values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))]) : ([-1, 1] as const);
+        plot[axis] = { range, name: components[column] };
+      }
+      plot.axes(palette);
+    }
+    if (this.drawn < rows.length || rows.length === 0) this.heading(lab, sign, rows.length, palette);
+    const size = rows.length > 3000 ? 1.5 : 1.9;
+    for (; this.drawn < rows.length; this.drawn++) {
+      const [x, y] = this.place(rows[this.drawn]);
+      plot.below.fillStyle = timeColour(times[this.drawn] / 1e4, palette.dark);
+      plot.below.beginPath();
+      plot.below.arc(x, y, size, 0, 7);
+      plot.below.fill();
+    }
+    plot.clearAbove();
+    const last = results.crossings.before(lab.time);
+    if (last >= 0) ring(plot.above, this.place(rows[last]), palette.l, 6);
+    if (this.chosen !== null && rows[this.chosen]) this.hover(rows[this.chosen], times[this.chosen], palette);
+  }
+
+  private heading(lab: Laboratory, sign: string, count: number, palette: Palette): void {
+    const scale = document.createElement("span");
+    scale.className = "scale";
+    scale.style.background = `linear-gradient(90deg, ${[0, 0.25, 0.5, 0.75, 1].map((part) => timeColour(part, palette.dark)).join(",")})`;
+    const bold = document.createElement("b");
+    bold.textContent = count.toLocaleString("en");
+    this.head.replaceChildren("t", scale, element(lab.surface), ` = 0${sign} · `, bold, " crossings");
+    this.head.setAttribute("title", "Early crossings violet, late ones yellow.");
+  }
+
+  private hover(row: Float64Array, time: number, palette: Palette): void {
+    const { above, width } = this.plot;
+    const [x, y] = this.place(row);
+    ring(above, [x, y], palette.accent, 7);
+    const text = `t = ${time.toFixed(1)} · click to start here`;
+    above.font = `12px "Inter Variable", sans-serif`;
+    const wide = above.measureText(text).width + 14;
+    const left = Math.min(Math.max(x - wide / 2, 2), width - wide - 2);
+    const top = y > 50 ? y - 34 : y + 14;
+    above.fillStyle = palette.panel;
+    above.strokeStyle = palette.accent;
+    above.beginPath();
+    above.roundRect(left, top, wide, 22, 6);
+    above.fill();
+    above.stroke();
+    above.fillStyle = palette.ink;
+    above.textAlign = "left";
+    above.fillText(text, left + 7, top + 15);
+  }
+
+  private place(row: Float64Array): [number, number] {
+    return [this.plot.px(row[this.columns[0]]), this.plot.py(row[this.columns[1]])];
+  }
+
+  private near(x: number, y: number): number | null {
+    let [best, nearest]: [number, number | null] = [REACH ** 2, null];
+    this.results?.crossings.rows.forEach((row, k) => {
+      const at = this.place(row);
+      const distance = (at[0] - x) ** 2 + (at[1] - y) ** 2;
+      if (distance < best) [best, nearest] = [distance, k];
+    });
+    return nearest;
+  }
+
+  private begin(index: number | null): void {
+    const row = index === null ? undefined : this.results?.crossings.rows[index];
+    this.chosen = null;
+    if (row) this.start(row);
+  }
+
+  private key(event: KeyboardEvent): void {
+    const count = this.results?.crossings.length ?? 0;
+    const step = { ArrowRight: 1, ArrowUp: 1, ArrowLeft: -1, ArrowDown: -1 }[event.key];
+    if (step && count) {
+      this.chosen = ((this.chosen ?? (step > 0 ? -1 : count)) + step + count) % count;
+      const row = this.results!.crossings.rows[this.chosen];
+      const place = this.columns.map((column) => `${plain(components[column])} = ${row[column].toPrecision(4)}`).join(", ");
+      this.said(`crossing ${this.chosen + 1} of ${count}, t = ${this.results!.crossings.times[this.chosen].toFixed(2)}, ${place}`);
+    } else if (event.key === "Enter") this.begin(this.chosen);
+    else if (event.key === "Escape") this.chosen = null;
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+}
+
+function ring(c: CanvasRenderingContext2D, [x, y]: readonly [number, number], colour: string, radius: number): void {
+  c.strokeStyle = colour;
+  c.lineWidth = 2;
+  c.beginPath();
+  c.arc(x, y, radius, 0, 7);
+  c.stroke();
+  c.lineWidth = 1;
+}

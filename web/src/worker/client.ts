@@ -1,0 +1,56 @@
+/** The page's side of the worker: starts it with the core, gives it jobs, and hands on the updates of the newest. */
+
+import packed from "virtual:core";
+import type { FromWorker, Job, ToWorker, Update } from "./messages";
+import Worker from "./worker?worker&inline";
+
+/** The core, unpacked. */
+async function program(): Promise<ArrayBuffer> {
+  const bytes = Uint8Array.from(atob(packed), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  return new Response(stream).arrayBuffer();
+}
+
+export class Client {
+  private readonly worker = new Worker();
+  private generation = 0;
+
+  private constructor(private readonly take: (update: Update) => void, private readonly refuse: (message: string) => void) {}
+
+  static async start(take: (update: Update) => void, refuse: (message: string) => void): Promise<Client> {
+    const client = new Client(take, refuse);
+    const bytes = await program();
+    await new Promise<void>((ready, fail) => {
+      client.worker.onerror = (event) => fail(new Error(event.message || "the worker did not start"));
+      client.worker.onmessage = () => ready();
+      client.worker.postMessage({ say: "core", program: bytes } satisfies ToWorker, [bytes]);
+    });
+    client.worker.onmessage = ({ data }: MessageEvent<FromWorker>) => client.hear(data);
+    client.worker.onerror = (event) => refuse(event.message);
+    return client;
+  }
+
+  /** Starts another job; what comes of earlier ones is dropped. */
+  run(job: Job): void {
+    this.generation += 1;
+    this.say({ say: "job", generation: this.generation, job });
+  }
+
+  /** The motion is wanted up to a time. */
+  until(time: number): void {
+    this.say({ say: "until", generation: this.generation, time });
+  }
+
+  private hear(message: FromWorker): void {
+    if (message.say === "update") {
+      this.say({ say: "seen" });
+      if (message.generation === this.generation) this.take(message.update);
+    } else if (message.say === "refused" && message.generation === this.generation) {
+      this.refuse(message.message);
+    }
+  }
+
+  private say(message: ToWorker): void {
+    this.worker.postMessage(message);
+  }
+}

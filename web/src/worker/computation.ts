@@ -1,0 +1,260 @@
+/**
+ * One orbit and what is known of it, computed piece by piece by the core.  Each call of `advance` takes some milliseconds and
+ * gives one update, so that a newer job is never kept waiting.
+ *
+ * The orbit is integrated once, from one checkpoint to the next, and looked at for crossings on the way.  What is drawn of
+ * the moving body starts from these checkpoints again, so that it stays on the same orbit however chaotic that is.
+ */
+
+import type { Core, Field, FieldDescription, Functions, Method } from "../core/core.js";
+import { families, moving, N, N_ATTITUDE, N_PARAMETERS } from "../data/tops";
+import type { Job, Update } from "./messages";
+
+/** Between checkpoints, once the time is beyond it. */
+const STRIDE = 20;
+/** Checkpoints before that: the drift is drawn over the logarithm of time. */
+const EARLY = [0.1, 0.2, 0.35, 0.5, 0.7, 1, 1.4, 2, 2.8, 4, 5.6, 8, 11, 15];
+/** Between the states that are drawn. */
+const SAMPLING = 1 / 50;
+/** Distance of the shadow, in the first component. */
+const SHADOW = 1e-3;
+const MEMBERS = 24;
+/** The exponents of an ensemble are followed to this part of the horizon. */
+const BAND_HORIZON = 0.2;
+/** Intervals in each doubling of the time, at which exponents are known. */
+const PER_DOUBLING = 8;
+/** At most so many time units times members in one call. */
+const AT_ONCE = 200;
+const WIDTH = N + N_ATTITUDE;
+
+export class Computation {
+  private readonly held: { free(): void }[] = [];
+  private readonly field: Field;
+  private readonly moving: Field;
+  private readonly method: Method;
+  private readonly surface: Functions;
+  private readonly invariants: Functions;
+  private readonly names: readonly string[];
+  private readonly family: string;
+  private readonly first: Float64Array;
+
+  private readonly times: number[] = [0];
+  private readonly checkpoints: Float64Array[];
+  private side: Float64Array = new Float64Array();
+  private readonly moved: { next: number; state: Float64Array; stopped: boolean }[];
+  private wanted = 2 * STRIDE;
+  private exponent: Growth | null = null;
+  private band: Growth | null = null;
+  private stopped = false;
+  private opened = false;
+  private reported = false;
+
+  constructor(private readonly core: Core, private readonly job: Job) {
+    const { parameters, start, tol } = job;
+    const [inertia, a, b] = [0, 3, 6].map((k) => parameters.slice(k, k + 3));
+    const top: FieldDescription = { kind: "top", inertia, a, b, epsilon: parameters[9] };
+    this.field = this.hold(core.field(top));
+    this.moving = this.hold(core.field(moving));
+    this.method = this.hold(core.method({ kind: "taylor", tol }));
+    this.surface = this.hold(core.functions({ n_components: N, instructions: [], outputs: [job.surface] }));
+    const family = this.found();
+    this.names = family.names;
+    this.family = family.name;
+    this.invariants = this.hold(core.functions(family.functions));
+    this.checkpoints = [Float64Array.from(start)];
+    this.first = this.valuesAt(this.checkpoints[0]);
+    const shadow = start.with(0, start[0] + SHADOW);
+    this.moved = [start, shadow].map((state) => ({ next: 0, state: Float64Array.from([...state, ...job.attitude]), stopped: false }));
+  }
+
+  free(): void {
+    this.held.forEach((one) => one.free());
+  }
+
+  /** The motion is wanted up to a time. */
+  until(time: number): void {
+    this.wanted = Math.min(time, this.job.horizon);
+  }
+
+  /** The next update; null when all is done that is wanted. */
+  advance(): Update | null {
+    if (!this.opened) {
+      this.opened = true;
+      return { say: "invariants", names: this.names, values: [...this.first], family: this.family };
+    }
+    return this.motion() ?? this.pass() ?? this.growth() ?? this.ensemble() ?? this.end();
+  }
+
+  private end(): Update | null {
+    if (this.reported) return null;
+    this.reported = true;
+    return { say: "finished" };
+  }
+
+  private hold<T extends { free(): void }>(one: T): T {
+    this.held.push(one);
+    return one;
+  }
+
+  /** The last family that the top belongs to. */
+  private found() {
+    const at = [...this.job.start, ...this.job.parameters];
+    const member = families.filter(({ conditions }) => {
+      if (!conditions) return true;
+      const functions = this.core.functions(conditions);
+      const values = functions.values(at);
+      functions.free();
+      return values.every((value) => value === 0);
+    });
+    return member[member.length - 1];
+  }
+
+  /** Invariants at states of `width` components, of which the first are those of the top. */
+  private valuesAt(states: Float64Array, width: number = N): Float64Array {
+    const count = states.length / width;
+    const all = new Float64Array(count * (N + N_PARAMETERS));
+    for (let k = 0; k < count; k++) {
+      all.set(states.subarray(k * width, k * width + N), k * (N + N_PARAMETERS));
+      all.set(this.job.parameters, k * (N + N_PARAMETERS) + N);
+    }
+    return this.invariants.values(all);
+  }
+
+  /** A piece of the motion between two checkpoints, of the top or of its shadow, whichever is behind. */
+  private motion(): Update | null {
+    const [top, shadow] = this.moved;
+    const which = shadow.stopped || top.next <= shadow.next ? 0 : 1;
+    const one = this.moved[which];
+    const from = this.times[one.next];
+    if (one.stopped || from >= this.wanted) return null;
+    if (one.next + 1 >= this.times.length) return this.stopped ? null : this.pass();
+    const to = this.times[one.next + 1];
+    if (which === 0) one.state.set(this.checkpoints[one.next]);
+    const orbit = this.core.orbit(this.moving, this.method, [...one.state, ...this.job.parameters], from, to);
+    const count = Math.max(Math.ceil((to - from) / SAMPLING), 1);
+    const times = Float64Array.from({ length: count + 1 }, (_, k) => from + ((to - from) * k) / count);
+    const wide = orbit.at(times);
+    const { outcome, endTime } = orbit.ends;
+    orbit.free();
+    const states = withoutParameters(wide, times.length);
+    one.state = states.slice(-WIDTH);
+    one.next += 1;
+    if (outcome[0] !== "finished") {
+      one.stopped = true;
+      return { say: "ended", what: which === 0 ? "motion" : "shadow", outcome: outcome[0], time: endTime[0] };
+    }
+    const values = which === 0 ? this.valuesAt(states, WIDTH) : new Float64Array();
+    return { say: "motion", shadow: which === 1, times, states, values };
+  }
+
+  private drifted: { times: number[]; differences: number[] } = { times: [], differences: [] };
+
+  /** The orbit to the next checkpoint, and its crossings; now and then the drift. */
+  private pass(): Update | null {
+    const from = this.times[this.times.length - 1];
+    if (this.stopped || from >= this.job.horizon) return this.drift();
+    if (this.drifted.times.length >= 32) return this.drift();
+    const to = EARLY.find((time) => time > from) ?? Math.min((Math.floor(from / STRIDE) + 1) * STRIDE, this.job.horizon);
+    const last = this.checkpoints[this.checkpoints.length - 1];
+    const { direction } = this.job;
+    const found = this.core.section(this.field, this.method, this.surface, last, { from, to, direction, sides: this.side });
+    this.side = found.side;
+    if (found.outcome[0] !== "finished") {
+      this.stopped = true;
+      return { say: "ended", what: "orbit", outcome: found.outcome[0], time: found.endTime[0] };
+    }
+    this.times.push(to);
+    this.checkpoints.push(found.endState);
+    const values = this.valuesAt(found.endState);
+    this.drifted.times.push(to);
+    this.drifted.differences.push(...values.map((value, k) => value - this.first[k]));
+    return { say: "crossings", times: found.crossings.time, states: found.crossings.state, until: to };
+  }
+
+  private drift(): Update | null {
+    if (this.drifted.times.length === 0) return null;
+    const { times, differences } = this.drifted;
+    this.drifted = { times: [], differences: [] };
+    return { say: "drift", times: Float64Array.from(times), differences: Float64Array.from(differences) };
+  }
+
+  /** The finite-time exponent of the orbit. */
+  private growth(): Update | null {
+    this.exponent ??= new Growth(this.core, this.field, this.method, Float64Array.from(this.job.start), this.job.horizon);
+    const found = this.exponent.advance();
+    return found && { say: "exponent", times: Float64Array.of(found.time), values: found.values };
+  }
+
+  /** The exponents of an ensemble: starts along the orbit, so that all have its energy and its Casimirs. */
+  private ensemble(): Update | null {
+    if (this.stopped) return null;
+    if (!this.band) {
+      const late = this.checkpoints.slice(EARLY.length);
+      if (late.length < MEMBERS) return null;
+      const states = Array.from({ length: MEMBERS }, (_, k) => late[Math.floor((k * late.length) / MEMBERS)]);
+      const flat = Float64Array.from(states.flatMap((state) => [...state]));
+      this.band = new Growth(this.core, this.field, this.method, flat, this.job.horizon * BAND_HORIZON);
+    }
+    const found = this.band.advance();
+    if (!found) return null;
+    const sorted = found.values.filter(Number.isFinite).sort();
+    const at = (part: number) => sorted[Math.round(part * (sorted.length - 1))];
+    const values = Float64Array.of(at(0.1), at(0.5), at(0.9));
+    return { say: "band", members: sorted.length, times: Float64Array.of(found.time), values };
+  }
+}
+
+/** Growth of one tangent vector for each of some orbits, over times that double. */
+class Growth {
+  private readonly members: number;
+  private time = 0;
+  private done = 0;
+  private readonly grown: Float64Array;
+  private frames: Float64Array;
+  private elapsed: Float64Array;
+  private stopped = false;
+
+  constructor(
+    private readonly core: Core,
+    private readonly field: Field,
+    private readonly method: Method,
+    private states: Float64Array,
+    private readonly horizon: number,
+  ) {
+    this.members = states.length / N;
+    this.frames = new Float64Array(states.length).fill(1 / Math.sqrt(N));
+    this.elapsed = new Float64Array(this.members);
+    this.grown = new Float64Array(this.members);
+  }
+
+  /** Exponents at the next time. */
+  advance(): { time: number; values: Float64Array } | null {
+    if (this.stopped || this.time >= this.horizon) return null;
+    const doubling = Math.floor(this.done / PER_DOUBLING);
+    const interval = (doubling === 0 ? 1 : 2 ** (doubling - 1)) / PER_DOUBLING;
+    const parts = Math.max(1, Math.ceil((interval * this.members) / AT_ONCE / 4));
+    const run = this.core.frames(this.field, this.method, this.states, this.frames, {
+      nVectors: 1, elapsed: this.elapsed, duration: interval / parts, nIntervals: parts,
+    });
+    if (run.outcome.some((outcome) => outcome !== "finished")) {
+      this.stopped = true;
+      return null;
+    }
+    for (let k = 0; k < this.members; k++) {
+      for (let i = 0; i < parts; i++) this.grown[k] += run.growth[k * parts + i];
+    }
+    this.states = run.endState;
+    this.frames = run.frame;
+    this.elapsed = run.endTime;
+    this.time += interval;
+    this.done += 1;
+    return { time: this.time, values: this.grown.map((growth) => growth / this.time) };
+  }
+}
+
+function withoutParameters(wide: Float64Array, count: number): Float64Array {
+  const states = new Float64Array(count * WIDTH);
+  const all = WIDTH + N_PARAMETERS;
+  for (let k = 0; k < count; k++) states.set(wide.subarray(k * all, k * all + WIDTH), k * WIDTH);
+  return states;
+}

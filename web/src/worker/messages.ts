@@ -1,0 +1,41 @@
+/** What page and worker say to each other.  Arrays are flat and row-major. */
+
+/** One orbit, and all that is computed of it. */
+export interface Job {
+  readonly parameters: readonly number[];
+  readonly start: readonly number[];
+  /** Unit quaternion of the body at the start. */
+  readonly attitude: readonly number[];
+  /** Component that is zero on the section. */
+  readonly surface: number;
+  readonly direction: -1 | 0 | 1;
+  /** Tolerance of the Taylor method. */
+  readonly tol: number;
+  readonly horizon: number;
+}
+
+export type ToWorker =
+  | { readonly say: "core"; readonly program: ArrayBuffer }
+  | { readonly say: "job"; readonly generation: number; readonly job: Job }
+  /** The motion is wanted up to here. */
+  | { readonly say: "until"; readonly generation: number; readonly time: number }
+  /** An update has been shown: another may come. */
+  | { readonly say: "seen" };
+
+export type Update =
+  | { readonly say: "invariants"; readonly names: readonly string[]; readonly values: readonly number[]; readonly family: string }
+  /** States with attitude (time, 13) of the top or of its shadow, and invariants (time, invariant) of the top. */
+  | { readonly say: "motion"; readonly shadow: boolean; readonly times: Float64Array; readonly states: Float64Array; readonly values: Float64Array }
+  | { readonly say: "crossings"; readonly times: Float64Array; readonly states: Float64Array; readonly until: number }
+  /** Differences of the invariants from those of the start (time, invariant). */
+  | { readonly say: "drift"; readonly times: Float64Array; readonly differences: Float64Array }
+  | { readonly say: "exponent"; readonly times: Float64Array; readonly values: Float64Array }
+  /** Deciles 1, 5 and 9 of an ensemble (time, 3). */
+  | { readonly say: "band"; readonly members: number; readonly times: Float64Array; readonly values: Float64Array }
+  | { readonly say: "ended"; readonly what: string; readonly outcome: string; readonly time: number }
+  | { readonly say: "finished" };
+
+export type FromWorker =
+  | { readonly say: "ready" }
+  | { readonly say: "update"; readonly generation: number; readonly update: Update }
+  | { readonly say: "refused"; readonly generation: number; readonly kind: string; readonly message: string };

@@ -1,0 +1,85 @@
+/** The worker: takes jobs, works in slices, and waits when the page has not yet seen what it was sent. */
+
+import { Core, Refusal } from "../core/core.js";
+import { Computation } from "./computation";
+import type { FromWorker, ToWorker } from "./messages";
+
+/** Updates on the way that the page has not seen. */
+const MOST_UNSEEN = 64;
+/** Milliseconds between looks at the messages. */
+const SLICE = 12;
+
+let program: ArrayBuffer | null = null;
+let core: Core | null = null;
+let computation: Computation | null = null;
+let generation = -1;
+let unseen = 0;
+let awake = false;
+
+const turn = new MessageChannel();
+turn.port1.onmessage = slice;
+
+function say(message: FromWorker): void {
+  postMessage(message);
+}
+
+self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
+  switch (data.say) {
+    case "core":
+      program = data.program;
+      core = await Core.start(program);
+      say({ say: "ready" });
+      break;
+    case "job":
+      generation = data.generation;
+      computation?.free();
+      computation = null;
+      await begin(() => (computation = new Computation(core as Core, data.job)));
+      break;
+    case "until":
+      if (data.generation === generation) computation?.until(data.time);
+      break;
+    case "seen":
+      unseen -= 1;
+      break;
+  }
+  wake();
+};
+
+/** What was refused is said; a core that has stopped is started anew. */
+async function begin(attempt: () => void): Promise<void> {
+  try {
+    if (core?.stopped && program) core = await Core.start(program);
+    attempt();
+  } catch (error) {
+    refuse(error);
+  }
+}
+
+function refuse(error: unknown): void {
+  computation = null;
+  const kind = error instanceof Refusal ? error.kind : "Error";
+  say({ say: "refused", generation, kind, message: error instanceof Error ? error.message : String(error) });
+}
+
+function wake(): void {
+  if (awake || !computation) return;
+  awake = true;
+  turn.port2.postMessage(null);
+}
+
+function slice(): void {
+  awake = false;
+  const end = performance.now() + SLICE;
+  while (computation && unseen < MOST_UNSEEN && performance.now() < end) {
+    try {
+      const update = computation.advance();
+      if (!update) return;
+      unseen += 1;
+      say({ say: "update", generation, update });
+    } catch (error) {
+      refuse(error);
+    }
+  }
+  if (unseen < MOST_UNSEEN) wake();
+}

@@ -1,0 +1,58 @@
+/// <reference types="vitest/config" />
+import { createHash } from "node:crypto";
+import { readFileSync } from "node:fs";
+import { resolve } from "node:path";
+import { gzipSync } from "node:zlib";
+import { defineConfig, type Plugin } from "vite";
+
+const PROGRAM = resolve(import.meta.dirname, "../python/liepoisson/laboratory/page/core.wasm");
+
+/** `virtual:core`: the built core, compressed, as text. */
+function core(): Plugin {
+  const name = "virtual:core";
+  return {
+    name: "core",
+    resolveId: (id) => (id === name ? `\0${name}` : undefined),
+    load: (id) => {
+      if (id !== `\0${name}`) return undefined;
+      const packed = gzipSync(readFileSync(PROGRAM), { level: 9 }).toString("base64");
+      return `export default ${JSON.stringify(packed)};`;
+    },
+  };
+}
+
+/** Puts script and style into the page, and the hash of the script into its policy: nothing else can run in it. */
+function oneFile(): Plugin {
+  return {
+    name: "one-file",
+    apply: "build",
+    enforce: "post",
+    generateBundle(_, bundle) {
+      const page = bundle["index.html"];
+      if (page?.type !== "asset") return;
+      let [html, scripts, styles] = [String(page.source), "", ""];
+      for (const [name, file] of Object.entries(bundle)) {
+        if (name === "index.html") continue;
+        if (file.type === "chunk") scripts += file.code;
+        else if (name.endsWith(".css")) styles += String(file.source);
+        else throw new Error(`${name} would be a second file`);
+        delete bundle[name];
+      }
+      // what would end the element early is written in another way, which a script reads as the same text
+      const script = scripts.replaceAll("</script", "<\\/script");
+      const hash = createHash("sha256").update(script).digest("base64");
+      html = html.replace(/\s*<script type="module"[^>]*><\/script>/, "").replace(/\s*<link rel="stylesheet"[^>]*>/, "");
+      html = html.replace("</head>", () => `<style>${styles}</style>\n</head>`);
+      html = html.replace("</body>", () => `<script type="module">${script}</script>\n</body>`);
+      page.source = html.replace("script-src 'self'", `script-src 'sha256-${hash}'`);
+    },
+  };
+}
+
+export default defineConfig({
+  base: "./",
+  plugins: [core(), oneFile()],
+  worker: { format: "iife", plugins: () => [core()] },
+  build: { assetsInlineLimit: 1e8, cssCodeSplit: false, modulePreload: false, target: "es2022", reportCompressedSize: false },
+  test: { include: ["test/**/*.test.ts"] },
+});
