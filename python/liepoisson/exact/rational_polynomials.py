@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
-from math import comb, prod
+from math import comb
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -122,15 +122,6 @@ class RationalPolynomial:
                 rest = RationalPolynomial({(*monomial[:place], *lower, *monomial[place + 1 :]): Fraction(1)})
                 found.append(product_of([coefficient * power, rest, *([] if inner is True else [inner])]))
         return sum_of(found)
-
-    @property
-    def most_terms(self) -> int:
-        """At most so many terms are there when it is expanded; counted without expanding it."""
-        total = 0
-        for monomial in self.terms:
-            sums = ((atom.most_terms, power) for atom, power in monomial if isinstance(atom, RationalPolynomial))
-            total += prod(comb(terms + power - 1, power) for terms, power in sums)  # the multinomial theorem
-        return max(total, 1)
 
     def __add__(self, other: object) -> RationalPolynomial:
         return sum_of([self, other]) if isinstance(other, _SCALARS) else NotImplemented

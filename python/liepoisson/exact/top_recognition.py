@@ -31,7 +31,7 @@ def recognised_top(system: System) -> TopParameters | None:
         return None
     # The equations are expanded to be compared, which for a high power of a sum would take minutes.
     if system.polynomial_hamiltonian is not None and system.polynomial_rates is not None:
-        small = system.polynomial_hamiltonian.most_terms <= MOST_TERMS
+        small = system.polynomial_hamiltonian.written_out[0] <= MOST_TERMS
         return match_polynomial_top(system.bracket, system.polynomial_rates) if small else None
     from liepoisson.exact.formula.arithmetic import expanded_terms
 
