@@ -177,6 +177,26 @@ pub trait Field: Space {
     {
         V::outline(Rates { field: self, x, n_tangents, work, rates });
     }
+
+    /// The rates at a point that is yet to be computed; `x` and `work` have room for what [`Field::rates`] wants.
+    #[inline(always)]
+    fn rates_at<V: Lane>(&self, point: &impl Point<V>, n_tangents: usize, x: &mut [V], work: &mut [V], rates: &mut [V])
+    where
+        Self: Sized,
+    {
+        point.write(x);
+        self.rates(x, n_tangents, work, rates);
+    }
+}
+
+/// A state with its tangent vectors, group after group, that a field can ask for in parts: what is computed in registers need not
+/// go through memory.
+pub trait Point<V> {
+    /// The components from `first` on.
+    fn components<const M: usize>(&self, first: usize) -> [V; M];
+
+    /// Writes all components.
+    fn write(&self, to: &mut [V]);
 }
 
 /// A field as each block of trajectories holds it: shared, or with the parameters of its own trajectories.
@@ -245,6 +265,18 @@ impl<F: Field> Field for &F {
     #[inline(always)]
     fn rates<V: Lane>(&self, x: &[V], n_tangents: usize, work: &mut [V], rates: &mut [V]) {
         (**self).rates(x, n_tangents, work, rates);
+    }
+
+    #[inline(always)]
+    fn rates_at<V: Lane>(
+        &self,
+        point: &impl Point<V>,
+        n_tangents: usize,
+        x: &mut [V],
+        work: &mut [V],
+        rates: &mut [V],
+    ) {
+        (**self).rates_at(point, n_tangents, x, work, rates);
     }
 }
 

@@ -1,6 +1,6 @@
 //! The charged and the twisted top: so(3) (x) A for dim A = 3, all cross products fused.
 
-use super::{Field, Hold, Majorant, SinglePrecision, Space, Terms, over};
+use super::{Field, Hold, Majorant, Point, SinglePrecision, Space, Terms, over};
 use crate::error::Error;
 use crate::lanes::{Body, Lane};
 
@@ -291,32 +291,59 @@ impl Field for Top {
     /// The sums of [`Field::extend`] for order 0, in registers.
     #[inline(always)]
     fn rates<V: Lane>(&self, x: &[V], _n_tangents: usize, _work: &mut [V], rates: &mut [V]) {
-        V::outline(Rates { top: self, x, rates });
+        V::outline(Rates { top: self, point: &Known(x), rates });
+    }
+
+    #[inline(always)]
+    fn rates_at<V: Lane>(
+        &self,
+        point: &impl Point<V>,
+        _n_tangents: usize,
+        _x: &mut [V],
+        _work: &mut [V],
+        rates: &mut [V],
+    ) {
+        V::outline(Rates { top: self, point, rates });
     }
 }
 
-struct Rates<'a, V> {
+/// A point that lies in memory.
+struct Known<'a, V>(&'a [V]);
+
+impl<V: Lane> Point<V> for Known<'_, V> {
+    #[inline(always)]
+    fn components<const M: usize>(&self, first: usize) -> [V; M] {
+        *self.0[first..].first_chunk().expect("whole groups")
+    }
+
+    fn write(&self, to: &mut [V]) {
+        to.copy_from_slice(self.0);
+    }
+}
+
+struct Rates<'a, P, V> {
     top: &'a Top,
-    x: &'a [V],
+    point: &'a P,
     rates: &'a mut [V],
 }
 
-impl<V: Lane> Body for Rates<'_, V> {
+impl<P: Point<V>, V: Lane> Body for Rates<'_, P, V> {
     #[inline(always)]
     fn run(self) {
-        let Rates { top, x, rates } = self;
-        let (groups, _) = x.as_chunks::<N>();
-        let state = groups[0];
+        let Rates { top, point, rates } = self;
+        let (to, tangents) = rates.as_chunks_mut::<N>().0.split_first_mut().expect("the state is a group");
+        let state: [V; N] = point.components(0);
         let omega = top.omega(&state);
-        for (g, (group, to)) in groups.iter().zip(rates.as_chunks_mut::<N>().0).enumerate() {
+        let mut sum = [V::splat(0.0); N];
+        add_products(&mut sum, &state, &omega);
+        finish(top, &mut sum, &state);
+        *to = sum;
+        for (g, to) in tangents.iter_mut().enumerate() {
+            let tangent: [V; N] = point.components((1 + g) * N);
             let mut sum = [V::splat(0.0); N];
-            if g == 0 {
-                add_products(&mut sum, &state, &omega);
-            } else {
-                add_products(&mut sum, &state, &top.omega(group));
-                add_products(&mut sum, group, &omega);
-            }
-            finish(top, &mut sum, group);
+            add_products(&mut sum, &state, &top.omega(&tangent));
+            add_products(&mut sum, &tangent, &omega);
+            finish(top, &mut sum, &tangent);
             *to = sum;
         }
     }

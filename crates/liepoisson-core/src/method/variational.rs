@@ -1,6 +1,6 @@
 //! The variational system: trajectories with their tangent vectors as one state, and linear combinations of its rates.
 
-use crate::field::Field;
+use crate::field::{Field, Point};
 use crate::lanes::{Body, Lane, Number};
 use crate::method::taylor::sum_of_sizes;
 
@@ -89,10 +89,10 @@ impl<'f, F: Field, V: Lane> Variational<'f, F, V> {
 
     /// The rates at `state + step sum_j a_j k_j`, where `k_j` are rows of `known`.
     pub(super) fn rates_beside(&mut self, step: V, terms: &[Term], known: &[V], rates: &mut [V]) {
-        let (state, row) = (&self.state[..], self.row());
-        in_chunks::<V>(row, &mut Beside { state, step, sum: Sum { terms, known, row }, to: &mut self.beside });
-        let Variational { field, n_tangents, beside, work, .. } = self;
-        V::outline(Rates { field: *field, n_tangents: *n_tangents, x: beside, work, rates });
+        let row = self.row();
+        let Variational { field, n_tangents, state, beside, work, .. } = self;
+        let point = Beside { state, step, sum: Sum { terms, known, row } };
+        V::outline(RatesBeside { field: *field, n_tangents: *n_tangents, point, x: beside, work, rates });
     }
 }
 
@@ -109,6 +109,23 @@ impl<F: Field, V: Lane> Body for Rates<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         self.field.rates(self.x, self.n_tangents, self.work, self.rates);
+    }
+}
+
+/// The field beside the present values.
+struct RatesBeside<'a, F, V> {
+    field: &'a F,
+    n_tangents: usize,
+    point: Beside<'a, V>,
+    x: &'a mut [V],
+    work: &'a mut [V],
+    rates: &'a mut [V],
+}
+
+impl<F: Field, V: Lane> Body for RatesBeside<'_, F, V> {
+    #[inline(always)]
+    fn run(self) {
+        self.field.rates_at(&self.point, self.n_tangents, self.x, self.work, self.rates);
     }
 }
 
@@ -197,17 +214,34 @@ struct Beside<'a, V> {
     state: &'a [V],
     step: V,
     sum: Sum<'a, V>,
+}
+
+impl<V: Lane> Point<V> for Beside<'_, V> {
+    #[inline(always)]
+    fn components<const M: usize>(&self, first: usize) -> [V; M] {
+        let mut sum = self.sum.of::<M>(first);
+        let state = &self.state[first..][..M];
+        for i in 0..M {
+            sum[i] = sum[i].mul_add(self.step, state[i]);
+        }
+        sum
+    }
+
+    #[inline(always)]
+    fn write(&self, to: &mut [V]) {
+        in_chunks::<V>(to.len(), &mut Write { point: self, to });
+    }
+}
+
+struct Write<'a, V> {
+    point: &'a Beside<'a, V>,
     to: &'a mut [V],
 }
 
-impl<V: Lane> Chunk for Beside<'_, V> {
+impl<V: Lane> Chunk for Write<'_, V> {
     #[inline(always)]
     fn run<const M: usize>(&mut self, first: usize) {
-        let sum = self.sum.of::<M>(first);
-        let (to, state) = (&mut self.to[first..][..M], &self.state[first..][..M]);
-        for i in 0..M {
-            to[i] = sum[i].mul_add(self.step, state[i]);
-        }
+        self.to[first..][..M].copy_from_slice(&self.point.components::<M>(first));
     }
 }
 
