@@ -31,6 +31,8 @@ pub struct Top {
     /// `(l x omega)_1 = (1 - I3/I2) l2 omega3` and cyclically: one product instead of two, and exactly zero for
     /// equal moments, so that a symmetric top keeps `l3` exactly.
     pub(crate) asymmetry: [f64; 3],
+    /// Bit `3 * constant + axis` for each constant that is not zero: one test of an integer where a kernel asks for it.
+    present: u16,
 }
 
 impl Top {
@@ -48,13 +50,21 @@ impl Top {
             }
         }
         let [i1, i2, i3] = inertia;
-        Ok(Top {
+        let mut top = Top {
             a,
             b,
             twist: a.map(|component| epsilon * component),
             inverse_inertia: inertia.map(f64::recip),
             asymmetry: [(i2 - i3) / i2, (i3 - i1) / i3, (i1 - i2) / i1],
-        })
+            present: 0,
+        };
+        for constant in Constant::ALL {
+            for axis in 0..3 {
+                let present = top.vector(constant)[axis] != 0.0;
+                top.present |= u16::from(present) << constant.bit(axis);
+            }
+        }
+        Ok(top)
     }
 
     /// One of the vectors of constants.
@@ -93,6 +103,12 @@ impl Constant {
     pub(super) const COUNT: usize = 5;
     pub(super) const ALL: [Constant; Constant::COUNT] =
         [Constant::A, Constant::B, Constant::Twist, Constant::InverseInertia, Constant::Asymmetry];
+
+    /// Which bit stands for a component in a set of constants.
+    #[inline(always)]
+    const fn bit(self, axis: usize) -> usize {
+        3 * self as usize + axis
+    }
 }
 
 /// Where the constants come from: the same in all lanes, or lane by lane.
@@ -115,7 +131,7 @@ impl Constants for Top {
 
     #[inline(always)]
     fn vanishes(&self, constant: Constant, axis: usize) -> bool {
-        self.vector(constant)[axis] == 0.0
+        self.present >> constant.bit(axis) & 1 == 0
     }
 
     fn in_lane(&self, _lane: usize) -> &Top {
@@ -303,7 +319,7 @@ impl Field for Top {
         _work: &mut [V],
         rates: &mut [V],
     ) {
-        V::outline(Rates { top: self, point, rates });
+        Rates { top: self, point, rates }.run();
     }
 }
 

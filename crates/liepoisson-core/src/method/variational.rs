@@ -88,11 +88,12 @@ impl<'f, F: Field, V: Lane> Variational<'f, F, V> {
     }
 
     /// The rates at `state + step sum_j a_j k_j`, where `k_j` are rows of `known`.
+    #[inline(always)]
     pub(super) fn rates_beside(&mut self, step: V, terms: &[Term], known: &[V], rates: &mut [V]) {
         let row = self.row();
         let Variational { field, n_tangents, state, beside, work, .. } = self;
         let point = Beside { state, step, sum: Sum { terms, known, row } };
-        V::outline(RatesBeside { field: *field, n_tangents: *n_tangents, point, x: beside, work, rates });
+        field.rates_at(&point, *n_tangents, beside, work, rates);
     }
 }
 
@@ -109,23 +110,6 @@ impl<F: Field, V: Lane> Body for Rates<'_, F, V> {
     #[inline(always)]
     fn run(self) {
         self.field.rates(self.x, self.n_tangents, self.work, self.rates);
-    }
-}
-
-/// The field beside the present values.
-struct RatesBeside<'a, F, V> {
-    field: &'a F,
-    n_tangents: usize,
-    point: Beside<'a, V>,
-    x: &'a mut [V],
-    work: &'a mut [V],
-    rates: &'a mut [V],
-}
-
-impl<F: Field, V: Lane> Body for RatesBeside<'_, F, V> {
-    #[inline(always)]
-    fn run(self) {
-        self.field.rates_at(&self.point, self.n_tangents, self.x, self.work, self.rates);
     }
 }
 
