@@ -105,11 +105,11 @@ impl Worker<'_> {
     fn begin(&self, block: &mut dyn Block, lane: usize, seat: &mut Seat, start: (usize, &[f64], &[f64])) {
         let (member, state, tangents) = start;
         block.seat(lane, member);
+        seat.take(member, self.ensemble.times[0]);
         load(block, lane, 0, state, &mut seat.held);
         for (k, tangent) in tangents.chunks_exact(state.len()).enumerate() {
-            load(block, lane, 1 + k, tangent, &mut seat.held);
+            seat.scales[k] = load_tangent(block, lane, 1 + k, tangent, &mut seat.held);
         }
-        seat.take(member, self.ensemble.times[0]);
     }
 
     /// What follows for a trajectory that has reached the last time.
@@ -379,11 +379,27 @@ impl Worker<'_> {
 /// Puts values into one group of a lane; those that its numbers cannot hold, since single precision ends at 1e-38, as NaN:
 /// a state of 1e-300 would come to rest at the origin and be said to have finished there.
 fn load(block: &mut dyn Block, lane: usize, group: usize, values: &[f64], held: &mut Vec<f64>) {
-    let size = |values: &[f64]| values.iter().fold(0.0_f64, |size, value| size.max(value.abs()));
     block.load(lane, group, values);
     held.resize(values.len(), 0.0);
     block.read(lane, group, held);
-    if size(held) < 0.5 * size(values) {
+    if largest(held) < 0.5 * largest(values) {
         block.load(lane, group, &vec![f64::NAN; values.len()]);
     }
+}
+
+/// Puts a tangent vector into a lane, less a power of two where it is beyond the range in which the block keeps them: one that is
+/// shorter than the numbers of single precision keeps its digits. The exponent of that power.
+fn load_tangent(block: &mut dyn Block, lane: usize, group: usize, values: &[f64], held: &mut Vec<f64>) -> i64 {
+    let (_, exponent) = libm::frexp(largest(values));
+    if exponent.abs() < block.range_exponent() || !values.iter().all(|value| value.is_finite()) {
+        load(block, lane, group, values, held);
+        return 0;
+    }
+    let scaled: Vec<f64> = values.iter().map(|&value| libm::scalbn(value, -exponent)).collect();
+    load(block, lane, group, &scaled, held);
+    i64::from(exponent)
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |size, value| size.max(value.abs()))
 }

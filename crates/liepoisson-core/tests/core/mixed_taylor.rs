@@ -6,7 +6,7 @@ use liepoisson_core::analysis::orbit::orbits;
 use liepoisson_core::ensemble::{Control, Ensemble, Outcome};
 use liepoisson_core::field::Top;
 use liepoisson_core::lanes::Simd;
-use liepoisson_core::method::{MixedTaylor, Taylor};
+use liepoisson_core::method::{MixedTaylor, RungeKutta, Single, Taylor};
 use proptest::prelude::*;
 
 fn mixed(tolerance: f64) -> MixedTaylor {
@@ -117,4 +117,39 @@ fn exponents_have_the_error_that_is_stated() {
     errors.sort_by(f64::total_cmp);
     assert!(errors[64] < 1e-6 && errors[127] < 1e-4, "{:e} {:e}", errors[64], errors[127]);
     assert!(errors[64] > 1e-12, "these are the errors of single precision");
+}
+
+/// The equations of a tangent vector are linear: its length, `2^-1060` to `2^1000` here, says nothing about its growth.
+#[test]
+fn exponents_do_not_depend_on_the_length_of_tangent_vectors() {
+    let (top, members) = (Top::new([2.0, 2.0, 1.0], [-1.0, 0.0, 0.0], [0.0; 3], 1.0).unwrap(), 19);
+    let (states, unit) = (starts(members), starts(members));
+    let exponents = |precision: usize, power: i32| {
+        let tangents: Vec<f64> = unit.iter().map(|v| libm::scalbn(*v, power)).collect();
+        let (states, tangents, times) = (&states, &tangents, &[0.0, 1.0, 20.0]);
+        let fixed = RungeKutta::fixed(0.05, 1_000_000).unwrap();
+        macro_rules! run {
+            ($method:expr) => {{
+                let ensemble = Ensemble { field: &top, method: $method, states, tangents, n_tangents: 1, times };
+                growth(&ensemble, 1, Simd::widest(), &Control::default(), |_| ()).unwrap().exponents
+            }};
+        }
+        match precision {
+            0 => run!(taylor(1e-13)),
+            1 => run!(mixed(1e-9)),
+            _ => run!(Single::<RungeKutta>::new(fixed).unwrap()),
+        }
+    };
+    for precision in 0..3 {
+        let wanted = exponents(precision, 0);
+        // a few digits of subnormal numbers are left at 2^-1060
+        for (power, bound) in
+            [(-1060, 1e-3), (-300, 1e-6), (-150, 1e-6), (-140, 1e-6), (-40, 1e-6), (130, 1e-6), (1000, 1e-6)]
+        {
+            let got = exponents(precision, power);
+            let worst = wanted.iter().zip(&got).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(worst < bound, "precision {precision}, 2^{power}: {worst:e}");
+            assert!(got.iter().all(|exponent| exponent.is_finite()));
+        }
+    }
 }
