@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.arrays import read_only
+from liepoisson.arrays import norm, read_only
 
 ARRAYS = {
     "doubles": np.arange(6.0).reshape(2, 3),
@@ -53,3 +53,15 @@ def test_arrays_of_results_cannot_be_made_writable():
             getattr(orbit, name).setflags(write=True)
     with pytest.raises(ValueError, match="WRITEABLE"):
         pickle.loads(pickle.dumps(orbit)).state.setflags(write=True)
+
+
+def test_norms_of_numbers_whose_squares_are_no_doubles():
+    rng = np.random.default_rng(1)
+    values = rng.normal(size=(4, 3, 5))
+    for axis in (None, -1, (0, 2)):
+        assert np.array_equal(norm(values, axis=axis), np.linalg.norm(values, axis=axis))
+        for power in (-1000, -600, 600, 1000):
+            scaled = norm(np.ldexp(values, power), axis=axis)
+            assert np.ldexp(scaled, -power) == pytest.approx(np.linalg.norm(values, axis=axis), rel=1e-14)
+    mixed = norm(np.array([[3e-200, 4e-200], [3.0, 4.0], [0.0, 0.0], [np.inf, 1.0], [3e300, -4e300]]), axis=1)
+    assert mixed == pytest.approx([5e-200, 5, 0, np.inf, 5e300], rel=1e-14)

@@ -43,6 +43,25 @@ def as_array(values: ArrayLike, name: str) -> Array:
     raise ParameterError(f"{name}: wanted real numbers; got {kind}; convert it, or drop what is not a number")
 
 
+_SQUARABLE = 1e-140, 1e140
+"""Numbers between these have squares, and sums of squares, among the doubles."""
+
+
+def norm(values: Array, axis: int | tuple[int, ...] | None = None) -> Array:
+    """Euclidean lengths along axes, also of numbers whose squares leave the doubles.
+
+    `numpy.linalg.norm` returns 0 for numbers below 1e-162, as if a slope in the tail of a Gaussian were none. Such
+    numbers are brought to order one by a power of two; for all others its result is returned.
+    """
+    largest = np.abs(values).max(axis=axis, keepdims=True, initial=0.0)
+    if bool(((largest >= _SQUARABLE[0]) & (largest <= _SQUARABLE[1]) | (largest == 0)).all()):
+        return np.asarray(np.linalg.norm(values, axis=axis))
+    finite = np.isfinite(largest) & (largest > 0)
+    exponent = np.where(finite, np.frexp(np.where(finite, largest, 1.0))[1], 0)
+    lengths = np.sqrt(np.sum(np.ldexp(values, -exponent) ** 2, axis=axis))
+    return np.asarray(np.ldexp(lengths, exponent.reshape(np.shape(lengths))))
+
+
 def _has_masks(values: Any) -> bool:
     """Whether an entry of an array or of a list of arrays is masked: NumPy joins rows and forgets the masks."""
     if "numpy.ma" not in sys.modules:  # which NumPy imports when it is asked for the first masked array

@@ -190,6 +190,10 @@ def test_a_search_made_again_must_not_find_more(separable, tmp_path):
         (set_at("searches", 0, "on", ["p1"]), "the level of a search"),
         (set_at("searches", 0, "system", "x"), "the system of a search"),
         (set_at("searches", 0, "known", 0, "name", "x"), "as known; the report has no such integral"),
+        (set_at("searches", 0, "generic_parameters", [1]), "parameter 1, which the system does not have"),
+        (set_at("searches", 0, "generic_parameters", ["x"]), "parameter 'x', which the system does not have"),
+        (set_at("searches", 0, "degree", 0), "the degree of a search should be a whole number from 1"),
+        (set_at("searches", 0, "degree", -1), "the degree of a search should be a whole number from 1"),
     ],
 )
 def test_everything_that_a_search_says_of_itself_is_verified(alter, words, separable, tmp_path):

@@ -215,3 +215,85 @@ def test_origin_is_a_leaf_of_its_own():
     (only,) = lp.equilibria(top, lp.Leaf.through(top, np.zeros(9)), n_starts=3)
     assert only.spectrum.shape == (0,)
     assert only.nonlinear_stability == "stable"
+
+
+PLANE = ("x", "y"), ("px", "py")
+
+
+def in_plane(potential):
+    return lp.System(lp.canonical(names=PLANE[0], momenta=PLANE[1]), f"(px^2 + py^2)/2 + {potential}")
+
+
+def on_sphere(hamiltonian):
+    return lp.System(lp.so(3) @ lp.trivial(), hamiltonian)
+
+
+def test_a_polynomial_of_high_degree_has_no_equilibria_where_it_is_only_flat():
+    """dV/dx = 2x(y^8 + 10 x^18) and dV/dy = 8 x^2 y^7 + 20 y^19 vanish together at the origin only."""
+    (found,) = lp.equilibria(in_plane("x^2*y^8 + y^20 + x^20"), {}, n_starts=30, seed=1)
+    assert np.abs(found.state).max() < 1e-12
+    assert found.nullity == 2
+
+
+@pytest.mark.parametrize("hamiltonian", ["exp(-(l1 - l2)^4*200)", "exp(-1000*(l3 - 1)^2)"])
+def test_slopes_whose_squares_are_below_the_doubles_are_slopes(hamiltonian):
+    """l' = l x grad H = 0 only where grad H, along (1, -1, 0) or e3, is parallel to l or zero: l1 = l2, or a pole."""
+    found = lp.equilibria(on_sphere(hamiltonian), {"C1": 1}, n_starts=8, seed=1)
+    for state in (one.state for one in found):
+        on_circle = abs(state[0] - state[1]) < 1e-6 and "l1" in hamiltonian
+        along = abs(abs(state[2]) - 1) < 1e-9 if "l3" in hamiltonian else abs(state[0] + state[1]) < 1e-9
+        assert on_circle or along
+
+
+@pytest.mark.parametrize("slope", [1e-2, 1e-7, 1e-8, 1e-12, 1e-20])
+def test_a_small_perturbation_is_no_unit_of_length(slope):
+    """The strict minimum of cosh x + 2 cosh y - d y is at sinh y = d/2, and its second variation is definite."""
+    (found,) = lp.equilibria(in_plane(f"cosh(x) + 2*cosh(y) - {slope}*y"), {}, n_starts=30, seed=1)
+    assert found.state == pytest.approx([0, np.arcsinh(slope / 2), 0, 0], abs=1e-15)
+    assert found.signature == (4, 0, 0)
+    assert found.frequencies == pytest.approx([1, np.sqrt(2)], rel=1e-4)
+
+
+def test_a_perturbed_pendulum_stands_unstably():
+    line = lp.canonical(names=("q",), momenta=("p",))
+    for potential, rate in (
+        ("-cos(q) + 1e-15*q", 1),
+        ("exp(-q^2) + 1e-30*q", np.sqrt(2)),
+        ("-q^2/2 + q^4/4 + 1e-15*q", 1),
+    ):
+        found = lp.equilibria(lp.System(line, f"p^2/2 + {potential}"), {}, n_starts=30, seed=1)
+        standing = [one for one in found if one.linear_stability == "unstable"]
+        assert standing
+        assert {one.signature for one in standing} == {(1, 1, 0)}
+        assert [one.growth_rate for one in standing] == pytest.approx([rate] * len(standing))
+    hanging = lp.phase_space.equilibrium(lp.System(line, "p^2/2 - cos(q - 1e-6)"), [1e-6, 0])
+    assert hanging.signature == (2, 0, 0)
+
+
+def test_a_saddle_beside_the_origin_is_found_from_nearby():
+    found = lp.phase_space.equilibrium_near(in_plane("-cos(x) + cos(y) + 1e-9*x"), [0.1, 0.1, 0, 0])
+    assert found.state == pytest.approx([-np.arcsin(1e-9), 0, 0, 0], abs=1e-16)
+    assert found.signature == (3, 1, 0)
+
+
+@pytest.mark.parametrize(
+    ("potential", "q"), [("exp(-q)", 40), ("exp(-q)", 800), ("tanh(q)", 19), ("exp(-cosh(q))", 8), ("1/(1 + q^2)", 1e6)]
+)
+def test_a_state_on_a_tail_is_refused(potential, q):
+    system = lp.System(lp.canonical(names=("q",), momenta=("p",)), f"p^2/2 + {potential}")
+    with pytest.raises(ParameterError, match="H only becomes flat there"):
+        lp.phase_space.equilibrium(system, [q, 0])
+
+
+def test_a_state_beside_a_flat_equilibrium_is_refused_with_its_place():
+    system = lp.System(lp.canonical(names=("q",), momenta=("p",)), "p^2/2 + (q - 1)^20")
+    with pytest.raises(ParameterError, match=r"the critical point is at \(1, 0\)"):
+        lp.phase_space.equilibrium(system, [1.1, 0])
+    assert lp.phase_space.equilibrium(system, [1, 0]).signature == (1, 0, 1)
+
+
+@pytest.mark.parametrize("hamiltonian", ["l3^4", "l3^8"])
+def test_a_circle_along_which_h_is_flat_to_high_order_is_listed_once(hamiltonian):
+    """grad H is parallel to l at the poles and where l3 = 0."""
+    found = lp.equilibria(on_sphere(hamiltonian), {"C1": 1}, n_starts=20, seed=1)
+    assert sorted(one.family for one in found) == ["circle", "point", "point"]

@@ -239,6 +239,15 @@ class _Reader:
         if not all(are_integrals(self.system, claimed)):
             raise ParameterError(f"the search up to degree {data['degree']} has a function that is no integral")
         proof = data["proof"]
+        degree, parameters = data["degree"], data["generic_parameters"]
+        if type(degree) is not int or degree < 1:
+            raise ParameterError(
+                f"the degree of a search should be a whole number from 1; the file says {shown(degree)}"
+            )
+        symbols = {str(symbol) for rate in self.system.equations.values() for symbol in rate.free_symbols}
+        unknown = [name for name in parameters if name not in symbols.difference(self.system.component_names)]
+        if unknown:
+            raise ParameterError(f"a search has the parameter {shown(unknown[0])}, which the system does not have")
         told = FirstIntegrals(
             system=self.system,
             degree=data["degree"],

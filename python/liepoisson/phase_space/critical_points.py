@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, norm
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.linearisation import leaf_tangent
@@ -114,8 +114,8 @@ class HamiltonianFields:
 
     def scale(self, x: Array) -> Array:
         """What the size of the vector fields is compared with: the norms of `parts` times that of x."""
-        size = sum(np.linalg.norm(part, axis=(-3, -2)) for part in self.parts(x))
-        return np.asarray(size * (np.linalg.norm(x, axis=-1) + self.unit)[..., None])
+        size = sum(norm(part, axis=(-3, -2)) for part in self.parts(x))
+        return np.asarray(size * (norm(x, axis=-1) + self.unit)[..., None])
 
 
 @dataclass
@@ -140,7 +140,7 @@ class _Search:
 
     def _level_scale(self, f: PhaseFunction, value: float, x: Array) -> Array:
         """What the distance of an integral from its value is compared with."""
-        scale = abs(value) + (np.linalg.norm(x, axis=1) + self.fields.unit) * np.linalg.norm(f.gradient(x), axis=1)
+        scale = abs(value) + (norm(x, axis=1) + self.fields.unit) * norm(f.gradient(x), axis=1)
         return np.where(scale > 0, scale, 1.0)
 
     def newton_matrix(self, x: Array, omega: Array, basis: Array) -> Array:
@@ -159,12 +159,12 @@ class _Search:
     @property
     def size(self) -> float:
         """The length of the leaf's own state, by which lengths are judged where a state is near zero."""
-        return float(np.linalg.norm(self.leaf.state)) + self.fields.unit or 1.0
+        return float(norm(self.leaf.state)) + self.fields.unit or 1.0
 
     def units(self, x: Array, rank: int) -> Array:
         """Natural sizes of the unknowns, (row, rank + k): the length of the state, and |f_H|/|f_K| by their scales."""
         scale = self.fields.scale(x)
-        lengths = np.linalg.norm(x, axis=1) + self.fields.unit
+        lengths = norm(x, axis=1) + self.fields.unit
         lengths = np.where(lengths > 0, lengths, self.size)[:, None]
         ratios = np.where(scale[:, 1:] > 0, scale[:, :1] / np.where(scale[:, 1:] > 0, scale[:, 1:], 1.0), 1.0)
         return np.concatenate([np.repeat(lengths, rank, axis=1), np.where(ratios > 0, ratios, 1.0)], axis=1)
@@ -205,7 +205,7 @@ def critical_points(
     residual = search.residual(x, omega)
     damping, failed = np.ones(len(x)), np.zeros(len(x), dtype=np.int64)
     for _ in range(most_steps):
-        left = np.linalg.norm(residual, axis=1)
+        left = norm(residual, axis=1)
         rows = np.flatnonzero((left > _ROUND_OFF) & (damping < 1e12) & ((left > _NEAR_ROUND_OFF) | (failed < 2)))
         if not rows.size:
             break
@@ -213,13 +213,13 @@ def critical_points(
         # where the second derivatives overflow, the residual relative to them would count as zero
         possible &= fields.are_defined(trial)
         new = search.residual(trial, trial_omega)
-        better = possible & (np.linalg.norm(new, axis=1) < np.linalg.norm(residual[rows], axis=1))
+        better = possible & (norm(new, axis=1) < norm(residual[rows], axis=1))
         taken = rows[better]
         x[taken], omega[taken], residual[taken] = trial[better], trial_omega[better], new[better]
         failed[rows] = np.where(better, 0, failed[rows] + 1)
         damping[rows] *= np.where(better, 0.25, 4.0)
         damping = np.maximum(damping, 1e-10)
-    return x, np.linalg.norm(residual, axis=1)
+    return x, norm(residual, axis=1)
 
 
 def stretched_steps(
@@ -254,7 +254,7 @@ def _undamped(search: _Search, x: Array, smallest: float) -> Array:
 def residuals(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, values: Array) -> Array:
     """How far states of the leaf are from critical points, relative, shape (row,)."""
     omega = multipliers(fields.fields(x), fields.scale(x))
-    return np.asarray(np.linalg.norm(_Search(leaf, fields, values).residual(x, omega), axis=1))
+    return np.asarray(norm(_Search(leaf, fields, values).residual(x, omega), axis=1))
 
 
 def _step(
@@ -275,8 +275,8 @@ def _step(
     step = -_solved(normal, right)[..., 0] * units
     move = np.einsum("rij,rj->ri", basis, step[:, : basis.shape[2]])
     # A step longer than the state itself says nothing about the neighbourhood in which it was computed.
-    own = np.linalg.norm(x, axis=1) + search.fields.unit
-    length, limit = np.linalg.norm(move, axis=1), 0.5 * own + 1e-3 * search.size
+    own = norm(x, axis=1) + search.fields.unit
+    length, limit = norm(move, axis=1), 0.5 * own + 1e-3 * search.size
     shrink = np.minimum(1.0, limit / np.where(length > 0, length, np.inf))[:, None]
     shrink = np.where(length[:, None] > 0, shrink, 1.0)
     trial, possible = search.projected(x + shrink * move)
@@ -318,7 +318,7 @@ def independent_columns(columns: Array) -> list[int]:
     basis = np.zeros((len(columns), 0))
     for k, column in enumerate(columns.T):
         new = column - basis @ (basis.T @ column)
-        if np.linalg.norm(new) > VANISHES:
+        if norm(new) > VANISHES:
             kept.append(k)
-            basis = np.column_stack([basis, new / np.linalg.norm(new)])
+            basis = np.column_stack([basis, new / norm(new)])
     return kept

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, norm
 from liepoisson.phase_space.critical_points import (
     MOST_STEPS,
     SOFT,
@@ -47,6 +47,10 @@ if TYPE_CHECKING:
 FOUND, NEAR = 1e-11, 1e-8
 """Relative residual up to which a state counts as a critical point that was found; one below the second may be on the
 slow way to a degenerate one."""
+
+_SLOW, _FEW_SLOW = 1e-3, 20
+"""The same for the way to an equilibrium of so high an order that Newton's method is still far, where H may have one;
+and how many of these are followed."""
 
 _CRITICAL = 1e-8
 """The same for the slope of H along the leaf, which does not become small where J does, at the edge of a leaf."""
@@ -111,7 +115,7 @@ class EquilibriumSearch:
     def extend(self, n_starts: int) -> None:
         """Search from this many starts more."""
         origin = self._origin.state
-        size = (float(np.linalg.norm(origin)) + self._fields.unit) / np.sqrt(len(origin)) or 1.0
+        size = (float(norm(origin)) + self._fields.unit) / np.sqrt(len(origin)) or 1.0
         starts = self._rng.standard_normal((n_starts, len(origin))) * size
         starts *= np.exp(self._rng.uniform(np.log(0.2), np.log(5.0), (n_starts, 1)))
         self.n_starts += n_starts
@@ -149,7 +153,11 @@ class EquilibriumSearch:
         Unless `is_sure` that there are critical points nearby, those are left out that only look like one in doubles.
         """
         states, residual = critical_points(leaf, self._fields, starts, self._values, most_steps)
-        states = states[is_critical(self._fields, self._leaf, states, residual, within=NEAR)]
+        near = is_critical(self._fields, self._leaf, states, residual, within=NEAR)
+        if not is_sure and self._may_mislead:
+            slow = is_critical(self._fields, self._leaf, states, residual, within=_SLOW) & ~near
+            near[np.flatnonzero(slow)[:_FEW_SLOW]] = True
+        states = states[near]
         ends = [self._polished(x) if is_sure or not self._may_mislead else self._led_on(x) for x in states]
         states = np.array([x for x in ends if x is not None]).reshape(-1, starts.shape[1])
         if not len(states):
@@ -159,9 +167,9 @@ class EquilibriumSearch:
         return states[good], residual[good]
 
     def _add(self, state: Array) -> None:
-        size = float(np.linalg.norm(state)) + self._fields.unit
+        size = float(norm(state)) + self._fields.unit
         for family in self._families:
-            distances = np.linalg.norm(np.asarray(family.states) - state, axis=1)
+            distances = norm(np.asarray(family.states) - state, axis=1)
             nearest = family.states[int(np.argmin(distances))]
             if distances.min() <= _SAME * size or self._is_scattered(family.first, nearest, state):
                 family.states.append(state)
@@ -187,6 +195,9 @@ class EquilibriumSearch:
     def _led_on(self, state: Array) -> Array | None:
         """The critical point to which Newton's method was on its way, None if there is none."""
         zero = zero_near(self._leaf, self._fields, self._values, state)
+        if zero is not None and residuals(self._leaf, self._fields, zero.state[None], self._values)[0] > FOUND:
+            # all directions are flat at the critical point, so that none looks soft beside the others
+            zero = zero_near(self._leaf, self._fields, self._values, state, within=1.0)
         if zero is not None:
             self._zeros.append(zero)
         return None if zero is None else zero.state
@@ -208,21 +219,25 @@ class EquilibriumSearch:
 
         Such ends lie some thousandths off where several directions are flat, and the ways along them differ.
         """
-        close = np.linalg.norm(state - nearest) <= _SCATTER * (np.linalg.norm(nearest) + self._fields.unit)
+        close = norm(state - nearest) <= _SCATTER * (norm(nearest) + self._fields.unit)
         return bool(close) and known.nullity > 0 and self._has_energy_of(known, state) and self._softness(state) > 0
 
     def _may_be_one(self, known: Equilibrium, new: Equilibrium, state: Array) -> bool:
-        """Whether two critical points agree in energy, which is constant on a family, and in the signs around them."""
-        if known.nullity != new.nullity or known.signature != new.signature:
+        """Whether two critical points agree in energy, which is constant on a family, and in the signs around them.
+
+        Signs of degenerate ones may differ: where all directions are flat, round-off decides.
+        """
+        alike = known.nullity == new.nullity and known.signature == new.signature
+        if not alike and not (known.nullity and new.nullity):
             return False
         return self._has_energy_of(known, state)
 
     def _has_energy_of(self, known: Equilibrium, state: Array) -> bool:
         energy, unit = self._leaf.system.functions.energy, self._fields.unit
-        length = float(np.linalg.norm(state)) + unit
-        slope = float(np.linalg.norm(energy.gradient(state))) * length
+        length = float(norm(state)) + unit
+        slope = float(norm(energy.gradient(state))) * length
         if unit:  # on a leaf without Casimirs the gradient itself is zero
-            slope += float(np.linalg.norm(energy.hessian(state))) * length**2
+            slope += float(norm(energy.hessian(state))) * length**2
         return abs(known.energy - float(energy(state))) <= _SAME_ENERGY * slope
 
     def _softness(self, state: Array) -> float:
@@ -235,7 +250,7 @@ class EquilibriumSearch:
         n = directions.shape[1]
         if not n:
             return _Family(first, [state])
-        step = _STEP * (float(np.linalg.norm(state)) + self._fields.unit)
+        step = _STEP * (float(norm(state)) + self._fields.unit)
         moved = [self._corrected(state + step * v, is_sure=False) for v in directions.T]
         steps = np.array([(m - state if m is not None else np.zeros_like(state)) / step for m in moved])
         _, lengths, along = np.linalg.svd(steps @ directions)
@@ -250,28 +265,28 @@ class EquilibriumSearch:
         if family.kind == "degenerate":  # none leads away from it
             return False
         states = family.states if family.curve is None else family.curve
-        distances = np.linalg.norm(np.asarray(states) - goal, axis=1)
-        if family.curve is not None and distances.min() > 2 * _STEP * (float(np.linalg.norm(goal)) + self._fields.unit):
+        distances = norm(np.asarray(states) - goal, axis=1)
+        if family.curve is not None and distances.min() > 2 * _STEP * (float(norm(goal)) + self._fields.unit):
             return False
         return self._walk(states[int(np.argmin(distances))], goal)
 
     def _walk(self, x: Array, goal: Array) -> bool:
         """Steps towards the goal in the null directions, each corrected by Newton's method."""
-        size, kicks = float(np.linalg.norm(goal)) + self._fields.unit, 0
+        size, kicks = float(norm(goal)) + self._fields.unit, 0
         for _ in range(_MOST_STEPS):
             way = goal - x
-            distance = float(np.linalg.norm(way))
+            distance = float(norm(way))
             if distance <= _SAME * size:
                 return True
             directions = null_directions(self._leaf, self._fields, x)
             step = directions @ (directions.T @ way)
-            length = float(np.linalg.norm(step))
+            length = float(norm(step))
             if length < 0.05 * distance:
                 kicks += 1
                 if kicks > _KICKS or directions.shape[1] < 2:
                     return False
                 step = directions @ self._kicks.standard_normal(directions.shape[1])
-                length = float(np.linalg.norm(step)) * 10
+                length = float(norm(step)) * 10
             step *= min(1.0, _STEP * size / max(length, np.finfo(float).tiny))
             moved = self._corrected(x + step)
             if moved is None:
@@ -281,24 +296,24 @@ class EquilibriumSearch:
 
     def _round(self, begin: Array, before: Array) -> Array | None:
         """States all along the curve through this one, or None if it was not seen to close."""
-        size, x = float(np.linalg.norm(begin)) + self._fields.unit, begin
+        size, x = float(norm(begin)) + self._fields.unit, begin
         curve = [begin]
         for _ in range(4 * _MOST_STEPS):
             directions = null_directions(self._leaf, self._fields, x)
             along = directions @ (directions.T @ before)
-            length = float(np.linalg.norm(along))
+            length = float(norm(along))
             if length < 0.3:
                 return None
             moved = self._corrected(x + _STEP * size * along / length)
             if moved is None:
                 return None
             curve.append(moved)
-            if len(curve) > 3 and np.linalg.norm(moved - begin) < 0.7 * _STEP * size:
+            if len(curve) > 3 and norm(moved - begin) < 0.7 * _STEP * size:
                 return np.array(curve)
             way = moved - x  # its part along soft directions, which lead nowhere, was undone
             if not way.any():
                 return None
-            x, before = moved, way / np.linalg.norm(way)
+            x, before = moved, way / norm(way)
         return None
 
     def _corrected(self, guess: Array, *, is_sure: bool = True) -> Array | None:
@@ -312,7 +327,7 @@ class EquilibriumSearch:
 
 def _distance(family: _Family, state: Array) -> float:
     states = family.states if family.curve is None else family.curve
-    return float(np.linalg.norm(np.asarray(states) - state, axis=1).min())
+    return float(norm(np.asarray(states) - state, axis=1).min())
 
 
 def is_critical(
@@ -327,19 +342,19 @@ def is_critical(
         return defined
     vectors, sizes, _ = np.linalg.svd(fields.poisson(states))
     own = np.linalg.svd(fields.poisson(leaf.state), compute_uv=False)
-    length, lengths = float(np.linalg.norm(leaf.state)) + fields.unit, np.linalg.norm(states, axis=1) + fields.unit
+    length, lengths = float(norm(leaf.state)) + fields.unit, norm(states, axis=1) + fields.unit
     inside = sizes[:, rank - 1] * length > _EDGE * own[rank - 1] * lengths
     gradients = np.stack([f.gradient(states) for f in fields.functions], axis=-1)
     slopes = np.swapaxes(vectors[..., :rank], 1, 2) @ gradients
-    curvature = np.linalg.norm(fields.functions[0].hessian(states), axis=(1, 2)) * lengths
-    scale = curvature + np.linalg.norm(gradients[..., 0], axis=1)
+    curvature = norm(fields.functions[0].hessian(states), axis=(1, 2)) * lengths
+    scale = curvature + norm(gradients[..., 0], axis=1)
     left = np.array([_unexplained(s) for s in slopes])
-    return (residual <= within) & inside & (left <= _CRITICAL * np.where(scale > 0, scale, 1.0))
+    return (residual <= within) & inside & (left <= max(_CRITICAL, within) * np.where(scale > 0, scale, 1.0))
 
 
 def _unexplained(slopes: Array) -> float:
     """What the slopes of the integrals leave of that of H."""
     others = slopes[:, 1:]
-    lengths = np.linalg.norm(others, axis=0)
+    lengths = norm(others, axis=0)
     others = others[:, lengths > 0] / lengths[lengths > 0]
-    return float(np.linalg.norm(slopes[:, 0] - others @ np.linalg.lstsq(others, slopes[:, 0])[0]))
+    return float(norm(slopes[:, 0] - others @ np.linalg.lstsq(others, slopes[:, 0])[0]))

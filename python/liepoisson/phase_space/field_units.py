@@ -5,8 +5,9 @@ units, like any other.  Its states are found, compared and moved in coordinates 
 each field, for which
 
 - the terms of each Casimir are of the order of its value or larger, as large as it where it is a sum of squares;
-- the terms of H are of one order, and not all smaller than an energy that is asked for; the argument of a function in
-  it that is no polynomial, such as a sine, is of order one, and a sum of which a root is taken of that of its constant;
+- the terms of H are of one order, and not all smaller than an energy that is asked for, nor than a function in it that
+  is no polynomial, such as a sine; the argument of such a function is of order one, and a sum of which a root is taken
+  of that of its constant;
 - the linear part of the bracket is of the order of its constant part, if it has both.
 
 The logarithms of these conditions are linear in those of the units, and the sum of their violations is made least.  The
@@ -38,9 +39,10 @@ if TYPE_CHECKING:
 ORDINARY, FAR = 16.0, 1024.0
 """Fields whose sizes differ by less than the first are in one unit; a length within the second of 1 is ordinary."""
 
-_IMPOSSIBLE, _BALANCED, _CANCELLED, _UNDETERMINED = 100.0, 1.0, 0.05, 1e-3
-"""Weights: of terms that are too small for the value, of terms that differ, of a value that is small beside its terms,
-and of sizes about which nothing is known."""
+_IMPOSSIBLE, _LARGE, _BALANCED, _CANCELLED, _UNDETERMINED = 100.0, 4.0, 1.0, 0.05, 1e-3
+"""Weights: of terms that are too small for the value, of terms that are larger than the others, of terms that are
+smaller, of a value that is small beside its terms, and of sizes about which nothing is known. A small perturbation such
+as $10^{-9}q$ is no reason to measure all in its units."""
 
 _SWEEPS, _CLOSE = 60, 0.1
 """Steps of the least-squares problem, in which violations below the second, of a logarithm, count as none."""
@@ -90,7 +92,8 @@ def field_units(
     for function, value in zip(casimirs.values(), values.tolist(), strict=True):
         problem.add(_sizes(function, groups), value, weight=_IMPOSSIBLE)
     own = _sizes(system.functions.energy, groups)
-    problem.add(_moving(system, own, casimirs), energy or 0.0, weight=_BALANCED)
+    others = _other_terms(system.functions.energy, groups)
+    problem.add(_moving(system, own, casimirs), energy or 0.0, weight=_BALANCED, others=others)
     for sizes, constant in _arguments(system.functions.energy, groups):
         problem.add(sizes, constant, weight=_BALANCED, above=_BALANCED, below=_BALANCED)
     logarithms = problem.solution()
@@ -114,9 +117,11 @@ class _Problem:
         self,
         sizes: _Sizes | None,
         value: float,
+        *,
         weight: float,
         above: float | None = None,
         below: float = _IMPOSSIBLE,
+        others: _Sizes | None = None,
     ) -> None:
         """A function whose terms are of the order of its scale, which is at least that of the value.
 
@@ -126,18 +131,22 @@ class _Problem:
             weight: What it counts if the only terms are not of the order of the scale.
             above: What it counts if the scale is above the value.
             below: What it counts if the scale is below the value.
+            others: Its terms that are no polynomials, whose arguments are of order one: the scale is not below them.
         """
         if sizes is None:
             return
-        scale, one_class = self._n_functions, len(sizes.degrees) == 1
+        scale, one_class = self._n_functions, len(sizes.degrees) == 1 and others is None
         self._n_functions += 1
+        if others is not None:
+            for degree, logarithm in zip(others.degrees, others.logarithms, strict=True):
+                self._rows.append((degree, scale, float(logarithm), _IMPOSSIBLE, _BALANCED))
         for degree, logarithm in zip(sizes.degrees, sizes.logarithms, strict=True):
-            tied = weight if one_class else _BALANCED
-            self._rows.append((degree, scale, float(logarithm), tied, tied))
+            over, under = (weight, weight) if one_class else (_LARGE, _BALANCED)
+            self._rows.append((degree, scale, float(logarithm), over, under))
         if value:
             if above is None:
                 above = _IMPOSSIBLE if sizes.is_sum_of_squares else _CANCELLED
-            self._rows.append((np.zeros(self._n_groups), scale, -float(np.log2(abs(value))), above, below))
+            self._rows.append((np.zeros(self._n_groups), scale, float(np.log2(abs(value))), below, above))
 
     def solution(self) -> Array:
         """The logarithms of the units: the weighted sum of absolute violations is made least, by weighted squares."""
@@ -145,8 +154,8 @@ class _Problem:
         matrix, right = np.zeros((len(self._rows) + k, k + m)), np.zeros(len(self._rows) + k)
         above, below = (np.full(len(right), _UNDETERMINED) for _ in range(2))
         for row, (degree, scale, constant, over, under) in enumerate(self._rows):
-            # a term minus its scale, or the scale minus the value
-            matrix[row, :k], matrix[row, k + scale] = degree, -1.0 if degree.any() else 1.0
+            # a term, or the value, minus the scale
+            matrix[row, :k], matrix[row, k + scale] = degree, -1.0
             right[row], above[row], below[row] = -constant, over, under
         matrix[len(self._rows) :, :k], right[len(self._rows) :] = np.eye(k), np.log2(self._length)
         x: Array = np.zeros(k + m)
@@ -209,13 +218,15 @@ def _degree(monomial: tuple[int, ...], groups: tuple[int, ...]) -> tuple[int, ..
     return tuple(np.bincount(groups, weights=monomial).astype(int).tolist())
 
 
-def _sizes_of_terms(terms: Iterable[tuple[tuple[int, ...], Any]], groups: tuple[int, ...]) -> _Sizes | None:
+def _sizes_of_terms(
+    terms: Iterable[tuple[tuple[int, ...], Any]], groups: tuple[int, ...], *, with_constant: bool = False
+) -> _Sizes | None:
     """The terms of a polynomial by their degrees in the fields, each with its largest coefficient."""
     classes: dict[tuple[int, ...], float] = {}
     is_sum_of_squares = True
     for monomial, coefficient in terms:
         degree = _degree(monomial, groups)
-        if not any(degree):
+        if not any(degree) and not with_constant:
             continue
         size = float(coefficient)
         is_sum_of_squares &= size > 0 and all(power % 2 == 0 for power in monomial)
@@ -248,6 +259,29 @@ def _arguments(function: PhaseFunction, groups: tuple[int, ...]) -> tuple[tuple[
                     found[part] = abs(float(constant))
     sizes = [(_sizes_of_terms(_terms(part.expand(), variables), groups), constant) for part, constant in found.items()]
     return tuple((one, constant) for one, constant in sizes if one is not None)
+
+
+@lru_cache(maxsize=256)
+def _other_terms(function: PhaseFunction, groups: tuple[int, ...]) -> _Sizes | None:
+    """The terms that are no polynomials: the degrees and the coefficients of their polynomial factors."""
+    if function.polynomial is not None:
+        return None
+    from sympy import Add, Mul
+
+    variables = function.variables
+    classes: dict[tuple[int, ...], float] = {}
+    for term in Add.make_args(function.expression):
+        if term.is_polynomial(*variables):
+            continue
+        factors = [factor for factor in Mul.make_args(term) if factor.is_polynomial(*variables)]
+        sizes = _sizes_of_terms(_terms(Mul(*factors).expand(), variables), groups, with_constant=True)
+        if sizes is not None:
+            for degree, logarithm in zip(sizes.degrees, sizes.logarithms, strict=True):
+                key = tuple(degree.astype(int).tolist())
+                classes[key] = max(classes.get(key, -np.inf), float(logarithm))
+    if not classes or len(classes) > _MOST_TERMS:
+        return None
+    return _Sizes(np.array([*classes], dtype=float), np.array([*classes.values()]), is_sum_of_squares=False)
 
 
 def _moving(system: System, sizes: _Sizes | None, casimirs: Mapping[str, PhaseFunction]) -> _Sizes | None:

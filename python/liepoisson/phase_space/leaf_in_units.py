@@ -18,7 +18,7 @@ from liepoisson.phase_space.lengths import unit_groups, unit_length
 
 if TYPE_CHECKING:
     from flint import arb
-    from sympy import Expr
+    from sympy import Expr, Symbol
 
     from liepoisson.exact.bracket import Bracket
     from liepoisson.exact.rational_polynomials import RationalPolynomial
@@ -45,6 +45,11 @@ class FunctionInUnits(PhaseFunction):
     def n_coordinates(self) -> int:
         """Number of components of a state."""
         return self._function.n_coordinates
+
+    @property
+    def variables(self) -> tuple[Symbol, ...]:  # pyright: ignore[reportIncompatibleVariableOverride]
+        """Those of f itself."""
+        return self._function.variables
 
     @property
     def expression(self) -> Expr:  # pyright: ignore[reportIncompatibleVariableOverride]

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from liepoisson.arrays import Array
+from liepoisson.arrays import Array, norm
 
 ComplexArray = NDArray[np.complex128]
 
@@ -115,7 +115,7 @@ class LinearFlow:
         if rest.size == self.size:
             return False
         matrix = _balanced(np.linalg.solve(self.form, self.hessian).astype(np.float64))
-        unit = float(np.linalg.norm(matrix)) or 1.0
+        unit = float(norm(matrix)) or 1.0
         mine = np.poly(np.linalg.eigvals(matrix) / unit)
         left = np.linalg.eigvals(np.linalg.solve(rest.form, rest.hessian)) if rest.size else np.zeros(0)
         theirs = np.poly(np.append(left, np.zeros(self.size - rest.size)) / unit)
@@ -137,7 +137,7 @@ class LinearFlow:
         values, right = np.linalg.eig(matrix)
         left = np.linalg.pinv(right)
         condition = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
-        return values.astype(np.complex128), _ROUND_OFF * np.linalg.norm(matrix) * condition
+        return values.astype(np.complex128), _ROUND_OFF * norm(matrix) * condition
 
 
 def _balanced(matrix: Array) -> Array:
@@ -145,7 +145,7 @@ def _balanced(matrix: Array) -> Array:
     balanced = matrix.copy()
     for _ in range(_SWEEPS):
         for i in range(len(balanced)):
-            column, row = np.linalg.norm(np.delete(balanced[:, i], i)), np.linalg.norm(np.delete(balanced[i], i))
+            column, row = norm(np.delete(balanced[:, i], i)), norm(np.delete(balanced[i], i))
             if column > 0 and row > 0:
                 factor = 2.0 ** np.round(np.log2(row / column) / 2)
                 balanced[:, i] *= factor
@@ -170,8 +170,8 @@ def linear_flow(poisson: Array, derivative: Array, basis: Array) -> tuple[Linear
     form = np.linalg.inv(basis.T @ poisson @ basis)
     form = (form - form.T) / 2
     hessian = form @ (basis.T @ derivative @ basis)
-    size = float(np.linalg.norm(hessian))
-    asymmetry = float(np.linalg.norm(hessian - hessian.T)) / size if size else 0.0
+    size = float(norm(hessian))
+    asymmetry = float(norm(hessian - hessian.T)) / size if size else 0.0
     return LinearFlow((hessian + hessian.T) / 2, form), asymmetry
 
 

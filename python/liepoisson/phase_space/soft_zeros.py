@@ -52,9 +52,9 @@ _VISIBLE = arb(2) ** 320
 _NEARBY = tuple(sign * share for share in (0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.1) for sign in (1, -1))
 """Where the slope is looked at, relative to the length of the state, if it is not seen at the state itself."""
 _STEPS, _CHORDS, _REFRESHED = 14, 60, 4
-_CONVERGED, _CLOSE, _FAR = 1e-10, 1e-6, 2.0
+_CONVERGED, _CLOSE, _BACK, _FAR = 1e-10, 1e-6, 1e-8, 2.0
 """Steps of Newton's method for n, relative to the length of the state: the last one, one after which a slope that is
-not seen any more counts as zero, and one that leads away."""
+not seen any more counts as zero, one back from which such a zero must be found again, and one that leads away."""
 _SHORTER = 0.7
 """What each step is to the one before, at most, but for one."""
 _LEAST = 1e-3
@@ -71,13 +71,28 @@ def may_mislead(energy: PhaseFunction) -> bool:
     A polynomial decays nowhere.
     """
     if energy.polynomial is None:
-        return not energy.is_polynomial
+        return not energy.is_polynomial or _degree_of(energy) > _LED_ON_BY_DOUBLES
     degree = max((sum(powers) for powers, _ in powers_of(energy.polynomial, energy.n_coordinates)), default=0)
     return degree > _LED_ON_BY_DOUBLES
 
 
+def _degree_of(energy: PhaseFunction) -> int:
+    """The degree of a polynomial that is known as an expression: of a sum of traces, of the longest one."""
+    from sympy import Poly, preorder_traversal
+
+    from liepoisson.exact.trace import Trace
+
+    traces = [node for node in preorder_traversal(energy.expression) if isinstance(node, Trace)]
+    if traces:
+        return max(len(trace.word) for trace in traces)
+    degree: Any = Poly(energy.expression, *energy.variables).total_degree()
+    return int(degree)
+
+
 @np.errstate(all="ignore")  # functions need not be defined where they are tried
-def zero_near(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array) -> SoftZero | None:
+def zero_near(
+    leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, within: float = _SUSPECT
+) -> SoftZero | None:
     """The critical point to which Newton's method was on its way, or None if there is none.
 
     The state itself is returned where no direction is soft, and where H is flat along those that are, as on a family of
@@ -88,8 +103,10 @@ def zero_near(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state
         fields: Those of H and of integrals.
         values: The values of the integrals.
         state: Where the method came to rest, shape (N,).
+        within: Directions softer than this, relative to the largest curvature, are looked at; 1 for all of them, where
+            the method did not come to rest in the stiff ones.
     """
-    soft = soft_directions(leaf, fields, state, _SUSPECT)
+    soft = soft_directions(leaf, fields, state, within)
     if not soft.shape[1]:
         return SoftZero(state)
     phases = symmetry_directions(leaf, fields, state)
@@ -302,12 +319,13 @@ def _where_seen(slope: _ReducedSlope, k: int) -> list[list[arb]] | None:
 def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None:
     """A zero of the slope, by Newton's method for n from s; `is_own`: s is where the search came to rest."""
     last, slow, rounded, shares = None, 0, None, np.zeros(0)
+    came_from: list[arb] = []
     for number in range(_STEPS):
         there = slope.at(s)
         if there is None:
             break
         if not there.is_seen:
-            if last is not None and last <= _CLOSE:
+            if last is not None and (last <= _CLOSE or _is_found_again(slope, s, came_from)):
                 return slope.zero(s, shares)
             break
         found = _step(slope, s, there)
@@ -317,6 +335,7 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
         size = float(_largest(step)) / slope.length
         if not size <= _FAR or not _may_be_orders(shares):
             break
+        came_from = step
         s = [(a - b).mid() for a, b in zip(s, step, strict=True)]
         if size <= _CONVERGED and _is_one_over_whole(shares, _WHOLE) and (last is None or size <= _SHORTER * last):
             return slope.zero(s, shares)
@@ -327,6 +346,25 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
             break
         last = size
     return rounded
+
+
+def _is_found_again(slope: _ReducedSlope, s: list[arb], came_from: list[arb]) -> bool:
+    """Whether s, where no slope is seen, is a zero: from a place beside it Newton's step leads back, as on no tail.
+
+    A slope that is linear leads to its zero in one step, however long, and leaves nothing there.
+    """
+    size = _largest(came_from)
+    if not size > 0:
+        return False
+    back = [(_BACK * slope.length * v / size).mid() for v in came_from]
+    beside = [(a + b).mid() for a, b in zip(s, back, strict=True)]
+    there = slope.at(beside)
+    found = _step(slope, beside, there) if there is not None and there.is_seen else None
+    if found is None:
+        return False
+    step, shares = found
+    left = _largest([a - b for a, b in zip(step, back, strict=True)])
+    return bool(left <= _WHOLE * _BACK * slope.length) and _may_be_orders(shares) and _is_one_over_whole(shares, _WHOLE)
 
 
 def _may_be_orders(shares: Array) -> bool:

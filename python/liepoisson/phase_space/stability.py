@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from liepoisson.arrays import Array, ReadOnlyArrays
+from liepoisson.arrays import Array, ReadOnlyArrays, norm
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.phase_space.critical_points import CANCELLED, SOFT, VANISHES, HamiltonianFields, multipliers
@@ -163,9 +163,39 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
     omega = multipliers(fields.fields(y)[None], fields.scale(y)[None])[0]
     if not _residual(fields, y, omega) <= tol:
         rates = fields.fields(y) * view.units[:, None]
-        left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
-        raise ParameterError(_not_an_equilibrium(left, float(np.linalg.norm(rates[:, 0])), integrals))
-    return analysis(leaf, leaf.state, integrals, units)
+        left = float(norm(rates[:, 0] - rates[:, 1:] @ omega))
+        raise ParameterError(_not_an_equilibrium(left, float(norm(rates[:, 0])), integrals))
+    return analysis(leaf, leaf.state, integrals, units, is_flat=_is_zero_of_slope(view, fields, y))
+
+
+def _is_zero_of_slope(view: LeafInUnits, fields: HamiltonianFields, y: Array) -> bool:
+    """Whether H is known to be flat along the soft directions, at a critical point of high order.
+
+    Raises:
+        ParameterError: H only becomes flat there, as on the tail of an exponential, or its critical point is elsewhere.
+    """
+    from liepoisson.phase_space.soft_zeros import may_mislead, zero_near
+
+    if not may_mislead(fields.functions[0]):
+        return False
+    zero = zero_near(view, fields, np.array([float(f(y)) for f in fields.functions[1:]]), y)
+    if zero is None:
+        raise ParameterError(
+            "state must be an equilibrium; H only becomes flat there, and has no critical point nearby, though the "
+            "vector field is zero in doubles. equilibria(system, Leaf.through(system, state)) looks for those of its "
+            "leaf."
+        )
+    if norm(zero.state - y) > _NEARBY * (norm(y) + fields.unit):
+        there = ", ".join(f"{x:.6g}" for x in zero.state * view.units)
+        raise ParameterError(
+            f"state must be an equilibrium; H is only very flat there, and the critical point is at ({there}). Give "
+            "that state."
+        )
+    return zero.is_flat
+
+
+_NEARBY = 1e-2
+"""How far the critical point of a function that is very flat may be, relative to the length of the state."""
 
 
 def _units_of_top(leaf: Leaf) -> Array | None:
@@ -192,8 +222,8 @@ def _fields(view: LeafInUnits, integrals: Mapping[str, PhaseFunction]) -> Hamilt
 def _residual(fields: HamiltonianFields, y: Array, omega: Array) -> float:
     """What the motions of the integrals leave of that of H, relative to the size of the terms in it."""
     rates = fields.fields(y)
-    scale = sum(float(np.linalg.norm(part[..., 0])) for part in fields.parts(y)) * float(np.linalg.norm(y))
-    left = float(np.linalg.norm(rates[:, 0] - rates[:, 1:] @ omega))
+    scale = sum(float(norm(part[..., 0])) for part in fields.parts(y)) * float(norm(y))
+    left = float(norm(rates[:, 0] - rates[:, 1:] @ omega))
     return left / scale if scale else left
 
 
@@ -286,12 +316,12 @@ def _share_of_motion(system: System, integral: PhaseFunction) -> float | None:
     with np.errstate(all="ignore"):  # a formula may be undefined at some of them; it is not judged there
         fields = HamiltonianFields(system, [system.functions.energy, integral])
         both = fields.fields(x)
-        size = float(np.linalg.norm(fields.poisson(x)) * np.linalg.norm(integral.gradient(x)))
+        size = float(norm(fields.poisson(x)) * norm(integral.gradient(x)))
     energy, own = both[..., 0].ravel(), both[..., 1].ravel()
-    if np.linalg.norm(own) <= VANISHES * size:
+    if norm(own) <= VANISHES * size:
         return 0.0
     ratio = float(energy @ own / (energy @ energy)) if energy.any() else 0.0
-    return ratio if np.linalg.norm(own - ratio * energy) <= VANISHES * size else None
+    return ratio if norm(own - ratio * energy) <= VANISHES * size else None
 
 
 _TRIED = 4
@@ -440,8 +470,8 @@ class _Point:
         basis, parts = self.tangents, self.fields.parts(self.x)
         derivative = sum(parts) @ coefficients
         # H - Omega K may be constant on the leaf: what is left of terms that cancel there is no second variation
-        sizes = [np.linalg.norm(np.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
-        if np.linalg.norm(basis.T @ derivative @ basis) <= CANCELLED * float(sum(sizes) @ np.abs(coefficients)):
+        sizes = [norm(np.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
+        if norm(basis.T @ derivative @ basis) <= CANCELLED * float(sum(sizes) @ np.abs(coefficients)):
             derivative = np.zeros_like(derivative)
         return linear_flow(self.fields.poisson(self.x), derivative, basis)
 
@@ -470,7 +500,7 @@ def _casimir_multipliers(leaf: Leaf, point: _Point) -> dict[str, float]:
     functions = point.leaf.system.functions
     slopes = np.stack([f.gradient(point.x) for f in point.fields.functions], axis=-1) @ np.array([1.0, *-point.omega])
     gradients = np.stack([functions.of(f).gradient(point.x) for f in leaf.casimir_functions.values()], axis=-1)
-    lengths = np.linalg.norm(gradients, axis=0)  # a Casimir is in units of its own
+    lengths = norm(gradients, axis=0)  # a Casimir is in units of its own
     lengths = np.where(lengths > 0, lengths, 1.0)
     found = np.linalg.lstsq(gradients / lengths, slopes)[0] / lengths
     return dict(zip(leaf.casimir_functions, found.tolist(), strict=True))
