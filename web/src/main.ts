@@ -1,7 +1,7 @@
 /** The page: holds the state, hands it to the panels, and the orbit to the worker. */
 
 import "./style/page.css";
-import { components, presetOf, presets } from "./data/tops";
+import { components, N, presetOf, presets } from "./data/tops";
 import { attitudeOf } from "./panels/attitude";
 import { ControlsPanel } from "./panels/controls";
 import { DriftPanel } from "./panels/drift";
@@ -10,9 +10,9 @@ import { LyapunovPanel } from "./panels/lyapunov";
 import { PortraitPanel } from "./panels/portrait";
 import { ScenePanel } from "./panels/scene";
 import { SectionPanel } from "./panels/section";
-import { Results, WIDTH } from "./results";
+import { Results } from "./results";
 import { shortest } from "./state/exact";
-import { begun, changed, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
+import { begun, changed, FRAMES, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
 import { read, written } from "./state/url";
 import { palette as currentPalette, type Palette } from "./style/palette";
 import { Client } from "./worker/client";
@@ -167,7 +167,7 @@ const KEYS: Readonly<Record<string, () => void>> = {
   "+": () => act({ do: "speed", speed: lab.speed * 2 }),
   "-": () => act({ do: "speed", speed: lab.speed / 2 }),
   r: () => act({ do: "time", time: 0 }),
-  f: () => act({ do: "view", view: { frame: lab.view.frame === "space" ? "body" : "space" } }),
+  f: () => act({ do: "view", view: { frame: FRAMES[(FRAMES.indexOf(lab.view.frame) + 1) % FRAMES.length] } }),
   g: () => act({ do: "view", view: { shadow: !lab.view.shadow } }),
   t: nextTheme,
   s: () => void share(),
@@ -192,7 +192,7 @@ function distance(): string {
   const [one, other] = [results.top.at(lab.time), results.shadow.at(lab.time)];
   if (!one || !other || results.shadow.end < lab.time) return "";
   let sum = 0;
-  for (let k = 0; k < WIDTH - 4; k++) sum += (one[k] - other[k]) ** 2;
+  for (let k = 0; k < N; k++) sum += (one[k] - other[k]) ** 2;
   return Math.sqrt(sum) < 0.01 ? Math.sqrt(sum).toPrecision(2) : Math.sqrt(sum).toFixed(2);
 }
 
@@ -231,7 +231,7 @@ function draw(): void {
     scene.draw(lab, results, palette);
     portrait.draw(lab, results, palette);
     [drawnAt, drawnFor, drawnChunks] = [lab.time, results, chunks];
-    find("clock").textContent = `t = ${lab.time.toFixed(2)}`;
+    find("clock").textContent = `${lab.view.frame === "rod" ? "s" : "t"} = ${lab.time.toFixed(2)}`;
     const apart = distance();
     find("apart").hidden = !lab.view.shadow || !apart;
     (find("apart").lastElementChild as HTMLElement).textContent = apart;

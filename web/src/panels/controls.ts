@@ -3,10 +3,11 @@
 import { components, parameters } from "../data/tops";
 import type { Results } from "../results";
 import { exact, shortest, type Exact } from "../state/exact";
-import { type Action, type Direction, type Laboratory } from "../state/laboratory";
+import { type Action, type Direction, type Frame, type Laboratory } from "../state/laboratory";
 import { element, plain } from "../symbols";
 
 type Do = (action: Action) => void;
+const VIEWS: readonly (readonly [Frame, string])[] = [["space", "body in space"], ["body", "from the body"], ["momentum", "energy ellipsoid"], ["rod", "elastic rod"]];
 const TOLERANCES = ["1e-16", "1e-15", "1e-12", "1e-9", "1e-6"];
 
 /** Where a slider ends; an exact entry may go beyond. */
@@ -51,8 +52,8 @@ export class ControlsPanel {
     this.heading("Section and axes");
     this.pair("surface", "direction", components.map((name) => [name, `${plain(name)} = 0`]), [["1", "rising"], ["-1", "falling"], ["0", "both"]]);
     this.pair("across", "up", components.map((name) => [name, `→ ${plain(name)}`]), components.map((name) => [name, `↑ ${plain(name)}`]));
-    this.labelled("tolerance", "tolerance", TOLERANCES);
-    this.labelled("frame", "frame", ["space", "body"]);
+    this.labelled("tolerance", "tolerance", TOLERANCES.map((one) => [one, one]));
+    this.labelled("frame", "view", VIEWS);
     this.heading("Conserved, now");
     this.invariants.id = "invariants";
     this.story.id = "story";
@@ -134,14 +135,14 @@ export class ControlsPanel {
     this.panel.append(row);
   }
 
-  private labelled(name: string, words: string, choices: readonly string[]): void {
+  private labelled(name: string, words: string, choices: readonly (readonly [string, string])[]): void {
     const row = document.createElement("label");
     row.className = "row labelled";
-    row.append(words, this.select(name, choices.map((choice) => [choice, choice])));
+    row.append(words, this.select(name, choices));
     this.panel.append(row);
   }
 
-  private select(name: string, choices: readonly [string, string][]): HTMLSelectElement {
+  private select(name: string, choices: readonly (readonly [string, string])[]): HTMLSelectElement {
     const select = document.createElement("select");
     select.setAttribute("aria-label", { across: "horizontal axis", up: "vertical axis" }[name] ?? name);
     select.append(...choices.map(([value, text]) => new Option(text, value)));
@@ -156,7 +157,7 @@ export class ControlsPanel {
     [surface, direction].forEach((select) => select.addEventListener("change", section));
     [across, up].forEach((select) => select.addEventListener("change", axes));
     tolerance.addEventListener("change", () => this.act({ do: "method", method: { kind: "taylor", tol: exact(tolerance.value) } }));
-    frame.addEventListener("change", () => this.act({ do: "view", view: { frame: frame.value as "space" | "body" } }));
+    frame.addEventListener("change", () => this.act({ do: "view", view: { frame: frame.value as Frame } }));
   }
 
   private lab: Laboratory | null = null;

@@ -6,7 +6,7 @@ const KEYS: readonly (readonly [string, string])[] = [
   ["+ −", "faster, slower"],
   ["R", "start again"],
   ["1 … 8", "presets"],
-  ["F", "space frame or body frame"],
+  ["F", "next view: space, body, angular momentum, rod"],
   ["G", "shadow top"],
   ["T", "theme: automatic, light, dark, projector"],
   ["S", "copy the address of this state"],

@@ -1,7 +1,7 @@
 /** The orbit in the two components of the section, up to the time of the cursor. */
 
-import { components } from "../data/tops";
-import { WIDTH, type Results } from "../results";
+import { components, WIDTH } from "../data/tops";
+import type { Results } from "../results";
 import type { Laboratory } from "../state/laboratory";
 import { timeColour, type Palette } from "../style/palette";
 import { padded, Plot, type Range } from "./plot";

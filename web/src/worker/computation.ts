@@ -7,7 +7,7 @@
  */
 
 import type { Core, Field, FieldDescription, Functions, Method } from "../core/core.js";
-import { families, moving, N, N_ATTITUDE, N_PARAMETERS } from "../data/tops";
+import { ellipsoid, families, moving, N, N_PARAMETERS, position, WIDTH } from "../data/tops";
 import type { Job, Update } from "./messages";
 
 /** Between checkpoints, once the time is beyond it. */
@@ -25,7 +25,6 @@ const BAND_HORIZON = 0.2;
 const PER_DOUBLING = 8;
 /** At most so many time units times members in one call. */
 const AT_ONCE = 200;
-const WIDTH = N + N_ATTITUDE;
 
 export class Computation {
   private readonly held: { free(): void }[] = [];
@@ -34,6 +33,7 @@ export class Computation {
   private readonly method: Method;
   private readonly surface: Functions;
   private readonly invariants: Functions;
+  private readonly ellipsoid: Functions;
   private readonly names: readonly string[];
   private readonly family: string;
   private readonly first: Float64Array;
@@ -61,10 +61,11 @@ export class Computation {
     this.names = family.names;
     this.family = family.name;
     this.invariants = this.hold(core.functions(family.functions));
+    this.ellipsoid = this.hold(core.functions(ellipsoid));
     this.checkpoints = [Float64Array.from(start)];
     this.first = this.valuesAt(this.checkpoints[0]);
     const shadow = start.with(0, start[0] + SHADOW);
-    this.moved = [start, shadow].map((state) => ({ next: 0, state: Float64Array.from([...state, ...job.attitude]), stopped: false }));
+    this.moved = [start, shadow].map((state) => ({ next: 0, state: Float64Array.from([...state, ...job.attitude, ...position.map(() => 0)]), stopped: false }));
   }
 
   free(): void {
@@ -109,15 +110,15 @@ export class Computation {
     return member[member.length - 1];
   }
 
-  /** Invariants at states of `width` components, of which the first are those of the top. */
-  private valuesAt(states: Float64Array, width: number = N): Float64Array {
+  /** Functions at states of `width` components, of which the first are those of the top. */
+  private valuesAt(states: Float64Array, width: number = N, functions: Functions = this.invariants): Float64Array {
     const count = states.length / width;
     const all = new Float64Array(count * (N + N_PARAMETERS));
     for (let k = 0; k < count; k++) {
       all.set(states.subarray(k * width, k * width + N), k * (N + N_PARAMETERS));
       all.set(this.job.parameters, k * (N + N_PARAMETERS) + N);
     }
-    return this.invariants.values(all);
+    return functions.values(all);
   }
 
   /** A piece of the motion between two checkpoints, of the top or of its shadow, whichever is behind. */
@@ -143,8 +144,8 @@ export class Computation {
       one.stopped = true;
       return { say: "ended", what: which === 0 ? "motion" : "shadow", outcome: outcome[0], time: endTime[0] };
     }
-    const values = which === 0 ? this.valuesAt(states, WIDTH) : new Float64Array();
-    return { say: "motion", shadow: which === 1, times, states, values };
+    const [values, axes] = [this.invariants, this.ellipsoid].map((functions) => (which === 0 ? this.valuesAt(states, WIDTH, functions) : new Float64Array()));
+    return { say: "motion", shadow: which === 1, times, states, values, ellipsoid: axes };
   }
 
   private drifted: { times: number[]; differences: number[] } = { times: [], differences: [] };
