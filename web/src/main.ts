@@ -1,7 +1,7 @@
 /** The page: holds the state, hands it to the panels, and the orbit to the worker. */
 
 import "./style/page.css";
-import { components, N, presetOf, presets } from "./data/tops";
+import { components, families, N, presetOf, presets } from "./data/tops";
 import { attitudeOf } from "./panels/attitude";
 import { ControlsPanel } from "./panels/controls";
 import { DriftPanel } from "./panels/drift";
@@ -11,11 +11,13 @@ import { PortraitPanel } from "./panels/portrait";
 import { ScenePanel } from "./panels/scene";
 import { SectionPanel } from "./panels/section";
 import { Results } from "./results";
-import { shortest } from "./state/exact";
+import { shortest, type Exact } from "./state/exact";
 import { begun, changed, FRAMES, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
 import { read, written } from "./state/url";
 import { palette as currentPalette, type Palette } from "./style/palette";
+import { plain } from "./symbols";
 import { Client } from "./worker/client";
+import type { Job } from "./worker/messages";
 
 /** Time units of a step, of a frame at speed 1, and how far the motion is computed ahead. */
 const STEP = 1 / 60;
@@ -41,9 +43,12 @@ function tell(message: string): void {
 }
 const say = (text: string) => (find("said").textContent = text);
 
-const controls = new ControlsPanel(find("controls"), act, tell);
+const controls = new ControlsPanel(find("controls"), act, tell, startOn);
 const scene = new ScenePanel(find("scene"), quality);
-const section = new SectionPanel(find("section"), startAt, say);
+const section = new SectionPanel(find("section"), (state) => {
+  startAt(state);
+  say("a new orbit starts at the crossing");
+}, say);
 const portrait = new PortraitPanel(find("portrait"));
 const lyapunov = new LyapunovPanel(find("lyapunov"));
 const drift = new DriftPanel(find("drift"));
@@ -64,21 +69,49 @@ function run(): void {
   results = new Results();
   asked = 0;
   lab = { ...lab, time: still === null ? lab.time : Math.min(still * STEP * lab.speed, HORIZON) };
-  const start = lab.start.map((one) => one.value);
-  client?.run({
-    parameters: lab.parameters.map((one) => one.value),
-    start,
-    attitude: attitudeOf(start),
-    surface: components.indexOf(lab.surface),
-    direction: lab.direction,
-    tol: lab.method.tol.value,
+  client?.run(jobOf(lab));
+}
+
+/** A projection has converged where no equation is off by more. */
+const CONVERGED = 1e-13;
+
+/** Moves the start to the nearest state with these values of energy and Casimirs; the others keep theirs. */
+async function startOn(entered: Readonly<Record<string, Exact>>): Promise<void> {
+  if (!client) return;
+  const [before, { names, first }] = [lab, results];
+  const kept = Object.fromEntries(names.flatMap((name, k) => (families[0].names.includes(name) ? [[name, first[k]]] : [])));
+  const wanted = { ...kept, ...Object.fromEntries(Object.entries(entered).map(([name, to]) => [name, to.value])) };
+  try {
+    const { state, residuals } = await client.project(jobOf(lab), wanted);
+    if (lab.start !== before.start || lab.parameters !== before.parameters) return;
+    const [worst, off] = Object.entries(residuals).reduce((a, b) => (Math.abs(b[1]) > Math.abs(a[1]) ? b : a));
+    if (!(Math.abs(off) <= CONVERGED)) {
+      const values = Object.entries(wanted).map(([name, value]) => `${plain(name)} = ${Number(value.toPrecision(6))}`).join(", ");
+      tell(`No state with ${values} was found near this start: Newton's method ends where ${plain(worst)} is off by ${Math.abs(off).toPrecision(1)} of its size. Values may exclude one another; try one nearer to the present.`);
+      return;
+    }
+    startAt(state);
+    say("the start has these values");
+  } catch (error) {
+    tell(`The start cannot be moved there: ${(error as Error).message}`);
+  }
+}
+
+function jobOf({ parameters, start, surface, direction, method }: Laboratory): Job {
+  const values = start.map((one) => one.value);
+  return {
+    parameters: parameters.map((one) => one.value),
+    start: values,
+    attitude: attitudeOf(values),
+    surface: components.indexOf(surface),
+    direction,
+    tol: method.tol.value,
     horizon: HORIZON,
-  });
+  };
 }
 
 function startAt(state: ArrayLike<number>): void {
   act({ do: "start at", state: Array.from(state, shortest) });
-  say("a new orbit starts at the crossing");
 }
 
 /** What changes with the state, not with time. */

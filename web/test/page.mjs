@@ -81,6 +81,28 @@ const checks = {
     assert.deepEqual(wrong, []);
     await tab.close();
   },
+  async "values of energy and Casimirs are reached, and impossible ones give a message"() {
+    const { tab, wrong } = await opened("?still=0&quality=low#v=1&preset=charged");
+    await ready(tab);
+    const entry = (name) => tab.locator(`input[aria-label="${name}, value that the start is to have"]`);
+    await entry("H").fill("6/5");
+    await entry("C₃").fill("1.25");
+    await entry("C₃").press("Enter");
+    await tab.waitForFunction(() => window.laboratory.state().preset === null);
+    await ready(tab);
+    const values = () => tab.evaluate(() => Object.fromEntries(window.laboratory.results().names.map((name, k) => [name, window.laboratory.results().first[k]])));
+    const wanted = { H: 6 / 5, C1: 1, C2: 0, C3: 1.25 };
+    for (const [name, value] of Object.entries(await values())) assert.ok(Math.abs(value - wanted[name]) < 1e-13, `${name} = ${value}, wanted ${wanted[name]}`);
+    const { start } = await state(tab);
+    await entry("C₃").fill("-1");
+    await entry("C₃").press("Enter");
+    await tab.locator("#message").waitFor();
+    assert.match(await tab.locator("#message").innerText(), /No state with .*C₃ = -1.*may exclude one another/);
+    assert.deepEqual((await state(tab)).start, start);
+    assert.equal(await entry("C₃").evaluate((one) => one === document.activeElement), true);
+    assert.deepEqual(wrong, []);
+    await tab.close();
+  },
   async "a phone has one column, and nothing sticks out"() {
     const { tab, wrong } = await opened("?still=0&quality=low#v=1&preset=charged", { viewport: { width: 390, height: 844 } });
     await ready(tab);

@@ -33,7 +33,7 @@ export class MomentumView extends Group {
 
   /** The curve is drawn where a point of the ellipsoid is as far from the centre as the angular momentum is long. */
   private surface(): MeshStandardMaterial {
-    const material = new MeshStandardMaterial({ roughness: 0.42, metalness: 0.05, transparent: true, opacity: 0.9 });
+    const material = new MeshStandardMaterial({ roughness: 0.42, metalness: 0.05, transparent: true, opacity: 0.6, depthWrite: false });
     material.onBeforeCompile = (shader) => {
       Object.assign(shader.uniforms, { curveLength: this.curve.length, curveAxes: this.curve.axes, curveColour: this.curve.line });
       shader.vertexShader = `uniform vec3 curveAxes;\nvarying vec3 vMomentum;\n${shader.vertexShader}`.replace(

@@ -14,7 +14,7 @@ export const LENGTH = 30;
 const BETWEEN = LENGTH / 480;
 const SIDES = 20;
 /** Largest distance from the middle, and half of the thickness, in units of the scene. */
-const REACH = 1.75;
+const REACH = 2.1;
 const THICK = 0.05;
 
 export class RodView extends Group {

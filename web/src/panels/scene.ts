@@ -39,7 +39,7 @@ const VECTORS = [
   { name: "beta", at: 6, words: "second field", ofRod: "field, fixed in space" },
 ] as const;
 /** Of the vectors at the end of a rod. */
-const AT_END = 0.42;
+const AT_END = 0.6;
 
 export class ScenePanel {
   /** Without WebGL there is a message, and everything else goes on. */
@@ -211,6 +211,7 @@ export class ScenePanel {
     [this.rod.visible, this.momentum.visible] = [isRod, isMomentum];
     this.arrows.forEach((one, k) => (one.userData.shown = !isMomentum || k === 0));
     this.trails.forEach((trail, k) => (trail.visible = isBody || (isMomentum && k === 0)));
+    this.trails.forEach((trail) => (trail.renderOrder = isMomentum ? 2 : 0));
     this.arrows.forEach((one) => one.userData.origin.set(0, 0, 0));
     const numbers = lab.parameters.map((one) => one.value);
     const colours = [palette.l, palette.alpha, palette.beta];
@@ -223,9 +224,9 @@ export class ScenePanel {
       rod: () => VECTORS.map(({ name, ofRod }, k) => entry(name, ofRod, colours[k])),
       momentum: () => [
         entry("l", "angular momentum", palette.l),
-        entry("", "as long as it is: sphere", palette.l),
-        entry("", "of its kinetic energy: ellipsoid", palette.body),
-        entry("", "where they meet", palette.a),
+        entry("", "sphere of its length", palette.l),
+        entry("", "ellipsoid of its kinetic energy", palette.body),
+        entry("", "where they meet: the polhode", palette.a),
       ],
     };
     this.legend.replaceChildren(...(isRod ? of.rod() : isMomentum ? of.momentum() : of.body()));
