@@ -2,6 +2,9 @@
 
 import "./style/page.css";
 import { components, families, N, presetOf, presets } from "./data/tops";
+import { exports, tables } from "./export/charts";
+import { menu, savePicture } from "./export/menu";
+import { asPython } from "./export/python";
 import { attitudeOf } from "./panels/attitude";
 import { ControlsPanel } from "./panels/controls";
 import { DriftPanel } from "./panels/drift";
@@ -52,6 +55,15 @@ const section = new SectionPanel(find("section"), (state) => {
 const portrait = new PortraitPanel(find("portrait"));
 const lyapunov = new LyapunovPanel(find("lyapunov"));
 const drift = new DriftPanel(find("drift"));
+
+const now = () => ({ lab, results, palette });
+exports(find("section"), "section", section, tables.section, now);
+exports(find("portrait"), "portrait", portrait, tables.portrait, now);
+exports(find("lyapunov"), "exponent", lyapunov, tables.lyapunov, now);
+exports(find("drift"), "drift", drift, tables.drift, now);
+menu(find("scene"), "view", [
+  ["picture, PNG", () => savePicture(`${lab.preset ?? "top"}-${lab.view.frame}.png`, scene.picture(palette, `${find("title").textContent}, ${find("subtitle").textContent}, ${find("clock").textContent}`))],
+]);
 
 /** The one way in which the state changes. */
 function act(action: Action): void {
@@ -161,6 +173,7 @@ function header(): void {
     }),
   );
   find("share").addEventListener("click", share);
+  find("python").addEventListener("click", python);
   find("theme").addEventListener("click", nextTheme);
   find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
   find("message").querySelector("button")?.addEventListener("click", () => (find("message").hidden = true));
@@ -179,6 +192,20 @@ async function share(): Promise<void> {
   } catch {
     history.replaceState(null, "", `#${written(lab)}`);
     tell("The address line now has this state; copy it from there.");
+  }
+}
+
+/** The lines of Python; where there is no clipboard, in a dialog from which they can be copied. */
+async function python(): Promise<void> {
+  const lines = asPython(lab);
+  try {
+    await navigator.clipboard.writeText(lines);
+    tell("The lines of Python that compute this orbit are copied.");
+  } catch {
+    const dialog = find<HTMLDialogElement>("lines");
+    (dialog.querySelector("textarea") as HTMLTextAreaElement).value = lines;
+    dialog.showModal();
+    (dialog.querySelector("textarea") as HTMLTextAreaElement).select();
   }
 }
 
@@ -204,6 +231,7 @@ const KEYS: Readonly<Record<string, () => void>> = {
   g: () => act({ do: "view", view: { shadow: !lab.view.shadow } }),
   t: nextTheme,
   s: () => void share(),
+  p: () => void python(),
   "?": () => find<HTMLDialogElement>("keys").showModal(),
 };
 const TURNS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
@@ -307,6 +335,7 @@ Object.assign(window, {
     state: () => lab,
     results: () => results,
     frameTimes: () => [...spent],
+    python: () => asPython(lab),
   },
 });
 

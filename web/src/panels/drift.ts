@@ -12,7 +12,7 @@ const LEAST = 1e-17;
 const PLACES = 160;
 
 export class DriftPanel {
-  private readonly plot: Plot;
+  readonly plot: Plot;
   private readonly head: HTMLElement;
   private drawn = "";
   private results: Results | null = null;

@@ -10,6 +10,7 @@ const KEYS: readonly (readonly [string, string])[] = [
   ["G", "shadow top"],
   ["T", "theme: automatic, light, dark, projector"],
   ["S", "copy the address of this state"],
+  ["P", "copy the lines of Python that compute it"],
   ["shift ← → ↑ ↓", "turn the view"],
   ["← → and Enter in the section", "choose a crossing and start there"],
 ];

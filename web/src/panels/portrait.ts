@@ -7,11 +7,11 @@ import { timeColour, type Palette } from "../style/palette";
 import { padded, Plot, type Range } from "./plot";
 
 /** Time units that are seen. */
-const PAST = 40;
+export const PAST = 40;
 const PIECES = 24;
 
 export class PortraitPanel {
-  private readonly plot: Plot;
+  readonly plot: Plot;
   private key = "";
   private results: Results | null = null;
   private ranges: [Range, Range] = [[Infinity, -Infinity], [Infinity, -Infinity]];

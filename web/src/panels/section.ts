@@ -11,7 +11,7 @@ import { padded, Plot } from "./plot";
 const REACH = 12;
 
 export class SectionPanel {
-  private readonly plot: Plot;
+  readonly plot: Plot;
   private drawn = 0;
   private shown: unknown = null;
   private chosen: number | null = null;

@@ -9,6 +9,7 @@
 import type { Core, Field, FieldDescription, Functions, Method } from "../core/core.js";
 import { ellipsoid, families, moving, N, N_PARAMETERS, position, WIDTH } from "../data/tops";
 import type { Job, Update } from "./messages";
+import { interval } from "./times";
 
 /** Between checkpoints, once the time is beyond it. */
 const STRIDE = 20;
@@ -21,8 +22,6 @@ const SHADOW = 1e-3;
 const MEMBERS = 24;
 /** The exponents of an ensemble are followed to this part of the horizon. */
 const BAND_HORIZON = 0.2;
-/** Intervals in each doubling of the time, at which exponents are known. */
-const PER_DOUBLING = 8;
 /** At most so many time units times members in one call. */
 const AT_ONCE = 200;
 
@@ -231,11 +230,10 @@ class Growth {
   /** Exponents at the next time. */
   advance(): { time: number; values: Float64Array } | null {
     if (this.stopped || this.time >= this.horizon) return null;
-    const doubling = Math.floor(this.done / PER_DOUBLING);
-    const interval = (doubling === 0 ? 1 : 2 ** (doubling - 1)) / PER_DOUBLING;
-    const parts = Math.max(1, Math.ceil((interval * this.members) / AT_ONCE / 4));
+    const length = interval(this.done);
+    const parts = Math.max(1, Math.ceil((length * this.members) / AT_ONCE / 4));
     const run = this.core.frames(this.field, this.method, this.states, this.frames, {
-      nVectors: 1, elapsed: this.elapsed, duration: interval / parts, nIntervals: parts,
+      nVectors: 1, elapsed: this.elapsed, duration: length / parts, nIntervals: parts,
     });
     if (run.outcome.some((outcome) => outcome !== "finished")) {
       this.stopped = true;
@@ -247,7 +245,7 @@ class Growth {
     this.states = run.endState;
     this.frames = run.frame;
     this.elapsed = run.endTime;
-    this.time += interval;
+    this.time += length;
     this.done += 1;
     return { time: this.time, values: this.grown.map((growth) => growth / this.time) };
   }
