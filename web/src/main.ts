@@ -13,6 +13,7 @@ import { LyapunovPanel } from "./panels/lyapunov";
 import { PortraitPanel } from "./panels/portrait";
 import { ScenePanel } from "./panels/scene";
 import { SectionPanel } from "./panels/section";
+import { Tour } from "./panels/tour";
 import { Results } from "./results";
 import { shortest, type Exact } from "./state/exact";
 import { begun, changed, FRAMES, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
@@ -131,7 +132,9 @@ function show(): void {
   const preset = presetOf(lab.preset);
   find("title").textContent = preset?.title ?? "A top of your own";
   const epsilon = lab.parameters[9].text.replace("-", "−");
-  find("subtitle").textContent = `ε = ${epsilon}${preset ? ` · ${preset.kind}` : ""}`;
+  const isRod = lab.parameters.slice(3, 9).every(({ value }, k) => k % 3 === 2 || value === 0);
+  const remark = lab.view.frame === "rod" && !isRod ? " · a or b is not along the third axis: a curve, but no rod in equilibrium" : "";
+  find("subtitle").textContent = `ε = ${epsilon}${preset ? ` · ${preset.kind}` : ""}${remark}`;
   controls.show(lab, preset?.story ?? "A projection of the section is a cloud even where the motion is regular: look at the exponent, too.");
   for (const button of find("presets").querySelectorAll("button")) {
     const chosen = button.dataset.key === lab.preset;
@@ -174,6 +177,7 @@ function header(): void {
   );
   find("share").addEventListener("click", share);
   find("python").addEventListener("click", python);
+  find("guide").addEventListener("click", () => tour.begin());
   find("theme").addEventListener("click", nextTheme);
   find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
   find("message").querySelector("button")?.addEventListener("click", () => (find("message").hidden = true));
@@ -220,6 +224,13 @@ function step(sign: number): void {
   act({ do: "time", time: Math.min(lab.time + sign * STEP * lab.speed, Math.max(results.top.end, 0)) });
 }
 
+const tour = new Tour(find<HTMLDialogElement>("tour"), () => lab, (to) => {
+  const other = !sameRun(lab, to);
+  lab = to;
+  if (other) run();
+  show();
+});
+
 const KEYS: Readonly<Record<string, () => void>> = {
   " ": () => act({ do: "play", playing: !lab.playing }),
   ArrowRight: () => step(1),
@@ -232,6 +243,7 @@ const KEYS: Readonly<Record<string, () => void>> = {
   t: nextTheme,
   s: () => void share(),
   p: () => void python(),
+  h: () => tour.begin(),
   "?": () => find<HTMLDialogElement>("keys").showModal(),
 };
 const TURNS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
@@ -305,6 +317,7 @@ function draw(): void {
 }
 
 async function begin(): Promise<void> {
+  if (query.get("embed") === "1") document.documentElement.dataset.embed = "1";
   header();
   fillHelp(find<HTMLDialogElement>("keys"));
   document.addEventListener("keydown", keys);
