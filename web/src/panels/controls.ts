@@ -77,7 +77,7 @@ export class ControlsPanel {
   }
 
   private heading(text: string): HTMLElement {
-    const heading = document.createElement("h3");
+    const heading = document.createElement("h2");
     heading.textContent = text;
     this.panel.append(heading);
     return heading;

@@ -102,6 +102,8 @@ export class Tour {
   private end(early: boolean): void {
     point(null);
     this.box.close();
+    // what is hidden must not keep the focus
+    if (this.box.contains(document.activeElement)) (document.activeElement as HTMLElement).blur();
     if (early && this.before) this.set(this.before);
     if (this.focused instanceof HTMLElement) this.focused.focus();
   }
