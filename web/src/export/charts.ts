@@ -1,11 +1,13 @@
 /** Pictures and tables of charts. */
 
 import { attitude, components, position } from "../data/tops";
+import type { Key } from "../panels/drift";
 import { PAST } from "../panels/portrait";
 import type { Plot } from "../panels/plot";
 import type { Results } from "../results";
-import type { Laboratory } from "../state/laboratory";
+import { HORIZON, type Laboratory } from "../state/laboratory";
 import type { Palette } from "../style/palette";
+import { draw } from "../symbols";
 import { menu, save, savePicture } from "./menu";
 import { SvgContext } from "./svg";
 import { csv, facts, type Table } from "./table";
@@ -17,6 +19,7 @@ const FINE = 3;
 export interface Chart {
   readonly plot: Plot;
   draw(lab: Laboratory, results: Results, palette: Palette): void;
+  keys?(results: Results, palette: Palette): Key[];
 }
 
 export interface Now {
@@ -28,7 +31,8 @@ export interface Now {
 /** Puts the menu into the panel of a chart; `now` says what it shows. */
 export function exports(panel: HTMLElement, name: string, chart: Chart, table: (now: Now) => Table, now: () => Now): void {
   const file = (kind: string) => `${now().lab.preset ?? "top"}-${name}.${kind}`;
-  const title = () => `${panel.querySelector("h3")?.textContent}: ${panel.querySelector("p")?.textContent}`.replace(/: t/, ": ");
+  const heading = panel.querySelector("h3")?.textContent ?? "";
+  const title = () => (chart.keys ? heading : `${heading}: ${words(panel.querySelector("p") as HTMLElement)}`);
   menu(panel, name, [
     ["picture, SVG", () => save(file("svg"), new Blob([svgOf(chart, title(), now())], { type: "image/svg+xml" }))],
     ["picture, PNG", () => savePicture(file("png"), pictureOf(chart, title(), now()))],
@@ -40,10 +44,7 @@ export function svgOf(chart: Chart, title: string, { lab, results, palette }: No
   const { width, height } = chart.plot;
   const context = new SvgContext(chart.plot.below);
   chart.plot.onto(context as unknown as CanvasRenderingContext2D, () => chart.draw(lab, results, palette));
-  context.font = `13px "Inter Variable", sans-serif`;
-  context.textAlign = "left";
-  context.fillStyle = palette.ink;
-  context.fillText(title, 10, height + TITLE - 8);
+  caption(context as unknown as CanvasRenderingContext2D, chart, title, { lab, results, palette });
   return context.document(width, height + TITLE, palette.panel, title, facts(lab).join("\n"));
 }
 
@@ -56,11 +57,38 @@ export function pictureOf(chart: Chart, title: string, { lab, results, palette }
   context.fillStyle = palette.panel;
   context.fillRect(0, 0, width, height + TITLE);
   chart.plot.onto(withoutClearing(context), () => chart.draw(lab, results, palette));
+  caption(context, chart, title, { lab, results, palette });
+  return canvas;
+}
+
+/** Below a picture: what it is, and which curve is which. */
+function caption(context: CanvasRenderingContext2D, chart: Chart, title: string, { results, palette }: Now): void {
+  const y = chart.plot.height + TITLE - 9;
   context.font = `13px "Inter Variable", sans-serif`;
   context.textAlign = "left";
   context.fillStyle = palette.ink;
-  context.fillText(title, 10, height + TITLE - 8);
-  return canvas;
+  context.fillText(title, 10, y);
+  let x = 10 + context.measureText(title).width + 14;
+  for (const { name, colour, dash } of chart.keys?.(results, palette) ?? []) {
+    context.strokeStyle = colour;
+    context.lineWidth = 2;
+    context.setLineDash([...dash]);
+    context.beginPath();
+    context.moveTo(x, y - 4);
+    context.lineTo(x + 18, y - 4);
+    context.stroke();
+    context.setLineDash([]);
+    x += 22 + draw(context, name, x + 22, y, 14) + 12;
+  }
+}
+
+/** The text of a heading, with indices below the line. */
+function words(heading: HTMLElement): string {
+  const copy = heading.cloneNode(true) as HTMLElement;
+  copy.querySelectorAll("sub").forEach((sub) => sub.replaceWith([...(sub.textContent ?? "")].map((digit) => String.fromCharCode(0x2080 + Number(digit))).join("")));
+  const scale = copy.querySelector(".scale");
+  scale?.previousSibling?.remove();
+  return (copy.textContent ?? "") + (scale ? `, coloured by time from 0 to ${HORIZON.toLocaleString("en")}` : "");
 }
 
 /** Both canvases of a chart are this one, and the second must not wipe off the first. */

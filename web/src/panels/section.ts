@@ -35,7 +35,7 @@ export class SectionPanel {
 
   draw(lab: Laboratory, results: Results, palette: Palette): void {
     const { plot } = this;
-    const sign = lab.direction === 0 ? "" : lab.direction > 0 ? ", rising" : ", falling";
+    const sign = lab.direction === 0 ? " ↕" : lab.direction > 0 ? " ↑" : " ↓";
     const key = [results, lab.axes.join(), palette].map(String).join() && `${lab.axes.join()} ${palette.dark} ${palette.panel}`;
     this.columns = [components.indexOf(lab.axes[0]), components.indexOf(lab.axes[1])];
     const { rows, times } = results.crossings;
@@ -71,7 +71,7 @@ export class SectionPanel {
     const bold = document.createElement("b");
     bold.textContent = count.toLocaleString("en");
     this.head.replaceChildren("t", scale, element(lab.surface), ` = 0${sign} · `, bold, " crossings");
-    this.head.setAttribute("title", "Early crossings violet, late ones yellow.");
+    this.head.setAttribute("title", "Crossings that rise (↑), fall (↓), or both (↕); early ones violet, late ones yellow.");
   }
 
   private hover(row: Float64Array, time: number, palette: Palette): void {
