@@ -292,6 +292,8 @@ function frame(now: number): void {
   requestAnimationFrame(frame);
 }
 
+/** Milliseconds from the request of the page to the first drawn state. */
+let firstPicture = 0;
 let drawnAt = -1;
 let drawnFor: Results | null = null;
 let drawnChunks = 0;
@@ -304,6 +306,7 @@ function draw(): void {
     scene.draw(lab, results, palette);
     portrait.draw(lab, results, palette);
     [drawnAt, drawnFor, drawnChunks] = [lab.time, results, chunks];
+    if (chunks > 0 && firstPicture === 0) firstPicture = performance.now();
     find("clock").textContent = `${lab.view.frame === "rod" ? "s" : "t"} = ${lab.time.toFixed(2)}`;
     const apart = distance();
     find("apart").hidden = !lab.view.shadow || !apart;
@@ -348,6 +351,8 @@ Object.assign(window, {
     state: () => lab,
     results: () => results,
     frameTimes: () => [...spent],
+    firstPicture: () => firstPicture,
+    isLowQuality: () => scene.software,
     python: () => asPython(lab),
   },
 });
