@@ -1,7 +1,7 @@
 """The numbers that the page shows, read from Chromium, against those that its own lines of Python compute.
 
-The page has other last bits than Python: each step rounds a state to a few units, and the flow stretches what was rounded.
-Numbers are compared as long as that leaves them known, with the bound computed from the tangent flow; long exponents of
+The page has other last bits than Python: each step rounds a state to a few units, and the flow stretches what was
+rounded.  Numbers are compared as long as that leaves them known, with the bound computed from the tangent flow; long exponents of
 chaotic orbits are two realisations of one number, and are compared with the spread over starts on the same orbit.
 """
 
@@ -127,7 +127,7 @@ def test_exponents(shown, computed, key):
     assert max(python) == max(chart)
     times = np.array([0.0, *(time for time in python if time <= END)])
     error = errors(variables["top"], start, times, variables["method"])
-    # an exponent reads the state through the Jacobian, which is linear in it: its error is at most a few times that of states
+    # an exponent reads the state through the Jacobian, which is linear in it: its error is a few times that of states
     compared = [(time, bound) for time, bound in zip(times[1:], error[1:], strict=True) if bound < KNOWN]
     assert len(compared) >= 20
     for time, bound in compared:
@@ -139,7 +139,7 @@ def test_exponents(shown, computed, key):
 
 
 def spread(variables, time, key):
-    """Between realisations of a chaotic orbit six standard deviations; of a regular one rounding, which grows slowly."""
+    """Between realisations of a chaotic orbit six standard deviations; of a regular one rounding."""
     if key not in CHAOTIC:
         return 1e-6
     orbit = lp.integrate(variables["top"], variables["start"], times=np.linspace(0, 2000, 25)[1:], threads=1)

@@ -1,4 +1,4 @@
-//! Newton's method onto given values of functions: the nearest state to first order, as Python's `Leaf.project` finds it.
+//! Newton's method onto given values of functions: the nearest state to first order, as Python's `Leaf.project` has it.
 
 use crate::refusal::{Kind, Refusal};
 use liepoisson_core::error::Error;
@@ -104,8 +104,8 @@ fn dot(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(a, b)| a * b).sum()
 }
 
-/// The step of minimum norm along which the rows undo the values as far as they can. Rotations of pairs of rows make them
-/// orthogonal (one-sided Jacobi): their lengths are then the singular values.
+/// The step of minimum norm along which the rows undo the values as far as they can. Rotations of pairs of rows make
+/// them orthogonal (one-sided Jacobi): their lengths are then the singular values.
 fn shortest_step(mut rows: Vec<Vec<f64>>, mut values: Vec<f64>) -> Vec<f64> {
     let (m, n) = (rows.len(), rows[0].len());
     for _ in 0..MOST_SWEEPS {
@@ -143,8 +143,8 @@ fn shortest_step(mut rows: Vec<Vec<f64>>, mut values: Vec<f64>) -> Vec<f64> {
     step
 }
 
-/// `[state, residual]`: the state near `state` at which each function has its value, and how far each is from it, relative to
-/// what must cancel. Of the components as many move as there are units.
+/// `[state, residual]`: the state near `state` at which each function has its value, and how far each is from it,
+/// relative to what must cancel. Of the components as many move as there are units.
 pub(crate) fn project(
     functions: &Functions,
     state: &[f64],

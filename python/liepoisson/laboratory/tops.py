@@ -172,8 +172,8 @@ def _ellipsoid(hamiltonian: Expr, momenta: Sequence[Symbol]) -> list[Expr]:
     """Squares of the half axes of `T(l) = T` with the kinetic energy `T = H - H(l = 0)`, and of `|l|`."""
     from sympy import Integer, cancel, expand
 
-    rest = dict.fromkeys(momenta, Integer(0))
-    kinetic = expand(hamiltonian - hamiltonian.subs(rest))
-    squares = [cancel(kinetic / kinetic.subs({**rest, momentum: Integer(1)})) for momentum in momenta]
+    rest: Any = dict.fromkeys(momenta, Integer(0))
+    kinetic = expand(hamiltonian - hamiltonian.xreplace(rest))
+    squares = [cancel(kinetic / kinetic.xreplace({**rest, momentum: Integer(1)})) for momentum in momenta]
     total: Any = sum((momentum**2 for momentum in momenta), Integer(0))
     return [*map(expand, squares), total]
