@@ -1,8 +1,9 @@
 """The numbers that the page shows, read from Chromium, against those that its own lines of Python compute.
 
 The page has other last bits than Python: each step rounds a state to a few units, and the flow stretches what was
-rounded.  Numbers are compared as long as that leaves them known, with the bound computed from the tangent flow; long exponents of
-chaotic orbits are two realisations of one number, and are compared with the spread over starts on the same orbit.
+rounded.  Numbers are compared as long as that leaves them known, with the bound computed from the tangent flow; long
+exponents of chaotic orbits are two realisations of one number, and are compared with the spread over starts on the
+same orbit.
 """
 
 import contextlib
