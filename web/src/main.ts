@@ -351,6 +351,7 @@ Object.assign(window, {
     state: () => lab,
     results: () => results,
     frameTimes: () => [...spent],
+    sectionRange: () => section.plot.x.range,
     firstPicture: () => firstPicture,
     isLowQuality: () => scene.software,
     python: () => asPython(lab),

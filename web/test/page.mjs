@@ -180,6 +180,19 @@ const checks = {
       await tab.close();
     }
   },
+  async "the axes of a section fit its crossings"() {
+    for (let k = 0; k < 4; k++) {
+      const { tab } = await opened("?still=600&quality=low#v=1&preset=kovalevskaya&theme=light");
+      await ready(tab);
+      await tab.waitForTimeout(200);
+      const [range, wanted] = await tab.evaluate(() => {
+        const seen = window.laboratory.results().crossings.rows.map((row) => row[0]);
+        return [window.laboratory.sectionRange(), [Math.min(...seen), Math.max(...seen)]];
+      });
+      assert.ok(range[1] - range[0] < 1.5 * (wanted[1] - wanted[0]), `${range} for ${wanted}`);
+      await tab.close();
+    }
+  },
   async "pictures and tables are saved"() {
     const { tab, wrong } = await opened("?still=600&quality=low#v=1&preset=charged&theme=light");
     await ready(tab);

@@ -13,6 +13,8 @@ const REACH = 12;
 export class SectionPanel {
   readonly plot: Plot;
   private drawn = 0;
+  /** Crossings that the axes were fitted to. */
+  private fitted = 0;
   private shown: unknown = null;
   private chosen: number | null = null;
   private readonly head: HTMLElement;
@@ -40,7 +42,10 @@ export class SectionPanel {
     this.columns = [components.indexOf(lab.axes[0]), components.indexOf(lab.axes[1])];
     const { rows, times } = results.crossings;
     const outside = rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
-    if (plot.measure() || results !== this.results || key !== this.shown || outside) {
+    // axes that were drawn before there was a crossing are of nothing
+    const isFirst = this.fitted === 0 && rows.length > 0;
+    if (plot.measure() || results !== this.results || key !== this.shown || outside || isFirst) {
+      this.fitted = rows.length;
       [this.results, this.shown, this.drawn] = [results, key, 0];
       for (const [axis, column] of [["x", this.columns[0]], ["y", this.columns[1]]] as const) {
         const values = rows.map((row) => row[column]);
