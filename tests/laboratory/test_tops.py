@@ -84,18 +84,36 @@ def test_the_last_family_of_a_top_has_its_invariants(name):
 def test_state_and_attitude_move_together(name):
     top = TOPS[name]
     attitude = np.array([0.5, -0.1, 0.7, 0.5])
-    point = np.concatenate([STATE, attitude, parameters_of(top)])
+    point = np.concatenate([STATE, attitude, np.zeros(3), parameters_of(top)])
     moving = field_of(DESCRIPTION["moving"])
     assert isinstance(moving, TapeField)
     start = point[None]
     orbit = lp.integrate(moving, start, times=[0, 1], threads=1).state[0]
     alone = lp.integrate(top, STATE[None], times=[0, 1], threads=1).state[0]
     np.testing.assert_allclose(orbit[-1, :9], alone[-1], rtol=0, atol=1e-12)
-    assert (orbit[-1, 13:] == point[13:]).all()
+    assert (orbit[-1, 16:] == point[16:]).all()
     np.testing.assert_allclose(orbit[-1, 9:13] @ orbit[-1, 9:13], attitude @ attitude, rtol=0, atol=1e-13)
     # the second field stands still in space, whatever the twist
     first, last = (turned(state[9:13]) @ state[6:9] for state in orbit)
     np.testing.assert_allclose(last, first, rtol=0, atol=1e-12)
+
+
+def test_the_position_is_that_of_the_rod():
+    top = TOPS["twisted Lagrange"]
+    attitude = np.array([0.5, -0.1, 0.7, 0.5])
+    rod = lp.orbits.rod(top, STATE, length=5, n_points=6, attitude=attitude, threads=1)
+    point = np.concatenate([STATE, attitude, np.zeros(3), parameters_of(top)])
+    orbit = lp.integrate(field_of(DESCRIPTION["moving"]), point[None], times=rod.arclength, threads=1).state[0]
+    np.testing.assert_allclose(orbit[:, 13:16], rod.centre_line[0], rtol=0, atol=1e-13)  # measured 1e-15
+
+
+@pytest.mark.parametrize("name", TOPS)
+def test_the_ellipsoid_has_the_kinetic_energy_of_the_state(name):
+    top = TOPS[name]
+    squares = values(DESCRIPTION["ellipsoid"], np.concatenate([STATE, parameters_of(top)]))
+    inertia, momentum = np.array([float(moment) for moment in top.inertia]), STATE[:3]
+    energy = momentum @ (momentum / inertia) / 2
+    np.testing.assert_allclose(squares, [*(2 * energy * inertia), momentum @ momentum], rtol=1e-14)
 
 
 def turned(q):

@@ -156,6 +156,37 @@ def rate_case(name, system, states):
     }
 
 
+PROJECTED = {
+    "twisted Kovalevskaya": lp.Top.twisted_kovalevskaya(),
+    "twisted Lagrange": lp.Top.twisted_lagrange(axial="3/5", a3=1, b3="1/2", epsilon="1/3"),
+    "charged heavy top": lp.Top.charged_heavy((1, "3/2", 2), (1, 0, "1/2"), (0, 1, 0)),
+    "heavy top": lp.Top.heavy((2, 2, "6/5"), (-1, 0, 0)),
+    "weak field": lp.Top(inertia=(1, 2, 3), a=(1000, 0, 0), b=(0, 0, 1000), epsilon="1/2"),
+}
+CLOSE = 1e-14
+"""Relative distance of two projections: each Newton step is a rounded solution of the same equations."""
+
+
+def projection_case(name, top):
+    """From a state that is not on the leaf, to a leaf and an energy through another state."""
+    rng = np.random.default_rng(len(name))
+    there = rng.normal(size=9)
+    there[3:] /= np.repeat([max(1, *(abs(float(x)) for x in v)) for v in (top.a, top.b)], 3)
+    start = there * (1 + 0.05 * rng.normal(size=9))
+    leaf, energy = lp.Leaf.through(top, there), float(top.functions.energy(there))
+    view = leaf.in_units(energy)
+    tape = top.function_tape(*(top.invariants[key] for key in ("H", *leaf.casimirs)))
+    return {
+        "name": name,
+        "functions": record_of_functions(tape),
+        "start": start.tolist(),
+        "values": [energy, *leaf.casimirs.values()],
+        "units": view.units.tolist(),
+        "state": leaf.project(start, energy=energy).tolist(),
+        "bound": CLOSE,
+    }
+
+
 def drift_case():
     """The rms error of a Casimir, and whether it has a sign.
 
@@ -231,6 +262,7 @@ def cases():
             value_case("sine and cosine of large angles", CIRCLE, angles, np.hstack([np.sin(angles), np.cos(angles)])),
         ],
         "rates": [rate_case("top", TOP, states), rate_case("quadratic field", henon, states[:, :4])],
+        "projections": [projection_case(name, top) for name, top in PROJECTED.items()],
         "drift": drift_case(),
     }  # fmt: skip
 
@@ -270,6 +302,8 @@ NAMES = [
     "values: sine and cosine of large angles",
     "rates: top",
     "rates: quadratic field",
+    *(f"projection: {name}" for name in PROJECTED),
+    "a projection that has no solution says how far it is",
     "coefficients are divided by their order as IEEE 754 divides",
     "errors of Casimirs grow as the square root of time",
     "what is refused has a kind and a message, and the core goes on",

@@ -1,7 +1,10 @@
 /** The page: holds the state, hands it to the panels, and the orbit to the worker. */
 
 import "./style/page.css";
-import { components, presetOf, presets } from "./data/tops";
+import { components, families, N, presetOf, presets } from "./data/tops";
+import { exports, tables } from "./export/charts";
+import { menu, savePicture } from "./export/menu";
+import { asPython } from "./export/python";
 import { attitudeOf } from "./panels/attitude";
 import { ControlsPanel } from "./panels/controls";
 import { DriftPanel } from "./panels/drift";
@@ -10,12 +13,15 @@ import { LyapunovPanel } from "./panels/lyapunov";
 import { PortraitPanel } from "./panels/portrait";
 import { ScenePanel } from "./panels/scene";
 import { SectionPanel } from "./panels/section";
-import { Results, WIDTH } from "./results";
-import { shortest } from "./state/exact";
-import { begun, changed, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
+import { Tour } from "./panels/tour";
+import { Results } from "./results";
+import { shortest, type Exact } from "./state/exact";
+import { begun, changed, FRAMES, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
 import { read, written } from "./state/url";
 import { palette as currentPalette, type Palette } from "./style/palette";
+import { plain } from "./symbols";
 import { Client } from "./worker/client";
+import type { Job } from "./worker/messages";
 
 /** Time units of a step, of a frame at speed 1, and how far the motion is computed ahead. */
 const STEP = 1 / 60;
@@ -41,12 +47,24 @@ function tell(message: string): void {
 }
 const say = (text: string) => (find("said").textContent = text);
 
-const controls = new ControlsPanel(find("controls"), act, tell);
+const controls = new ControlsPanel(find("controls"), act, tell, startOn);
 const scene = new ScenePanel(find("scene"), quality);
-const section = new SectionPanel(find("section"), startAt, say);
+const section = new SectionPanel(find("section"), (state) => {
+  startAt(state);
+  say("a new orbit starts at the crossing");
+}, say);
 const portrait = new PortraitPanel(find("portrait"));
 const lyapunov = new LyapunovPanel(find("lyapunov"));
 const drift = new DriftPanel(find("drift"));
+
+const now = () => ({ lab, results, palette });
+exports(find("section"), "section", section, tables.section, now);
+exports(find("portrait"), "portrait", portrait, tables.portrait, now);
+exports(find("lyapunov"), "exponent", lyapunov, tables.lyapunov, now);
+exports(find("drift"), "drift", drift, tables.drift, now);
+menu(find("scene"), "view", [
+  ["picture, PNG", () => savePicture(`${lab.preset ?? "top"}-${lab.view.frame}.png`, scene.picture(palette, `${find("title").textContent}, ${find("subtitle").textContent}, ${find("clock").textContent}`))],
+]);
 
 /** The one way in which the state changes. */
 function act(action: Action): void {
@@ -64,21 +82,49 @@ function run(): void {
   results = new Results();
   asked = 0;
   lab = { ...lab, time: still === null ? lab.time : Math.min(still * STEP * lab.speed, HORIZON) };
-  const start = lab.start.map((one) => one.value);
-  client?.run({
-    parameters: lab.parameters.map((one) => one.value),
-    start,
-    attitude: attitudeOf(start),
-    surface: components.indexOf(lab.surface),
-    direction: lab.direction,
-    tol: lab.method.tol.value,
+  client?.run(jobOf(lab));
+}
+
+/** A projection has converged where no equation is off by more. */
+const CONVERGED = 1e-13;
+
+/** Moves the start to the nearest state with these values of energy and Casimirs; the others keep theirs. */
+async function startOn(entered: Readonly<Record<string, Exact>>): Promise<void> {
+  if (!client) return;
+  const [before, { names, first }] = [lab, results];
+  const kept = Object.fromEntries(names.flatMap((name, k) => (families[0].names.includes(name) ? [[name, first[k]]] : [])));
+  const wanted = { ...kept, ...Object.fromEntries(Object.entries(entered).map(([name, to]) => [name, to.value])) };
+  try {
+    const { state, residuals } = await client.project(jobOf(lab), wanted);
+    if (lab.start !== before.start || lab.parameters !== before.parameters) return;
+    const [worst, off] = Object.entries(residuals).reduce((a, b) => (Math.abs(b[1]) > Math.abs(a[1]) ? b : a));
+    if (!(Math.abs(off) <= CONVERGED)) {
+      const values = Object.entries(wanted).map(([name, value]) => `${plain(name)} = ${Number(value.toPrecision(6))}`).join(", ");
+      tell(`No state with ${values} was found near this start: Newton's method ends where ${plain(worst)} is off by ${Math.abs(off).toPrecision(1)} of its size. Values may exclude one another; try one nearer to the present.`);
+      return;
+    }
+    startAt(state);
+    say("the start has these values");
+  } catch (error) {
+    tell(`The start cannot be moved there: ${(error as Error).message}`);
+  }
+}
+
+function jobOf({ parameters, start, surface, direction, method }: Laboratory): Job {
+  const values = start.map((one) => one.value);
+  return {
+    parameters: parameters.map((one) => one.value),
+    start: values,
+    attitude: attitudeOf(values),
+    surface: components.indexOf(surface),
+    direction,
+    tol: method.tol.value,
     horizon: HORIZON,
-  });
+  };
 }
 
 function startAt(state: ArrayLike<number>): void {
   act({ do: "start at", state: Array.from(state, shortest) });
-  say("a new orbit starts at the crossing");
 }
 
 /** What changes with the state, not with time. */
@@ -86,7 +132,9 @@ function show(): void {
   const preset = presetOf(lab.preset);
   find("title").textContent = preset?.title ?? "A top of your own";
   const epsilon = lab.parameters[9].text.replace("-", "−");
-  find("subtitle").textContent = `ε = ${epsilon}${preset ? ` · ${preset.kind}` : ""}`;
+  const isRod = lab.parameters.slice(3, 9).every(({ value }, k) => k % 3 === 2 || value === 0);
+  const remark = lab.view.frame === "rod" && !isRod ? " · a or b is not along the third axis: a curve, but no rod in equilibrium" : "";
+  find("subtitle").textContent = `ε = ${epsilon}${preset ? ` · ${preset.kind}` : ""}${remark}`;
   controls.show(lab, preset?.story ?? "A projection of the section is a cloud even where the motion is regular: look at the exponent, too.");
   for (const button of find("presets").querySelectorAll("button")) {
     const chosen = button.dataset.key === lab.preset;
@@ -128,6 +176,8 @@ function header(): void {
     }),
   );
   find("share").addEventListener("click", share);
+  find("python").addEventListener("click", python);
+  find("guide").addEventListener("click", () => tour.begin());
   find("theme").addEventListener("click", nextTheme);
   find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
   find("message").querySelector("button")?.addEventListener("click", () => (find("message").hidden = true));
@@ -149,6 +199,20 @@ async function share(): Promise<void> {
   }
 }
 
+/** The lines of Python; where there is no clipboard, in a dialog from which they can be copied. */
+async function python(): Promise<void> {
+  const lines = asPython(lab);
+  try {
+    await navigator.clipboard.writeText(lines);
+    tell("The lines of Python that compute this orbit are copied.");
+  } catch {
+    const dialog = find<HTMLDialogElement>("lines");
+    (dialog.querySelector("textarea") as HTMLTextAreaElement).value = lines;
+    dialog.showModal();
+    (dialog.querySelector("textarea") as HTMLTextAreaElement).select();
+  }
+}
+
 function nextTheme(): void {
   const theme = THEMES[(THEMES.indexOf(lab.theme) + 1) % THEMES.length];
   act({ do: "theme", theme });
@@ -160,6 +224,13 @@ function step(sign: number): void {
   act({ do: "time", time: Math.min(lab.time + sign * STEP * lab.speed, Math.max(results.top.end, 0)) });
 }
 
+const tour = new Tour(find<HTMLDialogElement>("tour"), () => lab, (to) => {
+  const other = !sameRun(lab, to);
+  lab = to;
+  if (other) run();
+  show();
+});
+
 const KEYS: Readonly<Record<string, () => void>> = {
   " ": () => act({ do: "play", playing: !lab.playing }),
   ArrowRight: () => step(1),
@@ -167,10 +238,12 @@ const KEYS: Readonly<Record<string, () => void>> = {
   "+": () => act({ do: "speed", speed: lab.speed * 2 }),
   "-": () => act({ do: "speed", speed: lab.speed / 2 }),
   r: () => act({ do: "time", time: 0 }),
-  f: () => act({ do: "view", view: { frame: lab.view.frame === "space" ? "body" : "space" } }),
+  f: () => act({ do: "view", view: { frame: FRAMES[(FRAMES.indexOf(lab.view.frame) + 1) % FRAMES.length] } }),
   g: () => act({ do: "view", view: { shadow: !lab.view.shadow } }),
   t: nextTheme,
   s: () => void share(),
+  p: () => void python(),
+  h: () => tour.begin(),
   "?": () => find<HTMLDialogElement>("keys").showModal(),
 };
 const TURNS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };
@@ -192,7 +265,7 @@ function distance(): string {
   const [one, other] = [results.top.at(lab.time), results.shadow.at(lab.time)];
   if (!one || !other || results.shadow.end < lab.time) return "";
   let sum = 0;
-  for (let k = 0; k < WIDTH - 4; k++) sum += (one[k] - other[k]) ** 2;
+  for (let k = 0; k < N; k++) sum += (one[k] - other[k]) ** 2;
   return Math.sqrt(sum) < 0.01 ? Math.sqrt(sum).toPrecision(2) : Math.sqrt(sum).toFixed(2);
 }
 
@@ -219,6 +292,8 @@ function frame(now: number): void {
   requestAnimationFrame(frame);
 }
 
+/** Milliseconds from the request of the page to the first drawn state. */
+let firstPicture = 0;
 let drawnAt = -1;
 let drawnFor: Results | null = null;
 let drawnChunks = 0;
@@ -231,7 +306,8 @@ function draw(): void {
     scene.draw(lab, results, palette);
     portrait.draw(lab, results, palette);
     [drawnAt, drawnFor, drawnChunks] = [lab.time, results, chunks];
-    find("clock").textContent = `t = ${lab.time.toFixed(2)}`;
+    if (chunks > 0 && firstPicture === 0) firstPicture = performance.now();
+    find("clock").textContent = `${lab.view.frame === "rod" ? "s" : "t"} = ${lab.time.toFixed(2)}`;
     const apart = distance();
     find("apart").hidden = !lab.view.shadow || !apart;
     (find("apart").lastElementChild as HTMLElement).textContent = apart;
@@ -244,6 +320,7 @@ function draw(): void {
 }
 
 async function begin(): Promise<void> {
+  if (query.get("embed") === "1") document.documentElement.dataset.embed = "1";
   header();
   fillHelp(find<HTMLDialogElement>("keys"));
   document.addEventListener("keydown", keys);
@@ -274,6 +351,10 @@ Object.assign(window, {
     state: () => lab,
     results: () => results,
     frameTimes: () => [...spent],
+    sectionRange: () => section.plot.x.range,
+    firstPicture: () => firstPicture,
+    isLowQuality: () => scene.software,
+    python: () => asPython(lab),
   },
 });
 

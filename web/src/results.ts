@@ -1,14 +1,14 @@
 /** What the worker has found of the present orbit. */
 
-import { N, N_ATTITUDE } from "./data/tops";
+import { N_ELLIPSOID, WIDTH } from "./data/tops";
 import type { Update } from "./worker/messages";
-
-export const WIDTH = N + N_ATTITUDE;
 
 interface Chunk {
   readonly times: Float64Array;
   readonly states: Float64Array;
   readonly values: Float64Array;
+  /** Squares of half axes and of the angular momentum (time, 4); none for the shadow. */
+  readonly ellipsoid: Float64Array;
 }
 
 /** A list of rows that grows; `version` tells a chart that it has more to draw. */
@@ -48,7 +48,7 @@ export class Motion {
     return this.chunks.at(-1)?.times.at(-1) ?? 0;
   }
 
-  /** The state with attitude, between two that were computed, which are closer than the eye can tell. */
+  /** The state with attitude and position, between two that were computed, which are closer than the eye can tell. */
   at(time: number): Float64Array | null {
     const found = this.place(time);
     if (!found) return null;
@@ -67,6 +67,21 @@ export class Motion {
     if (!found) return null;
     const n = found.chunk.values.length / found.chunk.times.length;
     return found.chunk.values.subarray(found.k * n, (found.k + 1) * n);
+  }
+
+  /** Squares of the half axes of the ellipsoid, and of the angular momentum, between two that were computed. */
+  ellipsoid(time: number): Float64Array | null {
+    const found = this.place(time);
+    if (!found) return null;
+    const { chunk, k, part } = found;
+    const [from, to] = [k, k + 1].map((row) => chunk.ellipsoid.subarray(row * N_ELLIPSOID, (row + 1) * N_ELLIPSOID));
+    return from.map((value, i) => value + part * (to[i] - value));
+  }
+
+  /** The largest square of a half axis, or of the angular momentum, up to a time. */
+  largestOfEllipsoid(to: number): number {
+    const early = this.chunks.filter(({ times }) => times[0] <= to);
+    return early.reduce((most, { ellipsoid }) => ellipsoid.reduce((a, b) => Math.max(a, b), most), 0);
   }
 
   /** Visits the computed states from one time to another. */

@@ -1,10 +1,11 @@
 import { readFileSync } from "node:fs";
 import { beforeAll, expect, test } from "vitest";
 import { Core } from "../src/core/core.js";
-import { components, presets } from "../src/data/tops";
+import { components, presets, WIDTH } from "../src/data/tops";
 import { exact } from "../src/state/exact";
 import { Computation } from "../src/worker/computation";
 import type { Job, Update } from "../src/worker/messages";
+import { projected } from "../src/worker/projection";
 
 let core: Core;
 beforeAll(async () => {
@@ -57,8 +58,8 @@ test("the drawn motion follows the orbit, and the quaternion keeps its length", 
   const motion = said(updates, "motion").filter((one) => !one.shadow);
   const chunk = motion.find((one) => one.times[0] <= crossing.times[0] && crossing.times[0] <= one.times.at(-1)!)!;
   const near = chunk.times.findIndex((time) => time >= crossing.times[0]);
-  for (let k = 0; k < 9; k++) expect(Math.abs(chunk.states[near * 13 + k] - crossing.states[k])).toBeLessThan(0.1);
-  const last = motion.at(-1)!.states.slice(-4);
+  for (let k = 0; k < 9; k++) expect(Math.abs(chunk.states[near * WIDTH + k] - crossing.states[k])).toBeLessThan(0.1);
+  const last = motion.at(-1)!.states.slice(-WIDTH).slice(9, 13);
   expect(Math.abs(Math.hypot(...last) - 1)).toBeLessThan(1e-12);
 });
 
@@ -70,7 +71,7 @@ test("in space the second field stands still, for a twisted top, too", () => {
   };
   const motion = said(all(job("twisted-kovalevskaya")), "motion").filter((one) => !one.shadow);
   const start = turned(motion[0].states.subarray(0, 13));
-  const end = turned(motion.at(-1)!.states.subarray(-13));
+  const end = turned(motion.at(-1)!.states.subarray(-WIDTH));
   end.forEach((value, k) => expect(Math.abs(value - start[k])).toBeLessThan(1e-11));
 });
 
@@ -98,4 +99,30 @@ test("a looser tolerance drifts more", () => {
 
 test("a top that the core cannot have is refused", () => {
   expect(() => new Computation(core, job("lagrange", { parameters: Array(10).fill(0) }))).toThrow();
+});
+
+test.each(presets.map((preset) => preset.key))("%s: a start is moved to another energy and another Casimir", (key) => {
+  const of = job(key);
+  const { values, names } = said(all({ ...of, horizon: 1 }), "invariants")[0];
+  const wanted = Object.fromEntries(["H", "C1", "C2", "C3"].map((name) => [name, values[names.indexOf(name)]]));
+  wanted.H += 0.05;
+  wanted.C3 *= 1.1;
+  const { state, residuals } = projected(core, of, wanted);
+  expect(Math.max(...Object.values(residuals).map(Math.abs))).toBeLessThan(1e-13);
+  const there = said(all({ ...of, start: [...state], horizon: 1 }), "invariants")[0];
+  for (const [name, value] of Object.entries(wanted)) expect(Math.abs(there.values[there.names.indexOf(name)] - value)).toBeLessThan(1e-13);
+});
+
+test("values that exclude one another leave a residual", () => {
+  expect(Math.abs(projected(core, job("lagrange"), { H: 0, C1: 1, C2: 0, C3: -1 }).residuals.C3)).toBeGreaterThan(1e-3);
+});
+
+test("the ellipsoid and the sphere go through the angular momentum", () => {
+  const { states, ellipsoid } = said(all(job("charged", { horizon: 10 })), "motion").filter((one) => !one.shadow).at(-1)!;
+  for (let k = 0; k < states.length / WIDTH; k++) {
+    const squares = ellipsoid.subarray(4 * k, 4 * k + 4);
+    const momenta = [...states.subarray(WIDTH * k, WIDTH * k + 3)].map((one) => one * one);
+    expect(Math.abs(momenta.reduce((sum, one, i) => sum + one / squares[i], 0) - 1)).toBeLessThan(1e-13);
+    expect(Math.abs(momenta[0] + momenta[1] + momenta[2] - squares[3])).toBeLessThan(1e-13);
+  }
 });

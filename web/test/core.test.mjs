@@ -91,6 +91,35 @@ for (const { name, field, states, rates, bounds } of cases.rates) {
   });
 }
 
+for (const { name, functions, start, values, units, state, bound } of cases.projections) {
+  test(`projection: ${name}`, async () => {
+    const core = await Core.start(program);
+    const found = core.project(core.functions(functions), start, values, units);
+    const size = Math.max(...state.map((x, k) => Math.abs(x / units[k])));
+    for (let k = 0; k < state.length; k++) {
+      const distance = Math.abs(found.state[k] - state[k]) / units[k] / size;
+      assert.ok(distance <= bound, `component ${k}: ${found.state[k]} for ${state[k]}, off by ${distance}, bound ${bound}`);
+    }
+    assert.ok(found.residual.every((one) => Math.abs(one) <= 1e-15), `residuals ${found.residual}`);
+    const far = Math.max(...start.map((x, k) => Math.abs(x - state[k])));
+    assert.ok(far > 0.01, "the start is not where it ends");
+  });
+}
+
+test("a projection that has no solution says how far it is", async () => {
+  const core = await Core.start(program);
+  const [{ functions, start, units }] = cases.projections;
+  const tape = core.functions(functions);
+  const values = tape.values(start);
+  // |beta|^2 = -1
+  const { residual } = core.project(tape, start, [...values.slice(0, 3), -1], units);
+  assert.ok(Math.max(...residual.map(Math.abs)) > 1e-3, `residuals ${residual}`);
+  for (const wrong of [[start.slice(1), values, units], [start, values.slice(1), units], [start, values, []]]) {
+    assert.throws(() => core.project(tape, ...wrong), (error) => error instanceof Refusal && error.kind === "ShapeError");
+  }
+  assert.throws(() => core.project(tape, start, values, units.map(() => 0)), (error) => error.kind === "ParameterError");
+});
+
 test("coefficients are divided by their order as IEEE 754 divides", async () => {
   // u = v t; x' = u u, x' = u x, ...: single products, whose quotients by 3, 5, 7 and 6 are the states at time 1
   const core = await Core.start(program);

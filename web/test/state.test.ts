@@ -1,8 +1,13 @@
+import { readFileSync } from "node:fs";
 import { describe, expect, test } from "vitest";
 import { components, presets } from "../src/data/tops";
+import { asPython } from "../src/export/python";
+import { SvgContext } from "../src/export/svg";
+import { csv } from "../src/export/table";
 import { exact, NotANumber, shortest } from "../src/state/exact";
 import { begun, changed, Refused, sameRun, type Laboratory } from "../src/state/laboratory";
 import { read, written } from "../src/state/url";
+import { exponentTimes } from "../src/worker/times";
 
 describe("exact numbers", () => {
   test.each([["1/3", 1 / 3], ["-0.25", -0.25], ["1e-3", 1e-3], [" .5 ", 0.5], ["−2", -2]])("%s is read", (text, value) => {
@@ -80,5 +85,52 @@ describe("the address", () => {
     } catch (error) {
       expect((error as Error).message.length).toBeLessThan(200);
     }
+  });
+});
+
+describe("the lines of Python", () => {
+  test("those of the guide are those of the page", () => {
+    const guide = readFileSync(new URL("../../docs/laboratory.md", import.meta.url), "utf8");
+    expect(guide).toContain(`\`\`\`python\n${asPython(begun("kovalevskaya"))}\`\`\``);
+  });
+  test("fractions stay exact, and what Python would not read is written otherwise", () => {
+    let lab = changed(begun("sticky"), { do: "parameter", index: 9, to: exact("+01/03") });
+    lab = changed(lab, { do: "start", index: 0, to: exact("-007/010") });
+    lab = changed(lab, { do: "start", index: 1, to: exact("0.50") });
+    expect(asPython(lab)).toContain('epsilon="1/3"');
+    expect(asPython(lab)).toContain("start = [-7/10, 0.50, ");
+    expect(asPython(lab)).toContain('inertia=(2, 2, "6/5")');
+  });
+  test("times are those of the chart", () => {
+    const times = exponentTimes(1e4);
+    const inPython = Array.from({ length: 14 }, (_, k) => Array.from({ length: 8 }, (_, part) => 2 ** k * (1 + part / 8))).flat();
+    expect(times.filter((time) => time >= 1)).toEqual(inPython.filter((time) => time <= times.at(-1)!));
+  });
+});
+
+describe("tables and pictures", () => {
+  test("a table says what it is of, and leaves out what is not known", () => {
+    const text = csv(begun("charged"), { what: "of a test", columns: ["t", "x"], rows: [[1, 2.5], [2, NaN]] });
+    expect(text).toMatch(/^# of a test\n# liepoisson \d/);
+    expect(text).toContain("I2 = 3/2");
+    expect(text.endsWith("\nt,x\n1,2.5\n2,\n")).toBe(true);
+  });
+  test("text in a picture is never markup", () => {
+    const context = new SvgContext({} as CanvasRenderingContext2D);
+    context.fillText("<b>&", 1, 2);
+    expect(context.document(1, 1, "#fff", '"<', "&")).toContain(">&lt;b&gt;&amp;</text>");
+    expect(context.document(1, 1, "#fff", '"<', "&")).toContain("<title>&quot;&lt;</title>");
+  });
+  test("what is clipped is clipped until it is restored", () => {
+    const context = new SvgContext({} as CanvasRenderingContext2D);
+    context.save();
+    context.rect(0, 0, 5, 5);
+    context.clip();
+    context.fillRect(1, 1, 2, 2);
+    context.restore();
+    context.fillRect(3, 3, 4, 4);
+    const lines = context.document(9, 9, "#fff", "", "").split("\n");
+    expect(lines.find((line) => line.includes('x="1"'))).toContain("clip-path");
+    expect(lines.find((line) => line.includes('x="3"'))).not.toContain("clip-path");
   });
 });

@@ -8,6 +8,7 @@
 
 mod describe;
 mod json;
+mod projection;
 mod refusal;
 mod runs;
 mod table;
@@ -46,7 +47,7 @@ fn table(table: runs::Table) -> Thing {
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_start() -> i32 {
     std::panic::set_hook(Box::new(|panic| say(panic.to_string())));
-    1
+    2
 }
 
 /// Room for a text.
@@ -160,6 +161,20 @@ pub extern "C" fn lp_rates(field: i32, method: i32, states: i32) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn lp_values(functions: i32, states: i32) -> i32 {
     let run = || Ok(numbers(runs::values(&*table::functions(functions)?, &table::numbers(states)?.borrow())?));
+    answer(run())
+}
+
+/// A result: the state nearest to first order at which each function has its value; as many of the first components move as
+/// there are `units`, in which lengths are measured. Its parts are `[state, residual]`, the residuals relative.
+#[unsafe(no_mangle)]
+pub extern "C" fn lp_project(functions: i32, state: i32, values: i32, units: i32) -> i32 {
+    let run = || {
+        let functions = table::functions(functions)?;
+        let [state, values, units] = [state, values, units].map(table::numbers);
+        let (state, values, units) = (state?, values?, units?);
+        let parts = projection::project(&functions, &state.borrow(), &values.borrow(), &units.borrow())?;
+        Ok(table(runs::Table::of(parts)))
+    };
     answer(run())
 }
 

@@ -242,6 +242,10 @@ pub(crate) fn values(functions: &Functions, states: &[f64]) -> Result<Vec<f64>, 
 }
 
 impl Table {
+    pub(crate) fn of(parts: Vec<Vec<f64>>) -> Table {
+        Table { parts, dense: None }
+    }
+
     pub(crate) fn part(&self, index: usize) -> &[f64] {
         self.parts.get(index).map_or(&[], Vec::as_slice)
     }

@@ -6,7 +6,11 @@ frame by
 
 $$\dot q = \tfrac12\, q\,(0, \omega),$$
 
-where the unit quaternion q turns vectors of the body into vectors of space.
+where the unit quaternion q turns vectors of the body into vectors of space.  The path along the third axis of the body,
+
+$$\dot r = q\,(0, e_3)\,\bar q,$$
+
+is the centre line of the rod that Kirchhoff's analogy makes of the orbit, with arclength for time.
 """
 
 from __future__ import annotations
@@ -22,7 +26,7 @@ from liepoisson.tops import Top
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-VERSION = 1
+VERSION = 2
 """Of the format, which the page looks at."""
 
 PARAMETERS = ("I1", "I2", "I3", "a1", "a2", "a3", "b1", "b2", "b3", "epsilon")
@@ -30,6 +34,9 @@ PARAMETERS = ("I1", "I2", "I3", "a1", "a2", "a3", "b1", "b2", "b3", "epsilon")
 
 ATTITUDE = ("q0", "q1", "q2", "q3")
 """The quaternion, real part first."""
+
+POSITION = ("r1", "r2", "r3")
+"""Along the centre line, in space."""
 
 
 @dataclass(frozen=True)
@@ -87,14 +94,19 @@ def description_of_tops() -> dict[str, Any]:
 
     Returns:
         - `version`: of this format;
-        - `components`, `parameters`, `attitude`: names, in the order in which the tapes have them;
-        - `moving`: state, attitude and parameters as one field;
+        - `package`: the version of liepoisson that wrote it;
+        - `components`, `parameters`, `attitude`, `position`: names, in the order in which the tapes have them;
+        - `moving`: state, attitude, position and parameters as one field;
+        - `ellipsoid`: functions of state and parameters: the squares of the three half axes of the ellipsoid of angular
+          momenta that have the kinetic energy of the state, and the square of the angular momentum;
         - `families`: each with `name`, `conditions` (functions of state and parameters, all zero for a member),
           `names` and `functions` of invariants.  The last
           family that a top belongs to has all of its known invariants.
     """
     from sympy import Integer
     from sympy.parsing.sympy_parser import parse_expr
+
+    from liepoisson import __version__
 
     general = families()[0].top
     names = [*general.component_names, *PARAMETERS]
@@ -117,17 +129,22 @@ def description_of_tops() -> dict[str, Any]:
             }
         )
     rates = [_in_symbols(rate, symbols) for rate in general.equations.values()]
-    attitude = _symbols(ATTITUDE)
+    attitude, position = _symbols(ATTITUDE), _symbols(POSITION)
     turning = _rate_of_attitude(attitude, [symbols[f"l{k}"] / symbols[f"I{k}"] for k in (1, 2, 3)])
     moving = tape_of_equations(
-        [*variables[:9], *attitude, *variables[9:]], [*rates, *turning, *[Integer(0)] * len(PARAMETERS)]
+        [*variables[:9], *attitude, *position, *variables[9:]],
+        [*rates, *turning, *_third_axis(attitude), *[Integer(0)] * len(PARAMETERS)],
     )
+    hamiltonian = _in_symbols(general.hamiltonian, symbols)
     return {
         "version": VERSION,
+        "package": __version__,
         "components": list(general.component_names),
         "parameters": list(PARAMETERS),
         "attitude": list(ATTITUDE),
+        "position": list(POSITION),
         "moving": record_of(moving),
+        "ellipsoid": tape(_ellipsoid(hamiltonian, variables[:3])),
         "families": known,
     }
 
@@ -143,3 +160,20 @@ def _rate_of_attitude(q: Sequence[Expr], omega: Sequence[Expr]) -> list[Expr]:
         q0 * w3 + q1 * w2 - q2 * w1,
     ]
     return [rate / 2 for rate in twice]
+
+
+def _third_axis(q: Sequence[Expr]) -> list[Expr]:
+    """The third axis of the body in space, the last column of the rotation of a unit quaternion."""
+    q0, q1, q2, q3 = q
+    return [2 * (q1 * q3 + q0 * q2), 2 * (q2 * q3 - q0 * q1), q0**2 - q1**2 - q2**2 + q3**2]
+
+
+def _ellipsoid(hamiltonian: Expr, momenta: Sequence[Symbol]) -> list[Expr]:
+    """Squares of the half axes of `T(l) = T` with the kinetic energy `T = H - H(l = 0)`, and of `|l|`."""
+    from sympy import Integer, cancel, expand
+
+    rest: Any = dict.fromkeys(momenta, Integer(0))
+    kinetic = expand(hamiltonian - hamiltonian.xreplace(rest))
+    squares = [cancel(kinetic / kinetic.xreplace({**rest, momentum: Integer(1)})) for momentum in momenta]
+    total: Any = sum((momentum**2 for momentum in momenta), Integer(0))
+    return [*map(expand, squares), total]

@@ -55,7 +55,7 @@ export class CoreStopped extends Error {
 }
 
 /** The version of the interface that this file is written for. */
-const INTERFACE = 1;
+const INTERFACE = 2;
 
 /** What has a place in the memory of the core, which is given back by `free`, or when nothing refers to it any more. */
 class Held {
@@ -176,6 +176,20 @@ export class Core {
    */
   rates(field, method, states) {
     return this.with([states], ([x]) => this.take(this.call("lp_rates", field.handle, method.handle, x)));
+  }
+
+  /**
+   * The state nearest to first order at which each of the functions has its value, by Newton's method, and how far each is
+   * from it, relative to what must cancel: at most 1e-13 at a solution.  As many of the first components move as there are
+   * units, which lengths are measured in.
+   * @param {Functions} functions @param {Numbers} state @param {Numbers} values @param {Numbers} units
+   * @returns {{state: Float64Array, residual: Float64Array}}
+   */
+  project(functions, state, values, units) {
+    return this.with([state, values, units], ([x, c, u]) => {
+      const run = this.call("lp_project", functions.handle, x, c, u);
+      return this.result(run, () => ({ state: this.part(run, 0), residual: this.part(run, 1) }));
+    });
   }
 
   /**

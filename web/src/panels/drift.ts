@@ -11,8 +11,15 @@ const LEAST = 1e-17;
 /** Places on the axis of time; where more times fall on one, the largest is drawn. */
 const PLACES = 160;
 
+/** A curve of the chart. */
+export interface Key {
+  readonly name: string;
+  readonly colour: string;
+  readonly dash: readonly number[];
+}
+
 export class DriftPanel {
-  private readonly plot: Plot;
+  readonly plot: Plot;
   private readonly head: HTMLElement;
   private drawn = "";
   private results: Results | null = null;
@@ -65,6 +72,12 @@ export class DriftPanel {
       c.stroke();
     });
     c.restore();
+  }
+
+  /** Which curve is which, for a picture without the page around it. */
+  keys({ names }: Results, palette: Palette): Key[] {
+    const colours = coloursOf(palette);
+    return names.map((name, k) => ({ name, colour: colours[k % colours.length], dash: DASHES[k % DASHES.length] }));
   }
 
   private legend({ names }: Results, colours: readonly string[]): void {

@@ -6,7 +6,7 @@ import type { Palette } from "../style/palette";
 import { Plot } from "./plot";
 
 export class LyapunovPanel {
-  private readonly plot: Plot;
+  readonly plot: Plot;
   private readonly head: HTMLElement;
   private drawn = "";
   private results: Results | null = null;

@@ -17,8 +17,8 @@ const TOP = 14;
 const BOTTOM = 38;
 
 export class Plot {
-  readonly below: CanvasRenderingContext2D;
-  readonly above: CanvasRenderingContext2D;
+  below: CanvasRenderingContext2D;
+  above: CanvasRenderingContext2D;
   readonly canvas: HTMLCanvasElement;
   width = 0;
   height = 0;
@@ -26,6 +26,7 @@ export class Plot {
   y: Axis = { range: [0, 1], name: "" };
   /** Whether the size has changed since the last `measure`. */
   private resized = true;
+  private elsewhere = false;
 
   constructor(panel: HTMLElement, label: string) {
     const holder = document.createElement("div");
@@ -41,10 +42,24 @@ export class Plot {
     new ResizeObserver(() => (this.resized = true)).observe(holder);
   }
 
+  /** Has everything drawn onto something else, of the same size. */
+  onto(context: CanvasRenderingContext2D, draw: () => void): void {
+    const own = [this.below, this.above] as const;
+    [this.below, this.above] = [context, context];
+    [this.resized, this.elsewhere] = [true, true];
+    try {
+      draw();
+    } finally {
+      [this.below, this.above] = own;
+      [this.resized, this.elsewhere] = [true, false];
+    }
+  }
+
   /** Fits the canvases to their place; true if they are new and empty. */
   measure(): boolean {
     if (!this.resized) return false;
     this.resized = false;
+    if (this.elsewhere) return true;
     const holder = this.canvas.parentElement as HTMLElement;
     const scale = Math.min(devicePixelRatio, 2);
     [this.width, this.height] = [holder.clientWidth, holder.clientHeight];

@@ -1,17 +1,17 @@
 /** The orbit in the two components of the section, up to the time of the cursor. */
 
-import { components } from "../data/tops";
-import { WIDTH, type Results } from "../results";
+import { components, WIDTH } from "../data/tops";
+import type { Results } from "../results";
 import type { Laboratory } from "../state/laboratory";
 import { timeColour, type Palette } from "../style/palette";
 import { padded, Plot, type Range } from "./plot";
 
 /** Time units that are seen. */
-const PAST = 40;
+export const PAST = 40;
 const PIECES = 24;
 
 export class PortraitPanel {
-  private readonly plot: Plot;
+  readonly plot: Plot;
   private key = "";
   private results: Results | null = null;
   private ranges: [Range, Range] = [[Infinity, -Infinity], [Infinity, -Infinity]];

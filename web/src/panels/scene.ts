@@ -1,21 +1,25 @@
 /**
- * The moving top.  The body is its ellipsoid of inertia, with half axes in the ratio of 1/sqrt(I), the axes of the moments
- * through it, and a ball at the centre of mass.  In the space frame the body turns; in the body frame it stands still.
+ * The moving top, in four views: the body in space, the same from the body, its angular momentum, and the rod that has its
+ * orbit for a shape.  The body is its ellipsoid of inertia, with half axes in the ratio of 1/sqrt(I), the
+ * axes of the moments through it, and a ball at the centre of mass.
  */
 
 import {
-  ACESFilmicToneMapping, AmbientLight, BufferGeometry, CanvasTexture, CircleGeometry, Color, ConeGeometry, CylinderGeometry,
+  ACESFilmicToneMapping, AmbientLight, BufferGeometry, CircleGeometry, Color, ConeGeometry, CylinderGeometry,
   DirectionalLight, Float32BufferAttribute, Group, GreaterDepth, HemisphereLight, LineBasicMaterial, LineSegments, Mesh, MeshBasicMaterial, MeshPhysicalMaterial,
   MeshStandardMaterial, PCFShadowMap, PerspectiveCamera, PMREMGenerator, Quaternion, Scene, ShadowMaterial, SphereGeometry,
-  SRGBColorSpace, TorusGeometry, Vector3, WebGLRenderer, type Material, type Object3D,
+  TorusGeometry, Vector3, WebGLRenderer, type Material, type Object3D,
 } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import { RoomEnvironment } from "three/examples/jsm/environments/RoomEnvironment.js";
-import { WIDTH, type Results } from "../results";
+import type { Results } from "../results";
 import type { Laboratory } from "../state/laboratory";
 import type { Palette } from "../style/palette";
-import { element } from "../symbols";
+import { draw, element } from "../symbols";
+import { MomentumView } from "./momentum";
+import { ball, emptied, quaternionOf, rod, stripes } from "./parts";
 import { Ribbon } from "./ribbon";
+import { RodView } from "./rod";
 
 /** Longest half axis, and longest vector, in units of the scene. */
 const BODY = 0.95;
@@ -30,10 +34,12 @@ const APART = 0.15;
 const UP = new Vector3(0, 1, 0);
 
 const VECTORS = [
-  { name: "l", at: 0, words: "angular momentum" },
-  { name: "alpha", at: 3, words: "first field" },
-  { name: "beta", at: 6, words: "second field" },
+  { name: "l", at: 0, words: "angular momentum", ofRod: "moment" },
+  { name: "alpha", at: 3, words: "first field", ofRod: "force, by its sources" },
+  { name: "beta", at: 6, words: "second field", ofRod: "field, fixed in space" },
 ] as const;
+/** Of the vectors at the end of a rod. */
+const AT_END = 0.6;
 
 export class ScenePanel {
   /** Without WebGL there is a message, and everything else goes on. */
@@ -50,6 +56,10 @@ export class ScenePanel {
   private readonly axisTrail = new Ribbon(TRAIL_POINTS, 2.2);
   private readonly labels: HTMLElement[];
   private readonly floor = new Group();
+  private momentum!: MomentumView;
+  private readonly rod = new RodView();
+  private readonly axisNames: HTMLElement[];
+  private shown: string | null = null;
   private readonly holder: HTMLElement;
   private readonly legend: HTMLElement;
   private built: unknown = null;
@@ -67,10 +77,17 @@ export class ScenePanel {
       label.setAttribute("aria-hidden", "true");
       return label;
     });
+    this.axisNames = ["l1", "l2", "l3"].map((name) => {
+      const label = element(name);
+      label.classList.add("label", "axis");
+      label.setAttribute("aria-hidden", "true");
+      return label;
+    });
     this.works = this.begin(quality);
     if (!this.works) return;
-    this.scene.add(this.body, this.ghost, this.floor, this.axisTrail, ...this.trails, ...this.arrows);
-    this.holder.append(...this.labels);
+    this.momentum = new MomentumView(this.software);
+    this.scene.add(this.body, this.ghost, this.floor, this.momentum, this.rod, this.axisTrail, ...this.trails, ...this.arrows);
+    this.holder.append(...this.labels, ...this.axisNames);
     new ResizeObserver(() => this.resize()).observe(this.holder);
     this.resize();
   }
@@ -146,11 +163,37 @@ export class ScenePanel {
       this.built = key;
       this.build(lab, palette);
     }
+    this.stage(lab, palette);
     const state = results.top.at(lab.time);
     if (state) this.move(lab, results, state);
     this.renderer.render(this.scene, this.camera);
     this.place();
     this.dirty = false;
+  }
+
+  /** The view as it is, with the names of what is in it. */
+  picture(palette: Palette, title: string): HTMLCanvasElement {
+    const { width, height } = this.works ? this.renderer.domElement : { width: 1, height: 1 };
+    const canvas = document.createElement("canvas");
+    Object.assign(canvas, { width, height });
+    const c = canvas.getContext("2d") as CanvasRenderingContext2D;
+    c.fillStyle = palette.panel;
+    c.fillRect(0, 0, width, height);
+    if (!this.works) return canvas;
+    c.drawImage(this.renderer.domElement, 0, 0);
+    const scale = width / this.holder.clientWidth;
+    c.scale(scale, scale);
+    const place = this.holder.getBoundingClientRect();
+    for (const [label, name] of [...this.labels.map((one, k) => [one, VECTORS[k].name] as const), ...this.axisNames.map((one, k) => [one, `l${k + 1}`] as const)]) {
+      if (label.hidden) continue;
+      const box = label.getBoundingClientRect();
+      c.fillStyle = getComputedStyle(label).color;
+      draw(c, name, box.left - place.left, box.bottom - place.top - 0.25 * box.height, parseFloat(getComputedStyle(label).fontSize));
+    }
+    c.fillStyle = palette.ink;
+    c.font = `14px "Inter Variable", sans-serif`;
+    c.fillText(title, 16, this.holder.clientHeight - 14);
+    return canvas;
   }
 
   private resize(): void {
@@ -178,11 +221,40 @@ export class ScenePanel {
     this.axisTrail.material.uniforms.colour.value.set(palette.axis);
     this.axisTrail.material.uniforms.strength.value = 0.7;
     this.labels.forEach((label, k) => (label.style.color = colours[k]));
-    this.legend.replaceChildren(
-      ...VECTORS.map(({ name, words }, k) => entry(name, words, colours[k])),
-      entry("a", "centre of mass", palette.a),
-      ...(numbers.slice(6, 9).some(Boolean) ? [entry("b", "centre of charge", palette.b)] : []),
-    );
+    this.momentum.paint(palette);
+    this.rod.build(numbers, palette);
+    this.shown = null;
+  }
+
+  /** What a view shows, and what it is called. */
+  private stage(lab: Laboratory, palette: Palette): void {
+    const view = lab.view.frame;
+    if (view === this.shown) return;
+    this.shown = view;
+    const [isBody, isRod, isMomentum] = [view === "space" || view === "body", view === "rod", view === "momentum"];
+    [this.body.visible, this.floor.visible, this.ghost.visible, this.axisTrail.visible] = [isBody, isBody, isBody, isBody];
+    [this.rod.visible, this.momentum.visible] = [isRod, isMomentum];
+    this.arrows.forEach((one, k) => (one.userData.shown = !isMomentum || k === 0));
+    this.trails.forEach((trail, k) => (trail.visible = isBody || (isMomentum && k === 0)));
+    this.trails.forEach((trail) => (trail.renderOrder = isMomentum ? 2 : 0));
+    this.arrows.forEach((one) => one.userData.origin.set(0, 0, 0));
+    const numbers = lab.parameters.map((one) => one.value);
+    const colours = [palette.l, palette.alpha, palette.beta];
+    const of = {
+      body: () => [
+        ...VECTORS.map(({ name, words }, k) => entry(name, words, colours[k])),
+        entry("a", "centre of mass", palette.a),
+        ...(numbers.slice(6, 9).some(Boolean) ? [entry("b", "centre of charge", palette.b)] : []),
+      ],
+      rod: () => VECTORS.map(({ name, ofRod }, k) => entry(name, ofRod, colours[k])),
+      momentum: () => [
+        entry("l", "angular momentum", palette.l),
+        entry("", "sphere of its length", palette.l),
+        entry("", "ellipsoid of its kinetic energy", palette.body),
+        entry("", "where they meet: the polhode", palette.a),
+      ],
+    };
+    this.legend.replaceChildren(...(isRod ? of.rod() : isMomentum ? of.momentum() : of.body()));
   }
 
   /** Vectors are drawn to fit: each kind has one scale for the orbit. */
@@ -199,6 +271,8 @@ export class ScenePanel {
   }
 
   private move(lab: Laboratory, results: Results, state: Float64Array): void {
+    if (lab.view.frame === "rod") return this.moveRod(lab, results, state);
+    if (lab.view.frame === "momentum") return this.moveMomentum(lab, results, state);
     this.scale(results);
     const start = results.top.chunks[0].states;
     const fixed = lab.view.frame === "body" ? quaternionOf(start, 0) : null;
@@ -222,6 +296,31 @@ export class ScenePanel {
     this.axisTrail.through(paths[3]);
   }
 
+  /** Moment and force where the rod ends. */
+  private moveRod(lab: Laboratory, results: Results, state: Float64Array): void {
+    this.scale(results);
+    this.rod.move(lab.time, results);
+    const turn = quaternionOf(state, 0);
+    this.arrows.forEach((one, k) => {
+      one.userData.origin.copy(this.rod.tip);
+      const { at } = VECTORS[k];
+      point(one, new Vector3(state[at], state[at + 1], state[at + 2]).applyQuaternion(turn).multiplyScalar(this.scales[k] * AT_END));
+    });
+  }
+
+  private moveMomentum(lab: Laboratory, results: Results, state: Float64Array): void {
+    const squares = results.top.ellipsoid(lab.time);
+    if (!squares) return;
+    this.momentum.move(squares, results);
+    const factor = this.momentum.fitted(results);
+    const at = (states: Float64Array, from: number) => new Vector3(states[from], states[from + 1], states[from + 2]).multiplyScalar(factor);
+    point(this.arrows[0], at(state, 0));
+    const path: number[] = [];
+    results.top.visit(lab.time - PAST, lab.time, (_, states, from) => path.push(...at(states, from).toArray()));
+    this.trails[0].through([...path, ...at(state, 0).toArray()]);
+    for (const one of this.arrows.slice(1)) one.visible = false;
+  }
+
   /** Puts the shadow in its place: the farther from the body, the better it is seen. */
   private part(shadow: Quaternion): void {
     this.ghost.quaternion.copy(shadow);
@@ -231,25 +330,25 @@ export class ScenePanel {
 
   private place(): void {
     const { clientWidth: width } = this.holder;
-    this.labels.forEach((label, k) => {
-      const tip = this.arrows[k].userData.tip as Vector3;
-      const at = tip.clone().setLength(tip.length() + 0.16).project(this.camera);
-      label.hidden = tip.length() < 0.05;
+    const put = (label: HTMLElement, point: Vector3) => {
+      const at = point.project(this.camera);
       label.style.transform = `translate(${((at.x + 1) / 2) * width}px, ${((1 - at.y) / 2) * this.height}px) translate(-50%, -50%)`;
+    };
+    this.labels.forEach((label, k) => {
+      const { tip, origin, shown } = this.arrows[k].userData as { tip: Vector3; origin: Vector3; shown: boolean };
+      label.hidden = !shown || tip.length() < 0.05;
+      put(label, tip.clone().setLength(tip.length() + 0.16).add(origin));
+    });
+    this.axisNames.forEach((label, k) => {
+      label.hidden = !this.momentum.visible;
+      if (this.momentum.visible) put(label, this.momentum.ends()[k].multiplyScalar(1.06));
     });
   }
 }
 
-const scratch = new Quaternion();
-
-function quaternionOf(states: Float64Array, at: number): Quaternion {
-  const [w, x, y, z] = states.subarray(at + WIDTH - 4, at + WIDTH);
-  return scratch.clone().set(x, y, z, w).normalize();
-}
-
 function entry(name: string, words: string, colour: string): HTMLElement {
   const item = document.createElement("li");
-  const letter = element(name);
+  const letter = element(name || "●");
   letter.style.color = colour;
   item.append(letter, words);
   return item;
@@ -270,13 +369,14 @@ function arrow(): Group {
     part.castShadow = true;
     part.add(new Mesh(part.geometry, through));
   }
-  group.userData.tip = new Vector3();
+  Object.assign(group.userData, { tip: new Vector3(), origin: new Vector3(), shown: true });
   return group;
 }
 
 function point(one: Group, to: Vector3): void {
   const length = to.length();
   one.userData.tip = to;
+  one.position.copy(one.userData.origin as Vector3);
   one.visible = length > 1e-3;
   one.quaternion.setFromUnitVectors(UP, to.clone().normalize());
   const [shaft, head] = one.children;
@@ -354,45 +454,4 @@ function floorOf(palette: Palette): Object3D[] {
   ground.position.z = FLOOR - 0.002;
   ground.receiveShadow = true;
   return [ground, lines];
-}
-
-function rod(from: Vector3, to: Vector3, radius: number, material: Material): Mesh {
-  const along = to.clone().sub(from);
-  const found = new Mesh(new CylinderGeometry(radius, radius, along.length(), 18), material);
-  found.position.copy(from).addScaledVector(along, 0.5);
-  found.quaternion.setFromUnitVectors(UP, along.normalize());
-  return found;
-}
-
-function ball(at: Vector3, radius: number, material: Material): Mesh {
-  const found = new Mesh(new SphereGeometry(radius, 28, 20), material);
-  found.position.copy(at);
-  return found;
-}
-
-/** Eight stripes from pole to pole. */
-function stripes(palette: Palette): CanvasTexture {
-  const canvas = document.createElement("canvas");
-  [canvas.width, canvas.height] = [1024, 4];
-  const c = canvas.getContext("2d") as CanvasRenderingContext2D;
-  for (let k = 0; k < 8; k++) {
-    c.fillStyle = k % 2 ? palette.body2 : palette.body;
-    c.fillRect(k * 128, 0, 128, 4);
-  }
-  const texture = new CanvasTexture(canvas);
-  texture.colorSpace = SRGBColorSpace;
-  texture.anisotropy = 8;
-  return texture;
-}
-
-/** Gives the memory of the graphics card back. */
-function emptied(group: Group): void {
-  group.traverse((part) => {
-    if (!(part instanceof Mesh || part instanceof LineSegments)) return;
-    part.geometry.dispose();
-    const material = part.material as MeshStandardMaterial;
-    material.map?.dispose();
-    material.dispose();
-  });
-  group.clear();
 }

@@ -11,8 +11,10 @@ import { padded, Plot } from "./plot";
 const REACH = 12;
 
 export class SectionPanel {
-  private readonly plot: Plot;
+  readonly plot: Plot;
   private drawn = 0;
+  /** Crossings that the axes were fitted to. */
+  private fitted = 0;
   private shown: unknown = null;
   private chosen: number | null = null;
   private readonly head: HTMLElement;
@@ -35,12 +37,15 @@ export class SectionPanel {
 
   draw(lab: Laboratory, results: Results, palette: Palette): void {
     const { plot } = this;
-    const sign = lab.direction === 0 ? "" : lab.direction > 0 ? ", rising" : ", falling";
+    const sign = lab.direction === 0 ? " ↕" : lab.direction > 0 ? " ↑" : " ↓";
     const key = [results, lab.axes.join(), palette].map(String).join() && `${lab.axes.join()} ${palette.dark} ${palette.panel}`;
     this.columns = [components.indexOf(lab.axes[0]), components.indexOf(lab.axes[1])];
     const { rows, times } = results.crossings;
     const outside = rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
-    if (plot.measure() || results !== this.results || key !== this.shown || outside) {
+    // axes that were drawn before there was a crossing are of nothing
+    const isFirst = this.fitted === 0 && rows.length > 0;
+    if (plot.measure() || results !== this.results || key !== this.shown || outside || isFirst) {
+      this.fitted = rows.length;
       [this.results, this.shown, this.drawn] = [results, key, 0];
       for (const [axis, column] of [["x", this.columns[0]], ["y", this.columns[1]]] as const) {
         const values = rows.map((row) => row[column]);
@@ -71,7 +76,7 @@ export class SectionPanel {
     const bold = document.createElement("b");
     bold.textContent = count.toLocaleString("en");
     this.head.replaceChildren("t", scale, element(lab.surface), ` = 0${sign} · `, bold, " crossings");
-    this.head.setAttribute("title", "Early crossings violet, late ones yellow.");
+    this.head.setAttribute("title", "Crossings that rise (↑), fall (↓), or both (↕); early ones violet, late ones yellow.");
   }
 
   private hover(row: Float64Array, time: number, palette: Palette): void {

@@ -5,7 +5,7 @@ import { exact, type Exact } from "./exact";
 
 export const THEMES = ["auto", "light", "dark", "projector"] as const;
 export type Theme = (typeof THEMES)[number];
-export const FRAMES = ["space", "body"] as const;
+export const FRAMES = ["space", "body", "momentum", "rod"] as const;
 export type Frame = (typeof FRAMES)[number];
 export type Direction = -1 | 0 | 1;
 

@@ -2,6 +2,7 @@
 
 import packed from "virtual:core";
 import type { FromWorker, Job, ToWorker, Update } from "./messages";
+import type { Projected } from "./projection";
 import Worker from "./worker?worker&inline";
 
 /** The core, unpacked. */
@@ -14,6 +15,7 @@ async function program(): Promise<ArrayBuffer> {
 export class Client {
   private readonly worker = new Worker();
   private generation = 0;
+  private readonly questions: { readonly answer: (found: Projected) => void; readonly fail: (error: Error) => void }[] = [];
 
   private constructor(private readonly take: (update: Update) => void, private readonly refuse: (message: string) => void) {}
 
@@ -41,10 +43,22 @@ export class Client {
     this.say({ say: "until", generation: this.generation, time });
   }
 
+  /** The state near the start of a job at which invariants have values, and how far each is from its own. */
+  project(job: Job, wanted: Readonly<Record<string, number>>): Promise<Projected> {
+    return new Promise((answer, fail) => {
+      const number = this.questions.push({ answer, fail }) - 1;
+      this.say({ say: "project", number, job, wanted });
+    });
+  }
+
   private hear(message: FromWorker): void {
     if (message.say === "update") {
       this.say({ say: "seen" });
       if (message.generation === this.generation) this.take(message.update);
+    } else if (message.say === "projected") {
+      this.questions[message.number].answer(message);
+    } else if (message.say === "not projected") {
+      this.questions[message.number].fail(new Error(message.message));
     } else if (message.say === "refused" && message.generation === this.generation) {
       this.refuse(message.message);
     }

@@ -7,8 +7,9 @@
  */
 
 import type { Core, Field, FieldDescription, Functions, Method } from "../core/core.js";
-import { families, moving, N, N_ATTITUDE, N_PARAMETERS } from "../data/tops";
+import { ellipsoid, families, moving, N, N_PARAMETERS, position, WIDTH } from "../data/tops";
 import type { Job, Update } from "./messages";
+import { interval } from "./times";
 
 /** Between checkpoints, once the time is beyond it. */
 const STRIDE = 20;
@@ -21,11 +22,8 @@ const SHADOW = 1e-3;
 const MEMBERS = 24;
 /** The exponents of an ensemble are followed to this part of the horizon. */
 const BAND_HORIZON = 0.2;
-/** Intervals in each doubling of the time, at which exponents are known. */
-const PER_DOUBLING = 8;
 /** At most so many time units times members in one call. */
 const AT_ONCE = 200;
-const WIDTH = N + N_ATTITUDE;
 
 export class Computation {
   private readonly held: { free(): void }[] = [];
@@ -34,6 +32,7 @@ export class Computation {
   private readonly method: Method;
   private readonly surface: Functions;
   private readonly invariants: Functions;
+  private readonly ellipsoid: Functions;
   private readonly names: readonly string[];
   private readonly family: string;
   private readonly first: Float64Array;
@@ -61,10 +60,11 @@ export class Computation {
     this.names = family.names;
     this.family = family.name;
     this.invariants = this.hold(core.functions(family.functions));
+    this.ellipsoid = this.hold(core.functions(ellipsoid));
     this.checkpoints = [Float64Array.from(start)];
     this.first = this.valuesAt(this.checkpoints[0]);
     const shadow = start.with(0, start[0] + SHADOW);
-    this.moved = [start, shadow].map((state) => ({ next: 0, state: Float64Array.from([...state, ...job.attitude]), stopped: false }));
+    this.moved = [start, shadow].map((state) => ({ next: 0, state: Float64Array.from([...state, ...job.attitude, ...position.map(() => 0)]), stopped: false }));
   }
 
   free(): void {
@@ -109,15 +109,15 @@ export class Computation {
     return member[member.length - 1];
   }
 
-  /** Invariants at states of `width` components, of which the first are those of the top. */
-  private valuesAt(states: Float64Array, width: number = N): Float64Array {
+  /** Functions at states of `width` components, of which the first are those of the top. */
+  private valuesAt(states: Float64Array, width: number = N, functions: Functions = this.invariants): Float64Array {
     const count = states.length / width;
     const all = new Float64Array(count * (N + N_PARAMETERS));
     for (let k = 0; k < count; k++) {
       all.set(states.subarray(k * width, k * width + N), k * (N + N_PARAMETERS));
       all.set(this.job.parameters, k * (N + N_PARAMETERS) + N);
     }
-    return this.invariants.values(all);
+    return functions.values(all);
   }
 
   /** A piece of the motion between two checkpoints, of the top or of its shadow, whichever is behind. */
@@ -143,8 +143,8 @@ export class Computation {
       one.stopped = true;
       return { say: "ended", what: which === 0 ? "motion" : "shadow", outcome: outcome[0], time: endTime[0] };
     }
-    const values = which === 0 ? this.valuesAt(states, WIDTH) : new Float64Array();
-    return { say: "motion", shadow: which === 1, times, states, values };
+    const [values, axes] = [this.invariants, this.ellipsoid].map((functions) => (which === 0 ? this.valuesAt(states, WIDTH, functions) : new Float64Array()));
+    return { say: "motion", shadow: which === 1, times, states, values, ellipsoid: axes };
   }
 
   private drifted: { times: number[]; differences: number[] } = { times: [], differences: [] };
@@ -230,11 +230,10 @@ class Growth {
   /** Exponents at the next time. */
   advance(): { time: number; values: Float64Array } | null {
     if (this.stopped || this.time >= this.horizon) return null;
-    const doubling = Math.floor(this.done / PER_DOUBLING);
-    const interval = (doubling === 0 ? 1 : 2 ** (doubling - 1)) / PER_DOUBLING;
-    const parts = Math.max(1, Math.ceil((interval * this.members) / AT_ONCE / 4));
+    const length = interval(this.done);
+    const parts = Math.max(1, Math.ceil((length * this.members) / AT_ONCE / 4));
     const run = this.core.frames(this.field, this.method, this.states, this.frames, {
-      nVectors: 1, elapsed: this.elapsed, duration: interval / parts, nIntervals: parts,
+      nVectors: 1, elapsed: this.elapsed, duration: length / parts, nIntervals: parts,
     });
     if (run.outcome.some((outcome) => outcome !== "finished")) {
       this.stopped = true;
@@ -246,7 +245,7 @@ class Growth {
     this.states = run.endState;
     this.frames = run.frame;
     this.elapsed = run.endTime;
-    this.time += interval;
+    this.time += length;
     this.done += 1;
     return { time: this.time, values: this.grown.map((growth) => growth / this.time) };
   }

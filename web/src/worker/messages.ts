@@ -19,13 +19,18 @@ export type ToWorker =
   | { readonly say: "job"; readonly generation: number; readonly job: Job }
   /** The motion is wanted up to here. */
   | { readonly say: "until"; readonly generation: number; readonly time: number }
+  /** The state near the start of a job at which invariants have these values is wanted. */
+  | { readonly say: "project"; readonly number: number; readonly job: Job; readonly wanted: Readonly<Record<string, number>> }
   /** An update has been shown: another may come. */
   | { readonly say: "seen" };
 
 export type Update =
   | { readonly say: "invariants"; readonly names: readonly string[]; readonly values: readonly number[]; readonly family: string }
-  /** States with attitude (time, 13) of the top or of its shadow, and invariants (time, invariant) of the top. */
-  | { readonly say: "motion"; readonly shadow: boolean; readonly times: Float64Array; readonly states: Float64Array; readonly values: Float64Array }
+  /**
+   * States with attitude and position (time, 16) of the top or of its shadow; of the top invariants (time, invariant) and
+   * the ellipsoid of its kinetic energy (time, 4), too.
+   */
+  | { readonly say: "motion"; readonly shadow: boolean; readonly times: Float64Array; readonly states: Float64Array; readonly values: Float64Array; readonly ellipsoid: Float64Array }
   | { readonly say: "crossings"; readonly times: Float64Array; readonly states: Float64Array; readonly until: number }
   /** Differences of the invariants from those of the start (time, invariant). */
   | { readonly say: "drift"; readonly times: Float64Array; readonly differences: Float64Array }
@@ -38,4 +43,6 @@ export type Update =
 export type FromWorker =
   | { readonly say: "ready" }
   | { readonly say: "update"; readonly generation: number; readonly update: Update }
+  | { readonly say: "projected"; readonly number: number; readonly state: Float64Array; readonly residuals: Readonly<Record<string, number>> }
+  | { readonly say: "not projected"; readonly number: number; readonly message: string }
   | { readonly say: "refused"; readonly generation: number; readonly kind: string; readonly message: string };

@@ -2,6 +2,7 @@
 
 import { Core, Refusal } from "../core/core.js";
 import { Computation } from "./computation";
+import { projected } from "./projection";
 import type { FromWorker, ToWorker } from "./messages";
 
 /** Updates on the way that the page has not seen. */
@@ -39,6 +40,9 @@ self.onmessage = async ({ data }: MessageEvent<ToWorker>) => {
     case "until":
       if (data.generation === generation) computation?.until(data.time);
       break;
+    case "project":
+      project(data);
+      break;
     case "seen":
       unseen -= 1;
       break;
@@ -60,6 +64,14 @@ function refuse(error: unknown): void {
   computation = null;
   const kind = error instanceof Refusal ? error.kind : "Error";
   say({ say: "refused", generation, kind, message: error instanceof Error ? error.message : String(error) });
+}
+
+function project({ number, job, wanted }: Extract<ToWorker, { say: "project" }>): void {
+  try {
+    say({ say: "projected", number, ...projected(core as Core, job, wanted) });
+  } catch (error) {
+    say({ say: "not projected", number, message: error instanceof Error ? error.message : String(error) });
+  }
 }
 
 function wake(): void {
