@@ -247,7 +247,7 @@ function quaternionOf(states: Float64Array, at: number): Quaternion {
   return scratch.clone().set(x, y, z, w).normalize();
 }
 
-function entry(name: string, words: string, colour: string): HTMLElement {
+export function entry(name: string, words: string, colour: string): HTMLElement {
   const item = document.createElement("li");
   const letter = element(name);
   letter.style.color = colour;
@@ -256,7 +256,7 @@ function entry(name: string, words: string, colour: string): HTMLElement {
 }
 
 /** An arrow along the second axis, of length one; its material is its own. */
-function arrow(): Group {
+export function arrow(): Group {
   const group = new Group();
   const material = new MeshStandardMaterial({ roughness: 0.35, metalness: 0.15 });
   const shaft = new Mesh(new CylinderGeometry(0.026, 0.026, 1, 20), material);
@@ -274,7 +274,7 @@ function arrow(): Group {
   return group;
 }
 
-function point(one: Group, to: Vector3): void {
+export function point(one: Group, to: Vector3): void {
   const length = to.length();
   one.userData.tip = to;
   one.visible = length > 1e-3;
@@ -334,7 +334,7 @@ function ghostOf(numbers: readonly number[], palette: Palette): Object3D[] {
   return [shell, stick, ball(new Vector3(0, 0, reach), 0.056, glass), ball(new Vector3(0, 0, -reach), 0.056, glass)];
 }
 
-function floorOf(palette: Palette): Object3D[] {
+export function floorOf(palette: Palette): Object3D[] {
   const points: number[] = [];
   const colours: number[] = [];
   const colour = new Color(palette.floor);
@@ -386,7 +386,7 @@ function stripes(palette: Palette): CanvasTexture {
 }
 
 /** Gives the memory of the graphics card back. */
-function emptied(group: Group): void {
+export function emptied(group: Group): void {
   group.traverse((part) => {
     if (!(part instanceof Mesh || part instanceof LineSegments)) return;
     part.geometry.dispose();
