@@ -187,33 +187,38 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
     if saved is not None and saved.functions is not None:
         first = {**saved.functions, "outputs": saved.functions["outputs"][:1]}
         return {"names": [saved.surface[:_LONGEST_NAME]], "functions": first}, saved.surface
-    formulas = [given] if isinstance(given, str) else list(given)
-    first = str(formulas[0]) if formulas else _default_surface(system, start)
     names = component_names(system, start.size)
-    listed = [formula for formula in (formulas or [first]) if str(formula) not in names]
+    chosen = {str(one): one for one in ([given] if isinstance(given, str) else given)}
+    if not chosen:
+        name, formula = _default_surface(system, start)
+        chosen = {name: formula}
+    first = next(iter(chosen))
+    listed = {name: formula for name, formula in chosen.items() if name not in names}
     if not listed:
-        return None, first or names[0]
+        return None, first
     if not reads_formulas(system):
         raise ParameterError(
-            f"surfaces: {system.name!r:.60} has a field alone and reads no formulas; got {listed[0]!r:.60}. "
+            f"surfaces: {system.name!r:.60} has a field alone and reads no formulas; got {next(iter(listed))!r:.60}. "
             "Leave them out: each component is a surface."
         )
-    record = record_of_functions(system.function_tape(*listed))
-    return {"names": [str(formula)[:_LONGEST_NAME] for formula in listed], "functions": record}, first
+    record = record_of_functions(system.function_tape(*listed.values()))
+    return {"names": [name[:_LONGEST_NAME] for name in listed], "functions": record}, first
 
 
-def _default_surface(system: Any, start: Array) -> str:
-    """That of `liepoisson section`; a component where there is none."""
+def _default_surface(system: Any, start: Array) -> tuple[str, str]:
+    """Name and formula of that of `liepoisson section`; a component where there is none."""
     names = component_names(system, start.size)
     if not has_bracket(system):
-        return names[0]
-    from liepoisson.phase_space.default_surface import default_surface
+        return names[0], names[0]
+    from liepoisson.phase_space.default_surface import chosen_surface
     from liepoisson.phase_space.starts import find
 
     try:
-        return default_surface(find(system, start=start, guess=None, leaf=None, energy=None, seed=0).leaf)
+        leaf = find(system, start=start, guess=None, leaf=None, energy=None, seed=0).leaf
+        surface, of = chosen_surface(leaf)
     except LiePoissonError:
-        return names[0]
+        return names[0], names[0]
+    return (surface if surface in names else f"rate of {of}"), surface
 
 
 def unit_of(system: Any, start: Array) -> float:

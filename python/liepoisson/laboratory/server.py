@@ -48,7 +48,8 @@ class PageServer(ThreadingHTTPServer):
         self.token = secrets.token_urlsafe(24)
         self.content = page.html.encode()
         found = _POLICY.search(page.html)
-        self.policy = f"{found[1] if found else "default-src 'none'"}; frame-ancestors 'none'"
+        policy = found[1] if found else "default-src 'none'"
+        self.policy = f"{policy}; frame-ancestors 'none'"
         chosen = self.server_address[1]
         self.hosts = frozenset({f"{HOST}:{chosen}", f"localhost:{chosen}"})
         fragment = f"#{page.address}" if page.address else ""

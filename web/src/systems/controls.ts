@@ -5,6 +5,7 @@ import { exact, type Exact } from "../state/exact";
 import type { Direction } from "../state/laboratory";
 import { element, plain } from "../symbols";
 import { surfaceNames, type SystemDescription } from "./description";
+import { vectorNames } from "./vectors";
 import type { SystemAction, SystemState, View } from "./state";
 
 type Do = (action: SystemAction) => void;
@@ -75,6 +76,16 @@ export class SystemControls {
 
   private starts(): void {
     const { components, vector_length } = this.system;
+    const vectors = vector_length === 3 && components.length % 3 === 0 ? vectorNames(components) : [];
+    if (vectors.length && vectors.every((name) => plain(name).length <= 2)) {
+      vectors.forEach((vector, k) => {
+        const row = document.createElement("div");
+        row.className = "row";
+        row.append(element(vector), ...[0, 1, 2].map((i) => this.input(components[3 * k + i], 3 * k + i)));
+        this.panel.append(row);
+      });
+      return;
+    }
     const longest = components.reduce((most, name) => Math.max(most, plain(name).length), 0);
     const per = longest > SHORT ? 1 : vector_length === 3 ? 3 : 2;
     for (let first = 0; first < components.length; first += per) {
@@ -88,6 +99,11 @@ export class SystemControls {
   private entry(name: string, index: number): HTMLElement {
     const label = document.createElement("label");
     label.className = "entry";
+    label.append(element(name), this.input(name, index));
+    return label;
+  }
+
+  private input(name: string, index: number): HTMLInputElement {
     const input = document.createElement("input");
     Object.assign(input, { type: "text", autocomplete: "off", spellcheck: false, maxLength: 40 });
     input.setAttribute("aria-label", `${plain(name)}, exact value`);
@@ -101,8 +117,7 @@ export class SystemControls {
       }
     });
     this.entries.push({ input, of: (state) => state.start[index] });
-    label.append(element(name), input);
-    return label;
+    return input;
   }
 
   private chip(name: string, index: number): HTMLButtonElement {

@@ -29,6 +29,7 @@ const AHEAD = 60;
 const CHARTS_EVERY = 6;
 /** Saved states that are drawn around the time of the cursor, in units of time. */
 const SAVED_PAST = 40;
+const MOST_LETTERS = 20;
 
 const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
 const query = new URLSearchParams(location.search);
@@ -272,7 +273,7 @@ class SystemPage {
     const { results, state, palette, frames, system } = this;
     const charted: Charted = {
       axes: [system.components[state.axes[0]], system.components[state.axes[1]]],
-      surface: this.names[state.surface],
+      surface: shortened(this.names[state.surface]),
       direction: state.direction,
       time: state.time,
     };
@@ -347,6 +348,11 @@ class SystemPage {
       tell(`The core did not start: ${(error as Error).message}. The laboratory needs WebAssembly with vector instructions and workers.`);
     }
   }
+}
+
+/** A name that leaves room for the number of crossings beside it. */
+function shortened(name: string): string {
+  return name.length > MOST_LETTERS ? `${name.slice(0, MOST_LETTERS - 1).trimEnd()}…` : name;
 }
 
 const TURNS: Readonly<Record<string, readonly [number, number]>> = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] };

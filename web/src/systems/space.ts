@@ -14,6 +14,7 @@ import { element } from "../symbols";
 import { PAST, seriesColours, type Ranges } from "./flat";
 import type { SystemDescription } from "./description";
 import type { SystemState } from "./state";
+import { vectorNames } from "./vectors";
 
 const LONGEST = 1.7;
 /** Half of the longest edge of the box of a path. */
@@ -22,17 +23,6 @@ const HALF = 1.35;
 const TRAIL = 9;
 const TRAIL_POINTS = 460;
 const PATH_POINTS = 2001;
-
-/** Names of the vectors: what their components have in common. */
-export function vectorNames(components: readonly string[]): readonly string[] {
-  return components.flatMap((name, k) => {
-    if (k % 3) return [];
-    const others = components.slice(k, k + 3);
-    let length = 0;
-    while (length < name.length && others.every((other) => other[length] === name[length])) length += 1;
-    return [name.slice(0, length).replace(/[._]$/, "") || `${others.join(", ")}`];
-  });
-}
 
 export class SpaceView {
   readonly works: boolean;
