@@ -30,7 +30,7 @@ WITH_HELP = "A saved orbit or section (.nc), which the page computes again and c
 
 
 def lab(
-    system: Annotated[str | None, typer.Argument(help=LAB_HELP, metavar="[SYSTEM]", show_default=False)] = None,
+    system: Annotated[str | None, typer.Argument(help=LAB_HELP, metavar="SYSTEM", show_default=False)] = None,
     *,
     start: Annotated[list[str] | None, typer.Option(metavar="STATE", help=START_HELP)] = None,
     guess: Annotated[list[str] | None, typer.Option(metavar="STATE", help=GUESS_HELP)] = None,

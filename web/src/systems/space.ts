@@ -165,7 +165,13 @@ export class SpaceView {
     const geometry = new BufferGeometry();
     geometry.setAttribute("position", new Float32BufferAttribute(points, 3));
     this.box.add(new LineSegments(geometry, new LineBasicMaterial({ color: palette.zero, transparent: true, opacity: 0.55 })));
-    this.box.userData.ends = [0, 1, 2].map((axis) => new Vector3(...([0, 1, 2].map((i) => (i === axis ? high[i] + 0.16 : low[i])) as [number, number, number])));
+    // beside the edges that are in front as the view begins
+    const middle = low.map((value, i) => (value + high[i]) / 2);
+    this.box.userData.ends = [
+      new Vector3(middle[0], low[1] - 0.18, low[2]),
+      new Vector3(high[0] + 0.18, middle[1], low[2]),
+      new Vector3(low[0] - 0.12, low[1] - 0.12, middle[2]),
+    ];
   }
 
   private follow(space: [number, number, number], time: number, now: Float64Array, results: Results, ranges: Ranges): void {
