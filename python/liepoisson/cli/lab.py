@@ -21,6 +21,8 @@ from liepoisson.cli.systems import SET_HELP
 from liepoisson.errors import ParameterError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from liepoisson.laboratory.pages import Page
 
 LAB_HELP = "A name of the catalog or the path of a system file (.toml).  [default: the tops of the laboratory]"
@@ -53,7 +55,8 @@ def lab(
     file = None if export is None else checked_file(export, "--export", (".html",), "laboratory.html")
     if file is not None and no_open:
         raise ParameterError("--export and --no-open exclude each other: a file is not opened. Leave --no-open out.")
-    page = _page(system, where, energy, seed, surface or (), saved, settings or ())
+    wanted = {**where, "energy": energy, "seed": seed}
+    page = _page(system, wanted, surfaces=surface or (), saved=saved, settings=settings or ())
     if file is not None:
         from liepoisson.laboratory.pages import write_page
 
@@ -64,11 +67,16 @@ def lab(
 
 
 def _page(
-    name: str | None, where: Any, energy: str | None, seed: int, surfaces: Any, saved: str | None, settings: Any
+    name: str | None,
+    where: dict[str, Any],
+    *,
+    surfaces: Sequence[str],
+    saved: str | None,
+    settings: Sequence[str],
 ) -> Page:
     from liepoisson.laboratory.pages import page_of, page_of_tops
 
-    begins = any(where.values()) or energy is not None
+    begins = any(where[name] for name in ("start", "guess", "leaf")) or where["energy"] is not None
     result = _result(saved) if saved is not None else None
     if result is not None and begins:
         raise ParameterError("--with and --start, --guess, --leaf, --energy exclude each other: the file has a start.")
@@ -76,12 +84,14 @@ def _page(
         if result is not None and not settings:
             return page_of(result.system, result=result)
         if begins or surfaces or settings:
-            raise ParameterError("SYSTEM must be given with --start, --leaf, --set and the like. Name one: lab kirchhoff.")
+            raise ParameterError(
+                "SYSTEM must be given with --start, --leaf, --set and the like. Name one: lab kirchhoff."
+            )
         return page_of_tops()
     system = read_numeric_system(name, settings)
     if result is not None:
         return page_of(system, result=result, surfaces=surfaces)
-    begin = find_start(system, **where, energy=energy, seed=seed)
+    begin = find_start(system, **where)
     return page_of(system, start=begin.state, surfaces=surfaces)
 
 

@@ -210,11 +210,12 @@ def _default_surface(system: Any, start: Array) -> tuple[str, str]:
     names = component_names(system, start.size)
     if not has_bracket(system):
         return names[0], names[0]
+    bracketed: Any = system
     from liepoisson.phase_space.default_surface import chosen_surface
     from liepoisson.phase_space.starts import find
 
     try:
-        leaf = find(system, start=start, guess=None, leaf=None, energy=None, seed=0).leaf
+        leaf = find(bracketed, start=start, guess=None, leaf=None, energy=None, seed=0).leaf
         surface, of = chosen_surface(leaf)
     except LiePoissonError:
         return names[0], names[0]
@@ -222,7 +223,7 @@ def _default_surface(system: Any, start: Array) -> tuple[str, str]:
 
 
 def unit_of(system: Any, start: Array) -> float:
-    """The unit of time of the page, twice the natural time of the orbit to one digit: 1, 2 or 5 times a power of ten."""
+    """The unit of time of the page: twice the natural time of the orbit, as 1, 2 or 5 times a power of ten."""
     from liepoisson.numeric.time_scale import time_scale, unit_of_time
 
     try:

@@ -1,7 +1,7 @@
 r"""Pictures of a state: a linear map from the state to a field on the plane, as data.
 
-A picture is the sum of coefficient times component times across(x) times up(y); `across` and `up` are functions that are
-tabulated here, so that who draws the picture needs no formula.
+A picture is the sum of coefficient times component times across(x) times up(y); `across` and `up` are functions that
+are tabulated here, so that who draws the picture needs no formula.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ N_POINTS = 96
 
 
 def picture_of(system: Any) -> dict[str, Any] | None:
-    """The vorticity of a truncation of the ideal fluid to su(N); None for what has no picture.
+    r"""The vorticity of a truncation of the ideal fluid to su(N); None for what has no picture.
 
-    It is what `catalog.vorticity` adds up, at the same points: $\\omega(x) = -2\\,\\mathrm{Re}\\sum_n w_n e^{in\\cdot x}$
-    over one wave vector n of each pair, with cosines and sines of the two angles taken apart.
+    It is what `catalog.vorticity` adds up, $\omega(x) = -2\,\mathrm{Re}\sum_n w_n e^{in\cdot x}$ over one wave vector n
+    of each pair, with cosines and sines of the two angles taken apart.
 
     Returns:
         - `name`;

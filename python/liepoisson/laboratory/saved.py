@@ -47,7 +47,7 @@ class SavedResult:
     starts: Array
     times: Array
     states: Array
-    trajectory: Array
+    trajectory: tuple[int, ...]
     functions: dict[str, Any] | None
     surface: str
     direction: int
@@ -71,7 +71,7 @@ class SavedResult:
             "starts": self.starts.tolist(),
             "times": self.times.tolist(),
             "states": self.states.tolist(),
-            "trajectory": [int(member) for member in self.trajectory],
+            "trajectory": list(self.trajectory),
             "functions": self.functions,
             "direction": self.direction,
             "n_crossings": self.n_crossings,
@@ -127,7 +127,7 @@ def _orbit(orbit: Orbit) -> SavedResult:
     words = f"Saved: {among}{len(times)} times from t = {times[0]:g} to t = {times[-1]:g}{kept}"
     return SavedResult(
         "orbit", words, shown_only, _tol(orbit.method), np.asarray(orbit.start[:1]), times[::every], states[::every],
-        np.empty(0), None, "", 1, 0, float(times[-1]), has_states=True, coordinates=tuple(orbit.components),
+        (), None, "", 1, 0, float(times[-1]), has_states=True, coordinates=tuple(orbit.components),
     )  # fmt: skip
 
 
@@ -145,7 +145,7 @@ def _section(section: Section) -> SavedResult:
         shown_only = "it has no end of time"
     return SavedResult(
         "section", words, shown_only, _tol(section.method), np.asarray(section.start[:members]),
-        section.time[chosen], section.state[chosen], section.crossing_trajectory[chosen],
+        section.time[chosen], section.state[chosen], tuple(int(one) for one in section.crossing_trajectory[chosen]),
         record_of_functions(section.tape), str(section.surface), int(section.direction), int(section.n_crossings or 0),
         float(section.t_end) if np.isfinite(section.t_end) else 0.0,
         has_states=tuple(section.coordinates) == tuple(section.components), coordinates=tuple(section.coordinates),

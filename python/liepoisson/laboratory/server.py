@@ -15,6 +15,7 @@ from liepoisson.laboratory.pages import Page
 
 HOST = "127.0.0.1"
 _POLICY = re.compile(r'http-equiv="Content-Security-Policy" content="([^"]*)"')
+_METHODS = ("GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS", "TRACE", "CONNECT")
 _SECONDS = 20.0
 """For one request: who is slower is let go."""
 
@@ -69,47 +70,47 @@ class PageServer(ThreadingHTTPServer):
 
 
 class _Handler(BaseHTTPRequestHandler):
-    server: PageServer
     timeout = _SECONDS
     error_message_format = "%(code)d %(message)s\n"
     error_content_type = "text/plain; charset=utf-8"
 
-    def do_GET(self) -> None:
-        self._answer(with_body=True)
+    def __getattr__(self, name: str) -> Any:
+        # the base class looks for a method do_GET, do_POST, ... by the word that came
+        if name.removeprefix("do_") in _METHODS:
+            return self._answer
+        raise AttributeError(name)
 
-    def do_HEAD(self) -> None:
-        self._answer(with_body=False)
-
-    def _other(self) -> None:
-        if self._may_see():
-            self.send_error(HTTPStatus.METHOD_NOT_ALLOWED)
-        else:
-            self.send_error(HTTPStatus.FORBIDDEN)
-
-    do_POST = do_PUT = do_PATCH = do_DELETE = do_OPTIONS = do_TRACE = do_CONNECT = _other
+    @property
+    def _page_server(self) -> PageServer:
+        server = self.server
+        assert isinstance(server, PageServer)
+        return server
 
     def _may_see(self) -> bool:
         hosts = self.headers.get_all("Host") or []
         path = self.path.partition("?")[0]
-        wanted = f"/{self.server.token}/"
+        wanted = f"/{self._page_server.token}/"
         # compared in a time that does not depend on the place of the first wrong letter
         knows = hmac.compare_digest(path.encode("utf-8", "replace"), wanted.encode())
-        return knows and len(hosts) == 1 and hosts[0].lower() in self.server.hosts
+        return knows and len(hosts) == 1 and hosts[0].lower() in self._page_server.hosts
 
-    def _answer(self, *, with_body: bool) -> None:
+    def _answer(self) -> None:
         if not self._may_see():
             self.send_error(HTTPStatus.FORBIDDEN)
             return
+        if self.command not in ("GET", "HEAD"):
+            self.send_error(HTTPStatus.METHOD_NOT_ALLOWED)
+            return
         self.send_response(HTTPStatus.OK)
         self.send_header("Content-Type", "text/html; charset=utf-8")
-        self.send_header("Content-Length", str(len(self.server.content)))
+        self.send_header("Content-Length", str(len(self._page_server.content)))
         self.end_headers()
-        if with_body:
-            self.wfile.write(self.server.content)
+        if self.command == "GET":
+            self.wfile.write(self._page_server.content)
 
     def end_headers(self) -> None:
         for name, value in (
-            ("Content-Security-Policy", self.server.policy),
+            ("Content-Security-Policy", self._page_server.policy),
             ("Cache-Control", "no-store"),
             ("Referrer-Policy", "no-referrer"),
             ("X-Content-Type-Options", "nosniff"),
@@ -123,7 +124,7 @@ class _Handler(BaseHTTPRequestHandler):
     def version_string(self) -> str:
         return "liepoisson"
 
-    def log_message(self, format: str, *args: Any) -> None:  # noqa: A002  # the name is that of the base class
+    def log_message(self, format: str, *args: Any) -> None:
         """Nothing is said of requests."""
 
 
