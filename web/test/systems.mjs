@@ -19,7 +19,8 @@ for (const { name, file, hash, until, width } of wanted) {
   const done = ([end]) => {
     if (document.documentElement.dataset.broken) return true;
     const results = window.laboratory?.results();
-    const compared = !document.querySelector(".saved") || !/being computed/.test(document.querySelector(".saved").textContent);
+    const has = [...document.querySelectorAll("#controls h3")].some((one) => one.textContent === "Saved result");
+    const compared = !has || /Computed again|only shown/.test(document.querySelector(".saved").textContent);
     return results && results.until >= end && (results.exponent.times.at(-1) ?? 0) >= end && compared;
   };
   await tab.waitForFunction(done, [until ?? 0], { timeout: 60_000 });

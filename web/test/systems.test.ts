@@ -204,6 +204,10 @@ describe("a saved result", () => {
     expect(found.words).toBe("both find 2 crossings");
     expect(comparison(core, circle, { ...section, t_end: 20 })!.words).toMatch(/the file has 2 crossings, this page finds 3/);
   });
+  test("a large difference is written without a power of ten", () => {
+    const far = saved.states.map(([x, y], k) => (k === 20 ? [x + 1.25, y] : [x, y]));
+    expect(inWords(saved, comparison(core, circle, { ...saved, states: far })!)).toMatch(/numbers is 1\.3 \(in x at t = 10\)|numbers is 1\.2 \(in x/);
+  });
   test("what cannot be computed again is only shown", () => {
     const shown = { ...saved, shown_only: "it was made by another method" };
     expect(comparison(core, circle, shown)).toBe(null);

@@ -20,6 +20,9 @@ MOST_NUMBERS = 8_000
 MOST_STEPS = 200_000
 """Of a run that a page repeats while somebody waits."""
 
+_LONGEST_FORMULA = 30
+"""Of a surface that is called by its formula."""
+
 
 @dataclass(frozen=True)
 class SavedResult:
@@ -34,7 +37,7 @@ class SavedResult:
         times, states: Of the orbit or of the crossings.
         trajectory: Of each crossing.
         functions: The surface and what is kept, as data; None for an orbit.
-        surface: The surface as it was written.
+        surface: The surface as it was written, if it is short.
         direction, n_crossings, t_end: As the section was asked for.
         has_states: Whether states are states of the system, and not functions of them.
         coordinates: Names of the components of the states.
@@ -137,7 +140,9 @@ def _section(section: Section) -> SavedResult:
     chosen = section.crossing_trajectory < members
     n = len(section.start)
     kept = f", of which those of {members} are here" if members < n else ""
-    words = f"Saved: {section.time.size} crossings of {section.surface!s:.60} = 0, of {n} orbit{'s' * (n > 1)}{kept}"
+    surface = str(section.surface)
+    of = f" of {surface} = 0" if len(surface) <= _LONGEST_FORMULA else ""
+    words = f"Saved: {section.time.size} crossings{of}, of {n} orbit{'s' * (n > 1)}{kept}"
     shown_only = _shown_only(section)
     if shown_only is None and (section.start_side[:members] != 0).any():
         shown_only = "it goes on from an earlier section"
@@ -146,7 +151,8 @@ def _section(section: Section) -> SavedResult:
     return SavedResult(
         "section", words, shown_only, _tol(section.method), np.asarray(section.start[:members]),
         section.time[chosen], section.state[chosen], tuple(int(one) for one in section.crossing_trajectory[chosen]),
-        record_of_functions(section.tape), str(section.surface), int(section.direction), int(section.n_crossings or 0),
+        record_of_functions(section.tape), surface if of else "saved surface", int(section.direction),
+        int(section.n_crossings or 0),
         float(section.t_end) if np.isfinite(section.t_end) else 0.0,
         has_states=tuple(section.coordinates) == tuple(section.components), coordinates=tuple(section.coordinates),
     )  # fmt: skip

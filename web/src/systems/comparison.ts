@@ -87,7 +87,8 @@ export function inWords(saved: Saved, found: Compared | null): string {
   const { largest, at, component, until, count } = found;
   const words = found.words ? ` ${found.words[0].toUpperCase()}${found.words.slice(1)}.` : "";
   if (largest === 0) return `${saved.words}.${words} Computed again here: all ${count} numbers are the same.`;
-  const size = Number.isFinite(largest) ? largest.toExponential(1).replace("-", "−").replace("e", " · 10^") : "not a number";
+  const power = largest.toExponential(1).replace("-", "−").replace("e", " · 10^");
+  const size = !Number.isFinite(largest) ? "not a number" : largest >= 0.1 && largest < 1000 ? String(Number(largest.toPrecision(2))) : power;
   const place = `in ${component} at t = ${Number(at.toPrecision(5))}`;
   const early = Number.isFinite(until) ? ` Up to t = ${Number(until.toPrecision(4))} the two are the same to one part in 10⁶; beyond it, the orbit has enlarged what was rounded.` : "";
   return `${saved.words}.${words} Computed again here: the largest difference of ${count} numbers is ${raised(size)} (${place}).${early}`;

@@ -28,7 +28,7 @@ const AHEAD = 60;
 /** Charts that do not move are looked at every so many frames. */
 const CHARTS_EVERY = 6;
 /** Saved states that are drawn around the time of the cursor, in units of time. */
-const SAVED_PAST = 40;
+const SAVED_PAST = 10;
 const MOST_LETTERS = 20;
 
 const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
