@@ -39,7 +39,7 @@ export class SectionPanel {
     const key = [results, lab.axes.join(), palette].map(String).join() && `${lab.axes.join()} ${palette.dark} ${palette.panel}`;
     this.columns = [this.components.indexOf(lab.axes[0]), this.components.indexOf(lab.axes[1])];
     const { rows, times } = results.crossings;
-    const outside = rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
+    const outside = (this.drawn === 0 && rows.length > 0) || rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
     if (plot.measure() || results !== this.results || key !== this.shown || outside) {
       [this.results, this.shown, this.drawn] = [results, key, 0];
       for (const [axis, column] of [["x", this.columns[0]], ["y", this.columns[1]]] as const) {
