@@ -74,6 +74,9 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 wasm: ## build the core for the browser (5 minutes; says what it needs); it is committed, with a hash of its sources
 	$(PYTHON) web/build_core.py
 
+lab: $(VENV)/.built ## set up, then open the laboratory in the browser (SYSTEM=kirchhoff for another system)
+	$(BIN)/liepoisson lab $(SYSTEM)
+
 page: ## build the laboratory's page (needs node and npm); it is committed, with a hash of its sources
 	$(PYTHON) web/build_page.py
 
@@ -83,7 +86,7 @@ test-web: ## the tests of the page in node and in Chromium (needs both)
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
-.PHONY: help reproduce test test-rust test-python test-slow check static lint types quick-tests arm bench audit guard instructions \
+.PHONY: help lab reproduce test test-rust test-python test-slow check static lint types quick-tests arm bench audit guard instructions \
   sanitize miri wasm page test-web wheel wheel-check lock clean set-up tools
 
 # One pip after the other.

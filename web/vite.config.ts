@@ -39,7 +39,8 @@ function oneFile(): Plugin {
         delete bundle[name];
       }
       // what would end the element early is written in another way, which a script reads as the same text
-      const script = scripts.replaceAll("</script", "<\\/script");
+      // there is no other file that an import could load before
+      const script = scripts.replaceAll("</script", "<\\/script").replaceAll("__VITE_PRELOAD__", "[]");
       const hash = createHash("sha256").update(script).digest("base64");
       html = html.replace(/\s*<script type="module"[^>]*><\/script>/, "").replace(/\s*<link rel="stylesheet"[^>]*>/, "");
       html = html.replace("</head>", () => `<style>${styles}</style>\n</head>`);
@@ -53,6 +54,6 @@ export default defineConfig({
   base: "./",
   plugins: [core(), oneFile()],
   worker: { format: "iife", plugins: () => [core()] },
-  build: { assetsInlineLimit: 1e8, cssCodeSplit: false, modulePreload: false, target: "es2022", reportCompressedSize: false },
+  build: { rolldownOptions: { output: { codeSplitting: false } }, assetsInlineLimit: 1e8, cssCodeSplit: false, modulePreload: false, target: "es2022", reportCompressedSize: false },
   test: { include: ["test/**/*.test.ts"] },
 });

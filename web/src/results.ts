@@ -34,8 +34,10 @@ export class Rows {
   }
 }
 
-/** Motion on a time axis without gaps. */
+/** Motion on a time axis without gaps; each state has `width` numbers. */
 export class Motion {
+  constructor(readonly width: number = WIDTH) {}
+
   readonly chunks: Chunk[] = [];
   private readonly begins: number[] = [];
 
@@ -53,10 +55,11 @@ export class Motion {
     const found = this.place(time);
     if (!found) return null;
     const { chunk, k, part } = found;
-    const state = new Float64Array(WIDTH);
-    for (let i = 0; i < WIDTH; i++) {
-      const from = chunk.states[k * WIDTH + i];
-      state[i] = from + part * (chunk.states[(k + 1) * WIDTH + i] - from);
+    const { width } = this;
+    const state = new Float64Array(width);
+    for (let i = 0; i < width; i++) {
+      const from = chunk.states[k * width + i];
+      state[i] = from + part * (chunk.states[(k + 1) * width + i] - from);
     }
     return state;
   }
@@ -90,7 +93,7 @@ export class Motion {
       const { times, states } = this.chunks[c];
       if (times[0] > to) return;
       // the last state of a chunk is the first of the next
-      for (let k = 0; k < times.length - 1; k++) if (times[k] >= from && times[k] <= to) see(times[k], states, k * WIDTH);
+      for (let k = 0; k < times.length - 1; k++) if (times[k] >= from && times[k] <= to) see(times[k], states, k * this.width);
     }
   }
 
@@ -106,11 +109,17 @@ export class Motion {
 }
 
 export class Results {
+  /** `width`: the numbers of a drawn state. */
+  constructor(readonly width: number = WIDTH) {
+    this.top = new Motion(width);
+    this.shadow = new Motion(width);
+  }
+
   names: readonly string[] = [];
   first: readonly number[] = [];
   family = "";
-  readonly top = new Motion();
-  readonly shadow = new Motion();
+  readonly top: Motion;
+  readonly shadow: Motion;
   readonly crossings = new Rows();
   readonly drift = new Rows();
   readonly exponent = new Rows();
@@ -119,6 +128,8 @@ export class Results {
   until = 0;
   ended: { outcome: string; time: number } | null = null;
   finished = false;
+  /** How a saved result and what this page computes differ. */
+  compared: Extract<Update, { say: "compared" }> | null = null;
 
   take(update: Update): void {
     switch (update.say) {
@@ -144,6 +155,9 @@ export class Results {
         break;
       case "ended":
         if (update.what !== "shadow") this.ended = { outcome: update.outcome, time: update.time };
+        break;
+      case "compared":
+        this.compared = update;
         break;
       case "finished":
         this.finished = true;

@@ -1,6 +1,6 @@
 /** How components, parameters and invariants are written: ℓ₁, α₂, ε, C₁. */
 
-const LETTERS: Readonly<Record<string, string>> = { l: "ℓ", alpha: "α", beta: "β", epsilon: "ε", gamma: "γ" };
+const LETTERS: Readonly<Record<string, string>> = { l: "ℓ", alpha: "α", beta: "β", epsilon: "ε", gamma: "γ", theta: "θ", phi: "φ", psi: "ψ", omega: "ω" };
 
 export interface Symbolic {
   readonly letter: string;
@@ -11,6 +11,8 @@ export function symbol(name: string): Symbolic {
   const parts = /^([A-Za-z]+)(\d*)(.*)$/.exec(name);
   if (!parts) return { letter: name, index: "" };
   if (parts[3].startsWith(".")) return { letter: name.split(".").map((part) => LETTERS[part] ?? part).join("·"), index: "" };
+  // what goes on after its number, as c1m1 of the mode (1, -1), keeps its order
+  if (parts[2] && /^\w/.test(parts[3])) return { letter: name, index: "" };
   return { letter: (LETTERS[parts[1]] ?? parts[1]) + parts[3].replace("'", "′"), index: parts[2] };
 }
 

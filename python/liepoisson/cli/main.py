@@ -62,6 +62,7 @@ COMMANDS = (
     "decide",
     "equilibria",
     "sweep",
+    "lab",
 )
 """In the order of the help; each is a function in the module of its name."""
 

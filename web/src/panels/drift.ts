@@ -1,7 +1,7 @@
 /** How far each invariant is from its value at the start, both axes logarithmic. */
 
 import type { Results } from "../results";
-import { HORIZON, type Laboratory } from "../state/laboratory";
+import { OF_TOPS, type Charted, type Clock } from "../state/charted";
 import type { Palette } from "../style/palette";
 import { element } from "../symbols";
 import { Plot } from "./plot";
@@ -24,12 +24,12 @@ export class DriftPanel {
   private drawn = "";
   private results: Results | null = null;
 
-  constructor(panel: HTMLElement) {
+  constructor(panel: HTMLElement, private readonly clock: Clock = OF_TOPS) {
     this.plot = new Plot(panel, "Drift of the invariants");
     this.head = panel.querySelector("p") as HTMLElement;
   }
 
-  draw(lab: Laboratory, results: Results, palette: Palette): void {
+  draw(lab: Charted, results: Results, palette: Palette): void {
     const { plot } = this;
     const { drift } = results;
     const key = `${drift.length} ${results.names.length} ${palette.dark} ${palette.panel}`;
@@ -38,7 +38,7 @@ export class DriftPanel {
       if (results !== this.results || !this.drawn.endsWith(palette.panel) || !this.head.childElementCount) this.legend(results, colours);
       [this.drawn, this.results] = [key, results];
       const largest = drift.rows.reduce((most, row) => row.reduce((a, b) => Math.max(a, Math.abs(b)), most), 1e-13);
-      plot.x = { range: [1, HORIZON], log: true, name: "t" };
+      plot.x = { range: [this.clock.unit, this.clock.horizon], log: true, name: "t" };
       plot.y = { range: [LEAST, Math.max(largest * 8, 1e-11)], log: true, name: "" };
       plot.axes(palette);
       this.curves(results, colours);
@@ -49,6 +49,8 @@ export class DriftPanel {
 
   private curves({ drift, names }: Results, colours: readonly string[]): void {
     const { plot } = this;
+    const { unit, horizon } = this.clock;
+    const reach = horizon / unit;
     const c = plot.below;
     c.save();
     plot.clip(c);
@@ -59,9 +61,9 @@ export class DriftPanel {
       c.setLineDash(DASHES[column % DASHES.length]);
       c.beginPath();
       let [place, most] = [-1, 0];
-      const mark = () => place >= 0 && c.lineTo(plot.px(HORIZON ** (place / PLACES)), plot.py(Math.max(most, LEAST)));
+      const mark = () => place >= 0 && c.lineTo(plot.px(unit * reach ** (place / PLACES)), plot.py(Math.max(most, LEAST)));
       drift.rows.forEach((row, k) => {
-        const next = Math.floor((Math.log(drift.times[k]) / Math.log(HORIZON)) * PLACES);
+        const next = Math.floor((Math.log(drift.times[k] / unit) / Math.log(reach)) * PLACES);
         if (next !== place) {
           mark();
           [place, most] = [next, 0];

@@ -1,7 +1,7 @@
 /** The finite-time exponent over the logarithm of time, with the band of an ensemble. */
 
 import type { Results } from "../results";
-import { HORIZON, type Laboratory } from "../state/laboratory";
+import { OF_TOPS, type Charted, type Clock } from "../state/charted";
 import type { Palette } from "../style/palette";
 import { Plot } from "./plot";
 
@@ -11,20 +11,20 @@ export class LyapunovPanel {
   private drawn = "";
   private results: Results | null = null;
 
-  constructor(panel: HTMLElement) {
+  constructor(panel: HTMLElement, private readonly clock: Clock = OF_TOPS) {
     this.plot = new Plot(panel, "Finite-time Lyapunov exponent");
     this.head = panel.querySelector("p") as HTMLElement;
   }
 
-  draw(lab: Laboratory, results: Results, palette: Palette): void {
+  draw(lab: Charted, results: Results, palette: Palette): void {
     const { plot } = this;
     const { exponent, band } = results;
     const key = `${exponent.length} ${band.length} ${palette.dark} ${palette.panel}`;
     if (plot.measure() || key !== this.drawn || results !== this.results) {
       [this.drawn, this.results] = [key, results];
-      const seen = [...exponent.rows.flatMap((row, k) => (exponent.times[k] >= 1 ? [row[0]] : [])), ...band.rows.flatMap((row, k) => (band.times[k] >= 2 ? [row[2], row[0]] : []))];
+      const seen = [...exponent.rows.flatMap((row, k) => (exponent.times[k] >= this.clock.unit ? [row[0]] : [])), ...band.rows.flatMap((row, k) => (band.times[k] >= 2 * this.clock.unit ? [row[2], row[0]] : []))];
       const [low, high] = seen.reduce(([a, b], value) => [Math.min(a, value), Math.max(b, value)], [0, 0.02]);
-      plot.x = { range: [1, HORIZON], log: true, name: "t" };
+      plot.x = { range: [this.clock.unit, this.clock.horizon], log: true, name: "t" };
       plot.y = { range: [low - 0.12 * (high - low), high + 0.1 * (high - low)], name: "λ" };
       plot.axes(palette);
       this.curves(results, palette);

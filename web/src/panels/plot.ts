@@ -99,7 +99,7 @@ export class Plot {
       const at = Math.round(this.py(value)) + 0.5;
       line(c, value === 0 && !this.y.log ? palette.zero : palette.grid, LEFT, at, width - RIGHT, at);
       c.fillStyle = palette.faint;
-      number(c, text, LEFT - 8, at + 4);
+      number(c, text, LEFT - 8, at + 4, LEFT - 10);
     }
     c.textAlign = "left";
     c.fillStyle = palette.ink;
@@ -147,12 +147,12 @@ function line(c: CanvasRenderingContext2D, style: string, x0: number, y0: number
   c.stroke();
 }
 
-/** Powers of ten are written with a raised exponent. */
-function number(c: CanvasRenderingContext2D, text: string, x: number, y: number): void {
+/** Powers of ten are written with a raised exponent; what is wider than there is room is condensed. */
+function number(c: CanvasRenderingContext2D, text: string, x: number, y: number, most = 1e4): void {
   c.font = `11px "Inter Variable", sans-serif`;
   const [base, power] = text.split("^");
   if (power === undefined) {
-    c.fillText(base, x, y);
+    c.fillText(base, x, y, most);
     return;
   }
   const align = c.textAlign;

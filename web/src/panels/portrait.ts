@@ -1,8 +1,8 @@
 /** The orbit in the two components of the section, up to the time of the cursor. */
 
-import { components, WIDTH } from "../data/tops";
+import { components as ofTops } from "../data/tops";
 import type { Results } from "../results";
-import type { Laboratory } from "../state/laboratory";
+import { inUnits, OF_TOPS, type Charted, type Clock } from "../state/charted";
 import { timeColour, type Palette } from "../style/palette";
 import { padded, Plot, type Range } from "./plot";
 
@@ -17,14 +17,15 @@ export class PortraitPanel {
   private ranges: [Range, Range] = [[Infinity, -Infinity], [Infinity, -Infinity]];
   private seen = 0;
 
-  constructor(panel: HTMLElement) {
-    this.plot = new Plot(panel, "Phase portrait of the last 40 time units");
-    (panel.querySelector("p") as HTMLElement).textContent = `last ${PAST} time units`;
+  constructor(panel: HTMLElement, private readonly components: readonly string[] = ofTops, private readonly clock: Clock = OF_TOPS) {
+    const past = `last ${inUnits(PAST, clock)} time units`;
+    this.plot = new Plot(panel, `Phase portrait of the ${past}`);
+    (panel.querySelector("p") as HTMLElement).textContent = past;
   }
 
-  draw(lab: Laboratory, results: Results, palette: Palette): void {
+  draw(lab: Charted, results: Results, palette: Palette): void {
     const { plot } = this;
-    const columns = lab.axes.map((name) => components.indexOf(name));
+    const columns = lab.axes.map((name) => this.components.indexOf(name));
     const key = `${lab.axes.join()} ${palette.dark} ${palette.panel}`;
     const anew = results !== this.results || key !== this.key;
     if (anew) [this.results, this.key, this.seen, this.ranges] = [results, key, 0, [[Infinity, -Infinity], [Infinity, -Infinity]]];
@@ -46,7 +47,7 @@ export class PortraitPanel {
       const { states } = chunks[this.seen];
       columns.forEach((column, axis) => {
         let [low, high] = this.ranges[axis];
-        for (let at = column; at < states.length; at += WIDTH) [low, high] = [Math.min(low, states[at]), Math.max(high, states[at])];
+        for (let at = column; at < states.length; at += results.width) [low, high] = [Math.min(low, states[at]), Math.max(high, states[at])];
         this.ranges[axis] = [low, high];
       });
     }
@@ -56,7 +57,7 @@ export class PortraitPanel {
   private line(time: number, results: Results, columns: readonly number[], palette: Palette): void {
     const { plot } = this;
     const c = plot.above;
-    const from = Math.max(0, time - PAST);
+    const from = Math.max(0, time - PAST * this.clock.unit);
     const points: number[] = [];
     results.top.visit(from, time, (_, states, at) => points.push(plot.px(states[at + columns[0]]), plot.py(states[at + columns[1]])));
     const now = results.top.at(time);

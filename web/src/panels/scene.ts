@@ -346,7 +346,7 @@ export class ScenePanel {
   }
 }
 
-function entry(name: string, words: string, colour: string): HTMLElement {
+export function entry(name: string, words: string, colour: string): HTMLElement {
   const item = document.createElement("li");
   const letter = element(name || "●");
   letter.style.color = colour;
@@ -355,7 +355,7 @@ function entry(name: string, words: string, colour: string): HTMLElement {
 }
 
 /** An arrow along the second axis, of length one; its material is its own. */
-function arrow(): Group {
+export function arrow(): Group {
   const group = new Group();
   const material = new MeshStandardMaterial({ roughness: 0.35, metalness: 0.15 });
   const shaft = new Mesh(new CylinderGeometry(0.026, 0.026, 1, 20), material);
@@ -373,7 +373,7 @@ function arrow(): Group {
   return group;
 }
 
-function point(one: Group, to: Vector3): void {
+export function point(one: Group, to: Vector3): void {
   const length = to.length();
   one.userData.tip = to;
   one.position.copy(one.userData.origin as Vector3);
@@ -434,7 +434,7 @@ function ghostOf(numbers: readonly number[], palette: Palette): Object3D[] {
   return [shell, stick, ball(new Vector3(0, 0, reach), 0.056, glass), ball(new Vector3(0, 0, -reach), 0.056, glass)];
 }
 
-function floorOf(palette: Palette): Object3D[] {
+export function floorOf(palette: Palette): Object3D[] {
   const points: number[] = [];
   const colours: number[] = [];
   const colour = new Color(palette.floor);

@@ -1,8 +1,8 @@
 /** Crossings of the surface in two components, coloured by their time.  A click on one starts there. */
 
-import { components } from "../data/tops";
+import { components as ofTops } from "../data/tops";
 import type { Results } from "../results";
-import type { Laboratory } from "../state/laboratory";
+import { OF_TOPS, type Charted, type Clock } from "../state/charted";
 import { timeColour, type Palette } from "../style/palette";
 import { element, plain } from "../symbols";
 import { padded, Plot } from "./plot";
@@ -19,7 +19,7 @@ export class SectionPanel {
   private chosen: number | null = null;
   private readonly head: HTMLElement;
 
-  constructor(panel: HTMLElement, private readonly start: (state: Float64Array) => void, private readonly said: (text: string) => void) {
+  constructor(panel: HTMLElement, private readonly start: (state: Float64Array) => void, private readonly said: (text: string) => void, private readonly components: readonly string[] = ofTops, private readonly clock: Clock = OF_TOPS) {
     this.plot = new Plot(panel, "Poincaré section");
     this.head = panel.querySelector("p") as HTMLElement;
     const { canvas } = this.plot;
@@ -35,11 +35,11 @@ export class SectionPanel {
   private results: Results | null = null;
   private columns: readonly [number, number] = [0, 1];
 
-  draw(lab: Laboratory, results: Results, palette: Palette): void {
+  draw(lab: Charted, results: Results, palette: Palette): void {
     const { plot } = this;
     const sign = lab.direction === 0 ? " ↕" : lab.direction > 0 ? " ↑" : " ↓";
     const key = [results, lab.axes.join(), palette].map(String).join() && `${lab.axes.join()} ${palette.dark} ${palette.panel}`;
-    this.columns = [components.indexOf(lab.axes[0]), components.indexOf(lab.axes[1])];
+    this.columns = [this.components.indexOf(lab.axes[0]), this.components.indexOf(lab.axes[1])];
     const { rows, times } = results.crossings;
     const outside = rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
     // axes that were drawn before there was a crossing are of nothing
@@ -50,7 +50,7 @@ export class SectionPanel {
       for (const [axis, column] of [["x", this.columns[0]], ["y", this.columns[1]]] as const) {
         const values = rows.map((row) => row[column]);
         const range = values.length ? padded([values.reduce((a, b) => Math.min(a, b)), values.reduce((a, b) => Math.max(a, b))]) : ([-1, 1] as const);
-        plot[axis] = { range, name: components[column] };
+        plot[axis] = { range, name: this.components[column] };
       }
       plot.axes(palette);
     }
@@ -58,7 +58,7 @@ export class SectionPanel {
     const size = rows.length > 3000 ? 1.5 : 1.9;
     for (; this.drawn < rows.length; this.drawn++) {
       const [x, y] = this.place(rows[this.drawn]);
-      plot.below.fillStyle = timeColour(times[this.drawn] / 1e4, palette.dark);
+      plot.below.fillStyle = timeColour(times[this.drawn] / this.clock.horizon, palette.dark);
       plot.below.beginPath();
       plot.below.arc(x, y, size, 0, 7);
       plot.below.fill();
@@ -69,7 +69,7 @@ export class SectionPanel {
     if (this.chosen !== null && rows[this.chosen]) this.hover(rows[this.chosen], times[this.chosen], palette);
   }
 
-  private heading(lab: Laboratory, sign: string, count: number, palette: Palette): void {
+  private heading(lab: Charted, sign: string, count: number, palette: Palette): void {
     const scale = document.createElement("span");
     scale.className = "scale";
     scale.style.background = `linear-gradient(90deg, ${[0, 0.25, 0.5, 0.75, 1].map((part) => timeColour(part, palette.dark)).join(",")})`;
@@ -125,7 +125,7 @@ export class SectionPanel {
     if (step && count) {
       this.chosen = ((this.chosen ?? (step > 0 ? -1 : count)) + step + count) % count;
       const row = this.results!.crossings.rows[this.chosen];
-      const place = this.columns.map((column) => `${plain(components[column])} = ${row[column].toPrecision(4)}`).join(", ");
+      const place = this.columns.map((column) => `${plain(this.components[column])} = ${row[column].toPrecision(4)}`).join(", ");
       this.said(`crossing ${this.chosen + 1} of ${count}, t = ${this.results!.crossings.times[this.chosen].toFixed(2)}, ${place}`);
     } else if (event.key === "Enter") this.begin(this.chosen);
     else if (event.key === "Escape") this.chosen = null;

@@ -1,7 +1,7 @@
 /** The page's side of the worker: starts it with the core, gives it jobs, and hands on the updates of the newest. */
 
 import packed from "virtual:core";
-import type { FromWorker, Job, ToWorker, Update } from "./messages";
+import type { FromWorker, Job, SystemJob, ToWorker, Update } from "./messages";
 import type { Projected } from "./projection";
 import Worker from "./worker?worker&inline";
 
@@ -33,7 +33,7 @@ export class Client {
   }
 
   /** Starts another job; what comes of earlier ones is dropped. */
-  run(job: Job): void {
+  run(job: Job | SystemJob): void {
     this.generation += 1;
     this.say({ say: "job", generation: this.generation, job });
   }

@@ -6,12 +6,13 @@
  * the moving body starts from these checkpoints again, so that it stays on the same orbit however chaotic that is.
  */
 
-import type { Core, Field, FieldDescription, Functions, Method } from "../core/core.js";
-import { ellipsoid, families, moving, N, N_PARAMETERS, position, WIDTH } from "../data/tops";
-import type { Job, Update } from "./messages";
+import type { Core, Field, Functions, Method } from "../core/core.js";
+import { comparison } from "../systems/comparison";
+import type { Job, SystemJob, Update } from "./messages";
+import { modelOf, type Model } from "./model";
 import { interval } from "./times";
 
-/** Between checkpoints, once the time is beyond it. */
+/** Between checkpoints, once the time is beyond it; this and the other times are in the unit of the model. */
 const STRIDE = 20;
 /** Checkpoints before that: the drift is drawn over the logarithm of time. */
 const EARLY = [0.1, 0.2, 0.35, 0.5, 0.7, 1, 1.4, 2, 2.8, 4, 5.6, 8, 11, 15];
@@ -31,8 +32,8 @@ export class Computation {
   private readonly moving: Field;
   private readonly method: Method;
   private readonly surface: Functions;
-  private readonly invariants: Functions;
-  private readonly ellipsoid: Functions;
+  private readonly invariants: Functions | null;
+  private readonly ellipsoid: Functions | null;
   private readonly names: readonly string[];
   private readonly family: string;
   private readonly first: Float64Array;
@@ -41,30 +42,33 @@ export class Computation {
   private readonly checkpoints: Float64Array[];
   private side: Float64Array = new Float64Array();
   private readonly moved: { next: number; state: Float64Array; stopped: boolean }[];
-  private wanted = 2 * STRIDE;
+  private readonly early: readonly number[];
+  private readonly stride: number;
+  private wanted: number;
   private exponent: Growth | null = null;
   private band: Growth | null = null;
   private stopped = false;
   private opened = false;
   private reported = false;
+  private compared = false;
 
-  constructor(private readonly core: Core, private readonly job: Job) {
-    const { parameters, start, tol } = job;
-    const [inertia, a, b] = [0, 3, 6].map((k) => parameters.slice(k, k + 3));
-    const top: FieldDescription = { kind: "top", inertia, a, b, epsilon: parameters[9] };
-    this.field = this.hold(core.field(top));
-    this.moving = this.hold(core.field(moving));
+  constructor(private readonly core: Core, private readonly job: Job | SystemJob, private readonly model: Model = modelOf(core, job)) {
+    const { start, tol } = job;
+    this.field = this.hold(core.field(model.field));
+    this.moving = this.hold(core.field(model.moving));
     this.method = this.hold(core.method({ kind: "taylor", tol }));
-    this.surface = this.hold(core.functions({ n_components: N, instructions: [], outputs: [job.surface] }));
-    const family = this.found();
-    this.names = family.names;
-    this.family = family.name;
-    this.invariants = this.hold(core.functions(family.functions));
-    this.ellipsoid = this.hold(core.functions(ellipsoid));
+    this.surface = this.hold(core.functions(model.surface));
+    this.names = model.names;
+    this.family = model.family;
+    this.invariants = model.invariants && this.hold(core.functions(model.invariants));
+    this.ellipsoid = model.ellipsoid && this.hold(core.functions(model.ellipsoid));
+    this.stride = (STRIDE * model.unit) / model.parts;
+    this.early = EARLY.map((time) => time * model.unit).filter((time) => time < this.stride);
+    this.wanted = 2 * STRIDE * model.unit;
     this.checkpoints = [Float64Array.from(start)];
     this.first = this.valuesAt(this.checkpoints[0]);
     const shadow = start.with(0, start[0] + SHADOW);
-    this.moved = [start, shadow].map((state) => ({ next: 0, state: Float64Array.from([...state, ...job.attitude, ...position.map(() => 0)]), stopped: false }));
+    this.moved = [start, shadow].map((state, k) => ({ next: 0, state: Float64Array.from([...state, ...model.attitude]), stopped: k === 1 && !model.shadow }));
   }
 
   free(): void {
@@ -82,7 +86,7 @@ export class Computation {
       this.opened = true;
       return { say: "invariants", names: this.names, values: [...this.first], family: this.family };
     }
-    return this.motion() ?? this.pass() ?? this.growth() ?? this.ensemble() ?? this.end();
+    return this.motion() ?? this.compare() ?? this.pass() ?? this.growth() ?? this.ensemble() ?? this.end();
   }
 
   private end(): Update | null {
@@ -96,28 +100,24 @@ export class Computation {
     return one;
   }
 
-  /** The last family that the top belongs to. */
-  private found() {
-    const at = [...this.job.start, ...this.job.parameters];
-    const member = families.filter(({ conditions }) => {
-      if (!conditions) return true;
-      const functions = this.core.functions(conditions);
-      const values = functions.values(at);
-      functions.free();
-      return values.every((value) => value === 0);
-    });
-    return member[member.length - 1];
+  /** A saved result, computed again. */
+  private compare(): Update | null {
+    if (this.compared || !("saved" in this.job) || !this.job.saved) return null;
+    this.compared = true;
+    return comparison(this.core, this.job.system, this.job.saved);
   }
 
-  /** Functions at states of `width` components, of which the first are those of the top. */
-  private valuesAt(states: Float64Array, width: number = N, functions: Functions = this.invariants): Float64Array {
-    const count = states.length / width;
-    const all = new Float64Array(count * (N + N_PARAMETERS));
+  /** Functions at states of `width` components, of which the first are those of the system. */
+  private valuesAt(states: Float64Array, width: number = this.model.nComponents, functions: Functions | null = this.invariants): Float64Array {
+    if (!functions) return new Float64Array();
+    const { nComponents: n, parameters } = this.model;
+    const [count, all] = [states.length / width, n + parameters.length];
+    const points = new Float64Array(count * all);
     for (let k = 0; k < count; k++) {
-      all.set(states.subarray(k * width, k * width + N), k * (N + N_PARAMETERS));
-      all.set(this.job.parameters, k * (N + N_PARAMETERS) + N);
+      points.set(states.subarray(k * width, k * width + n), k * all);
+      points.set(parameters, k * all + n);
     }
-    return functions.values(all);
+    return functions.values(points);
   }
 
   /** A piece of the motion between two checkpoints, of the top or of its shadow, whichever is behind. */
@@ -130,20 +130,20 @@ export class Computation {
     if (one.next + 1 >= this.times.length) return this.stopped ? null : this.pass();
     const to = this.times[one.next + 1];
     if (which === 0) one.state.set(this.checkpoints[one.next]);
-    const orbit = this.core.orbit(this.moving, this.method, [...one.state, ...this.job.parameters], from, to);
-    const count = Math.max(Math.ceil((to - from) / SAMPLING), 1);
+    const orbit = this.core.orbit(this.moving, this.method, [...one.state, ...this.model.parameters], from, to);
+    const count = Math.max(Math.ceil((to - from) / (SAMPLING * this.model.unit) - 1e-9), 1);
     const times = Float64Array.from({ length: count + 1 }, (_, k) => from + ((to - from) * k) / count);
     const wide = orbit.at(times);
     const { outcome, endTime } = orbit.ends;
     orbit.free();
-    const states = withoutParameters(wide, times.length);
-    one.state = states.slice(-WIDTH);
+    const states = withoutParameters(wide, times.length, this.model.width);
+    one.state = states.slice(-this.model.width);
     one.next += 1;
     if (outcome[0] !== "finished") {
       one.stopped = true;
       return { say: "ended", what: which === 0 ? "motion" : "shadow", outcome: outcome[0], time: endTime[0] };
     }
-    const [values, axes] = [this.invariants, this.ellipsoid].map((functions) => (which === 0 ? this.valuesAt(states, WIDTH, functions) : new Float64Array()));
+    const [values, axes] = [this.invariants, this.ellipsoid].map((functions) => (which === 0 ? this.valuesAt(states, this.model.width, functions) : new Float64Array()));
     return { say: "motion", shadow: which === 1, times, states, values, ellipsoid: axes };
   }
 
@@ -154,7 +154,7 @@ export class Computation {
     const from = this.times[this.times.length - 1];
     if (this.stopped || from >= this.job.horizon) return this.drift();
     if (this.drifted.times.length >= 32) return this.drift();
-    const to = EARLY.find((time) => time > from) ?? Math.min((Math.floor(from / STRIDE) + 1) * STRIDE, this.job.horizon);
+    const to = this.early.find((time) => time > from) ?? Math.min((Math.floor(from / this.stride + 1e-9) + 1) * this.stride, this.job.horizon);
     const last = this.checkpoints[this.checkpoints.length - 1];
     const { direction } = this.job;
     const found = this.core.section(this.field, this.method, this.surface, last, { from, to, direction, sides: this.side });
@@ -180,7 +180,7 @@ export class Computation {
 
   /** The finite-time exponent of the orbit. */
   private growth(): Update | null {
-    this.exponent ??= new Growth(this.core, this.field, this.method, Float64Array.from(this.job.start), this.job.horizon);
+    this.exponent ??= new Growth(this.core, this.field, this.method, Float64Array.from(this.job.start), this.job.horizon, this.model.unit);
     const found = this.exponent.advance();
     return found && { say: "exponent", times: Float64Array.of(found.time), values: found.values };
   }
@@ -189,11 +189,11 @@ export class Computation {
   private ensemble(): Update | null {
     if (this.stopped) return null;
     if (!this.band) {
-      const late = this.checkpoints.slice(EARLY.length);
+      const late = this.checkpoints.slice(this.early.length);
       if (late.length < MEMBERS) return null;
       const states = Array.from({ length: MEMBERS }, (_, k) => late[Math.floor((k * late.length) / MEMBERS)]);
       const flat = Float64Array.from(states.flatMap((state) => [...state]));
-      this.band = new Growth(this.core, this.field, this.method, flat, this.job.horizon * BAND_HORIZON);
+      this.band = new Growth(this.core, this.field, this.method, flat, this.job.horizon * BAND_HORIZON, this.model.unit);
     }
     const found = this.band.advance();
     if (!found) return null;
@@ -220,9 +220,11 @@ class Growth {
     private readonly method: Method,
     private states: Float64Array,
     private readonly horizon: number,
+    private readonly unit: number,
   ) {
-    this.members = states.length / N;
-    this.frames = new Float64Array(states.length).fill(1 / Math.sqrt(N));
+    const n = field.nComponents;
+    this.members = states.length / n;
+    this.frames = new Float64Array(states.length).fill(1 / Math.sqrt(n));
     this.elapsed = new Float64Array(this.members);
     this.grown = new Float64Array(this.members);
   }
@@ -230,8 +232,8 @@ class Growth {
   /** Exponents at the next time. */
   advance(): { time: number; values: Float64Array } | null {
     if (this.stopped || this.time >= this.horizon) return null;
-    const length = interval(this.done);
-    const parts = Math.max(1, Math.ceil((length * this.members) / AT_ONCE / 4));
+    const length = interval(this.done) * this.unit;
+    const parts = Math.max(1, Math.ceil((length * this.members) / this.unit / AT_ONCE / 4));
     const run = this.core.frames(this.field, this.method, this.states, this.frames, {
       nVectors: 1, elapsed: this.elapsed, duration: length / parts, nIntervals: parts,
     });
@@ -251,9 +253,10 @@ class Growth {
   }
 }
 
-function withoutParameters(wide: Float64Array, count: number): Float64Array {
-  const states = new Float64Array(count * WIDTH);
-  const all = WIDTH + N_PARAMETERS;
-  for (let k = 0; k < count; k++) states.set(wide.subarray(k * all, k * all + WIDTH), k * WIDTH);
+/** The first `width` numbers of each of `count` rows. */
+function withoutParameters(wide: Float64Array, count: number, width: number): Float64Array {
+  const states = new Float64Array(count * width);
+  const all = wide.length / count;
+  for (let k = 0; k < count; k++) states.set(wide.subarray(k * all, k * all + width), k * width);
   return states;
 }

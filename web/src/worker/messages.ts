@@ -1,6 +1,8 @@
 /** What page and worker say to each other.  Arrays are flat and row-major. */
 
-/** One orbit, and all that is computed of it. */
+import type { Saved, SystemDescription } from "../systems/description";
+
+/** One orbit of a top, and all that is computed of it. */
 export interface Job {
   readonly parameters: readonly number[];
   readonly start: readonly number[];
@@ -14,9 +16,22 @@ export interface Job {
   readonly horizon: number;
 }
 
+/** The same of another system, which the page carries. */
+export interface SystemJob {
+  readonly system: SystemDescription;
+  readonly start: readonly number[];
+  /** A component, or after these one of the functions that the page carries. */
+  readonly surface: number;
+  readonly direction: -1 | 0 | 1;
+  readonly tol: number;
+  readonly horizon: number;
+  /** What is computed again and compared. */
+  readonly saved: Saved | null;
+}
+
 export type ToWorker =
   | { readonly say: "core"; readonly program: ArrayBuffer }
-  | { readonly say: "job"; readonly generation: number; readonly job: Job }
+  | { readonly say: "job"; readonly generation: number; readonly job: Job | SystemJob }
   /** The motion is wanted up to here. */
   | { readonly say: "until"; readonly generation: number; readonly time: number }
   /** The state near the start of a job at which invariants have these values is wanted. */
@@ -37,6 +52,8 @@ export type Update =
   | { readonly say: "exponent"; readonly times: Float64Array; readonly values: Float64Array }
   /** Deciles 1, 5 and 9 of an ensemble (time, 3). */
   | { readonly say: "band"; readonly members: number; readonly times: Float64Array; readonly values: Float64Array }
+  /** Largest difference of a saved result, where it is, up to which time it is small, and how many numbers were compared. */
+  | { readonly say: "compared"; readonly largest: number; readonly at: number; readonly component: string; readonly until: number; readonly count: number; readonly words: string }
   | { readonly say: "ended"; readonly what: string; readonly outcome: string; readonly time: number }
   | { readonly say: "finished" };
 

@@ -1,0 +1,294 @@
+"""Pages of the laboratory: the built page with the system that it shows, as data that nothing can take for markup."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.arrays import as_array
+from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
+from liepoisson.files import write_atomically
+from liepoisson.laboratory.description import description_of, record_of_functions
+from liepoisson.laboratory.pictures import picture_of
+from liepoisson.laboratory.saved import saved_of
+from liepoisson.numeric.systems import as_field, component_names, has_bracket, reads_formulas
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from liepoisson.arrays import Array
+
+VERSION = 1
+"""Of the description of a page, which the page looks at."""
+
+MOST_COMPONENTS = 400
+"""Of a system that the page shows; `systems/description.ts` has the same."""
+MOST_TERMS = 100_000
+"""Of its vector field."""
+MOST_BYTES = 1_500_000
+"""Of an exported page."""
+_LARGEST = 1e6
+"""Of a number of a start, as the page takes it."""
+_LONGEST_NAME = 200
+
+_PLACE = "<noscript>"
+"""Before this part of the built page stands what a page carries."""
+
+_NUMBER = re.compile(r"-?\d+(\.\d+)?(e-?\d{1,3})?|-?\d+/\d+")
+"""A parameter of a top as the page of tops reads it."""
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page of the laboratory.
+
+    Attributes:
+        html: The whole page: it needs no other file and asks for none.
+        address: What is to follow the # of its address, or "".
+        words: What it shows, for people.
+    """
+
+    html: str
+    address: str
+    words: str
+
+
+def page_of_tops() -> Page:
+    """The page of tops, as it begins."""
+    return Page(_built(), "", "tops")
+
+
+def page_of(
+    system: Any,
+    *,
+    start: ArrayLike | None = None,
+    surfaces: Sequence[Any] = (),
+    result: Any = None,
+) -> Page:
+    """The page that shows a system.
+
+    A top that the page of tops can be given is shown there, with its body; every other system has a page with its own
+    components, surfaces and invariants.
+
+    Args:
+        system: A `System`, a `Top`, anything that has a field.
+        start: Where the orbit begins, shape (component,); by default member 0 of the random unit vectors.
+        surfaces: Functions whose zeros can be chosen as surface of section, besides the components: formulas, as
+            `lp.section` takes them.  The page begins with the first; by default with `lp.sections.default_surface`.
+        result: A saved orbit or section of this system, which the page computes again and compares.  Its first start
+            is then the start, and the surface of a section is one of the surfaces.
+
+    Raises:
+        ParameterError: the system asks for too much, the start is too large, a formula cannot be read, or the result
+            is of another system or kind.
+        ShapeError: the start has another number of components.
+    """
+    field = as_field(system)
+    n = field.n_components
+    _check_size(system, n, _terms(field))
+    saved = None if result is None else saved_of(system, result)
+    if saved is not None and start is None:
+        start = saved.start
+    begin = _start(system, n, start)
+    words = str(system.name)[:_LONGEST_NAME]
+    if saved is None and not surfaces:
+        address = address_of_top(system, begin)
+        if address is not None:
+            return Page(_carrying(f'<script type="text/plain" id="address">{address}</script>'), address, words)
+    record = _description(system, begin, surfaces, saved)
+    text = json.dumps(record, allow_nan=False, separators=(",", ":"))
+    record = {"id": hashlib.sha256(text.encode()).hexdigest()[:12], **record}
+    return Page(_carrying(f'<script type="application/json" id="system">{as_data(record)}</script>'), "", words)
+
+
+def write_page(page: Page, path: str | Path) -> Path:
+    """Writes a page into one file, whole or not at all.
+
+    Raises:
+        ParameterError: the file would be larger than 1.5 MB.
+        OutputError: it cannot be written.
+    """
+    content = page.html.encode()
+    if len(content) > MOST_BYTES:
+        raise ParameterError(
+            f"a page must be at most {MOST_BYTES / 1e6:g} MB; that of {page.words!r:.80} has {len(content) / 1e6:.2f}. "
+            "Leave out the saved result, or show it without --export."
+        )
+    write_atomically(Path(path), content)
+    return Path(path)
+
+
+def as_data(record: Mapping[str, Any]) -> str:
+    """JSON without a character that ends an element, begins one, or breaks a line of a script."""
+    text = json.dumps(record, allow_nan=False, separators=(",", ":"))
+    for letter in "<>&\u2028\u2029":
+        text = text.replace(letter, f"\\u{ord(letter):04x}")
+    return text
+
+
+def address_of_top(system: Any, start: Array) -> str | None:
+    """What the page of tops has after the # for this top and this start; None for what it cannot be given.
+
+    Its parameters have to be numbers that are written exactly: 1/3 and 0.25, but not sqrt(2).
+    """
+    top = getattr(system, "top_parameters", None)
+    if top is None or start.shape != (9,):
+        return None
+    texts = [_exact_text(value) for value in (*top.inertia, *top.a, *top.b, top.epsilon)]
+    numbers = [text for text in texts if text is not None]
+    if len(numbers) != len(texts) or any(float(value) < 0.01 for value in top.inertia):
+        return None
+    return f"v=1&top={','.join(numbers)}&start={','.join(_shortest(value) for value in start)}"
+
+
+def _exact_text(value: Any) -> str | None:
+    text = str(value).replace(" ", "")
+    fits = _NUMBER.fullmatch(text) is not None and len(text) <= 60 and abs(float(value)) <= _LARGEST
+    return text if fits and all(abs(int(part)) < 2**53 for part in re.findall(r"\d+(?=/)|(?<=/)\d+", text)) else None
+
+
+def _description(system: Any, start: Array, surfaces: Sequence[Any], saved: Any) -> dict[str, Any]:
+    known = description_of(system)
+    n = start.size
+    functions, first = _surfaces(system, start, surfaces, saved)
+    surface = known["components"].index(first) if first in known["components"] else n if functions else 0
+    others = [k for k in range(n) if k != surface] or [0]
+    return {
+        "version": VERSION,
+        "name": known["name"][:_LONGEST_NAME],
+        "words": str(getattr(system, "source", None) or "")[:400],
+        "components": known["components"],
+        "vector_length": known["vector_length"],
+        "field": known["field"],
+        "invariants": known["invariants"],
+        "surfaces": functions,
+        "start": [_shortest(value) for value in start],
+        "unit": unit_of(system, start),
+        "surface": surface,
+        "direction": 1 if saved is None else saved.direction,
+        "axes": [others[0], others[1] if len(others) > 1 else others[0]],
+        "picture": picture_of(system),
+        "saved": None if saved is None else saved.record(),
+    }
+
+
+def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tuple[dict[str, Any] | None, str]:
+    """Functions with their names, and the name of what the page begins with."""
+    if saved is not None and saved.functions is not None:
+        first = {**saved.functions, "outputs": saved.functions["outputs"][:1]}
+        return {"names": [saved.surface[:_LONGEST_NAME]], "functions": first}, saved.surface
+    names = component_names(system, start.size)
+    chosen = {str(one): one for one in ([given] if isinstance(given, str) else given)}
+    if not chosen:
+        name, formula = _default_surface(system, start)
+        chosen = {name: formula}
+    first = next(iter(chosen))
+    listed = {name: formula for name, formula in chosen.items() if name not in names}
+    if not listed:
+        return None, first
+    if not reads_formulas(system):
+        raise ParameterError(
+            f"surfaces: {system.name!r:.60} has a field alone and reads no formulas; got {next(iter(listed))!r:.60}. "
+            "Leave them out: each component is a surface."
+        )
+    record = record_of_functions(system.function_tape(*listed.values()))
+    return {"names": [name[:_LONGEST_NAME] for name in listed], "functions": record}, first
+
+
+def _default_surface(system: Any, start: Array) -> tuple[str, str]:
+    """Name and formula of that of `liepoisson section`; a component where there is none."""
+    names = component_names(system, start.size)
+    if not has_bracket(system):
+        return names[0], names[0]
+    bracketed: Any = system
+    from liepoisson.phase_space.default_surface import chosen_surface
+    from liepoisson.phase_space.starts import find
+
+    try:
+        leaf = find(bracketed, start=start, guess=None, leaf=None, energy=None, seed=0).leaf
+        surface, of = chosen_surface(leaf)
+    except LiePoissonError:
+        return names[0], names[0]
+    return (surface if surface in names else f"rate of {of}"), surface
+
+
+def unit_of(system: Any, start: Array) -> float:
+    """The unit of time of the page: twice the natural time of the orbit, as 1, 2 or 5 times a power of ten."""
+    from liepoisson.numeric.time_scale import time_scale, unit_of_time
+
+    try:
+        natural = 2.0 * float(unit_of_time(time_scale(system, start[None], threads=1, time_limit=5.0)))
+    except LiePoissonError:
+        return 1.0
+    if not (math.isfinite(natural) and 1e-6 < natural < 1e6):
+        return 1.0
+    power = math.floor(math.log10(natural))
+    digits = (1, 2, 5, 10)
+    digit = min(digits, key=lambda one: abs(math.log(natural / 10.0**power / one)))
+    return float(f"{digit}e{power}")
+
+
+def _start(system: Any, n: int, start: ArrayLike | None) -> Array:
+    if start is None:
+        from liepoisson.numeric.sampling import sample_states
+
+        return sample_states(system, 1, seed=0)[0]
+    state = as_array(start, "start")
+    if state.shape != (n,):
+        raise ShapeError(f"start must have {n} components, those of {system.name!r:.60}; got shape {state.shape}.")
+    if not np.isfinite(state).all() or np.abs(state).max() > _LARGEST:
+        raise ParameterError(f"start must have numbers up to {_LARGEST:g}, as the page shows them. Rescale the system.")
+    return state
+
+
+def _check_size(system: Any, n: int, terms: int) -> None:
+    for count, most, noun in ((n, MOST_COMPONENTS, "components"), (terms, MOST_TERMS, "terms in its field")):
+        if count > most:
+            raise ParameterError(
+                f"a system in the laboratory must have at most {most} {noun}; {system.name!r:.60} has {count}. "
+                "Use `liepoisson orbit` or the functions of the package."
+            )
+
+
+def _terms(field: Any) -> int:
+    """As the page counts them: entries and the numbers in them."""
+    from liepoisson.field import record_of
+
+    total = 0
+    for part in record_of(field).values():
+        if not isinstance(part, (list, tuple)):
+            continue
+        total += len(part)
+        for line in part:
+            if isinstance(line, (list, tuple)):
+                total += sum(len(inner) for inner in line if isinstance(inner, (list, tuple)))
+    return total
+
+
+def _shortest(value: float) -> str:
+    """The shortest text of a double, as the page writes it: 0 without a sign."""
+    text = repr(float(value) + 0.0)
+    return text.removesuffix(".0")
+
+
+def _carrying(element: str) -> str:
+    before, place, after = _built().partition(_PLACE)
+    return f"{before}{element}\n{place}{after}"
+
+
+@cache
+def _built() -> str:
+    page = files("liepoisson.laboratory").joinpath("page", "index.html").read_text(encoding="utf-8")
+    if page.count(_PLACE) != 1:
+        raise AssertionError("the built page has another form; make page builds it")
+    return page

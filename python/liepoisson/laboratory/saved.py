@@ -1,0 +1,162 @@
+"""Saved results that a page carries: an orbit or a section, with what the page needs to compute it again."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from liepoisson.arrays import Array
+from liepoisson.errors import ParameterError
+from liepoisson.laboratory.description import record_of_functions
+from liepoisson.numeric.integrate import Orbit
+from liepoisson.numeric.methods import Taylor
+from liepoisson.numeric.section import Section
+from liepoisson.numeric.systems import as_field
+
+MOST_NUMBERS = 8_000
+"""Of the states that a page carries; of more, every second, third, ... is kept."""
+MOST_STEPS = 200_000
+"""Of a run that a page repeats while somebody waits."""
+
+_LONGEST_FORMULA = 30
+"""Of a surface that is called by its formula."""
+
+
+@dataclass(frozen=True)
+class SavedResult:
+    """What the page is told of a result.
+
+    Attributes:
+        kind: "orbit" or "section".
+        words: What it is, for people.
+        shown_only: Why the page does not compute it again, or None.
+        tol: The tolerance of its method.
+        starts: Shape (trajectory, component).
+        times, states: Of the orbit or of the crossings.
+        trajectory: Of each crossing.
+        functions: The surface and what is kept, as data; None for an orbit.
+        surface: The surface as it was written, if it is short.
+        direction, n_crossings, t_end: As the section was asked for.
+        has_states: Whether states are states of the system, and not functions of them.
+        coordinates: Names of the components of the states.
+    """
+
+    kind: str
+    words: str
+    shown_only: str | None
+    tol: float
+    starts: Array
+    times: Array
+    states: Array
+    trajectory: tuple[int, ...]
+    functions: dict[str, Any] | None
+    surface: str
+    direction: int
+    n_crossings: int
+    t_end: float
+    has_states: bool
+    coordinates: tuple[str, ...]
+
+    @property
+    def start(self) -> Array:
+        """The first start."""
+        return self.starts[0]
+
+    def record(self) -> dict[str, Any]:
+        """As JSON can write it."""
+        return {
+            "kind": self.kind,
+            "words": self.words,
+            "shown_only": self.shown_only,
+            "tol": self.tol,
+            "starts": self.starts.tolist(),
+            "times": self.times.tolist(),
+            "states": self.states.tolist(),
+            "trajectory": list(self.trajectory),
+            "functions": self.functions,
+            "direction": self.direction,
+            "n_crossings": self.n_crossings,
+            "t_end": self.t_end,
+            "has_states": self.has_states,
+            "coordinates": list(self.coordinates),
+        }
+
+
+def saved_of(system: Any, result: Any) -> SavedResult:
+    """A result as a page carries it.
+
+    Raises:
+        ParameterError: it is neither an orbit nor a section, or one of another system.
+    """
+    if not isinstance(result, (Orbit, Section)):
+        kind = getattr(result, "kind", type(result).__name__)
+        raise ParameterError(
+            f"a page can carry an orbit or a section; got a result of the kind {kind!r:.40}, which has no states to "
+            "draw. Write one with `liepoisson orbit --out orbit.nc`."
+        )
+    if as_field(system) != result.field:
+        raise ParameterError(
+            f"the result must be one of {system.name!r:.60}; it has another vector field, that of "
+            f"{result.system.name!r:.60}. Leave the system out: the page then shows that of the result."
+        )
+    return _orbit(result) if isinstance(result, Orbit) else _section(result)
+
+
+def _shown_only(result: Orbit | Section) -> str | None:
+    method = result.method
+    if not isinstance(method, Taylor):
+        return f"the page computes with Taylor series, and the file was made by the method {method.name!r:.40}"
+    if method.precision != "double":
+        return "the page computes in double precision, and the file has mixed precision"
+    if result.n_steps.sum() > MOST_STEPS:
+        return f"it took {int(result.n_steps.sum())} steps, more than a page repeats while somebody waits"
+    if not np.isfinite(result.end_time).all() or (result.outcome != "finished").any():
+        return "not all of its orbits came to their end"
+    return None
+
+
+def _orbit(orbit: Orbit) -> SavedResult:
+    states = orbit.state[0]
+    good = np.isfinite(states).all(axis=1)
+    times, states = orbit.time[good], states[good]
+    every = max(1, -(-states.size // MOST_NUMBERS))
+    shown_only = _shown_only(orbit)
+    if shown_only is None and float(orbit.time[0]) != orbit.start_time:
+        shown_only = "its first times are missing"
+    among = f"the first of {len(orbit.state)} orbits, " if len(orbit.state) > 1 else "an orbit, "
+    kept = f", of which {len(times[::every])} are here" if every > 1 else ""
+    words = f"Saved: {among}{len(times)} times from t = {times[0]:g} to t = {times[-1]:g}{kept}"
+    return SavedResult(
+        "orbit", words, shown_only, _tol(orbit.method), np.asarray(orbit.start[:1]), times[::every], states[::every],
+        (), None, "", 1, 0, float(times[-1]), has_states=True, coordinates=tuple(orbit.components),
+    )  # fmt: skip
+
+
+def _section(section: Section) -> SavedResult:
+    counts = np.bincount(section.crossing_trajectory, minlength=len(section.start)) * section.state.shape[1]
+    members = max(1, int(np.searchsorted(np.cumsum(counts), MOST_NUMBERS, side="right")))
+    chosen = section.crossing_trajectory < members
+    n = len(section.start)
+    kept = f", of which those of {members} are here" if members < n else ""
+    surface = str(section.surface)
+    of = f" of {surface} = 0" if len(surface) <= _LONGEST_FORMULA else ""
+    words = f"Saved: {section.time.size} crossings{of}, of {n} orbit{'s' * (n > 1)}{kept}"
+    shown_only = _shown_only(section)
+    if shown_only is None and (section.start_side[:members] != 0).any():
+        shown_only = "it goes on from an earlier section"
+    if shown_only is None and not np.isfinite(section.t_end):
+        shown_only = "it has no end of time"
+    return SavedResult(
+        "section", words, shown_only, _tol(section.method), np.asarray(section.start[:members]),
+        section.time[chosen], section.state[chosen], tuple(int(one) for one in section.crossing_trajectory[chosen]),
+        record_of_functions(section.tape), surface if of else "saved surface", int(section.direction),
+        int(section.n_crossings or 0),
+        float(section.t_end) if np.isfinite(section.t_end) else 0.0,
+        has_states=tuple(section.coordinates) == tuple(section.components), coordinates=tuple(section.coordinates),
+    )  # fmt: skip
+
+
+def _tol(method: Any) -> float:
+    return float(method.tol) if isinstance(method, Taylor) else 1e-15

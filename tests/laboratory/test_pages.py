@@ -1,0 +1,186 @@
+"""Pages: what they carry is read back as it was, is never markup, and is refused where it asks for too much."""
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import OutputError, ParameterError, ShapeError
+from liepoisson.field import QuadraticField, TapeFunction, field_of
+from liepoisson.laboratory import page_of, page_of_tops, write_page
+from liepoisson.laboratory.pages import MOST_BYTES, MOST_COMPONENTS, MOST_TERMS, as_data, unit_of
+from liepoisson.laboratory.pictures import N_POINTS, picture_of
+
+KIRCHHOFF = lp.catalog.system("kirchhoff")
+START = [1, 0.2, 0, 0, 0.6, 0.8]
+
+
+def carried(page):
+    found = re.search(r'<script type="application/json" id="system">(.*?)</script>', page.html, re.DOTALL)
+    return json.loads(found[1])
+
+
+class Field:
+    def __init__(self, name, n, linear=()):
+        self.name, self.n, self.linear = name, n, linear
+
+    def field(self):
+        return QuadraticField(self.n, (), self.linear, ())
+
+
+def test_the_description_is_read_back_as_it_was():
+    record = carried(page_of(KIRCHHOFF, start=START))
+    assert field_of(record["field"]) == KIRCHHOFF.field()
+    assert [float(text) for text in record["start"]] == START
+    assert record["components"] == list(KIRCHHOFF.component_names)
+    assert record["invariants"]["names"] == ["H", "C1", "C2", "m3"]
+    assert (record["vector_length"], record["picture"], record["saved"]) == (3, None, None)
+
+
+def test_the_page_begins_with_the_surface_of_the_section_command():
+    record = carried(page_of(KIRCHHOFF, start=START))
+    leaf = lp.phase_space.find_start(KIRCHHOFF, start=START).leaf
+    tape = KIRCHHOFF.function_tape(lp.sections.default_surface(leaf))
+    functions = record["surfaces"]["functions"]
+    assert TapeFunction(functions["n_components"], functions["instructions"], functions["outputs"]) == tape
+    assert (record["surfaces"]["names"], record["surface"]) == (["rate of p3"], 6)
+    assert not set(record["axes"]) & {record["surface"]}
+
+
+def test_surfaces_that_are_given_come_first_and_components_have_their_own_numbers():
+    record = carried(page_of(KIRCHHOFF, start=START, surfaces=["m1", "dot(m, p) - 1/2", "p2"]))
+    assert (record["surface"], record["surfaces"]["names"]) == (0, ["dot(m, p) - 1/2"])
+    with pytest.raises(ParameterError, match="reads no formulas"):
+        page_of(Field("plane", 2), start=[1, 0], surfaces=["x1 - x2"])
+
+
+def test_an_address_is_for_one_description():
+    first, same, other = (carried(page_of(KIRCHHOFF, start=start)) for start in (START, START, [1, 0, 0, 0, 1, 0]))
+    assert first["id"] == same["id"] != other["id"]
+    assert re.fullmatch("[0-9a-f]{12}", first["id"])
+
+
+@pytest.mark.parametrize("text", ["</script>", "<!--", "<script", "]]>", "&lt;", "\u2028\u2029", 'a"b\\c', "\x00\x1f"])
+def test_no_text_is_markup(text):
+    written = as_data({"name": text})
+    assert not re.search("[<>&\u2028\u2029]", written)
+    assert json.loads(written) == {"name": text}
+
+
+def test_a_hostile_name_stays_in_its_element():
+    page = page_of(Field('</script><img src=x onerror="alert(1)">', 2, ((0, 1, 1.0),)), start=[1, 0])
+    assert carried(page)["name"] == '</script><img src=x onerror="alert(1)">'
+    assert page.html.count("<script") == page_of_tops().html.count("<script") + 1
+
+
+def test_tops_have_the_page_of_tops_and_their_exact_parameters():
+    top = lp.Top(inertia=(2, "5/3", 1), a=(-1, 0, "0.25"), b=(0, 0, 0), epsilon="1/3", name="mine")
+    page = page_of(top, start=[1, 0, 0, 0, 1, 0, 0, 0.5, 1])
+    assert page.address == "v=1&top=2,5/3,1,-1,0,1/4,0,0,0,1/3&start=1,0,0,0,1,0,0,0.5,1"
+    assert f'<script type="text/plain" id="address">{page.address}</script>' in page.html
+
+
+@pytest.mark.parametrize("epsilon", ["sqrt(2)", "1/90071992547409921", "1e7"])
+def test_a_top_that_no_address_can_hold_has_the_page_of_systems(epsilon):
+    page = page_of(lp.Top.twisted_kovalevskaya(epsilon=epsilon), start=[1, 0, 0, 0, 1, 0, 0, 0, 1])
+    assert page.address == ""
+    assert carried(page)["components"][0] == "l1"
+
+
+def test_the_unit_of_time_is_a_round_number_near_twice_the_natural_time():
+    circle = [Field(f"circle {k}", 2, ((0, 1, k), (1, 0, -k))) for k in (1.0, 100.0)]
+    assert [unit_of(field, np.array([1.0, 0.0])) for field in circle] == [2.0, 0.02]
+    assert unit_of(Field("rest", 2), np.array([1.0, 0.0])) == 2.0
+
+
+@pytest.mark.parametrize("n", [3, 5])
+def test_the_picture_of_a_truncation_is_its_vorticity(n):
+    state = np.random.default_rng(n).normal(size=n * n - 1)
+    picture = picture_of(lp.catalog.zeitlin(n))
+    across, up = np.array(picture["across"]), np.array(picture["up"])
+    found = sum(c * state[int(k)] * np.outer(up[int(j)], across[int(i)]) for k, i, j, c in picture["terms"])
+    wanted = lp.catalog.vorticity(state, N_POINTS)
+    np.testing.assert_allclose(found, wanted, rtol=0, atol=1e-9 * np.abs(wanted).max())
+
+
+def test_what_is_no_truncation_has_no_picture():
+    assert picture_of(KIRCHHOFF) is None
+    assert picture_of(lp.catalog.system("reduced-mhd-3")) is None
+
+
+def test_what_asks_for_too_much_is_refused():
+    with pytest.raises(ParameterError, match=f"at most {MOST_COMPONENTS} components; 'wide' has 500"):
+        page_of(Field("wide", 500), start=np.zeros(500))
+    linear = tuple((i, j, 1.0) for i in range(360) for j in range(300))
+    with pytest.raises(ParameterError, match=f"at most {MOST_TERMS} terms"):
+        page_of(Field("dense", 360, linear), start=np.zeros(360))
+
+
+@pytest.mark.parametrize(
+    ("start", "error"), [([1, 2], ShapeError), ([1e7, 0, 0, 0, 0, 0], ParameterError), ([np.nan] * 6, ParameterError)]
+)
+def test_a_start_that_the_page_cannot_have_is_refused(start, error):
+    with pytest.raises(error, match="start"):
+        page_of(KIRCHHOFF, start=start)
+
+
+def test_a_saved_orbit_goes_with_its_numbers():
+    orbit = lp.integrate(KIRCHHOFF, START, times=np.linspace(0, 5, 11), threads=1)
+    saved = carried(page_of(KIRCHHOFF, result=orbit))["saved"]
+    assert (saved["times"], saved["states"], saved["starts"]) == (
+        orbit.time.tolist(), orbit.state[0].tolist(), [START],
+    )  # fmt: skip
+    assert (saved["kind"], saved["shown_only"], saved["tol"]) == ("orbit", None, orbit.method.tol)
+
+
+def test_a_saved_section_goes_with_its_surface():
+    section = lp.section(KIRCHHOFF, [START, START], surface="m1", t_end=30, direction=-1, threads=1)
+    record = carried(page_of(KIRCHHOFF, result=section))
+    saved = record["saved"]
+    assert saved["times"] == section.time.tolist()
+    assert saved["trajectory"] == section.crossing_trajectory.tolist()
+    assert (saved["t_end"], saved["direction"], saved["has_states"]) == (30.0, -1, True)
+    assert (record["direction"], record["start"]) == (-1, ["1", "0.2", "0", "0", "0.6", "0.8"])
+
+
+def test_a_long_orbit_is_thinned_and_said_to_be():
+    orbit = lp.integrate(KIRCHHOFF, START, times=np.linspace(0, 50, 5001), threads=1)
+    saved = carried(page_of(KIRCHHOFF, result=orbit))["saved"]
+    assert len(saved["times"]) == 1251
+    assert "5001 times" in saved["words"]
+    assert "of which 1251 are here" in saved["words"]
+
+
+def test_another_method_is_only_shown():
+    orbit = lp.integrate(KIRCHHOFF, START, times=[0, 1, 2], method=lp.methods.RungeKutta(), threads=1)
+    saved = carried(page_of(KIRCHHOFF, result=orbit))["saved"]
+    assert "Taylor" in saved["shown_only"]
+
+
+def test_a_result_of_another_system_or_kind_is_refused():
+    orbit = lp.integrate(lp.catalog.system("clebsch"), START, times=[0, 1], threads=1)
+    with pytest.raises(ParameterError, match="another vector field, that of 'clebsch'"):
+        page_of(KIRCHHOFF, result=orbit)
+    growth = lp.finite_time_exponents(KIRCHHOFF, [START], t_end=2, threads=1)
+    with pytest.raises(ParameterError, match="orbit or a section"):
+        page_of(KIRCHHOFF, result=growth)
+
+
+def test_a_page_is_one_small_file_with_the_policy_of_the_built_one(tmp_path):
+    file = write_page(page_of(lp.catalog.system("zeitlin-5"), start=np.full(24, 0.1)), tmp_path / "a.html")
+    text = file.read_text(encoding="utf-8")
+    assert file.stat().st_size < MOST_BYTES
+    policy = re.compile(r'http-equiv="Content-Security-Policy" content="([^"]*)"')
+    assert policy.findall(text) == policy.findall(page_of_tops().html)
+    assert [path.name for path in tmp_path.iterdir()] == ["a.html"]
+
+
+def test_a_page_that_is_too_large_or_has_no_place_is_refused(tmp_path):
+    page = page_of_tops()
+    with pytest.raises(ParameterError, match=r"at most 1\.5 MB"):
+        write_page(type(page)(page.html + " " * MOST_BYTES, "", "tops"), tmp_path / "a.html")
+    with pytest.raises(OutputError, match="folder"):
+        write_page(page, tmp_path)
+    assert not list(tmp_path.iterdir())
