@@ -105,10 +105,10 @@ def _serve(page: Page, *, opens: bool) -> None:
     from liepoisson.laboratory.server import serve
 
     with serve(page) as server:
-        announce(f"{page.words}: {server.url}\nCtrl-C ends it.", ())
-        if opens and not _opened(server.url):
-            print("No browser could be opened; open this address in one.", file=sys.stderr)
         try:
+            announce(f"{page.words}: {server.url}\nCtrl-C ends it.", ())
+            if opens and not _opened(server.url):
+                print("No browser could be opened; open this address in one.", file=sys.stderr)
             server.serve_forever()
         except KeyboardInterrupt:
             print()  # after the ^C of the terminal

@@ -30,13 +30,9 @@ from liepoisson.phase_space.critical_points import (
 )
 from liepoisson.phase_space.equilibrium_list import signed_sum
 from liepoisson.phase_space.leaf_search import representative
+from liepoisson.phase_space.second_variation import curvatures, null_directions
 from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, zero_near
-from liepoisson.phase_space.stability import (
-    Equilibrium,
-    analysis,
-    curvatures,
-    null_directions,
-)
+from liepoisson.phase_space.stability import Equilibrium, analysis
 from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:

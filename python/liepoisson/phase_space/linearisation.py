@@ -137,7 +137,7 @@ class LinearFlow:
         values, right = np.linalg.eig(matrix)
         left = np.linalg.pinv(right)
         condition = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
-        return values.astype(np.complex128), _ROUND_OFF * norm(matrix) * condition
+        return values.astype(np.complex128), _ROUND_OFF * np.linalg.norm(matrix) * condition
 
 
 def _balanced(matrix: Array) -> Array:

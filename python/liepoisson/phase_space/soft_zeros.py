@@ -32,7 +32,7 @@ from liepoisson.arrays import Array
 from liepoisson.exact.polynomials.certified_roots import precision
 from liepoisson.exact.rational_polynomials import powers_of
 from liepoisson.phase_space.critical_points import HamiltonianFields
-from liepoisson.phase_space.stability import soft_directions, symmetry_directions
+from liepoisson.phase_space.second_variation import soft_directions, symmetry_directions
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction

@@ -17,16 +17,17 @@ from numpy.typing import ArrayLike
 from liepoisson.arrays import Array, ReadOnlyArrays, norm
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
-from liepoisson.phase_space.critical_points import CANCELLED, SOFT, VANISHES, HamiltonianFields, multipliers
+from liepoisson.phase_space.critical_points import VANISHES, HamiltonianFields, multipliers
 from liepoisson.phase_space.exact_linearisation import exact_linearisation
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.linearisation import (
     ComplexArray,
     LinearFlow,
     definite_combination,
-    linear_flow,
     spectral_verdict,
 )
+from liepoisson.phase_space.second_variation import CriticalPoint
+from liepoisson.phase_space.soft_zeros import may_mislead, zero_near
 from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
@@ -174,8 +175,6 @@ def _is_zero_of_slope(view: LeafInUnits, fields: HamiltonianFields, y: Array) ->
     Raises:
         ParameterError: H only becomes flat there, as on the tail of an exponential, or its critical point is elsewhere.
     """
-    from liepoisson.phase_space.soft_zeros import may_mislead, zero_near
-
     if not may_mislead(fields.functions[0]):
         return False
     zero = zero_near(view, fields, np.array([float(f(y)) for f in fields.functions[1:]]), y)
@@ -349,7 +348,7 @@ def analysis(
     view = _in_units(leaf, units)
     fields, y = _fields(view, integrals), x / view.units
     omega = multipliers(fields.fields(y)[None], fields.scale(y)[None])[0]
-    point = _Point(fields, view, y, omega)
+    point = CriticalPoint(fields, view, y, omega)
     flow, asymmetry = point.linear_flow(np.array([1.0, *-omega]))
     basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
     flow = flow.restricted(basis)
@@ -394,89 +393,7 @@ def analysis(
     )
 
 
-def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
-    """Orthonormal directions in which a family of (relative) equilibria may go on from x, shape (N, n).
-
-    The kernel of the second variation on the slice, and the motions of the integrals.
-    """
-    point, flow, basis = _on_slice(leaf, fields, x)
-    found = np.concatenate([point.symmetry, basis @ flow.kernel()], axis=1)
-    return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
-
-
-def soft_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, within: float = SOFT) -> Array:
-    """Orthonormal directions in which the second variation on the slice is soft or flat, shape (N, n)."""
-    point, flow, basis = _on_slice(leaf, fields, x)
-    values, vectors = np.linalg.eigh(flow.hessian)
-    sizes = np.abs(values)
-    return point.tangents @ basis @ vectors[:, sizes <= within * sizes.max(initial=0.0)]
-
-
-def symmetry_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
-    """Orthonormal directions in which the motions of the integrals carry x, shape (N, n)."""
-    point, _, _ = _on_slice(leaf, fields, x)
-    return point.tangents @ point.symmetry
-
-
-def curvatures(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
-    """The moduli of the eigenvalues of the second variation on the slice, relative to the largest, ascending."""
-    values = np.sort(np.abs(np.linalg.eigvalsh(_on_slice(leaf, fields, x)[1].hessian)))
-    return values / values[-1] if values.any() else values
-
-
-def _on_slice(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> tuple[_Point, LinearFlow, Array]:
-    """The linearised flow on the symplectic slice at x, and the basis of the slice in the tangent space."""
-    rates, scale = fields.fields(x), fields.scale(x)
-    point = _Point(fields, leaf, x, multipliers(rates[None], scale[None])[0])
-    flow = point.linear_flow(np.array([1.0, *-point.omega]))[0]
-    basis = flow.slice_basis(point.symmetry) if point.symmetry.size else np.eye(flow.size)
-    return point, flow.restricted(basis), basis
-
-
-@dataclass(frozen=True)
-class _Point:
-    """A critical point with what its second variations are made of."""
-
-    fields: HamiltonianFields
-    leaf: LeafInUnits
-    x: Array
-    omega: Array
-
-    @cached_property
-    def tangents(self) -> Array:
-        """Orthonormal basis of the tangent space of the leaf."""
-        return self.leaf.tangent_basis(self.x)
-
-    @cached_property
-    def _directions(self) -> tuple[Array, Array, Array]:
-        """Singular vectors and values of the vector fields of the integrals, each relative to its scale."""
-        rates, scale = self.fields.fields(self.x)[:, 1:], self.fields.scale(self.x)[1:]
-        vectors, sizes, rows = np.linalg.svd(rates / np.where(scale > 0, scale, 1.0))
-        return vectors[:, : int((sizes > VANISHES).sum())], sizes, rows
-
-    @property
-    def symmetry(self) -> Array:
-        """Basis of the span of the vector fields of the integrals, in coordinates of the tangent space of the leaf."""
-        return self.tangents.T @ self._directions[0]
-
-    def free(self) -> Array:
-        """Combinations of the integrals whose vector fields vanish here, shape (free, k)."""
-        vectors, _, rows = self._directions
-        scale = self.fields.scale(self.x)[1:]
-        return rows[vectors.shape[1] :] / np.where(scale > 0, scale, 1.0)
-
-    def linear_flow(self, coefficients: Array) -> tuple[LinearFlow, float]:
-        """The linearised flow of a combination of H and the integrals on the leaf, and its asymmetry."""
-        basis, parts = self.tangents, self.fields.parts(self.x)
-        derivative = sum(parts) @ coefficients
-        # H - Omega K may be constant on the leaf: what is left of terms that cancel there is no second variation
-        sizes = [norm(np.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
-        if norm(basis.T @ derivative @ basis) <= CANCELLED * float(sum(sizes) @ np.abs(coefficients)):
-            derivative = np.zeros_like(derivative)
-        return linear_flow(self.fields.poisson(self.x), derivative, basis)
-
-
-def _best_combination(point: _Point, flow: LinearFlow, basis: Array) -> tuple[Array, LinearFlow]:
+def _best_combination(point: CriticalPoint, flow: LinearFlow, basis: Array) -> tuple[Array, LinearFlow]:
     """Coefficients of H and the integrals with a definite second variation on the slice, if they can be found.
 
     There is a choice where combinations of the integrals are critical themselves, as l3 at the sleeping top.
@@ -494,7 +411,7 @@ def _best_combination(point: _Point, flow: LinearFlow, basis: Array) -> tuple[Ar
     return total / scale, flow.with_hessian(hessian / scale)
 
 
-def _casimir_multipliers(leaf: Leaf, point: _Point) -> dict[str, float]:
+def _casimir_multipliers(leaf: Leaf, point: CriticalPoint) -> dict[str, float]:
     if not leaf.is_regular or not leaf.casimir_functions:
         return {}
     functions = point.leaf.system.functions
