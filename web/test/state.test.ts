@@ -98,7 +98,7 @@ describe("the lines of Python", () => {
     lab = changed(lab, { do: "start", index: 0, to: exact("-007/010") });
     lab = changed(lab, { do: "start", index: 1, to: exact("0.50") });
     expect(asPython(lab)).toContain('epsilon="1/3"');
-    expect(asPython(lab)).toContain("start = [-7/10, 0.50, ");
+    expect(asPython(lab)).toContain("start = [-7 / 10, 0.50, ");
     expect(asPython(lab)).toContain('inertia=(2, 2, "6/5")');
   });
   test("times are those of the chart", () => {

@@ -17,7 +17,7 @@ const tuple = (values: readonly Exact[], write: (value: Exact) => string) => `($
 
 export function asPython(lab: Laboratory): string {
   const of = (from: number) => tuple(lab.parameters.slice(from, from + 3), entry);
-  const start = lab.start.map(({ text }) => bare(text)).join(", ");
+  const start = lab.start.map(({ text }) => bare(text).replace("/", " / ")).join(", ");
   const last = exponentTimes(HORIZON).at(-1) as number;
   return `import numpy as np
 import liepoisson as lp
