@@ -24,6 +24,7 @@ _ADVICE = {
     errno.ENOTDIR: "A part of the path is a file; choose another folder.",
     errno.EEXIST: "There is a file where a folder is wanted; choose another folder.",
     errno.EACCES: "No permission to write there; choose another folder.",
+    errno.ENAMETOOLONG: "Choose a shorter name; what is finished is kept.",
     errno.EROFS: "The file system is read-only; choose another folder.",
 }
 

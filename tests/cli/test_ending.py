@@ -142,7 +142,7 @@ def test_names_that_are_too_long_are_refused(here, command):
     (here / "long.toml").write_text(f'name = "{"n" * 200_000}"\n{SYSTEM}')
     code, _, err = command("orbit", "s.toml", *ORBIT, "--out", "x" * 300 + ".nc")
     assert (code, err.count("\n")) == (2, 1)
-    assert "File name too long" in err
+    assert "File name too long. Choose a shorter name" in err
     code, _, err = command("orbit", "long.toml", *ORBIT, "--plot")
     assert code == 2
     assert "name: wanted at most 200 characters; got 200000" in err

@@ -32,6 +32,7 @@ def test_extensions_are_built_by_name_with_numbers_and_symbols():
     for name in ("nan", "inf", "Infinity"):  # no numbers in formulas, and so free to be names
         assert read_extension(f"leibniz(3, {name})", [name]).tensor[2][1][1] == sp.Symbol(name)
     assert read_extension("trivial() + semidirect(2)").dimension == 3
+    assert repr(read_extension("trivial + semidirect(2)")) == repr(read_extension("trivial() + semidirect(2)"))
     assert read_extension("crmhd(1/2)").field_names == ("omega", "v", "p", "psi")
 
 

@@ -159,6 +159,9 @@ def test_the_chaotic_fraction_is_that_of_the_one_rule():
         assert (lp.decide(top, x0, t_end=300.0, seed=result.spec.seed).verdict == point).all()
     assert result.undecided_fraction == pytest.approx((result.verdict == "undecided").mean(axis=1))
     assert result.chaotic_fraction == pytest.approx((result.verdict == "chaotic").mean(axis=1))
+    for name in ("mean", "standard_error"):  # of -1, 0 and 1 they would be taken for those of the fraction
+        with pytest.raises(ParameterError, match="take chaotic_fraction"):
+            getattr(result, name)
     assert set(result.dataset) >= {"verdict", "chaotic_fraction", "undecided_fraction", "low", "high"}
 
 

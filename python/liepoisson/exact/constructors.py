@@ -78,6 +78,8 @@ def _read(text: str, registry: _Registry[T], symbols: Sequence[str]) -> T:
 
 
 def _build(node: Node, text: str, registry: _Registry[T], scope: Scope) -> T:
+    if isinstance(node, Name) and (named := registry.constructors.get(node.name)) and not signature(named).parameters:
+        return named()  # trivial, for trivial(): there is nothing to write in the brackets
     if not isinstance(node, Call):
         hint = (
             f"{node.name}(...)" if isinstance(node, Name) and node.name in registry.constructors else registry.example

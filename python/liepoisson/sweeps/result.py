@@ -143,7 +143,15 @@ class Sweep(Result):
 
     @property
     def mean(self) -> Array:
-        """Mean over the orbits with a value, shape (point,); NaN where there is none."""
+        """Mean over the orbits with a value, shape (point,); NaN where there is none.
+
+        Raises:
+            ParameterError: the sweep has verdicts: their numbers -1, 0, 1 have no mean of a meaning.
+        """
+        if self.spec.is_verdict:
+            raise ParameterError(
+                "mean: wanted a sweep of numbers; got one of verdicts; take chaotic_fraction and undecided_fraction"
+            )
         counts = self.n_finished
         return np.where(counts > 0, np.nansum(self.value, axis=1) / np.maximum(counts, 1), np.nan)
 
@@ -152,6 +160,9 @@ class Sweep(Result):
         """Standard error of the mean over the starts, their spread over the root of their number, shape (point,).
 
         NaN for fewer than two.
+
+        Raises:
+            ParameterError: the sweep has verdicts; `interval` has the error of their fraction.
         """
         counts, mean = self.n_finished, self.mean
         squares = np.nansum((self.value - mean[:, None]) ** 2, axis=1)
