@@ -21,7 +21,7 @@ with lp.plot.house_style():
         body = lp.catalog.system(name)
         leaf = lp.Leaf(body, {"C1": 0.25, "C2": 1})
         starts = lp.sections.section_starts(leaf, "p3", energy=energy, n_starts=20, seed=5, direction=1, spread=True)
-        points = lp.section(body, starts, surface="p3", direction=1, t_end=1e5, n_crossings=900)
+        points = lp.section(body, starts, surface="p3", direction=1, t_end=1e5, n_crossings=700)
         _, _, m3, p1, p2, _ = points.state.T
         lp.plot.section(points, np.arctan2(p2, p1) / np.pi, m3, size=0.7, ax=ax)
         ax.set(xlim=(-1, 1), title=title, ylabel="$m_3$")

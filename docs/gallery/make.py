@@ -140,9 +140,10 @@ def index() -> str:
     lines = [
         "# Gallery",
         "",
-        "Pictures, each with a script of less than 40 lines that makes it in some seconds: a start for a picture of your",
-        "own. A script writes its picture into the current folder. `python docs/gallery/make.py NAME` draws the picture",
-        "of a card again and writes its page and this one; the tests compare the pictures with what the scripts draw.",
+        "Pictures, each with a script of less than 40 lines that makes it in some seconds: a start for pictures of",
+        "your own. A script writes its picture into the current folder. `python docs/gallery/make.py NAME` draws the",
+        "picture of a card again and writes its page and this one; the tests compare the pictures with",
+        "what the scripts draw.",
     ]
     for group, names in GROUPS.items():
         lines += ["", f"## {group}", "", "| " * ACROSS + "|", "|---" * ACROSS + "|"]

@@ -2,10 +2,9 @@ r"""Where a heavy top can go at a given energy.
 
 Random states of a leaf at three energies, drawn with the measure that the flow preserves, as directions of $\alpha$.
 They lie where the amended potential is below the energy (black curves): in one region, in two, in a band. Dots are the
-equilibria below the energy, crosses those above it; at their energies the regions change.
+equilibria below the energy, crosses those above it.
 
-Read on: [leaves and random states](../leaves.md#random-states), [equilibria](../equilibria.md);
-[marsden1999](../references.md).
+Read on: [leaves](../leaves.md#random-states), [equilibria](../equilibria.md); [marsden1999](../references.md).
 """
 
 import matplotlib.pyplot as plt
