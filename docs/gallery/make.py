@@ -103,7 +103,12 @@ def _drawn(word: str, ax, pieces) -> list[str]:
     points = np.concatenate([np.asarray(piece, dtype=float) for piece in pieces])
     places = ax.transAxes.inverted().transform(ax.transData.transform(points))
     places = np.clip(places[np.isfinite(places).all(axis=1)], -1, 2)
-    numbers = " ".join(f"{value:.2f}" for value in (*places.mean(axis=0), *places.std(axis=0))) if len(places) else ""
+    if not len(places):
+        return [f"{len(pieces)} {word}s without points"]
+    x, y = places.T  # the waves see a curve that moved although its mean and its spread did not
+    waves = [np.mean(np.exp(40j * x) * y), np.mean(np.exp(30j * y)), np.mean(np.exp(25j * x))]
+    values = (*places.mean(axis=0), *places.std(axis=0), *np.real(waves), *np.imag(waves))
+    numbers = " ".join(f"{value:.3f}" for value in values)
     return [f"{len(pieces)} {word}s, {len(points)} points at {numbers}"]
 
 
