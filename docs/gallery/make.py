@@ -1,0 +1,175 @@
+"""The gallery: `python docs/gallery/make.py [NAME ...]` draws pictures and writes pages, by default all of them.
+
+A card is a script `NAME.py`, which leaves its picture in `figure`; the picture `NAME.png`; and the page `NAME.md`. The
+docstring of a script has the title, what is seen, and what to read. What a picture shows (words, limits, where its
+points lie) stands in its file, too, so that a test finds a picture that the script would draw otherwise today.
+"""
+
+from __future__ import annotations
+
+import ast
+import contextlib
+import io
+import re
+import runpy
+import sys
+import tempfile
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+
+mpl.use("Agg")
+
+from matplotlib import pyplot as plt
+from PIL import Image
+from PIL.PngImagePlugin import PngInfo
+
+import liepoisson as lp
+
+FOLDER = Path(__file__).parent
+DPI = 170
+COLOURS = 256
+"""Of the palette of a picture, which makes its file three times smaller."""
+KEY = "Description"
+"""The entry of a picture's file that says what it shows."""
+ACROSS = 3
+GROUPS = {
+    "Tops and bodies": (
+        *("kovalevskaya-section", "lagrange-chart", "attitude", "gyrostat", "rattleback", "sphere"),
+        *("kirchhoff", "regions", "equilibria", "sleeping-top", "rod", "double-pendulum"),
+    ),
+    "Twist and charge": ("lyapunov", "twist-section", "twist-sweep", "charged-top", "leibniz", "structure"),
+    "Chaos and its measures": (
+        *("henon-heiles", "megno-map", "frequencies", "sticky", "spectrum", "exponent-error"),
+        *("covariant", "splitting", "homoclinic"),
+    ),
+    "Proofs": ("coverings", "enclosure", "painleve"),
+    "Lattices, waves, fluids, other algebras": ("toda", "three-wave", "fluid", "fluid-spectrum", "manakov"),
+    "Methods": ("discrete-top", "methods"),
+}
+"""The cards in the order of the index."""
+NAMES = tuple(name for names in GROUPS.values() for name in names)
+
+
+class Card(NamedTuple):
+    """What a script says."""
+
+    title: str
+    seen: str
+    read: str
+    code: str
+
+
+def card(name: str) -> Card:
+    """Title, what is seen, what to read, and the code without its docstring."""
+    text = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
+    tree = ast.parse(text)
+    title, *seen, read = (ast.get_docstring(tree) or "").split("\n\n")
+    code = "".join(text.splitlines(keepends=True)[tree.body[0].end_lineno :]).lstrip("\n")
+    return Card(title.rstrip("."), "\n\n".join(seen), read, code)
+
+
+def figure_of(name: str):
+    """The figure that a script leaves; what the script writes goes to a folder that is thrown away."""
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder), mpl.rc_context():
+        figure = runpy.run_path(str(FOLDER / f"{name}.py"))["figure"]
+    plt.close("all")
+    return figure
+
+
+def content(figure) -> str:
+    """What a figure shows, in words and numbers; places of points are in units of the axes."""
+    parts = [figure.get_suptitle(), *(text.get_text() for text in figure.texts)]
+    parts += [text.get_text() for legend in figure.legends for text in legend.get_texts()]
+    for ax in figure.axes:
+        legend = ax.get_legend()
+        parts += [ax.get_title(loc) for loc in ("left", "center")] + [ax.get_xlabel(), ax.get_ylabel()]
+        parts += [text.get_text() for text in ax.texts]
+        parts += [] if legend is None else [text.get_text() for text in legend.get_texts()]
+        parts.append("limits " + " ".join(f"{end:.3g}" for end in (*ax.get_xlim(), *ax.get_ylim())))
+        parts += _drawn("line", ax, [line.get_xydata() for line in ax.lines if line.get_transform() == ax.transData])
+        parts += _drawn("set", ax, [np.ma.getdata(one.get_offsets()) for one in ax.collections])
+        images = [one.get_array() for one in (*ax.images, *ax.collections) if one.get_array() is not None]
+        parts += [f"{one.size} colours, mean {one.mean():.3g}, spread {one.std():.2g}" for one in images]
+    return " | ".join(" ".join(part.split()) for part in parts if part)
+
+
+def _drawn(word: str, ax, pieces) -> list[str]:
+    if not pieces:
+        return []
+    points = np.concatenate([np.asarray(piece, dtype=float) for piece in pieces])
+    places = ax.transAxes.inverted().transform(ax.transData.transform(points))
+    places = np.clip(places[np.isfinite(places).all(axis=1)], -1, 2)
+    if not len(places):
+        return [f"{len(pieces)} {word}s without points"]
+    x, y = places.T  # the waves see a curve that moved although its mean and its spread did not
+    waves = [np.mean(np.exp(40j * x) * y), np.mean(np.exp(30j * y)), np.mean(np.exp(25j * x))]
+    values = (*places.mean(axis=0), *places.std(axis=0), *np.real(waves), *np.imag(waves))
+    numbers = " ".join(f"{value:.3f}" for value in values)
+    return [f"{len(pieces)} {word}s, {len(points)} points at {numbers}"]
+
+
+def write_picture(name: str) -> Path:
+    """Draws a picture."""
+    figure, path = figure_of(name), FOLDER / f"{name}.png"
+    description = PngInfo()
+    description.add_text(KEY, content(figure))
+    buffer = io.BytesIO()
+    with lp.plot.house_style():
+        figure.savefig(buffer, format="png", dpi=DPI)
+    with Image.open(buffer) as drawn:
+        few = drawn.convert("RGB").quantize(COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    few.save(path, optimize=True, pnginfo=description)
+    return path
+
+
+def page(name: str) -> str:
+    """The page of a card: the picture, what is seen, the code, what to read."""
+    title, seen, read, code = card(name)
+    return (
+        f"# {title}\n\n![{plain(title)}]({name}.png)\n\n{seen}\n\n```python\n{code}```\n\n{read}\n\n"
+        f"[All cards](index.md) · script [`{name}.py`]({name}.py)\n"
+    )
+
+
+def plain(title: str) -> str:
+    """A title without the signs of Markdown and mathematics, for those who do not see the picture."""
+    return re.sub(r"[$\\_{}^`]", "", title)
+
+
+def index() -> str:
+    """The page with all cards, group by group."""
+    lines = [
+        "# Gallery",
+        "",
+        "Pictures, each with a script of less than 40 lines that makes it in some seconds: a start for pictures of",
+        "your own. A script writes its picture into the current folder. `python docs/gallery/make.py NAME` draws the",
+        "picture of a card again and writes its page and this one; the tests compare the pictures with",
+        "what the scripts draw.",
+    ]
+    for group, names in GROUPS.items():
+        lines += ["", f"## {group}", "", "| " * ACROSS + "|", "|---" * ACROSS + "|"]
+        for k in range(0, len(names), ACROSS):
+            row = [f"[![{plain(card(name).title)}]({name}.png)]({name}.md)" for name in names[k : k + ACROSS]]
+            titles = [f"[{card(name).title}]({name}.md)" for name in names[k : k + ACROSS]]
+            lines.append("| " + " | ".join(f"{a}<br>{b}" for a, b in zip(row, titles, strict=True)) + " |")
+            lines[-1] += " |" * (ACROSS - len(row))
+    return "\n".join(lines) + "\n"
+
+
+def main(names) -> None:
+    """Draws the pictures of some cards, and writes their pages and the index."""
+    for name in names:
+        began = time.perf_counter()
+        path = write_picture(name)
+        seconds, size = time.perf_counter() - began, path.stat().st_size / 1000
+        (FOLDER / f"{name}.md").write_text(page(name), encoding="utf-8")
+        print(f"{name}: {seconds:.1f} s, {size:.0f} kB")
+    (FOLDER / "index.md").write_text(index(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:] or NAMES)

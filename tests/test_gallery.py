@@ -1,0 +1,95 @@
+"""The gallery: short scripts, pictures that they draw today, pages in step with them."""
+
+import re
+import runpy
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+FOLDER = Path(__file__).parent.parent / "docs" / "gallery"
+GALLERY = runpy.run_path(str(FOLDER / "make.py"))
+NAMES = GALLERY["NAMES"]
+QUICK = ("rattleback", "attitude", "sphere", "structure")
+"""A tenth of the cards, among the fastest, and always the same: a failure is repeated. The slow tests run all."""
+
+NUMBER = re.compile(r"[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
+
+
+def differs(shown, drawn):
+    """Whether two contents differ: words must be the same, numbers agree to 1%, places to 1% of the axes.
+
+    On another machine starts may differ in their last bit, and chaos makes of that another orbit of the same sea.
+    """
+    if NUMBER.sub("#", shown) != NUMBER.sub("#", drawn):
+        return True
+    pairs = zip(map(float, NUMBER.findall(shown)), map(float, NUMBER.findall(drawn)), strict=True)
+    return any(abs(a - b) > 0.01 * max(1, abs(a)) for a, b in pairs)
+
+
+def compare(name):
+    drawn = GALLERY["content"](GALLERY["figure_of"](name))
+    with Image.open(FOLDER / f"{name}.png") as picture:
+        shown = picture.text[GALLERY["KEY"]]
+    assert not differs(shown, drawn), f"python docs/gallery/make.py {name} draws it again\n{shown}\n{drawn}"
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", QUICK)
+def test_a_tenth_of_the_pictures_show_what_the_scripts_draw(name):
+    compare(name)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", NAMES)
+def test_all_pictures_show_what_the_scripts_draw(name):
+    compare(name)
+
+
+def test_every_script_has_its_place_in_the_index():
+    scripts = {path.stem for path in FOLDER.glob("*.py")} - {"make"}
+    assert sorted(NAMES) == sorted(scripts)
+    assert {path.stem for path in FOLDER.glob("*.png")} == scripts
+    assert {path.stem for path in FOLDER.glob("*.md")} == scripts | {"index"}
+    assert (FOLDER / "index.md").read_text(encoding="utf-8") == GALLERY["index"]()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_pages_are_in_step_with_their_scripts(name):
+    script = (FOLDER / f"{name}.py").read_text(encoding="utf-8")
+    page = (FOLDER / f"{name}.md").read_text(encoding="utf-8")
+    assert script.count("\n") < 40
+    assert page == GALLERY["page"](name)
+    assert script.endswith("\n" + re.search(r"```python\n(.*?)```\n", page, re.DOTALL)[1])
+
+
+@pytest.mark.parametrize("name", [*NAMES, "index"])
+def test_links_lead_to_pages_headings_and_references(name):
+    for words, target in re.findall(r"\[([^\]]*)\]\(([^)\s]+)\)", (FOLDER / f"{name}.md").read_text(encoding="utf-8")):
+        path, _, heading = target.partition("#")
+        file = FOLDER / path
+        assert file.exists(), target
+        text = file.read_text(encoding="utf-8") if file.suffix == ".md" else ""
+        titles = re.findall(r"^#+ (.+)$", text, re.MULTILINE)
+        anchors = {re.sub(r"[^\w\- ]", "", title.lower()).replace(" ", "-") for title in titles}
+        assert not heading or heading in anchors, target
+        assert file.name != "references.md" or f"**[{words}]**" in text, words
+
+
+def test_pictures_are_small():
+    sizes = [(FOLDER / f"{name}.png").stat().st_size for name in NAMES]
+    assert max(sizes) < 100_000
+    assert sum(sizes) < 2_500_000
+
+
+@pytest.mark.parametrize(
+    ("shown", "drawn", "other"),
+    [
+        ("2 lines, 300 points at 0.51 0.48", "2 lines, 303 points at 0.518 0.48", False),
+        ("2 lines, 300 points at 0.51 0.48", "2 lines, 300 points at 0.55 0.48", True),
+        ("2 lines, 300 points at 0.51 0.48", "3 lines, 300 points at 0.51 0.48", True),
+        ("energy", "momentum", True),
+    ],
+)
+def test_contents_are_compared_as_stated(shown, drawn, other):
+    assert differs(shown, drawn) is other
