@@ -69,6 +69,8 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 	$(BIN)/uv pip compile --group build $(LOCK) --upgrade --output-file requirements/build.txt
 	$(BIN)/uv pip compile pyproject.toml --group test --group lint $(LOCK) --constraint requirements/run.txt \
 	  --output-file requirements/dev.txt
+	$(BIN)/uv pip compile --group docs $(LOCK) --upgrade --constraint requirements/dev.txt \
+	  --output-file requirements/docs.txt
 	cargo update
 
 wasm: ## build the core for the browser (5 minutes; says what it needs); it is committed, with a hash of its sources
