@@ -27,11 +27,11 @@ project_copyright = f"2026, {author}"
 version = release = lp.__version__
 
 extensions = ["myst_parser", "sphinx.ext.mathjax"]
-myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence"]
+myst_enable_extensions = ["dollarmath", "amsmath", "deflist", "colon_fence", "attrs_inline"]
 myst_fence_as_directive = ["math"]
 myst_heading_anchors = 6
 myst_dmath_double_inline = True
-suppress_warnings = ["myst.xref_ambiguous"]
+suppress_warnings = ["myst.header"]  # tables of benchmarks are headed one level lower than what is before them
 source_suffix = {".md": "markdown"}
 
 nitpicky = True
@@ -46,6 +46,7 @@ html_theme = "furo"
 html_title = f"liepoisson {version}"
 html_static_path = [str(HERE / "static")]
 html_css_files = ["site.css"]
+html_js_files = ["search.js"]
 html_favicon = str(HERE / "static" / "icon.svg")
 html_copy_source = False
 html_show_sphinx = False
@@ -122,8 +123,15 @@ def keyboard(app: Sphinx, page: str, template: str, context: dict[str, Any], doc
         context["body"] = body.replace('<div class="math notranslate', '<div tabindex="0" class="math notranslate')
 
 
+def short_sidebar(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
+    """The table of contents opens the branch of the page, and not hundreds of names on each page."""
+    if (whole := context.get("toctree")) is not None:
+        context["toctree"] = lambda **options: whole(**{**options, "collapse": True})
+
+
 def setup(app: Sphinx) -> None:
     """Connect what is above."""
+    app.connect("html-page-context", short_sidebar, priority=100)
     app.connect("doctree-read", link_names)
     app.connect("html-page-context", keyboard, priority=900)
     app.connect("build-finished", copy_mathjax)

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from public_names import chapters, is_error, is_result  # noqa: E402
+from staging import cited, outside_code  # noqa: E402
 
 GROUPS = {
     "Write a system": ("systems", "algebras", "extensions", "brackets", "catalog", "fields"),
@@ -107,7 +108,7 @@ def index_page() -> str:
         lines += [f"## {group}", "", "| chapter | names |", "|---|---|"]
         for chapter in members:
             links = ", ".join(
-                f"[`{one.name}`]({Path(one.page).name}.md{'#lp.errors.' + one.name if chapter == 'errors' else ''})"
+                f"`{one.name}`" if chapter == "errors" else f"[`{one.name}`]({Path(one.page).name}.md)"
                 for one in names()
                 if one.chapter == chapter
             )
@@ -137,9 +138,8 @@ def chapter_page(chapter: str) -> str:
 
 def name_page(one: Name) -> str:
     """The page of one name."""
-    where = f"In the chapter [`lp.{one.chapter}`]({one.chapter}.md)"
-    also = f", as `{one.long}`, too" if one.short != one.long else ""
-    return "\n".join([f"# {one.short}", "", f"{where}{also}.", "", *entry(one, "::::"), ""])
+    also = f"; its name there is `{one.long}`" if one.short != one.long else ""
+    return "\n".join([f"# {one.short}", "", f"In the chapter [`lp.{one.chapter}`]({one.chapter}.md){also}.", "", *entry(one, "::::"), ""])
 
 
 def entry(one: Name, fence: str) -> Iterator[str]:
@@ -208,7 +208,8 @@ def body(value: Any, *, owner: type | None = None, member: str = "") -> Iterator
     """A docstring as Markdown."""
     text = inspect.getdoc(value) if owner is None else documentation(owner, member, value)
     sections = list(split(inspect.cleandoc(text or "")))
-    for title, content in sections:
+    for title, text in sections:
+        content = outside_code(text, lambda part: cited(part, "reference/index.md"))
         if title is None:
             yield from (fenced_examples(content), "")
         elif title in LISTS:

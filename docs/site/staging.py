@@ -6,6 +6,7 @@ The headings and tables of docs/index.md are the table of contents.
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import shutil
@@ -31,7 +32,9 @@ SPAN = re.compile(r"(?<!`)(`+)(?!`).+?(?<!`)\1(?!`)", re.DOTALL)
 LINK = re.compile(r"(?P<before>\]\()(?P<target>[^)\s]+)(?P<after>\))")
 WHOLE_LINK = re.compile(r"(?<!!)\[(?P<words>(?:[^\[\]]|\[[^\]]*\])*)\]\((?P<target>[^)\s]+)\)")
 GROUP = re.compile(r"^## (.+)$", re.MULTILINE)
-ROW = re.compile(r"^\| \[[^\]]+\]\(([^)]+)\)", re.MULTILINE)
+ROW = re.compile(r"^\| \[([^\]]+)\]\(([^)]+)\)", re.MULTILINE)
+KEY = re.compile(r"^- \*\*\[(\w+)\]\*\*", re.MULTILINE)
+CITED = re.compile(r"(?<![\[\w*])\[([a-z]+\d{4}[a-z]?)\](?![(\]:])")
 
 
 class Stage:
@@ -50,8 +53,12 @@ class Stage:
             if page == "index.md":
                 text = with_contents(text, self.exists)
             if page == "gallery/index.md" and "{toctree}" not in text:
-                cards = sorted(path.stem for path in document.parent.glob("*.md") if path != document)
+                cards = sorted(("", path.name) for path in document.parent.glob("*.md") if path != document)
                 text += hidden_toctree(cards, caption=None)
+            if page == "references.md":
+                text = KEY.sub(r"- []{#\1}**[\1]**", text)
+            else:
+                text = outside_code(text, lambda part, page=page: cited(part, page))
             self.write(page, text)
         for folder in (path for path in DOCS.iterdir() if path.is_dir() and path.name != "site"):
             shutil.copytree(folder, self.folder / folder.name, dirs_exist_ok=True, ignore=_not_a_picture)
@@ -99,7 +106,7 @@ class Stage:
 
 def documents() -> dict[Path, str]:
     """Every document that becomes a page, and the page."""
-    pages = {path: path.relative_to(DOCS).as_posix() for path in sorted(DOCS.rglob("*.md")) if "site" not in path.parts}
+    pages = {path: path.relative_to(DOCS).as_posix() for path in sorted(DOCS.rglob("*.md"))}
     return pages | {ROOT / f"{name}.md": f"{name.lower()}.md" for name in PROJECT_PAGES}
 
 
@@ -126,8 +133,24 @@ def outside_code(text: str, change: Callable[[str], str]) -> str:
     return text
 
 
-def groups(index: str) -> dict[str, list[str]]:
-    """The pages that docs/index.md lists, by the headings of its tables."""
+@functools.cache
+def keys() -> frozenset[str]:
+    """The keys of docs/references.md."""
+    return frozenset(KEY.findall((DOCS / "references.md").read_text(encoding="utf-8")))
+
+
+def cited(text: str, page: str) -> str:
+    """A text whose keys of references lead to them."""
+
+    def link(match: re.Match[str]) -> str:
+        key = match[1]
+        return rf"[\[{key}\]]({relative('references.md', page)}#{key})" if key in keys() else match[0]
+
+    return CITED.sub(link, text)
+
+
+def groups(index: str) -> dict[str, list[tuple[str, str]]]:
+    """What docs/index.md lists, titles and pages, by the headings of its tables."""
     parts = GROUP.split(index)[1:]
     found = {title: ROW.findall(text) for title, text in zip(parts[::2], parts[1::2], strict=True)}
     return {title: pages for title, pages in found.items() if pages}
@@ -145,10 +168,10 @@ def with_contents(index: str, exists: Callable[[str], bool]) -> str:
     return index + "".join(trees)
 
 
-def hidden_toctree(pages: Iterable[str], *, caption: str | None) -> str:
-    """A part of the table of contents, for the sidebar alone."""
+def hidden_toctree(pages: Iterable[tuple[str, str]], *, caption: str | None) -> str:
+    """A part of the table of contents, titles and pages, for the sidebar alone."""
     options = ":hidden:\n" + (f":caption: {caption}\n" if caption else "")
-    names = "\n".join(page.removesuffix(".md") for page in pages)
+    names = "\n".join(f"{title} <{page.removesuffix('.md')}>" if title else page.removesuffix(".md") for title, page in pages)
     return f"\n```{{toctree}}\n{options}\n{names}\n```\n"
 
 
