@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import TYPE_CHECKING, Any
 
 from typer.main import get_command
@@ -43,7 +44,8 @@ def page(name: str, command: Any) -> str:
 
 def prose(text: str | None, *, indent: int = 0) -> str:
     """Help as Markdown: signs that would be markup are escaped outside code."""
-    parts = (text or "").strip().split("`")
+    text = re.sub(r"(?<![\w`-])(--[a-z][a-z-]*)", r"`\1`", re.sub(r"`(--[^`]*)`", r"\1", text or ""))
+    parts = text.strip().split("`")
     for outside in range(0, len(parts), 2):
         for sign in "\\*_[]<>|$":
             parts[outside] = parts[outside].replace(sign, "\\" + sign)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from collections.abc import Iterator
 from importlib.metadata import files
 from pathlib import Path
 from shutil import copy2
@@ -34,6 +35,7 @@ myst_dmath_double_inline = True
 suppress_warnings = ["myst.header"]  # tables of benchmarks are headed one level lower than what is before them
 source_suffix = {".md": "markdown"}
 
+smartquotes = False  # an option is --start, and a value "not finite"
 nitpicky = True
 # Types of other libraries have no entry here; those of liepoisson must have one.
 nitpick_ignore_regex = [(r"py:.*", r"(?!lp\.|liepoisson\.).*")]
@@ -55,13 +57,17 @@ html_theme_options: dict[str, Any] = {"navigation_with_keys": True, "top_of_page
 pygments_style = "a11y-high-contrast-light"
 pygments_dark_style = "a11y-high-contrast-dark"
 
-mathjax_path = "mathjax/tex-chtml.js"
+mathjax_path = "mathjax/startup.js"
 mathjax3_config = {
-    "options": {"enableMenu": False},
+    # The parts by themselves: the whole program has addresses of other hosts in it, for menus and speech.
+    "loader": {"load": ["input/tex", "output/chtml", "a11y/assistive-mml"]},
     "chtml": {"matchFontHeight": False, "mtextInheritFont": True},
     "tex": {"packages": {"[-]": ["noerrors", "noundefined"]}},
 }
-MATHJAX = re.compile(r"static/mathjax/(tex-chtml\.js|output/chtml/fonts/woff-v2/.*|input/tex/extensions/.*|a11y/assistive-mml\.js)$")
+MATHJAX = re.compile(
+    r"static/mathjax/((?:startup|core|loader|input/tex|output/chtml|a11y/assistive-mml)\.js"
+    r"|output/chtml/fonts/(?:tex\.js|woff-v2/.*)|input/tex/extensions/.*)$"
+)
 """What of MathJax the pages need: the program, its fonts, and what it loads when a formula asks for it."""
 
 
@@ -80,9 +86,9 @@ def link_names(app: Sphinx, document: nodes.document) -> None:
     in_reference = page.startswith("reference/")
     for literal in list(document.findall(nodes.literal)):
         parent = literal.parent
-        if isinstance(parent, nodes.reference | pending_xref | nodes.title) or literal.children[1:]:
+        if literal.children[1:] or any(isinstance(one, nodes.reference | pending_xref | nodes.title) for one in above(literal)):
             continue
-        match = re.match(r"(lp(?:\.\w+)+|[A-Za-z]\w*)(\(.*\))?$", literal.astext(), re.DOTALL)
+        match = re.match(r"(lp(?:\.\w+)+|[A-Za-z]\w*(?:\.\w+)?)(\(.*\))?$", literal.astext(), re.DOTALL)
         if match is None or not (match[1].startswith("lp.") or in_reference):
             continue
         target = target_of(match[1])
@@ -93,6 +99,12 @@ def link_names(app: Sphinx, document: nodes.document) -> None:
             link["refdoc"] = page
             parent.replace(literal, link)
             link += literal
+
+
+def above(node: nodes.Node) -> Iterator[nodes.Node]:
+    """The nodes that a node is in."""
+    while (node := node.parent) is not None:
+        yield node
 
 
 def target_of(dotted: str) -> reference.Name | None:
@@ -114,13 +126,35 @@ def full_name(dotted: str, target: reference.Name) -> str:
     return target.short
 
 
-def keyboard(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
-    """What scrolls sideways can be reached by the keyboard."""
+def accessible(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
+    """What scrolls sideways can be reached by the keyboard, and elements say what they are."""
+    if "furo_navigation_tree" in context:
+        tree = context["furo_navigation_tree"]
+        context["furo_navigation_tree"] = tree.replace('role="heading"', 'role="heading" aria-level="2"')
     if "body" in context:
-        body = context["body"].replace('<div class="table-wrapper ', '<div tabindex="0" class="table-wrapper ')
-        body = re.sub(r'<div class="(table-wrapper[^"]*)"', r'<div tabindex="0" class="\1"', body)
+        body = context["body"]
+        body = re.sub(r'<div class="(table-wrapper|math notranslate)', r'<div tabindex="0" class="\1', body)
         body = body.replace("<pre>", '<pre tabindex="0">')
-        context["body"] = body.replace('<div class="math notranslate', '<div tabindex="0" class="math notranslate')
+        body = re.sub(r'<th class="head[^"]*">(?:<p>\s*</p>)?</th>', "<td></td>", body)
+        context["body"] = LINES_OF_SIGNATURE.sub(lambda found: _as_lines(found[1]), body)
+
+
+LINES_OF_SIGNATURE = re.compile(r"<dl>\s*((?:<dd>(?:(?!</?d[dlt]>).)*</dd>\s*)+)</dl>", re.DOTALL)
+"""The parameters of a long signature, which Sphinx writes as definitions of nothing."""
+
+
+def _as_lines(parameters: str) -> str:
+    lines = parameters.replace("<dd>", '<span class="sig-line">').replace("</dd>", "</span>")
+    return f'<span class="sig-lines">{lines}</span>'
+
+
+def name_landmarks(app: Sphinx, error: Exception | None) -> None:
+    """The two sidebars of the theme have names, so that they can be told apart without seeing them."""
+    for path in Path(app.outdir).rglob("*.html") if error is None else ():
+        text = path.read_text(encoding="utf-8")
+        text = text.replace('<aside class="sidebar-drawer"', '<aside aria-label="Contents" class="sidebar-drawer"')
+        text = text.replace('<aside class="toc-drawer', '<aside aria-label="On this page" class="toc-drawer')
+        path.write_text(text, encoding="utf-8")
 
 
 def short_sidebar(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
@@ -133,5 +167,6 @@ def setup(app: Sphinx) -> None:
     """Connect what is above."""
     app.connect("html-page-context", short_sidebar, priority=100)
     app.connect("doctree-read", link_names)
-    app.connect("html-page-context", keyboard, priority=900)
+    app.connect("html-page-context", accessible, priority=900)
     app.connect("build-finished", copy_mathjax)
+    app.connect("build-finished", name_landmarks)
