@@ -69,6 +69,8 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 	$(BIN)/uv pip compile --group build $(LOCK) --upgrade --output-file requirements/build.txt
 	$(BIN)/uv pip compile pyproject.toml --group test --group lint $(LOCK) --constraint requirements/run.txt \
 	  --output-file requirements/dev.txt
+	$(BIN)/uv pip compile --group docs $(LOCK) --upgrade --constraint requirements/dev.txt \
+	  --output-file requirements/docs.txt
 	cargo update
 
 wasm: ## build the core for the browser (5 minutes; says what it needs); it is committed, with a hash of its sources
@@ -83,11 +85,17 @@ page: ## build the laboratory's page (needs node and npm); it is committed, with
 test-web: ## the tests of the page in node and in Chromium (needs both)
 	cd web && npm ci --no-audit --no-fund && npm test && npm run build && node test/page.mjs
 
+docs: $(VENV)/.built $(VENV)/.docs ## build the documentation site into target/site/html, without downloads (OPTIONS=--rust: with the core's pages)
+	$(BIN)/python docs/site/build.py $(OPTIONS)
+
+docs-check: docs ## check the site: links, no request to another host, and pages in Chromium (where node and Chromium are there)
+	$(BIN)/python docs/site/check.py
+
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
 .PHONY: help lab reproduce test test-rust test-python test-slow check static lint types quick-tests arm bench audit guard instructions \
-  sanitize miri wasm page test-web wheel wheel-check lock clean set-up tools
+  sanitize miri wasm page test-web docs docs-check wheel wheel-check lock clean set-up tools
 
 # One pip after the other.
 set-up: $(VENV)/.dev
@@ -161,6 +169,10 @@ $(VENV)/.dev: requirements/dev.txt | $(VENV)/.run
 
 $(VENV)/.build: requirements/build.txt | $(VENV)/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt
+	touch $@
+
+$(VENV)/.docs: requirements/docs.txt | $(VENV)/.run
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/docs.txt
 	touch $@
 
 $(VENV)/.built: $(VENV)/.run $(VENV)/.build $(RUST_SOURCES) pyproject.toml

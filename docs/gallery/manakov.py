@@ -3,7 +3,7 @@ r"""Free rigid bodies in four dimensions: Manakov's top and another.
 Mean finite-time exponents of 200 random starts on so(4). Manakov's top has another quadratic integral and is
 integrable; its mean falls like $\ln t/t$. The mean of a body with six arbitrary moments levels off.
 
-Read on: [catalog](../catalog.md#families), [exponents](../exponents.md#regular-orbits-ln-tt);
+Read on: [catalog](../catalog.md#families), [exponents](../exponents.md);
 [manakov1976](../references.md).
 """
 

@@ -43,7 +43,7 @@ class Taylor:
         order: $N$, from 2 to 64; by default the cheapest for `tol`.
         precision: "double", or "mixed" (tops only): terms of the state's series below $2^{22}\,\mathrm{tol}$ of the
             state, and all of the tangent vectors, in single precision.  The state is as accurate as in double
-            precision; a tangent vector gains a relative error of $\max(6\cdot10^{-8}, \sqrt{\mathrm{tol}})$ in a
+            precision; a tangent vector gains a relative error of $\max(6\cdot10^{-8}, \mathrm{tol})$ in a
             step, so an exponent after $n$ steps and time T one of about $\sqrt n/T$ times that.
         max_steps: Most steps that one trajectory may take; one that needs more ends with the outcome "max steps".
 

@@ -74,7 +74,8 @@ def equilibria(
 
     Equilibria that come in families (with the symmetry of the system, as circles) are listed once for each connected
     family, with the spectrum of one member; `family` says what it is. The search tells two families of the same
-    energy apart by looking for a path of equilibria from one to the other.
+    energy apart by looking for a path of equilibria from one to the other; one that crosses or touches itself may be
+    listed by pieces.
 
     Example:
         >>> system = lp.catalog.system("lagrange")

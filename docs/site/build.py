@@ -1,0 +1,65 @@
+"""Builds the site: python docs/site/build.py [--out FOLDER] [--rust].  Nothing is downloaded.
+
+Pages are staged (staging.py), those of public names and commands are written (reference.py, commands.py), and Sphinx
+makes HTML of them, where each warning is an error.  `--rust` adds the pages of the Rust core, by cargo.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+os.environ["MPLBACKEND"] = "agg"
+
+import commands  # noqa: E402
+import reference  # noqa: E402
+from sphinx.cmd.build import main as sphinx  # noqa: E402
+from staging import ROOT, Stage  # noqa: E402
+
+import liepoisson as lp  # noqa: E402
+
+HERE = Path(__file__).resolve().parent
+
+
+def build(out: Path) -> int:
+    """The site in out/html, from pages in out/source; returns the exit code of Sphinx."""
+    stage = Stage(out / "source")
+    stage.fill()
+    reference.write(stage)
+    commands.write(stage)
+    shutil.rmtree(out / "html", ignore_errors=True)
+    options = ["-W", "--keep-going", "-q", "-E", "-b", "html", "-c", str(HERE), "-d", str(out / "doctrees")]
+    code = sphinx([*options, str(out / "source"), str(out / "html")])
+    (out / "html" / "version.json").write_text(json.dumps({"version": lp.__version__}) + "\n", encoding="utf-8")
+    return code
+
+
+def build_rust(out: Path) -> int:
+    """The pages of the Rust core in out/html/rust, as cargo makes them."""
+    command = ["cargo", "doc", "-p", "liepoisson-core", "--no-deps", "--locked", "--offline", "--quiet"]
+    code = subprocess.run(command, cwd=ROOT, env={**os.environ, "CARGO_TARGET_DIR": str(out / "rust")}).returncode
+    if not code:
+        shutil.copytree(out / "rust" / "doc", out / "html" / "rust", dirs_exist_ok=True)
+    return code
+
+
+def main() -> int:
+    """Build what the command line asks for."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, default=ROOT / "target" / "site", help="the folder of the site")
+    parser.add_argument("--rust", action="store_true", help="with the pages of the Rust core")
+    given = parser.parse_args()
+    code = build(given.out.resolve())
+    if given.rust:
+        code = code or build_rust(given.out.resolve())
+    print(f"{given.out / 'html' / 'index.html'}")
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,89 @@
+// Opens pages of the built site in Chromium: node docs/site/check_pages.mjs FOLDER [PICTURES].  Prints what is wrong and
+// exits with 1: a request to another host or one that fails, an error of a script, a formula that is not set, a page
+// wider than the window, and what axe-core finds, in both themes.
+
+import { readFileSync } from "node:fs";
+import { createServer } from "node:http";
+import { createRequire } from "node:module";
+import { extname, join, normalize, resolve } from "node:path";
+
+const require = createRequire(resolve(import.meta.dirname, "../../web/package.json"));
+const { chromium } = require("playwright-core");
+const axe = readFileSync(require.resolve("axe-core/axe.min.js"), "utf8");
+const folder = resolve(process.argv[2]);
+const pictures = process.argv[3];
+const pages = {
+  front: "index.html",
+  guide: "sections.html",
+  tables: "benchmarks.html",
+  formulas: "proof.html",
+  name: "reference/orbits.integrate.html",
+  class: "reference/phase_space.Leaf.html",
+  names: "reference/index.html",
+  command: "commands/orbit.html",
+  search: "search.html?q=kovalevskaya",
+};
+const kinds = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".png": "image/png", ".woff": "font/woff", ".woff2": "font/woff2", ".json": "application/json" };
+
+const server = createServer((request, response) => {
+  try {
+    const path = normalize(decodeURIComponent(new URL(request.url, "http://site").pathname));
+    const content = readFileSync(join(folder, path));
+    response.writeHead(200, { "content-type": kinds[extname(path)] ?? "application/octet-stream" }).end(content);
+  } catch {
+    response.writeHead(404).end();
+  }
+});
+await new Promise((done) => server.listen(0, "127.0.0.1", done));
+const site = `http://127.0.0.1:${server.address().port}/`;
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox", "--disable-dev-shm-usage"],
+});
+
+/** What is wrong with a page in a window of some width and a theme. */
+async function faults(name, theme, width) {
+  const tab = await browser.newPage({ viewport: { width, height: 900 }, colorScheme: theme, reducedMotion: "reduce" });
+  const wrong = [];
+  tab.on("pageerror", (error) => wrong.push(error.message));
+  tab.on("console", (message) => message.type() === "error" && wrong.push(message.text()));
+  tab.on("request", (request) => !/^(data|blob):/.test(request.url()) && !request.url().startsWith(site) && wrong.push(`asks ${request.url()}`));
+  tab.on("response", (response) => response.status() >= 400 && wrong.push(`${response.status()} for ${response.url()}`));
+  await tab.goto(site + pages[name], { waitUntil: "load" });
+  await tab.waitForFunction(() => !window.MathJax || (window.MathJax.startup?.promise !== undefined));
+  await tab.evaluate(() => window.MathJax?.startup?.promise);
+  if (name === "search") await tab.waitForSelector("#search-results li p.context, #search-results li .context", { timeout: 60_000 });
+  await tab.waitForTimeout(300);
+  const unset = await tab.evaluate(() => ({
+    formulas: [...document.querySelectorAll(".math")].filter((one) => !one.querySelector("mjx-container")).map((one) => one.textContent),
+    refused: [...document.querySelectorAll("mjx-merror, [data-mjx-error]")].map((one) => one.textContent),
+    wide: document.documentElement.scrollWidth - window.innerWidth,
+    results: document.querySelectorAll("#search-results > ul > li, #search-results .search > li").length,
+  }));
+  wrong.push(...unset.formulas.map((text) => `a formula is not set: ${text}`), ...unset.refused.map((text) => `a formula is refused: ${text}`));
+  if (unset.wide > 0) wrong.push(`wider than the window by ${unset.wide} pixels`);
+  if (name === "search" && unset.results < 5) wrong.push(`a search finds ${unset.results} pages`);
+  await tab.evaluate(axe);
+  const { violations } = await tab.evaluate(() => window.axe.run(document, { resultTypes: ["violations"] }));
+  for (const { id, nodes } of violations) {
+    wrong.push(`${id}: ${nodes.slice(0, 4).map(({ target, any }) => `${target} ${any[0]?.message ?? ""}`).join("; ")} (${nodes.length})`);
+  }
+  if (pictures) await tab.screenshot({ path: join(pictures, `${name}-${theme}-${width}.png`) });
+  await tab.close();
+  return wrong;
+}
+
+let n = 0;
+let failed = false;
+for (const name of Object.keys(pages)) {
+  for (const [theme, width] of [["light", 1440], ["dark", 1440], ["light", 390]]) {
+    const wrong = await faults(name, theme, width);
+    n += 1;
+    failed ||= wrong.length > 0;
+    for (const fault of wrong) console.log(`${pages[name]} (${theme}, ${width}): ${fault}`);
+  }
+}
+await browser.close();
+server.close();
+console.log(failed ? "the pages in Chromium are not as they should be" : `pages in Chromium: ${n} views, nothing asked of another host, axe-core finds nothing`);
+process.exit(failed ? 1 : 0);
