@@ -17,7 +17,11 @@ ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PROJECT_PAGES = ("README", "ARCHITECTURE", "CONTRIBUTING", "CHANGELOG", "SECURITY")
 GENERATED = {
-    "Laboratory": ("gallery/index.md", "Gallery", "What does it look like? Pictures, with the few lines that make each."),
+    "Laboratory": (
+        "gallery/index.md",
+        "Gallery",
+        "What does it look like? Pictures, with the few lines that make each.",
+    ),
     "Commands": ("commands/index.md", "Every command", "What are the arguments and options of each command?"),
     "Reference": ("reference/index.md", "Every public name", "What does this function take, return and refuse?"),
 }
@@ -171,7 +175,9 @@ def with_contents(index: str, exists: Callable[[str], bool]) -> str:
 def hidden_toctree(pages: Iterable[tuple[str, str]], *, caption: str | None) -> str:
     """A part of the table of contents, titles and pages, for the sidebar alone."""
     options = ":hidden:\n" + (f":caption: {caption}\n" if caption else "")
-    names = "\n".join(f"{title} <{page.removesuffix('.md')}>" if title else page.removesuffix(".md") for title, page in pages)
+    names = "\n".join(
+        f"{title} <{page.removesuffix('.md')}>" if title else page.removesuffix(".md") for title, page in pages
+    )
     return f"\n```{{toctree}}\n{options}\n{names}\n```\n"
 
 
