@@ -1,7 +1,7 @@
 """Checks the built site: python docs/site/check.py [FOLDER].  Prints what is wrong and exits with 1.
 
 Every file is read: no page, style or script loads anything from another host, and every link within the site leads to
-a file and an anchor that exist.  Then pages are opened in Chromium (check_pages.mjs), where node and Chromium are there.
+a file and an anchor that exist.  Then pages are opened in Chromium (check_pages.mjs), where it and node are there.
 """
 
 from __future__ import annotations
@@ -137,13 +137,16 @@ def main() -> int:
     """Check the folder of the command line."""
     site = Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "target" / "site" / "html").resolve()
     wrong = check_files(site)
-    print("\n".join(wrong) or f"files: {sum(1 for _ in site.rglob('*.html'))} pages, no load from another host, all links lead somewhere")
+    print(
+        "\n".join(wrong)
+        or f"files: {sum(1 for _ in site.rglob('*.html'))} pages, no load from another host, all links lead somewhere"
+    )
     if wrong:
         return 1
     if not chromium():
         print("skipped: pages in Chromium (needs node, Chromium, and `npm ci` in web/)")
         return 0
-    return subprocess.run(["node", str(HERE / "check_pages.mjs"), str(site)]).returncode
+    return subprocess.run(["node", str(HERE / "check_pages.mjs"), str(site)], check=False).returncode
 
 
 if __name__ == "__main__":

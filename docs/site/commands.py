@@ -17,7 +17,9 @@ def write(stage: Stage) -> None:
     """Write commands/index.md and commands/NAME.md."""
     whole: Any = get_command(application())
     lines = ["# Every command", ""]
-    lines += ["The arguments and options of each command, as `--help` prints them. What the commands print and write is told in"]
+    lines += [
+        "The arguments and options of each command, as `--help` prints them. What it prints and writes is told in"
+    ]
     lines += ["[The command line](../command-line.md).", "", "| command | what it does |", "|---|---|"]
     for name in COMMANDS:
         first = cell(whole.commands[name].help.split("\n\n")[0])

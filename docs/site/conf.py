@@ -16,9 +16,8 @@ from sphinx.application import Sphinx
 
 sys.path.insert(0, str(Path(__file__).parent))
 
-import reference  # noqa: E402
-
-import liepoisson as lp  # noqa: E402
+import liepoisson as lp
+import reference
 
 HERE = Path(__file__).parent
 
@@ -86,7 +85,9 @@ def link_names(app: Sphinx, document: nodes.document) -> None:
     in_reference = page.startswith("reference/")
     for literal in list(document.findall(nodes.literal)):
         parent = literal.parent
-        if literal.children[1:] or any(isinstance(one, nodes.reference | pending_xref | nodes.title) for one in above(literal)):
+        if literal.children[1:] or any(
+            isinstance(one, nodes.reference | pending_xref | nodes.title) for one in above(literal)
+        ):
             continue
         match = re.match(r"(lp(?:\.\w+)+|[A-Za-z]\w*(?:\.\w+)?)(\(.*\))?$", literal.astext(), re.DOTALL)
         if match is None or not (match[1].startswith("lp.") or in_reference):
@@ -149,11 +150,13 @@ def _as_lines(parameters: str) -> str:
 
 
 def name_landmarks(app: Sphinx, error: Exception | None) -> None:
-    """The two sidebars of the theme have names, so that they can be told apart without seeing them."""
+    """The sidebars of the theme have names, and the page of search results a heading, for those who do not see them."""
     for path in Path(app.outdir).rglob("*.html") if error is None else ():
         text = path.read_text(encoding="utf-8")
         text = text.replace('<aside class="sidebar-drawer"', '<aside aria-label="Contents" class="sidebar-drawer"')
         text = text.replace('<aside class="toc-drawer', '<aside aria-label="On this page" class="toc-drawer')
+        if path.name == "search.html":
+            text = text.replace('<div id="search-results">', '<h1>Search</h1>\n<div id="search-results">')
         path.write_text(text, encoding="utf-8")
 
 

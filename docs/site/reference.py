@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
-from public_names import chapters, is_error, is_result  # noqa: E402
-from staging import cited, outside_code  # noqa: E402
+from public_names import chapters, is_error, is_result
+from staging import cited, outside_code
 
 GROUPS = {
     "Write a system": ("systems", "algebras", "extensions", "brackets", "catalog", "fields"),
@@ -101,7 +101,11 @@ def write(stage: Stage) -> None:
 
 def index_page() -> str:
     """The chapters by what a user wants to do."""
-    lines = ["# Every public name", "", "`import liepoisson as lp`. Names are in chapters, as `lp.orbits.integrate`; the most used"]
+    lines = [
+        "# Every public name",
+        "",
+        "`import liepoisson as lp`. Names are in chapters, as `lp.orbits.integrate`; the most used",
+    ]
     lines += ["are at the top, too, as `lp.integrate`. Each has one entry here.", ""]
     tree = []
     for group, members in GROUPS.items():
@@ -139,7 +143,16 @@ def chapter_page(chapter: str) -> str:
 def name_page(one: Name) -> str:
     """The page of one name."""
     also = f"; its name there is `{one.long}`" if one.short != one.long else ""
-    return "\n".join([f"# {one.short}", "", f"In the chapter [`lp.{one.chapter}`]({one.chapter}.md){also}.", "", *entry(one, "::::"), ""])
+    return "\n".join(
+        [
+            f"# {one.short}",
+            "",
+            f"In the chapter [`lp.{one.chapter}`]({one.chapter}.md){also}.",
+            "",
+            *entry(one, "::::"),
+            "",
+        ]
+    )
 
 
 def entry(one: Name, fence: str) -> Iterator[str]:
@@ -171,7 +184,11 @@ def members_of(value: type) -> Iterator[tuple[str, Any]]:
         for member, found in vars(base).items():
             plain = found.__func__ if isinstance(found, classmethod | staticmethod) else found
             kinds = property | functools.cached_property
-            if not member.startswith("_") and member not in seen and (isinstance(found, kinds) or inspect.isroutine(plain)):
+            if (
+                not member.startswith("_")
+                and member not in seen
+                and (isinstance(found, kinds) or inspect.isroutine(plain))
+            ):
                 seen.add(member)
                 yield member, found
 
@@ -196,7 +213,13 @@ def member_entry(owner: type, member: str, found: Any, fence: str) -> Iterator[s
             yield f":type: {annotation(str(result), getter.__module__)}"
     else:
         function = found.__func__ if isinstance(found, classmethod | staticmethod) else found
-        kind = "classmethod" if isinstance(found, classmethod) else "staticmethod" if isinstance(found, staticmethod) else None
+        kind = (
+            "classmethod"
+            if isinstance(found, classmethod)
+            else "staticmethod"
+            if isinstance(found, staticmethod)
+            else None
+        )
         yield f"{fence}{{py:method}} {member}{signature_of(function, bound=kind != 'staticmethod')}"
         if kind is not None:
             yield f":{kind}:"
@@ -275,7 +298,7 @@ def annotations_of(value: Any) -> dict[str, str]:
     """The annotations of the fields of a class, as they are written."""
     found: dict[str, str] = {}
     for base in reversed(getattr(value, "__mro__", ())):
-        found |= {name: str(kind) for name, kind in base.__dict__.get("__annotations__", {}).items()}
+        found |= {name: str(kind) for name, kind in inspect.get_annotations(base).items()}
     return found
 
 
@@ -365,7 +388,9 @@ def owner_of(word: str, module: str) -> str | None:
                     return owner_of(word, origin)
             case ast.ClassDef(name=name) if name == word:
                 return module
-            case ast.AnnAssign(target=ast.Name(id=name)) if name == word and "TypeAlias" in ast.unparse(node.annotation):
+            case ast.AnnAssign(target=ast.Name(id=name)) if name == word and "TypeAlias" in ast.unparse(
+                node.annotation
+            ):
                 return module
             case _:
                 pass
@@ -381,7 +406,12 @@ def tree_of(module: str) -> ast.Module | None:
 
 def types_page() -> str:
     """Entries of the types of signatures that are no public names; writing them may name further ones."""
-    lines = ["# Types in signatures", "", "Nobody needs to import these: they say what may be given, and what comes back.", ""]
+    lines = [
+        "# Types in signatures",
+        "",
+        "Nobody needs to import these: they say what may be given, and what comes back.",
+        "",
+    ]
     written: set[tuple[str, str]] = set()
     entries: dict[str, list[str]] = {}
     while USED - written:
@@ -413,7 +443,14 @@ def type_entry(module: str, word: str) -> list[str]:
                         pass
             case _:
                 pass
-    return [f":::{{py:data}} {module}.{word}", "", *([explained, ""] if explained else []), f"One of `{text}`.", ":::", ""]
+    return [
+        f":::{{py:data}} {module}.{word}",
+        "",
+        *([explained, ""] if explained else []),
+        f"One of `{text}`.",
+        ":::",
+        "",
+    ]
 
 
 def first_sentence(value: Any) -> str:

@@ -170,7 +170,9 @@ def with_contents(index: str, exists: Callable[[str], bool]) -> str:
 def hidden_toctree(pages: Iterable[tuple[str, str]], *, caption: str | None) -> str:
     """A part of the table of contents, titles and pages, for the sidebar alone."""
     options = ":hidden:\n" + (f":caption: {caption}\n" if caption else "")
-    names = "\n".join(f"{title} <{page.removesuffix('.md')}>" if title else page.removesuffix(".md") for title, page in pages)
+    names = "\n".join(
+        f"{title} <{page.removesuffix('.md')}>" if title else page.removesuffix(".md") for title, page in pages
+    )
     return f"\n```{{toctree}}\n{options}\n{names}\n```\n"
 
 
