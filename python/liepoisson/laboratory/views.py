@@ -26,6 +26,7 @@ def view(
     start: ArrayLike | None = None,
     surfaces: Sequence[Any] = (),
     state: Mapping[str, Any] | None = None,
+    playing: bool = True,
     panels: str = "two",
     height: int | None = None,
 ) -> View:
@@ -40,6 +41,7 @@ def view(
         surfaces: Functions whose zeros can be chosen as surface of section, besides the components.
         state: What the page begins with, by name: `surface`, `direction`, `axes`, `view`, `tol`, `theme`, `time`,
             `speed`; for tops also `parameters`, `preset` and `shadow`, and for others `projection` and `series`.
+        playing: Whether the motion begins to play; where *reduced motion* is set in the system it waits.
         panels: "two" shows the motion and the section, "all" the whole laboratory.
         height: Of the widget, in pixels.
 
@@ -57,7 +59,7 @@ def view(
         >>> widget.state = {"parameters": {"epsilon": "1/3"}, "view": "body", "theme": "light"}
         >>> widget.start
         (1.0, 0.0, 0.0, 0.8, 0.6, 0.0, 0.0, 0.0, 1.0)
-        >>> widget.system.parameters["epsilon"]
+        >>> widget.system.epsilon
         1/3
     """
     if panels not in PANELS:
@@ -71,7 +73,8 @@ def view(
         ) from error
     from liepoisson.laboratory.widget import View, checked_height
 
-    return View(page, system, state=state or {}, panels=panels, height=checked_height(height or HEIGHTS[panels]))
+    size = checked_height(HEIGHTS[panels] if height is None else height)
+    return View(page, system, state=state or {}, playing=bool(playing), panels=panels, height=size)
 
 
 def _page(shown: Any, start: Any, surfaces: Sequence[Any]) -> tuple[Any, Any]:

@@ -58,7 +58,9 @@ class View(anywidget.AnyWidget):
     start = traitlets.Any()
     time = traitlets.Any(0.0)
 
-    def __init__(self, page: Page, system: Any, *, state: Mapping[str, Any], height: int, panels: str) -> None:
+    def __init__(
+        self, page: Page, system: Any, *, state: Mapping[str, Any], playing: bool, height: int, panels: str
+    ) -> None:
         record = page.record
         self._addresses = Addresses(parts_of(record), "" if record is None else str(record["id"]))
         self._shown = system
@@ -72,6 +74,7 @@ class View(anywidget.AnyWidget):
             _esm=script(),
             _carried="" if record is None else json.dumps(record, allow_nan=False, separators=(",", ":")),
             _options="" if panels == "all" else "embed=1",
+            playing=playing,
             height=height,
         )
         self.address = self._addresses.write(self._known)
@@ -84,6 +87,12 @@ class View(anywidget.AnyWidget):
             return self._shown
         inertia, a, b = (tuple(texts[k : k + 3]) for k in (0, 3, 6))
         return Top(inertia=cast("Any", inertia), a=cast("Any", a), b=cast("Any", b), epsilon=texts[9])
+
+    def set_state(self, sync_data: dict[str, Any]) -> None:
+        """What comes from the notebook, whole or not at all."""
+        if "address" in sync_data:
+            self._addresses.read(str(sync_data["address"]))
+        super().set_state(sync_data)
 
     @traitlets.validate("address")
     def _valid_address(self, proposal: dict[str, Any]) -> str:

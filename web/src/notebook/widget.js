@@ -21,10 +21,11 @@ export function connection(model, name) {
   /** @type {MessagePort | null} */
   let port = null;
   let agreed = "";
+  let hearing = false;
   const said = () => ({ address: String(model.get("address")), playing: Boolean(model.get("playing")) });
   const tell = () => {
     const now = said();
-    if (!port || JSON.stringify(now) === agreed) return;
+    if (!port || hearing || JSON.stringify(now) === agreed) return;
     agreed = JSON.stringify(now);
     port.postMessage(now);
   };
@@ -32,8 +33,10 @@ export function connection(model, name) {
   const hear = ({ data }) => {
     if (typeof data?.address !== "string" || typeof data.playing !== "boolean") return;
     agreed = JSON.stringify({ address: data.address, playing: data.playing });
+    hearing = true; // the first of the two alone is a state that nobody has set
     model.set("address", data.address);
     model.set("playing", data.playing);
+    hearing = false;
     model.save_changes();
   };
   const close = () => {
