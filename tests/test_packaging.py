@@ -35,7 +35,7 @@ def modules_used(source):
                 yield engine
 
 
-WITH_NOTEBOOK = {PACKAGE / "laboratory" / name for name in ("views.py", "widget.py")}
+WITH_NOTEBOOK = {PACKAGE / "laboratory" / "widget.py"}
 """The sources that may import what the extra `notebook` brings."""
 
 

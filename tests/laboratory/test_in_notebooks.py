@@ -22,7 +22,8 @@ CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 SECONDS = 90
 
 MAKE = (
-    "lp.view(lp.Top.twisted_kovalevskaya(), start=[0.4, 0.2, -0.4, 0.8, 0.6, 0, 0, 0, 1], state={'theme': 'light'})"
+    "lp.view(lp.Top.twisted_kovalevskaya(), start=[0.4, 0.2, -0.4, 0.8, 0.6, 0, 0, 0, 1], "
+    "state={'theme': 'light'}, playing=False)"
 )
 SET = "widget.state = {'theme': 'dark', 'view': 'body', 'time': 2.5}"
 

@@ -143,9 +143,9 @@ def test_words_and_limits_are_those_of_the_page():
         text = (WEB / file).read_text(encoding="utf-8")
         return tuple(re.findall(r'"(\w+)"', re.search(rf"export const {name} = \[([^\]]*)\]", text)[1]))
 
-    assert states.THEMES == words("state/laboratory.ts", "THEMES")
-    assert states.VIEWS_OF_TOPS == words("state/laboratory.ts", "FRAMES")
-    assert states.VIEWS_OF_SYSTEMS == words("systems/state.ts", "VIEWS")
+    assert words("state/laboratory.ts", "THEMES") == states.THEMES
+    assert words("state/laboratory.ts", "FRAMES") == states.VIEWS_OF_TOPS
+    assert words("systems/state.ts", "VIEWS") == states.VIEWS_OF_SYSTEMS
 
     def number(file, name):
         text = re.search(rf"const {name} = ([^;]+);", (WEB / file).read_text(encoding="utf-8"))[1]
@@ -155,4 +155,4 @@ def test_words_and_limits_are_those_of_the_page():
     assert number("state/laboratory.ts", "HORIZON") == number("systems/state.ts", "UNITS") == states.HORIZON
     assert number("systems/state.ts", "MOST_SERIES") == states.MOST_SERIES
     assert tuple(number("state/laboratory.ts", name) for name in ("SLOWEST", "FASTEST")) == states.SPEEDS
-    assert states.COMPONENTS == lp.Top.twisted_kovalevskaya().component_names
+    assert lp.Top.twisted_kovalevskaya().component_names == states.COMPONENTS

@@ -143,7 +143,8 @@ def test_a_result_without_states_names_its_system():
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"panels": "three"}, {"height": 0.5}, {"height": 0}, {"height": True}, {"state": {"t": 1}}, {"start": [1]}]
+    "wrong",
+    [{"panels": "three"}, {"height": 0.5}, {"height": 0}, {"height": True}, {"state": {"t": 1}}, {"start": [1]}],
 )
 def test_wrong_arguments_are_refused(wrong):
     pytest.importorskip("anywidget")
@@ -153,6 +154,7 @@ def test_wrong_arguments_are_refused(wrong):
 
 def test_without_anywidget_the_error_says_how_to_install_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "anywidget", None)
+    monkeypatch.delitem(sys.modules, "liepoisson.laboratory.widget", raising=False)
     with pytest.raises(MissingPackageError, match=r'pip install "liepoisson\[notebook\]"') as caught:
         lp.view(TOP)
     assert isinstance(caught.value, ImportError)

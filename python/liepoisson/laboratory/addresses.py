@@ -90,7 +90,10 @@ def _reading(page: Addresses) -> dict[str, Callable[[str], State]]:
 
     def section(text: str) -> State:
         surface, direction = text.rsplit(",", 1)
-        return {"surface": page.parts.surfaces[_place(surface)] if page.system else surface, "direction": int(direction)}
+        return {
+            "surface": page.parts.surfaces[_place(surface)] if page.system else surface,
+            "direction": int(direction),
+        }
 
     shared: dict[str, Callable[[str], State]] = {
         "start": lambda text: {"start": numbers(text)},

@@ -155,6 +155,7 @@ def address_of_top(system: Any, start: Array) -> str | None:
 
 
 def exact_text(value: Any) -> str | None:
+    """A parameter of a top as the page reads it exactly, or None: a number of SymPy or a fraction."""
     text = str(value).replace(" ", "")
     fits = _NUMBER.fullmatch(text) is not None and len(text) <= 60 and abs(float(value)) <= LARGEST
     return text if fits and all(abs(int(part)) < 2**53 for part in re.findall(r"\d+(?=/)|(?<=/)\d+", text)) else None

@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -48,7 +48,7 @@ class Parts:
     horizon: float
     is_top: bool
 
-    def checked(self, state: Mapping[str, Any]) -> State:
+    def checked(self, state: Any) -> State:
         """Parts of a state, each as the page can be told it.
 
         Raises:
@@ -58,7 +58,7 @@ class Parts:
         if not isinstance(state, Mapping):
             raise ParameterError(f"state must be a dict, such as {{'time': 5}}; got {state!r:.80}.")
         checks = _checks(self)
-        for name in state:
+        for name in cast("Mapping[Any, Any]", state):
             if name not in checks:
                 hint = did_you_mean(str(name), checks)
                 raise UnknownNameError(f"a state has no part {name!r:.40}. {hint}It has {', '.join(checks)}.")
@@ -153,7 +153,9 @@ def _one_of(what: str, known: Sequence[str]) -> Callable[[Any], str]:
     def check(name: Any) -> str:
         if name not in known:
             listed = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")
-            raise UnknownNameError(f"{what}: there is no {name!r:.60}. {did_you_mean(str(name), known)}Known: {listed}.")
+            raise UnknownNameError(
+                f"{what}: there is no {name!r:.60}. {did_you_mean(str(name), known)}Known: {listed}."
+            )
         return str(name)
 
     return check

@@ -32,8 +32,8 @@ def view(
 ) -> View:
     """The laboratory as a widget of a notebook: the moving system, computed in the browser, with its state in Python.
 
-    It is the page that `liepoisson lab` opens, in a frame of its own. It needs no network. What is done in it, such as a
-    click on a crossing, is in `widget.start`, `widget.time` and `widget.state`; setting one of these changes the view.
+    It is the page that `liepoisson lab` opens, in a frame of its own. It needs no network. What is done in it, such as
+    a click on a crossing, is in `widget.start`, `widget.time` and `widget.state`; setting one changes the view.
 
     Args:
         shown: A system or a `Top`; or an orbit or a section, which the page computes again and compares.
@@ -66,13 +66,12 @@ def view(
         raise ParameterError(f"panels must be {' or '.join(map(repr, PANELS))}; got {panels!r:.40}.")
     page, system = _page(shown, start, surfaces)
     try:
-        import anywidget as _
+        from liepoisson.laboratory.widget import View, checked_height
     except ImportError as error:
         raise MissingPackageError(
-            'a view in a notebook needs the package anywidget, which is not installed: pip install "liepoisson[notebook]".'
+            "a view in a notebook needs the package anywidget, which is not installed. "
+            'Run pip install "liepoisson[notebook]".'
         ) from error
-    from liepoisson.laboratory.widget import View, checked_height
-
     size = checked_height(HEIGHTS[panels] if height is None else height)
     return View(page, system, state=state or {}, playing=bool(playing), panels=panels, height=size)
 

@@ -35,9 +35,9 @@ def script() -> str:
 class View(anywidget.AnyWidget):
     """The laboratory in a cell of a notebook, made by `view`.
 
-    What is done in the page arrives in the traits, and a trait that is set is shown at once. `observe` tells of changes:
-    `widget.observe(f, names="start")` calls `f` when somebody has clicked on a crossing. While the motion plays, its time
-    is not sent along: `time` is where it was last stopped or set.
+    What is done in the page arrives in the traits, and a trait that is set is shown at once. `observe` tells of
+    changes: `widget.observe(f, names="start")` calls `f` when somebody has clicked on a crossing. While the motion
+    plays, its time is not sent along: `time` is where it was last stopped or set.
 
     Attributes:
         state: All that the page shows, by name. Assigning a dict changes the parts that it names and no others.
