@@ -11,7 +11,6 @@ import { Results } from "../results";
 import type { Charted } from "../state/charted";
 import { shortest } from "../state/exact";
 import { THEMES } from "../state/laboratory";
-import { place, withPartsOf } from "../state/place";
 import { palette as currentPalette, type Palette } from "../style/palette";
 import { Client } from "../worker/client";
 import { inWords } from "./comparison";
@@ -33,7 +32,7 @@ const SAVED_PAST = 10;
 const MOST_LETTERS = 20;
 
 const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const { query } = place();
+const query = new URLSearchParams(location.search);
 const still = /^\d{1,6}$/.test(query.get("still") ?? "") ? Number(query.get("still")) : null;
 const quality = (["low", "full"] as const).find((one) => one === query.get("quality")) ?? null;
 
@@ -135,7 +134,7 @@ class SystemPage {
     this.flat.show(isFlat, state.view === "picture" ? `${system.picture?.name} of the state` : state.view === "series" ? "Components over time" : "Path in two components");
     this.legend(colours);
     this.space.dirty = true;
-    place().keep(() => written(system, this.state), state.playing);
+    this.remember();
   }
 
   private isFlat(): boolean {
@@ -153,17 +152,11 @@ class SystemPage {
     find("scene").querySelector(".legend")?.replaceChildren(...(items[state.view]?.() ?? []));
   }
 
-  /** The state as somebody outside set it: what it leaves as it was goes on. */
-  private adopt(address: string, playing: boolean, sameTime: boolean): void {
-    const before = this.state;
-    try {
-      const next = withPartsOf(before, { ...read(this.system, address), playing });
-      this.state = sameTime && next.start === before.start ? { ...next, time: before.time } : next;
-    } catch (error) {
-      tell(`This state cannot be shown: ${(error as Error).message}.`);
-    }
-    if (!sameRun(before, this.state)) this.run();
-    this.show();
+  private waiting = 0;
+  /** Writes the state into the address, at rest only: browsers limit how often. */
+  private remember(): void {
+    clearTimeout(this.waiting);
+    this.waiting = window.setTimeout(() => history.replaceState(null, "", `#${written(this.system, this.state)}`), 400);
   }
 
   private header(): void {
@@ -205,7 +198,14 @@ class SystemPage {
   }
 
   private async share(): Promise<void> {
-    tell(await place().share(written(this.system, this.state)));
+    const hash = `#${written(this.system, this.state)}`;
+    try {
+      await navigator.clipboard.writeText(`${location.href.split("#")[0]}${hash}`);
+      tell("The address of this state is copied.");
+    } catch {
+      history.replaceState(null, "", hash);
+      tell("The address line now has this state; copy it from there.");
+    }
   }
 
   private nextTheme(): void {
@@ -327,16 +327,14 @@ class SystemPage {
     this.header();
     fillHelp(find<HTMLDialogElement>("keys"));
     document.addEventListener("keydown", (event) => this.keys(event));
-    const { address, playing } = place();
-    if (address) {
+    if (location.hash.length > 1) {
       try {
-        this.state = read(this.system, address);
+        this.state = read(this.system, location.hash);
       } catch (error) {
         tell(`This address cannot be read: ${(error as Error).message}. The page shows the start that it carries instead.`);
       }
     }
-    if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null || playing === false) this.state = { ...this.state, playing: false };
-    place().follow((...said) => this.adopt(...said));
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null) this.state = { ...this.state, playing: false };
     Object.assign(window, { laboratory: { state: () => this.state, results: () => this.results, frameTimes: () => [...this.spent] } });
     this.show();
     requestAnimationFrame((now) => this.frame(now));
