@@ -328,3 +328,20 @@ def test_a_saddle_is_unstable_however_fast_its_other_frequencies_are(w):
     assert found.linear_stability == "unstable"
     assert found.growth_rate == pytest.approx(1.0, rel=1e-6)
     assert found.signature == (3, 1, 0)
+
+
+@pytest.mark.parametrize("scale", [1.0, 1e-4])
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_soft_equilibrium_beside_another_is_itself(sign, scale):
+    r"""$V = \pm sq^2 + q^8$ and $V = \pm(q^2 - 1/4)^9$ about q = 0 or 3/2: V'' is twice s, and 18/4^8."""
+    line = lp.canonical(names=("q",), momenta=("p",))
+    for centre in (0.0, 1.5):
+        for potential, curvature in (
+            (f"{sign * scale!r}*(q - {centre})^2 + (q - {centre})^8", 2 * sign * scale),
+            (f"{sign}*((q - {centre})^2 - 1/4)^9", sign * 18 / 4**8),
+        ):
+            found = lp.phase_space.equilibrium(lp.System(line, f"p^2/2 + {potential}"), [centre, 0.0])
+            assert found.linear_stability == ("stable spectrum" if sign > 0 else "unstable")
+            assert found.signature == ((2, 0, 0) if sign > 0 else (1, 1, 0))
+            rates = found.frequencies[0] if sign > 0 else found.growth_rate
+            assert rates == pytest.approx(abs(curvature) ** 0.5, rel=1e-6)
