@@ -50,8 +50,8 @@ _SOLVED = arb(2) ** -930
 _VISIBLE = arb(2) ** 320
 """A slope is known well enough for second differences if it is larger than its error by this factor."""
 _NEARBY = tuple(sign * share for share in (1e-6, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.1) for sign in (1, -1))
-"""Where the slope is looked at, relative to the length of the state, if it is not seen at the state itself. The first is
-for a state that is a critical point, from which others that are not far would be found instead."""
+"""Where the slope is looked at, relative to the length of the state, if it is not seen at the state itself. The first
+is for a state that is a critical point, from which others that are not far would be found instead."""
 _STEPS, _CHORDS, _REFRESHED = 14, 60, 4
 _CONVERGED, _CLOSE, _BACK, _FAR = 1e-10, 1e-6, 1e-8, 2.0
 """Steps of Newton's method for n, relative to the length of the state: the last one, one after which a slope that is
