@@ -11,3 +11,14 @@ document.addEventListener("DOMContentLoaded", () => {
     return text(page.documentElement.outerHTML, anchor);
   };
 });
+
+// A formula in a line that is longer than the line scrolls; then it can be reached by the keyboard.
+window.addEventListener("load", async () => {
+  await window.MathJax?.startup?.promise;
+  for (const formula of document.querySelectorAll("span.math mjx-container")) {
+    const line = formula.closest("p, li, dd, td, th, h1, h2, h3, h4");
+    if (line === null || formula.getBoundingClientRect().width <= line.clientWidth) continue;
+    formula.classList.add("wide");
+    formula.tabIndex = 0;
+  }
+});
