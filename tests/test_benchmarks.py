@@ -1,33 +1,19 @@
 """The page of benchmarks: what it says of each processor is what the files in benchmarks/processors/ say."""
 
 import copy
-import importlib
 import re
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
+
+from script_folders import modules_of
 
 ROOT = Path(__file__).parent.parent
 FOLDER = ROOT / "benchmarks"
 
 
-def modules(*names):
-    """Modules of the benchmark, which stand in no package; their short names do not stay among those of the tests."""
-    own = {path.stem for path in FOLDER.glob("*.py")}
-    hidden = {name: sys.modules.pop(name) for name in own if name in sys.modules}
-    sys.path.insert(0, str(FOLDER))
-    try:
-        return [importlib.import_module(name) for name in names]
-    finally:
-        sys.path.remove(str(FOLDER))
-        for name in own:
-            sys.modules.pop(name, None)
-        sys.modules.update(hidden)
-
-
-report, processors, kernels = modules("report", "processors", "kernels")
+report, processors, kernels = modules_of(FOLDER, "report", "processors", "kernels")
 FILES = processors.load()
 KNOWN = next(one for one in FILES if one["processor"]["vendor_id"] == "GenuineIntel")
 BLOCK = re.compile(r"<!-- table ([\w.-]+) -->\n(.*?)<!-- end of table -->", re.DOTALL)

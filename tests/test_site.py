@@ -2,33 +2,20 @@
 
 import re
 import shutil
-import sys
 from pathlib import Path
 
 import pytest
+
+from script_folders import modules_of
 
 ROOT = Path(__file__).parent.parent
 TOOLS = ROOT / "docs" / "site"
 
 
-@pytest.fixture(scope="module")
-def tools():
-    """The modules that make the site, none of which needs Sphinx."""
-    sys.path.insert(0, str(TOOLS))
-    try:
-        import check
-        import staging
-
-        import commands
-        import reference
-
-        yield {"check": check, "commands": commands, "reference": reference, "staging": staging}
-    finally:
-        sys.path.remove(str(TOOLS))
+check, command_pages, name_pages, staging = modules_of(TOOLS, "check", "command_pages", "name_pages", "staging")
 
 
-def test_every_page_has_its_row_in_the_table_of_contents(tools):
-    staging = tools["staging"]
+def test_every_page_has_its_row_in_the_table_of_contents():
     index = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     listed = [page for rows in staging.groups(index).values() for _, page in rows]
     pages = {(ROOT / "docs" / page).resolve() for page in listed}
@@ -38,48 +25,42 @@ def test_every_page_has_its_row_in_the_table_of_contents(tools):
     assert len(listed) == len(set(listed))
 
 
-def test_every_chapter_is_in_one_group_and_every_name_has_one_page(tools):
-    reference = tools["reference"]
-    assert sorted(chapter for group in reference.GROUPS.values() for chapter in group) == sorted(reference.chapters())
-    pages = [one.page.lower() for one in reference.names() if one.chapter != "errors"]
+def test_every_chapter_is_in_one_group_and_every_name_has_one_page():
+    assert sorted(chapter for group in name_pages.GROUPS.values() for chapter in group) == sorted(name_pages.chapters())
+    pages = [one.page.lower() for one in name_pages.names() if one.chapter != "errors"]
     assert len(pages) == len(set(pages))  # also where files differ in more than the case of letters
 
 
-def page_of(reference, long):
-    return next(reference.name_page(one) for one in reference.names() if one.long == long)
+def page_of(long):
+    return next(name_pages.name_page(one) for one in name_pages.names() if one.long == long)
 
 
-def test_a_name_at_the_top_has_one_entry(tools):
-    page = next(
-        tools["reference"].name_page(one) for one in tools["reference"].names() if one.long == "lp.orbits.integrate"
-    )
+def test_a_name_at_the_top_has_one_entry():
+    page = page_of("lp.orbits.integrate")
     assert re.findall(r"\{py:(\w+)\} ([\w.]+)\(", page) == [("function", "lp.integrate")]
     assert ":canonical: lp.orbits.integrate" in page
     assert "-> lp.results.Orbit" in page
 
 
-def test_every_argument_of_a_docstring_is_an_entry(tools):
-    page = next(
-        tools["reference"].name_page(one) for one in tools["reference"].names() if one.long == "lp.methods.Taylor"
-    )
+def test_every_argument_of_a_docstring_is_an_entry():
+    page = page_of("lp.methods.Taylor")
     assert re.findall(r"^`(\w+)`$", page, re.MULTILINE) == ["tol", "order", "precision", "max_steps", "ParameterError"]
 
 
-def test_every_option_of_a_command_is_an_entry(tools):
+def test_every_option_of_a_command_is_an_entry():
     from typer.main import get_command
 
     from liepoisson.cli.main import COMMANDS, application
 
     whole = get_command(application())
     for name in COMMANDS:
-        text = tools["commands"].page(name, whole.commands[name])
+        text = command_pages.page(name, whole.commands[name])
         for parameter in whole.commands[name].params:
             if parameter.param_type_name == "option" and not parameter.hidden:
                 assert re.search(rf"^`[^`]*{parameter.opts[0]}\b", text, re.MULTILINE), f"{name}: {parameter.opts[0]}"
 
 
-def test_links_lead_to_pages_and_code_is_left_as_it_is(tools, tmp_path):
-    staging = tools["staging"]
+def test_links_lead_to_pages_and_code_is_left_as_it_is(tmp_path):
     stage = staging.Stage(tmp_path / "source")
     stage.fill()
     text = (tmp_path / "source" / "getting-started.md").read_text(encoding="utf-8")
@@ -110,15 +91,15 @@ GOOD = '<html><body id="here"><a href="#here">x</a><a href="other.html#there">y<
         ("a.html", '<a href="../outside.html">x</a>', "does not exist"),
     ],
 )
-def test_the_checker_finds_what_is_wrong(tools, tmp_path, file, text, complaint):
+def test_the_checker_finds_what_is_wrong(tmp_path, file, text, complaint):
     site = tmp_path / "site"
     site.mkdir()
     (tmp_path / "outside.html").write_text(GOOD)
     (site / "index.html").write_text(GOOD)
     (site / "other.html").write_text('<p id="there">x</p>')
-    assert tools["check"].check_files(site) == []
+    assert check.check_files(site) == []
     (site / file).write_text(text)
-    (found,) = tools["check"].check_files(site)
+    (found,) = check.check_files(site)
     assert complaint in found
     shutil.rmtree(site)
-    assert tools["check"].check_files(site) != []
+    assert check.check_files(site) != []

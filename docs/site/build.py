@@ -1,7 +1,7 @@
 """Builds the site: python docs/site/build.py [--out FOLDER] [--rust].  Nothing is downloaded.
 
-Pages are staged (staging.py), those of public names and commands are written (reference.py, commands.py), and Sphinx
-makes HTML of them, where each warning is an error.  `--rust` adds the pages of the Rust core, by cargo.
+Pages are staged (staging.py), name_pages.py and command_pages.py write those of public names and of commands, and
+Sphinx makes HTML of them, where each warning is an error.  `--rust` adds the pages of the Rust core, by cargo.
 """
 
 from __future__ import annotations
@@ -16,12 +16,12 @@ from pathlib import Path
 
 os.environ["MPLBACKEND"] = "agg"
 
+import command_pages
+import name_pages
 from sphinx.cmd.build import main as sphinx
 from staging import ROOT, Stage
 
-import commands
 import liepoisson as lp
-import reference
 
 HERE = Path(__file__).resolve().parent
 
@@ -30,8 +30,8 @@ def build(out: Path) -> int:
     """The site in out/html, from pages in out/source; returns the exit code of Sphinx."""
     stage = Stage(out / "source")
     stage.fill()
-    reference.write(stage)
-    commands.write(stage)
+    name_pages.write(stage)
+    command_pages.write(stage)
     shutil.rmtree(out / "html", ignore_errors=True)
     options = ["-W", "--keep-going", "-q", "-E", "-b", "html", "-c", str(HERE), "-d", str(out / "doctrees")]
     code = sphinx([*options, str(out / "source"), str(out / "html")])

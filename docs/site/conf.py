@@ -16,8 +16,9 @@ from sphinx.application import Sphinx
 
 sys.path.insert(0, str(Path(__file__).parent))
 
+import name_pages
+
 import liepoisson as lp
-import reference
 
 HERE = Path(__file__).parent
 
@@ -108,21 +109,21 @@ def above(node: nodes.Node) -> Iterator[nodes.Node]:
         yield node
 
 
-def target_of(dotted: str) -> reference.Name | None:
+def target_of(dotted: str) -> name_pages.Name | None:
     """The public name that begins a dotted one."""
     parts = dotted.split(".")
     for end in range(len(parts), 0, -1):
-        if (found := reference.spoken().get(".".join(parts[:end]))) is not None:
+        if (found := name_pages.spoken().get(".".join(parts[:end]))) is not None:
             return found
     return None
 
 
-def full_name(dotted: str, target: reference.Name) -> str:
+def full_name(dotted: str, target: name_pages.Name) -> str:
     """The entry of a dotted name: that of a member if it has one."""
     for known in (target.long, target.short, target.name):
         if dotted.startswith(f"{known}."):
             member = dotted.removeprefix(f"{known}.").split(".")[0]
-            if isinstance(target.value, type) and member in dict(reference.members_of(target.value)):
+            if isinstance(target.value, type) and member in dict(name_pages.members_of(target.value)):
                 return f"{target.short}.{member}"
     return target.short
 
