@@ -6,6 +6,7 @@ from copy import deepcopy
 import numpy as np
 import pytest
 from numerical_claims import NUMERICAL
+from program_text import PROGRAM_TEXT, lines_of
 
 from liepoisson.studies.twisted_top.claims import CLAIMS, Context
 from liepoisson.studies.twisted_top.claims.numerics import _heterogeneity
@@ -155,6 +156,13 @@ def test_groups_of_energy_are_compared_by_chi_squared():
 
 def test_certificates_print_the_measured_numbers():
     assert "λ = 0.12500 ± 0.00050 (1000 starts, t from 20 to 200)" in judge(LAMBDA_CLAIM, measurements()).certificate
+
+
+@pytest.mark.parametrize("claim", NUMERICAL)
+def test_no_measurement_is_printed_as_program_text(claim):
+    shown = list(lines_of(judge(claim, measurements())))
+    assert shown
+    assert [line for line in shown if PROGRAM_TEXT.search(line)] == []
 
 
 LAMBDA_CLAIM = "twisted-kovalevskaya-chaotic"

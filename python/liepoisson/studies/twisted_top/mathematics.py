@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-_SCRIPTS = "₀₁₂₃₄₅₆₇₈₉⁰¹²³⁴⁵⁶⁷⁸⁹⁻′⊥∥ᵏʷᵀ_"
+_SCRIPTS = "₀₁₂₃₄₅₆₇₈₉⁰¹²³⁴⁵⁶⁷⁸⁹⁻′⊥∥ᵏʷₖᵀ_"
 _OPERATORS = r"=≠<>≤≥≃×·+−±/|∇∂√⊗→∈(,"
 # A letter that no letter touches, nor the "&" and ";" of an entity of escaped text such as "&lt;".
 _START, _END = r"(?<![A-Za-z’&;])", r"(?![A-Za-z’;])"

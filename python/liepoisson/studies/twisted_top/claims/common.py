@@ -12,6 +12,7 @@ from liepoisson.studies.twisted_top.claims.phase_space import (
     at_generic_parameters,
     symbolic_top,
 )
+from liepoisson.studies.twisted_top.claims.typography import typeset
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -84,8 +85,9 @@ def _all_polynomial_casimirs(evidence: Evidence, top: SymbolicTop) -> None:
         f"corank of J: {report.corank}",
     ]
     if report.examined:
-        more = ", ".join(case.condition for case in report.exceptional) or "none"
-        computed.append(f"special values looked at: {', '.join(report.examined)}; with more Casimirs: {more}")
+        more = ", ".join(typeset(case.condition) for case in report.exceptional) or "none"
+        examined = ", ".join(map(typeset, report.examined))
+        computed.append(f"special values looked at: {examined}; with more Casimirs: {more}")
     what = f"all homogeneous Casimirs of degree ≤ {_CASIMIR_DEGREE}, from the null space of J∇ on all monomials"
     evidence.proof("search", what, found and not report.exceptional, computed)
     evidence.data = {"dimensions_by_degree": {str(degree): n for degree, n in report.dimensions.items()}}

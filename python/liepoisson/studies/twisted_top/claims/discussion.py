@@ -14,6 +14,7 @@ from liepoisson.studies.twisted_top.claims.common import complete_integrability
 from liepoisson.studies.twisted_top.claims.evidence import Evidence, show, written
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
 from liepoisson.studies.twisted_top.claims.phase_space import SymbolicTop, symbolic_top
+from liepoisson.studies.twisted_top.claims.typography import typeset
 
 CENTRE_OF_MASS = (-1, 0, 0)
 AS_PRINTED = (1, 1, 2)
@@ -119,6 +120,11 @@ def _families(evidence: Evidence, context: Context) -> None:
 
 def _obstructions(evidence: Evidence, context: Context) -> None:
     """State of some neighbours that they are not integrable, by the differential Galois group."""
+    evidence.note(
+        "In what follows x is a variable in which a curve is rational, e an exponent of a local solution, g and h are "
+        "monodromy matrices, 0 = F₀ ⊂ F₁ ⊂ F₂ ⊂ … is a chain of invariant subspaces, and its flag the list of the "
+        "dimensions of F₁/F₀, F₂/F₁, …"
+    )
     for what, inertia, a, b in (
         ("I = (2, 2, 1), a = (−1, 0, 0), b = (0, 0, 1)", KOVALEVSKAYA, CENTRE_OF_MASS, (0, 0, 1)),
         ("I = (1, 1, 1), a = (1, 0, 0), b = (0, 0, 1)", (1, 1, 1), (1, 0, 0), (0, 0, 1)),
@@ -131,7 +137,7 @@ def _obstructions(evidence: Evidence, context: Context) -> None:
             "value" if found.is_proved_exactly else "enclosure",
             f"{what}, ε = 1: not Liouville integrable with meromorphic integrals, {how}",
             found.verdict == "not integrable",
-            [step.text for step in found.steps],
+            [typeset(step.text) for step in found.steps],
         )
 
 

@@ -12,6 +12,7 @@ from typing import Any
 
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Ruling, Verdict
 from liepoisson.studies.twisted_top.claims.steps import Step
+from liepoisson.studies.twisted_top.claims.typography import typeset
 
 ENSEMBLES = ("unit-vectors", "cube", "gaussian")
 PRINTED = {"lambda": 0.122, "c1": 0.113, "c0": 0.497}
@@ -173,7 +174,7 @@ def ordinary_vanishes(runs: Mapping[str, Any], context: Context) -> Verdict:
         holds &= good
         lines.append(
             f"{'✓' if good else '✗'} {name}: t⟨λ⟩ = {_pm(*A)} + ({_pm(*B)}) ln t; with D t + E/t added, the floor is "
-            f"D = {D[0]:.1e} ± {D[1]:.1e} ({_how(runs, name, fit)})"
+            f"D = ({1e6 * D[0]:.1f} ± {1e6 * D[1]:.1f}) × 10⁻⁶ ({_how(runs, name, fit)})"
         )
         data[name] = {"A": list(A), "B": list(B), "D": list(D)}
     verdict: Ruling = "holds" if holds else "not settled"
@@ -269,7 +270,7 @@ def single_exponent(runs: Mapping[str, Any], context: Context) -> Verdict:
 def _verdict(ruling: Ruling, lines: list[str], correct: str, data: dict[str, Any]) -> Verdict:
     """A verdict from lines that start with their mark: ✓, ✗, or none for what is only said."""
     marks = {"✓": True, "✗": False}
-    steps = tuple(Step("measurement", line[2:], marks.get(line[0])) for line in lines)
+    steps = tuple(Step("measurement", typeset(line[2:]), marks.get(line[0])) for line in lines)
     return Verdict(ruling, "numerical", steps, correct, data)
 
 

@@ -10,10 +10,12 @@ from collections.abc import Sequence
 from typing import Any
 
 from liepoisson.exact.system import System
+from liepoisson.integrability.painleve.balance import Balance
 from liepoisson.integrability.painleve.singularity_analysis import PainleveTest, painleve_test
 from liepoisson.studies.twisted_top.claims.evidence import Evidence
 from liepoisson.studies.twisted_top.claims.model import Claim, Context, Verdict
 from liepoisson.studies.twisted_top.claims.phase_space import symbolic_top
+from liepoisson.studies.twisted_top.claims.typography import typeset
 
 _KOVALEVSKAYA = (2, 2, 1)
 _EQUATORIAL, _ACROSS, _NONE = (-1, 0, 0), (0, 1, 0), (0, 0, 0)
@@ -50,7 +52,7 @@ def single_valued_tops(context: Context) -> Verdict:
     lagrange = _test(context, ("I1", "I1", "I3"), (0, 0, 1), _NONE, epsilon="epsilon")
     evidence.equal(
         "I = (I₁, I₁, I₃), a = (0, 0, 1), b = 0, any ε: Lagrange’s, the test", lagrange.verdict, "passes",
-        [f"exponents {', '.join(map(str, lagrange.balances[0].exponents))}"] if lagrange.balances else [],
+        [_exponents(balance) for balance in lagrange.balances[:1]],
     )  # fmt: skip
     evidence.data = {"tests": {what: "fails" for what, _, _ in cases} | {"Lagrange": lagrange.verdict}}
     return evidence.conclude(
@@ -71,10 +73,20 @@ def _test(
     return painleve_test(System(top.bracket, top.hamiltonian, symbols=names))
 
 
-def _shown(balance: Any) -> list[str]:
+def _shown(balance: Balance | None) -> list[str]:
     if balance is None:
         return []
-    return [f"exponents {', '.join(map(str, balance.exponents))}", *balance.obstructions]
+    obstructions = [typeset(line) for line in balance.obstructions]
+    free = [name for name in map(typeset, balance.family) if any(name in line for line in obstructions)]
+    if free:
+        obstructions.append(
+            f"{' and '.join(free)}: leading coefficient{'s' * (len(free) > 1)} that the balance leaves free"
+        )
+    return [_exponents(balance), *obstructions]
+
+
+def _exponents(balance: Balance) -> str:
+    return typeset(f"exponents {', '.join(map(str, balance.exponents))}")
 
 
 CLAIMS: tuple[Claim, ...] = (
