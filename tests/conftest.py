@@ -2,6 +2,7 @@
 
 import os
 import pickle
+import signal
 import time
 
 import pytest
@@ -23,6 +24,9 @@ here runs later, nothing else.
 def pytest_configure(config):
     # With `--dist loadfile` files would start by their numbers of tests, and those with few long tests come last.
     config.option.loadscopereorder = False
+    # A shell starts "command &" with Ctrl-C ignored, and children inherit that; the tests of Ctrl-C need it heard.
+    if signal.getsignal(signal.SIGINT) == signal.SIG_IGN:
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def pytest_collection_modifyitems(items):
