@@ -26,12 +26,12 @@ ROOMS = (
     {"orbits"},
     {"proofs"},
     {"sweeps"},
-    {"repeat"},
+    {"repeat", "citing"},
     {"plot"},
     {"studies"},
     {"laboratory"},
     {"cli"},
-    {"", "__main__", "algebras", "brackets", "chaos", "charts", "extensions", "fields", "fits", "methods",
+    {"", "__main__", "algebras", "brackets", "chaos", "charts", "citations", "extensions", "fields", "fits", "methods",
      "results", "sections", "systems"},
 )  # fmt: skip
 """From the ground up: modules and folders of the package.  The last is the surface, which nothing inside imports."""
