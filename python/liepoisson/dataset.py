@@ -320,5 +320,10 @@ def check_format(dataset: Dataset) -> None:
         ValueError: it is one.
     """
     found = dataset.attrs.get("format")
+    if isinstance(found, str) and found.startswith("liepoisson/") and found != FORMAT:
+        raise ValueError(
+            f"it has the format {found:.30}, and this version reads {FORMAT} alone; read it with the liepoisson that "
+            f"wrote it ({dataset.attrs.get('version')!s:.60}), or make it again"
+        )
     if not isinstance(found, str) or found != FORMAT:
         raise ValueError(f"wanted a file written by liepoisson (format {FORMAT!r}); got another kind")
