@@ -80,6 +80,7 @@ function act(action: Action): void {
 
 function run(): void {
   results = new Results();
+  delete document.documentElement.dataset.ready;
   asked = 0;
   lab = { ...lab, time: still === null ? lab.time : Math.min(still * STEP * lab.speed, HORIZON) };
   client?.run(jobOf(lab));
@@ -316,7 +317,7 @@ function draw(): void {
   section.draw(lab, results, palette);
   if (frames % CHARTS_EVERY === 0) lyapunov.draw(lab, results, palette);
   if (frames % CHARTS_EVERY === CHARTS_EVERY / 2) drift.draw(lab, results, palette);
-  if (still !== null && results.finished && results.top.end >= lab.time && frames > 30) document.documentElement.dataset.ready = "1";
+  if (still !== null && drawnFor === results && results.finished && results.top.end >= lab.time && frames > 30) document.documentElement.dataset.ready = "1";
 }
 
 async function begin(): Promise<void> {

@@ -105,6 +105,7 @@ const checks = {
     await ready(tab);
     const values = () => tab.evaluate(() => Object.fromEntries(window.laboratory.results().names.map((name, k) => [name, window.laboratory.results().first[k]])));
     const wanted = { H: 6 / 5, C1: 1, C2: 0, C3: 1.25 };
+    assert.deepEqual(Object.keys(await values()), Object.keys(wanted));
     for (const [name, value] of Object.entries(await values())) assert.ok(Math.abs(value - wanted[name]) < 1e-13, `${name} = ${value}, wanted ${wanted[name]}`);
     const { start } = await state(tab);
     await entry("C₃").fill("-1");

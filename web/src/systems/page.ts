@@ -97,6 +97,7 @@ class SystemPage {
 
   private run(): void {
     this.results = new Results(this.system.components.length);
+    delete document.documentElement.dataset.ready;
     this.asked = 0;
     const { unit, horizon } = this.clock;
     if (still !== null) this.state = { ...this.state, time: Math.min(still * STEP * this.state.speed * unit, horizon) };
