@@ -18,7 +18,8 @@ import liepoisson
 ROOT = Path(liepoisson.__file__).parent
 
 ROOMS = (
-    {"errors", "arrays", "field", "files", "netcdf", "wrong_values", "display", "calls", "scalars", "streams", "_lazy"},
+    {"errors", "arrays", "field", "files", "formats", "netcdf", "wrong_values", "display", "calls", "scalars",
+     "streams", "_lazy"},
     {"result", "dataset"},
     {"exact", "numeric"},
     {"tops", "catalog"},

@@ -19,6 +19,7 @@ from liepoisson import _core
 from liepoisson.arrays import read_only
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError, did_you_mean
 from liepoisson.files import write_atomically
+from liepoisson.formats import another_format
 from liepoisson.netcdf import netcdf, read_netcdf
 from liepoisson.result import KEY, ArrayLabel, NamesLabel, PartLabel, PiecesLabel, RecordLabel, Result
 from liepoisson.wrong_values import shown
@@ -321,9 +322,6 @@ def check_format(dataset: Dataset) -> None:
     """
     found = dataset.attrs.get("format")
     if isinstance(found, str) and found.startswith("liepoisson/") and found != FORMAT:
-        raise ValueError(
-            f"it has the format {found:.30}, and this version reads {FORMAT} alone; read it with the liepoisson that "
-            f"wrote it ({dataset.attrs.get('version')!s:.60}), or make it again"
-        )
+        raise ValueError(another_format(found, FORMAT, dataset.attrs.get("version")))
     if not isinstance(found, str) or found != FORMAT:
         raise ValueError(f"wanted a file written by liepoisson (format {FORMAT!r}); got another kind")
