@@ -144,3 +144,17 @@ def test_a_scan_of_a_later_format_is_refused_and_kept(tmp_path):
     with pytest.raises(LiePoissonError, match=rf"integral scan 7, and liepoisson {VERSION} reads"):
         lp.integrability.scan_integrals(MAKER.scanned(), degree=2, axes={"J": [1, 2]}, store=folder)
     assert (folder / "points.jsonl").read_text() == content
+
+
+def test_a_later_version_reads_a_sweep_and_does_not_go_on_with_it(tmp_path, monkeypatch):
+    for module in ("liepoisson.sweeps.spec", "liepoisson.sweeps.store"):
+        monkeypatch.setattr(f"{module}.__version__", "9.9.9")
+    folder = tmp_path / "sweep"
+    shutil.copytree(SAVED / "sweep-2", folder)
+    sweep = lp.load(folder)
+    assert sweep.is_complete
+    np.testing.assert_allclose(sweep.value, EXPONENTS, atol=5e-9)
+    with pytest.raises(LiePoissonError, match=r"holds another sweep: .*version"):
+        lp.sweep(
+            system="twisted-kovalevskaya", axes={"energy": [0.0, 1.0]}, n_starts=2, t_end=5.0, seed=2, store=folder
+        )
