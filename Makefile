@@ -10,7 +10,7 @@ export MPLBACKEND := Agg
 .DEFAULT_GOAL := help
 
 help: ## list the recipes
-	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 14
+	@grep -E '^[a-z-]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | expand -t 18
 
 reproduce: $(VENV)/.built ## set up, then reproduce the paper: figure, data, claims and report in results/twisted-top
 	$(BIN)/liepoisson reproduce twisted-top --out $(OUT)
@@ -91,11 +91,28 @@ docs: $(VENV)/.built $(VENV)/.docs ## build the documentation site into target/s
 docs-check: docs ## check the site: links, no request to another host, and pages in Chromium (where node and Chromium are there)
 	$(BIN)/python docs/site/check.py
 
+# Python by pip-audit (in the environment or on the path), Rust by cargo-audit. Both ask public lists, so they need the network.
+LOCKED := requirements/run.txt requirements/dev.txt requirements/build.txt requirements/docs.txt
+PIP_AUDIT = $(firstword $(wildcard $(BIN)/pip-audit) $(shell command -v pip-audit 2>/dev/null))
+vulnerabilities: ## ask public lists about known vulnerabilities in the lock files of Python and Rust (needs the network)
+	@failed=0; \
+	if [ -n "$(PIP_AUDIT)" ]; then \
+	  for lock in $(LOCKED); do \
+	    echo "$$lock"; $(PIP_AUDIT) --strict --disable-pip --require-hashes --progress-spinner off --requirement $$lock || failed=1; \
+	  done; \
+	else echo "Python: skipped: install pip-audit (pipx install pip-audit)"; fi; \
+	if command -v cargo-audit >/dev/null; then echo Cargo.lock; cargo audit --deny warnings || failed=1; \
+	else echo "Rust: skipped: install cargo-audit (cargo install --locked cargo-audit)"; fi; \
+	exit $$failed
+
+release-check: ## is everything ready for a release? (docs/releasing.md; runs all tests; OPTIONS="--only version tree": a part)
+	@$(PYTHON) .ci/release.py $(OPTIONS)
+
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
 .PHONY: help lab reproduce test test-rust test-python test-slow check static lint types quick-tests arm bench audit guard instructions \
-  sanitize miri wasm page test-web docs docs-check wheel wheel-check lock clean set-up tools
+  sanitize miri wasm page test-web docs docs-check wheel wheel-check vulnerabilities release-check lock clean set-up tools
 
 # One pip after the other.
 set-up: $(VENV)/.dev
@@ -141,10 +158,7 @@ wheel-check: wheel
 	rm -rf target/wheel-check && $(PYTHON) -m venv target/wheel-check
 	target/wheel-check/bin/pip install --quiet --require-hashes -r requirements/run.txt
 	target/wheel-check/bin/pip install --quiet --no-deps --no-index dist/*.whl
-	cd target/wheel-check && env -u PYTHONPATH PATH=/usr/bin:/bin bin/python -c "import liepoisson as lp; \
-	  top = lp.Top.twisted_kovalevskaya(); \
-	  growth = lp.finite_time_exponents(top, lp.sample_states(top, 16, seed=1), t_end=50); \
-	  assert (growth.outcome == 'finished').all(); print('wheel: 16 trajectories finished')"
+	cd target/wheel-check && env -u PYTHONPATH PATH=/usr/bin:/bin bin/python $(CURDIR)/.ci/first_result.py
 	cd target/wheel-check && env PATH=/usr/bin:/bin bin/liepoisson reproduce twisted-top --members 50 --end-time 60 --out study
 	test -s target/wheel-check/study/report.html
 

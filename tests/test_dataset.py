@@ -87,6 +87,14 @@ def test_missing_damaged_and_foreign_files_are_refused(tmp_path):
         lp.load(path, verify=False)
 
 
+def test_a_file_of_an_earlier_format_is_refused_with_the_version_that_reads_it(tmp_path):
+    dataset = growth().dataset.assign_attrs(format="liepoisson/1", version="0.0.9")
+    path = tmp_path / "earlier.nc"
+    dataset.to_netcdf(path, engine="h5netcdf")
+    with pytest.raises(DamagedFileError, match=r"format liepoisson/1.* that wrote it \(0\.0\.9\)"):
+        lp.load(path, verify=False)
+
+
 def test_a_dataset_without_its_parameters_is_not_rerun():
     dataset = growth().dataset
     del dataset.attrs["method"]

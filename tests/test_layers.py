@@ -18,7 +18,8 @@ import liepoisson
 ROOT = Path(liepoisson.__file__).parent
 
 ROOMS = (
-    {"errors", "arrays", "field", "files", "netcdf", "wrong_values", "display", "calls", "scalars", "streams", "_lazy"},
+    {"errors", "arrays", "field", "files", "formats", "netcdf", "wrong_values", "display", "calls", "scalars",
+     "streams", "_lazy"},
     {"result", "dataset"},
     {"exact", "numeric"},
     {"tops", "catalog"},
@@ -26,12 +27,12 @@ ROOMS = (
     {"orbits"},
     {"proofs"},
     {"sweeps"},
-    {"repeat"},
+    {"repeat", "citing"},
     {"plot"},
     {"studies"},
     {"laboratory"},
     {"cli"},
-    {"", "__main__", "algebras", "brackets", "chaos", "charts", "extensions", "fields", "fits", "methods",
+    {"", "__main__", "algebras", "brackets", "chaos", "charts", "citations", "extensions", "fields", "fits", "methods",
      "results", "sections", "systems"},
 )  # fmt: skip
 """From the ground up: modules and folders of the package.  The last is the surface, which nothing inside imports."""

@@ -32,6 +32,7 @@ GROUPS = {
     "Sweep": ("sweeps",),
     "Draw": ("plot",),
     "Keep, load and repeat": ("results",),
+    "Cite": ("citations",),
     "What is refused": ("errors",),
 }
 """The chapters in the order in which a user meets them."""

@@ -15,7 +15,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
-PROJECT_PAGES = ("README", "ARCHITECTURE", "CONTRIBUTING", "CHANGELOG", "SECURITY")
+PROJECT_PAGES = ("README", "ARCHITECTURE", "CONTRIBUTING", "CHANGELOG", "SECURITY", "SUPPORT")
 GENERATED = {
     "Commands": ("commands/index.md", "Every command", "What are the arguments and options of each command?"),
     "Reference": ("reference/index.md", "Every public name", "What does this function take, return and refuse?"),

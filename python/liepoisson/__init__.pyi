@@ -4,6 +4,7 @@ from liepoisson import brackets as brackets
 from liepoisson import catalog as catalog
 from liepoisson import chaos as chaos
 from liepoisson import charts as charts
+from liepoisson import citations as citations
 from liepoisson import errors as errors
 from liepoisson import extensions as extensions
 from liepoisson import fields as fields
@@ -19,6 +20,7 @@ from liepoisson import sections as sections
 from liepoisson import sweeps as sweeps
 from liepoisson import systems as systems
 from liepoisson._core import __version__ as __version__
+from liepoisson.citing import cite as cite
 from liepoisson.exact.bracket import Bracket as Bracket
 from liepoisson.exact.canonical_bracket import canonical as canonical
 from liepoisson.exact.describe import inspect as inspect

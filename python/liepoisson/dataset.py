@@ -19,6 +19,7 @@ from liepoisson import _core
 from liepoisson.arrays import read_only
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError, did_you_mean
 from liepoisson.files import write_atomically
+from liepoisson.formats import another_format
 from liepoisson.netcdf import netcdf, read_netcdf
 from liepoisson.result import KEY, ArrayLabel, NamesLabel, PartLabel, PiecesLabel, RecordLabel, Result
 from liepoisson.wrong_values import shown
@@ -320,5 +321,7 @@ def check_format(dataset: Dataset) -> None:
         ValueError: it is one.
     """
     found = dataset.attrs.get("format")
+    if isinstance(found, str) and found.startswith("liepoisson/") and found != FORMAT:
+        raise ValueError(another_format(found, FORMAT, dataset.attrs.get("version")))
     if not isinstance(found, str) or found != FORMAT:
         raise ValueError(f"wanted a file written by liepoisson (format {FORMAT!r}); got another kind")

@@ -41,6 +41,7 @@ QUANTITIES = ["exponent", "chaotic_fraction", "os:system", "math:sqrt", "nosuch:
 
 OPTIONS = {
     "catalog": {"--format": ["text", "json", "latex", "x"]},
+    "cite": {"--format": ["text", "bibtex", "json", "x"]},
     "inspect": {"--format": ["text", "latex", "json", "yaml"], "--set": "setting"},
     "orbit": {
         "--start": "state",

@@ -9,6 +9,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import LeafError, OrbitError, ParameterError
+from liepoisson.proofs.certificate import FORMAT
 from liepoisson.proofs.chain import Chain, ChainMaker, Edge, HSet
 from liepoisson.proofs.float_check import float_check, points_of
 from liepoisson.proofs.search import find_certificate
@@ -118,7 +119,8 @@ def test_the_adapted_norm_is_needed(candidate):
 @pytest.mark.thorough
 def test_the_record_is_the_chain(candidate, tmp_path):
     found = json.loads(candidate.save(tmp_path / "certificate.json").read_text())
-    assert list(found) == ["system", "level", "level_radius", "symmetry", "sets", "edges"]
+    assert list(found) == ["format", "system", "level", "level_radius", "symmetry", "sets", "edges"]
+    assert found["format"] == FORMAT
     assert found["system"]["name"] == "twisted Kovalevskaya top"
     assert found["system"]["equations"]["alpha2"] == "-alpha1*l3 + alpha3*l1/2 - beta3"
     assert found["level"] == {"H": "1/2", "C1": "1", "C2": "1/2", "C3": "1"}

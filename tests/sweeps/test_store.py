@@ -231,7 +231,7 @@ def test_another_format_is_refused_and_fresh_helps(tmp_path):
     description = json.loads((path / "zarr.json").read_text())
     del description["attributes"]["format"]
     (path / "zarr.json").write_text(json.dumps(description))
-    with pytest.raises(OtherSweepError, match=r"another format \(1 instead of 2\).*--fresh"):
+    with pytest.raises(OtherSweepError, match=r"format 1, and liepoisson .* reads 2 alone.*--fresh"):
         sweep(**SPEC, store=path)
     assert sweep(**SPEC, store=path, fresh=True).n_reused == 0
 

@@ -63,6 +63,7 @@ COMMANDS = (
     "equilibria",
     "sweep",
     "lab",
+    "cite",
 )
 """In the order of the help; each is a function in the module of its name."""
 

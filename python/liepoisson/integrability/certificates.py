@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError, OutputError, ParameterError
 from liepoisson.files import write_atomically
+from liepoisson.formats import another_format
 from liepoisson.integrability import checker
 from liepoisson.wrong_values import shown
 
@@ -99,6 +100,8 @@ def load_certificate(path: str | Path) -> dict[str, Any]:
         raise MissingFileError(f"{path}: wanted a certificate; there is no such file; look at the name") from error
     except (OSError, ValueError, RecursionError) as error:
         raise DamagedFileError(f"{path}: wanted a certificate; got a file that is none ({error!r:.80})") from error
+    if (named := data.get("format") if isinstance(data, dict) else None) != FORMAT and _is_of_a_version(named):
+        raise DamagedFileError(f"{path}: {another_format(named, FORMAT)}")
     if wrong := fault(data):
         raise DamagedFileError(f"{path}: the certificate is refused: {wrong}; it was altered, or proves nothing")
     return data
@@ -116,6 +119,11 @@ def fault(data: Any) -> str:
         return str(error)
     except (KeyError, TypeError, IndexError, AttributeError, RecursionError, ArithmeticError) as error:
         return f"it is none ({error!r:.80})"
+
+
+def _is_of_a_version(named: object) -> bool:
+    """Whether a file says that it is a certificate, of whichever version of the format."""
+    return isinstance(named, str) and named.rpartition("/")[0] == FORMAT.rpartition("/")[0]
 
 
 def _terms(expression: Any, variables: Sequence[Any]) -> list[list[Any]]:

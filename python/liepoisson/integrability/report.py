@@ -10,6 +10,7 @@ from itertools import combinations, count
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from liepoisson import _core
 from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import OutputError, ParameterError
 from liepoisson.exact.printing import Formula
@@ -117,7 +118,7 @@ class IntegrabilityReport:
         if path.suffix != ".json":
             raise OutputError(f"wanted a name that ends in .json; got {shown(str(path))}; write for example top.json")
         kind, text = type(self.system).__name__, system_text(self.system)
-        data = {"format": FORMAT, "kind": kind, "file": text, **report_record(self)}
+        data = {"format": FORMAT, "version": _core.__version__, "kind": kind, "file": text, **report_record(self)}
         write_atomically(path, (json.dumps(data, indent=1) + "\n").encode())
         return path
 

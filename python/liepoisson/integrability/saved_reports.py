@@ -11,6 +11,7 @@ from liepoisson.calls import explains_its_arguments, shows_progress
 from liepoisson.errors import DamagedFileError, LiePoissonError, MissingFileError, ParameterError
 from liepoisson.exact.parameters import is_zero
 from liepoisson.exact.system_text import read_system_text
+from liepoisson.formats import another_format
 from liepoisson.integrability import checker
 from liepoisson.integrability.certificates import certificate
 from liepoisson.integrability.completeness import (
@@ -68,7 +69,7 @@ def load_report(
     try:
         data = json.loads(Path(path).read_text(encoding="utf-8"), object_pairs_hook=checker.once)
         if data["format"] != FORMAT:
-            raise ParameterError("it has another format")
+            raise ParameterError(another_format(data["format"], FORMAT, data.get("version")))
         return _Reader(data, prove_again, as_time_limit(time_limit), progress).report()
     except FileNotFoundError as error:
         raise MissingFileError(f"{path}: wanted a report; there is no such file; look at the name") from error

@@ -16,6 +16,7 @@ from zlib import crc32
 
 from liepoisson.errors import DamagedFileError, OutputError
 from liepoisson.files import write_atomically, writing
+from liepoisson.formats import another_format
 from liepoisson.integrability.scan_points import PointResult
 
 FORMAT = "liepoisson integral scan 1"
@@ -53,7 +54,10 @@ class ScanStore:
             content = self.path.read_bytes()
         lines = content.decode("utf-8", "replace").split("\n")
         found = _content(lines[0])
-        if not isinstance(found, dict) or found.get("format") != FORMAT:
+        named = found.get("format") if isinstance(found, dict) else None
+        if isinstance(named, str) and named != FORMAT and named.startswith(FORMAT.rstrip("0123456789")):
+            raise OutputError(f"{self.path}: {another_format(named, FORMAT)}")
+        if named != FORMAT:
             raise DamagedFileError(f"{self.path} holds no scan that can be read. Start over with fresh=True.")
         if found != head:
             names = [name for name in head if found.get(name) != head[name]]

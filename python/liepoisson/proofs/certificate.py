@@ -25,7 +25,10 @@ from typing import Any, cast
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import DamagedFileError, MissingFileError
+from liepoisson.formats import another_format
 from liepoisson.wrong_values import shown
+
+FORMAT = "liepoisson certificate of covering relations/1"
 
 LEVEL_RADIUS = Fraction(3, 10**8)
 """Radius of the ball of levels of a certificate that does not name one."""
@@ -102,6 +105,8 @@ def read_certificate(data: object) -> CoveringCertificate:
         ValueError: the data have another form.
     """
     record = _mapping(data, "the file")
+    if (named := record.get("format", FORMAT)) != FORMAT:  # the first files name none
+        raise _FormatError(another_format(named, FORMAT))
     system = _mapping(_entry(record, "system", "the file"), "system")
     level = _mapping(_entry(record, "level", "the file"), "level")
     signs = _sequence(_entry(record, "symmetry", "the file"), "symmetry")

@@ -35,7 +35,7 @@ from liepoisson.orbits.homoclinic import lengthened
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import transversal_basis
 from liepoisson.orbits.shooting import Flow
-from liepoisson.proofs.certificate import LEVEL_RADIUS
+from liepoisson.proofs.certificate import FORMAT, LEVEL_RADIUS
 
 if TYPE_CHECKING:
     from liepoisson.orbits.homoclinic_orbits import HomoclinicOrbit
@@ -107,6 +107,7 @@ class Chain:
         system = self.level.system
         equations = {str(x): formula_text(rate) for x, rate in system.equations.items()}
         return {
+            "format": FORMAT,
             "system": {"name": system.name, "equations": equations},
             "level": {name: _rational(name, value) for name, value in self.level.values.items()},
             "level_radius": str(self.level_radius),

@@ -21,7 +21,7 @@ import re
 import shutil
 import struct
 import warnings
-from collections.abc import Generator
+from collections.abc import Generator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -34,6 +34,7 @@ from liepoisson import __version__
 from liepoisson.arrays import Array
 from liepoisson.errors import DamagedFileError, LiePoissonError, OutputError
 from liepoisson.files import writing
+from liepoisson.formats import another_format
 from liepoisson.sweeps.errors import OtherSweepError
 from liepoisson.sweeps.tasks import FAILED, NOT_COMPUTED, PieceResult
 
@@ -132,7 +133,7 @@ class SweepStore:
 
         attributes = read_attributes(path)
         if attributes.get("format") != _FORMAT:
-            raise OtherSweepError(f"{path} holds a sweep in another format. Read it with the version that wrote it.")
+            raise OtherSweepError(f"{path} holds a sweep: {_another_format(attributes)}.")
         digest = hashlib.sha256(json.dumps(attributes["spec"], sort_keys=True).encode()).hexdigest()
         if digest != attributes["fingerprint"]:
             raise DamagedFileError(f"{path}: its description was changed after the sweep was made. Make it again.")
@@ -164,9 +165,8 @@ class SweepStore:
                 (self.path / "zarr.json").unlink()
         elif attributes.get("format") != _FORMAT:
             raise OtherSweepError(
-                f"{self.path} holds a sweep in another format ({attributes.get('format', 1)!s:.20} instead of "
-                f"{_FORMAT}), written by another version of liepoisson. Go on with that version, choose another store, "
-                "or discard it with fresh (--fresh)."
+                f"{self.path} holds a sweep: {_another_format(attributes)}. Choose another store for a new one, or "
+                "discard it with fresh (--fresh)."
             )
         elif attributes["fingerprint"] != self._fingerprint:
             raise OtherSweepError(
@@ -289,6 +289,11 @@ class SweepStore:
                 stored = np.full(len(level.seconds), np.nan)
             seconds[:] = np.where(np.isfinite(level.seconds), level.seconds, stored)
             group.attrs["method"] = level.method
+
+
+def _another_format(attributes: Mapping[str, Any]) -> str:
+    """What is said of a store in another format; the first one named none."""
+    return another_format(attributes.get("format", 1), _FORMAT, attributes.get("version"))
 
 
 def read_attributes(path: Path) -> dict[str, Any]:
