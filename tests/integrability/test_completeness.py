@@ -74,3 +74,35 @@ def test_brackets_with_a_power_of_pi_are_numbers():
     system = lp.catalog.system("zeitlin-3")
     assert fields_rank(system, [system.hamiltonian]) == 1
     assert fields_rank(system, list(system.variables)) == 6
+
+
+LINE = "p1^2/2 + p2^2/2 + p3^2/2 + "
+DIFFERENCES = ("q1 - q2", "q2 - q3", "q3 - q1")
+
+
+@pytest.mark.parametrize(
+    "potential",
+    [
+        "exp(q1 - q2) + exp(q2 - q3)",  # the open Toda lattice
+        "exp(q2 - q1) + exp(q3 - q2)",
+        "exp(q2 - q1) + exp(q3 - q2) + exp(q1 - q3)",  # the ring
+        "cosh(q1 - q2) + sinh(q1 - q2) + exp(q2 - q3)",  # the open lattice, written in another way
+        " + ".join(f"1/sinh({f})^2" for f in DIFFERENCES),  # Calogero and Sutherland
+        " + ".join(f"1/sin({f})^2" for f in DIFFERENCES),
+    ],
+)
+def test_exponentials_of_differences_are_integrable_however_they_are_written(potential):
+    """Three integrals in involution of degrees 1, 2, 3, whose fields have rank 3."""
+    found = lp.integrability.integrability_report(lp.System(lp.canonical(3), LINE + potential), degree=3)
+    assert found.verdict == "integrable"
+    assert len(found.commuting) == 3
+
+
+def test_ranks_do_not_depend_on_how_exponentials_are_written():
+    system = lp.System(lp.canonical(3), LINE + "exp(q1 - q2) + exp(q2 - q3)")
+    momentum, third = "p1 + p2 + p3", "p1*p2*p3 - exp(q2 - q3)*p1 - exp(q1 - q2)*p3"
+    split = "p1*p2*p3 - exp(q2)*exp(-q3)*p1 - exp(q1)*exp(-q2)*p3"
+    integrals = [system.hamiltonian, *map(system.expression, (momentum, third))]
+    assert fields_rank(system, integrals) == 3
+    assert fields_rank(system, [*integrals, system.expression(split)]) == 3  # the last one is the third once more
+    assert fields_rank(system, [system.expression(third), system.expression(split)]) == 1

@@ -4,8 +4,9 @@ A function y of the coordinates becomes a variable, whose rate follows from the 
 
 * $r = \sqrt p$ and $u = 1/r$: $r^2 = p$, $ur = 1$ and $\dot r = u\dot p/2$, for polynomials p in the coordinates;
 * $u = 1/B$: $uB = 1$ and $\dot u = -u^2\dot B$, where B may contain other new variables;
-* $e_j = \exp f_j$: $\dot e_j = e_j\dot f_j$, for linear forms with rational coefficients; each integer relation of the
-  forms is one of products of the $e_j$;
+* $e_j = \exp f_j$: $\dot e_j = e_j\dot f_j$, for linear forms with rational coefficients; the integer relation of the
+  forms, if there is one, is one of products of the $e_j$; where there are several, the $f_j$ are a basis of the lattice
+  of the forms and its opposites;
 * $s = \sin f$, $c = \cos f$: $s^2 + c^2 = 1$, $\dot s = c\dot f$, $\dot c = -s\dot f$, for a basis of the lattice of
   such forms.
 
@@ -174,12 +175,17 @@ class _Reader:
         self._refuse(expression)
 
     def _exponential(self, form: Form) -> Any:
+        from sympy import prod
+
         ray, multiple = _ray(form)
         for unit, e in self._exponentials.items():
             known, step = _ray(unit)
             if known == ray:
                 return e ** int(multiple / step)
-        raise AssertionError(form)
+        basis = list(self._exponentials)[::2]
+        powers = zip(basis, _multiples(basis, form), strict=True)
+        factors: list[Any] = [self._exponentials[f if k > 0 else _opposite(f)] ** abs(k) for f, k in powers]
+        return prod(factors)
 
     def _new(self, function: Any) -> Symbol:
         from sympy import Dummy
@@ -208,15 +214,11 @@ class _Reader:
 
     def _expanded(self, expression: Any) -> Any:
         """The sine or cosine of a form, in those of the basis."""
-        from flint import fmpq, fmpq_mat
         from sympy import Dummy, cos, expand_trig, sin
 
         form, constant = self._form(expression.args[0], turns=True)
-        basis = [f for f, _, _ in self._angles]
-        rows = [[fmpq(c.numerator, c.denominator) for c in f] for f in (*basis, form)]
-        reduced, rank = fmpq_mat([list(column) for column in zip(*rows, strict=True)]).rref()
-        multiples = [int(reduced[k, rank].p) for k in range(rank)]
-        angles = [Dummy() for _ in basis]
+        multiples = _multiples([f for f, _, _ in self._angles], form)
+        angles = [Dummy() for _ in multiples]
         angle = sum((n * a for n, a in zip(multiples, angles, strict=True)), constant)
         values: dict[Any, Any] = {}
         for a, (_, s, c) in zip(angles, self._angles, strict=True):
@@ -280,26 +282,25 @@ class _Reader:
         for argument in sorted(arguments, key=str):
             form, power = _ray(self._form(argument)[0])
             rays.setdefault(form, []).append(power)
-        for form, powers in rays.items():
-            step = _common(powers)
-            unit = tuple(step * c for c in form)
-            self._exponentials[unit] = self._new(exp(self._written(unit)))
-        self.relations += _toric_relations(list(self._exponentials), list(self._exponentials.values()))
+        units = [tuple(_common(powers) * c for c in form) for form, powers in rays.items()]
+        relations = _relations(units)
+        if len(relations) > 1:
+            units = _with_inverses(units)
+        self._exponentials = {unit: self._new(exp(self._written(unit))) for unit in units}
+        symbols = list(self._exponentials.values())
+        if len(relations) > 1:
+            self.relations += [e * inverse - 1 for e, inverse in zip(symbols[::2], symbols[1::2], strict=True)]
+        else:
+            self.relations += [_binomial(multiples, symbols) for multiples in relations]
 
     def _add_angles(self, expressions: Iterable[Any]) -> None:
-        from flint import fmpz_mat
         from sympy import cos, sin
 
         found = {f.args[0] for e in expressions for f in e.atoms(sin, cos) if f.free_symbols & set(self.coordinates)}
         forms = [self._form(argument, turns=True)[0] for argument in sorted(found, key=str)]
         if not forms:
             return
-        scale = lcm(*(c.denominator for f in forms for c in f))
-        lattice = fmpz_mat([[int(c * scale) for c in f] for f in forms]).hnf()
-        rows = fmpz_mat(lattice.tolist()[: lattice.rank()]).lll()
-        for row in rows.tolist():
-            sign = -1 if next(c for c in row if c) < 0 else 1
-            form = tuple(sign * Fraction(int(c), scale) for c in row)
+        for form in _lattice_basis(forms):
             s, c = self._new(sin(self._written(form))), self._new(cos(self._written(form)))
             self._angles.append((form, s, c))
             self.relations.append(s**2 + c**2 - 1)
@@ -325,7 +326,15 @@ def _in_exp_sin_cos(expression: Any) -> Any:
         (csc, lambda f: 1 / sin(f)),
     ):
         expression = expression.replace(function, written)
-    return expression
+    return expression.replace(lambda e: e.is_Mul and e.has(exp), _with_one_exponential)
+
+
+def _with_one_exponential(product: Any) -> Any:
+    r"""A product with $e^{f + g}$ for $e^f e^g$, into which SymPy expands it: one variable, and no relation."""
+    from sympy import Add, Mul, exp
+
+    exponents: list[Any] = [f.args[0] for f in product.args if isinstance(f, exp)]
+    return Mul(*(f for f in product.args if not isinstance(f, exp)), exp(Add(*exponents)))
 
 
 def _primitive(base: Any, coordinates: Sequence[Any]) -> tuple[Any, Any]:
@@ -347,10 +356,44 @@ def _ray(form: Form) -> tuple[Form, Fraction]:
     return tuple(c / scale for c in form), scale
 
 
-def _toric_relations(forms: Sequence[Form], symbols: Sequence[Any]) -> list[Any]:
-    """A basis of all relations of the exponentials of forms [sturmfels1996]."""
+def _opposite(form: Form) -> Form:
+    return tuple(-c for c in form)
+
+
+def _lattice_basis(forms: Sequence[Form]) -> list[Form]:
+    """Short forms of which all these are sums with whole coefficients."""
     from flint import fmpz_mat
-    from sympy import Dummy, groebner, prod
+
+    scale = lcm(*(c.denominator for f in forms for c in f))
+    lattice = fmpz_mat([[int(c * scale) for c in f] for f in forms]).hnf()
+    rows = fmpz_mat(lattice.tolist()[: lattice.rank()]).lll()
+    basis: list[Form] = []
+    for row in rows.tolist():
+        sign = -1 if next(c for c in row if c) < 0 else 1
+        basis.append(tuple(sign * Fraction(int(c), scale) for c in row))
+    return basis
+
+
+def _multiples(basis: Sequence[Form], form: Form) -> list[int]:
+    """The whole coefficients of a form in a basis of the lattice."""
+    from flint import fmpq, fmpq_mat
+
+    rows = [[fmpq(c.numerator, c.denominator) for c in f] for f in (*basis, form)]
+    reduced, rank = fmpq_mat([list(column) for column in zip(*rows, strict=True)]).rref()
+    return [int(reduced[k, rank].p) for k in range(rank)]
+
+
+def _with_inverses(forms: Sequence[Form]) -> list[Form]:
+    """A basis of the lattice of the forms, and after each form of it its opposite.
+
+    Many exponentials of few forms satisfy many relations; the powers of these, also negative ones, satisfy one each.
+    """
+    return [one for form in _lattice_basis(forms) for one in (form, _opposite(form))]
+
+
+def _relations(forms: Sequence[Form]) -> list[list[int]]:
+    """A basis of the whole numbers with which the forms add up to zero."""
+    from flint import fmpz_mat
 
     if not forms:
         return []
@@ -358,13 +401,14 @@ def _toric_relations(forms: Sequence[Form], symbols: Sequence[Any]) -> list[Any]
     scale = lcm(*(c.denominator for f in forms for c in f))
     # unimodular operations on rows: those that make the left part vanish are a basis of the lattice of relations
     rows = [[int(c * scale) for c in f] + [int(i == k) for k in range(m)] for i, f in enumerate(forms)]
-    vectors = [row[n:] for row in fmpz_mat(rows).hnf().tolist() if not any(row[:n])]
-    binomials: list[Any] = []
-    for vector in vectors:
-        pairs = [(y, int(k)) for y, k in zip(symbols, vector, strict=True)]
-        binomials.append(prod(y**k for y, k in pairs if k > 0) - prod(y**-k for y, k in pairs if k < 0))
-    if len(binomials) < 2:
-        return binomials
-    t = Dummy()
-    ideal: Any = groebner([*binomials, t * prod(symbols) - 1], t, *symbols, order="lex")
-    return [p for p in ideal.exprs if not p.has(t)]
+    return [[int(k) for k in row[n:]] for row in fmpz_mat(rows).hnf().tolist() if not any(row[:n])]
+
+
+def _binomial(multiples: Sequence[int], symbols: Sequence[Any]) -> Any:
+    """What vanishes if this sum of forms does; if no other does, all relations are its multiples [sturmfels1996]."""
+    from sympy import prod
+
+    pairs = [(y, int(k)) for y, k in zip(symbols, multiples, strict=True)]
+    positive: Any = prod(y**k for y, k in pairs if k > 0)
+    negative: Any = prod(y**-k for y, k in pairs if k < 0)
+    return positive - negative

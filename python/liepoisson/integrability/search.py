@@ -365,7 +365,8 @@ def point_on_level(equations: Sequence[Polynomial], residues: Residues, n: int) 
         if found is not None:
             return found
     raise ParameterError(
-        "on: no point of the level was found modulo a prime; give equations that can be solved one after the other"
+        "on: no point was found modulo a prime at which the equations of the level, and the relations of the roots, "
+        "exponentials and trigonometric functions, hold; give equations that can be solved one after the other"
     )
 
 
@@ -386,14 +387,19 @@ def _last_and_number(equation: Modular) -> tuple[int, int]:
 
 
 def _point_on(equations: Sequence[Modular], point: list[int], p: int) -> list[int] | None:
-    """The point, moved to the level by one coordinate for each equation; None if that has no solution."""
+    """The point, moved to the level by one coordinate for each equation; None if that has no solution.
+
+    An equation may follow from those before, as some of the relations of exponentials do.
+    """
     from flint import nmod_poly
 
     fixed: set[int] = set()
     for equation in sorted(equations, key=_last_and_number):
         occurring = sorted({i for m in equation for i, k in enumerate(m) if k} - fixed)
         if not occurring:
-            return None
+            if value_at(equation, point, p):
+                return None
+            continue
         i = occurring[-1]
         coefficients: dict[int, int] = {}
         for monomial, c in equation.items():

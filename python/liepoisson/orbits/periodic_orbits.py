@@ -44,7 +44,8 @@ class SymmetricOrbit(ReadOnlyArrays):
         time: T, the time of the segment.
         residual: How far the computed end is from the fixed set, or the start from the level, in units of the level.
         multipliers: Those of the loop $P^{-1}\varphi_{2T}$ on the level across the flow, the largest first, then their
-            reciprocals in the same order, shape (2m - 2,).
+            reciprocals in the same order, shape (2m - 2,).  Where the period is 4T and $P^2 = 1$, those over the period
+            are their squares.
         pair_defect: A check of the multipliers: how far they are from reciprocal pairs (see
             `liepoisson.orbits.multipliers`); round-off.
         trivial_defect: Another: how far the flow, H and the Casimirs are from the multiplier 1; round-off.
@@ -120,7 +121,8 @@ class SymmetricOrbit(ReadOnlyArrays):
         return polished_segment(self, digits)
 
     def __repr__(self) -> str:
-        big = f", |mu| = {abs(self.multipliers[0]):.6g}" if self.multipliers.size else ""
+        loop = "" if self.period == self.return_time else f" in 2T = {self.return_time:.8g}"
+        big = f", |mu| = {abs(self.multipliers[0]):.6g}{loop}" if self.multipliers.size else ""
         return f"<SymmetricOrbit of {self.system.name!r}: period {self.period:.8g}, {self.stability}{big}>"
 
 
@@ -178,13 +180,14 @@ class SymmetricOrbits(Sequence[SymmetricOrbit]):
         )
 
     def _rows(self) -> list[tuple[str, ...]]:
-        rows: list[tuple[str, ...]] = [("period", "rate", "stability", "multipliers", "residual", "pairs")]
+        rows: list[tuple[str, ...]] = [("period", "2T", "rate", "stability", "multipliers in 2T", "residual", "pairs")]
         for one in self.found[:_LONGEST]:
             half = one.multipliers[: len(one.multipliers) // 2]
             values = ", ".join(_number(m) for m in half)
             rows.append(
                 (
                     f"{one.period:.8f}",
+                    f"{one.return_time:.8f}",
                     f"{one.rate:.4f}",
                     one.stability,
                     values,
@@ -193,7 +196,7 @@ class SymmetricOrbits(Sequence[SymmetricOrbit]):
                 )
             )
         if (more := len(self.found) - _LONGEST) > 0:
-            rows.append((f"and {more} more", "", "", "", "", ""))
+            rows.append((f"and {more} more", *[""] * (len(rows[0]) - 1)))
         return rows
 
 
