@@ -273,3 +273,34 @@ def test_rings_of_degenerate_equilibria_stay_rings():
     ring, middle = searched(plane, lp.Leaf.through(plane, np.array([0.5, 0.2, 0.1, 0.3])), 12)
     assert (ring.family, middle.family) == ("circle", "point")
     assert np.linalg.norm(ring.state[:2]) == pytest.approx(1, abs=1e-12)
+
+
+def plane(energy):
+    """A particle in the plane."""
+    return lp.System(lp.canonical(names=("x", "y"), momenta=("px", "py")), energy)
+
+
+@pytest.mark.parametrize(
+    ("valley", "along", "y"),
+    [
+        ("exp(y)", "y^4/4", 0),
+        ("exp(y)", "y^3", 0),
+        ("y^3 - y^2", "(exp(y - 1) - 1)^6", 1),
+        pytest.param("y^2*exp(y/2)", "tanh(y + 7/4)^5", -1.75, marks=pytest.mark.slow),
+        pytest.param("exp(3*y)/4", "tanh(y)^7", 0, marks=pytest.mark.slow),
+        pytest.param("cosh(y)", "(y - 1/3)^8", 1 / 3, marks=pytest.mark.slow),
+    ],
+)
+def test_a_zero_of_high_order_on_a_curved_valley_is_found(valley, along, y):
+    """x + f(y) = 0 is the valley, along which the slope of H is that of the second function alone."""
+    system = plane(f"px^2/2 + py^2/2 + (x + {valley})^2/2 + {along}")
+    (found,) = searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20)
+    x = -float(sympy.sympify(valley).subs(sympy.Symbol("y"), y))
+    assert found.state == pytest.approx([x, y, 0, 0], abs=1e-14)
+    assert (found.family, found.linear_stability, found.signature) == ("degenerate", "degenerate", (3, 0, 1))
+
+
+@pytest.mark.parametrize("tail", ["exp(-y)", "tanh(y + y^3)", "exp(-exp(y))"])
+def test_a_tail_on_a_curved_valley_has_no_equilibrium(tail):
+    system = plane(f"px^2/2 + py^2/2 + (x + y^3 - exp(y/4))^2/2 + {tail}")
+    assert searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20) == []

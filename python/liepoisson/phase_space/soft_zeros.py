@@ -52,7 +52,10 @@ _VISIBLE = arb(2) ** 320
 _NEARBY = tuple(sign * share for share in (1e-6, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.1) for sign in (1, -1))
 """Where the slope is looked at, relative to the length of the state, if it is not seen at the state itself. The first
 is for a state that is a critical point, from which others that are not far would be found instead."""
-_STEPS, _CHORDS, _REFRESHED = 14, 60, 4
+_STEPS, _CHORDS, _REFRESHED = 14, 200, 4
+_GAINED = 1e-9
+"""What a chord leaves of the error, at most, or else the linear equations are taken anew, where the chords have led: on a
+curved valley those of a place beside it gain a few digits each time, and 280 are wanted."""
 _CONVERGED, _CLOSE, _BACK, _FAR = 1e-10, 1e-6, 1e-8, 2.0
 """Steps of Newton's method for n, relative to the length of the state: the last one, one after which a slope that is
 not seen any more counts as zero, one back from which such a zero must be found again, and one that leads away."""
@@ -160,7 +163,8 @@ class _Slope:
 class _ReducedSlope:
     r"""The slope of H on the leaf as a function of few coordinates s, with $y = x + Vs + Wv$.
 
-    The unknowns v and the multipliers $\lambda$ solve $W^t(\nabla H - \lambda\nabla C) = 0$ and C(y) = c.
+    The unknowns v and the multipliers $\lambda$ solve $W^t(\nabla H - \lambda\nabla C) = 0$ and C(y) = c. `turns` says
+    whether the motions of integrals carry the state away, so that its zeros are not isolated.
     """
 
     fields: HamiltonianFields
@@ -172,6 +176,7 @@ class _ReducedSlope:
     soft: Array
     others: Array
     length: float
+    turns: bool
     start: list[arb]
     inverse: arb_mat = field(default_factory=lambda: arb_mat(0, 0))
     curvature: float = 0.0
@@ -191,7 +196,8 @@ class _ReducedSlope:
         others = np.linalg.svd(fixed)[0][:, fixed.shape[1] :]
         length = float(np.linalg.norm(state)) + fields.unit
         goals = np.append(equations.values, values)
-        slope = cls(fields, equations.pinned, functions, goals, mixing, state, directions[0], others, length, [])
+        frame = (state, directions[0], others, length, bool(directions[1].size))
+        slope = cls(fields, equations.pinned, functions, goals, mixing, *frame, [])
         if functions:
             rows = mixing @ np.array([f.gradient(state) for f in functions]).reshape(-1, len(state))
             lengths = np.linalg.norm(rows, axis=1)
@@ -206,12 +212,13 @@ class _ReducedSlope:
         if solved is None:
             return None
         state = np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
-        return SoftZero(state, is_flat=bool(shares.max() < 1 - _WHOLE), is_isolated=len(s) == 1)
+        is_isolated = len(s) == 1 and not self.turns
+        return SoftZero(state, is_flat=bool(shares.max() < 1 - _WHOLE), is_isolated=is_isolated)
 
     def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> _Slope | None:
         """The slope at s, None where the other unknowns were not found."""
         unknowns = self.start if unknowns is None else unknowns
-        last, refreshed = None, 0
+        last, refreshed, renewed = None, 0, 0
         for _ in range(_CHORDS):
             value, rest = self._equations(s, unknowns)
             if not all(v.is_finite() for v in (*value, *rest)):
@@ -231,6 +238,9 @@ class _ReducedSlope:
                 if refreshed > _REFRESHED or not self._refreshed(y):
                     return None
                 size = None
+            elif last is not None and renewed < _REFRESHED and not size < _GAINED * last:
+                renewed += 1
+                self._refreshed(np.array([float(y.mid()) for y in self._state(s, unknowns)]))
             last = size
         return None
 
