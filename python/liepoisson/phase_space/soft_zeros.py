@@ -32,7 +32,7 @@ from liepoisson.arrays import Array
 from liepoisson.exact.polynomials.certified_roots import precision
 from liepoisson.exact.rational_polynomials import powers_of
 from liepoisson.phase_space.critical_points import HamiltonianFields
-from liepoisson.phase_space.second_variation import soft_directions, symmetry_directions
+from liepoisson.phase_space.second_variation import curvatures, soft_directions, symmetry_directions
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -40,6 +40,9 @@ if TYPE_CHECKING:
 
 _SUSPECT = 1e-3
 """Directions that are softer than this, relative to the largest curvature, are looked at with more digits."""
+_FLAT, _SETTLED = 1e-11, 1e-2
+"""Directions that are softer than this are flat to round-off; how far a critical point that was found for sure may be
+from where it was found."""
 _LED_ON_BY_DOUBLES = 6
 """Degree of polynomials whose critical points are of orders that the search needs no more digits for."""
 _BITS = 1060
@@ -129,6 +132,25 @@ def zero_near(
         return next((zero for zero in found if zero is not None), None)
 
 
+def settled(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array) -> SoftZero:
+    """The critical point itself where one was found for sure, but not to round-off, as where two are just meeting.
+
+    The state is returned where no direction is soft, or those that are soft are flat to round-off.
+
+    Args:
+        leaf: The leaf.
+        fields: Those of H and of integrals.
+        values: The values of the integrals.
+        state: Where Newton's method came to rest, shape (N,).
+    """
+    sizes = curvatures(leaf, fields, state)
+    if not ((sizes > _FLAT) & (sizes <= _SUSPECT)).any():
+        return SoftZero(state)
+    zero = zero_near(leaf, fields, values, state)
+    near = _SETTLED * (float(np.linalg.norm(state)) + fields.unit)
+    return zero if zero is not None and np.linalg.norm(zero.state - state) <= near else SoftZero(state)
+
+
 @dataclass(frozen=True)
 class SoftZero:
     """A critical point with soft directions.
@@ -137,7 +159,8 @@ class SoftZero:
         state: The state, shape (N,).
         is_flat: Whether it is known to be of an order above one along all of these, so that the second variation is
             zero there.
-        is_isolated: Whether it is known to be no state of a family of critical points.
+        is_isolated: Whether it is known to be no state of a family of critical points, but for those to which the
+            motions of the integrals carry it.
     """
 
     state: Array
@@ -163,8 +186,7 @@ class _Slope:
 class _ReducedSlope:
     r"""The slope of H on the leaf as a function of few coordinates s, with $y = x + Vs + Wv$.
 
-    The unknowns v and the multipliers $\lambda$ solve $W^t(\nabla H - \lambda\nabla C) = 0$ and C(y) = c. `turns` says
-    whether the motions of integrals carry the state away, so that its zeros are not isolated.
+    The unknowns v and the multipliers $\lambda$ solve $W^t(\nabla H - \lambda\nabla C) = 0$ and C(y) = c.
     """
 
     fields: HamiltonianFields
@@ -176,7 +198,6 @@ class _ReducedSlope:
     soft: Array
     others: Array
     length: float
-    turns: bool
     start: list[arb]
     inverse: arb_mat = field(default_factory=lambda: arb_mat(0, 0))
     curvature: float = 0.0
@@ -196,8 +217,7 @@ class _ReducedSlope:
         others = np.linalg.svd(fixed)[0][:, fixed.shape[1] :]
         length = float(np.linalg.norm(state)) + fields.unit
         goals = np.append(equations.values, values)
-        frame = (state, directions[0], others, length, bool(directions[1].size))
-        slope = cls(fields, equations.pinned, functions, goals, mixing, *frame, [])
+        slope = cls(fields, equations.pinned, functions, goals, mixing, state, directions[0], others, length, [])
         if functions:
             rows = mixing @ np.array([f.gradient(state) for f in functions]).reshape(-1, len(state))
             lengths = np.linalg.norm(rows, axis=1)
@@ -212,8 +232,7 @@ class _ReducedSlope:
         if solved is None:
             return None
         state = np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
-        is_isolated = len(s) == 1 and not self.turns
-        return SoftZero(state, is_flat=bool(shares.max() < 1 - _WHOLE), is_isolated=is_isolated)
+        return SoftZero(state, is_flat=bool(shares.max() < 1 - _WHOLE), is_isolated=len(s) == 1)
 
     def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> _Slope | None:
         """The slope at s, None where the other unknowns were not found."""
