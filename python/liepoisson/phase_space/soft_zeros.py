@@ -32,7 +32,8 @@ from liepoisson.arrays import Array
 from liepoisson.exact.polynomials.certified_roots import precision
 from liepoisson.exact.rational_polynomials import powers_of
 from liepoisson.phase_space.critical_points import HamiltonianFields
-from liepoisson.phase_space.second_variation import curvatures, soft_directions, symmetry_directions
+from liepoisson.phase_space.second_variation import curvatures, soft_directions
+from liepoisson.phase_space.symmetry_orbit import free_motions
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -116,7 +117,8 @@ def zero_near(
     soft = soft_directions(leaf, fields, state, within)
     if not soft.shape[1]:
         return SoftZero(state)
-    phases = symmetry_directions(leaf, fields, state)
+    phases = np.array([motion.velocity(state) for motion in free_motions(leaf, fields, state)]).reshape(-1, len(state)).T
+    phases = np.linalg.qr(phases)[0]
     with precision(_BITS):
         slope = _ReducedSlope.at_state(leaf, fields, values, state, (soft, phases))
         if slope is None:
@@ -368,7 +370,8 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
         came_from = step
         s = [(a - b).mid() for a, b in zip(s, step, strict=True)]
         if size <= _CONVERGED and _is_one_over_whole(shares, _WHOLE) and (last is None or size <= _SHORTER * last):
-            return slope.zero(s, shares)
+            fold = _fold_to_round_off(slope, s, shares)
+            return slope.zero(s, shares) if fold is None else slope.zero(fold, np.array([0.5]))
         if number == 0 and is_own and _is_zero_to_round_off(slope, s, shares):
             rounded = slope.zero(s, shares)
         slow += last is not None and size > _SHORTER * last
@@ -413,6 +416,25 @@ def _is_zero_to_round_off(slope: _ReducedSlope, s: list[arb], shares: Array) -> 
         return False
     there = slope.at(s)
     return there is not None and bool(_largest(there.value) <= _ROUND_OFF * slope.curvature * slope.length)
+
+
+def _fold_to_round_off(slope: _ReducedSlope, s: list[arb], shares: Array) -> list[arb] | None:
+    r"""The place where a simple zero meets another one, if round-off in the values that are kept can make them meet.
+
+    They meet at the distance $g'/g''$, where $g = g'^2/2g''$.
+    """
+    if len(shares) > 1 or not slope.functions or abs(shares[0] - 1) > _WHOLE:
+        return None
+    h = _INNER * slope.length
+    slopes = [slope.at(_moved(s, k * h, [arb(1)])) for k in (-1, 0, 1)]
+    if any(there is None for there in slopes):
+        return None
+    left, here, right = (there.value[0] for there in slopes if there is not None)
+    first, second = (right - left) / (2 * h), (right - 2 * here + left) / (h * h)
+    size = _ROUND_OFF * slope.curvature * slope.length
+    if not abs(first) ** 2 <= 2 * size * abs(second):
+        return None
+    return _moved(s, (-first / second).mid(), [arb(1)])
 
 
 def _step(slope: _ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb], Array] | None:
