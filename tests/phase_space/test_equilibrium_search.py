@@ -315,7 +315,7 @@ def circles(radial, momentum, n_starts=20):
 
 
 MEETING = "3*r2/2 - r2^2/2"
-"""The effective potential L^2/(2 r^2) + 3 r^2/2 - r^4/2 is critical where 3 r^4 - 2 r^6 = L^2; at L = 1 twice at r = 1."""
+"""L^2/(2 r^2) + 3 r^2/2 - r^4/2 is critical where 3 r^4 - 2 r^6 = L^2; for L = 1 this has the double root r = 1."""
 
 
 @pytest.mark.thorough
@@ -349,7 +349,7 @@ def test_circles_that_have_met_and_vanished_are_none():
 @pytest.mark.parametrize(
     ("radial", "momentum", "radii", "n_starts"),
     [
-        # L^2 = r V'(r) r^2 = (r + r^2) exp(-r) for the potential of Yukawa
+        # L^2 = r^3 V'(r) = (r + r^2) exp(-r) for the potential of Yukawa
         ("-exp(-sqrt(r2))/sqrt(r2)", 0.9, [1.272123767, 2.014651463], 60),
         ("-exp(-sqrt(r2))/sqrt(r2)", 1.0, [], 20),  # the largest value of (r + r^2) exp(-r) is 0.8399
         ("-1/sqrt(r2)", 0.8, [0.64], 20),  # r = L^2

@@ -74,8 +74,8 @@ _ORDERS, _FLATTER = (2.0, 3.0, 4.0, 5.0), 0.25
 class _Family:
     """One isolated equilibrium, or several of one connected family.
 
-    `orbit` is what the motion of an integral makes of one relative equilibrium, and `curve` has states all along another
-    closed family. The states are in the units of the leaf, except that of `first`.
+    `orbit` is what the motion of an integral makes of one relative equilibrium, and `curve` has states all along
+    another closed family. The states are in the units of the leaf, except that of `first`.
     """
 
     first: Equilibrium

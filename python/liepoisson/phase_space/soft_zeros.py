@@ -58,8 +58,8 @@ _NEARBY = tuple(sign * share for share in (1e-6, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95,
 is for a state that is a critical point, from which others that are not far would be found instead."""
 _STEPS, _CHORDS, _REFRESHED = 14, 200, 4
 _GAINED = 1e-9
-"""What a chord leaves of the error, at most, or else the linear equations are taken anew, where the chords have led: on a
-curved valley those of a place beside it gain a few digits each time, and 280 are wanted."""
+"""What a chord leaves of the error, at most, or else the linear equations are taken anew, where the chords have led: on
+a curved valley those of a place beside it gain a few digits each time, and 280 are wanted."""
 _CONVERGED, _CLOSE, _BACK, _FAR = 1e-10, 1e-6, 1e-8, 2.0
 """Steps of Newton's method for n, relative to the length of the state: the last one, one after which a slope that is
 not seen any more counts as zero, one back from which such a zero must be found again, and one that leads away."""
@@ -117,7 +117,9 @@ def zero_near(
     soft = soft_directions(leaf, fields, state, within)
     if not soft.shape[1]:
         return SoftZero(state)
-    phases = np.array([motion.velocity(state) for motion in free_motions(leaf, fields, state)]).reshape(-1, len(state)).T
+    phases = (
+        np.array([motion.velocity(state) for motion in free_motions(leaf, fields, state)]).reshape(-1, len(state)).T
+    )
     phases = np.linalg.qr(phases)[0]
     with precision(_BITS):
         slope = _ReducedSlope.at_state(leaf, fields, values, state, (soft, phases))
@@ -352,6 +354,8 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
     """A zero of the slope, by Newton's method for n from s; `is_own`: s is where the search came to rest."""
     last, slow, rounded, shares = None, 0, None, np.zeros(0)
     came_from: list[arb] = []
+    if is_own and (fold := _fold_to_round_off(slope, s)) is not None:
+        return slope.zero(fold, np.array([0.5]))
     for number in range(_STEPS):
         there = slope.at(s)
         if there is None:
@@ -370,7 +374,7 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
         came_from = step
         s = [(a - b).mid() for a, b in zip(s, step, strict=True)]
         if size <= _CONVERGED and _is_one_over_whole(shares, _WHOLE) and (last is None or size <= _SHORTER * last):
-            fold = _fold_to_round_off(slope, s, shares)
+            fold = _fold_to_round_off(slope, s)
             return slope.zero(s, shares) if fold is None else slope.zero(fold, np.array([0.5]))
         if number == 0 and is_own and _is_zero_to_round_off(slope, s, shares):
             rounded = slope.zero(s, shares)
@@ -418,23 +422,25 @@ def _is_zero_to_round_off(slope: _ReducedSlope, s: list[arb], shares: Array) -> 
     return there is not None and bool(_largest(there.value) <= _ROUND_OFF * slope.curvature * slope.length)
 
 
-def _fold_to_round_off(slope: _ReducedSlope, s: list[arb], shares: Array) -> list[arb] | None:
-    r"""The place where a simple zero meets another one, if round-off in the values that are kept can make them meet.
+def _fold_to_round_off(slope: _ReducedSlope, s: list[arb]) -> list[arb] | None:
+    r"""The place near s where two zeros meet, if round-off in the values that are kept can make them meet there.
 
-    They meet at the distance $g'/g''$, where $g = g'^2/2g''$.
+    Between two simple zeros $|g|$ is largest at the distance $g'/g''$; if they have just vanished it is smallest there.
     """
-    if len(shares) > 1 or not slope.functions or abs(shares[0] - 1) > _WHOLE:
+    if len(s) > 1 or not slope.functions:
         return None
-    h = _INNER * slope.length
-    slopes = [slope.at(_moved(s, k * h, [arb(1)])) for k in (-1, 0, 1)]
-    if any(there is None for there in slopes):
-        return None
-    left, here, right = (there.value[0] for there in slopes if there is not None)
+    h, size = _INNER * slope.length, slope.curvature * slope.length
+    beside = [slope.at(_moved(s, k * h, [arb(1)])) for k in (-1, 0, 1)]
+    left, here, right = ([there.value[0] for there in beside if there is not None] + [arb(0)] * 3)[:3]
     first, second = (right - left) / (2 * h), (right - 2 * here + left) / (h * h)
-    size = _ROUND_OFF * slope.curvature * slope.length
-    if not abs(first) ** 2 <= 2 * size * abs(second):
+    if None in beside or not abs(second) * slope.length**2 >= _SUSPECT * size:
         return None
-    return _moved(s, (-first / second).mid(), [arb(1)])
+    way = (-first / second).mid()
+    if not abs(way) <= _CLOSE * slope.length:
+        return None
+    fold = [v.mid() for v in _moved(s, way, [arb(1)])]
+    there = slope.at(fold)
+    return fold if there is not None and _largest(there.value) <= _ROUND_OFF * size else None
 
 
 def _step(slope: _ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb], Array] | None:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -19,8 +18,8 @@ from liepoisson.phase_space.leaf_in_units import LeafInUnits
 from liepoisson.phase_space.leaf_projection import solve
 
 _PARTS = (2, 4, 6, 8, 10, 12)
-"""Into how many parts the midpoint rule divides a step: of order 12, to round-off for turns by half a radian. A circle that
-is degenerate across magnifies errors."""
+"""Into how many parts the midpoint rule divides a step: of order 12, to round-off for turns by half a radian. A circle
+that is degenerate across magnifies errors."""
 _LONGEST, _BEND = 0.15, 0.5
 """What a step covers, relative to the length of the state, and the angle by which it turns the velocity, at most."""
 _MOST_STEPS, _MOST_CORRECTIONS = 2000, 12
@@ -135,8 +134,8 @@ def _nearest(motion: Motion, x: Array, goal: Array) -> Array:
 def free_motions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> list[Motion]:
     r"""Independent motions of integrals that keep the values of all of these and carry x away.
 
-    They are those of $\sum_jc_jK_j$ with $\sum_j\{K_i, K_j\}c_j = 0$ for all i: all of them where the integrals commute, and the
-    rotations about the angular momentum itself where these are its components.
+    They are those of $\sum_jc_jK_j$ with $\sum_j\{K_i, K_j\}c_j = 0$ for all i: all of them where the integrals commute,
+    and the rotations about the angular momentum itself where these are its components.
     """
     rates, scale = fields.fields(x)[:, 1:], fields.scale(x)[1:]
     scale = np.where(scale > 0, scale, 1.0)
