@@ -3,6 +3,8 @@ r"""The curve along which the motions of integrals carry a relative equilibrium.
 A relative equilibrium is a whole orbit of the symmetry: with x, all $\phi_t(x)$ are relative equilibria of the same
 energy, where $\phi_t$ is the flow of the integral K (or of a combination of several). The flow stays on its orbit
 however near another one passes, where Newton's method from a step along the tangent may come to the other one.
+
+References: [hairer1993], section II.9, for the midpoint rule with extrapolation.
 """
 
 from __future__ import annotations
@@ -134,8 +136,8 @@ def _nearest(motion: Motion, x: Array, goal: Array) -> Array:
 def free_motions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> list[Motion]:
     r"""Independent motions of integrals that keep the values of all of these and carry x away.
 
-    They are those of $\sum_jc_jK_j$ with $\sum_j\{K_i, K_j\}c_j = 0$ for all i: all of them where the integrals commute,
-    and the rotations about the angular momentum itself where these are its components.
+    They are those of $\sum_jc_jK_j$ with $\sum_j\{K_i, K_j\}c_j = 0$ for all i: all of them where the integrals
+    commute, and the rotations about the angular momentum itself where these are its components.
     """
     rates, scale = fields.fields(x)[:, 1:], fields.scale(x)[1:]
     scale = np.where(scale > 0, scale, 1.0)
