@@ -273,3 +273,114 @@ def test_rings_of_degenerate_equilibria_stay_rings():
     ring, middle = searched(plane, lp.Leaf.through(plane, np.array([0.5, 0.2, 0.1, 0.3])), 12)
     assert (ring.family, middle.family) == ("circle", "point")
     assert np.linalg.norm(ring.state[:2]) == pytest.approx(1, abs=1e-12)
+
+
+def plane(energy):
+    """A particle in the plane."""
+    return lp.System(lp.canonical(names=("x", "y"), momenta=("px", "py")), energy)
+
+
+@pytest.mark.parametrize(
+    ("valley", "along", "y"),
+    [
+        ("exp(y)", "y^4/4", 0),
+        ("exp(y)", "y^3", 0),
+        ("y^3 - y^2", "(exp(y - 1) - 1)^6", 1),
+        pytest.param("y^2*exp(y/2)", "tanh(y + 7/4)^5", -1.75, marks=pytest.mark.slow),
+        pytest.param("exp(3*y)/4", "tanh(y)^7", 0, marks=pytest.mark.slow),
+        pytest.param("cosh(y)", "(y - 1/3)^8", 1 / 3, marks=pytest.mark.slow),
+    ],
+)
+def test_a_zero_of_high_order_on_a_curved_valley_is_found(valley, along, y):
+    """x + f(y) = 0 is the valley, along which the slope of H is that of the second function alone."""
+    system = plane(f"px^2/2 + py^2/2 + (x + {valley})^2/2 + {along}")
+    (found,) = searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20)
+    x = -float(sympy.sympify(valley).subs(sympy.Symbol("y"), y))
+    assert found.state == pytest.approx([x, y, 0, 0], abs=1e-14)
+    assert (found.family, found.linear_stability, found.signature) == ("degenerate", "degenerate", (3, 0, 1))
+
+
+@pytest.mark.parametrize("tail", ["exp(-y)", "tanh(y + y^3)", "exp(-exp(y))"])
+def test_a_tail_on_a_curved_valley_has_no_equilibrium(tail):
+    system = plane(f"px^2/2 + py^2/2 + (x + y^3 - exp(y/4))^2/2 + {tail}")
+    assert searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20) == []
+
+
+def circles(radial, momentum, n_starts=20):
+    """Relative equilibria of a particle in the plane in a central force, with their radii."""
+    system = plane(f"px^2/2 + py^2/2 + {radial.replace('r2', '(x^2 + y^2)')}")
+    turning = "x*py - y*px"
+    found = lp.equilibria(system, {}, along=(turning,), values={turning: momentum}, n_starts=n_starts)
+    return list(found), [float(np.hypot(*e.state[:2])) for e in found]
+
+
+MEETING = "3*r2/2 - r2^2/2"
+"""L^2/(2 r^2) + 3 r^2/2 - r^4/2 is critical where 3 r^4 - 2 r^6 = L^2; for L = 1 this has the double root r = 1."""
+
+
+@pytest.mark.thorough
+def test_two_circles_that_meet_are_one_and_degenerate():
+    (found,), (r,) = circles(MEETING, 1)
+    assert r == pytest.approx(1, abs=1e-14)
+    assert (found.family, found.linear_stability, found.growth_rate) == ("circle", "degenerate", 0)
+    assert found.signature == (1, 0, 1)
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("momentum", [0.9999, 0.999999, 1 - 1e-9])
+def test_two_circles_that_nearly_meet_are_two(momentum):
+    """They are real roots u = r^2 of 2 u^3 - 3 u^2 + L^2 = 0, 2 sqrt((1 - L^2)/12) apart to first order."""
+    (inner, outer), radii = circles(MEETING, momentum)
+    gap = np.sqrt((1 - momentum**2) / 3)
+    assert radii[1] - radii[0] == pytest.approx(gap, rel=max(1e-2 * gap, 1e-6))
+    assert inner.energy < outer.energy
+    assert [e.family for e in (inner, outer)] == ["circle", "circle"]
+    assert (inner.linear_stability, inner.signature) == ("stable spectrum", (2, 0, 0))
+    assert (outer.linear_stability, outer.signature) == ("unstable", (1, 1, 0))
+    assert inner.n_found + outer.n_found >= 10
+
+
+@pytest.mark.thorough
+def test_circles_that_have_met_and_vanished_are_none():
+    assert circles(MEETING, 1.0001)[0] == []
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize(
+    ("radial", "momentum", "radii", "n_starts"),
+    [
+        # L^2 = r^3 V'(r) = (r + r^2) exp(-r) for the potential of Yukawa
+        ("-exp(-sqrt(r2))/sqrt(r2)", 0.9, [1.272123767, 2.014651463], 60),
+        ("-exp(-sqrt(r2))/sqrt(r2)", 1.0, [], 20),  # the largest value of (r + r^2) exp(-r) is 0.8399
+        ("-1/sqrt(r2)", 0.8, [0.64], 20),  # r = L^2
+        ("-1/r2", 0.8, [], 20),  # L^2 = 2 is wanted
+        ("-exp(-r2)", 2.0, [], 20),  # L^2 = 2 r^4 exp(-r^2) is at most 8 exp(-2) = 1.08
+    ],
+)
+def test_circles_in_a_central_force(radial, momentum, radii, n_starts):
+    found, real = circles(radial, momentum, n_starts)
+    assert real == pytest.approx(radii, abs=1e-9)
+    assert [e.family for e in found] == ["circle"] * len(radii)
+    assert [e.linear_stability for e in found] == ["stable spectrum", "unstable"][: len(radii)]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("values", [{"Lz": 1.0}, {"Lx": 0.0, "Ly": 0.6, "Lz": 0.8}])
+def test_circles_that_meet_in_space(values):
+    """The same with one component of the angular momentum and with all three, which do not commute."""
+    space = lp.canonical(names=("x", "y", "z"), momenta=("px", "py", "pz"))
+    turning = {"Lx": "y*pz - z*py", "Ly": "z*px - x*pz", "Lz": "x*py - y*px"}
+    square = "(x^2 + y^2 + z^2)"
+    energy = f"(px^2 + py^2 + pz^2)/2 + 3/2*{square} - {square}^2/2"
+    system = lp.System(space, energy, integrals=turning)
+    (found,) = lp.equilibria(system, {}, along=tuple(values), values=values, n_starts=12)
+    assert np.linalg.norm(found.state[:3]) == pytest.approx(1, abs=1e-7)  # the values are rounded, and a root is taken
+    assert (found.family, found.linear_stability) == ("circle", "degenerate")
+
+
+def test_a_guess_near_circles_that_meet_is_led_to_them():
+    turning = "x*py - y*px"
+    system = plane("px^2/2 + py^2/2 + 3/2*(x^2 + y^2) - (x^2 + y^2)^2/2")
+    near = lp.phase_space.equilibrium_near(system, [1.02, 0.1, 0, 1], along=(turning,), values={turning: 1})
+    assert np.hypot(*near.state[:2]) == pytest.approx(1, abs=1e-14)
+    assert (near.linear_stability, near.signature) == ("degenerate", (1, 0, 1))

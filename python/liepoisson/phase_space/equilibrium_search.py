@@ -23,6 +23,7 @@ from liepoisson.arrays import Array, norm
 from liepoisson.phase_space.critical_points import (
     MOST_STEPS,
     SOFT,
+    VANISHES,
     HamiltonianFields,
     critical_points,
     residuals,
@@ -30,9 +31,10 @@ from liepoisson.phase_space.critical_points import (
 )
 from liepoisson.phase_space.equilibrium_list import signed_sum
 from liepoisson.phase_space.leaf_search import representative
-from liepoisson.phase_space.second_variation import curvatures, null_directions
-from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, zero_near
+from liepoisson.phase_space.second_variation import curvatures, null_directions, symmetry_directions
+from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, settled, zero_near
 from liepoisson.phase_space.stability import Equilibrium, analysis
+from liepoisson.phase_space.symmetry_orbit import Motion, SymmetryOrbit, free_motions
 from liepoisson.streams import Purpose, stream
 
 if TYPE_CHECKING:
@@ -61,21 +63,26 @@ _STEP, _MOST_STEPS, _KICKS, _FEW_STEPS = 0.15, 120, 4, 20
 """Steps along a family, relative to the length of the state; random steps where the straight way is blocked; steps of
 Newton's method after each."""
 
+_CARRIED = 1e-12
+"""The residual that is left of a relative equilibrium where the motion of an integral has carried it without error."""
+
 _ORDERS, _FLATTER = (2.0, 3.0, 4.0, 5.0), 0.25
 """Degrees of the first terms that do not vanish, which are tried, and what a step must do to the soft directions."""
 
 
 @dataclass
 class _Family:
-    """One isolated equilibrium, or several of one connected family; `curve` has states all along a closed one.
+    """One isolated equilibrium, or several of one connected family.
 
-    The states are in the units of the leaf, except that of `first`.
+    `orbit` is what the motion of an integral makes of one relative equilibrium, and `curve` has states all along
+    another closed family. The states are in the units of the leaf, except that of `first`.
     """
 
     first: Equilibrium
     states: list[Array] = field(default_factory=list[Array])
     kind: str = "point"
     curve: Array | None = None
+    orbit: SymmetryOrbit | None = None
 
     def counted(self) -> Equilibrium:
         return replace(self.first, n_found=len(self.states), family=self.kind)
@@ -154,7 +161,7 @@ class EquilibriumSearch:
             slow = is_critical(self._fields, self._leaf, states, residual, within=_SLOW) & ~near
             near[np.flatnonzero(slow)[:_FEW_SLOW]] = True
         states = states[near]
-        ends = [self._polished(x) if is_sure or not self._may_mislead else self._led_on(x) for x in states]
+        ends = [self._polished(x) if is_sure else self._led_on(x) for x in states]
         states = np.array([x for x in ends if x is not None]).reshape(-1, starts.shape[1])
         if not len(states):
             return states, np.zeros(0)
@@ -179,10 +186,7 @@ class EquilibriumSearch:
                 if self._is_connected(family, state):
                     family.states.append(state)
                     return
-        if zero.is_isolated:
-            self._families.append(_Family(new, [state], "degenerate" if directions.shape[1] else "point"))
-        else:
-            self._families.append(self._family(new, state, directions))
+        self._families.append(self._family(new, state, directions, is_isolated=zero.is_isolated))
 
     @cached_property
     def _may_mislead(self) -> bool:
@@ -190,6 +194,10 @@ class EquilibriumSearch:
 
     def _led_on(self, state: Array) -> Array | None:
         """The critical point to which Newton's method was on its way, None if there is none."""
+        if not self._may_mislead:
+            zero = settled(self._leaf, self._fields, self._values, self._polished(state))
+            self._zeros.append(zero)
+            return zero.state
         zero = zero_near(self._leaf, self._fields, self._values, state)
         if zero is not None and residuals(self._leaf, self._fields, zero.state[None], self._values)[0] > FOUND:
             # all directions are flat at the critical point, so that none looks soft beside the others
@@ -241,25 +249,47 @@ class EquilibriumSearch:
         values = curvatures(self._leaf, self._fields, state)
         return float(values[values <= SOFT].max(initial=0.0))
 
-    def _family(self, first: Equilibrium, state: Array, directions: Array) -> _Family:
-        """What the family is: a step in the kernel that stays a step is along a family."""
-        n = directions.shape[1]
-        if not n:
+    def _family(self, first: Equilibrium, state: Array, directions: Array, *, is_isolated: bool) -> _Family:
+        """What the family is: the motions of integrals, and steps in the kernel that stay steps, are along it."""
+        if not directions.shape[1]:
             return _Family(first, [state])
-        step = _STEP * (float(norm(state)) + self._fields.unit)
-        moved = [self._corrected(state + step * v, is_sure=False) for v in directions.T]
-        steps = np.array([(m - state if m is not None else np.zeros_like(state)) / step for m in moved])
-        _, lengths, along = np.linalg.svd(steps @ directions)
-        n_free = int((lengths > 0.3).sum())
+        motions = free_motions(self._leaf, self._fields, state)
+        kernel = directions[:, symmetry_directions(self._leaf, self._fields, state).shape[1] :]
+        along = np.zeros((len(state), 0)) if is_isolated else self._free_steps(state, kernel)
+        n_free = len(motions) + along.shape[1]
         if not n_free:
             return _Family(first, [state], "degenerate")
-        curve = self._round(state, directions @ along[0]) if n_free == 1 else None
-        return _Family(first, [state], f"family of dimension {n_free}" if curve is None else "circle", curve)
+        orbit, curve = None, None
+        if n_free == 1:
+            orbit = SymmetryOrbit.through(motions[0], state, self._kept, _SAME) if motions else None
+            curve = self._round(state, along[:, 0]) if along.size else None
+        is_closed = orbit is not None or curve is not None
+        return _Family(first, [state], "circle" if is_closed else f"family of dimension {n_free}", curve, orbit)
+
+    def _free_steps(self, state: Array, kernel: Array) -> Array:
+        """Directions of the kernel of the second variation in which a family goes on, shape (N, n)."""
+        if not kernel.shape[1]:
+            return kernel
+        step = _STEP * (float(norm(state)) + self._fields.unit)
+        moved = [self._corrected(state + step * v, is_sure=False) for v in kernel.T]
+        steps = np.array([(m - state if m is not None else np.zeros_like(state)) / step for m in moved])
+        _, lengths, along = np.linalg.svd(steps @ kernel)
+        return kernel @ along[lengths > 0.3].T
+
+    def _kept(self, carried: Array) -> Array | None:
+        """A relative equilibrium that the motion of an integral has carried on, free of the error made on the way."""
+        if residuals(self._leaf, self._fields, carried[None], self._values)[0] <= _CARRIED:
+            return carried
+        moved = self._corrected(carried)
+        size = float(norm(carried)) + self._fields.unit
+        return None if moved is None or norm(moved - carried) > _SAME * size else moved
 
     def _is_connected(self, family: _Family, goal: Array) -> bool:
         """Whether a path of critical points leads from the family to the goal; if not, none was found."""
         if family.kind == "degenerate":  # none leads away from it
             return False
+        if family.orbit is not None:
+            return family.orbit.contains(goal, _SAME)
         states = family.states if family.curve is None else family.curve
         distances = norm(np.asarray(states) - goal, axis=1)
         if family.curve is not None and distances.min() > 2 * _STEP * (float(norm(goal)) + self._fields.unit):
@@ -284,11 +314,20 @@ class EquilibriumSearch:
                 step = directions @ self._kicks.standard_normal(directions.shape[1])
                 length = float(norm(step)) * 10
             step *= min(1.0, _STEP * size / max(length, np.finfo(float).tiny))
-            moved = self._corrected(x + step)
+            moved = self._corrected(self._stepped(x, step))
             if moved is None:
                 return False
             x = moved
         return False
+
+    def _stepped(self, x: Array, step: Array) -> Array:
+        """The state after a step along a family; as far as it is a motion of integrals, this carries the state."""
+        turning = symmetry_directions(self._leaf, self._fields, x)
+        part = turning @ (turning.T @ step)
+        if not norm(part) > VANISHES * norm(step):
+            return x + step
+        motion = Motion.with_velocity(self._leaf, self._fields, x, part)
+        return motion.carried(x, min(1.0, motion.longest_step(x))) + step - part
 
     def _round(self, begin: Array, before: Array) -> Array | None:
         """States all along the curve through this one, or None if it was not seen to close."""

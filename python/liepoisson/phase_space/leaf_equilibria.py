@@ -27,7 +27,7 @@ from liepoisson.phase_space.euler_characteristic import euler_characteristic
 from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.polynomial_equilibria import polynomial_equilibria
-from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, zero_near
+from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, settled, zero_near
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
 from liepoisson.phase_space.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
 from liepoisson.scalars import as_count, as_number
@@ -222,6 +222,8 @@ def equilibrium_near(
     if zero is not None and may_mislead(functions.energy) and is_critical(fields, view, states, residual, NEAR)[0]:
         zero = zero_near(view, fields, level, zero.state)
         reached = f"{reached}, where H only becomes flat and has no critical point" if zero is None else reached
+    elif zero is not None and is_critical(fields, view, states, residual)[0]:
+        zero = settled(view, fields, level, zero.state)
     if zero is not None:
         states = zero.state[None]
         residual = residuals(view, fields, states, level)

@@ -32,7 +32,8 @@ from liepoisson.arrays import Array
 from liepoisson.exact.polynomials.certified_roots import precision
 from liepoisson.exact.rational_polynomials import powers_of
 from liepoisson.phase_space.critical_points import HamiltonianFields
-from liepoisson.phase_space.second_variation import soft_directions, symmetry_directions
+from liepoisson.phase_space.second_variation import curvatures, soft_directions
+from liepoisson.phase_space.symmetry_orbit import free_motions
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -40,6 +41,9 @@ if TYPE_CHECKING:
 
 _SUSPECT = 1e-3
 """Directions that are softer than this, relative to the largest curvature, are looked at with more digits."""
+_FLAT, _SETTLED = 1e-11, 1e-2
+"""Directions that are softer than this are flat to round-off; how far a critical point that was found for sure may be
+from where it was found."""
 _LED_ON_BY_DOUBLES = 6
 """Degree of polynomials whose critical points are of orders that the search needs no more digits for."""
 _BITS = 1060
@@ -52,7 +56,10 @@ _VISIBLE = arb(2) ** 320
 _NEARBY = tuple(sign * share for share in (1e-6, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.1) for sign in (1, -1))
 """Where the slope is looked at, relative to the length of the state, if it is not seen at the state itself. The first
 is for a state that is a critical point, from which others that are not far would be found instead."""
-_STEPS, _CHORDS, _REFRESHED = 14, 60, 4
+_STEPS, _CHORDS, _REFRESHED = 14, 200, 4
+_GAINED = 1e-9
+"""What a chord leaves of the error, at most, or else the linear equations are taken anew, where the chords have led: on
+a curved valley those of a place beside it gain a few digits each time, and 280 are wanted."""
 _CONVERGED, _CLOSE, _BACK, _FAR = 1e-10, 1e-6, 1e-8, 2.0
 """Steps of Newton's method for n, relative to the length of the state: the last one, one after which a slope that is
 not seen any more counts as zero, one back from which such a zero must be found again, and one that leads away."""
@@ -110,7 +117,10 @@ def zero_near(
     soft = soft_directions(leaf, fields, state, within)
     if not soft.shape[1]:
         return SoftZero(state)
-    phases = symmetry_directions(leaf, fields, state)
+    phases = (
+        np.array([motion.velocity(state) for motion in free_motions(leaf, fields, state)]).reshape(-1, len(state)).T
+    )
+    phases = np.linalg.qr(phases)[0]
     with precision(_BITS):
         slope = _ReducedSlope.at_state(leaf, fields, values, state, (soft, phases))
         if slope is None:
@@ -126,6 +136,25 @@ def zero_near(
         return next((zero for zero in found if zero is not None), None)
 
 
+def settled(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array) -> SoftZero:
+    """The critical point itself where one was found for sure, but not to round-off, as where two are just meeting.
+
+    The state is returned where no direction is soft, or those that are soft are flat to round-off.
+
+    Args:
+        leaf: The leaf.
+        fields: Those of H and of integrals.
+        values: The values of the integrals.
+        state: Where Newton's method came to rest, shape (N,).
+    """
+    sizes = curvatures(leaf, fields, state)
+    if not ((sizes > _FLAT) & (sizes <= _SUSPECT)).any():
+        return SoftZero(state)
+    zero = zero_near(leaf, fields, values, state)
+    near = _SETTLED * (float(np.linalg.norm(state)) + fields.unit)
+    return zero if zero is not None and np.linalg.norm(zero.state - state) <= near else SoftZero(state)
+
+
 @dataclass(frozen=True)
 class SoftZero:
     """A critical point with soft directions.
@@ -134,7 +163,8 @@ class SoftZero:
         state: The state, shape (N,).
         is_flat: Whether it is known to be of an order above one along all of these, so that the second variation is
             zero there.
-        is_isolated: Whether it is known to be no state of a family of critical points.
+        is_isolated: Whether it is known to be no state of a family of critical points, but for those to which the
+            motions of the integrals carry it.
     """
 
     state: Array
@@ -211,7 +241,7 @@ class _ReducedSlope:
     def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> _Slope | None:
         """The slope at s, None where the other unknowns were not found."""
         unknowns = self.start if unknowns is None else unknowns
-        last, refreshed = None, 0
+        last, refreshed, renewed = None, 0, 0
         for _ in range(_CHORDS):
             value, rest = self._equations(s, unknowns)
             if not all(v.is_finite() for v in (*value, *rest)):
@@ -231,6 +261,9 @@ class _ReducedSlope:
                 if refreshed > _REFRESHED or not self._refreshed(y):
                     return None
                 size = None
+            elif last is not None and renewed < _REFRESHED and not size < _GAINED * last:
+                renewed += 1
+                self._refreshed(np.array([float(y.mid()) for y in self._state(s, unknowns)]))
             last = size
         return None
 
@@ -321,6 +354,8 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
     """A zero of the slope, by Newton's method for n from s; `is_own`: s is where the search came to rest."""
     last, slow, rounded, shares = None, 0, None, np.zeros(0)
     came_from: list[arb] = []
+    if is_own and (fold := _fold_to_round_off(slope, s)) is not None:
+        return slope.zero(fold, np.array([0.5]))
     for number in range(_STEPS):
         there = slope.at(s)
         if there is None:
@@ -339,7 +374,8 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
         came_from = step
         s = [(a - b).mid() for a, b in zip(s, step, strict=True)]
         if size <= _CONVERGED and _is_one_over_whole(shares, _WHOLE) and (last is None or size <= _SHORTER * last):
-            return slope.zero(s, shares)
+            fold = _fold_to_round_off(slope, s)
+            return slope.zero(s, shares) if fold is None else slope.zero(fold, np.array([0.5]))
         if number == 0 and is_own and _is_zero_to_round_off(slope, s, shares):
             rounded = slope.zero(s, shares)
         slow += last is not None and size > _SHORTER * last
@@ -384,6 +420,27 @@ def _is_zero_to_round_off(slope: _ReducedSlope, s: list[arb], shares: Array) -> 
         return False
     there = slope.at(s)
     return there is not None and bool(_largest(there.value) <= _ROUND_OFF * slope.curvature * slope.length)
+
+
+def _fold_to_round_off(slope: _ReducedSlope, s: list[arb]) -> list[arb] | None:
+    r"""The place near s where two zeros meet, if round-off in the values that are kept can make them meet there.
+
+    Between two simple zeros $|g|$ is largest at the distance $g'/g''$; if they have just vanished it is smallest there.
+    """
+    if len(s) > 1 or not slope.functions:
+        return None
+    h, size = _INNER * slope.length, slope.curvature * slope.length
+    beside = [slope.at(_moved(s, k * h, [arb(1)])) for k in (-1, 0, 1)]
+    left, here, right = ([there.value[0] for there in beside if there is not None] + [arb(0)] * 3)[:3]
+    first, second = (right - left) / (2 * h), (right - 2 * here + left) / (h * h)
+    if None in beside or not abs(second) * slope.length**2 >= _SUSPECT * size:
+        return None
+    way = (-first / second).mid()
+    if not abs(way) <= _CLOSE * slope.length:
+        return None
+    fold = [v.mid() for v in _moved(s, way, [arb(1)])]
+    there = slope.at(fold)
+    return fold if there is not None and _largest(there.value) <= _ROUND_OFF * size else None
 
 
 def _step(slope: _ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb], Array] | None:
