@@ -168,16 +168,20 @@ class Leaf:
     def residual(self, states: ArrayLike) -> Array:
         r"""The largest relative violation of the equations, shape (...).
 
-        That of $f = c$ is $|f - c| / (|c| + \sum_b|x_b||\nabla_b f|)$ with the fields $x_b$, whose units do not matter.
+        That of $f = c$ is $|f - c| / (|c| + \sum_b(|x_b| + 2^{-52}u_b)|\nabla_b f|)$ with the fields $x_b$, whose units
+        do not matter, and their units $u_b$ on the leaf (see `field_units`): what is left of a field that vanishes is
+        no violation.
         On a stratum that is not listed, and where not all Casimirs are known, only the known ones are compared:
         necessary, not sufficient.
         """
         groups = unit_groups(self.system.bracket)
+        units = np.zeros(1 + max(groups))
+        np.maximum.at(units, list(groups), np.finfo(float).eps * self.in_units().units)
         if self.place.is_known:
-            equations = replace(self.equations, groups=groups)
+            equations = replace(self.equations, groups=groups, unit=units)
         else:
             functions = tuple(self.place.casimirs.values())
-            equations = Equations(self.place.pinned, functions, self._values, np.eye(len(functions)), groups)
+            equations = Equations(self.place.pinned, functions, self._values, np.eye(len(functions)), groups, units)
         return equations.residual(self._points(states))
 
     def contains(self, states: ArrayLike, tol: float = 1e-10) -> NDArray[np.bool_]:

@@ -29,7 +29,8 @@ class Equations:
         mixing: Independent combinations M of the functions, shape (m, function).
         groups: The number of the block $x_b$ of each component whose lengths are told apart; empty where all are of one
             order.
-        unit: What is added to their lengths: 1 where zero is a value like others, as of a coordinate, else 0.
+        unit: What is added to their lengths: 1 where zero is a value like others, as of a coordinate, else 0; or one
+            for each block, shape (block,).
     """
 
     pinned: Array
@@ -37,7 +38,7 @@ class Equations:
     values: Array
     mixing: Array
     groups: tuple[int, ...] = ()
-    unit: float = 0.0
+    unit: float | Array = 0.0
 
     def with_function(self, function: PhaseFunction, value: float) -> Equations:
         """One equation more, f(x) = value."""
