@@ -21,7 +21,7 @@ use points::Collected;
 pub use points::Points;
 use remainder::shifted;
 use room::Room;
-use seat::Seat;
+use seat::{Lost, Seat};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -52,6 +52,9 @@ pub struct Doubts {
     pub n_unbounded: u64,
     /// Steps with a part of which nothing is known: crossings there are not found, and a change of sign across it is none.
     pub n_unseen: u64,
+    /// Changes of sign, of those that are wanted, across parts where the function has values and could not be followed, if it does
+    /// not grow towards them from both sides as beside a pole.
+    pub n_lost_changes: u64,
     /// The length of the parts on which the function has no value.
     pub undefined_time: f64,
     /// The length of the parts on which the function has values, but could not be followed: it varies too fast for its error,
@@ -69,6 +72,7 @@ impl Doubts {
     const NONE: Doubts = Doubts {
         n_unbounded: 0,
         n_unseen: 0,
+        n_lost_changes: 0,
         undefined_time: 0.0,
         unresolved_time: 0.0,
         seen_to: f64::NAN,
@@ -226,7 +230,7 @@ impl Observer for Recorder<'_> {
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
         let mut state = std::mem::take(&mut self.room.state);
         state.clear();
-        (self.room.n_lost, self.room.is_blind) = (0, false);
+        (self.room.n_lost, self.room.is_blind, self.room.n_spare) = (0, false, [MOST_SPARE[0], 0]);
         let whole = Part { from: 0.0, length: 1.0 };
         if self.seats[lane].first_step.is_nan() {
             self.seats[lane].first_step = step.size.abs();
@@ -296,6 +300,21 @@ struct Part {
 /// A part of a step is halved at most so often to make the series of the function converge.
 const MOST_HALVINGS: u32 = 14;
 
+/// Some parts are halved more often, beside a place where the function is steep or singular: there are few of them, and they
+/// become as short as the spacing of numbers near the length of a step allows.
+const MOST_HALVINGS_SPARE: u32 = 42;
+
+/// So many parts of a step, and of a part of it that was halved [`MOST_HALVINGS`] times: a step of a function, with a pole beside
+/// it, takes three for every halving.
+const MOST_SPARE: [usize; 2] = [1024, 128];
+
+/// Parts are halved so often at least before the function is said to have no value there: it may have one between the places
+/// that are tried.
+const LEAST_HALVINGS: u32 = 6;
+
+/// A function that is larger at the end of what is seen than one length of the gap before by this factor grows as beside a pole.
+const GROWS: f64 = 1.2;
+
 /// Parts of one step that are given up before the rest of it is not halved any more. A singularity costs a few; a function
 /// that varies faster than its error allows costs all parts there are, 16384 in every step, and nothing is found on them.
 const MOST_LOST: usize = 256;
@@ -341,18 +360,34 @@ impl Recorder<'_> {
             return ControlFlow::Break(part.from);
         }
         let (surface, n) = (self.surface, self.n);
-        let is_last = halvings == MOST_HALVINGS || self.room.n_lost >= MOST_LOST;
+        if halvings == MOST_HALVINGS {
+            self.room.n_spare[1] = MOST_SPARE[1].min(self.room.n_spare[0]);
+        } else if halvings > MOST_HALVINGS {
+            self.room.n_spare = self.room.n_spare.map(|n| n.saturating_sub(1));
+        }
+        let has_spare = (MOST_HALVINGS..MOST_HALVINGS_SPARE).contains(&halvings) && self.room.n_spare[1] > 0;
+        let is_last = halvings >= MOST_HALVINGS && !has_spare || self.room.n_lost >= MOST_LOST;
         // the whole step is measured already
         if halvings > 0 {
             self.room.measure_part(state, step.size * part.length, n);
         }
         self.room.expand(state, step.size * part.length, &surface.function, n);
-        if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
-            self.survey_part(lane, step, part, error);
-            return ControlFlow::Continue(());
+        let takes_all = is_last || halvings == MOST_HALVINGS;
+        let mut exists = true;
+        if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, takes_all) {
+            let vanishes = self.room.vanishes(&state[..n], &surface.function, error);
+            if vanishes.is_none() {
+                self.survey_part(lane, step, part, error);
+                return ControlFlow::Continue(());
+            }
+            if vanishes == Some(true) || takes_all {
+                self.lose_sight(lane, step, part, true);
+                return ControlFlow::Continue(());
+            }
+        } else {
+            exists = self.exists_somewhere(step, part);
         }
-        let exists = self.exists_somewhere(step, part);
-        if is_last || !exists {
+        if is_last || !exists && halvings >= LEAST_HALVINGS {
             self.lose_sight(lane, step, part, exists);
             return ControlFlow::Continue(());
         }
@@ -377,14 +412,37 @@ impl Recorder<'_> {
             }
         });
         self.room.series = series;
+        if let Some(Lost { grows, tau, .. }) = self.seats[lane].regained.take()
+            && !(grows && self.grows_from(step, part.from * step.size, tau))
+        {
+            self.seats[lane].doubts.n_lost_changes += 1;
+        }
+    }
+
+    /// Whether the function is larger at a time of the step than so long after it, as beside a pole.
+    fn grows_from(&mut self, step: &Step<'_>, at: f64, tau: f64) -> bool {
+        let (mut state, mut value) = (vec![0.0; self.n], [0.0]);
+        let [near, far] = [at, at + tau].map(|tau| {
+            step.state(tau, &mut state);
+            self.surface.function.series(&state, &mut self.room.work, &mut value);
+            value[0].abs()
+        });
+        near > GROWS * far
     }
 
     /// Nothing is known of the function here: what its sign was before says nothing about what comes.
     fn lose_sight(&mut self, lane: usize, step: &Step<'_>, part: Part, exists: bool) {
         self.room.n_lost += usize::from(exists);
         self.room.is_blind = true;
+        let tau = part.length * step.size;
+        let grows = exists && self.seats[lane].side != 0 && self.grows_from(step, part.from * step.size, -tau);
         let seat = &mut self.seats[lane];
         seat.leave_the_nearest();
+        seat.lost = match seat.lost.take() {
+            _ if !exists => None,
+            Some(lost) => Some(Lost { tau, ..lost }),
+            None => (seat.side != 0).then_some(Lost { side: seat.side, grows, tau }),
+        };
         seat.side = 0;
         let time = (part.length * step.size).abs();
         if exists {
