@@ -333,10 +333,10 @@ def section(
       steps are not so long that the bound is of no use; else it is estimated from the last terms of the series of the
       state, and `unbounded_steps` counts these steps.  Round-off is estimated.
     - Where s has no value (the square root of a negative number), or cannot be followed (next to a pole or to the end
-      of a root, where it varies faster than the error of the state allows, or where its numbers are below the smallest),
-      nothing is found.  `undefined_time` and `unresolved_time` say for how long, `seen_to` up to when there was no such
-      gap, and a `SurfaceWarning` tells when it is more than a thousandth of the time, or when s has the other sign after
-      it.  A pole, at which s changes its sign, is no crossing, and not warned of.
+      of a root, where it varies faster than the error of the state allows, or where its numbers are below the
+      smallest), nothing is found.  `undefined_time` and `unresolved_time` say for how long, `seen_to` up to when there
+      was no such gap, and a `SurfaceWarning` tells when it is more than a thousandth of the time, or when s has the
+      other sign after it.  A pole, at which s changes its sign, is no crossing, and not warned of.
     - Where $|s|$ falls below the error and returns to the side that it came from, the point is reported as a touch and
       not decided.  A tangency is one.
 

@@ -302,18 +302,18 @@ const MOST_HALVINGS: u32 = 14;
 
 /// Some parts are halved more often, beside a place where the function is steep or singular: there are few of them, and they
 /// become as short as the spacing of numbers near the length of a step allows.
-const MOST_HALVINGS_SPARE: u32 = 42;
+const MOST_HALVINGS_SPARE: u32 = 48;
 
-/// So many parts of a step, and of a part of it that was halved [`MOST_HALVINGS`] times: a step of a function, with a pole beside
-/// it, takes three for every halving.
-const MOST_SPARE: [usize; 2] = [1024, 128];
+/// So many of a step, and of a part of it that was halved [`MOST_HALVINGS`] times. A singularity takes a few for every halving, a
+/// function that varies faster than its error allows all that there are.
+const MOST_SPARE: [usize; 2] = [4096, 512];
 
 /// Parts are halved so often at least before the function is said to have no value there: it may have one between the places
 /// that are tried.
 const LEAST_HALVINGS: u32 = 6;
 
-/// A function that is larger at the end of what is seen than one length of the gap before by this factor grows as beside a pole.
-const GROWS: f64 = 1.2;
+/// A function that is larger by this factor at the ends of a gap than at a distance of its length grows as beside a pole.
+const GROWS: f64 = 1.5;
 
 /// Parts of one step that are given up before the rest of it is not halved any more. A singularity costs a few; a function
 /// that varies faster than its error allows costs all parts there are, 16384 in every step, and nothing is found on them.
@@ -364,23 +364,26 @@ impl Recorder<'_> {
             self.room.n_spare[1] = MOST_SPARE[1].min(self.room.n_spare[0]);
         } else if halvings > MOST_HALVINGS {
             self.room.n_spare = self.room.n_spare.map(|n| n.saturating_sub(1));
+            if self.room.n_spare[1] == 0 {
+                self.room.n_spare[0] = 0; // no single singularity: others of the step would cost as much
+            }
         }
         let has_spare = (MOST_HALVINGS..MOST_HALVINGS_SPARE).contains(&halvings) && self.room.n_spare[1] > 0;
-        let is_last = halvings >= MOST_HALVINGS && !has_spare || self.room.n_lost >= MOST_LOST;
+        let is_last =
+            halvings >= MOST_HALVINGS && !has_spare || halvings <= MOST_HALVINGS && self.room.n_lost >= MOST_LOST;
         // the whole step is measured already
         if halvings > 0 {
             self.room.measure_part(state, step.size * part.length, n);
         }
         self.room.expand(state, step.size * part.length, &surface.function, n);
-        let takes_all = is_last || halvings == MOST_HALVINGS;
         let mut exists = true;
-        if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, takes_all) {
+        if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
             let vanishes = self.room.vanishes(&state[..n], &surface.function, error);
             if vanishes.is_none() {
                 self.survey_part(lane, step, part, error);
                 return ControlFlow::Continue(());
             }
-            if vanishes == Some(true) || takes_all {
+            if vanishes == Some(true) || is_last {
                 self.lose_sight(lane, step, part, true);
                 return ControlFlow::Continue(());
             }
@@ -391,10 +394,14 @@ impl Recorder<'_> {
             self.lose_sight(lane, step, part, exists);
             return ControlFlow::Continue(());
         }
-        let half = Part { length: part.length / 2.0, ..part };
+        let (n_lost, half) = (self.room.n_lost, Part { length: part.length / 2.0, ..part });
         self.look(lane, step, state, half, halvings + 1)?;
         let middle = shifted(state, n, step.size * half.length);
-        self.look(lane, step, &middle, Part { from: part.from + half.length, ..half }, halvings + 1)
+        let looked = self.look(lane, step, &middle, Part { from: part.from + half.length, ..half }, halvings + 1);
+        if halvings >= MOST_HALVINGS {
+            self.room.n_lost = self.room.n_lost.min(n_lost + 1); // one singularity
+        }
+        looked
     }
 
     /// Notes what the series of the function, known up to an error, says of its sign on a part of a step.
@@ -412,36 +419,40 @@ impl Recorder<'_> {
             }
         });
         self.room.series = series;
-        if let Some(Lost { grows, tau, .. }) = self.seats[lane].regained.take()
-            && !(grows && self.grows_from(step, part.from * step.size, tau))
+        if let Some(lost) = self.seats[lane].regained.take()
+            && !self.is_pole(step, lost.time, part.from * step.size)
         {
             self.seats[lane].doubts.n_lost_changes += 1;
         }
     }
 
-    /// Whether the function is larger at a time of the step than so long after it, as beside a pole.
-    fn grows_from(&mut self, step: &Step<'_>, at: f64, tau: f64) -> bool {
+    /// Whether the function grows towards a gap from both sides as beside a pole: a simple one is in it if the function is at least
+    /// twice as large at its ends as at a distance of its length. The gap is from a time to a place of the step.
+    fn is_pole(&mut self, step: &Step<'_>, from: f64, to: f64) -> bool {
+        let (start, resolved) = (from - step.time, f64::EPSILON * from.abs().max(step.size.abs()));
+        let length = (to - start).abs().max(64.0 * resolved).copysign(step.size);
+        if length.abs() > 0.1 * step.size.abs() {
+            return false;
+        }
         let (mut state, mut value) = (vec![0.0; self.n], [0.0]);
-        let [near, far] = [at, at + tau].map(|tau| {
+        let mut size = |tau: f64| {
             step.state(tau, &mut state);
             self.surface.function.series(&state, &mut self.room.work, &mut value);
             value[0].abs()
-        });
-        near > GROWS * far
+        };
+        size(start) > GROWS * size(start - length) && size(to) > GROWS * size(to + length)
     }
 
     /// Nothing is known of the function here: what its sign was before says nothing about what comes.
     fn lose_sight(&mut self, lane: usize, step: &Step<'_>, part: Part, exists: bool) {
         self.room.n_lost += usize::from(exists);
         self.room.is_blind = true;
-        let tau = part.length * step.size;
-        let grows = exists && self.seats[lane].side != 0 && self.grows_from(step, part.from * step.size, -tau);
         let seat = &mut self.seats[lane];
         seat.leave_the_nearest();
         seat.lost = match seat.lost.take() {
             _ if !exists => None,
-            Some(lost) => Some(Lost { tau, ..lost }),
-            None => (seat.side != 0).then_some(Lost { side: seat.side, grows, tau }),
+            Some(lost) => Some(lost),
+            None => (seat.side != 0).then_some(Lost { side: seat.side, time: step.time + part.from * step.size }),
         };
         seat.side = 0;
         let time = (part.length * step.size).abs();

@@ -51,10 +51,8 @@ impl Default for Seat {
 pub(super) struct Lost {
     /// Its sign.
     pub(super) side: i8,
-    /// Whether it grows there.
-    pub(super) grows: bool,
-    /// The length of the last such part, in the order of travel.
-    pub(super) tau: f64,
+    /// When it was lost.
+    pub(super) time: f64,
 }
 
 /// A start is on the surface if the function there is within this multiple of its error.

@@ -146,7 +146,7 @@ impl Instruction {
 }
 
 /// The logarithm of a number that is beyond the largest by more than sums and round-off take away.
-const BEYOND: f64 = 720.0;
+const BEYOND: f64 = 711.0;
 
 /// A number that is beyond the range on all of the interval: infinite, and within nothing of it.
 const INFINITE: Enclosure = Enclosure { value: f64::INFINITY, rest: 0.0, error: 0.0 };
