@@ -230,7 +230,7 @@ impl Observer for Recorder<'_> {
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
         let mut state = std::mem::take(&mut self.room.state);
         state.clear();
-        (self.room.n_lost, self.room.is_blind, self.room.n_spare) = (0, false, [MOST_SPARE[0], 0]);
+        (self.room.n_lost, self.room.is_blind, self.room.n_spare) = (0, false, MOST_SPARE[0]);
         let whole = Part { from: 0.0, length: 1.0 };
         if self.seats[lane].first_step.is_nan() {
             self.seats[lane].first_step = step.size.abs();
@@ -361,14 +361,15 @@ impl Recorder<'_> {
         }
         let (surface, n) = (self.surface, self.n);
         if halvings == MOST_HALVINGS {
-            self.room.n_spare[1] = MOST_SPARE[1].min(self.room.n_spare[0]);
-        } else if halvings > MOST_HALVINGS {
-            self.room.n_spare = self.room.n_spare.map(|n| n.saturating_sub(1));
-            if self.room.n_spare[1] == 0 {
-                self.room.n_spare[0] = 0; // no single singularity: others of the step would cost as much
-            }
+            let mut n_spare = self.room.n_spare.min(MOST_SPARE[1]);
+            let can_be_followed =
+                n_spare > 0 && self.can_be_followed(state, step.size, part.length, halvings, &mut n_spare);
+            self.room.can_be_followed = can_be_followed;
+            // where it is not a single singularity, other parts of the step would cost as much
+            self.room.n_spare =
+                if can_be_followed { self.room.n_spare.saturating_sub(MOST_SPARE[1] - n_spare) } else { 0 };
         }
-        let has_spare = (MOST_HALVINGS..MOST_HALVINGS_SPARE).contains(&halvings) && self.room.n_spare[1] > 0;
+        let has_spare = (MOST_HALVINGS..MOST_HALVINGS_SPARE).contains(&halvings) && self.room.can_be_followed;
         let is_last =
             halvings >= MOST_HALVINGS && !has_spare || halvings <= MOST_HALVINGS && self.room.n_lost >= MOST_LOST;
         // the whole step is measured already
@@ -402,6 +403,30 @@ impl Recorder<'_> {
             self.room.n_lost = self.room.n_lost.min(n_lost + 1); // one singularity
         }
         looked
+    }
+
+    /// Whether no more than so many parts of a part are needed to follow the function on all of it, but for gaps of the least length.
+    ///
+    /// Otherwise none is made: where crossings of a fast function are found on some parts only, which ones depends on the step.
+    fn can_be_followed(&mut self, state: &[f64], size: f64, length: f64, halvings: u32, n_parts: &mut usize) -> bool {
+        if *n_parts == 0 || self.control.look_at_clock().is_some() {
+            return false;
+        }
+        *n_parts -= 1;
+        if halvings == MOST_HALVINGS_SPARE {
+            return true;
+        }
+        let (function, n) = (&self.surface.function, self.n);
+        self.room.measure_part(state, size * length, n);
+        self.room.expand(state, size * length, function, n);
+        if let Some(error) = self.room.error(&state[..n], function, halvings, false)
+            && self.room.vanishes(&state[..n], function, error) != Some(false)
+        {
+            return true;
+        }
+        let half = length / 2.0;
+        self.can_be_followed(state, size, half, halvings + 1, n_parts)
+            && self.can_be_followed(&shifted(state, n, size * half), size, half, halvings + 1, n_parts)
     }
 
     /// Notes what the series of the function, known up to an error, says of its sign on a part of a step.

@@ -23,8 +23,10 @@ pub(super) struct Room {
     components: Components,
     /// How far errors of the state and round-off move the function on the part.
     along: f64,
-    /// Parts that may still be halved beyond what all parts are: of the step, and of the part that is looked at.
-    pub(super) n_spare: [usize; 2],
+    /// Parts of the step that may still be made beyond those of all functions.
+    pub(super) n_spare: usize,
+    /// Whether they are enough for the part that is looked at.
+    pub(super) can_be_followed: bool,
     /// Parts of the step that were given up although the function exists.
     pub(super) n_lost: usize,
     /// Whether there is a part of the step of which nothing is known.
