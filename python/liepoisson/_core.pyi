@@ -103,6 +103,7 @@ class _Sections(_Ends):
     undefined_time: _Array
     unresolved_time: _Array
     seen_to: _Array
+    lost_changes: NDArray[np.int64]
     in_surface: NDArray[np.bool_]
     side: NDArray[np.int8]
     first_step: _Array

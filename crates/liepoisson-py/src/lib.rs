@@ -306,6 +306,7 @@ fn sections<'py>(
     result.set_item("undefined_time", times(&|doubts| doubts.undefined_time))?;
     result.set_item("unresolved_time", times(&|doubts| doubts.unresolved_time))?;
     result.set_item("seen_to", times(&|doubts| doubts.seen_to))?;
+    result.set_item("lost_changes", doubts(&|doubts| doubts.n_lost_changes))?;
     let in_surface = sections.doubts.iter().map(|doubts| doubts.is_in_surface);
     result.set_item("in_surface", PyArray1::from_iter(py, in_surface))?;
     result.set_item("side", sections.sides.into_pyarray(py))?;

@@ -74,7 +74,7 @@ class Section(IntegratedRun):
             there or could not be followed, shape (trajectory,).
         undefined_time: For how long $s$ had no value, shape (trajectory,).
         unresolved_time: For how long $s$ had values but could not be followed: it varies faster than its error allows,
-            or a singularity of it is near.  Shape (trajectory,).
+            a singularity of it is near, or its numbers are below the smallest.  Shape (trajectory,).
         seen_to: Time up to which $s$ was followed without such a gap: where the first began, or `end_time`.  Shape
             (trajectory,).
         outcome: How each trajectory ended, shape (trajectory,); "finished" also after `n_crossings` crossings.
@@ -333,9 +333,10 @@ def section(
       steps are not so long that the bound is of no use; else it is estimated from the last terms of the series of the
       state, and `unbounded_steps` counts these steps.  Round-off is estimated.
     - Where s has no value (the square root of a negative number), or cannot be followed (next to a pole or to the end
-      of a root, or where it varies faster than the error of the state allows), nothing is found.  `undefined_time` and
-      `unresolved_time` say for how long, `seen_to` up to when there was no such gap, and a `SurfaceWarning` tells when
-      it is more than a thousandth of the time.  A pole, at which s changes its sign, is no crossing.
+      of a root, where it varies faster than the error of the state allows, or where its numbers are below the
+      smallest), nothing is found.  `undefined_time` and `unresolved_time` say for how long, `seen_to` up to when there
+      was no such gap, and a `SurfaceWarning` tells when it is more than a thousandth of the time, or when s has the
+      other sign after it.  A pole, at which s changes its sign, is no crossing, and not warned of.
     - Where $|s|$ falls below the error and returns to the side that it came from, the point is reported as a touch and
       not decided.  A tangency is one.
 
@@ -413,7 +414,7 @@ def section(
     width, members = len(coordinates), np.arange(len(states))
     label = "s" if isinstance(surface, TapeFunction) else str(as_formula(surface, "surface"))
     _warn_of_orbits_in_the_surface(label, raw["in_surface"])
-    _warn_of_gaps(label, _share(raw["unresolved_time"], raw["end_time"]))
+    _warn_of_gaps(label, _share(raw["unresolved_time"], raw["end_time"]), int(raw["lost_changes"].sum()))
     return Section(
         **given(system, field, method, states),
         coordinates=coordinates,
@@ -458,11 +459,13 @@ def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) 
         )
 
 
-def _warn_of_gaps(surface: str, share: float) -> None:
-    if share > _GAP:
+def _warn_of_gaps(surface: str, share: float, n_changes: int) -> None:
+    if share > _GAP or n_changes:
+        changes = f", and its sign changes {n_changes} times meanwhile" if n_changes else ""
         warnings.warn(
             f"the surface function {surface} could not be followed in {as_percent(share)} of the time, where crossings "
-            "are not found: it varies too fast, or is singular nearby; try a smoother one",
+            f"are not found{changes}: it varies too fast, is singular nearby, or is below the smallest numbers; try a "
+            "smoother one",
             SurfaceWarning,
             stacklevel=level_of_the_caller(),
         )

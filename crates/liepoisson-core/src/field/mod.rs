@@ -13,7 +13,7 @@ mod tops;
 pub use pieces::{Pieces, Ridge};
 pub use quadratic::Quadratic;
 pub use quadratics::{Quadratics, SeatedQuadratics};
-pub use tape::{Enclosure, Functions, Instruction, Tape};
+pub use tape::{Enclosure, Functions, Instruction, Rounding, Tape};
 pub use terms::Terms;
 pub use top::Top;
 pub use tops::{SeatedTops, Tops};

@@ -320,6 +320,53 @@ fn a_function_that_cannot_be_followed_is_not_said_to_be_missed() {
 }
 
 #[test]
+fn a_function_that_is_below_the_smallest_numbers_is_not_seen_there() {
+    // x exp(-k x^2) has the sign of x = cos t; its numbers end where x^2 = 745/k, which is at 1 for the first of them
+    let square = [Instruction::Product(0, 0)].into_iter();
+    for (k, share) in [(600.0, 0.0), (1e4, 0.824), (1e6, 0.983)] {
+        let rest = [line(2, -k, 0.0), Instruction::Exp(3), Instruction::Product(0, 4)];
+        let found = ten_turns(square.clone().chain(rest).collect());
+        assert_eq!((found.crossing_counts, found.touch_counts), (vec![20], vec![0]), "k = {k:e}");
+        assert!(found.crossings.states.chunks(2).all(|x| x[0].abs() < 1e-14), "k = {k:e}");
+        let unseen = found.doubts[0].unresolved_time / (20.0 * PI);
+        assert!((unseen - share).abs() < 0.01, "k = {k:e}: {unseen}");
+    }
+}
+
+#[test]
+fn the_inverse_of_what_is_beyond_the_largest_number_is_zero_there_only() {
+    // 1/cosh(k x) = 1/2 where |x| = arcosh(2)/k; where k x > 710 the divisor is infinite
+    let instructions = vec![
+        line(0, 1e3, 0.0),
+        Instruction::Cosh(2),
+        line(0, 0.0, 1.0),
+        Instruction::Quotient(4, 3),
+        line(5, 1.0, -0.5),
+    ];
+    let found = ten_turns(instructions);
+    assert_eq!(found.crossing_counts, [40]);
+    let wanted = libm::acosh(2.0) / 1e3;
+    assert!(found.crossings.states.chunks(2).all(|x| (x[0].abs() - wanted).abs() < 1e-13));
+}
+
+#[test]
+fn a_change_of_sign_that_is_not_seen_is_counted_and_that_of_a_pole_is_not() {
+    let steep = |factor: f64| ten_turns(vec![line(0, factor, 0.0), Instruction::Tanh(2)]);
+    for factor in [1e4, 1e6, 1e8] {
+        let found = steep(factor);
+        assert_eq!((found.crossing_counts[0], found.doubts[0].n_lost_changes), (20, 0), "tanh({factor:e} x)");
+        assert_eq!(found.doubts[0].unresolved_time, 0.0, "tanh({factor:e} x)");
+    }
+    // steeper than round-off of the state allows
+    let found = steep(1e16);
+    assert_eq!((found.crossing_counts[0], found.doubts[0].n_lost_changes), (0, 20));
+    assert!(found.doubts[0].seen_to < PI / 2.0 && found.doubts[0].unresolved_time > 0.0);
+    let found = ten_turns(vec![line(0, 0.0, 1.0), Instruction::Quotient(2, 0)]);
+    assert_eq!((found.crossing_counts[0], found.doubts[0].n_lost_changes), (0, 0));
+    assert!(found.doubts[0].unresolved_time > 0.0);
+}
+
+#[test]
 fn a_function_that_is_seen_all_the_way_says_so() {
     let found = alone(&oscillator(), &[1.0, 0.0], [0.0, 40.0], &plane(&[1.0, 0.0], -3.0));
     let doubts = found.doubts[0];

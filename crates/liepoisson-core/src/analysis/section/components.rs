@@ -11,7 +11,7 @@
 use super::remainder::{Sizes, first_of_last, term};
 use super::room::unit;
 use crate::ensemble::AnyEnsemble;
-use crate::field::{Enclosure, Functions, Majorant, Terms};
+use crate::field::{Enclosure, Functions, Majorant, Rounding, Terms};
 
 /// Terms that add up over a step to more than so many sizes of a component cancel in it. Along the long steps of a free body
 /// they add up to a few.
@@ -146,11 +146,11 @@ impl Components {
         function: &Functions,
         start: &[f64],
         ratio: f64,
-        unit: f64,
+        rounding: Rounding,
         work: &mut Vec<Enclosure>,
     ) -> Enclosure {
         self.find_rests(ratio);
-        function.enclosure_by(start, |i| (self.rests[i], self.errors[i]), unit, work)
+        function.enclosure_by(start, |i| (self.rests[i], self.errors[i]), rounding, work)
     }
 
     /// The same for a state that is known without error.

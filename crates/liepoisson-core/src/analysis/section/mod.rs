@@ -21,7 +21,7 @@ use points::Collected;
 pub use points::Points;
 use remainder::shifted;
 use room::Room;
-use seat::Seat;
+use seat::{Lost, Seat};
 use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -52,6 +52,9 @@ pub struct Doubts {
     pub n_unbounded: u64,
     /// Steps with a part of which nothing is known: crossings there are not found, and a change of sign across it is none.
     pub n_unseen: u64,
+    /// Changes of sign, of those that are wanted, across parts where the function has values and could not be followed, if it does
+    /// not grow towards them from both sides as beside a pole.
+    pub n_lost_changes: u64,
     /// The length of the parts on which the function has no value.
     pub undefined_time: f64,
     /// The length of the parts on which the function has values, but could not be followed: it varies too fast for its error,
@@ -69,6 +72,7 @@ impl Doubts {
     const NONE: Doubts = Doubts {
         n_unbounded: 0,
         n_unseen: 0,
+        n_lost_changes: 0,
         undefined_time: 0.0,
         unresolved_time: 0.0,
         seen_to: f64::NAN,
@@ -226,7 +230,7 @@ impl Observer for Recorder<'_> {
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
         let mut state = std::mem::take(&mut self.room.state);
         state.clear();
-        (self.room.n_lost, self.room.is_blind) = (0, false);
+        (self.room.n_lost, self.room.is_blind, self.room.n_spare) = (0, false, MOST_SPARE[0]);
         let whole = Part { from: 0.0, length: 1.0 };
         if self.seats[lane].first_step.is_nan() {
             self.seats[lane].first_step = step.size.abs();
@@ -296,6 +300,21 @@ struct Part {
 /// A part of a step is halved at most so often to make the series of the function converge.
 const MOST_HALVINGS: u32 = 14;
 
+/// Some parts are halved more often, beside a place where the function is steep or singular: there are few of them, and they
+/// become as short as the spacing of numbers near the length of a step allows.
+const MOST_HALVINGS_SPARE: u32 = 48;
+
+/// So many of a step, and of a part of it that was halved [`MOST_HALVINGS`] times. A singularity takes a few for every halving, a
+/// function that varies faster than its error allows all that there are.
+const MOST_SPARE: [usize; 2] = [4096, 512];
+
+/// Parts are halved so often at least before the function is said to have no value there: it may have one between the places
+/// that are tried.
+const LEAST_HALVINGS: u32 = 6;
+
+/// A function that is larger by this factor at the ends of a gap than at a distance of its length grows as beside a pole.
+const GROWS: f64 = 1.5;
+
 /// Parts of one step that are given up before the rest of it is not halved any more. A singularity costs a few; a function
 /// that varies faster than its error allows costs all parts there are, 16384 in every step, and nothing is found on them.
 const MOST_LOST: usize = 256;
@@ -341,25 +360,73 @@ impl Recorder<'_> {
             return ControlFlow::Break(part.from);
         }
         let (surface, n) = (self.surface, self.n);
-        let is_last = halvings == MOST_HALVINGS || self.room.n_lost >= MOST_LOST;
+        if halvings == MOST_HALVINGS {
+            let mut n_spare = self.room.n_spare.min(MOST_SPARE[1]);
+            let can_be_followed =
+                n_spare > 0 && self.can_be_followed(state, step.size, part.length, halvings, &mut n_spare);
+            self.room.can_be_followed = can_be_followed;
+            // where it is not a single singularity, other parts of the step would cost as much
+            self.room.n_spare =
+                if can_be_followed { self.room.n_spare.saturating_sub(MOST_SPARE[1] - n_spare) } else { 0 };
+        }
+        let has_spare = (MOST_HALVINGS..MOST_HALVINGS_SPARE).contains(&halvings) && self.room.can_be_followed;
+        let is_last =
+            halvings >= MOST_HALVINGS && !has_spare || halvings <= MOST_HALVINGS && self.room.n_lost >= MOST_LOST;
         // the whole step is measured already
         if halvings > 0 {
             self.room.measure_part(state, step.size * part.length, n);
         }
         self.room.expand(state, step.size * part.length, &surface.function, n);
+        let mut exists = true;
         if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
-            self.survey_part(lane, step, part, error);
-            return ControlFlow::Continue(());
+            let vanishes = self.room.vanishes(&state[..n], &surface.function, error);
+            if vanishes.is_none() {
+                self.survey_part(lane, step, part, error);
+                return ControlFlow::Continue(());
+            }
+            if vanishes == Some(true) || is_last {
+                self.lose_sight(lane, step, part, true);
+                return ControlFlow::Continue(());
+            }
+        } else {
+            exists = self.exists_somewhere(step, part);
         }
-        let exists = self.exists_somewhere(step, part);
-        if is_last || !exists {
+        if is_last || !exists && halvings >= LEAST_HALVINGS {
             self.lose_sight(lane, step, part, exists);
             return ControlFlow::Continue(());
         }
-        let half = Part { length: part.length / 2.0, ..part };
+        let (n_lost, half) = (self.room.n_lost, Part { length: part.length / 2.0, ..part });
         self.look(lane, step, state, half, halvings + 1)?;
         let middle = shifted(state, n, step.size * half.length);
-        self.look(lane, step, &middle, Part { from: part.from + half.length, ..half }, halvings + 1)
+        let looked = self.look(lane, step, &middle, Part { from: part.from + half.length, ..half }, halvings + 1);
+        if halvings >= MOST_HALVINGS {
+            self.room.n_lost = self.room.n_lost.min(n_lost + 1); // one singularity
+        }
+        looked
+    }
+
+    /// Whether no more than so many parts of a part are needed to follow the function on all of it, but for gaps of the least length.
+    ///
+    /// Otherwise none is made: where crossings of a fast function are found on some parts only, which ones depends on the step.
+    fn can_be_followed(&mut self, state: &[f64], size: f64, length: f64, halvings: u32, n_parts: &mut usize) -> bool {
+        if *n_parts == 0 || self.control.look_at_clock().is_some() {
+            return false;
+        }
+        *n_parts -= 1;
+        if halvings == MOST_HALVINGS_SPARE {
+            return true;
+        }
+        let (function, n) = (&self.surface.function, self.n);
+        self.room.measure_part(state, size * length, n);
+        self.room.expand(state, size * length, function, n);
+        if let Some(error) = self.room.error(&state[..n], function, halvings, false)
+            && self.room.vanishes(&state[..n], function, error) != Some(false)
+        {
+            return true;
+        }
+        let half = length / 2.0;
+        self.can_be_followed(state, size, half, halvings + 1, n_parts)
+            && self.can_be_followed(&shifted(state, n, size * half), size, half, halvings + 1, n_parts)
     }
 
     /// Notes what the series of the function, known up to an error, says of its sign on a part of a step.
@@ -377,6 +444,28 @@ impl Recorder<'_> {
             }
         });
         self.room.series = series;
+        if let Some(lost) = self.seats[lane].regained.take()
+            && !self.is_pole(step, lost.time, part.from * step.size)
+        {
+            self.seats[lane].doubts.n_lost_changes += 1;
+        }
+    }
+
+    /// Whether the function grows towards a gap from both sides as beside a pole: a simple one is in it if the function is at least
+    /// twice as large at its ends as at a distance of its length. The gap is from a time to a place of the step.
+    fn is_pole(&mut self, step: &Step<'_>, from: f64, to: f64) -> bool {
+        let (start, resolved) = (from - step.time, f64::EPSILON * from.abs().max(step.size.abs()));
+        let length = (to - start).abs().max(64.0 * resolved).copysign(step.size);
+        if length.abs() > 0.1 * step.size.abs() {
+            return false;
+        }
+        let (mut state, mut value) = (vec![0.0; self.n], [0.0]);
+        let mut size = |tau: f64| {
+            step.state(tau, &mut state);
+            self.surface.function.series(&state, &mut self.room.work, &mut value);
+            value[0].abs()
+        };
+        size(start) > GROWS * size(start - length) && size(to) > GROWS * size(to + length)
     }
 
     /// Nothing is known of the function here: what its sign was before says nothing about what comes.
@@ -385,6 +474,11 @@ impl Recorder<'_> {
         self.room.is_blind = true;
         let seat = &mut self.seats[lane];
         seat.leave_the_nearest();
+        seat.lost = match seat.lost.take() {
+            _ if !exists => None,
+            Some(lost) => Some(lost),
+            None => (seat.side != 0).then_some(Lost { side: seat.side, time: step.time + part.from * step.size }),
+        };
         seat.side = 0;
         let time = (part.length * step.size).abs();
         if exists {

@@ -210,6 +210,11 @@ impl Sizes {
         })
     }
 
+    /// The length of the step.
+    pub(super) fn length(&self) -> f64 {
+        self.step
+    }
+
     /// `P`, which bounds the state on the whole step.
     pub(super) fn sum(&self) -> f64 {
         self.terms.iter().sum()

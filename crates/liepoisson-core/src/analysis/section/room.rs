@@ -3,9 +3,9 @@
 
 use super::Surface;
 use super::components::Components;
-use super::remainder::{Sizes, left_out, scale};
+use super::remainder::{Sizes, left_out, scale, term};
 use crate::ensemble::{AnyEnsemble, Step};
-use crate::field::{Enclosure, Functions};
+use crate::field::{Enclosure, Functions, Rounding};
 use crate::lanes::ROUNDINGS;
 use crate::method::Overview;
 
@@ -21,6 +21,12 @@ pub(super) struct Room {
     error_of_state: f64,
     /// The same component by component, where one is small beside the others.
     components: Components,
+    /// How far errors of the state and round-off move the function on the part.
+    along: f64,
+    /// Parts of the step that may still be made beyond those of all functions.
+    pub(super) n_spare: usize,
+    /// Whether they are enough for the part that is looked at.
+    pub(super) can_be_followed: bool,
     /// Parts of the step that were given up although the function exists.
     pub(super) n_lost: usize,
     /// Whether there is a part of the step of which nothing is known.
@@ -97,6 +103,16 @@ impl Room {
         series.resize(state.len() / n, 0.0);
         function.series(state, work, series);
         scale(series, length);
+        if !series.iter().all(|c| c.is_finite()) {
+            // a coefficient may leave the range where its term does not
+            let mut in_units = state.to_vec();
+            let mut power = 1.0;
+            for (k, row) in in_units.chunks_exact_mut(n).enumerate() {
+                row.iter_mut().for_each(|coefficient| *coefficient = term(*coefficient, length, k, power));
+                power *= length;
+            }
+            function.series(&in_units, work, series);
+        }
     }
 
     /// Measures the sizes of the series of the state on a part of the step.
@@ -113,27 +129,46 @@ impl Room {
     /// Each coefficient of the state and each operation is right to a few units in the last place of a sum of products, and
     /// so is every shift of the survey.
     pub(super) fn error(&mut self, start: &[f64], function: &Functions, halvings: u32, is_last: bool) -> Option<f64> {
-        let Room { series, enclosures, sizes, error_of_state, components, .. } = self;
+        let Room { series, enclosures, sizes, error_of_state, components, along: kept_along, .. } = self;
         let unit = unit(series.len());
+        let rounding = Rounding::of_series(unit, series.len(), sizes.length());
         let total: f64 = series.iter().map(|c| c.abs()).sum();
         let [here, along, left_out] = if let Some(form) = function.linear_form().filter(|_| !components.are_looked_at) {
             let error = |rest| error_of_form(form, start, rest, *error_of_state, unit);
             [error(0.0), error(sizes.rest(1.0)), 0.0]
         } else if components.are_looked_at {
-            let [here, along] =
-                [f64::INFINITY, 1.0].map(|ratio| components.enclose(function, start, ratio, unit, enclosures).error);
+            let [here, along] = [f64::INFINITY, 1.0]
+                .map(|ratio| components.enclose(function, start, ratio, rounding, enclosures).error);
             let enclose = |ratio| components.enclose_exact(function, start, ratio, enclosures);
             [here, along, left_out(function, halvings, series.len(), along, enclose)]
         } else {
             let [here, along] = [0.0, sizes.rest(1.0)]
-                .map(|rest| function.enclosure(start, rest, *error_of_state, unit, enclosures).error);
+                .map(|rest| function.enclosure(start, rest, *error_of_state, rounding, enclosures).error);
             [here, along, sizes.left_out(start, function, halvings, along, enclosures)]
         };
+        *kept_along = along;
         let error = along + left_out + unit * total;
         let is_sharp = error <= SHARP * unit * total || left_out <= along && along <= BLUNT * here;
         // a bound beyond the function itself tells nothing
         let is_of_use = is_sharp || is_last && error < total;
         (error.is_finite() && total.is_finite() && is_of_use).then_some(error)
+    }
+
+    /// Whether the sign of the function may not be seen on the part because numbers below the smallest have no digits, and
+    /// whether that is so on all of it; given its error.
+    pub(super) fn vanishes(&mut self, start: &[f64], function: &Functions, error: f64) -> Option<bool> {
+        let Room { series, enclosures, sizes, error_of_state, components, along, .. } = self;
+        let rest: f64 = series[1..].iter().map(|c| c.abs()).sum();
+        if function.is_affine() || series[0].abs() > rest + error {
+            return None;
+        }
+        let rounding = Rounding::from(unit(series.len()));
+        let in_range = if components.are_looked_at {
+            components.enclose(function, start, 1.0, rounding, enclosures)
+        } else {
+            function.enclosure(start, sizes.rest(1.0), *error_of_state, rounding, enclosures)
+        };
+        (*along > 2.0 * in_range.error).then_some(series[0].abs() + rest <= error)
     }
 
     /// What is kept of the point at a fraction `at` of the step.

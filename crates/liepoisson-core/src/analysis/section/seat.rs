@@ -13,6 +13,10 @@ pub(super) struct Seat {
     pub(super) side: i8,
     /// Whether one was since the start.
     pub(super) had_side: bool,
+    /// What was known of the function before it was lost, until its sign is known again.
+    pub(super) lost: Option<Lost>,
+    /// The same once the sign is known again, and is the other one and one that is wanted.
+    pub(super) regained: Option<Lost>,
     /// The point nearest to the surface since then, where the sign is not known.
     nearest: Option<Nearest>,
     /// Where in the step the last crossing that is wanted is behind it and its side is known, in units of the step.
@@ -32,12 +36,23 @@ impl Default for Seat {
             doubts: Doubts::NONE,
             side: 0,
             had_side: false,
+            lost: None,
+            regained: None,
             nearest: None,
             served_at: 1.0,
             first_step: f64::NAN,
             refused: 0,
         }
     }
+}
+
+/// The function before a part on which it was lost.
+#[derive(Clone, Copy)]
+pub(super) struct Lost {
+    /// Its sign.
+    pub(super) side: i8,
+    /// When it was lost.
+    pub(super) time: f64,
 }
 
 /// A start is on the surface if the function there is within this multiple of its error.
@@ -88,6 +103,8 @@ impl Seat {
     /// The function has this sign from a place on that `keep` knows.
     fn note_sign(&mut self, side: i8, direction: i8, keep: impl FnOnce() -> (f64, Vec<f64>)) {
         let starts_here = !std::mem::replace(&mut self.had_side, true);
+        self.regained =
+            self.lost.take().filter(|lost| lost.side == -side && [0, side].contains(&direction)).or(self.regained);
         match self.nearest.take() {
             Some(Nearest { time, kept, .. }) if self.side != side => self.cross(side, direction, (time, kept)),
             Some(_) if starts_here => {}

@@ -19,11 +19,41 @@ pub struct Enclosure {
     pub error: f64,
 }
 
+/// How far every number of a series that is computed is from the exact result of its operation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rounding {
+    /// As a fraction of its size.
+    pub unit: f64,
+    /// Besides, as numbers below the smallest and beyond the largest have no digits; zero: neither is looked at.
+    pub floor: f64,
+}
+
+impl From<f64> for Rounding {
+    fn from(unit: f64) -> Rounding {
+        Rounding { unit, floor: 0.0 }
+    }
+}
+
+impl Rounding {
+    /// That of sums of products in a series of so many orders, whose step has a length.
+    pub fn of_series(unit: f64, n_orders: usize, length: f64) -> Rounding {
+        let (least, n) = (f64::from_bits(1), n_orders as f64);
+        Rounding { unit, floor: n.powi(3) * least * length.abs().max(1.0).powi(n_orders as i32) }
+    }
+}
+
 impl Functions {
     /// Encloses the first function where every component is within `rest` of that of `state`, and known up to `error`.
-    /// Every number is also wrong by the fraction `unit` of its size, through round-off. `work` is memory that calls share.
-    pub fn enclosure(&self, state: &[f64], rest: f64, error: f64, unit: f64, work: &mut Vec<Enclosure>) -> Enclosure {
-        self.enclosure_by(state, |_| (rest, error), unit, work)
+    /// Every number is also wrong through round-off. `work` is memory that calls share.
+    pub fn enclosure(
+        &self,
+        state: &[f64],
+        rest: f64,
+        error: f64,
+        rounding: impl Into<Rounding>,
+        work: &mut Vec<Enclosure>,
+    ) -> Enclosure {
+        self.enclosure_by(state, |_| (rest, error), rounding, work)
     }
 
     /// The same with a `rest` and an `error` for each component.
@@ -31,10 +61,10 @@ impl Functions {
         &self,
         state: &[f64],
         by_component: impl Fn(usize) -> (f64, f64),
-        unit: f64,
+        rounding: impl Into<Rounding>,
         work: &mut Vec<Enclosure>,
     ) -> Enclosure {
-        enclose(self.instructions(), state, by_component, unit, work);
+        enclose(self.instructions(), state, by_component, rounding.into(), work);
         work[self.outputs()[0]]
     }
 }
@@ -45,9 +75,10 @@ pub(super) fn enclose(
     instructions: &[Instruction],
     state: &[f64],
     by_component: impl Fn(usize) -> (f64, f64),
-    unit: f64,
+    rounding: Rounding,
     work: &mut Vec<Enclosure>,
 ) {
+    let unit = rounding.unit;
     let rounded = |Enclosure { value, rest, error }: Enclosure| {
         // a bound that is no number is none; of no harm unless the output depends on it
         let rest = if rest >= 0.0 { rest } else { f64::INFINITY };
@@ -60,7 +91,11 @@ pub(super) fn enclose(
         rounded(Enclosure { value, rest, error })
     }));
     for instruction in instructions {
-        work.push(rounded(instruction.enclosure(work)));
+        let mut found = instruction.enclosure(work);
+        if rounding.floor > 0.0 {
+            found = instruction.at_the_ends_of_range(work, found, rounding.floor);
+        }
+        work.push(rounded(found));
     }
 }
 
@@ -106,6 +141,62 @@ impl Instruction {
                     |r| 1.0 / (distance - r),
                 )
             }
+        }
+    }
+}
+
+/// The logarithm of a number that is beyond the largest by more than sums and round-off take away.
+const BEYOND: f64 = 711.0;
+
+/// A number that is beyond the range on all of the interval: infinite, and within nothing of it.
+const INFINITE: Enclosure = Enclosure { value: f64::INFINITY, rest: 0.0, error: 0.0 };
+
+impl Instruction {
+    /// What it is as it is computed, where its numbers leave the range: one that is too small is wrong by `floor`, and the error
+    /// goes on through the recursion of its series; one that is too large is known to be so on all of the interval, or not known.
+    fn at_the_ends_of_range(&self, of: &[Enclosure], found: Enclosure, floor: f64) -> Enclosure {
+        let with = |error: f64| Enclosure { error: found.error + error, ..found };
+        let is_zero = |a: usize| of[a].value == 0.0 && of[a].rest == 0.0 && of[a].error == 0.0;
+        match *self {
+            Instruction::Linear { ref terms, .. } => {
+                let lowers = |&(a, c): &(usize, f64)| of[a].value.is_infinite() && c.abs() < 1.0;
+                if found.value.is_infinite() && terms.iter().any(lowers) {
+                    return Enclosure { rest: f64::INFINITY, ..found };
+                }
+                if terms.iter().all(|&(a, _)| is_zero(a)) { found } else { with(floor) }
+            }
+            Instruction::Product(a, b) if is_zero(a) || is_zero(b) => found,
+            Instruction::Quotient(a, _) if is_zero(a) => found,
+            Instruction::Quotient(a, b) => {
+                let (size, x) = (of[a].value.abs() + of[a].rest, of[b].value.abs());
+                if x == f64::INFINITY {
+                    let is_known = of[b].rest == 0.0 && size.is_finite();
+                    return if is_known { with(f64::MIN_POSITIVE * (size + of[a].error)) } else { with(f64::NAN) };
+                }
+                // the noise of the product and of the sums, divided
+                with(floor * (1.0 + (1.0 + x) / (x - of[b].rest - of[b].error)))
+            }
+            Instruction::Exp(a) => {
+                let (x, reached) = (of[a].value, of[a].rest + of[a].error);
+                if x - reached > BEYOND {
+                    INFINITE
+                } else if found.value == 0.0 {
+                    with(floor + libm::exp(x + reached)) // no term of the series is left
+                } else {
+                    with(floor * libm::exp(2.0 * reached))
+                }
+            }
+            Instruction::Sinh(a) | Instruction::Cosh(a) if of[a].value.abs() - of[a].rest - of[a].error > BEYOND => {
+                Enclosure { value: found.value, ..INFINITE }
+            }
+            Instruction::Power(a, p) if !(0.0..=64.0).contains(&p) || p.fract() != 0.0 => {
+                let share = (of[a].rest + of[a].error) / of[a].value.abs();
+                with(floor * libm::pow(1.0 - share, -2.0 * p.abs()))
+            }
+            Instruction::Sqrt(a) | Instruction::Power(a, _) if is_zero(a) => found,
+            Instruction::Sin(a) | Instruction::Sinh(a) | Instruction::Tanh(a) if is_zero(a) => found,
+            Instruction::Asin(a) | Instruction::Atan(a) if is_zero(a) => found,
+            _ => with(floor),
         }
     }
 }

@@ -15,7 +15,7 @@ mod rules;
 mod steps;
 mod sums;
 
-pub use enclosure::Enclosure;
+pub use enclosure::{Enclosure, Rounding};
 pub use functions::Functions;
 pub use instruction::Instruction;
 
@@ -88,7 +88,7 @@ impl Space for Tape {
 
     fn terms(&self, state: &[f64], rest: &[f64], to: &mut Terms) {
         to.clear(self.n_components);
-        enclose(&self.instructions, state, |i| (rest[i], 0.0), f64::EPSILON, &mut to.work);
+        enclose(&self.instructions, state, |i| (rest[i], 0.0), f64::EPSILON.into(), &mut to.work);
         for (sum, &output) in to.linear.iter_mut().zip(&self.outputs) {
             *sum = to.work[output].error / f64::EPSILON;
         }
@@ -97,7 +97,7 @@ impl Space for Tape {
     fn round_off(&self, state: &[f64], errors: Option<&[f64]>, to: &mut Terms) {
         to.clear(self.n_components);
         let of_component = |i: usize| (0.0, errors.map_or(0.0, |errors| errors[i]));
-        enclose(&self.instructions, state, of_component, f64::EPSILON, &mut to.work);
+        enclose(&self.instructions, state, of_component, f64::EPSILON.into(), &mut to.work);
         for (sum, &output) in to.linear.iter_mut().zip(&self.outputs) {
             *sum = to.work[output].error;
         }
