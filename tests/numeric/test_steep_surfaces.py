@@ -89,7 +89,7 @@ def test_a_steep_surface_is_followed_all_the_time(surface):
 
 def test_a_time_without_digits_is_not_seen():
     """q exp(-10^4 q^2) is below 5e-324 where |q| > 0.2727: for 1 - 2 asin(0.2727)/pi = 0.824 of the time."""
-    with pytest.warns(SurfaceWarning, match="could not be followed in 8.% of the time.*below the smallest numbers"):
+    with pytest.warns(SurfaceWarning, match="could not be followed in 8.% of the time.*beyond the range of numbers"):
         found = lp.section(OSCILLATOR, START, surface="q*exp(-10000*q^2)", t_end=20 * np.pi)
     assert found.unresolved_share == pytest.approx(0.824, abs=0.01)
     assert len(found.time) == 20
@@ -119,11 +119,12 @@ def test_where_an_inverse_falls_too_fast_it_is_told_and_nothing_false_is_found(s
     assert found.seen_to[0] < ZEROS[1]
 
 
-def test_a_narrow_interval_on_which_a_function_exists_is_found():
-    """exp(10^7 q^2) is a number where |q| < 0.0084, a hundredth of a step."""
-    found = crossings("q*exp(10000000*q^2)")
+def test_a_narrow_interval_on_which_a_function_is_a_number_is_found():
+    """exp(10^7 q^2) is below the largest number where |q| < 0.0084, a hundredth of a step."""
+    with pytest.warns(SurfaceWarning, match="could not be followed in 99"):
+        found = lp.section(OSCILLATOR, START, surface="q*exp(10000000*q^2)", t_end=T_END)
     np.testing.assert_allclose(found.time, ZEROS, atol=1e-13)
-    assert found.undefined_share > 0.99
+    assert found.unresolved_share > 0.99
 
 
 @pytest.mark.parametrize("surface", ["tanh(1e15*q)", "q*exp(-100000*(q^2 - 1/4)^2)", "q^41", "q*exp(-1/q^2)"])
@@ -146,3 +147,52 @@ def test_a_pole_is_no_crossing_and_not_warned_of(surface):
     assert len(found.time) == (7 if "tan" in surface else 0)
     assert (np.abs(found.state[:, 0] + 1 / 30) < 1e-13).all()
     assert found.unresolved_time[0] > 0
+
+
+@pytest.mark.parametrize("t_end", [1e4, 1e5, 1.5e5, 2e5, 4e5, 1e6])
+def test_an_oscillating_surface_on_a_long_step_is_followed_or_told(t_end):
+    """theta = 0.1 + t exactly, in one step: sin(theta) has floor((0.1 + t_end)/pi) zeros, each seen or not followed."""
+    rotor = lp.System(lp.canonical(names=("theta",)), "p_theta^2/2")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", SurfaceWarning)
+        found = lp.section(rotor, [0.1, 1.0], surface="sin(theta)", t_end=t_end)
+    wanted = np.floor((0.1 + t_end) / np.pi)
+    unseen = float(np.sum(found.unresolved_time)) / np.pi + 2 * found.unbounded_steps.sum()
+    assert len(found.time) <= wanted <= len(found.time) + unseen + 1
+    assert len(found.touch_time) == 0
+    assert t_end > 1.2e5 or len(found.time) == wanted
+
+
+def test_a_small_fast_wave_on_a_surface_is_not_passed_over():
+    """s = q - 1/2 + sin(1e5 (q - 1/2))/1000 with q = t goes from -1/2 to 3/2, and has 65 zeros near 1/2."""
+    flow = lp.System(lp.canonical(1), "p1")
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = lp.section(flow, [0.0, 1.0], surface="q1 - 1/2 + sin(100000*(q1 - 1/2))/1000", t_end=2)
+    assert len(found.time) == 65 or any(issubclass(one.category, SurfaceWarning) for one in told)
+    assert len(found.time) == 65 or float(np.sum(found.unresolved_time)) > 1e-3
+
+
+def test_an_orbit_that_the_time_limit_stops_in_its_first_step_does_not_lie_in_the_surface():
+    """q = cos t crosses sin(1e5 q) = 0 some 60,000 times in a turn."""
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        found = lp.section(OSCILLATOR, np.tile(START, (40, 1)), surface="sin(100000*q)", t_end=200, time_limit=0.2)
+    assert "time limit" in found.outcome
+    assert not any("lie in the surface" in str(one.message) for one in told)
+
+
+@pytest.mark.parametrize("surface", ["(q - 1/2)*cosh(1800*q)", "exp(2000*q) - exp(2000*p_q)"])
+def test_beyond_the_largest_number_a_function_is_not_said_to_have_no_value(surface):
+    """Both exist everywhere; exp(710) is no double."""
+    with pytest.warns(SurfaceWarning, match="could not be followed"):
+        found = lp.section(OSCILLATOR, START, surface=surface, t_end=T_END)
+    assert found.undefined_time.sum() == 0
+    assert found.unresolved_time.sum() > 0.1 * T_END
+
+
+def test_no_time_is_less_than_none():
+    """q^3 is 1e450 there."""
+    with pytest.warns(SurfaceWarning, match="could not be followed in 100%"):
+        found = lp.section(OSCILLATOR, [1e150, 0.3e150], surface="q^3 + p_q*q^2", t_end=20)
+    assert (found.unresolved_time >= 0).all()

@@ -464,7 +464,7 @@ def _warn_of_gaps(surface: str, share: float, n_changes: int) -> None:
         changes = f", and its sign changes {n_changes} times meanwhile" if n_changes else ""
         warnings.warn(
             f"the surface function {surface} could not be followed in {as_percent(share)} of the time, where crossings "
-            f"are not found{changes}: it varies too fast, is singular nearby, or is below the smallest numbers; try a "
+            f"are not found{changes}: it varies too fast, is singular nearby, or is beyond the range of numbers; try a "
             "smoother one",
             SurfaceWarning,
             stacklevel=level_of_the_caller(),

@@ -26,7 +26,7 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use survey::{first_known, survey};
+use survey::{first_known, is_known, survey};
 
 /// A surface of section.
 #[derive(Clone, Debug)]
@@ -252,6 +252,7 @@ impl Observer for Recorder<'_> {
             self.refused.store(seat.refused, Ordering::Relaxed);
             self.control.cancel();
         } else if let ControlFlow::Break(after) = looked {
+            seat.is_cut = true;
             return ControlFlow::Break(Stop::Interrupted { after: after * step.size });
         }
         if self.seats[lane].refused == 0 && self.seats[lane].crossings.signs.len() < self.wanted() {
@@ -266,9 +267,10 @@ impl Observer for Recorder<'_> {
         let seat = &mut self.seats[lane];
         seat.leave_the_nearest();
         if !seat.had_side && summary.n_steps > 0 {
-            seat.doubts.is_in_surface = can_tell && seat.doubts.n_unseen == 0;
+            seat.doubts.is_in_surface = can_tell && seat.doubts.n_unseen == 0 && !seat.is_cut;
             if !seat.doubts.is_in_surface {
-                seat.doubts.unresolved_time = (summary.time - self.start).abs() - seat.doubts.undefined_time;
+                let time = (summary.time - self.start).abs();
+                seat.doubts.unresolved_time = (time - seat.doubts.undefined_time).max(0.0);
                 seat.doubts.seen_to = self.start;
             }
         }
@@ -342,7 +344,7 @@ impl Recorder<'_> {
         state.clear();
         let Some((is_bounded, error)) = found else { return false };
         self.seats[lane].doubts.n_unbounded += u64::from(!is_bounded);
-        self.survey_part(lane, step, whole, error);
+        self.survey_part(lane, step, whole, error.size);
         true
     }
 
@@ -379,9 +381,10 @@ impl Recorder<'_> {
         self.room.expand(state, step.size * part.length, &surface.function, n);
         let mut exists = true;
         if let Some(error) = self.room.error(&state[..n], &surface.function, halvings, is_last) {
-            let vanishes = self.room.vanishes(&state[..n], &surface.function, error);
-            if vanishes.is_none() {
-                self.survey_part(lane, step, part, error);
+            let vanishes = self.room.vanishes(&state[..n], &surface.function, error.size);
+            let is_seen = vanishes.is_none() && (error.is_sharp || is_known(&self.room.series, error.size));
+            if is_seen {
+                self.survey_part(lane, step, part, error.size);
                 return ControlFlow::Continue(());
             }
             if vanishes == Some(true) || is_last {
@@ -392,6 +395,7 @@ impl Recorder<'_> {
             exists = self.exists_somewhere(step, part);
         }
         if is_last || !exists && halvings >= LEAST_HALVINGS {
+            let exists = exists || self.leaves_the_range(step, part);
             self.lose_sight(lane, step, part, exists);
             return ControlFlow::Continue(());
         }
@@ -420,7 +424,7 @@ impl Recorder<'_> {
         self.room.measure_part(state, size * length, n);
         self.room.expand(state, size * length, function, n);
         if let Some(error) = self.room.error(&state[..n], function, halvings, false)
-            && self.room.vanishes(&state[..n], function, error) != Some(false)
+            && self.room.vanishes(&state[..n], function, error.size) != Some(false)
         {
             return true;
         }
@@ -499,6 +503,15 @@ impl Recorder<'_> {
             self.surface.function.series(&state, &mut self.room.work, &mut value);
             value[0].is_finite()
         })
+    }
+
+    /// Whether a number of the function is beyond the largest in the middle of a part, so that it may have a value there.
+    fn leaves_the_range(&mut self, step: &Step<'_>, part: Part) -> bool {
+        let mut state = vec![0.0; self.n];
+        step.state((part.from + 0.5 * part.length) * step.size, &mut state);
+        let numbers = &mut self.room.enclosures;
+        self.surface.function.enclosure(&state, 0.0, 0.0, 0.0, numbers);
+        numbers.iter().any(|number| number.value.is_infinite())
     }
 
     /// Whether the function is beyond its error of zero somewhere beside this state. Where it never is, since it vanishes

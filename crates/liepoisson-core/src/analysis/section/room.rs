@@ -36,6 +36,14 @@ pub(super) struct Room {
 /// The error, in units of the round-off of the sum of the terms, that is small enough not to ask for shorter parts.
 const SHARP: f64 = 16.0;
 
+/// How far the series of the function is from it on a part, at most.
+#[derive(Clone, Copy)]
+pub(super) struct Error {
+    pub(super) size: f64,
+    /// Whether that is what cannot be known; otherwise the function may do anything within it, as often as it likes.
+    pub(super) is_sharp: bool,
+}
+
 /// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
 const BLUNT: f64 = 8.0;
 
@@ -128,7 +136,7 @@ impl Room {
     ///
     /// Each coefficient of the state and each operation is right to a few units in the last place of a sum of products, and
     /// so is every shift of the survey.
-    pub(super) fn error(&mut self, start: &[f64], function: &Functions, halvings: u32, is_last: bool) -> Option<f64> {
+    pub(super) fn error(&mut self, start: &[f64], function: &Functions, halvings: u32, is_last: bool) -> Option<Error> {
         let Room { series, enclosures, sizes, error_of_state, components, along: kept_along, .. } = self;
         let unit = unit(series.len());
         let rounding = Rounding::of_series(unit, series.len(), sizes.length());
@@ -151,7 +159,7 @@ impl Room {
         let is_sharp = error <= SHARP * unit * total || left_out <= along && along <= BLUNT * here;
         // a bound beyond the function itself tells nothing
         let is_of_use = is_sharp || is_last && error < total;
-        (error.is_finite() && total.is_finite() && is_of_use).then_some(error)
+        (error.is_finite() && total.is_finite() && is_of_use).then_some(Error { size: error, is_sharp })
     }
 
     /// Whether the sign of the function may not be seen on the part because numbers below the smallest have no digits, and

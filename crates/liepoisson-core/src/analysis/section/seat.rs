@@ -13,6 +13,8 @@ pub(super) struct Seat {
     pub(super) side: i8,
     /// Whether one was since the start.
     pub(super) had_side: bool,
+    /// Whether the run ended before all of its last step was looked at.
+    pub(super) is_cut: bool,
     /// What was known of the function before it was lost, until its sign is known again.
     pub(super) lost: Option<Lost>,
     /// The same once the sign is known again, and is the other one and one that is wanted.
@@ -36,6 +38,7 @@ impl Default for Seat {
             doubts: Doubts::NONE,
             side: 0,
             had_side: false,
+            is_cut: false,
             lost: None,
             regained: None,
             nearest: None,

@@ -73,6 +73,21 @@ pub(super) fn survey(coefficients: &[f64], error: f64, mark: &mut impl FnMut(Mar
     });
 }
 
+/// The part of the function's size on an interval that an error may be which is not sharp: what the function does within it is
+/// not seen.
+const SMALL: f64 = 1e-6;
+
+/// Whether the sign is known everywhere but at zeros through which it passes from beyond the error to beyond it, or the error is
+/// small beside what is known.
+pub(super) fn is_known(coefficients: &[f64], error: f64) -> bool {
+    if (0..5).any(|k| error <= SMALL * value(coefficients, 0.25 * f64::from(k)).abs()) {
+        return true;
+    }
+    let mut is_known = true;
+    survey(coefficients, error, &mut |mark| is_known &= !matches!(mark, Mark::Near { .. }));
+    is_known
+}
+
 /// The first place from a mark on where the polynomial is known to have the sign that it has after it: by twice the error, if it
 /// gets so far.
 pub(super) fn first_known(coefficients: &[f64], error: f64, mark: Mark) -> f64 {
