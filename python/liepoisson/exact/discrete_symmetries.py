@@ -58,6 +58,13 @@ _LONGEST = 40
 class DiscreteSymmetry:
     r"""A signed permutation of the components, $(Sx)_i = s_i x_{\pi(i)}$, that takes orbits to orbits.
 
+    Example:
+        >>> for symmetry in lp.systems.discrete_symmetries(lp.catalog.system("henon-heiles")):
+        ...     print(f"{symmetry.text}: order {symmetry.order}, fixes a set of dimension {symmetry.fixed_dimension}")
+        x, p_x -> -x, -p_x: order 2, fixes a set of dimension 1
+        x, p_y -> -x, -p_y; t -> -t: order 2, fixes a set of dimension 1
+        p_x, p_y -> -p_x, -p_y; t -> -t: order 2, fixes a set of dimension 1
+
     Attributes:
         system: The system.
         permutation: $\pi(i)$, counted from 0, shape (N,).

@@ -127,6 +127,13 @@ def alignment(
     Directions closer than the round-off cannot be told apart: SALI and each factor of GALI_k are 1e-16 at least, and
     what has come down to that floor says no more than "at most this".
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> starts = [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]]  # energies 0.05 and 0.13
+        >>> sali = lp.chaos.alignment(system, starts, t_end=1000).sali[:, -1]
+        >>> sali > 0.1, sali < 1e-10
+        (array([ True, False]), array([False,  True]))
+
     Args:
         system: The system.
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite

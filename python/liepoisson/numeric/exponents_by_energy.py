@@ -152,6 +152,13 @@ def exponents_by_energy(
     chaotic share of the energy surface.  Each orbit is judged by `decide`, whose docstring says what it cannot see;
     what it leaves undecided is counted by itself.  The same seed is used at each energy.
 
+    Example:
+        >>> top = lp.Top.twisted_lagrange()  # integrable
+        >>> leaf = lp.Leaf.through(top, [1, 0, 1, 0, 0, 1, 0, 0, 1])
+        >>> profile = lp.chaos.exponents_by_energy(top, leaf=leaf, energies=[1], n_starts=16, t_end=300)
+        >>> profile.chaotic[0].value, round(profile.chaotic[0].high, 2)  # none of 16, and Wilson's bound
+        (0.0, 0.19)
+
     Args:
         system: The system.
         leaf: The leaf, a `Leaf` of the system: of the same one, or of one with the same bracket and field.

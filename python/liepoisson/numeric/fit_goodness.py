@@ -74,6 +74,14 @@ def fit_goodness(
 ) -> FitGoodness:
     r"""Goodness of $\lambda + c_1/\sqrt t + c_0/t$ for the mean of an ensemble in a window.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> growth = lp.finite_time_exponents(top, lp.sample_states(top, 200, seed=1), t_end=500)
+        >>> early = lp.fits.fit_goodness(growth.time, growth.exponent, window=(1, 500))
+        >>> late = lp.fits.fit_goodness(growth.time, growth.exponent, window=(50, 500))
+        >>> early.p_value < 1e-6, late.p_value > 0.05  # the law is asymptotic
+        (True, True)
+
     Args:
         time: Sample times, shape (time,), positive and increasing.
         exponent: Finite-time exponents, shape (trajectory, time).  Members that did not finish are left out.

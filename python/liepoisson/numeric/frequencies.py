@@ -135,6 +135,12 @@ def frequency_drift(
     The signal is sampled `n_samples` times per window.  A line at a frequency beyond $\pi\,n/T$ appears at a wrong one
     (aliasing); so do the harmonics of a signal that is no pure rotation.
 
+    Example:
+        >>> top, start = lp.Top.lagrange(), [0.5, 0, 1, 0.6, 0, 0.8, 0, 0, 0]
+        >>> found = lp.chaos.frequency_drift(top, start, observable=("alpha1", "alpha2"), t_end=400)
+        >>> round(float(found.frequency[0, 0]), 4), bool(found.drift[0] < 1e-6)  # a torus
+        (-1.7776, True)
+
     Args:
         system: The system.
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite

@@ -108,6 +108,12 @@ def megno(
     The second form needs no derivative.  Its integral is taken by the trapezoidal rule on equal steps of
     `t_end/n_samples`; `quadrature_error` says how much the result changes with half as many.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> starts = [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]]  # energies 0.05 and 0.13
+        >>> lp.chaos.megno(system, starts, t_end=1000).mean[:, -1].round(1)  # about 2 on a torus
+        array([ 1.7, 31.8])
+
     Args:
         system: The system.
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless; a row that is not finite

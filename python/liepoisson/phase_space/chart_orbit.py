@@ -135,6 +135,13 @@ def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Tay
     the next step starts with the wrong sign.  So the state at the end of each step is put back into the equations,
     and the run is cut, by bisection on the series, at the time from which on they do not hold.
 
+    Example:
+        >>> top, start = lp.Top.twisted_lagrange(), [1, 0, 1, 0, 1, 0, 0, 0.6, 0.8]
+        >>> chart = lp.charts.EulerChart(top, state=start)
+        >>> run = lp.orbits.chart_orbit(chart, start, times=np.linspace(0, 50, 501))
+        >>> run.outcome, bool(run.drift["H"].max() < 1e-12)
+        ('finished', True)
+
     Args:
         chart: `EulerChart`, `QuaternionChart` or a reduced Lagrange top with its cyclic angle.
         start: The start (l, alpha, beta), shape (9,), on the leaf of the chart.

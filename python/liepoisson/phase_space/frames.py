@@ -183,6 +183,12 @@ def attitude(
     The product is Hamilton's ($ij = k$), $\omega = \partial H/\partial\ell$ is a pure quaternion in the body frame, and
     $v \mapsto q v \bar q$ takes body vectors to space.  For a top the field is quadratic with 13 components.
 
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
+        >>> found = lp.orbits.attitude(body, [0.1, 1, 0.1], times=np.linspace(0, 50, 101))  # it tumbles
+        >>> bool(np.ptp(found.space("l"), axis=1).max() < 1e-12)  # the angular momentum is fixed in space
+        True
+
     Args:
         system: A system on so(3) (x) A, where A = R e_0 + m with the unit e_0 and an ideal m: all tops, Kirchhoff's
             equations, the Leibniz extensions of any length.

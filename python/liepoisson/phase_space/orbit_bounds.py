@@ -74,6 +74,13 @@ def bounds(
     whose largest solution $|\ell|$ bounds it; the kinetic energy left over, $2(E + |b| w + |a|\rho)$, bounds
     $\omega\cdot I\omega \ge I_{min}|\omega|^2$.  Nothing like it holds for the energy alone, without Casimirs.
 
+    Example:
+        >>> top, start = lp.Top.twisted_kovalevskaya(), [1, 0, 1, 0, 0, 1, 0, 0, 1]
+        >>> bounds = lp.phase_space.bounds(top, start)
+        >>> spin = np.linalg.norm(lp.integrate(top, start, t_end=1000).state[0, :, :3], axis=1)
+        >>> round(bounds.l, 4), round(float(spin.max()), 4)
+        (4.039, 3.8402)
+
     Args:
         system: A top: the equations decide, however the system was made.
         state: One state, shape (9,), whose leaf and energy are meant; then give nothing else.

@@ -143,6 +143,12 @@ def rod(
     with a = (0, 0, a3), b = (0, 0, b3): $n = a_3\alpha + b_3\beta$, $J B = \epsilon a_3^2\beta$.  Unequal I1, I2 are a
     rod with unequal bending stiffnesses; a linear term of W is a rod that is bent or twisted when it is free.
 
+    Example:
+        >>> rod = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + l3^2/2)/2 + alpha3")
+        >>> ring = lp.orbits.rod(rod, [0, 1, 0, 0, 0, 0], length=2 * np.pi)  # a couple and no force
+        >>> bool(np.abs(ring.centre_line[0, -1]).max() < 1e-12), round(float(ring.curvature.max()), 9)
+        (True, 1.0)
+
     Args:
         system: A system of this form.
         starts: State at the beginning of each rod, shape (component,) or (trajectory, component).

@@ -107,6 +107,11 @@ class SleepingTop(ReadOnlyArrays):
 def sleeping_top(system: System, *, l3: Parameter, alpha3: Parameter, beta3: Parameter = 0) -> SleepingTop:
     r"""A symmetric top with $\ell$, $\alpha$ and $\beta$ along its axis.
 
+    Example:
+        >>> top = lp.Top.lagrange()
+        >>> [lp.phase_space.sleeping_top(top, l3=spin, alpha3=1).linear_stability for spin in (1, 2, 3)]
+        ['unstable', 'degenerate', 'stable spectrum']
+
     Args:
         system: A top with $I_1 = I_2$ and a, b along the third axis.
         l3: Spin. Numbers are read exactly: 0.1 is 1/10.

@@ -140,6 +140,13 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
     than 12 components, spectrum and signature are computed in exact numbers, whatever the sizes of the coefficients.
     Elsewhere an eigenvalue of the second variation counts as zero below 1e-9 of the largest.
 
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
+        >>> [lp.phase_space.equilibrium(body, axis).linear_stability for axis in np.eye(3)]
+        ['stable spectrum', 'unstable', 'stable spectrum']
+        >>> round(lp.phase_space.equilibrium(body, [0, 1, 0]).growth_rate, 9)  # the root of 1/12
+        0.288675135
+
     Args:
         system: A system whose parameters are all numbers.
         state: The state, shape (N,).
