@@ -146,10 +146,8 @@ class Derivation:
     r"""An infinitesimal symmetry: $D(e_\mu e_\nu) = D(e_\mu) e_\nu + e_\mu D(e_\nu)$.
 
     Example:
-        >>> [symmetry.text for symmetry in (lp.so(3) @ lp.leibniz(3)).derivations()]
-        ['alpha -> s*alpha, beta -> s^2*beta', 'alpha -> alpha + d*beta']
-        >>> [symmetry.weights for symmetry in (lp.so(3) @ lp.leibniz(3)).derivations()]
-        [(Fraction(0, 1), Fraction(1, 1), Fraction(2, 1)), None]
+        >>> [(one.kind, one.text) for one in (lp.so(3) @ lp.leibniz(3)).derivations()]
+        [('grading', 'alpha -> s*alpha, beta -> s^2*beta'), ('nilpotent', 'alpha -> alpha + d*beta')]
 
     Attributes:
         matrix: $D(e_\mu) = \sum_\nu$ `matrix[mu][nu]` $e_\nu$; the field mu moves with the same combination of fields.

@@ -79,8 +79,8 @@ class Classification:
         >>> found = lp.leibniz(3, "epsilon").classify()
         >>> found.name, found.conditions
         ('R[x]/(x^3)', (epsilon,))
-        >>> [(str(condition), value, case.name) for condition, value, case in found.exceptional]
-        [('epsilon', Fraction(0, 1), 'R[x,y]/(x,y)^2')]
+        >>> [(symbol, int(value), case.name) for symbol, value, case in found.exceptional]
+        [('epsilon', 0, 'R[x,y]/(x,y)^2')]
 
     Attributes:
         extension: The extension that was asked about.

@@ -60,10 +60,10 @@ class DiscreteSymmetry:
 
     Example:
         >>> for symmetry in lp.systems.discrete_symmetries(lp.catalog.system("henon-heiles")):
-        ...     print(f"{symmetry.text}: order {symmetry.order}, fixes a set of dimension {symmetry.fixed_dimension}")
-        x, p_x -> -x, -p_x: order 2, fixes a set of dimension 1
-        x, p_y -> -x, -p_y; t -> -t: order 2, fixes a set of dimension 1
-        p_x, p_y -> -p_x, -p_y; t -> -t: order 2, fixes a set of dimension 1
+        ...     print(f"{symmetry.text} ({symmetry.bracket})")
+        x, p_x -> -x, -p_x (Poisson)
+        x, p_y -> -x, -p_y; t -> -t (anti-Poisson)
+        p_x, p_y -> -p_x, -p_y; t -> -t (anti-Poisson)
 
     Attributes:
         system: The system.
@@ -194,6 +194,11 @@ class DiscreteSymmetry:
 @dataclass(frozen=True)
 class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
     """The discrete symmetries of a system, those that keep the direction of time first; the identity is left out.
+
+    Example:
+        >>> found = lp.systems.discrete_symmetries(lp.catalog.system("henon-heiles"))
+        >>> [symmetry.text for symmetry in found.reversers]
+        ['x, p_y -> -x, -p_y; t -> -t', 'p_x, p_y -> -p_x, -p_y; t -> -t']
 
     Attributes:
         system: The system.

@@ -199,10 +199,9 @@ def heisenberg(n: int) -> LieAlgebra:
     r"""The Heisenberg algebra of n degrees of freedom: $[q_i, p_i] = c$; basis "q1", ..., "p1", ..., "c".
 
     Example:
-        >>> [str(casimir) for casimir in (lp.algebras.heisenberg(2) @ lp.trivial()).casimirs()]  # the centre
-        ['lc']
-        >>> (lp.algebras.heisenberg(2) @ lp.trivial()).rank()
-        4
+        >>> bracket = lp.algebras.heisenberg(2) @ lp.trivial()
+        >>> bracket.rank(), bracket.casimirs()  # the centre
+        (4, [lc])
 
     Raises:
         ParameterError: n is not an integer from 1 to 499.
@@ -268,7 +267,7 @@ def sine(N: int) -> LieAlgebra:
     subfield of $\mathbb Q(\zeta_{4N})$, divided by pi.  `sine_energy(N)` has the coefficients of the kinetic energy.
 
     Example:
-        >>> lp.algebras.sine(3).killing_signature(), lp.su(3).killing_signature()  # real forms of one algebra
+        >>> lp.algebras.sine(3).killing_signature(), lp.su(3).killing_signature()  # both are compact
         ((0, 8, 0), (0, 8, 0))
         >>> lp.algebras.sine(3).basis_names
         ('c10', 's10', 'c01', 's01', 'c11', 's11', 'c1m1', 's1m1')

@@ -44,6 +44,12 @@ _MOST_GROWTH = 600.0
 class Alignment(Run):
     r"""Alignment indices of unit vectors $\hat v_1, \hat v_2, \ldots$ along trajectories.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.chaos.alignment(system, {"y": 0.1, "p_x": 0.3}, t_end=1000)
+        >>> bool(found.sali[0].min() > 1e-3)  # the two vectors never align: a torus
+        True
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.

@@ -58,6 +58,13 @@ def read_estimates(record: list[list[float]]) -> tuple[Estimate, ...]:
 class EnergyProfile(Run):
     """Finite-time exponents at several energies of one leaf.
 
+    Example:
+        >>> top = lp.Top.twisted_lagrange()
+        >>> leaf = lp.Leaf.through(top, [1, 0, 1, 0, 0, 1, 0, 0, 1])
+        >>> profile = lp.chaos.exponents_by_energy(top, leaf=leaf, energies=[1, 2], n_starts=4, t_end=300)
+        >>> [share.value for share in profile.chaotic], profile.exponent.shape
+        ([0.0, 0.0], (2, 4))
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.

@@ -322,8 +322,6 @@ def window_scan(
         >>> fits = lp.fits.window_scan(growth.time, growth.exponent, windows=[(20, 200), (50, 500)])
         >>> [(fit.window, round(fit.lambda_, 3)) for fit in fits]
         [((20.0, 200.0), 0.129), ((50.0, 500.0), 0.128)]
-        >>> [fit.lambda_ for fit in fits]
-        [0.12903603190970384, 0.12802510721613655]
 
     Raises:
         ShapeError: `exponent` is not (trajectory, time).

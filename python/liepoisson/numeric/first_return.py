@@ -44,6 +44,13 @@ what `_SAME_POINT` takes, and matters where the components that change are small
 class FirstReturn(Run):
     """Images of the map of first return.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> once = lp.sections.first_return(system, [0, 0.1, 0.3, 0], surface="x", t_end=10)
+        >>> back = lp.sections.first_return(system, once.state, surface="x", t_end=-10, direction=-1)
+        >>> str(once.outcome), bool(np.allclose(back.state, once.start))
+        ('returned', True)
+
     Attributes:
         system: The system, as it was given.
         components: Names of its components.

@@ -54,6 +54,12 @@ def _observable_of(record: Any) -> Any:
 class FrequencyDrift(Run):
     r"""The main frequency along trajectories, in two windows of the same length, one after the other.
 
+    Example:
+        >>> top, start = lp.Top.lagrange(), [0.5, 0, 1, 0.6, 0, 0.8, 0, 0, 0]
+        >>> found = lp.chaos.frequency_drift(top, start, observable=("alpha1", "alpha2"), t_end=400)
+        >>> found.frequency.round(4), bool(found.drift[0] < 1e-6)
+        (array([[-1.7776, -1.7776]]), True)
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.

@@ -52,6 +52,12 @@ _HALVES = 3.0
 class ExponentEstimate(Run):
     r"""Largest Lyapunov exponents with errors.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.lyapunov_exponent(system, [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]], t_end=2000)
+        >>> found.is_zero.tolist(), found.exponent.round(2)
+        ([True, False], array([0.  , 0.08]))
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.

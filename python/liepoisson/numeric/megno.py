@@ -36,6 +36,12 @@ _ARRAYS = 6
 class Megno(Run):
     r"""MEGNO along trajectories.
 
+    Example:
+        >>> oscillator = lp.System(lp.canonical(1), "dot(p, p)/2 + dot(q, q)/2 + dot(q, q)^2/4")
+        >>> found = lp.chaos.megno(oscillator, [1, 0], t_end=1000)
+        >>> round(float(found.mean[0, -1]), 1)  # the frequency depends on the action
+        2.0
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.

@@ -139,6 +139,12 @@ def rule_of(record: dict[str, Any]) -> Rule:
 class Verdict(Run):
     r"""Regular, chaotic or undecided, for each trajectory.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.decide(system, [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]], t_end=1000)
+        >>> found.verdict.tolist(), found.votes.tolist()
+        (['regular', 'chaotic'], [[-1, -1, -1, -1], [1, 1, 1, 0]])
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.
@@ -411,6 +417,13 @@ class Disagreement(NamedTuple):
 @dataclass(frozen=True)
 class Agreement(ReadOnlyArrays):
     """How far the indicators of an ensemble agree.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> verdict = lp.decide(top, lp.sample_states(top, 20, seed=1), t_end=1000)
+        >>> found = lp.chaos.agreement(verdict)
+        >>> found.indicators[:3], found.same[:3, :3].tolist()
+        (('growth_power', 'megno', 'sali'), [[20, 20, 20], [20, 20, 20], [20, 20, 20]])
 
     Attributes:
         indicators: Their names.

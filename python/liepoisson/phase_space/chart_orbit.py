@@ -60,6 +60,13 @@ class Chart(Protocol):
 class ChartOrbit(Result, KeepsInvariants):
     """One orbit, integrated in the coordinates of a chart.
 
+    Example:
+        >>> top, start = lp.Top.twisted_lagrange(), [1, 0, 1, 0, 1, 0, 0, 0.6, 0.8]
+        >>> run = lp.orbits.chart_orbit(lp.charts.EulerChart(top, state=start), start, times=[0, 10, 20])
+        >>> body = lp.integrate(top, start, times=[0, 10, 20])
+        >>> run.outcome, bool(np.allclose(run.body, body.state[0]))
+        ('finished', True)
+
     Attributes:
         chart: Which chart of which leaf, in words.
         time: The wanted times, shape (time,).

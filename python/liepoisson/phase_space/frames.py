@@ -51,6 +51,12 @@ def _carried(orbit: Orbit, system: System) -> Orbit:
 class Attitude(Result, KeepsInvariants):
     r"""Orbits with the attitude of the body along them.
 
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(3)", [1, 1, 2])
+        >>> found = lp.orbits.attitude(body, [0, 0, 1], times=[0, np.pi])  # a quarter of a turn
+        >>> found.quaternion[0, -1].round(6).tolist()
+        [0.707107, 0.0, 0.0, 0.707107]
+
     Attributes:
         system: The system.
         orbit: The run, with the components q0, q1, q2, q3 after those of the system.

@@ -43,6 +43,12 @@ _OUTWARD = 1 + 1e-12
 class Bounds:
     r"""The largest lengths on the states of one energy on one leaf; they hold for all times.
 
+    Example:
+        >>> top = lp.Top.heavy(inertia=(1, 2, 3), a=(0, 0, 1))
+        >>> found = lp.phase_space.bounds(top, leaf={"C1": 1, "C2": 0, "C3": 0}, energy=0)
+        >>> round(found.l**2, 9), round(found.omega**2, 9)  # from at most 1 of kinetic energy
+        (6.0, 2.0)
+
     Attributes:
         l: A bound of $|\ell|$.
         alpha: A bound of $|\alpha|$.

@@ -50,6 +50,12 @@ _POINTS = 401
 class Rod(Result):
     """Shapes of rods; vectors are in the space frame unless they are called strain.
 
+    Example:
+        >>> system = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + l3^2/2)/2 + alpha3")
+        >>> ring = lp.orbits.rod(system, [0, 2, 0, 0, 0, 0], length=np.pi)
+        >>> round(float(np.ptp(ring.centre_line[0, :, 0])), 4)  # the diameter, with the curvature 2
+        1.0
+
     Attributes:
         attitude: The same runs with the directors as an attitude; `attitude.orbit` is the integrated orbit.
         arclength: Where the points are, shape (point,).

@@ -32,6 +32,11 @@ if TYPE_CHECKING:
 class SleepingTop(ReadOnlyArrays):
     r"""A sleeping top and the polynomial Q that decides on its stability.
 
+    Example:
+        >>> slow = lp.phase_space.sleeping_top(lp.Top.lagrange(), l3=1, alpha3=1)
+        >>> [str(number) for number in slow.polynomial], slow.linear_stability, round(slow.growth_rate, 6)
+        (['1', '1', '1', '0'], 'unstable', 0.866025)
+
     Attributes:
         system: The top.
         state: The state $(0, 0, \ell_3, 0, 0, \alpha_3, 0, 0, \beta_3)$, shape (9,).

@@ -41,6 +41,12 @@ if TYPE_CHECKING:
 class Equilibrium(ReadOnlyArrays):
     r"""An equilibrium of a leaf, or a relative equilibrium with respect to integrals, and its stability.
 
+    Example:
+        >>> top = lp.catalog.system("lagrange")
+        >>> hanging = lp.phase_space.equilibrium(top, [0, 0, 0, 0, 0, -1])
+        >>> hanging.linear_stability, hanging.nonlinear_stability, hanging.frequencies.round(9)
+        ('stable spectrum', 'stable', array([1., 1.]))
+
     Attributes:
         leaf: The leaf that it lies on.
         state: The state, shape (N,).
