@@ -34,6 +34,10 @@ _SPECIAL = {"\\": r"\textbackslash{}", "~": r"\textasciitilde{}", "^": r"\textas
 class Work:
     """One entry of a list of references.
 
+    Example:
+        >>> lp.cite("toda").works[2].text
+        'M. Hénon, Integrals of the Toda lattice, Physical Review B 9 (1974) 1921.'
+
     Attributes:
         key: Its key in BibTeX.
         text: The entry as a sentence.
@@ -50,6 +54,10 @@ class Work:
 @dataclass(frozen=True, repr=False)
 class Citation:
     """What to cite: the package first, then the works that describe what was used, each once.
+
+    Example:
+        >>> [work.key for work in lp.cite("kovalevskaya").works]
+        ['liepoisson', 'kowalevski1889']
 
     Attributes:
         works: The entries.

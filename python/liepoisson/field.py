@@ -44,6 +44,10 @@ class TopField(PlainField):
       \dot\beta = \beta\times\omega .$$
 
     Source: Thiffeault and Morrison (2001), equations of the section "The twisted top".
+
+    Example:
+        >>> lp.Top.twisted_kovalevskaya().field()
+        TopField(inertia=(2.0, 2.0, 1.0), a=(-1.0, 0.0, 0.0), b=(0.0, 0.0, 0.0), epsilon=1.0)
     """
 
     kind: ClassVar[str] = "top"
@@ -71,6 +75,11 @@ class QuadraticField(PlainField):
     r"""Any field of degree at most two, as sparse tensors: $\dot x_i = c_i + L_{ij} x_j + Q_{ijk} x_j x_k$.
 
     Every Lie-Poisson system with a quadratic Hamiltonian has such a field.
+
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 4])
+        >>> body.field().quadratic  # the first is -l2*l3/4
+        ((0, 1, 2, -0.25), (1, 0, 2, 0.75), (2, 0, 1, -0.5))
 
     Attributes:
         n_components: Dimension of the state.
@@ -105,6 +114,12 @@ class TapeField(PlainField):
     - `linear`: $c_{\rm last} + \sum_i c_i r_i$;
     - `product`: a b;  `quotient`: a / b;  `power`: $a^c$ with a real exponent;
     - `sqrt`, `exp`, `log`, `sin`, `cos`, `sinh`, `cosh`, `tanh`, `asin`, `acos`, `atan`.
+
+    Example:
+        >>> pendulum = lp.System(lp.canonical(1, names=["theta"]), "p_theta^2/2 - cos(theta)")
+        >>> field = pendulum.field()
+        >>> field.instructions, field.outputs  # registers 2 and 3 are sin(theta) and its negative
+        ((('sin', (0,), ()), ('linear', (2,), (-1.0, 0.0))), (1, 3))
 
     Attributes:
         n_components: Dimension of the state.
@@ -149,6 +164,11 @@ class PiecesField(PlainField):
 
     A piece is a function of one linear form, $F(y)$ with $y = \xi\cdot x$.  It keeps y, and since the bracket is linear
     its field is $F'(y)\,Mx$ with a constant matrix M, $M_{ik} = \sum_j c_{ij}^k\xi_j$; so it flows by $\exp(tF'(y)M)$.
+
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
+        >>> [form for form, derivative, matrix in body.pieces().pieces]  # H is a sum of functions of l1, l2 and l3
+        [((0, 1.0),), ((1, 1.0),), ((2, 1.0),)]
 
     Attributes:
         n_components: Dimension of the state.

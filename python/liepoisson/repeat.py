@@ -53,6 +53,14 @@ RUNS = {
 def load(path: str | Path, *, verify: bool = True) -> Any:
     """Reads a file that a result has written: the result as it was, with its system.
 
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import mkdtemp
+        >>> run = lp.integrate(lp.Top.kovalevskaya(), {"l": (1, 0, 1), "alpha3": 1}, t_end=10)
+        >>> file = run.save(Path(mkdtemp()) / "orbit.nc")
+        >>> lp.load(file)
+        <Orbit of Kovalevskaya top: 1 trajectory, 1001 times, t = 0 to 10>
+
     Args:
         path: The file, or the folder of a sweep.
         verify: Refuse a file whose contents do not have the checksum that liepoisson wrote.  False reads what another
@@ -92,6 +100,14 @@ def rerun(
     How far a run comes within its limit of seconds depends on the machine and cannot be repeated.  Trajectories that
     ended with the outcome "time limit" go on to their end in the rerun, and what they had reached before has the same
     bits.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import mkdtemp
+        >>> growth = lp.finite_time_exponents(lp.Top.twisted_kovalevskaya(), [1, 0, 1, 0, 0, 1, 0, 0, 1], t_end=50)
+        >>> again = lp.rerun(growth.save(Path(mkdtemp()) / "growth.nc"))
+        >>> bool(np.array_equal(again.exponent, growth.exponent))  # bit for bit
+        True
 
     Args:
         source: The file, the dataset of a result, or the result.

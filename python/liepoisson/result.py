@@ -117,7 +117,13 @@ def pieces(dim: str, names: tuple[str, str], dims: tuple[str, ...]) -> Any:
 
 
 class Result(ReadOnlyArrays, ABC):
-    """A result: arrays that cannot be changed, with a dataset, a file, a picture, and the run that made it."""
+    """A result: arrays that cannot be changed, with a dataset, a file, a picture, and the run that made it.
+
+    Example:
+        >>> run = lp.integrate(lp.catalog.system("henon-heiles"), {"y": 0.1, "p_x": 0.3}, t_end=10)
+        >>> dict(run.dataset["state"].sizes), run.dataset["component"].values.tolist()
+        ({'trajectory': 1, 'time': 1001, 'component': 4}, ['x', 'y', 'p_x', 'p_y'])
+    """
 
     kind: ClassVar[str]
     """What files call it."""

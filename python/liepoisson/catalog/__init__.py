@@ -55,13 +55,23 @@ _FOLDER = Path(__file__).parent
 @explains_its_arguments
 @cache
 def names() -> tuple[str, ...]:
-    """The names of all systems of the catalog, in alphabetical order."""
+    """The names of all systems of the catalog, in alphabetical order.
+
+    Example:
+        >>> [name for name in lp.catalog.names() if name.startswith("kovalevskaya")]
+        ['kovalevskaya', 'kovalevskaya-gyrostat']
+    """
     return tuple(sorted(file.stem for file in _FOLDER.glob("*.toml")))
 
 
 @explains_its_arguments
 def path(name: str) -> Path:
     """The file of a system: a good start for a file of one's own.
+
+    Example:
+        >>> lines = lp.catalog.path("lagrange").read_text(encoding="utf-8").splitlines()
+        >>> lines[lines.index("[hamiltonian]") + 1]
+        'expression = "dot(l, inv(I)*l)/2 + dot(a, alpha)"'
 
     Raises:
         UnknownNameError: there is none of this name; the message gives the nearest names.
@@ -76,6 +86,13 @@ def path(name: str) -> Path:
 def entry(name: str) -> SystemFile:
     """What the catalog knows of a system: bracket, Hamiltonian, parameters, source, integrals, reference values.
 
+    Example:
+        >>> toda = lp.catalog.entry("toda")
+        >>> toda.hamiltonian
+        'dot(p, p)/2 + exp(q1 - q2) + exp(q2 - q3) + exp(q3 - q1)'
+        >>> list(toda.integrals)
+        ['P', 'K']
+
     Raises:
         UnknownNameError: there is none of this name.
     """
@@ -87,6 +104,11 @@ def entry(name: str) -> SystemFile:
 @explains_its_arguments
 def system(name: str) -> System:
     """A system of the catalog, ready to be inspected or integrated.
+
+    Example:
+        >>> top = lp.catalog.system("kovalevskaya")
+        >>> list(top.invariants), top.is_constant(top.integrals["K"])
+        (['H', 'C1', 'C2', 'K'], True)
 
     Raises:
         UnknownNameError: there is none of this name.

@@ -42,6 +42,13 @@ def manakov(n: int, J: Sequence[Parameter] | None = None) -> System:
     quadratic coefficients of $\operatorname{tr}(M + \lambda J^2)^k$ up to a factor.  (k = 2 is a Casimir; H and the
     $K_k$ span that of k = n.  For n > 4 there are integrals of higher degree, which are not listed.)
 
+    Example:
+        >>> body = lp.catalog.manakov(5)
+        >>> body.bracket.rank()
+        8
+        >>> {name: body.is_constant(integral) for name, integral in body.integrals.items()}
+        {'K3': True, 'K4': True}
+
     Args:
         n: Dimension of the space, n >= 3.
         J: The n moments of the body's mass, with nonzero sums $J_i + J_j$; 1, ..., n if left out.
@@ -79,6 +86,13 @@ def su_top(n: int, J: Sequence[Parameter] | None = None) -> System:
     A sectional operator of Mishchenko and Fomenko.  Known integrals: the coordinates $h_k$ of the diagonal, and
     $K_k = \sum_{i<j} (a_{ij}^2 + s_{ij}^2) \sum_{p+q=k-2} J_i^{2p} J_j^{2q}$, k = 3, ..., n - 1.  For s = h = 0 it is
     `manakov(n, J)`.
+
+    Example:
+        >>> top = lp.catalog.su_top(3)
+        >>> list(top.invariants)
+        ['H', 'C1', 'C2', 'h1', 'h2']
+        >>> lp.integrability.integrability_report(top).verdict
+        'integrable'
 
     Args:
         n: Size of the matrices, n >= 2.
@@ -119,6 +133,13 @@ def zeitlin(N: int) -> System:
     are the real and imaginary parts wc10, ws10, ... of $w_n$, $H = \tfrac12\sum_n |w_n|^2/|n|^2$.  The vorticity is
     $\omega(x) = -\sum_n w_n e^{in\cdot x}$, positive where the fluid turns counterclockwise; `vorticity` adds it up.
 
+    Example:
+        >>> fluid = lp.catalog.zeitlin(3)
+        >>> fluid.component_names
+        ('wc10', 'ws10', 'wc01', 'ws01', 'wc11', 'ws11', 'wc1m1', 'ws1m1')
+        >>> fluid.bracket.casimir_report().degrees  # the enstrophy, and a cubic one
+        (2, 3)
+
     Raises:
         ParameterError: N is not an odd integer from 3 on.
 
@@ -149,6 +170,12 @@ def vorticity(states: ArrayLike, n_points: int = 64) -> Array:
 
     With this sign $\dot\omega = -u\cdot\nabla\omega$, where u is the flow that turns counterclockwise around
     positive vorticity; the truncation has sines in the place of their arguments.
+
+    Example:
+        >>> fluid = lp.catalog.zeitlin(5)
+        >>> wave = np.eye(24)[fluid.component_names.index("wc10")]
+        >>> lp.catalog.vorticity(wave, n_points=6)[0].round(9)  # -2 cos x
+        array([-2., -1.,  1.,  2.,  1., -1.])
 
     Args:
         states: Shape (..., N^2 - 1).
@@ -186,6 +213,11 @@ def reduced_mhd(N: int) -> System:
     The fields are vorticity w and magnetic flux psi, named as in `zeitlin(N)`; the bracket is semidirect and
     $H = \tfrac12\sum_n (|w_n|^2/|n|^2 + |n|^2 |\psi_n|^2)$.
 
+    Example:
+        >>> plasma = lp.catalog.reduced_mhd(3)
+        >>> plasma.bracket.extension.name, plasma.bracket.casimir_report().degrees
+        ('semidirect(2)', (2, 2, 3, 3))
+
     Raises:
         ParameterError: N is not an odd integer from 3 on.
 
@@ -222,6 +254,11 @@ def leibniz_top(
 
     n = 2 is the heavy top, n = 3 the twisted top.
 
+    Example:
+        >>> top = lp.catalog.leibniz_top(4, [1, 1, 2], [[0, 0, 1]])  # symmetric, with four fields
+        >>> top.parts_of_state, top.is_constant("x03")
+        (('x0', 'x1', 'x2', 'x3'), True)
+
     Args:
         n: Number of fields.
         inertia: Principal moments of inertia, nonzero.
@@ -244,6 +281,13 @@ def leibniz_top(
 def euler_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter]) -> System:
     r"""Euler's top on any Lie algebra: $H = \tfrac12 \sum_i \ell_i^2/I_i$.
 
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(2,1)", [1, 2, 3])
+        >>> body.equations
+        {l1: 5*l2*l3/6, l2: -4*l1*l3/3, l3: -l1*l2/2}
+        >>> body.bracket.casimirs()
+        [l1**2 + l2**2 - l3**2]
+
     Args:
         algebra: The algebra, or its name as in a system file: "so(2,1)", "su(3)".
         inertia: One nonzero moment per dimension of the algebra.
@@ -264,6 +308,11 @@ def heavy_top_on(algebra: LieAlgebra | str, inertia: Sequence[Parameter], a: Seq
     r"""The heavy top on any Lie algebra: the semidirect extension, $H = \tfrac12 \sum_i \ell_i^2/I_i + a\cdot\alpha$.
 
     Arguments and errors are those of `euler_top_on`; `a` has one component per dimension of the algebra.
+
+    Example:
+        >>> top = lp.catalog.heavy_top_on("so(2,1)", [1, 1, 2], [0, 0, 1])
+        >>> top.is_constant("l3"), top.is_casimir("alpha1^2 + alpha2^2 - alpha3^2")
+        (True, True)
     """
     from liepoisson.exact.extensions import semidirect
 
@@ -281,6 +330,11 @@ def twisted_top_on(
     r"""The twisted top on any Lie algebra, $H = \tfrac12 \sum_i \ell_i^2/I_i + a\cdot\alpha + b\cdot\beta$.
 
     Arguments and errors are those of `heavy_top_on`; epsilon = 0 is the charged heavy top.
+
+    Example:
+        >>> top = lp.catalog.twisted_top_on("so(3)", [2, 2, 1], [-1, 0, 0])
+        >>> top.equations == lp.Top.twisted_kovalevskaya().equations
+        True
     """
     from liepoisson.exact.extensions import leibniz
 
@@ -295,6 +349,13 @@ def toda(n: int, *, closed: bool = True) -> System:
     They are the traces of powers of the Lax matrix L with $L_{kk} = p_k$ and $L_{k,k+1} = L_{k+1,k} =
     e^{(q_k - q_{k+1})/2}$: $P = \operatorname{tr} L$ and $T_k = \operatorname{tr} L^k$, $k = 3, \dots, n$
     ($\operatorname{tr} L^2 = 2H$).  They commute.
+
+    Example:
+        >>> chain = lp.catalog.toda(3, closed=False)
+        >>> chain.hamiltonian
+        p1**2/2 + p2**2/2 + p3**2/2 + exp(q1 - q2) + exp(q2 - q3)
+        >>> {name: chain.is_constant(integral) for name, integral in chain.integrals.items()}
+        {'P': True, 'T3': True}
 
     Args:
         n: Particles, 3 to 100 on a ring, 2 to 100 on a line.  Integrals are written out up to n = 8.
@@ -359,6 +420,13 @@ def henon_heiles(A: Parameter = 1, B: Parameter = 1, C: Parameter = 1) -> System
 
     It is integrable for C = -1 and A = B (Sawada-Kotera), for C = -6 (KdV), and for C = -16 and B = 16 A
     (Kaup-Kupershmidt); the integral of these cases is then known, as K.
+
+    Example:
+        >>> kdv = lp.catalog.henon_heiles(C=-6)
+        >>> {name: kdv.is_constant(integral) for name, integral in kdv.integrals.items()}
+        {'K': True}
+        >>> list(lp.catalog.henon_heiles().integrals)
+        []
 
     Args:
         A: Square of the frequency of x.

@@ -37,6 +37,12 @@ if TYPE_CHECKING:
 class Automorphism:
     """A linear map of the fields, the same for all components.
 
+    Example:
+        >>> bracket = lp.so(3) @ lp.semidirect(3)
+        >>> swap = lp.brackets.Automorphism([[1, 0, 0], [0, 0, 1], [0, 1, 0]])
+        >>> swap.describe(bracket), swap.is_poisson(bracket), swap.is_poisson(lp.so(3) @ lp.leibniz(3))
+        ('alpha -> beta, beta -> alpha', True, False)
+
     Args:
         matrix: P, exact, shape (n, n): field mu goes to the sum of P[mu][nu] times field nu.
 
@@ -138,6 +144,10 @@ class Automorphism:
 @dataclass(frozen=True)
 class Derivation:
     r"""An infinitesimal symmetry: $D(e_\mu e_\nu) = D(e_\mu) e_\nu + e_\mu D(e_\nu)$.
+
+    Example:
+        >>> [(one.kind, one.text) for one in (lp.so(3) @ lp.leibniz(3)).derivations()]
+        [('grading', 'alpha -> s*alpha, beta -> s^2*beta'), ('nilpotent', 'alpha -> alpha + d*beta')]
 
     Attributes:
         matrix: $D(e_\mu) = \sum_\nu$ `matrix[mu][nu]` $e_\nu$; the field mu moves with the same combination of fields.

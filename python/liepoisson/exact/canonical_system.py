@@ -31,6 +31,15 @@ class CanonicalSystem(System):
     may be followed by quadratures: components that follow the motion and do not act on it.  They belong to no bracket,
     so that leaves and equilibria are those of a system without them.
 
+    Example:
+        >>> H, turns = "p^2/2 - cos(theta)", {"turns": "p/(2*pi)"}
+        >>> pendulum = lp.systems.CanonicalSystem(["theta"], ["p"], H, quadratures=turns)
+        >>> pendulum.equations
+        {theta: p, p: -sin(theta), turns: p/(2*pi)}
+        >>> run = lp.integrate(pendulum, {"p": 3}, t_end=10)
+        >>> round(float(run.end_state[0, 2]), 6)  # it goes over the top
+        4.163196
+
     Args:
         coordinates: Names of the coordinates q.
         momenta: Names of the momenta p, in the order of the coordinates to which they belong.

@@ -67,6 +67,11 @@ class ExceptionalCase(NamedTuple):
 class CasimirReport:
     """Casimirs of a bracket, and what is known about them.
 
+    Example:
+        >>> report = (lp.so(3) @ lp.leibniz(3, "epsilon")).casimir_report()
+        >>> report.degrees, report.independent, report.corank, report.complete
+        ((2, 2, 2), 3, 3, True)
+
     Attributes:
         generators: Casimirs of each degree modulo products of those of lower degree; C1, C2, ... in this order.
         degrees: Their degrees.

@@ -46,6 +46,14 @@ class Failure:
 class JacobiCertificate:
     """Whether the bracket is antisymmetric and obeys the Jacobi identity, decided entry by entry.
 
+    Example:
+        >>> wrong = lp.LieAlgebra.from_brackets(3, {(0, 1): {2: 1}, (0, 2): {0: 1}}, check=False)
+        >>> certificate = (wrong @ lp.trivial()).jacobi_certificate()
+        >>> certificate.holds
+        False
+        >>> print(certificate.failures[0])
+        the Jacobi identity fails for (l1, l2, l3): -l3 instead of 0
+
     Attributes:
         holds: The verdict.
         n_triples: Number of triples i < j < k of coordinates.
@@ -66,6 +74,11 @@ class JacobiCertificate:
 @dataclass(frozen=True)
 class RankCertificate:
     """Bounds of the rank of the Poisson tensor at a generic point.
+
+    Example:
+        >>> certificate = (lp.so(3) @ lp.leibniz(3)).rank_certificate()
+        >>> certificate.lower, certificate.upper, certificate.proved
+        (6, 6, True)
 
     Attributes:
         lower: Rank at one point, hence proved.

@@ -37,6 +37,11 @@ EqualSymbols: TypeAlias = "tuple[tuple[tuple[str, ...], Expr], ...]"
 class LocalFactor:
     """One local direct factor of an algebra over the reals.
 
+    Example:
+        >>> circle = lp.Extension.from_products(2, {(0, 0): {0: 1}, (0, 1): {1: 1}, (1, 1): {0: -1}})
+        >>> [(factor.name, factor.residue_field) for factor in circle.classify().factors]  # i^2 = -1
+        [('C', 'C')]
+
     Attributes:
         dimension: Over the reals.
         residue_field: "R" or "C", the factor modulo its maximal ideal m.
@@ -69,6 +74,13 @@ class LocalFactor:
 @dataclass(frozen=True)
 class Classification:
     """What an extension is, up to isomorphism over the reals.
+
+    Example:
+        >>> found = lp.leibniz(3, "epsilon").classify()
+        >>> found.name, found.conditions
+        ('R[x]/(x^3)', (epsilon,))
+        >>> [(symbol, int(value), case.name) for symbol, value, case in found.exceptional]
+        [('epsilon', 0, 'R[x,y]/(x,y)^2')]
 
     Attributes:
         extension: The extension that was asked about.

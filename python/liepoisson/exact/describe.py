@@ -50,7 +50,14 @@ _MATH = re.compile(
 @explains_its_methods
 @dataclass(frozen=True)
 class Report:
-    """What is known about a system, computed when the report was made.
+    r"""What is known about a system, computed when the report was made.
+
+    Example:
+        >>> report = lp.inspect(lp.catalog.system("lagrange"))
+        >>> report.failed  # nothing that was claimed is wrong
+        ()
+        >>> print(*(line.strip() for line in str(report).splitlines() if line.strip().startswith("complete")))
+        complete: 2 independent, as many as the corank of J allows
 
     Attributes:
         name: Of the system.

@@ -58,6 +58,13 @@ _LONGEST = 40
 class DiscreteSymmetry:
     r"""A signed permutation of the components, $(Sx)_i = s_i x_{\pi(i)}$, that takes orbits to orbits.
 
+    Example:
+        >>> for symmetry in lp.systems.discrete_symmetries(lp.catalog.system("henon-heiles")):
+        ...     print(f"{symmetry.text} ({symmetry.bracket})")
+        x, p_x -> -x, -p_x (Poisson)
+        x, p_y -> -x, -p_y; t -> -t (anti-Poisson)
+        p_x, p_y -> -p_x, -p_y; t -> -t (anti-Poisson)
+
     Attributes:
         system: The system.
         permutation: $\pi(i)$, counted from 0, shape (N,).
@@ -187,6 +194,11 @@ class DiscreteSymmetry:
 @dataclass(frozen=True)
 class DiscreteSymmetries(Sequence[DiscreteSymmetry]):
     """The discrete symmetries of a system, those that keep the direction of time first; the identity is left out.
+
+    Example:
+        >>> found = lp.systems.discrete_symmetries(lp.catalog.system("henon-heiles"))
+        >>> [symmetry.text for symmetry in found.reversers]
+        ['x, p_y -> -x, -p_y; t -> -t', 'p_x, p_y -> -p_x, -p_y; t -> -t']
 
     Attributes:
         system: The system.

@@ -19,7 +19,12 @@ from liepoisson.exact.parameters import Exact, Parameter, is_zero, read_paramete
 
 @explains_its_arguments
 def trivial() -> Extension:
-    r"""The one-dimensional algebra $\mathbb R$, $e_0 e_0 = e_0$: g (x) R = g, one field."""
+    r"""The one-dimensional algebra $\mathbb R$, $e_0 e_0 = e_0$: g (x) R = g, one field.
+
+    Example:
+        >>> (lp.so(3) @ lp.trivial()).casimirs()
+        [l1**2 + l2**2 + l3**2]
+    """
     return Extension.from_products(1, {(0, 0): {0: 1}}, name="trivial")
 
 
@@ -29,6 +34,12 @@ def leibniz(n: int, epsilon: Parameter = 1) -> Extension:
 
     $e_0 e_\mu = e_\mu$ and $e_\mu e_\nu = \epsilon\, e_{\mu+\nu}$ for $\mu, \nu \ge 1$, zero when $\mu + \nu \ge n$.
     For n = 3 the only cocycle is $e_1 e_1 = \epsilon e_2$: the twisted top.
+
+    Example:
+        >>> lp.leibniz(3, "epsilon").products
+        {(0, 0): {0: 1}, (0, 1): {1: 1}, (0, 2): {2: 1}, (1, 1): {2: epsilon}}
+        >>> (lp.so(3) @ lp.leibniz(3)).casimirs()[0]
+        alpha1**2 + alpha2**2 + alpha3**2 + 2*beta1*l1 + 2*beta2*l2 + 2*beta3*l3
 
     Args:
         n: Number of fields, 1 to 100.
@@ -50,6 +61,10 @@ def semidirect(n: int) -> Extension:
 
     For n = 3: the charged heavy top.
 
+    Example:
+        >>> (lp.so(3) @ lp.semidirect(2)).casimirs()  # heavy top: the length of alpha, and the spin about it
+        [alpha1*l1 + alpha2*l2 + alpha3*l3, alpha1**2 + alpha2**2 + alpha3**2]
+
     Raises:
         ParameterError: n is not in 1..100.
     """
@@ -63,6 +78,15 @@ def crmhd(beta_e: Parameter = "beta_e") -> Extension:
     $e_0$ is the unit; $\omega$ is the vorticity, v the parallel velocity, p the pressure and psi the magnetic flux.
     In the plasma g is the algebra of functions of the plane with the canonical bracket; with so(3) in its place the
     Casimirs are $\psi\cdot\psi$, $v\cdot\psi$, $p\cdot\psi$ and $v\cdot p - \beta_e\, \omega\cdot\psi$.
+
+    Example:
+        >>> plasma = lp.extensions.crmhd()
+        >>> plasma.field_names
+        ('omega', 'v', 'p', 'psi')
+        >>> plasma.products
+        {(0, 0): {0: 1}, (0, 1): {1: 1}, (0, 2): {2: 1}, (0, 3): {3: 1}, (1, 2): {3: -beta_e}}
+        >>> (lp.so(3) @ plasma).casimir_report().complete
+        True
 
     Args:
         beta_e: Electron beta, a parameter of compressibility.

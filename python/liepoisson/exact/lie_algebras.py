@@ -49,6 +49,10 @@ def so(n: int, q: int = 0) -> LieAlgebra:
     $E_{ij} = (e_i e_j^T - e_j e_i^T)\,\eta$, i < j, with names "12", "13", ..., and $[X, Y] = XY - YX$: for so(n) the
     equations of H(M), $M = \sum M_{ij} E_{ij}$, are $\dot M = [M, \Omega]$, $\Omega_{ij} = \partial H/\partial M_{ij}$.
 
+    Example:
+        >>> [str(casimir) for casimir in (lp.so(4) @ lp.trivial()).casimirs()]  # the last one is the Pfaffian
+        ['l12**2 + l13**2 + l14**2 + l23**2 + l24**2 + l34**2', 'l12*l34 - l13*l24 + l14*l23']
+
     Args:
         n: Number of positive signs of the metric.
         q: Number of negative signs, which come last.
@@ -84,6 +88,11 @@ def su(n: int) -> LieAlgebra:
     For j < k: $A_{jk} = E_{jk} - E_{kj}$ ("a12", ...), then $S_{jk} = i(E_{jk} + E_{kj})$ ("s12", ...), then
     $H_k = i(E_{kk} - E_{k+1,k+1})$ ("h1", ...).
 
+    Example:
+        >>> bracket = lp.su(3) @ lp.trivial()
+        >>> bracket.rank(), bracket.casimir_report().degrees
+        (6, (2, 3))
+
     Raises:
         ParameterError: n is not an integer from 2 to 31.
     """
@@ -110,6 +119,12 @@ def su(n: int) -> LieAlgebra:
 def sl(n: int) -> LieAlgebra:
     r"""The Lie algebra of traceless real matrices: $E_{ij}$, i != j ("e12", ...), $E_{kk} - E_{k+1,k+1}$ ("h1", ...).
 
+    Example:
+        >>> (lp.sl(2) @ lp.trivial()).casimirs()  # minus the determinant
+        [le12*le21 + lh1**2/4]
+        >>> lp.sl(2).killing_signature() == lp.so(2, 1).killing_signature()
+        True
+
     Raises:
         ParameterError: n is not an integer from 2 to 31.
     """
@@ -132,6 +147,10 @@ def sl(n: int) -> LieAlgebra:
 def gl(n: int) -> LieAlgebra:
     r"""The Lie algebra of real matrices: $[E_{ij}, E_{kl}] = \delta_{jk} E_{il} - \delta_{il} E_{kj}$, "11", "12", ...
 
+    Example:
+        >>> (lp.algebras.gl(2) @ lp.trivial()).casimirs()  # trace and determinant
+        [l11 + l22, l11*l22 - l12*l21]
+
     Raises:
         ParameterError: n is not an integer from 1 to 31.
     """
@@ -152,6 +171,10 @@ def se(n: int) -> LieAlgebra:
 
     For n = 3: $[r_i, r_j] = \varepsilon_{ijk} r_k$, $[r_i, t_j] = \varepsilon_{ijk} t_k$, $[t_i, t_j] = 0$.  For n = 2:
     $[r, t_1] = t_2$, $[r, t_2] = -t_1$.  Otherwise the rotations are the $E_{ij}$ of so(n), "r12", "r13", ...
+
+    Example:
+        >>> [str(casimir) for casimir in (lp.algebras.se(3) @ lp.trivial()).casimirs()]  # those of the heavy top
+        ['lr1*lt1 + lr2*lt2 + lr3*lt3', 'lt1**2 + lt2**2 + lt3**2']
 
     Raises:
         ParameterError: n is not an integer from 2 to 44.
@@ -175,6 +198,11 @@ def se(n: int) -> LieAlgebra:
 def heisenberg(n: int) -> LieAlgebra:
     r"""The Heisenberg algebra of n degrees of freedom: $[q_i, p_i] = c$; basis "q1", ..., "p1", ..., "c".
 
+    Example:
+        >>> bracket = lp.algebras.heisenberg(2) @ lp.trivial()
+        >>> bracket.rank(), bracket.casimirs()  # the centre
+        (4, [lc])
+
     Raises:
         ParameterError: n is not an integer from 1 to 499.
     """
@@ -190,6 +218,13 @@ def affine(n: int) -> LieAlgebra:
     r"""The Lie algebra of affine maps of $\mathbb R^n$, gl(n) acting on vectors: "a11", "a12", ..., "b1", ..., "bn".
 
     affine(1) is the algebra of $x \mapsto ax + b$ with the basis "a", "b": $[a, b] = b$.
+
+    Example:
+        >>> line = lp.algebras.affine(1)
+        >>> line.basis_names, [int(number) for number in line.bracket([1, 0], [0, 1])]
+        (('a', 'b'), [0, 1])
+        >>> line.is_solvable, line.is_nilpotent
+        (True, False)
 
     Raises:
         ParameterError: n is not an integer from 1 to 31.
@@ -209,6 +244,10 @@ def affine(n: int) -> LieAlgebra:
 def abelian(n: int) -> LieAlgebra:
     """The abelian algebra: all brackets vanish.
 
+    Example:
+        >>> lp.System(lp.algebras.abelian(2) @ lp.trivial(), "l1^2 + l2").equations  # every function is a Casimir
+        {l1: 0, l2: 0}
+
     Raises:
         ParameterError: n is not an integer from 1 to 1000.
     """
@@ -226,6 +265,12 @@ def sine(N: int) -> LieAlgebra:
     with coordinates $c_n, s_n$ ("c10", "s10", "c01", ..., "c1m1" for n = (1, -1)), one n of each pair (n, -n), in the
     order of `sine_modes(N)`.  The structure constants are $\pm\frac{N}{4\pi} \sin(2\pi k/N)$: numbers of the real
     subfield of $\mathbb Q(\zeta_{4N})$, divided by pi.  `sine_energy(N)` has the coefficients of the kinetic energy.
+
+    Example:
+        >>> lp.algebras.sine(3).killing_signature(), lp.su(3).killing_signature()  # both are compact
+        ((0, 8, 0), (0, 8, 0))
+        >>> lp.algebras.sine(3).basis_names
+        ('c10', 's10', 'c01', 's01', 'c11', 's11', 'c1m1', 's1m1')
 
     Raises:
         ParameterError: N is not an odd integer from 3 to 31.

@@ -15,6 +15,14 @@ Fields: TypeAlias = "tuple[str, ...]"
 class Locus:
     """States whose fields meet some conditions, all of them; all states if there are none.
 
+    Example:
+        >>> for stratum in (lp.so(3) @ lp.leibniz(3)).strata():
+        ...     print(f"rank {stratum.rank} where {stratum.locus}")
+        rank 6 where beta != 0
+        rank 4 where beta = 0, alpha != 0
+        rank 2 where beta = 0, alpha = 0, l != 0
+        rank 0 where beta = 0, alpha = 0, l = 0
+
     Attributes:
         zero: Fields that vanish.
         parallel: Pairs of fields that are parallel; a field that vanishes is parallel to any.

@@ -72,6 +72,10 @@ def normal_forms(n: int) -> list[Extension]:
 
     The basis of each is adapted to the powers of its maximal ideal: the unit, then generators, then products.
 
+    Example:
+        >>> [form.name for form in lp.extensions.normal_forms(4)]
+        ['R[x]/(x^4)', 'R[x,y]/(x^3, xy, y^2)', 'R[x,y]/(x^2, y^2)', 'R[x,y]/(x^2 - y^2, xy)', 'R[x,y,z]/(x,y,z)^2']
+
     Args:
         n: Dimension, 1 to 5.
 

@@ -34,6 +34,12 @@ if TYPE_CHECKING:
 class PhaseFunction:
     """A function on phase space: its values, gradients and second derivatives at many states.
 
+    Example:
+        >>> top = lp.catalog.system("kovalevskaya")
+        >>> energy = lp.systems.PhaseFunction(top, top.hamiltonian)
+        >>> float(energy([1, 0, 1, 0, 0, 1])), energy.gradient([1, 0, 1, 0, 0, 1]).tolist()
+        (0.75, [0.5, 0.0, 1.0, -1.0, 0.0, 0.0])
+
     Args:
         system: The system whose coordinates it depends on.
         expression: A SymPy expression in them, without free parameters.

@@ -40,6 +40,12 @@ _Functions: TypeAlias = "Callable[[], Sequence[Expr]]"
 class Stratum:
     """A set of states on which the rank is constant (proved) or constant at generic points.
 
+    Example:
+        >>> for stratum in (lp.so(3) @ lp.semidirect(2)).strata()[:2]:
+        ...     print(f"{stratum.condition}: rank {stratum.rank}, Casimirs {list(stratum.casimirs)}")
+        alpha != 0: rank 4, Casimirs [alpha1*l1 + alpha2*l2 + alpha3*l3, alpha1**2 + alpha2**2 + alpha3**2]
+        alpha = 0, l != 0: rank 2, Casimirs [l1**2 + l2**2 + l3**2]
+
     Attributes:
         locus: The fields that vanish there, that do not, that are parallel.
         rank: The rank of the Poisson tensor, the dimension of the leaves.

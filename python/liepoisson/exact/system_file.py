@@ -58,6 +58,11 @@ if TYPE_CHECKING:
 class Integral:
     """A function that the file claims to be constant along the motion.
 
+    Example:
+        >>> integral = lp.catalog.entry("goryachev-chaplygin").integrals["G"]
+        >>> integral.expression, integral.on
+        ('l3*(l1^2 + l2^2) - 4*a1*l1*alpha3', 'dot(l, alpha) = 0')
+
     Attributes:
         expression: Its formula.
         on: The condition "f = g" under which it is constant (a partial integral), or None.
@@ -82,6 +87,11 @@ class Integral:
 class Reference:
     """A value to compare with.
 
+    Example:
+        >>> value = lp.catalog.entry("kovalevskaya").references[0]
+        >>> value.quantity, str(value.value), [int(component) for component in value.state]
+        ('H', '19/4', [1, 2, 3, 1, 1, -1])
+
     Attributes:
         quantity: What has this value: "H", "C1", the name of an integral, "derivative", "lyapunov", ...
         value: A number, or several.
@@ -101,6 +111,13 @@ class Reference:
 @dataclass(frozen=True)
 class SystemFile:
     """What a system file says.
+
+    Example:
+        >>> file = lp.catalog.entry("kovalevskaya")
+        >>> file.hamiltonian, [str(component) for component in file.parameters["a"]]
+        ('dot(l, inv(I)*l)/2 + dot(a, alpha)', ['-1', '0', '0'])
+        >>> file.system().hamiltonian
+        -alpha1 + l1**2/4 + l2**2/4 + l3**2/2
 
     Attributes:
         name: How the system is called.

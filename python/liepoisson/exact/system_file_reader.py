@@ -68,6 +68,11 @@ _KEYS: dict[str, tuple[str, ...]] = {
 def read_system(path: str | Path) -> System:
     """The system that a file describes (`liepoisson.exact.system_file` has the format).
 
+    Example:
+        >>> system = lp.read_system(lp.catalog.path("kovalevskaya"))
+        >>> system.name, str(system.hamiltonian)
+        ('kovalevskaya', '-alpha1 + l1**2/4 + l2**2/4 + l3**2/2')
+
     Args:
         path: A TOML file in UTF-8, at most 1 MB.
 
@@ -80,6 +85,11 @@ def read_system(path: str | Path) -> System:
 @explains_its_arguments
 def read_system_file(path: str | Path) -> SystemFile:
     """What a system file says, with its references and its claims.
+
+    Example:
+        >>> file = lp.systems.read_system_file(lp.catalog.path("twisted-kovalevskaya"))
+        >>> file.hamiltonian, file.bracket
+        ('dot(l, inv(I)*l)/2 + dot(a, alpha)', so(3) ⊗ Leibniz(3, epsilon))
 
     Args:
         path: A TOML file in UTF-8, at most 1 MB.

@@ -75,6 +75,14 @@ def read_system_text(text: str, kind: str = "System") -> System:
 def write_system(system: System, path: str | Path) -> Path:
     """Writes a system file, whole or not at all; `read_system` gives the same system back.
 
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import mkdtemp
+        >>> top = lp.Top(inertia=(2, 2, 1), a=(-1, 0, 0), epsilon="1/3", name="weakly twisted top")
+        >>> file = lp.systems.write_system(top, Path(mkdtemp()) / "top.toml")
+        >>> lp.read_system(file)
+        <System 'weakly twisted top' on so(3) ⊗ Leibniz(3, epsilon = 1/3)>
+
     Args:
         system: The system.
         path: A name that ends in .toml.

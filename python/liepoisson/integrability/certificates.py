@@ -33,6 +33,12 @@ _LARGEST = 7
 def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str, Any]:
     """The certificate that functions on phase space, as many as half the rank, make a system integrable; checked.
 
+    Example:
+        >>> top = lp.catalog.system("kovalevskaya")
+        >>> proof = lp.integrability.certificate(top, {"H": top.hamiltonian, "K": top.integrals["K"]})
+        >>> list(proof["commuting"]), list(proof["casimirs"])
+        (['H', 'K'], ['C1', 'C2'])
+
     Args:
         system: A system with rational coefficients.
         commuting: Polynomials that commute with H and with each other, by name.
@@ -73,6 +79,14 @@ def certificate(system: System, commuting: Mapping[str, Expr | str]) -> dict[str
 def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
     """Check a certificate and write it as JSON.
 
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import mkdtemp
+        >>> top = lp.catalog.system("lagrange")
+        >>> proof = lp.integrability.certificate(top, {"H": top.hamiltonian, "l3": "l3"})
+        >>> lp.integrability.save_certificate(proof, Path(mkdtemp()) / "lagrange.json").name
+        'lagrange.json'
+
     Raises:
         ParameterError: it proves nothing; the message says what fails.
         OutputError: the file cannot be written, or its name does not end in .json.
@@ -89,6 +103,15 @@ def save_certificate(data: Mapping[str, Any], path: str | Path) -> Path:
 @explains_its_arguments
 def load_certificate(path: str | Path) -> dict[str, Any]:
     """Read a certificate and check it: nothing in the file is trusted.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import mkdtemp
+        >>> top = lp.catalog.system("lagrange")
+        >>> proof = lp.integrability.certificate(top, {"H": top.hamiltonian, "l3": "l3"})
+        >>> file = lp.integrability.save_certificate(proof, Path(mkdtemp()) / "lagrange.json")
+        >>> lp.integrability.load_certificate(file)["commuting"]["l3"]  # coefficients and exponents
+        [['1', [0, 0, 1, 0, 0, 0]]]
 
     Raises:
         MissingFileError: there is no such file.

@@ -49,6 +49,12 @@ _MOST_EXAMPLES = 200
 class ParameterCase:
     """Parameters for which there is a further integral.
 
+    Example:
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + J*l3^2)/2 + a*alpha1", symbols=["J", "a"])
+        >>> case = lp.integrability.integrable_families(top, degree=1, positive=["J"]).cases[1]
+        >>> case.conditions, case.integrals
+        ((J - 1,), (l1,))
+
     Attributes:
         conditions: Polynomials in the parameters that vanish.
         nonzero: Polynomials that must not vanish for the conditions to suffice, besides what was assumed; where they do
@@ -121,6 +127,12 @@ class FurtherCasimirs:
 @dataclass(frozen=True, repr=False)
 class IntegrableFamilies:
     """For which parameters a system has further polynomial integrals.
+
+    Example:
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + J*l3^2)/2 + a*alpha1", symbols=["J", "a"])
+        >>> found = lp.integrability.integrable_families(top, degree=1, positive=["J"])
+        >>> found.complete, found.n_closed, len(found.cases)
+        (True, 6, 2)
 
     Attributes:
         system: The system.

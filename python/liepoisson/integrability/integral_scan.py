@@ -59,6 +59,12 @@ _PIECES_OF_A_PROCESS = 4
 class IntegralScan(Result):
     """How many further integrals there are at the points of a grid of parameters.
 
+    Example:
+        >>> top = lp.System(lp.so(3) @ lp.semidirect(2), "l1^2 + l2^2 + J*l3^2 + alpha1", symbols=["J"])
+        >>> scan = lp.integrability.scan_integrals(top, axes={"J": ["1/2", 1, 2, 3]}, degree=4)
+        >>> scan.n_further.tolist(), scan.complete  # l1 at J = 1, and Kovalevskaya's integral at J = 2
+        ([0, 1, 1, 0], True)
+
     Attributes:
         degree: The largest degree of the integrals.
         on: Equations of the level that was searched.

@@ -34,6 +34,11 @@ MOST_MONOMIALS = 100_000
 class FirstIntegral:
     """An integral that was found.
 
+    Example:
+        >>> found = lp.integrability.first_integrals(lp.catalog.system("lagrange"), degree=1).found[0]
+        >>> found.name, str(found.expression), found.is_independent
+        ('F1', 'l3', True)
+
     Attributes:
         name: F1, F2, ...
         expression: It, with the smallest whole coefficients if they are rational.
@@ -51,6 +56,11 @@ class FirstIntegral:
 @dataclass(frozen=True, repr=False)
 class FirstIntegrals:
     """What a search for polynomial first integrals found, and what it proves.
+
+    Example:
+        >>> found = lp.integrability.first_integrals(lp.catalog.system("kovalevskaya"), degree=4)
+        >>> [str(integral.expression) for integral in found.found], found.complete
+        (['8*alpha1*l1**2 - 8*alpha1*l2**2 + 16*alpha2*l1*l2 - 16*alpha3**2 + l1**4 + 2*l1**2*l2**2 + l2**4'], True)
 
     Attributes:
         system: The system.

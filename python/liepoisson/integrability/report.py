@@ -53,6 +53,11 @@ _LEAST_TIME = 1.0
 class IntegrabilityReport:
     """What is known of the integrability of a system, with the proofs.
 
+    Example:
+        >>> report = lp.integrability.integrability_report(lp.catalog.system("lagrange"))
+        >>> report.verdict, report.commuting, report.rank
+        ('integrable', ('H', 'F1'), 4)
+
     Attributes:
         system: The system.
         verdict: "integrable", "superintegrable", "not integrable" (in the sense of Liouville, with meromorphic

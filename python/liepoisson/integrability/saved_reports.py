@@ -55,6 +55,15 @@ def load_report(
     integrals is proved by the searches only: they are made again on request, or the report says "not proved again".
     Notes are quoted.
 
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import mkdtemp
+        >>> report = lp.integrability.integrability_report(lp.catalog.system("lagrange"))
+        >>> file = report.save(Path(mkdtemp()) / "lagrange.json")
+        >>> again = lp.integrability.load_report(file)
+        >>> again.verdict, again.searched_here
+        ('integrable', False)
+
     Args:
         path: A file that `IntegrabilityReport.save` wrote.
         prove_again: Whether to make the searches again.

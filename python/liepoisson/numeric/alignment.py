@@ -44,6 +44,12 @@ _MOST_GROWTH = 600.0
 class Alignment(Run):
     r"""Alignment indices of unit vectors $\hat v_1, \hat v_2, \ldots$ along trajectories.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.chaos.alignment(system, {"y": 0.1, "p_x": 0.3}, t_end=1000)
+        >>> bool(found.sali[0].min() > 1e-3)  # the two vectors never align: a torus
+        True
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.
@@ -126,6 +132,13 @@ def alignment(
 
     Directions closer than the round-off cannot be told apart: SALI and each factor of GALI_k are 1e-16 at least, and
     what has come down to that floor says no more than "at most this".
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> starts = [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]]  # energies 0.05 and 0.13
+        >>> sali = lp.chaos.alignment(system, starts, t_end=1000).sali[:, -1]
+        >>> sali > 0.1, sali < 1e-10
+        (array([ True, False]), array([False,  True]))
 
     Args:
         system: The system.

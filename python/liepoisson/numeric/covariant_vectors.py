@@ -34,6 +34,16 @@ class CovariantVectors(ReadOnlyArrays):
 
     Vectors of equal exponents (the zeros, above all) are not unique one by one: only the space that they span is.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> run = lp.lyapunov_spectrum(system, [0, -0.1, 0.5, 0], t_end=200, transient=200, covariant=True)
+        >>> vectors = run.covariant
+        >>> flow = system.vector_field(vectors.state)
+        >>> bool(vectors.distance_from_centre(flow, n_zeros=2).max() < 1e-6)  # it neither grows nor shrinks
+        True
+        >>> bool(vectors.angle(n_zeros=2).min() > 0.1)  # far from a tangency
+        True
+
     Attributes:
         time: Times, from the end of the transient on, shape (time,).
         state: The states there, shape (trajectory, time, component).

@@ -58,6 +58,13 @@ def read_estimates(record: list[list[float]]) -> tuple[Estimate, ...]:
 class EnergyProfile(Run):
     """Finite-time exponents at several energies of one leaf.
 
+    Example:
+        >>> top = lp.Top.twisted_lagrange()
+        >>> leaf = lp.Leaf.through(top, [1, 0, 1, 0, 0, 1, 0, 0, 1])
+        >>> profile = lp.chaos.exponents_by_energy(top, leaf=leaf, energies=[1, 2], n_starts=4, t_end=300)
+        >>> [share.value for share in profile.chaotic], profile.exponent.shape
+        ([0.0, 0.0], (2, 4))
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.
@@ -151,6 +158,13 @@ def exponents_by_energy(
     Starts have the microcanonical measure, which the flow preserves: the fraction of chaotic starts estimates the
     chaotic share of the energy surface.  Each orbit is judged by `decide`, whose docstring says what it cannot see;
     what it leaves undecided is counted by itself.  The same seed is used at each energy.
+
+    Example:
+        >>> top = lp.Top.twisted_lagrange()  # integrable
+        >>> leaf = lp.Leaf.through(top, [1, 0, 1, 0, 0, 1, 0, 0, 1])
+        >>> profile = lp.chaos.exponents_by_energy(top, leaf=leaf, energies=[1], n_starts=16, t_end=300)
+        >>> profile.chaotic[0].value, round(profile.chaotic[0].high, 2)  # none of 16, and Wilson's bound
+        (0.0, 0.19)
 
     Args:
         system: The system.

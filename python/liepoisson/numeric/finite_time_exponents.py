@@ -32,6 +32,12 @@ LEAST_TIME = 1e-300
 class FiniteTimeExponents(IntegratedRun):
     """Finite-time Lyapunov exponents.  The arrays are read-only; `.copy()` gives one that can be changed.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> growth = lp.finite_time_exponents(top, lp.sample_states(top, 4, seed=1), t_end=200)
+        >>> growth.exponent.shape, round(float(np.median(growth.exponent[:, -1])), 2)
+        ((4, 200), 0.13)
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.

@@ -274,6 +274,13 @@ def finite_time_fit(
     asymptotic) and on the ensemble (a mean over regular and chaotic orbits of many energies): quote both, and see
     `window_scan`.  The errors are statistical only.
 
+    Example:
+        >>> time = np.geomspace(10, 1000, 60)
+        >>> members = np.random.default_rng(1).normal(0.12, 0.01, (200, 1))
+        >>> fit = lp.fits.finite_time_fit(time, members + 0.3 / np.sqrt(time) - 2 / time)
+        >>> round(fit.c1, 6), round(fit.c0, 6), fit.estimates["lambda"].contains(0.12)
+        (0.3, -2.0, True)
+
     Args:
         time: Sample times, shape (time,), positive and increasing.
         exponent: Finite-time exponents, shape (trajectory, time), in inverse time.  Members with a value that is
@@ -309,6 +316,13 @@ def window_scan(
 ) -> tuple[FiniteTimeFit, ...]:
     """`finite_time_fit` over many windows, by default over `window_grid`; all share the bootstrap replicates.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> growth = lp.finite_time_exponents(top, lp.sample_states(top, 50, seed=1), t_end=500)
+        >>> fits = lp.fits.window_scan(growth.time, growth.exponent, windows=[(20, 200), (50, 500)])
+        >>> [(fit.window, round(fit.lambda_, 3)) for fit in fits]
+        [((20.0, 200.0), 0.129), ((50.0, 500.0), 0.128)]
+
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
         ParameterError: bad times, a bad window or none, or fewer than two members that finished.
@@ -337,6 +351,12 @@ def log_fit(
     Arguments and errors are those of `finite_time_fit`.  Whether the linear term vanishes within its error is the
     test for a floor below which the exponent does not fall; see `LogFit` for what spoils it.
 
+    Example:
+        >>> time, speed = np.geomspace(10, 1000, 60), np.random.default_rng(1).uniform(0.5, 2, (100, 1))
+        >>> fit = lp.fits.log_fit(time, np.log(1 + speed * time) / time)  # tangent vectors grow linearly
+        >>> round(fit.B, 2), fit.floor_is_zero
+        (1.0, True)
+
     Raises:
         ShapeError: `exponent` is not (trajectory, time).
         ParameterError: bad times or window, or fewer than two members that finished.
@@ -350,6 +370,12 @@ def log_fit(
 @explains_its_arguments
 def mean_curve(time: ArrayLike, exponent: ArrayLike, *, confidence: float = 0.95) -> MeanCurve:
     """Ensemble mean of the exponents (trajectory, time) with a pointwise confidence band.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> growth = lp.finite_time_exponents(top, lp.sample_states(top, 50, seed=1), t_end=500)
+        >>> print(lp.fits.mean_curve(growth.time, growth.exponent).at(500))
+        0.1313 ± 0.0040
 
     Raises:
         ShapeError: `exponent` is not (trajectory, time).

@@ -44,6 +44,13 @@ what `_SAME_POINT` takes, and matters where the components that change are small
 class FirstReturn(Run):
     """Images of the map of first return.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> once = lp.sections.first_return(system, [0, 0.1, 0.3, 0], surface="x", t_end=10)
+        >>> back = lp.sections.first_return(system, once.state, surface="x", t_end=-10, direction=-1)
+        >>> str(once.outcome), bool(np.allclose(back.state, once.start))
+        ('returned', True)
+
     Attributes:
         system: The system, as it was given.
         components: Names of its components.
@@ -105,6 +112,12 @@ def first_return(
 
     A state counts as on the surface if its orbit meets it within a millionth of the first step and within $10^{-9}$ of
     the largest component of x: images that other programs computed, or that were rounded, do not return at once.
+
+    Example:
+        >>> oscillators = lp.System(lp.canonical(2), "dot(p, p)/2 + (q1^2 + 4*q2^2)/2")
+        >>> back = lp.sections.first_return(oscillators, [0, 0.3, 1, 0.4], surface="q1", t_end=10)
+        >>> round(float(back.time / np.pi), 9), bool(np.allclose(back.state, back.start))  # a resonance
+        (2.0, True)
 
     Args:
         system: What is integrated.

@@ -43,6 +43,13 @@ _SMALLEST = 1e-6
 class FitGoodness(ReadOnlyArrays):
     """Goodness of the fit of a mean finite-time exponent.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> growth = lp.finite_time_exponents(top, lp.sample_states(top, 200, seed=1), t_end=500)
+        >>> found = lp.fits.fit_goodness(growth.time, growth.exponent, window=(50, 500))
+        >>> found.n_members, found.n_degrees, found.p_value > 0.05
+        (200, 6, True)
+
     Attributes:
         chi_squared: Hotelling's T^2: chi squared with `n_degrees` degrees of freedom for very many members.
         n_degrees: Degrees of freedom p.
@@ -73,6 +80,14 @@ def fit_goodness(
     time: ArrayLike, exponent: ArrayLike, *, window: Window | None = None, n_degrees: int = 6
 ) -> FitGoodness:
     r"""Goodness of $\lambda + c_1/\sqrt t + c_0/t$ for the mean of an ensemble in a window.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> growth = lp.finite_time_exponents(top, lp.sample_states(top, 200, seed=1), t_end=500)
+        >>> early = lp.fits.fit_goodness(growth.time, growth.exponent, window=(1, 500))
+        >>> late = lp.fits.fit_goodness(growth.time, growth.exponent, window=(50, 500))
+        >>> early.p_value < 1e-6, late.p_value > 0.05  # the law is asymptotic
+        (True, True)
 
     Args:
         time: Sample times, shape (time,), positive and increasing.

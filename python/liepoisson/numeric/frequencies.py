@@ -54,6 +54,12 @@ def _observable_of(record: Any) -> Any:
 class FrequencyDrift(Run):
     r"""The main frequency along trajectories, in two windows of the same length, one after the other.
 
+    Example:
+        >>> top, start = lp.Top.lagrange(), [0.5, 0, 1, 0.6, 0, 0.8, 0, 0, 0]
+        >>> found = lp.chaos.frequency_drift(top, start, observable=("alpha1", "alpha2"), t_end=400)
+        >>> found.frequency.round(4), bool(found.drift[0] < 1e-6)
+        (array([[-1.7776, -1.7776]]), True)
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.
@@ -134,6 +140,12 @@ def frequency_drift(
 
     The signal is sampled `n_samples` times per window.  A line at a frequency beyond $\pi\,n/T$ appears at a wrong one
     (aliasing); so do the harmonics of a signal that is no pure rotation.
+
+    Example:
+        >>> top, start = lp.Top.lagrange(), [0.5, 0, 1, 0.6, 0, 0.8, 0, 0, 0]
+        >>> found = lp.chaos.frequency_drift(top, start, observable=("alpha1", "alpha2"), t_end=400)
+        >>> round(float(found.frequency[0, 0]), 4), bool(found.drift[0] < 1e-6)  # a torus
+        (-1.7776, True)
 
     Args:
         system: The system.

@@ -33,6 +33,13 @@ class Orbit(IntegratedRun, KeepsInvariants):
 
     `invariants` has the Hamiltonian, the Casimirs and the known integrals along them, `drift` their largest changes.
 
+    Example:
+        >>> run = lp.integrate(lp.catalog.system("kovalevskaya"), {"l": (1, 0, 1), "alpha3": 1}, t_end=100)
+        >>> run.state.shape, run.outcome.tolist()
+        ((1, 1001, 6), ['finished'])
+        >>> {name: bool(drift.max() < 1e-12) for name, drift in run.drift.items()}
+        {'H': True, 'C1': True, 'C2': True, 'K': True}
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.

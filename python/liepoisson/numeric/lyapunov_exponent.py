@@ -52,6 +52,12 @@ _HALVES = 3.0
 class ExponentEstimate(Run):
     r"""Largest Lyapunov exponents with errors.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.lyapunov_exponent(system, [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]], t_end=2000)
+        >>> found.is_zero.tolist(), found.exponent.round(2)
+        ([True, False], array([0.  , 0.08]))
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.
@@ -238,6 +244,15 @@ def lyapunov_exponent(
     is neither error bar nor
     bound: a sticky orbit may look regular for thousands of natural times.  No error can tell of a region that the orbit
     has not visited yet, and the halves of one that has stuck to an island for most of the run agree.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> starts = [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]]  # energies 0.05 and 0.13
+        >>> found = lp.lyapunov_exponent(system, starts, t_end=2000)
+        >>> found.is_zero
+        array([ True, False])
+        >>> round(float(found.exponent[1]), 3), round(float(found.error[1]), 3)
+        (0.077, 0.007)
 
     Args:
         system: The system.

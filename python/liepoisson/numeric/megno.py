@@ -36,6 +36,12 @@ _ARRAYS = 6
 class Megno(Run):
     r"""MEGNO along trajectories.
 
+    Example:
+        >>> oscillator = lp.System(lp.canonical(1), "dot(p, p)/2 + dot(q, q)/2 + dot(q, q)^2/4")
+        >>> found = lp.chaos.megno(oscillator, [1, 0], t_end=1000)
+        >>> round(float(found.mean[0, -1]), 1)  # the frequency depends on the action
+        2.0
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.
@@ -107,6 +113,12 @@ def megno(
 
     The second form needs no derivative.  Its integral is taken by the trapezoidal rule on equal steps of
     `t_end/n_samples`; `quadrature_error` says how much the result changes with half as many.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> starts = [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]]  # energies 0.05 and 0.13
+        >>> lp.chaos.megno(system, starts, t_end=1000).mean[:, -1].round(1)  # about 2 on a torus
+        array([ 1.7, 31.8])
 
     Args:
         system: The system.

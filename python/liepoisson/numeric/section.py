@@ -48,6 +48,12 @@ class Section(IntegratedRun):
 
     The arrays are read-only; `.copy()` gives one that can be changed.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> crossings = lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", t_end=100, direction=1)
+        >>> crossings.coordinates, crossings.state.shape
+        (('x', 'y', 'p_x', 'p_y'), (16, 4))
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the phase space.

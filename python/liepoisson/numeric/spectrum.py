@@ -40,6 +40,12 @@ N_TIMES = 256
 class Spectrum(IntegratedRun):
     r"""Lyapunov spectra with their errors.  The arrays are read-only; `.copy()` gives one that can be changed.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> spectrum = lp.lyapunov_spectrum(top, lp.sample_states(top, 1, seed=1), t_end=1000)
+        >>> spectrum.end_exponent[0, [0, 1, -2, -1]].round(2)  # in pairs
+        array([ 0.13,  0.04, -0.04, -0.13])
+
     Attributes:
         system: The system, as it was given.
         components: Names of the components of the state.

@@ -22,6 +22,12 @@ RATIO_LIMIT = 1e8
 class SpectrumResiduals(ReadOnlyArrays):
     r"""How far spectra are from the structure that the bracket prescribes.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> found = lp.lyapunov_spectrum(top, lp.sample_states(top, 1, seed=1), t_end=1000).residuals
+        >>> bool(abs(found.sum[0]) < 1e-12), found.zeros.shape[1], found.zeros_below_threshold.tolist()
+        (True, 5, [1.0])
+
     Attributes:
         sum: Sum of all exponents, shape (trajectory,): zero where the flow keeps the volume,
             $\mathrm{div}\,J\nabla H = 0$, as for all H on a unimodular algebra.  On others, such as the affine one, it

@@ -45,6 +45,12 @@ _SHORT, _DIVERGENCE = 1e-9, 1e-5
 class PoissonStructure(ReadOnlyArrays):
     """What the bracket says about the spectrum of each trajectory.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> structure = lp.lyapunov_spectrum(top, lp.sample_states(top, 1, seed=1), t_end=20).structure
+        >>> structure.corank, structure.n_zeros  # three Casimirs; with them H and the direction of the flow
+        (array([3]), array([5]))
+
     Attributes:
         n_zeros: Exponents that must vanish while the gradients of the known constants stay independent, shape
             (trajectory,).

@@ -63,6 +63,11 @@ def time_scale(
     The median is over 8 points of the first 32 natural times or so of the orbit, and $\rho$ is the spectral
     radius.  For a linear oscillator T is 1 over its angular frequency, beside a saddle 1 over the largest exponent.
 
+    Example:
+        >>> oscillator = lp.System(lp.canonical(1), "dot(p, p)/2 + 9*dot(q, q)/2")
+        >>> lp.orbits.time_scale(oscillator, [1, 0]).round(9)  # 1 over the angular frequency
+        array([0.33333333])
+
     Args:
         system: The system.
         starts: States at time 0, shape (component,) or (trajectory, component), dimensionless.

@@ -64,6 +64,15 @@ class Rule:
     they are $0.424\,\lambda t$ and $\lambda t/2$: "chaotic" needs $\lambda t > 9.4$ and 10.  The numbers for SALI and
     `least_time` are choices of the authors.  The one for averages was fixed on two Kovalevskaya tops with a weak twist
     (docs/chaos.md): so that at most 5% of the orbits that are chaotic in a run 100 times longer are "regular".
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> starts = [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]]
+        >>> lp.decide(system, starts, t_end=1000).verdict.tolist()
+        ['regular', 'chaotic']
+        >>> patient = lp.chaos.Rule(least_time=5000)
+        >>> lp.decide(system, starts, t_end=1000, rule=patient).verdict.tolist()
+        ['undecided', 'undecided']
     """
 
     growth_power: tuple[float, float] = (2.0, 4.0)
@@ -129,6 +138,12 @@ def rule_of(record: dict[str, Any]) -> Rule:
 @dataclass(frozen=True, kw_only=True)
 class Verdict(Run):
     r"""Regular, chaotic or undecided, for each trajectory.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.decide(system, [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]], t_end=1000)
+        >>> found.verdict.tolist(), found.votes.tolist()
+        (['regular', 'chaotic'], [[-1, -1, -1, -1], [1, 1, 1, 0]])
 
     Attributes:
         system: The system, as it was given.
@@ -403,6 +418,13 @@ class Disagreement(NamedTuple):
 class Agreement(ReadOnlyArrays):
     """How far the indicators of an ensemble agree.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> verdict = lp.decide(top, lp.sample_states(top, 20, seed=1), t_end=1000)
+        >>> found = lp.chaos.agreement(verdict)
+        >>> found.indicators[:3], found.same[:3, :3].tolist()
+        (('growth_power', 'megno', 'sali'), [[20, 20, 20], [20, 20, 20], [20, 20, 20]])
+
     Attributes:
         indicators: Their names.
         same: Members on which two indicators say the same, shape (indicator, indicator).
@@ -430,6 +452,12 @@ class Agreement(ReadOnlyArrays):
 @explains_its_arguments
 def agreement(verdict: Verdict) -> Agreement:
     """Agreement matrix of the indicators, and every member on which they disagree, with the values.
+
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> found = lp.chaos.agreement(lp.decide(top, lp.sample_states(top, 20, seed=1), t_end=1000))
+        >>> found.n, int(found.contrary.sum()), len(found.disagreements)
+        (20, 0, 0)
 
     Args:
         verdict: Result of `decide`.

@@ -78,6 +78,13 @@ def symmetric_homoclinic_orbits(
     A homoclinic orbit to a periodic orbit may approach an image of it under the symmetry $\rho_1\rho_0$ of the loop,
     which is the same orbit.
 
+    Example:
+        >>> duffing = lp.System(lp.canonical(1, names=["x"]), "p_x^2/2 - x^2/2 + x^4/4")
+        >>> saddle = lp.phase_space.equilibrium(duffing, [0, 0])
+        >>> found = lp.orbits.symmetric_homoclinic_orbits(saddle, n_starts=20)
+        >>> [orbit.midpoint.round(6).tolist() for orbit in found]
+        [[1.414214, 0.0]]
+
     Args:
         origin: A hyperbolic orbit of `symmetric_periodic_orbits`, or a hyperbolic equilibrium.
         reversers: The reversers in whose fixed sets midpoints are looked for; by default all that suit the level, and

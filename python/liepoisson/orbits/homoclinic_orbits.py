@@ -30,6 +30,13 @@ _LONGEST = 60
 class HomoclinicOrbit(ReadOnlyArrays):
     r"""An orbit that tends to a periodic orbit or an equilibrium for $t \to \pm\infty$ and is its own mirror image.
 
+    Example:
+        >>> duffing = lp.System(lp.canonical(1, names=["x"]), "p_x^2/2 - x^2/2 + x^4/4")
+        >>> saddle = lp.phase_space.equilibrium(duffing, [0, 0])
+        >>> orbit = lp.orbits.symmetric_homoclinic_orbits(saddle, n_starts=20)[0]  # x = sqrt(2)/cosh(t)
+        >>> orbit.reverser.text, round(orbit.distance**2, 9)
+        ('p_x -> -p_x; t -> -t', 2.0)
+
     Attributes:
         origin: The periodic orbit or the equilibrium.
         space: The linear unstable space where it begins.
@@ -100,6 +107,13 @@ class HomoclinicOrbit(ReadOnlyArrays):
 @dataclass(frozen=True, eq=False)
 class HomoclinicOrbits(Sequence[HomoclinicOrbit]):
     """Symmetric homoclinic orbits to one periodic orbit or equilibrium, those with the shortest flight first.
+
+    Example:
+        >>> duffing = lp.System(lp.canonical(1, names=["x"]), "p_x^2/2 - x^2/2 + x^4/4")
+        >>> saddle = lp.phase_space.equilibrium(duffing, [0, 0])
+        >>> found = lp.orbits.symmetric_homoclinic_orbits(saddle, n_starts=20)
+        >>> len(found)  # its image under a change of both signs is not listed
+        1
 
     Attributes:
         origin: The periodic orbit or the equilibrium.

@@ -35,6 +35,12 @@ class SymmetricOrbit(ReadOnlyArrays):
 
     $$ \varphi_{2T}(x) = P x , \qquad x = \rho_0 x, \quad \varphi_T(x) = \rho_1\varphi_T(x) . $$
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> orbit = lp.orbits.symmetric_periodic_orbits(system, {}, energy="1/10", n_starts=20)[0]
+        >>> round(orbit.period, 6), orbit.stability
+        (6.794385, 'hyperbolic')
+
     Attributes:
         level: The energy and the leaf.
         first: $\rho_0$.
@@ -129,6 +135,12 @@ class SymmetricOrbit(ReadOnlyArrays):
 @dataclass(frozen=True, eq=False)
 class SymmetricOrbits(Sequence[SymmetricOrbit]):
     """Symmetric periodic orbits of a level, those with the largest growth rate first.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.orbits.symmetric_periodic_orbits(system, {}, energy="1/10", n_starts=20)
+        >>> [(round(orbit.period, 3), orbit.stability) for orbit in found[:2]]
+        [(6.794, 'hyperbolic'), (6.11, 'elliptic')]
 
     Attributes:
         level: The level.

@@ -34,6 +34,13 @@ _MOST_STEPS = 12
 class PreciseSegment:
     """A segment of a symmetric orbit, as decimal texts, which liepoisson reads as exact numbers.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> orbit = lp.orbits.symmetric_periodic_orbits(system, {}, energy="1/10", n_starts=20)[0]
+        >>> precise = orbit.polished(digits=30)
+        >>> precise.digits, round(float(precise.time), 10) == round(orbit.time, 10)
+        (30, True)
+
     Attributes:
         start: The components of the state in the fixed set of the first reverser.
         end: Those of the state in the fixed set of the last.

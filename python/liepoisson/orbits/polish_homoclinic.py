@@ -50,6 +50,14 @@ _TO_LEVEL = 12
 class PreciseMidpoint:
     """The midpoint of a homoclinic orbit as decimal texts, which liepoisson reads as exact numbers.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> orbit = lp.orbits.symmetric_periodic_orbits(system, {}, energy="1/8", n_starts=20)[0]
+        >>> found = lp.orbits.symmetric_homoclinic_orbits(orbit, n_starts=10)[0]
+        >>> precise = found.polished(digits=16)
+        >>> precise.digits, bool(np.allclose([float(text) for text in precise.midpoint], found.midpoint))
+        (16, True)
+
     Attributes:
         midpoint: The components of the state in the fixed set of the reverser.
         digits: How many digits of them are right.

@@ -60,6 +60,13 @@ class Chart(Protocol):
 class ChartOrbit(Result, KeepsInvariants):
     """One orbit, integrated in the coordinates of a chart.
 
+    Example:
+        >>> top, start = lp.Top.twisted_lagrange(), [1, 0, 1, 0, 1, 0, 0, 0.6, 0.8]
+        >>> run = lp.orbits.chart_orbit(lp.charts.EulerChart(top, state=start), start, times=[0, 10, 20])
+        >>> body = lp.integrate(top, start, times=[0, 10, 20])
+        >>> run.outcome, bool(np.allclose(run.body, body.state[0]))
+        ('finished', True)
+
     Attributes:
         chart: Which chart of which leaf, in words.
         time: The wanted times, shape (time,).
@@ -134,6 +141,13 @@ def chart_orbit(chart: Chart, start: ArrayLike, *, times: ArrayLike, method: Tay
     $r = |\alpha\times\beta|/|\beta|$ goes through zero like $|t - t_*|$; its power series goes on like $t_* - t$, and
     the next step starts with the wrong sign.  So the state at the end of each step is put back into the equations,
     and the run is cut, by bisection on the series, at the time from which on they do not hold.
+
+    Example:
+        >>> top, start = lp.Top.twisted_lagrange(), [1, 0, 1, 0, 1, 0, 0, 0.6, 0.8]
+        >>> chart = lp.charts.EulerChart(top, state=start)
+        >>> run = lp.orbits.chart_orbit(chart, start, times=np.linspace(0, 50, 501))
+        >>> run.outcome, bool(run.drift["H"].max() < 1e-12)
+        ('finished', True)
 
     Args:
         chart: `EulerChart`, `QuaternionChart` or a reduced Lagrange top with its cyclic angle.

@@ -26,6 +26,10 @@ def default_surface(leaf: Leaf) -> str:
     For a top with two fields that function is $\ell\cdot\beta$ (see `good_surface`).  Otherwise, or where its rate
     vanishes on the whole leaf, it is a coordinate: the last of each vector in turn, then the others.
 
+    Example:
+        >>> lp.sections.default_surface(lp.Leaf(lp.catalog.system("henon-heiles"), {}))  # the rate of p_y
+        '-x^2 + y^2 - y'
+
     Args:
         leaf: The leaf.
 

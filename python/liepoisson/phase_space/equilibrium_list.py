@@ -23,6 +23,11 @@ class Equilibria(Sequence["Equilibrium"]):
 
     Behaves like a list of `Equilibrium`: one for each isolated equilibrium and for each connected family.
 
+    Example:
+        >>> found = lp.equilibria(lp.catalog.system("henon-heiles"), {})
+        >>> [round(one.energy, 6) for one in found], found.proved  # the well, and saddles at 1/6
+        ([0.0, 0.166667, 0.166667, 0.166667], True)
+
     Attributes:
         leaf: The leaf.
         found: The equilibria.

@@ -51,6 +51,12 @@ def _carried(orbit: Orbit, system: System) -> Orbit:
 class Attitude(Result, KeepsInvariants):
     r"""Orbits with the attitude of the body along them.
 
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(3)", [1, 1, 2])
+        >>> found = lp.orbits.attitude(body, [0, 0, 1], times=[0, np.pi])  # a quarter of a turn
+        >>> found.quaternion[0, -1].round(6).tolist()
+        [0.707107, 0.0, 0.0, 0.707107]
+
     Attributes:
         system: The system.
         orbit: The run, with the components q0, q1, q2, q3 after those of the system.
@@ -182,6 +188,12 @@ def attitude(
 
     The product is Hamilton's ($ij = k$), $\omega = \partial H/\partial\ell$ is a pure quaternion in the body frame, and
     $v \mapsto q v \bar q$ takes body vectors to space.  For a top the field is quadratic with 13 components.
+
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
+        >>> found = lp.orbits.attitude(body, [0.1, 1, 0.1], times=np.linspace(0, 50, 101))  # it tumbles
+        >>> bool(np.ptp(found.space("l"), axis=1).max() < 1e-12)  # the angular momentum is fixed in space
+        True
 
     Args:
         system: A system on so(3) (x) A, where A = R e_0 + m with the unit e_0 and an ideal m: all tops, Kirchhoff's

@@ -44,6 +44,13 @@ class Leaf:
     A level set may consist of several leaves, such as the two sheets of a hyperboloid; they are not told apart.
     Leaves of lower rank come from a state, see `Leaf.through`.
 
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("heavy-top"), {"l.alpha": 0, "|alpha|^2": 1})
+        >>> leaf
+        <Leaf of dimension 4 of 'heavy-top', alpha != 0: C1 = 0, C2 = 1>
+        >>> round(leaf.energy_range()[0], 9)  # the hanging top
+        -1.0
+
     Args:
         system: A system whose parameters are all numbers.
         casimirs: A value for each Casimir, by name or formula: `{"C1": 1.2, "C2": 0.3, "C3": 1}`, or

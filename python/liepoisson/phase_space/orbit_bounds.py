@@ -43,6 +43,12 @@ _OUTWARD = 1 + 1e-12
 class Bounds:
     r"""The largest lengths on the states of one energy on one leaf; they hold for all times.
 
+    Example:
+        >>> top = lp.Top.heavy(inertia=(1, 2, 3), a=(0, 0, 1))
+        >>> found = lp.phase_space.bounds(top, leaf={"C1": 1, "C2": 0, "C3": 0}, energy=0)
+        >>> round(found.l**2, 9), round(found.omega**2, 9)  # from at most 1 of kinetic energy
+        (6.0, 2.0)
+
     Attributes:
         l: A bound of $|\ell|$.
         alpha: A bound of $|\alpha|$.
@@ -73,6 +79,13 @@ def bounds(
 
     whose largest solution $|\ell|$ bounds it; the kinetic energy left over, $2(E + |b| w + |a|\rho)$, bounds
     $\omega\cdot I\omega \ge I_{min}|\omega|^2$.  Nothing like it holds for the energy alone, without Casimirs.
+
+    Example:
+        >>> top, start = lp.Top.twisted_kovalevskaya(), [1, 0, 1, 0, 0, 1, 0, 0, 1]
+        >>> bounds = lp.phase_space.bounds(top, start)
+        >>> spin = np.linalg.norm(lp.integrate(top, start, t_end=1000).state[0, :, :3], axis=1)
+        >>> round(bounds.l, 4), round(float(spin.max()), 4)
+        (4.039, 3.8402)
 
     Args:
         system: A top: the equations decide, however the system was made.

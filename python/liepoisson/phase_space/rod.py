@@ -50,6 +50,12 @@ _POINTS = 401
 class Rod(Result):
     """Shapes of rods; vectors are in the space frame unless they are called strain.
 
+    Example:
+        >>> system = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + l3^2/2)/2 + alpha3")
+        >>> ring = lp.orbits.rod(system, [0, 2, 0, 0, 0, 0], length=np.pi)
+        >>> round(float(np.ptp(ring.centre_line[0, :, 0])), 4)  # the diameter, with the curvature 2
+        1.0
+
     Attributes:
         attitude: The same runs with the directors as an attitude; `attitude.orbit` is the integrated orbit.
         arclength: Where the points are, shape (point,).
@@ -142,6 +148,12 @@ def rod(
     $n = \langle x, f\rangle$ and the field $J B = \langle x, f^2\rangle$; B is fixed in space: $f^3 = 0$.  For the top
     with a = (0, 0, a3), b = (0, 0, b3): $n = a_3\alpha + b_3\beta$, $J B = \epsilon a_3^2\beta$.  Unequal I1, I2 are a
     rod with unequal bending stiffnesses; a linear term of W is a rod that is bent or twisted when it is free.
+
+    Example:
+        >>> rod = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + l3^2/2)/2 + alpha3")
+        >>> ring = lp.orbits.rod(rod, [0, 1, 0, 0, 0, 0], length=2 * np.pi)  # a couple and no force
+        >>> bool(np.abs(ring.centre_line[0, -1]).max() < 1e-12), round(float(ring.curvature.max()), 9)
+        (True, 1.0)
 
     Args:
         system: A system of this form.

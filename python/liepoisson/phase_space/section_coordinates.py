@@ -59,6 +59,13 @@ def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | E
     $\{s, H\}$ this is their Dirac bracket on the section.  Where its sign differs, different states may lie at one
     point of a figure with x and y for its axes.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", t_end=500)
+        >>> upwards = found.state[found.sign > 0]
+        >>> [lp.sections.is_folded(system, states, "x", "y", "p_y") for states in (found.state, upwards)]
+        [True, False]
+
     Args:
         system: A system whose parameters are all numbers, on leaves of dimension 4.
         states: States of the section, shape (crossing, component), as those that `section` finds.

@@ -32,6 +32,11 @@ if TYPE_CHECKING:
 class SleepingTop(ReadOnlyArrays):
     r"""A sleeping top and the polynomial Q that decides on its stability.
 
+    Example:
+        >>> slow = lp.phase_space.sleeping_top(lp.Top.lagrange(), l3=1, alpha3=1)
+        >>> [str(number) for number in slow.polynomial], slow.linear_stability, round(slow.growth_rate, 6)
+        (['1', '1', '1', '0'], 'unstable', 0.866025)
+
     Attributes:
         system: The top.
         state: The state $(0, 0, \ell_3, 0, 0, \alpha_3, 0, 0, \beta_3)$, shape (9,).
@@ -106,6 +111,11 @@ class SleepingTop(ReadOnlyArrays):
 @explains_its_arguments
 def sleeping_top(system: System, *, l3: Parameter, alpha3: Parameter, beta3: Parameter = 0) -> SleepingTop:
     r"""A symmetric top with $\ell$, $\alpha$ and $\beta$ along its axis.
+
+    Example:
+        >>> top = lp.Top.lagrange()
+        >>> [lp.phase_space.sleeping_top(top, l3=spin, alpha3=1).linear_stability for spin in (1, 2, 3)]
+        ['unstable', 'degenerate', 'stable spectrum']
 
     Args:
         system: A top with $I_1 = I_2$ and a, b along the third axis.

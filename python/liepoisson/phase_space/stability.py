@@ -41,6 +41,12 @@ if TYPE_CHECKING:
 class Equilibrium(ReadOnlyArrays):
     r"""An equilibrium of a leaf, or a relative equilibrium with respect to integrals, and its stability.
 
+    Example:
+        >>> top = lp.catalog.system("lagrange")
+        >>> hanging = lp.phase_space.equilibrium(top, [0, 0, 0, 0, 0, -1])
+        >>> hanging.linear_stability, hanging.nonlinear_stability, hanging.frequencies.round(9)
+        ('stable spectrum', 'stable', array([1., 1.]))
+
     Attributes:
         leaf: The leaf that it lies on.
         state: The state, shape (N,).
@@ -139,6 +145,13 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
     Where the vector field vanishes exactly, H is a rational function with rational coefficients, and there are no more
     than 12 components, spectrum and signature are computed in exact numbers, whatever the sizes of the coefficients.
     Elsewhere an eigenvalue of the second variation counts as zero below 1e-9 of the largest.
+
+    Example:
+        >>> body = lp.catalog.euler_top_on("so(3)", [1, 2, 3])
+        >>> [lp.phase_space.equilibrium(body, axis).linear_stability for axis in np.eye(3)]
+        ['stable spectrum', 'unstable', 'stable spectrum']
+        >>> round(lp.phase_space.equilibrium(body, [0, 1, 0]).growth_rate, 9)  # the root of 1/12
+        0.288675135
 
     Args:
         system: A system whose parameters are all numbers.

@@ -38,6 +38,12 @@ _GUESSES = 8
 class Start(ReadOnlyArrays):
     """A state with its leaf and energy, and how it was found.
 
+    Example:
+        >>> top = lp.Top.kovalevskaya()
+        >>> start = lp.phase_space.find_start(top, start={"l": (1, 0, 1), "alpha3": 1})
+        >>> start.energy, start.leaf.casimirs["l.alpha"], start.origin
+        (0.75, 1.0, 'as given')
+
     Attributes:
         state: Shape (component,).
         leaf: The symplectic leaf through it.

@@ -60,6 +60,10 @@ def good_surface(system: System) -> str:
     $\beta\parallel a$.  On leaves with $\beta = 0$ (or, for $\epsilon = 0$, $\alpha\parallel\beta$) s vanishes
     everywhere.
 
+    Example:
+        >>> lp.sections.good_surface(lp.Top.twisted_kovalevskaya())
+        '(-1)*(alpha2*beta3 - alpha3*beta2)'
+
     Args:
         system: A top with two fields $\alpha, \beta$.
 
@@ -122,6 +126,12 @@ def section_starts(
     `leaf.state`, as a Markov chain would take seconds.  The starts have no measure of their own: the first are what
     Newton's method makes of the Liouville measure, the second what it makes of a normal distribution.  Neither is the
     one that the map of first return preserves, so that averages over starts mean nothing; their orbits do.
+
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("kovalevskaya"), {"C1": 0, "C2": 1})
+        >>> starts = lp.sections.section_starts(leaf, "l3", energy=1, n_starts=5, direction=1)
+        >>> lp.section(leaf.system, starts, surface="l3", t_end=100, direction=1, start_side=-1, n_crossings=10)
+        <Section l3 = 0 of kovalevskaya: 50 crossings of 5 trajectories>
 
     Args:
         leaf: The leaf.
@@ -239,6 +249,12 @@ def section_state(
     guess: ArrayLike | Mapping[str, Any] | None = None,
 ) -> Array:
     """The state of a section with given values of some coordinates.
+
+    Example:
+        >>> leaf = lp.Leaf(lp.catalog.system("henon-heiles"), {})
+        >>> state = lp.sections.section_state(leaf, "x", 0.125, {"y": 0, "p_y": 0})
+        >>> round(float(state[2]), 9)  # p_x, from H = 1/8
+        0.5
 
     Args:
         leaf: The leaf.

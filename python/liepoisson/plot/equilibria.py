@@ -33,6 +33,13 @@ def sleeping_diagram(
     the curve is the parabola $p^2 = 4q$ of the ordinary top, which is stable outside of it.  The words say on which
     side the spectrum of that last top is stable, and lie where no curve crosses them.
 
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> axes = lp.plot.sleeping_diagram(twists=[0, 1, 2])
+        >>> print(axes.get_xlabel(), "and", axes.get_ylabel())
+        spin $\ell_3$ and field $I_1(a_3\alpha_3 + b_3\beta_3)$
+        >>> plt.close(axes.figure)
+
     Args:
         twists: The values of u.
         spin: The plane is drawn for $|p|$ up to this.

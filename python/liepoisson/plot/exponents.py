@@ -44,6 +44,15 @@ def convergence(
     the curves of all members are given, a light band holds the middle 90% of them.  A fit is drawn solid inside
     its window and dotted outside.  Of one orbit there is one curve and no band.
 
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> growth = lp.finite_time_exponents(top, lp.sample_states(top, 20, seed=1), t_end=100)
+        >>> axes = lp.plot.convergence(growth, label="20 starts")
+        >>> axes.get_xscale(), axes.get_legend().get_texts()[0].get_text()
+        ('log', '20 starts')
+        >>> plt.close(axes.figure)
+
     Args:
         growth: Result of `finite_time_exponents`, or a `MeanCurve`.
         fit: Result of `finite_time_fit` or `log_fit` for the same ensemble.
@@ -144,6 +153,15 @@ def exponent_distribution(
 
     An ensemble of random starts mixes regular and chaotic orbits of many energies: its mean is not one exponent.
 
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> growth = lp.finite_time_exponents(top, lp.sample_states(top, 50, seed=1), t_end=100)
+        >>> axes = lp.plot.exponent_distribution(growth, bins=10)
+        >>> print(f"{axes.get_ylabel()} of {axes.get_xlabel()}")
+        probability density of $\lambda$
+        >>> plt.close(axes.figure)
+
     Args:
         exponents: One exponent per member, shape (trajectory,), in inverse time; those not finite are left out.  Of
             what `finite_time_exponents` returns, the exponents at the last time.
@@ -188,6 +206,16 @@ def window_scan(
     ax: Axes | None = None,
 ) -> Axes:
     r"""The fitted $\lambda$ against the start of the window, one line per end of the window, with error bars.
+
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> growth = lp.finite_time_exponents(top, lp.sample_states(top, 50, seed=1), t_end=500)
+        >>> fits = lp.fits.window_scan(growth.time, growth.exponent, windows=[(20, 200), (50, 500)], n_bootstrap=100)
+        >>> axes = lp.plot.window_scan(fits)
+        >>> print(axes.get_ylabel(), "against the", axes.get_xlabel())
+        fitted $\lambda$ against the start of the window
+        >>> plt.close(axes.figure)
 
     Args:
         fits: Result of `liepoisson.window_scan`.

@@ -61,6 +61,15 @@ def indicators(
     and the round-off at the foot of SALI; thin lines are the thresholds between which MEGNO and SALI do not vote.  The
     axes of growth and MEGNO are linear up to 10 and logarithmic beyond.
 
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> system, starts = lp.catalog.system("henon-heiles"), [[0, 0.1, 0.3, 0], [0, -0.1, 0.5, 0]]
+        >>> growth, angle = lp.chaos.megno(system, starts, t_end=500), lp.chaos.alignment(system, starts, t_end=500)
+        >>> top, middle, bottom = lp.plot.indicators(growth, angle, labels=["regular", "chaotic"])
+        >>> bottom.get_ylabel(), bottom.get_yscale()
+        ('SALI', 'log')
+        >>> plt.close(top.figure)
+
     Args:
         growth: Result of `megno`.
         angle: Result of `alignment` for the same starts.

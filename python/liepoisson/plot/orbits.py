@@ -64,6 +64,12 @@ def orbit(
     Of a vector with more than six components those with the largest values are drawn, of more than eight vectors the
     largest ones, and of more than six invariants those that change most; the figure says so.
 
+    Example:
+        >>> run = lp.integrate(lp.Top.kovalevskaya(), {"l": (1, 0, 1), "alpha3": 1}, t_end=20)
+        >>> figure = lp.plot.orbit(run)
+        >>> print(*(axes.get_ylabel() for axes in figure.axes[:6:2]))  # a row for each vector; the invariants are below
+        $\ell$ $\alpha$ $\beta$
+
     Args:
         run: Result of `integrate`, or its Dataset.
         invariants: Values along the trajectory, shape (time,), by name, for the last row.  By default those of

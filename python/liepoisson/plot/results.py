@@ -34,6 +34,14 @@ _KINDS = {"regular": FIRST_FIELD, "undecided": MUTED, "chaotic": ANGULAR_MOMENTU
 def draw(result: Any, **options: Any) -> Figure:
     """The figure of a result, whatever its kind.
 
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> figure = lp.plot.draw(lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", t_end=200))
+        >>> print(figure.axes[0].get_title(loc="left"))
+        henon-heiles: $x$ = 0
+        >>> plt.close(figure)
+
     Args:
         result: What a run returned, or what `liepoisson.load` gave.
         **options: Those of the figure of this kind: `orbit`, `section`, `spectrum`, `convergence`, `rod`, `sweep`; or
@@ -56,7 +64,18 @@ def draw(result: Any, **options: Any) -> Figure:
 
 @explains_its_arguments
 def profile(result: Any, *, ax: Axes | None = None) -> Axes:
-    """Exponents at each energy of a leaf: every start by its verdict, and the mean with its interval."""
+    r"""Exponents at each energy of a leaf: every start by its verdict, and the mean with its interval.
+
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> top = lp.Top.twisted_lagrange()
+        >>> leaf = lp.Leaf.through(top, [1, 0, 1, 0, 0, 1, 0, 0, 1])
+        >>> profile = lp.chaos.exponents_by_energy(top, leaf=leaf, energies=[1], n_starts=4, t_end=200)
+        >>> axes = lp.plot.profile(profile)
+        >>> print(f"{axes.get_ylabel()} against {axes.get_xlabel()}")
+        $\lambda$ at $t = 200$ against $H$
+        >>> plt.close(axes.figure)
+    """
     with house_style():
         ax = axes_or_new(ax)
         for kind, colour in _KINDS.items():

@@ -70,6 +70,12 @@ def rod(
     winds about a twisted rod.  The arrow shows the direction of I B, current times magnetic field, if there is one; a
     dot is the beginning.
 
+    Example:
+        >>> system = lp.System(lp.so(3) @ lp.semidirect(2), "(l1^2 + l2^2 + l3^2/2)/2 + alpha3")
+        >>> figure = lp.plot.rod(lp.orbits.rod(system, [0, 1, 0.5, 0, 0, -1], length=10))
+        >>> print(*(axes.get_title(loc="left") or axes.get_title() for axes in figure.axes[1:]), sep=", ")
+        curvature $\kappa$, twist $u_3$, tension $\mathbf{n}\cdot\mathbf{d}_3$
+
     Args:
         rod: Result of `liepoisson.rod`.
         trajectory: Which of its rods.

@@ -65,6 +65,15 @@ def section(
     Only where the section itself is a surface (two degrees of freedom) do the points of one orbit on a torus lie on a
     curve.  In higher dimension this is a projection: a filled region proves no chaos, and a curve no torus.
 
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> crossings = lp.section(system, {"y": 0.1, "p_x": 0.3}, surface="x", t_end=200, direction=1)
+        >>> axes = lp.plot.section(crossings, "y", "p_y")
+        >>> sum(len(line.get_xdata()) for line in axes.lines) == len(crossings.time)  # a point for each crossing
+        True
+        >>> plt.close(axes.figure)
+
     Args:
         points: Result of `liepoisson.section`, or its Dataset.
         x: Horizontal: the name of a coordinate that was kept, or values, shape (crossing,).  By default the last

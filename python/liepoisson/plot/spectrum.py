@@ -29,6 +29,13 @@ def spectrum(result: Spectrum, *, trajectory: int = 0, enlarged: bool = True) ->
     the right are one standard error over the time of this orbit; open circles are the mirror images $-\lambda_k$, which
     fall on the others where the spectrum comes in pairs.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> result = lp.lyapunov_spectrum(top, lp.sample_states(top, 1, seed=1), t_end=200)
+        >>> figure = lp.plot.spectrum(result, enlarged=False)
+        >>> print(figure.axes[0].get_ylabel(), "against", figure.axes[0].get_xlabel())
+        $\lambda_k(t)$ against $t$
+
     Args:
         result: What `lyapunov_spectrum` returns.
         trajectory: Which trajectory.

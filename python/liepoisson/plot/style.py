@@ -75,7 +75,16 @@ _SETTINGS: dict[str, Any] = {
 @contextmanager
 @explains_its_arguments
 def house_style() -> Generator[None]:
-    """Matplotlib in the house style inside a `with` block; settings outside stay as they were."""
+    """Matplotlib in the house style inside a `with` block; settings outside stay as they were.
+
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> with lp.plot.house_style():
+        ...     figure, axes = plt.subplots()
+        >>> axes.spines["top"].get_visible(), plt.rcParams["axes.spines.top"]  # no frame, and only inside of the block
+        (False, True)
+        >>> plt.close(figure)
+    """
     import matplotlib as mpl
     from matplotlib.rcsetup import cycler
 
@@ -125,6 +134,14 @@ def new_figure(width: float, height: float) -> Figure:
 @explains_its_arguments
 def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS) -> tuple[Path, ...]:
     """Write a figure as `stem`.png, .svg and .pdf; the same figure gives the same bytes.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from tempfile import mkdtemp
+        >>> run = lp.integrate(lp.Top.kovalevskaya(), {"l": (1, 0, 1), "alpha3": 1}, t_end=20)
+        >>> written = lp.plot.save_figure(lp.plot.orbit(run), Path(mkdtemp()) / "kovalevskaya", formats=["svg"])
+        >>> [path.name for path in written]
+        ['kovalevskaya.svg']
 
     Args:
         figure: The figure.

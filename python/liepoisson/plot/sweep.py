@@ -40,6 +40,15 @@ def sweep(
     the grid; where it was refined, those of the finer level lie above.  What is not computed is hatched; below a curve
     crosses mark its points.  Above the axes stands how many there are.
 
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> found = lp.sweep(system="twisted-top", parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
+        ...     axes={"epsilon": [0, 0.5, 1]}, n_starts=4, t_end=50)
+        >>> axes = lp.plot.sweep(found)
+        >>> print(f"{axes.get_ylabel()}, against {axes.get_xlabel()}")
+        mean $\lambda(50)$, in inverse time, against $\epsilon$
+        >>> plt.close(axes.figure)
+
     Args:
         result: Result of `liepoisson.sweep`.
         confidence: Coverage of the band (Wilson's interval of a fraction, Student's of a mean over the starts).

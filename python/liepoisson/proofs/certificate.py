@@ -75,6 +75,13 @@ class CoveringCertificate:
 def load_covering_certificate(path: str | Path) -> CoveringCertificate:
     """Read a certificate. Only its form is looked at here.
 
+    Example:
+        >>> from importlib.resources import files
+        >>> shipped = files("liepoisson.proofs") / "twisted_kovalevskaya.json"
+        >>> certificate = lp.proofs.load_covering_certificate(shipped)
+        >>> len(certificate.sets), len(certificate.edges), str(certificate.level["H"])
+        (27, 28, '1/2')
+
     Raises:
         MissingFileError: there is no such file.
         DamagedFileError: it has another format; the message says where.

@@ -47,6 +47,12 @@ _MOST_TIME = 1e6
 class FlowEnclosure(ReadOnlyArrays):
     """What is known of the flow on a box of states, after a time.
 
+    Example:
+        >>> oscillator = lp.System(lp.canonical(1), "dot(p, p)/2 + dot(q, q)/2")
+        >>> found = lp.proofs.enclose_flow(oscillator, lp.proofs.Box.around([1, 0], 1e-3), time=2)
+        >>> found.image.contains([np.cos(2), -np.sin(2)]), bool(found.derivative.width.max() < 1e-12)
+        (True, True)
+
     Attributes:
         system: The name of the system.
         box: Where the orbits start.
@@ -78,6 +84,12 @@ class FlowEnclosure(ReadOnlyArrays):
 @dataclass(frozen=True, eq=False)
 class SectionMapEnclosure(ReadOnlyArrays):
     """What is known of the map along orbits from a box of states to a section.
+
+    Example:
+        >>> oscillators = lp.System(lp.canonical(2), "dot(p, p)/2 + (q1^2 + 4*q2^2)/2")
+        >>> found = lp.proofs.enclose_section_map(oscillators, [0, 0.3, 1, 0.4], surface="q1", direction=1)
+        >>> found.time[0] <= 2 * np.pi <= found.time[1], found.is_first
+        (True, True)
 
     Attributes:
         system: The name of the system.

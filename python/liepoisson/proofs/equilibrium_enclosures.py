@@ -57,6 +57,12 @@ _CUT = 0.4873
 class EquilibriumEnclosure(ReadOnlyArrays):
     """An equilibrium that was proved to exist, and to be the only one of its level in a box.
 
+    Example:
+        >>> top = lp.catalog.system("lagrange")
+        >>> upright = lp.proofs.prove_equilibrium(top, [0, 0, 0, 0, 0, 1], level={"C1": 0, "C2": 1})
+        >>> upright.state.contains([0, 0, 0, 0, 0, 1]), bool(upright.eigenvalues_real.lower[0] > 0.99)
+        (True, True)
+
     Attributes:
         system: The name of the system.
         level: The exact values of the Casimirs, by name.
@@ -89,6 +95,12 @@ class EquilibriumEnclosure(ReadOnlyArrays):
 @dataclass(frozen=True, eq=False)
 class EquilibriaEnclosure(ReadOnlyArrays):
     """All equilibria of a level in a box.
+
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.proofs.enclose_equilibria(system, ([-0.5, 0.5, -1, -1], [0.5, 2, 1, 1]))
+        >>> [one.state.contains([0, 1, 0, 0]) for one in found.equilibria], found.is_complete
+        ([True], True)
 
     Attributes:
         system: The name of the system.

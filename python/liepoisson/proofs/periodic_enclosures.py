@@ -54,6 +54,13 @@ _FAR = 0.1
 class PeriodicOrbitEnclosure(ReadOnlyArrays):
     """A periodic orbit that was proved to exist on a level, and to be the only one there that is near.
 
+    Example:
+        >>> system = lp.catalog.system("henon-heiles")
+        >>> found = lp.orbits.symmetric_periodic_orbits(system, {}, energy="1/10", n_starts=20)[0]
+        >>> orbit = lp.proofs.prove_periodic_orbit(system, found.start, period=found.period, level={"H": "1/10"})
+        >>> bool(orbit.multipliers_real.lower.max() > 1), bool(orbit.is_simple.all())  # proved to be hyperbolic
+        (True, True)
+
     Attributes:
         system: The name of the system.
         level: The exact values of H and the Casimirs, by name.

@@ -103,6 +103,14 @@ def find_certificate(
     smaller ball of levels where they are not accepted. If none is, the one with the largest margins is returned, and a
     checker will say what it lacks.
 
+    Example:
+        >>> top = lp.catalog.heavy_top_on("so(3)", [1, 1, 2], [1, 0, 0])
+        >>> found = lp.proofs.find_certificate(top, {"C1": "1/2", "C2": 1}, 1, n_starts=20)
+        >>> len(found.chain.sets), found.check.passes  # in floating-point numbers
+        (17, True)
+        >>> lp.proofs.prove_chaos(top, found, arithmetics=["intervals"]).excludes_integrals
+        True
+
     Args:
         system: A system with polynomial equations and reversers.
         leaf: A regular leaf, or the values of the Casimirs by name; texts are exact.

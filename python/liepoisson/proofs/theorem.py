@@ -83,6 +83,11 @@ def prove_chaos(
 ) -> ChaosProof:
     """Verify a certificate of chaos by covering relations; the theorem is in docs/proof.md.
 
+    Example:
+        >>> proof = lp.proofs.prove_chaos(lp.Top.twisted_kovalevskaya(), arithmetics=["intervals"])
+        >>> round(proof.entropy, 4), proof.excludes_integrals  # a lower bound of the topological entropy
+        (0.048, True)
+
     Args:
         system: A polynomial system with rational constants; its levels of H and the Casimirs have the dimension 3 or 5.
         certificate: A certificate, what `find_certificate` found, or a file; the one that is shipped, if there is one

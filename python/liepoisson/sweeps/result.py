@@ -53,6 +53,12 @@ def _spec_of(record: dict[str, Any]) -> SweepSpec:
 class Sweep(Result):
     """The values of a sweep at its points.
 
+    Example:
+        >>> found = lp.sweep(system="twisted-top", parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
+        ...     axes={"epsilon": [0, 0.5, 1]}, n_starts=4, t_end=50)
+        >>> found.points[:, 0].tolist(), found.mean.round(2).tolist()
+        ([0.0, 0.5, 1.0], [0.05, 0.08, 0.14])
+
     Attributes:
         spec: What was asked.
         places: The points on the lattice, see `liepoisson.sweeps.lattice`.

@@ -54,6 +54,10 @@ _DOTTED = re.compile(r"[^\W\d]\w*(\.[^\W\d]\w*)*:[^\W\d]\w*")
 class Axis:
     """A named list of values over which a sweep runs.
 
+    Example:
+        >>> lp.sweeps.Axis.logarithmic("energy", 0.01, 1, 3).values
+        (0.01, 0.1, 1.0)
+
     Args:
         name: A parameter of the system ("epsilon"), a component of one ("a1", "I3"), "energy" or a Casimir ("C1"),
             which it sets; or any other name that formulas of the sweep use.
@@ -123,6 +127,11 @@ class Starts:
     is then not the Liouville measure.  With `sampling="liouville"` all Casimirs must be given, and the states are those
     of `Leaf.sample`, with the same seed at every point.
 
+    Example:
+        >>> starts = lp.sweeps.Starts(energy="e", casimirs={"C1": 0, "C2": 1})
+        >>> lp.sweep(system="heavy-top", starts=starts, axes={"e": [0, 1, 2]}, n_starts=4, t_end=20).held
+        ('of the starts: C1 = 0, C2 = 1',)
+
     Args:
         ensemble: "unit-vectors", "cube" or "gaussian".
         energy: Value of the Hamiltonian: a number, or a formula in the names of the axes.
@@ -160,6 +169,13 @@ class Starts:
 class Refinement:
     """Where a sweep looks closer: cells whose corners differ are halved, level by level.
 
+    Example:
+        >>> closer = lp.sweeps.Refinement(levels=2, difference=0.02)
+        >>> found = lp.sweep(system="twisted-top", parameters={"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]},
+        ...     axes={"epsilon": [0, 0.5, 1]}, n_starts=4, t_end=50, refine=closer)
+        >>> np.sort(found.points[:, 0]).tolist()
+        [0.0, 0.125, 0.25, 0.375, 0.5, 0.625, 0.75, 0.875, 1.0]
+
     Args:
         levels: How often a cell may be halved.
         difference: Least difference of the statistic (mean exponent, or chaotic fraction) between corners.
@@ -181,6 +197,12 @@ class Refinement:
 @dataclass(frozen=True)
 class SweepSpec:
     """Everything that determines the numbers of a sweep.
+
+    Example:
+        >>> energies = lp.sweeps.Axis.linear("energy", 0, 2, 3)
+        >>> spec = lp.sweeps.SweepSpec("kovalevskaya", axes=(energies,), n_starts=4, t_end=50)
+        >>> lp.sweep(spec)
+        <Sweep over energy (3): 3 points, 4 orbits each, t = 50>
 
     Args:
         system: Name of the catalog, path of a system file, tables of one, a system without free parameters, or a

@@ -65,6 +65,13 @@ class EulerChart:
     of the momenta only those with $\eta > 2\epsilon\,\ell\cdot\beta$ belong to it) and where $\sin\theta = 0$.
     Orbits do leave it: see `margins`.
 
+    Example:
+        >>> chart = lp.charts.EulerChart(lp.Top.twisted_kovalevskaya(), leaf={"C1": 2, "C2": 0, "C3": 1})
+        >>> chart.potential
+        sqrt(2)*sqrt(1 - p_phi)*(sin(phi)*sin(psi)*cos(theta) - cos(phi)*cos(psi))
+        >>> chart.l_dot_beta
+        p_phi
+
     Args:
         system: A charged or twisted top (or a system with its equations); its parameters may be symbolic.
         leaf: A `Leaf`, or the values of C1, C2, C3 of the bracket of the system.

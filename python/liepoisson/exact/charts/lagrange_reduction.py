@@ -35,6 +35,11 @@ class ReducedLagrange:
     $(e_3, e_1)$, in which $\ell\cdot\beta = w p_\phi$.  The domain is that of `EulerChart`.  On beta = 0 one degree of
     freedom is left: `ReducedLagrange.ordinary`.
 
+    Example:
+        >>> chart = lp.charts.ReducedLagrange(lp.Top.twisted_lagrange())
+        >>> chart.component_names, chart.rate_of_psi
+        (('phi', 'theta', 'p_phi', 'p_theta'), 2*l3 - (-l3*cos(theta) + p_phi)*cos(theta)/sin(theta)**2)
+
     Args:
         system: A Lagrange top, twisted or charged.
         l3: The conserved third component of the angular momentum, if no state is given.

@@ -55,6 +55,13 @@ class GivenLeaf(Protocol):
 class LeafConstants:
     r"""The constants v, w and eta of a leaf with $\beta\neq0$; symbols if no leaf is given.
 
+    Example:
+        >>> top = lp.Top.twisted_kovalevskaya()
+        >>> lp.charts.EulerChart(top, leaf={"C1": 2, "C2": 2, "C3": 4}).leaf
+        <LeafConstants v = 1, w = 2, eta = 1, epsilon = 1>
+        >>> lp.charts.EulerChart(top).leaf.casimirs  # if no leaf is given
+        (eta + v**2, v*w, w**2)
+
     Attributes:
         epsilon: Strength of the cocycle.
         v: The component of alpha along beta, $C_2/w$.

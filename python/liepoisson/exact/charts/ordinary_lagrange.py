@@ -36,6 +36,10 @@ class OrdinaryLagrange:
     $p_\psi = \ell_3$ and $p_\phi = \ell_n = \ell\cdot\alpha/|\alpha|$.  Twist and charge do not act where beta = 0.
     Where $\sin\theta = 0$ the chart ends; orbits with $\ell_n\neq\pm\ell_3$ never come there.
 
+    Example:
+        >>> lp.charts.OrdinaryLagrange(lp.Top.lagrange()).effective_potential
+        alpha*cos(theta) + l3**2 + (-l3*cos(theta) + l_n)**2/(2*sin(theta)**2)
+
     Args:
         system: A Lagrange top.
         l3: The third component of the angular momentum.

@@ -63,6 +63,14 @@ class QuaternionChart:
     $q_3 = 0$, $q_0 > 0$ where $\beta_3\ge0$, $q_2 = 0$, $q_1 > 0$ where $\beta_3<0$; for epsilon = 0 these are turned
     about the axis of beta in space so that $\hat Y = 0$.
 
+    Example:
+        >>> chart = lp.charts.QuaternionChart(lp.Top.twisted_kovalevskaya(), leaf={"C1": 2, "C2": 0, "C3": 1})
+        >>> chart.component_names
+        ('q0', 'q1', 'q2', 'q3', 'X', 'p0', 'p1', 'p2', 'p3', 'Y')
+        >>> state = [1, 0, 1, 0, 1, 0, 0, 0, 1]  # at a pole of Euler angles
+        >>> bool(np.allclose(chart.to_body(chart.from_body(state)), state))
+        True
+
     Args:
         system: A charged or twisted top (or a system with its equations).
         leaf: A `Leaf`, or the values of C1, C2, C3 of the bracket of the system.

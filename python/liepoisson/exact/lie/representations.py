@@ -23,6 +23,12 @@ def semidirect_sum(
 ) -> LieAlgebra:
     r"""The semidirect sum $g \ltimes V$: $[e_i, v] = \rho_i v$, $[V, V] = 0$; the basis of g first.
 
+    Example:
+        >>> so3 = lp.so(3)
+        >>> motions = lp.algebras.semidirect_sum(so3, so3.adjoint_representation())  # so(3) acts on vectors
+        >>> motions.brackets == lp.algebras.se(3).brackets
+        True
+
     Args:
         algebra: The Lie algebra g.
         representation: The matrices $\rho_i$ on V, exact, shape (dim g, dim V, dim V); complex ones act on the real

@@ -33,6 +33,13 @@ if TYPE_CHECKING:
 class LaxFamily:
     """Parameters for which there is a Lax pair.
 
+    Example:
+        >>> e3 = lp.so(3) @ lp.semidirect(2)
+        >>> top = lp.System(e3, "dot(l, inv(I)*l)/2 + a3*alpha3", symbols=["I[3]", "a3"])
+        >>> family = lp.integrability.lax_families(top, nonzero=["a3"], positive=["I1", "I2", "I3"]).families[0]
+        >>> family.conditions, family.pair.size  # Lagrange's top
+        ((B1, B2, B3 - 1, I1 - I2), 3)
+
     Attributes:
         conditions: Polynomials in the parameters and the components B1, B2, ... of B that vanish. At special points
             of a case, such as a free body that turns about one axis only, the eigenvalues of all pairs may be Casimirs
@@ -66,6 +73,13 @@ def _equation(condition: Any) -> str:
 @dataclass(frozen=True, repr=False)
 class LaxFamilies:
     """The parameters for which there are Lax pairs of one form.
+
+    Example:
+        >>> e3 = lp.so(3) @ lp.semidirect(2)
+        >>> top = lp.System(e3, "dot(l, inv(I)*l)/2 + a3*alpha3", symbols=["I[3]", "a3"])
+        >>> found = lp.integrability.lax_families(top, nonzero=["a3"], positive=["I1", "I2", "I3"])
+        >>> [str(family) for family in found.families], found.complete
+        (['B1 = 0, B2 = 0, B3 = 1, I1 - I2 = 0'], True)
 
     Attributes:
         system: The system, with parameters as symbols.

@@ -30,6 +30,11 @@ if TYPE_CHECKING:
 class LaxIntegral:
     """One coefficient of the characteristic polynomial, or its real or imaginary part.
 
+    Example:
+        >>> found = lp.integrability.known_lax_pair("kovalevskaya").integrals()
+        >>> [(one.kind, one.formula) for one in found.coefficients[:3]]
+        [('known', 8*H), ('Casimir', -2*C2), ('integral', None)]
+
     Attributes:
         place: Where it stands: "w z^2", with "real part" or "imaginary part" behind it if it has both.
         expression: The function on phase space.
@@ -49,6 +54,11 @@ class LaxIntegral:
 @dataclass(frozen=True, repr=False)
 class LaxIntegrals:
     """What a Lax pair says about integrability.
+
+    Example:
+        >>> found = lp.integrability.known_lax_pair("lagrange").integrals()
+        >>> found.n_independent, found.rank, found.in_involution, found.is_complete
+        (2, 4, True, True)
 
     Attributes:
         system: The system.

@@ -38,6 +38,11 @@ _MOST_SHOWN = 400
 class LaxPair:
     r"""A Lax pair of a system that has been verified, $\dot L = [L, M] = LM - ML$; `lax_pair` makes one.
 
+    Example:
+        >>> pair = lp.integrability.known_lax_pair("lagrange")
+        >>> pair.size, pair.L[0, 1], pair.M[0, 1]
+        (3, -alpha3 - l3*z - z**2, -2*l3 - z)
+
     Attributes:
         system: The system.
         spectral: The spectral parameter; None if there is none.

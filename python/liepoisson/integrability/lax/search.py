@@ -48,6 +48,11 @@ _MOST_SAMPLES = 20_000
 class LaxSearch:
     """What a search for Lax pairs found.
 
+    Example:
+        >>> found = lp.integrability.search_lax_pairs(lp.catalog.system("lagrange"), degree=2)
+        >>> found.complete, found.pairs[0].elements[0]  # L is alpha + z l + z^2 e_3
+        (True, (alpha1 + l1*z, alpha2 + l2*z, alpha3 + l3*z + z**2))
+
     Attributes:
         system: The system.
         form: "algebra" or "diagonal".

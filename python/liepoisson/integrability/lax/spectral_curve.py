@@ -37,6 +37,12 @@ _LARGEST = 9
 class CurveQuotient:
     """The quotient of a component by a change of signs.
 
+    Example:
+        >>> curve = lp.integrability.known_lax_pair("kovalevskaya").spectral_curve([1, 2, 3, 1, 1, -1])
+        >>> quotient = curve.components[0].quotients[0]
+        >>> quotient.symmetry, curve.components[0].genus, quotient.genus
+        ('(z, w) -> (-z, w)', 3, 2)
+
     Attributes:
         symmetry: What it does, such as "(z, w) -> (-z, w)".
         polynomial: The equation of the quotient in Z and W.
@@ -53,6 +59,11 @@ class CurveQuotient:
 @dataclass(frozen=True)
 class CurveComponent:
     """A component of the spectral curve.
+
+    Example:
+        >>> curve = lp.integrability.known_lax_pair("lagrange").spectral_curve([1, 2, 3, 1, 1, -1])
+        >>> [(component.degree, component.genus) for component in curve.components]
+        [(1, 0), (2, 1)]
 
     Attributes:
         polynomial: Its irreducible equation, monic in w.
@@ -84,6 +95,11 @@ class CurveComponent:
 @dataclass(frozen=True, repr=False)
 class SpectralCurve:
     """The spectral curve of a Lax pair at a state.
+
+    Example:
+        >>> curve = lp.integrability.known_lax_pair("kovalevskaya").spectral_curve([1, 2, 3, 1, 1, -1])
+        >>> curve.genus, len(curve.components)
+        (3, 1)
 
     Attributes:
         pair: The Lax pair.

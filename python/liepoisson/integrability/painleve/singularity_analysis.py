@@ -72,6 +72,11 @@ Weights: TypeAlias = "Mapping[str, Any] | Sequence[Any]"
 class PainleveTest:
     """What the test of Kovalevskaya and Painlevé says of a system.
 
+    Example:
+        >>> found = lp.integrability.painleve_test(lp.catalog.system("henon-heiles"))
+        >>> found.verdict, found.complete, len(found.balances)
+        ('fails', True, 2)
+
     Attributes:
         system: The system.
         variables: The coordinates of the polynomial equations that were tested, and variables for functions of them.
