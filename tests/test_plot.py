@@ -112,6 +112,19 @@ def test_house_style_leaves_settings_as_they_were(growth):
     assert dict(mpl.rcParams) == before
 
 
+def test_house_style_keeps_the_interactive_mode_that_the_first_figure_of_a_notebook_turns_on(monkeypatch):
+    import matplotlib as mpl
+
+    monkeypatch.setitem(mpl.rcParams, "interactive", False)
+    with plot.house_style():
+        mpl.interactive(True)
+    assert mpl.is_interactive()
+    with pytest.raises(ZeroDivisionError), plot.house_style():
+        mpl.interactive(False)
+        1 / 0  # noqa: B018
+    assert not mpl.is_interactive()
+
+
 @pytest.mark.thorough
 def test_a_figure_is_saved_as_three_files_that_do_not_change(growth, tmp_path):
     def save(name):

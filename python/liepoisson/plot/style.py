@@ -89,8 +89,15 @@ def house_style() -> Generator[None]:
     from matplotlib.rcsetup import cycler
 
     settings: dict[Any, Any] = {**_SETTINGS, "axes.prop_cycle": cycler(color=SEQUENCE)}
-    with mpl.rc_context(settings):
-        yield
+    interactive = mpl.is_interactive()
+    try:
+        with mpl.rc_context(settings):
+            try:
+                yield
+            finally:
+                interactive = mpl.is_interactive()
+    finally:  # a notebook turns it on with the first figure, and shows no other where it is off again
+        mpl.interactive(interactive)
 
 
 def axes_or_new(ax: Axes | None, *, width: float = 6.4, height: float = 4.0) -> Axes:
