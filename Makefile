@@ -71,6 +71,8 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 	  --output-file requirements/dev.txt
 	$(BIN)/uv pip compile --group docs $(LOCK) --upgrade --constraint requirements/dev.txt \
 	  --output-file requirements/docs.txt
+	$(BIN)/uv pip compile --group stories $(LOCK) --upgrade --constraint requirements/dev.txt \
+	  --output-file requirements/stories.txt
 	cargo update
 
 wasm: ## build the core for the browser (5 minutes; says what it needs); it is committed, with a hash of its sources
@@ -91,8 +93,12 @@ docs: $(VENV)/.built $(VENV)/.docs ## build the documentation site into target/s
 docs-check: docs ## check the site: links, no request to another host, and pages in Chromium (where node and Chromium are there)
 	$(BIN)/python docs/site/check.py
 
+stories: $(VENV)/.built ## run the notebooks of docs/stories again and store what they print and draw (a minute)
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/stories.txt
+	$(BIN)/python docs/stories/make.py
+
 # Python by pip-audit (in the environment or on the path), Rust by cargo-audit. Both ask public lists, so they need the network.
-LOCKED := requirements/run.txt requirements/dev.txt requirements/build.txt requirements/docs.txt
+LOCKED := requirements/run.txt requirements/dev.txt requirements/build.txt requirements/docs.txt requirements/stories.txt
 PIP_AUDIT = $(firstword $(wildcard $(BIN)/pip-audit) $(shell command -v pip-audit 2>/dev/null))
 vulnerabilities: ## ask public lists about known vulnerabilities in the lock files of Python and Rust (needs the network)
 	@failed=0; \
@@ -112,7 +118,7 @@ clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
 .PHONY: help lab reproduce test test-rust test-python test-slow check static lint types quick-tests arm bench audit guard instructions \
-  sanitize miri wasm page test-web docs docs-check wheel wheel-check vulnerabilities release-check lock clean set-up tools
+  sanitize miri wasm page test-web docs docs-check stories wheel wheel-check vulnerabilities release-check lock clean set-up tools
 
 # One pip after the other.
 set-up: $(VENV)/.dev

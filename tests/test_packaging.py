@@ -62,5 +62,6 @@ def test_locks_hold_what_is_declared_and_the_tools_of_the_build_are_apart():
     assert groups["build"] == PROJECT["build-system"]["requires"]
     assert named(groups["build"]) <= build
     assert named(PROJECT["project"]["dependencies"]) <= run
+    assert named(groups["stories"]) <= locked("stories.txt")
     assert not build & run
     assert run | named(groups["test"]) | named(groups["lint"]) <= dev
