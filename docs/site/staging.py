@@ -1,7 +1,7 @@
 """The pages of the site, from the Markdown of the repository: copied, with links that lead to pages of the site.
 
 What the documents link to is put beside them: other documents, pictures, and the text of source files, each as a page.
-The headings and tables of docs/index.md are the table of contents.
+The headings and tables of docs/index.md are the table of contents.  Notebooks become Markdown, by stories.py.
 """
 
 from __future__ import annotations
@@ -12,6 +12,8 @@ import re
 import shutil
 from collections.abc import Callable, Iterable
 from pathlib import Path
+
+from stories import story_pictures, story_text
 
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
@@ -59,6 +61,9 @@ class Stage:
             else:
                 text = outside_code(text, lambda part, page=page: cited(part, page))
             self.write(page, text)
+            if document.suffix == ".ipynb":
+                for name, picture in story_pictures(document).items():
+                    (self.folder / page).with_name(name).write_bytes(picture)
         for folder in (path for path in DOCS.iterdir() if path.is_dir() and path.name != "site"):
             shutil.copytree(folder, self.folder / folder.name, dirs_exist_ok=True, ignore=_not_a_picture)
         for path in sorted(self.sources):
@@ -83,6 +88,8 @@ class Stage:
                 return target
             name, mark, heading = target.partition("#")
             path = (document.parent / name).resolve()
+            if document.suffix == ".ipynb" and (path == document or name in story_pictures(document)):
+                return name  # both lie beside the page
             if path in known:
                 return relative(known[path], page) + mark + heading
             if path.is_dir():
@@ -99,14 +106,21 @@ class Stage:
         def words_of_folders(match: re.Match[str]) -> str:
             return match["words"] if there(match["target"]) is None else match[0]
 
-        text = outside_code(document.read_text(encoding="utf-8"), lambda part: WHOLE_LINK.sub(words_of_folders, part))
+        text = outside_code(text_of(document), lambda part: WHOLE_LINK.sub(words_of_folders, part))
         return outside_code(text, lambda part: LINK.sub(link, part))
 
 
 def documents() -> dict[Path, str]:
     """Every document that becomes a page, and the page."""
     pages = {path: path.relative_to(DOCS).as_posix() for path in sorted(DOCS.rglob("*.md"))}
+    stories = sorted((DOCS / "stories").glob("*.ipynb"))
+    pages |= {path: path.relative_to(DOCS).with_suffix(".md").as_posix() for path in stories}
     return pages | {ROOT / f"{name}.md": f"{name.lower()}.md" for name in PROJECT_PAGES}
+
+
+def text_of(document: Path) -> str:
+    """The Markdown of a document."""
+    return story_text(document) if document.suffix == ".ipynb" else document.read_text(encoding="utf-8")
 
 
 def relative(page: str, to: str) -> str:
