@@ -441,6 +441,25 @@ def test_simple_equilibria_close_to_each_other_stay_two():
     assert {round(e.state[0], 12) + 0: e.linear_stability for e in found} == {0: "unstable", 0.001: "stable spectrum"}
 
 
+def test_equilibria_that_doubles_do_not_tell_apart_on_a_curved_valley_are_all_listed():
+    """On x + exp(y) = 0 the slope is that of (y - 1)^3 (y - 1.01)^3 exp(-y)."""
+    system = plane("px^2/2 + py^2/2 + (x + exp(y))^2/2 + (y - 1)^3*(y - 1.01)^3*exp(-y)")
+    found = searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20)
+    real = [y for y in between(1, 1.01, 3, -1) if y < 5]
+    assert sorted(e.state[1] for e in found if e.state[1] < 5) == pytest.approx(real, abs=1e-12)
+    assert all(e.state[0] == pytest.approx(-np.exp(e.state[1]), rel=1e-12) for e in found)
+
+
+def test_where_two_directions_are_flat_the_result_says_that_others_may_be_hidden():
+    """Nine critical points: x and y of 1, 1.01 and one between them. With two soft directions few of them are found."""
+    pair = "({0} - 1)^3*({0} - 1.01)^3*exp(-{0})"
+    system = plane(f"px^2/2 + py^2/2 + {pair.format('x')} + {pair.format('y')}")
+    found = lp.equilibria(system, {}, n_starts=8, most_starts=8)
+    assert len(found) >= 1
+    assert found.n_undecided >= 1
+    assert "others may be hidden at" in found.completeness
+
+
 def test_where_a_flat_part_cannot_be_resolved_the_result_says_so():
     """exp(-1/q^2) is zero with all its derivatives at q = 0, where it is no analytic function."""
     found = lp.equilibria(

@@ -30,7 +30,7 @@ from liepoisson.phase_space.critical_points import (
     stretched_steps,
 )
 from liepoisson.phase_space.equilibrium_list import signed_sum
-from liepoisson.phase_space.flat_parts import FlatPart, flat_part_at
+from liepoisson.phase_space.flat_parts import FlatPart, HiddenPlace, flat_part_at, hidden_place_at
 from liepoisson.phase_space.leaf_search import representative
 from liepoisson.phase_space.second_variation import curvatures, null_directions, symmetry_directions
 from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, settled, zero_near
@@ -115,6 +115,7 @@ class EquilibriumSearch:
         self._families: list[_Family] = []
         self._zeros: list[SoftZero] = []
         self._flat_parts: list[FlatPart] = []
+        self._hidden: list[HiddenPlace] = []
         self.n_starts = 0
 
     @property
@@ -125,7 +126,7 @@ class EquilibriumSearch:
     @property
     def n_undecided(self) -> int:
         """The number of places where H is flat to round-off and may have more equilibria than those found."""
-        return sum(not part.is_decided for part in self._flat_parts)
+        return sum(not part.is_decided for part in self._flat_parts) + len(self._hidden)
 
     def extend(self, n_starts: int) -> None:
         """Search from this many starts more."""
@@ -202,6 +203,8 @@ class EquilibriumSearch:
         family = self._family(new, state, directions, is_isolated=zero.is_isolated)
         self._families = [known for known in self._families if not self._takes_in(family, known)]
         self._families.append(family)
+        if self._may_mislead and family.kind in {"point", "degenerate"}:
+            self._note_hidden_place(state)
 
     def _takes_in(self, family: _Family, known: _Family) -> bool:
         """Whether an equilibrium from which no family was seen to lead away is on this one; if so, it joins it."""
@@ -235,7 +238,15 @@ class EquilibriumSearch:
         if zero is not None:
             self._zeros.append(zero)
             zeros = [zero, *zeros]
+        elif part is None:
+            self._note_hidden_place(state)
         return [zero.state for zero in zeros]
+
+    def _note_hidden_place(self, state: Array) -> None:
+        """Remember that others may be hidden beside a state, where several directions are soft."""
+        if not any(place.contains(state) for place in self._hidden):
+            place = hidden_place_at(self._leaf, self._fields, self._values, state)
+            self._hidden += [] if place is None else [place]
 
     def _flat_part_of(self, state: Array) -> FlatPart | None:
         for part in self._flat_parts:

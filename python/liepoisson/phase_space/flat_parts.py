@@ -26,6 +26,7 @@ from liepoisson.phase_space.soft_zeros import (
     BITS,
     WHOLE,
     ReducedSlope,
+    Slope,
     SoftZero,
     fold_to_round_off,
     is_one_over_whole,
@@ -89,12 +90,47 @@ def flat_part_at(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, st
     """The interval of a state with one soft direction; None if there is none, or it does not end within reach."""
     with precision(BITS):
         slope = reduced_slope(leaf, fields, values, state)
-        if slope is None or slope.soft.shape[1] != 1 or not _is_blind(slope, 0.0) or not _is_seen_beside(slope):
+        if slope is None or slope.soft.shape[1] != 1 or not _is_blind(slope, 0, 0.0) or not _is_seen_beside(slope):
             return None
-        ends = [_end(slope, sign) for sign in (-1, 1)]
-        if ends[0] is None or ends[1] is None:
+        begin, end = _end(slope, 0, -1), _end(slope, 0, 1)
+        return None if begin is None or end is None else _resolved(slope, begin, end)
+
+
+@dataclass(frozen=True)
+class HiddenPlace:
+    """A place with several soft directions in which doubles do not see the slope, and which ends along each of them.
+
+    Attributes:
+        origin: A state of it, shape (N,).
+        soft: The directions, shape (N, k).
+        begin: Where it ends along each, shape (k,).
+        end: The same on the other side.
+    """
+
+    origin: Array
+    soft: Array
+    begin: Array
+    end: Array
+
+    def contains(self, state: Array) -> bool:
+        """Whether a state is in the box."""
+        s = self.soft.T @ (state - self.origin)
+        return bool((self.begin <= s).all() and (s <= self.end).all())
+
+
+@np.errstate(all="ignore")
+def hidden_place_at(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array) -> HiddenPlace | None:
+    """The place of a state with two or more soft directions; None if it has fewer, or is a tail along one of them."""
+    with precision(BITS):
+        slope = reduced_slope(leaf, fields, values, state)
+        if slope is None or slope.soft.shape[1] < 2 or not _is_blind(slope, 0, 0.0):
             return None
-        return _resolved(slope, ends[0], ends[1])
+        ends = [[_end(slope, axis, sign) for sign in (-1, 1)] for axis in range(slope.soft.shape[1])]
+    known = [[end for end in pair if end is not None] for pair in ends]
+    if min(map(len, known)) < 2:
+        return None
+    begin, end = np.array(known).T
+    return HiddenPlace(slope.origin, slope.soft, begin, end)
 
 
 def _is_seen_beside(slope: ReducedSlope) -> bool:
@@ -102,20 +138,23 @@ def _is_seen_beside(slope: ReducedSlope) -> bool:
     return any(there is not None and there.is_seen for there in beside)
 
 
-def _end(slope: ReducedSlope, sign: int) -> float | None:
-    """Where the slope is seen in doubles, on one side."""
+def _end(slope: ReducedSlope, axis: int, sign: int) -> float | None:
+    """Where the slope is seen in doubles, on one side along one direction."""
     share = _FIRST
     while share <= _FARTHEST:
-        if not _is_blind(slope, sign * share * slope.length):
+        if not _is_blind(slope, axis, sign * share * slope.length):
             return sign * share * slope.length
         share *= 2
     return None
 
 
-def _is_blind(slope: ReducedSlope, s: float) -> bool:
+def _is_blind(slope: ReducedSlope, axis: int, distance: float) -> bool:
     """Whether the slope is too small for doubles; also where it is not known, so that no interval ends there."""
-    there = slope.at([arb(s)])
-    return there is None or not abs(there.value[0]) >= _BLIND * slope.curvature * slope.length
+    s = [arb(0)] * slope.soft.shape[1]
+    s[axis] = arb(distance)
+    there = slope.at(s)
+    size = _BLIND * slope.curvature * slope.length
+    return there is None or not any(abs(v) >= size for v in there.value)
 
 
 def _resolved(slope: ReducedSlope, begin: float, end: float) -> FlatPart:
@@ -181,7 +220,7 @@ class _Zeros:
             there = self.slope.at([s])
             if there is None or not there.is_seen:
                 break
-            step = self._step(s)
+            step = self._step(s, there)
             if step is None:
                 return None
             s = (s - step).mid()
@@ -198,12 +237,12 @@ class _Zeros:
         is_new = all(abs((s - zero) / self.half) > _ZERO**2 for zero, _ in self.found)
         return (s, order) if order is not None and is_new else None
 
-    def _step(self, s: arb) -> arb | None:
+    def _step(self, s: arb, there: Slope) -> arb | None:
         r"""Newton's step for $1/L$ with $L = g'/g - \sum m_i/(s - z_i)$, which is $-L/L'$.
 
         With $n = g/g'$ and its step $w = n/n'$: $(g'/g)' = -n'/n^2 = -1/(nw)$.
         """
-        both = newton_step(self.slope, [s], self.slope.at([s]))
+        both = newton_step(self.slope, [s], there)
         return None if both is None else self._deflated(s, *both)
 
     def _deflated(self, s: arb, step: list[arb], shares: Array) -> arb | None:

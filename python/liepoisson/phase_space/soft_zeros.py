@@ -182,7 +182,7 @@ class SoftZero:
 
 
 @dataclass(frozen=True)
-class _Slope:
+class Slope:
     """The slope g at one s, bounds on its errors, and the other unknowns there."""
 
     value: list[arb]
@@ -191,6 +191,7 @@ class _Slope:
 
     @property
     def is_seen(self) -> bool:
+        """Whether the slope is known well enough to be differentiated."""
         size = max((abs(v) for v in self.value), key=lambda v: v.mid())
         return bool(size.lower() > _VISIBLE * self.error)
 
@@ -248,11 +249,11 @@ class ReducedSlope:
         state = self.state_of(s, solved)
         return SoftZero(state, is_flat=bool(shares.max() < 1 - WHOLE), is_isolated=len(s) == 1)
 
-    def state_of(self, s: Sequence[arb], solved: _Slope) -> Array:
+    def state_of(self, s: Sequence[arb], solved: Slope) -> Array:
         """The state at s, where the other unknowns were found, in doubles."""
         return np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
 
-    def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> _Slope | None:
+    def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> Slope | None:
         """The slope at s, None where the other unknowns were not found."""
         unknowns = self.start if unknowns is None else unknowns
         last, refreshed, renewed = None, 0, 0
@@ -268,7 +269,7 @@ class ReducedSlope:
                 error = self.curvature * moved + turned
                 for v in value:
                     error += v.rad()
-                return _Slope([v.mid() for v in value], error.upper(), unknowns)
+                return Slope([v.mid() for v in value], error.upper(), unknowns)
             if last is not None and not size < last / 4:
                 refreshed += 1
                 y = np.array([float(y.mid()) for y in self._state(s, unknowns)])
@@ -479,7 +480,7 @@ def fold_to_round_off(slope: ReducedSlope, s: list[arb]) -> list[arb] | None:
     return fold if there is not None and _largest(there.value) <= _ROUND_OFF * size else None
 
 
-def newton_step(slope: ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb], Array] | None:
+def newton_step(slope: ReducedSlope, s: list[arb], there: Slope) -> tuple[list[arb], Array] | None:
     r"""Newton's step $(\partial n)^{-1}n$ for the displacement n, and the eigenvalues of its derivative.
 
     Where $\partial g$ is singular, as across a family, the step is along g.
