@@ -20,7 +20,7 @@ test: | tools ## set up, then run the tests (some 15 minutes on two cores)
 	@$(MAKE) --no-print-directory -j 2 set-up test-rust
 	@$(MAKE) --no-print-directory test-python
 
-test-slow: $(VENV)/.built $(VENV)/.dev ## the anchors at full size (the paper's numbers with 20,000 members); `make arm`
+test-slow: $(VENV)/.built $(VENV)/.notebooks ## the anchors at full size (20,000 members), real notebooks, `make arm`
 	$(BIN)/pytest -m slow
 
 # The bits of the results are those that x86 has (crates/liepoisson-core/tests/core/same_bits.txt). Part of `make test-slow`.
@@ -67,8 +67,10 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 	$(BIN)/pip install --quiet uv
 	$(BIN)/uv pip compile pyproject.toml $(LOCK) --upgrade --output-file requirements/run.txt
 	$(BIN)/uv pip compile --group build $(LOCK) --upgrade --output-file requirements/build.txt
-	$(BIN)/uv pip compile pyproject.toml --group test --group lint $(LOCK) --constraint requirements/run.txt \
-	  --output-file requirements/dev.txt
+	$(BIN)/uv pip compile pyproject.toml --extra notebook --group test --group lint $(LOCK) \
+	  --constraint requirements/run.txt --output-file requirements/dev.txt
+	$(BIN)/uv pip compile pyproject.toml --extra notebook --group notebooks $(LOCK) --upgrade \
+	  --constraint requirements/dev.txt --output-file requirements/notebooks.txt
 	$(BIN)/uv pip compile --group docs $(LOCK) --upgrade --constraint requirements/dev.txt \
 	  --output-file requirements/docs.txt
 	cargo update
@@ -179,6 +181,10 @@ $(VENV)/.run: requirements/run.txt | tools
 
 $(VENV)/.dev: requirements/dev.txt | $(VENV)/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
+	touch $@
+
+$(VENV)/.notebooks: requirements/notebooks.txt | $(VENV)/.dev
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/notebooks.txt
 	touch $@
 
 $(VENV)/.build: requirements/build.txt | $(VENV)/.run

@@ -17,6 +17,7 @@ import { Tour } from "./panels/tour";
 import { Results } from "./results";
 import { shortest, type Exact } from "./state/exact";
 import { begun, changed, FRAMES, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
+import { place, withPartsOf } from "./state/place";
 import { read, written } from "./state/url";
 import { palette as currentPalette, type Palette } from "./style/palette";
 import { plain } from "./symbols";
@@ -30,7 +31,7 @@ const AHEAD = 60;
 const CHARTS_EVERY = 6;
 
 const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const query = new URLSearchParams(location.search);
+const { query } = place();
 const still = /^\d{1,6}$/.test(query.get("still") ?? "") ? Number(query.get("still")) : null;
 const quality = (["low", "full"] as const).find((one) => one === query.get("quality")) ?? null;
 
@@ -153,14 +154,21 @@ function show(): void {
   document.documentElement.dataset.shown = lab.theme === "auto" ? (dark ? "dark" : "light") : lab.theme;
   palette = currentPalette();
   scene.dirty = true;
-  remember();
+  place().keep(() => written(lab), lab.playing);
 }
 
-let waiting = 0;
-/** Writes the state into the address, at rest only: browsers limit how often. */
-function remember(): void {
-  clearTimeout(waiting);
-  waiting = window.setTimeout(() => history.replaceState(null, "", `#${written(lab)}`), 400);
+/** The state as somebody outside set it: what it leaves as it was goes on. */
+function adopt(address: string, playing: boolean, sameTime: boolean): void {
+  const before = lab;
+  try {
+    const next = withPartsOf(before, { ...read(address), playing });
+    const sameOrbit = next.parameters === before.parameters && next.start === before.start;
+    lab = sameTime && sameOrbit ? { ...next, time: before.time } : next;
+  } catch (error) {
+    tell(`This state cannot be shown: ${(error as Error).message}.`);
+  }
+  if (!sameRun(before, lab)) run();
+  show();
 }
 
 function header(): void {
@@ -190,14 +198,7 @@ function header(): void {
 }
 
 async function share(): Promise<void> {
-  const address = `${location.href.split("#")[0]}#${written(lab)}`;
-  try {
-    await navigator.clipboard.writeText(address);
-    tell("The address of this state is copied.");
-  } catch {
-    history.replaceState(null, "", `#${written(lab)}`);
-    tell("The address line now has this state; copy it from there.");
-  }
+  tell(await place().share(written(lab)));
 }
 
 /** The lines of Python; where there is no clipboard, in a dialog from which they can be copied. */
@@ -321,18 +322,19 @@ function draw(): void {
 }
 
 async function begin(): Promise<void> {
-  if (query.get("embed") === "1") document.documentElement.dataset.embed = "1";
   header();
   fillHelp(find<HTMLDialogElement>("keys"));
   document.addEventListener("keydown", keys);
-  if (location.hash.length > 1) {
+  const { address, playing } = place();
+  if (address) {
     try {
-      lab = read(location.hash);
+      lab = read(address);
     } catch (error) {
       tell(`This address cannot be read: ${(error as Error).message}. The page shows the twisted Kovalevskaya top instead.`);
     }
   }
-  if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null) lab = { ...lab, playing: false };
+  if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null || playing === false) lab = { ...lab, playing: false };
+  place().follow(adopt);
   show();
   requestAnimationFrame(frame);
   try {
