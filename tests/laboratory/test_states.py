@@ -4,7 +4,10 @@ import re
 from fractions import Fraction
 from pathlib import Path
 
+import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import liepoisson as lp
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError, UnknownNameError
@@ -13,6 +16,7 @@ from liepoisson.laboratory.addresses import Addresses
 from liepoisson.laboratory.pages import page_of
 from liepoisson.laboratory.presets import presets
 from liepoisson.laboratory.states import parts_of
+from liepoisson.laboratory.tops import PARAMETERS
 
 WEB = Path(__file__).resolve().parents[2] / "web" / "src"
 START = (1.0, 0.2, 0.0, 0.0, 0.6, 0.8)
@@ -110,6 +114,77 @@ def test_what_cannot_be_is_refused_with_a_reason(tops, change, error, words):
         tops.changed(tops.read(WHOLE_TOP), change)
 
 
+class Broken:
+    """An object that does not even compare."""
+
+    def __eq__(self, other):
+        raise RuntimeError
+
+    __hash__ = None
+
+
+PARTS = (
+    "preset", "parameters", "start", "surface", "direction", "axes", "tol", "view", "theme", "time", "speed", "shadow",
+    "projection", "series",
+)  # fmt: skip
+ABSURD = [
+    None, float("nan"), float("inf"), -1, 10**400, 1j, True, "", "x" * 10_000, "<script>", "1/0", "1e999", b"x", "١",
+    [], {}, set(), range(3), object(), Broken(), np.zeros((3, 3)), np.array(1.0), [[1]], ["l1", []], ["l1", None],
+    [np.zeros(2), np.zeros(2)], [None] * 9, ["a"] * 9, [float("nan")] * 9, {"epsilon": object()}, {3: 4}, {None: 1},
+    {"epsilon": np.zeros(3)}, {"epsilon": float("nan")},
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("part", PARTS)
+def test_an_absurd_value_is_refused_or_comes_back_as_it_is_said(tops, kirchhoff, part):
+    for page in (tops, kirchhoff):
+        for value in ABSURD:
+            try:
+                state = page.changed({}, {part: value})
+            except LiePoissonError as error:
+                assert len(str(error)) < 600
+            else:
+                back = page.read(page.write(state))
+                assert {name: back[name] for name in state if name in back} == {
+                    name: value for name, value in state.items() if name in back
+                }
+
+
+@pytest.mark.parametrize("state", [None, 3, "time", ["time"], object(), Broken(), np.zeros(2), {None: 1}, {3: 4}])
+def test_what_is_no_dict_of_parts_is_no_state(tops, state):
+    with pytest.raises(LiePoissonError):
+        tops.changed({}, state)
+
+
+SCRAPS = (
+    "v=1", "&", "=", ",", "1", "-1", "0", "1e5", "1e400", "1/3", "1/0", "l1", "%00", "%ff", ";", "#", "<", "\u2028", "x",
+    "dark", "lagrange", "taylor,", *("&" + name + "=" for name in ("top", "start", "section", "axes", "theme", "t",
+    "speed", "method", "frame", "shadow", "view", "space", "series", "tol", "preset")),
+)  # fmt: skip
+
+
+@given(st.lists(st.sampled_from(SCRAPS), max_size=12).map("".join), st.booleans())
+def test_any_text_is_an_address_or_is_refused(tops, kirchhoff, text, is_top):
+    page = tops if is_top else kirchhoff
+    try:
+        state = page.read(f"v=1{'' if is_top else f'&system={page.system}'}{text}")
+    except LiePoissonError:
+        return
+    assert page.read(page.write(state)) is not None
+
+
+def test_a_decimal_of_many_digits_is_a_parameter(tops):
+    for value in (0.1 + 0.2, 1 / 3, -1 / 3, 1e-5):
+        state = tops.changed({}, {"parameters": {name: 1 for name in PARAMETERS} | {"epsilon": value}})
+        assert float(Fraction(tops.read(tops.write(state))["parameters"]["epsilon"])) == value
+
+
+def test_some_parameters_are_not_enough_where_the_others_are_not_known(tops):
+    assert tops.changed({}, {"parameters": {}}) == {}
+    with pytest.raises(ParameterError, match="the page has not yet said its own; got epsilon"):
+        tops.changed(tops.read("v=1&t=2"), {"parameters": {"epsilon": 1}})
+
+
 def test_what_a_system_cannot_show_is_refused(kirchhoff):
     for change, error in (
         ({"preset": "lagrange"}, UnknownNameError),
@@ -117,6 +192,7 @@ def test_what_a_system_cannot_show_is_refused(kirchhoff):
         ({"series": ["m1"] * 9}, ParameterError),
         ({"projection": ["m1"]}, ParameterError),
         ({"view": "body"}, UnknownNameError),
+        ({"view": "picture"}, UnknownNameError),
     ):
         with pytest.raises(error):
             kirchhoff.changed({}, change)
@@ -155,4 +231,7 @@ def test_words_and_limits_are_those_of_the_page():
     assert number("state/laboratory.ts", "HORIZON") == number("systems/state.ts", "UNITS") == states.HORIZON
     assert number("systems/state.ts", "MOST_SERIES") == states.MOST_SERIES
     assert tuple(number("state/laboratory.ts", name) for name in ("SLOWEST", "FASTEST")) == states.SPEEDS
+    vectors = re.search(r"n % 3 === 0 && n <= (\d+)", (WEB / "systems/state.ts").read_text(encoding="utf-8"))
+    assert int(vectors[1]) == states.MOST_IN_VECTORS
+    assert number("notebook/protocol.ts", "LONGEST_MESSAGE") == states.LONGEST_MESSAGE
     assert lp.Top.twisted_kovalevskaya().component_names == states.COMPONENTS

@@ -12,6 +12,7 @@ import pytest
 import liepoisson as lp
 from liepoisson.errors import LiePoissonError, MissingPackageError, ParameterError, ShapeError, UnknownNameError
 from liepoisson.field import QuadraticField
+from liepoisson.numeric.sampling import sample_tangents
 
 START = [1, 0.2, 0, 0, 0.6, 0.8, 0, 0, 1]
 TOP = lp.Top.twisted_kovalevskaya(epsilon="1/3")
@@ -90,11 +91,38 @@ def test_what_cannot_be_is_refused_and_nothing_changes(widget):
         assert (widget.address, widget.state, widget.start, widget.time) == before, name
 
 
-def test_an_address_from_the_page_that_cannot_be_changes_nothing(widget):
-    before = (widget.address, widget.state, widget.start)
-    with pytest.raises(LiePoissonError):
-        widget.set_state({"address": "v=1&start=1,2"})
-    assert (widget.address, widget.state, widget.start) == before
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({"address": "v=1&start=1,2"}, "start must have 9 components"),
+        ({"address": "v=1&theme=<img>", "playing": False}, "theme"),
+        ({"address": 3}, "address cannot be 3"),
+        ({"address": "v=1", "playing": "yes"}, "playing cannot be 'yes'"),
+        ({"address": "v=1&t=" + "1" * 20_000}, "at most 16000 characters"),
+        ({"address": "v=1&t=1&t=2"}, "'t' twice"),
+        ({"message": None}, "message cannot be None"),
+    ],
+)
+def test_a_state_from_the_page_that_cannot_be_changes_nothing_and_is_answered(widget, monkeypatch, said, words):
+    before = (widget.address, widget.state, widget.start, widget.playing)
+    answers = []
+    monkeypatch.setattr(widget, "send_state", lambda key=None: answers.append(key))
+    widget.set_state(said)
+    assert (widget.address, widget.state, widget.start, widget.playing) == before
+    assert "Python cannot take this state" in widget.message
+    assert words in widget.message
+    assert len(widget.message) <= 1000
+    assert ["address", "playing", "message"] in answers
+
+
+def test_what_the_page_says_is_a_message_and_only_the_state_can_be_changed_by_it(widget):
+    carried, script = sent(widget)["_carried"], sent(widget)["_esm"]
+    widget.set_state({"message": "The orbit ends at t = 3" + "!" * 5000, "_esm": "", "_carried": "{}", "height": 9})
+    assert widget.message.startswith("The orbit ends at t = 3!!")
+    assert len(widget.message) == 1000
+    assert (sent(widget)["_carried"], sent(widget)["_esm"], widget.height) == (carried, script, 460)
+    widget.state = {"theme": "dark"}
+    assert widget.message == ""
 
 
 def test_the_first_state_is_part_of_the_address():
@@ -130,9 +158,92 @@ def test_an_orbit_and_a_section_are_viewed_with_their_states():
             lp.view(result, start=START)
 
 
+def test_an_orbit_of_many_begins_with_the_one_that_is_named():
+    pytest.importorskip("anywidget")
+    starts = [START, [0.5, *START[1:]]]
+    orbit = lp.integrate(TOP, starts, times=[0, 1, 2])
+    section = lp.section(TOP, starts, surface="l3", t_end=20)
+    for result, words in ((orbit, "number 2 of 2 orbits"), (section, "of 2 orbits")):
+        widget = lp.view(result, trajectory=1)
+        saved = json.loads(sent(widget)["_carried"])["saved"]
+        assert widget.start == tuple(starts[1])
+        assert words in saved["words"]
+    assert json.loads(sent(lp.view(orbit, trajectory=1))["_carried"])["saved"]["states"] == orbit.state[1].tolist()
+    with pytest.raises(ParameterError, match="from 0 to 1, as there are 2; got 2"):
+        lp.view(orbit, trajectory=2)
+
+
+def test_a_rod_is_viewed_as_a_rod_from_its_start():
+    pytest.importorskip("anywidget")
+    top = lp.Top.twisted_lagrange(axial="3/5", a3=1, b3=0, epsilon="1/3")
+    rod = lp.orbits.rod(top, [START, [0.5, *START[1:]]], length=2)
+    widget = lp.view(rod, trajectory=1, state={"theme": "light"})
+    assert (widget.state["view"], widget.state["theme"], widget.start[0]) == ("rod", "light", 0.5)
+    assert str(widget.system.epsilon) == "1/3"
+
+
+def test_a_rod_that_the_page_cannot_draw_is_refused_with_what_can_be_done():
+    rod = lp.orbits.rod(lp.Top.lagrange(axial="sqrt(2)", a3=1), START, length=2)
+    with pytest.raises(ParameterError, match=r"parameters that are fractions or decimals.*lp\.plot\.rod"):
+        lp.view(rod)
+
+
+TWISTED = {"system": "twisted-top", "parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}}
+
+
+def test_an_orbit_of_a_sweep_is_viewed_at_its_point():
+    pytest.importorskip("anywidget")
+    axes = {"epsilon": [0, 1 / 3], "energy": [0.5, 9]}
+    sweep = lp.sweep(**TWISTED, axes=axes, starts={"C3": 1}, n_starts=3, t_end=20)
+    for point, (epsilon, energy) in enumerate(sweep.points):
+        widget = lp.view(sweep, point=point, trajectory=2)
+        system, start = widget.system, np.array(widget.start)
+        assert float(system.epsilon) == epsilon
+        assert lp.integrate(system, start, times=[0, 1]).invariants["H"][0, 0] == pytest.approx(energy, abs=1e-11)
+        growth = lp.finite_time_exponents(
+            system, start, times=[20], method=lp.Taylor(tol=1e-9, precision="mixed"),
+            tangents=sample_tangents(9, 3, seed=0)[[2]],
+        )  # fmt: skip
+        assert growth.exponent[0, 0] == sweep.value[point, 2]
+
+
+def test_a_sweep_of_one_point_needs_no_point():
+    pytest.importorskip("anywidget")
+    sweep = lp.sweep(**TWISTED, axes={"epsilon": [0.5]}, n_starts=2, t_end=20)
+    assert str(lp.view(sweep).system.epsilon) == "1/2"
+
+
+@pytest.mark.parametrize("point", [None, 2, -1, 0.5, True, "0", [0, 1]])
+def test_a_sweep_of_many_systems_says_that_one_point_is_viewed(point):
+    sweep = lp.sweep(**TWISTED, axes={"epsilon": [0, 1]}, n_starts=2, t_end=20)
+    words = r"at one of its points.*from point=0 \(epsilon = 0\) to point=1 \(epsilon = 1\)"
+    with pytest.raises(ParameterError, match=words):
+        lp.view(sweep, point=point)
+
+
+def test_a_point_without_a_system_or_a_start_says_so():
+    sweep = lp.sweep(
+        system="twisted-top", parameters={"I": ["moment", 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0], "epsilon": 1},
+        axes={"moment": [-1, 2], "energy": [-1e4, 1]}, n_starts=2, t_end=20,
+    )  # fmt: skip
+    outcomes = sweep.outcome[:, 0].tolist()
+    assert outcomes[:2] == ["no system", "no system"]
+    for point, outcome in enumerate(outcomes):
+        if outcome != "finished":
+            with pytest.raises(ParameterError, match=f"its outcome is '{outcome}'"):
+                lp.view(sweep, point=point)
+
+
+def test_point_and_trajectory_are_refused_where_they_mean_nothing():
+    orbit = lp.integrate(TOP, START, times=[0, 1])
+    for shown, wrong in ((TOP, {"point": 0}), (orbit, {"point": 0}), (TOP, {"trajectory": 1})):
+        with pytest.raises(ParameterError, match="is one of a"):
+            lp.view(shown, **wrong)
+
+
 @pytest.mark.parametrize("shown", [3, "kirchhoff", None, lp.Top, lp.Taylor()])
 def test_what_cannot_be_viewed_is_said_with_what_can(shown):
-    with pytest.raises(ParameterError, match="a system, a top, an orbit or a section; got"):
+    with pytest.raises(ParameterError, match="a system, a top, an orbit, a section, a rod or a sweep; got"):
         lp.view(shown)
 
 

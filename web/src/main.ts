@@ -41,10 +41,12 @@ let palette: Palette = currentPalette();
 let client: Client | null = null;
 let asked = 0;
 
+/** A message, which stays until it is closed; "" closes it. */
 function tell(message: string): void {
   const box = find("message");
   (box.firstElementChild as HTMLElement).textContent = message;
-  box.hidden = false;
+  box.hidden = message === "";
+  place().report(message);
 }
 const say = (text: string) => (find("said").textContent = text);
 
@@ -189,7 +191,7 @@ function header(): void {
   find("guide").addEventListener("click", () => tour.begin());
   find("theme").addEventListener("click", nextTheme);
   find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
-  find("message").querySelector("button")?.addEventListener("click", () => (find("message").hidden = true));
+  find("message").querySelector("button")?.addEventListener("click", () => tell(""));
   find("play").addEventListener("click", () => act({ do: "play", playing: !lab.playing }));
   find("restart").addEventListener("click", () => act({ do: "time", time: 0 }));
   find("step").addEventListener("click", () => step(1));
@@ -334,7 +336,7 @@ async function begin(): Promise<void> {
     }
   }
   if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null || playing === false) lab = { ...lab, playing: false };
-  place().follow(adopt);
+  place().follow({ adopt, tell });
   show();
   requestAnimationFrame(frame);
   try {

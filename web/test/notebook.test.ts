@@ -1,13 +1,13 @@
 import { afterEach, describe, expect, test, vi } from "vitest";
 import { isInNotebook, Notebook, opened, type Frame } from "../src/notebook/notebook";
-import { isOpening, isSaid, type Opening } from "../src/notebook/protocol";
+import { isOpening, isSaid, LONGEST_MESSAGE, type Opening } from "../src/notebook/protocol";
 import { connection } from "../src/notebook/widget.js";
 import { withPartsOf } from "../src/state/place";
 import { begun, changed, sameRun } from "../src/state/laboratory";
 import { read, written } from "../src/state/url";
 
 const NAME = "liepoisson:00ff";
-const opening: Opening = { liepoisson: 1, name: NAME, carried: "", address: "v=1&t=2", playing: true, options: "embed=1" };
+const opening: Opening = { liepoisson: 1, name: NAME, carried: "", address: "v=1&t=2", playing: true, message: "", options: "embed=1" };
 const soon = () => new Promise((resolve) => setTimeout(resolve, 20));
 
 /** A window in a frame, which hears what is posted to it. */
@@ -33,14 +33,14 @@ class Model {
     this.values = { ...this.values, [name]: value };
     this.listeners.get(`change:${name}`)?.forEach((does) => does());
   };
-  save_changes = () => void this.saved.push({ address: this.get("address"), playing: this.get("playing") });
+  save_changes = () => void this.saved.push({ address: this.get("address"), playing: this.get("playing"), message: this.get("message") });
   on = (name: string, does: () => void) => void (this.listeners.get(name) ?? this.listeners.set(name, new Set()).get(name))?.add(does);
   off = (name: string, does: () => void) => void this.listeners.get(name)?.delete(does);
   get count() {
     return [...this.listeners.values()].reduce((sum, all) => sum + all.size, 0);
   }
 }
-const model = () => new Model({ address: "v=1&t=2", playing: true, _carried: "", _options: "embed=1", height: 460 });
+const model = () => new Model({ address: "v=1&t=2", playing: true, message: "", _carried: "", _options: "embed=1", height: 460 });
 
 const open: MessagePort[] = [];
 afterEach(() => open.splice(0).forEach((port) => port.close()));
@@ -49,6 +49,7 @@ afterEach(() => open.splice(0).forEach((port) => port.close()));
 async function connected() {
   const [python, window] = [model(), framed()];
   const heard: unknown[][] = [];
+  const told: string[] = [];
   const end = connection(python, NAME);
   const page = opened(window);
   end.open({
@@ -58,8 +59,11 @@ async function connected() {
     },
   } as never);
   const notebook = await page;
-  notebook.follow((...said) => heard.push(said));
-  return { python, window, end, notebook, heard };
+  notebook.follow({
+    adopt: (...said) => void heard.push(said),
+    tell: (message) => (told.push(message), notebook.report(message)),
+  });
+  return { python, window, end, notebook, heard, told };
 }
 
 describe("the first message", () => {
@@ -101,8 +105,8 @@ describe("the first message", () => {
 
   test("is looked at before it is used", () => {
     expect(isOpening(opening, NAME)).toBe(true);
-    for (const wrong of [{ carried: 1 }, { options: null }, { playing: "yes" }, { address: undefined }]) expect(isOpening({ ...opening, ...wrong }, NAME)).toBe(false);
-    for (const wrong of [null, undefined, 3, "v=1", [], { address: "v=1" }, { playing: true }]) expect(isSaid(wrong)).toBe(false);
+    for (const wrong of [{ carried: 1 }, { options: null }, { playing: "yes" }, { address: undefined }, { message: 1 }]) expect(isOpening({ ...opening, ...wrong }, NAME)).toBe(false);
+    for (const wrong of [null, undefined, 3, "v=1", [], { address: "v=1" }, { playing: true }, { address: "v=1", playing: true }, { ...opening, message: "x".repeat(LONGEST_MESSAGE + 1) }]) expect(isSaid(wrong)).toBe(false);
   });
 });
 
@@ -110,7 +114,7 @@ describe("the state", () => {
   test("of the page arrives in the model, once and at rest", async () => {
     const { python, notebook, heard } = await connected();
     for (let k = 0; k < 5; k++) notebook.keep(() => `v=1&t=${k}`, k < 4);
-    await vi.waitFor(() => expect(python.saved).toEqual([{ address: "v=1&t=4", playing: false }]));
+    await vi.waitFor(() => expect(python.saved).toEqual([{ address: "v=1&t=4", playing: false, message: "" }]));
     notebook.keep(() => "v=1&t=4", false);
     await new Promise((resolve) => setTimeout(resolve, 200));
     expect(python.saved).toHaveLength(1);
@@ -129,7 +133,7 @@ describe("the state", () => {
 
   test("that is no state is left alone on both sides", async () => {
     const { python, heard, window } = await connected();
-    for (const port of open) for (const data of [null, 3, { address: 1, playing: true }, { address: "v=1" }]) port.postMessage(data);
+    for (const port of open) for (const data of [null, 3, { address: 1, playing: true, message: "" }, { address: "v=1" }, { address: "v=1", playing: true }]) port.postMessage(data);
     await soon();
     expect([python.saved, heard]).toEqual([[], []]);
     expect(window.name).toBe(NAME);
@@ -145,10 +149,46 @@ describe("the state", () => {
     expect(other.address).toBe("v=1&t=3");
     other.keep(() => "v=1&t=8", true);
     await vi.waitFor(() => expect(python.get("address")).toBe("v=1&t=8"));
-    expect(python.count).toBe(2);
+    expect(python.count).toBe(3);
     end.end();
     expect(python.count).toBe(0);
     expect(heard.length).toBeLessThan(2);
+  });
+});
+
+describe("a message", () => {
+  test("of the page arrives in the model, with the state that it keeps, and goes when it is closed", async () => {
+    const { python, notebook } = await connected();
+    notebook.report("This state cannot be shown: no.");
+    notebook.keep(() => "v=1&t=2", true);
+    await vi.waitFor(() => expect(python.saved.at(-1)).toEqual({ address: "v=1&t=2", playing: true, message: "This state cannot be shown: no." }));
+    notebook.report("");
+    await vi.waitFor(() => expect(python.get("message")).toBe(""));
+    notebook.report("x".repeat(2 * LONGEST_MESSAGE));
+    await vi.waitFor(() => expect(python.get("message")).toHaveLength(LONGEST_MESSAGE));
+  });
+
+  test("of the model is told in the page, once, and with the next state is gone", async () => {
+    const { python, told } = await connected();
+    python.set("message", "the state was refused");
+    await vi.waitFor(() => expect(told).toEqual(["the state was refused"]));
+    python.set("address", "v=1&t=3");
+    await soon();
+    expect(told).toHaveLength(1);
+    python.set("message", "");
+    await vi.waitFor(() => expect(told).toEqual(["the state was refused", ""]));
+    await new Promise((resolve) => setTimeout(resolve, 200));
+    expect(python.saved).toEqual([]);
+  });
+
+  test("that the model has from before is told when the page opens, unless the page has another", async () => {
+    for (const [own, seen] of [["", ["before"]], ["the page's", []]] as const) {
+      const notebook = new Notebook({ ...opening, message: "before" }, new MessageChannel().port1);
+      const told: string[] = [];
+      if (own) notebook.report(own);
+      notebook.follow({ adopt: () => undefined, tell: (message) => told.push(message) });
+      expect(told).toEqual(seen);
+    }
   });
 });
 

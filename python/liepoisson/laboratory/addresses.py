@@ -19,6 +19,9 @@ from liepoisson.laboratory.presets import presets
 from liepoisson.laboratory.states import Parts, State
 from liepoisson.laboratory.tops import PARAMETERS
 
+_LONGEST = 16_000
+"""Characters of an address, as the page has it (`systems/url.ts`)."""
+
 _NUMBER = re.compile(r"[+-]?(\d+(\.\d*)?|\.\d+)([eE][+-]?\d{1,3})?|[+-]?\d+/\d+")
 
 
@@ -40,7 +43,7 @@ class Addresses:
         Raises:
             ParameterError: it is no address of this page.
         """
-        parts = dict(parse_qsl(address.removeprefix("#"), keep_blank_values=True))
+        parts = _parts(address)
         if parts.pop("v", "") != "1" or parts.pop("system", "") != self.system:
             raise ParameterError(f"address must be one of the page that is shown; got {address!r:.80}. Copy it again.")
         readers = _reading(self)
@@ -70,13 +73,36 @@ class Addresses:
         """
         found = self.parts.checked(changes)
         if "parameters" in found:
-            found["parameters"] = {**state.get("parameters", {}), **found["parameters"]}
+            found |= _completed(state.get("parameters", {}), found.pop("parameters"))
         if found.get("preset"):
             found = {**_begun(found["preset"]), **found}
         same = all(found[part] == state.get(part) for part in ("start", "parameters") if part in found)
         if not same:
             found = {"time": 0.0, **({} if self.system else {"preset": None}), **found}
         return {**state, **found}
+
+
+def _completed(known: Mapping[str, str], changes: Mapping[str, str]) -> State:
+    """All parameters of a top after a change of some; none where nothing is said of them."""
+    texts = {**known, **changes}
+    if texts and len(texts) < len(PARAMETERS):
+        raise ParameterError(
+            f"parameters must be all of {', '.join(PARAMETERS)}, as the page has not yet said its own; "
+            f"got {', '.join(texts)}."
+        )
+    return {"parameters": {name: texts[name] for name in PARAMETERS}} if texts else {}
+
+
+def _parts(address: str) -> dict[str, str]:
+    """The parts of an address by name, as texts."""
+    if len(address) > _LONGEST:
+        raise ParameterError(f"address must have at most {_LONGEST} characters; got {len(address)}.")
+    pairs = parse_qsl(address.removeprefix("#"), keep_blank_values=True)
+    parts = dict(pairs)
+    if len(parts) < len(pairs):
+        twice = next(name for name, _ in pairs if [other for other, _ in pairs].count(name) > 1)
+        raise ParameterError(f"address has {twice!r:.40} twice. Copy it again.")
+    return parts
 
 
 def _reading(page: Addresses) -> dict[str, Callable[[str], State]]:

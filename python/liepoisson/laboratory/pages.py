@@ -8,6 +8,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -76,6 +77,7 @@ def page_of(
     start: ArrayLike | None = None,
     surfaces: Sequence[Any] = (),
     result: Any = None,
+    trajectory: int = 0,
 ) -> Page:
     """The page that shows a system.
 
@@ -89,16 +91,17 @@ def page_of(
             `lp.section` takes them.  The page begins with the first; by default with `lp.sections.default_surface`.
         result: A saved orbit or section of this system, which the page computes again and compares.  Its first start
             is then the start, and the surface of a section is one of the surfaces.
+        trajectory: Which orbit of the result is drawn, and has the start.
 
     Raises:
         ParameterError: the system asks for too much, the start is too large, a formula cannot be read, or the result
-            is of another system or kind.
+            is of another system or kind, or has no such trajectory.
         ShapeError: the start has another number of components.
     """
     field = as_field(system)
     n = field.n_components
     _check_size(system, n, _terms(field))
-    saved = None if result is None else saved_of(system, result)
+    saved = None if result is None else saved_of(system, result, trajectory)
     if saved is not None and start is None:
         start = saved.start
     begin = _start(system, n, start)
@@ -157,8 +160,12 @@ def address_of_top(system: Any, start: Array) -> str | None:
 def exact_text(value: Any) -> str | None:
     """A parameter of a top as the page reads it exactly, or None: a number of SymPy or a fraction."""
     text = str(value).replace(" ", "")
-    fits = _NUMBER.fullmatch(text) is not None and len(text) <= 60 and abs(float(value)) <= LARGEST
-    return text if fits and all(abs(int(part)) < 2**53 for part in re.findall(r"\d+(?=/)|(?<=/)\d+", text)) else None
+    if _NUMBER.fullmatch(text) is None or len(text) > 60 or abs(float(value)) > LARGEST:
+        return None
+    if all(int(part) < 2**53 for part in re.findall(r"\d+(?=/)|(?<=/)\d+", text)):
+        return text
+    decimal = shortest(float(value))  # such as 0.3333333333333333, a fraction of two numbers that are too large
+    return decimal if Fraction(decimal) == Fraction(text) else None
 
 
 def _description(system: Any, start: Array, surfaces: Sequence[Any], saved: Any) -> dict[str, Any]:

@@ -28,8 +28,10 @@ VIEWS_OF_SYSTEMS = ("vectors", "picture", "projection", "series")
 SPEEDS = (1 / 16, 16)
 TOLERANCES = (1e-16, 1e-3)
 MOST_SERIES = 8
+MOST_IN_VECTORS = 27
+LONGEST_MESSAGE = 1000
 HORIZON = 1e4
-"""As the page has them (`state/laboratory.ts`, `systems/state.ts`); the last in its units of time."""
+"""As the page has them (`state/laboratory.ts`, `systems/state.ts`, `notebook/protocol.ts`); the last in its units of time."""
 
 
 @dataclass(frozen=True)
@@ -39,12 +41,14 @@ class Parts:
     Attributes:
         components: Names of the components of the system.
         surfaces: Names of what can be a surface of section.
+        views: Names of its views.
         horizon: The last time of the page.
         is_top: Whether it is the page of tops.
     """
 
     components: tuple[str, ...]
     surfaces: tuple[str, ...]
+    views: tuple[str, ...]
     horizon: float
     is_top: bool
 
@@ -68,10 +72,23 @@ class Parts:
 def parts_of(record: Mapping[str, Any] | None) -> Parts:
     """Of the page that carries this description of a system; of that of tops where there is none."""
     if record is None:
-        return Parts(COMPONENTS, COMPONENTS, HORIZON, is_top=True)
+        return Parts(COMPONENTS, COMPONENTS, VIEWS_OF_TOPS, HORIZON, is_top=True)
     components = tuple(record["components"])
     listed = tuple(record["surfaces"]["names"]) if record["surfaces"] else ()
-    return Parts(components, (*components, *listed), HORIZON * float(record["unit"]), is_top=False)
+    horizon = HORIZON * float(record["unit"])
+    return Parts(components, (*components, *listed), _views(record), horizon, is_top=False)
+
+
+def _views(record: Mapping[str, Any]) -> tuple[str, ...]:
+    """The views that a system has, as `viewsOf` of the page says it (`systems/state.ts`)."""
+    n = len(record["components"])
+    has = {
+        "vectors": record["vector_length"] == 3 and n % 3 == 0 and n <= MOST_IN_VECTORS,
+        "picture": record["picture"] is not None,
+        "projection": n > 1,
+        "series": True,
+    }
+    return tuple(view for view in VIEWS_OF_SYSTEMS if has[view])
 
 
 def _checks(page: Parts) -> dict[str, Callable[[Any], Any]]:
@@ -96,11 +113,10 @@ def _checks(page: Parts) -> dict[str, Callable[[Any], Any]]:
         return tuple(float(value) + 0.0 for value in state)
 
     def direction(sign: Any) -> int:
-        if isinstance(sign, bool) or sign not in (-1, 0, 1):
+        if isinstance(sign, bool) or not isinstance(sign, int | float | np.number) or sign not in (-1, 0, 1):
             raise ParameterError(f"direction must be -1, 0 or 1; got {sign!r:.40}.")
         return int(sign)
 
-    views = VIEWS_OF_TOPS if page.is_top else VIEWS_OF_SYSTEMS
     keys = [preset["key"] for preset in presets()]
     of_tops: dict[str, Callable[[Any], Any]] = {
         "preset": lambda key: None if key is None else _one_of("preset", keys)(key),
@@ -112,14 +128,20 @@ def _checks(page: Parts) -> dict[str, Callable[[Any], Any]]:
         "direction": direction,
         "axes": several("axes", 2, 2),
         "tol": _within("tol", *TOLERANCES),
-        "view": _one_of("view", views),
+        "view": _one_of("view", page.views),
         "theme": _one_of("theme", THEMES),
         "time": _within("time", 0, page.horizon),
         "speed": _within("speed", *SPEEDS),
     }
     if not page.is_top:
         return shared | {"projection": several("projection", 2, 3), "series": several("series", 0, MOST_SERIES)}
-    return of_tops | shared | {"shadow": bool}
+    return of_tops | shared | {"shadow": _yes_or_no}
+
+
+def _yes_or_no(value: Any) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise ParameterError(f"shadow must be True or False; got {value!r:.40}.")
+    return bool(value)
 
 
 def _parameters(given: Any) -> dict[str, str]:
@@ -151,7 +173,7 @@ def _exact(value: Any) -> str | None:
 
 def _one_of(what: str, known: Sequence[str]) -> Callable[[Any], str]:
     def check(name: Any) -> str:
-        if name not in known:
+        if not isinstance(name, str) or name not in known:
             listed = ", ".join(known[:20]) + (", ..." if len(known) > 20 else "")
             raise UnknownNameError(
                 f"{what}: there is no {name!r:.60}. {did_you_mean(str(name), known)}Known: {listed}."
@@ -163,7 +185,8 @@ def _one_of(what: str, known: Sequence[str]) -> Callable[[Any], str]:
 
 def _within(what: str, least: float, most: float) -> Callable[[Any], float]:
     def check(value: Any) -> float:
-        number = float(as_array(value, what)) if np.ndim(value) == 0 else np.nan
+        given = as_array(value, what)
+        number = float(given) if given.ndim == 0 else np.nan
         if not least <= number <= most:
             raise ParameterError(f"{what} must be a number from {least:g} to {most:g}; got {value!r:.40}.")
         return number + 0.0

@@ -11,14 +11,17 @@ from typing import Any, cast
 import anywidget
 import traitlets
 
-from liepoisson.errors import ParameterError
+from liepoisson.errors import LiePoissonError, ParameterError
 from liepoisson.laboratory.addresses import Addresses
 from liepoisson.laboratory.pages import Page, as_data
-from liepoisson.laboratory.states import State, parts_of
+from liepoisson.laboratory.states import LONGEST_MESSAGE, State, parts_of
 from liepoisson.tops import Top
 
 _PLACE = 'const PAGE = "";'
 """In the script of the widget; the page of the wheel is put there."""
+
+_FROM_PAGE = ("address", "playing", "message")
+"""What the page says; everything else goes to it only."""
 
 
 @cache
@@ -46,6 +49,7 @@ class View(anywidget.AnyWidget):
         playing: Whether the motion plays.
         height: Pixels of the frame.
         address: The state as the address of the page has it after the #.
+        message: What the message of the page says, such as why a state was refused; "" where there is none.
     """
 
     _esm = traitlets.Unicode().tag(sync=True)
@@ -53,6 +57,7 @@ class View(anywidget.AnyWidget):
     _options = traitlets.Unicode().tag(sync=True)
     address = traitlets.Unicode().tag(sync=True)
     playing = traitlets.Bool(True).tag(sync=True)
+    message = traitlets.Unicode().tag(sync=True)
     height = traitlets.Int().tag(sync=True)
     state = traitlets.Any()
     start = traitlets.Any()
@@ -89,15 +94,29 @@ class View(anywidget.AnyWidget):
         return Top(inertia=cast("Any", inertia), a=cast("Any", a), b=cast("Any", b), epsilon=texts[9])
 
     def set_state(self, sync_data: dict[str, Any]) -> None:
-        """What comes from the notebook, whole or not at all."""
-        if "address" in sync_data:
-            self._addresses.read(str(sync_data["address"]))
-        super().set_state(sync_data)
+        """What comes from the page, whole or not at all: what cannot be is answered with a message and the state."""
+        said = {name: sync_data[name] for name in _FROM_PAGE if name in sync_data}
+        try:
+            for name, value in said.items():
+                if not isinstance(value, bool if name == "playing" else str):
+                    raise ParameterError(f"{name} cannot be {value!r:.80}.")
+            self._addresses.read(said.get("address", self.address))
+        except LiePoissonError as error:
+            self.message = _shortened(f"Python cannot take this state from the page, and keeps its own: {error}")
+            self.send_state([*_FROM_PAGE])
+            return
+        if "message" in said:
+            said["message"] = _shortened(said["message"])
+        super().set_state(said)
 
     @traitlets.validate("address")
     def _valid_address(self, proposal: dict[str, Any]) -> str:
-        self._addresses.read(str(proposal["value"]))
-        return str(proposal["value"])
+        self._addresses.read(proposal["value"])
+        return proposal["value"]
+
+    @traitlets.validate("message")
+    def _valid_message(self, proposal: dict[str, Any]) -> str:
+        return _shortened(proposal["value"])
 
     @traitlets.validate("state")
     def _valid_state(self, proposal: dict[str, Any]) -> State:
@@ -127,7 +146,12 @@ class View(anywidget.AnyWidget):
         new = change["new"]
         wanted = new if change["name"] == "state" else {change["name"]: new}
         if any(self._known.get(name) != value for name, value in wanted.items()):
+            self.message = ""
             self.address = self._addresses.write(self._addresses.changed(self._known, wanted))
+
+
+def _shortened(message: str) -> str:
+    return message if len(message) <= LONGEST_MESSAGE else f"{message[: LONGEST_MESSAGE - 1]}…"
 
 
 def checked_height(height: Any) -> int:

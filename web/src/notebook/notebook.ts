@@ -1,7 +1,7 @@
 /** The page in a cell of a notebook: the state goes through a port to the widget, and comes from there. */
 
-import type { Place } from "../state/place";
-import { isOpening, isSaid, NAMED, type Opening, type Said } from "./protocol";
+import type { Outside, Place } from "../state/place";
+import { isOpening, isSaid, LONGEST_MESSAGE, NAMED, same, type Opening, type Said } from "./protocol";
 
 /** What is needed of a window. */
 export interface Frame {
@@ -39,21 +39,35 @@ export class Notebook implements Place {
   readonly carried: string;
   /** What both sides have last agreed on. */
   private agreed: Said;
+  /** What the page has to tell, once it rests. */
+  private readonly now: { address: () => string; playing: boolean; message: string };
   private waiting: ReturnType<typeof setTimeout> | undefined;
 
-  constructor({ carried, address, playing, options }: Opening, private readonly port: MessagePort) {
+  constructor({ carried, address, playing, message, options }: Opening, private readonly port: MessagePort) {
     [this.carried, this.address, this.playing] = [carried, address, playing];
     this.query = new URLSearchParams(options);
-    this.agreed = { address, playing };
+    this.agreed = { address, playing, message };
+    this.now = { address: () => address, playing, message };
   }
 
   keep(address: () => string, playing: boolean): void {
-    clearTimeout(this.waiting);
-    this.waiting = setTimeout(() => this.tell({ address: address(), playing }), REST);
+    Object.assign(this.now, { address, playing });
+    this.soon();
   }
 
-  private tell(said: Said): void {
-    if (said.address === this.agreed.address && said.playing === this.agreed.playing) return;
+  report(message: string): void {
+    this.now.message = message.slice(0, LONGEST_MESSAGE);
+    this.soon();
+  }
+
+  private soon(): void {
+    clearTimeout(this.waiting);
+    this.waiting = setTimeout(() => this.tell(), REST);
+  }
+
+  private tell(): void {
+    const said: Said = { ...this.now, address: this.now.address() };
+    if (same(said, this.agreed)) return;
     this.agreed = said;
     this.port.postMessage(said);
   }
@@ -62,14 +76,19 @@ export class Notebook implements Place {
     return "In a notebook the state is the widget's: widget.state, or widget.address as text.";
   }
 
-  follow(changed: (address: string, playing: boolean, sameTime: boolean) => void): void {
+  follow(outside: Outside): void {
+    // what the page has refused since is told instead
+    if (this.agreed.message && this.now.message === this.agreed.message) outside.tell(this.agreed.message);
     this.port.onmessage = ({ data }: MessageEvent) => {
       if (!isSaid(data)) return;
       const time = ({ address }: Said) => new URLSearchParams(address).get("t") ?? "0";
       const sameTime = time(data) === time(this.agreed);
+      const { address, playing, message } = data;
       // what the page makes of it may be written in another way, and is then told
-      this.agreed = { address: data.address, playing: data.playing };
-      changed(data.address, data.playing, sameTime);
+      this.agreed = { address, playing, message };
+      Object.assign(this.now, { address: () => address, playing });
+      if (message !== this.now.message) outside.tell(message);
+      outside.adopt(address, playing, sameTime);
     };
   }
 }

@@ -9,14 +9,12 @@
 export const NAMED = "liepoisson:";
 
 /** The first message of the widget. */
-export interface Opening {
+export interface Opening extends Said {
   readonly liepoisson: 1;
   /** That of the frame. */
   readonly name: string;
   /** The description of a system, as the page reads it, or "" for the page of tops. */
   readonly carried: string;
-  readonly address: string;
-  readonly playing: boolean;
   /** As after the `?` of an address. */
   readonly options: string;
 }
@@ -25,11 +23,20 @@ export interface Opening {
 export interface Said {
   readonly address: string;
   readonly playing: boolean;
+  /** Why a state was refused, or what else somebody should read; "" where there is nothing.  Text, and never markup. */
+  readonly message: string;
 }
 
+/** Characters of a message. */
+export const LONGEST_MESSAGE = 1000;
+
 export function isSaid(data: unknown): data is Said {
-  const { address, playing } = (data ?? {}) as Partial<Said>;
-  return typeof address === "string" && typeof playing === "boolean";
+  const { address, playing, message } = (data ?? {}) as Partial<Said>;
+  return typeof address === "string" && typeof playing === "boolean" && typeof message === "string" && message.length <= LONGEST_MESSAGE;
+}
+
+export function same(one: Said, other: Said): boolean {
+  return one.address === other.address && one.playing === other.playing && one.message === other.message;
 }
 
 export function isOpening(data: unknown, name: string): data is Opening {

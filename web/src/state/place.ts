@@ -11,8 +11,18 @@ export interface Place {
   keep(address: () => string, playing: boolean): void;
   /** Hands the state to somebody else; what the page says of it. */
   share(address: string): Promise<string>;
-  /** Calls back where the state is changed from outside; `sameTime` says that its time was not. */
-  follow(changed: (address: string, playing: boolean, sameTime: boolean) => void): void;
+  /** Passes on what the page tells the reader: "" where that has gone. */
+  report(message: string): void;
+  /** Listens to what comes from outside. */
+  follow(outside: Outside): void;
+}
+
+/** What the page does where somebody outside sets its state or has a message. */
+export interface Outside {
+  /** `sameTime` says that the time is not another one. */
+  adopt(address: string, playing: boolean, sameTime: boolean): void;
+  /** Shows a message as text; none, where it is "". */
+  tell(message: string): void;
 }
 
 /** Browsers limit how often an address may change. */
@@ -42,6 +52,8 @@ export class AddressLine implements Place {
       return "The address line now has this state; copy it from there.";
     }
   }
+
+  report(): void {}
 
   follow(): void {}
 }

@@ -37,15 +37,17 @@ const { query } = place();
 const still = /^\d{1,6}$/.test(query.get("still") ?? "") ? Number(query.get("still")) : null;
 const quality = (["low", "full"] as const).find((one) => one === query.get("quality")) ?? null;
 
+/** A message, which stays until it is closed; "" closes it. */
 function tell(message: string): void {
   const box = find("message");
   (box.firstElementChild as HTMLElement).textContent = message;
-  box.hidden = false;
+  box.hidden = message === "";
+  place().report(message);
 }
 const say = (text: string) => (find("said").textContent = text);
 
 document.documentElement.dataset.page = "system";
-find("message").querySelector("button")?.addEventListener("click", () => (find("message").hidden = true));
+find("message").querySelector("button")?.addEventListener("click", () => tell(""));
 
 /** What the page shows, once it is known that it can. */
 class SystemPage {
@@ -337,7 +339,7 @@ class SystemPage {
       }
     }
     if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null || playing === false) this.state = { ...this.state, playing: false };
-    place().follow((...said) => this.adopt(...said));
+    place().follow({ adopt: (...said) => this.adopt(...said), tell });
     Object.assign(window, { laboratory: { state: () => this.state, results: () => this.results, frameTimes: () => [...this.spent] } });
     this.show();
     requestAnimationFrame((now) => this.frame(now));

@@ -5,6 +5,9 @@ const PAGE = "";
 
 /** @typedef {{get(name: string): any, set(name: string, value: any): void, save_changes(): void, on(names: string, does: () => void): void, off(names: string, does: () => void): void}} Model */
 
+/** What travels, in both directions. */
+const SAID = ["address", "playing", "message"];
+
 /** A name that nobody can guess; `crypto.randomUUID` is not there at every address of a notebook. */
 function secret() {
   return `liepoisson:${Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("")}`;
@@ -22,7 +25,7 @@ export function connection(model, name) {
   let port = null;
   let agreed = "";
   let hearing = false;
-  const said = () => ({ address: String(model.get("address")), playing: Boolean(model.get("playing")) });
+  const said = () => ({ address: String(model.get("address")), playing: Boolean(model.get("playing")), message: String(model.get("message")) });
   const tell = () => {
     const now = said();
     if (!port || hearing || JSON.stringify(now) === agreed) return;
@@ -31,11 +34,10 @@ export function connection(model, name) {
   };
   /** @param {MessageEvent} event */
   const hear = ({ data }) => {
-    if (typeof data?.address !== "string" || typeof data.playing !== "boolean") return;
-    agreed = JSON.stringify({ address: data.address, playing: data.playing });
-    hearing = true; // the first of the two alone is a state that nobody has set
-    model.set("address", data.address);
-    model.set("playing", data.playing);
+    if (typeof data?.address !== "string" || typeof data.playing !== "boolean" || typeof data.message !== "string") return;
+    agreed = JSON.stringify({ address: data.address, playing: data.playing, message: data.message });
+    hearing = true; // the first of the three alone is a state that nobody has set
+    for (const name of SAID) model.set(name, data[name]);
     hearing = false;
     model.save_changes();
   };
@@ -43,8 +45,7 @@ export function connection(model, name) {
     port?.close();
     port = null;
   };
-  model.on("change:address", tell);
-  model.on("change:playing", tell);
+  for (const name of SAID) model.on(`change:${name}`, tell);
   return {
     /** @param {Pick<Window, "postMessage"> | null} window */
     open(window) {
@@ -58,8 +59,7 @@ export function connection(model, name) {
       window.postMessage(opening, "*", [port2]);
     },
     end() {
-      model.off("change:address", tell);
-      model.off("change:playing", tell);
+      for (const name of SAID) model.off(`change:${name}`, tell);
       close();
     },
   };
