@@ -94,7 +94,7 @@ docs-check: docs ## check the site: links, no request to another host, and pages
 	$(BIN)/python docs/site/check.py
 
 # Python by pip-audit (in the environment or on the path), Rust by cargo-audit. Both ask public lists, so they need the network.
-LOCKED := requirements/run.txt requirements/dev.txt requirements/build.txt requirements/docs.txt
+LOCKED := requirements/run.txt requirements/dev.txt requirements/build.txt requirements/docs.txt requirements/notebooks.txt
 PIP_AUDIT = $(firstword $(wildcard $(BIN)/pip-audit) $(shell command -v pip-audit 2>/dev/null))
 vulnerabilities: ## ask public lists about known vulnerabilities in the lock files of Python and Rust (needs the network)
 	@failed=0; \

@@ -25,7 +25,7 @@ MAKE = (
     "lp.view(lp.Top.twisted_kovalevskaya(), start=[0.4, 0.2, -0.4, 0.8, 0.6, 0, 0, 0, 1], "
     "state={'theme': 'light'}, playing=False)"
 )
-SET = "widget.state = {'theme': 'dark', 'view': 'body', 'time': 2.5}"
+SET = "widget.state = {'theme': 'dark', 'view': 'body', 'time': 2.5, 'parameters': {'epsilon': '1/3'}}"
 
 MARIMO = f"""
 import marimo
@@ -158,7 +158,7 @@ def test_what_is_done_in_the_page_is_in_python_and_what_is_set_is_shown(kind, pa
     assert told(found["afterKey"]) == (found["crossing"], 0)
     assert told(found["afterClick"]) == (found["clicked"], 0)
     assert found["clicked"] != found["crossing"]
-    assert found["set"] == {"theme": "dark", "view": "body", "time": 2.5, "start": found["clicked"]}
+    assert found["set"] == {"theme": "dark", "view": "body", "time": 2.5, "start": found["clicked"], "epsilon": "1/3"}
     # the page in its frame sees nothing of the notebook, and asks for nothing
     assert found["isApart"] == "SecurityError"
     assert [one for one in found["asked"] if one["inside"]] == []

@@ -141,13 +141,11 @@ def test_an_absurd_value_is_refused_or_comes_back_as_it_is_said(tops, kirchhoff,
         for value in ABSURD:
             try:
                 state = page.changed({}, {part: value})
-            except LiePoissonError as error:
-                assert len(str(error)) < 600
-            else:
-                back = page.read(page.write(state))
-                assert {name: back[name] for name in state if name in back} == {
-                    name: value for name, value in state.items() if name in back
-                }
+            except LiePoissonError:
+                continue
+            back = page.read(page.write(state))
+            said = {name: value for name, value in state.items() if name in back}
+            assert said == {name: back[name] for name in said}
 
 
 @pytest.mark.parametrize("state", [None, 3, "time", ["time"], object(), Broken(), np.zeros(2), {None: 1}, {3: 4}])
@@ -157,8 +155,8 @@ def test_what_is_no_dict_of_parts_is_no_state(tops, state):
 
 
 SCRAPS = (
-    "v=1", "&", "=", ",", "1", "-1", "0", "1e5", "1e400", "1/3", "1/0", "l1", "%00", "%ff", ";", "#", "<", "\u2028", "x",
-    "dark", "lagrange", "taylor,", *("&" + name + "=" for name in ("top", "start", "section", "axes", "theme", "t",
+    "v=1", "&", "=", ",", "1", "-1", "0", "1e5", "1e400", "1/3", "1/0", "l1", "%00", "%ff", ";", "#", "<", "\u2028",
+    "x", "dark", "lagrange", "taylor,", *("&" + name + "=" for name in ("top", "start", "section", "axes", "theme", "t",
     "speed", "method", "frame", "shadow", "view", "space", "series", "tol", "preset")),
 )  # fmt: skip
 
@@ -175,7 +173,7 @@ def test_any_text_is_an_address_or_is_refused(tops, kirchhoff, text, is_top):
 
 def test_a_decimal_of_many_digits_is_a_parameter(tops):
     for value in (0.1 + 0.2, 1 / 3, -1 / 3, 1e-5):
-        state = tops.changed({}, {"parameters": {name: 1 for name in PARAMETERS} | {"epsilon": value}})
+        state = tops.changed({}, {"parameters": dict.fromkeys(PARAMETERS, 1) | {"epsilon": value}})
         assert float(Fraction(tops.read(tops.write(state))["parameters"]["epsilon"])) == value
 
 

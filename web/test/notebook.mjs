@@ -50,6 +50,7 @@ try {
   const element = await tab.waitForSelector('iframe[title="The laboratory of liepoisson"]', { state: "attached" });
   frame = await element.contentFrame();
   await frame.waitForFunction(() => window.laboratory?.results().crossings.length > 50, null, { polling: 300 });
+  await frame.waitForFunction(() => (document.querySelector("#section p b")?.textContent ?? "0") !== "0", null, { polling: 200 });
   found.isApart = await frame.evaluate(() => {
     try {
       return window.parent.document === null;
@@ -89,8 +90,8 @@ try {
   else await tab.getByRole("button", { name: "set" }).click();
   await frame.waitForFunction(() => window.laboratory.state().theme === "dark", null, { polling: 200 });
   found.set = await frame.evaluate(() => {
-    const { theme, view, time, start } = window.laboratory.state();
-    return { theme, view: view.frame, time, start: start.map((one) => one.value) };
+    const { theme, view, time, start, parameters } = window.laboratory.state();
+    return { theme, view: view.frame, time, start: start.map((one) => one.value), epsilon: parameters[9].text };
   });
   await tab.waitForTimeout(1500);
   await tab.screenshot({ path: `${folder}/${kind}-set.png` });

@@ -55,6 +55,7 @@ try {
   const element = await tab.waitForSelector("iframe", { state: "attached" });
   const frame = await element.contentFrame();
   await frame.waitForFunction(() => window.laboratory?.results().crossings.length > 20, null, { polling: 200 });
+  await frame.waitForFunction(() => (document.querySelector("#section p b")?.textContent ?? "0") !== "0", null, { polling: 200 });
   const box = () => frame.evaluate(() => ({ text: document.querySelector("#message p").textContent, elements: document.querySelector("#message p").children.length, hidden: document.getElementById("message").hidden }));
   found.title = await frame.evaluate(() => document.getElementById("title").textContent);
   found.images = await frame.evaluate(() => document.querySelectorAll("img, #title *").length);

@@ -84,6 +84,11 @@ def page_of(
     A top that the page of tops can be given is shown there, with its body; every other system has a page with its own
     components, surfaces and invariants.
 
+    Example:
+        >>> page = lp.laboratory.page_of(lp.catalog.system("kirchhoff"), start=[1, 0.2, 0, 0, 0.6, 0.8])
+        >>> page.words, page.record["components"]
+        ('kirchhoff', ['m1', 'm2', 'm3', 'p1', 'p2', 'p3'])
+
     Args:
         system: A `System`, a `Top`, anything that has a field.
         start: Where the orbit begins, shape (component,); by default member 0 of the random unit vectors.

@@ -142,10 +142,11 @@ def _orbit(orbit: Orbit, chosen: int) -> SavedResult:
     among = f"{which} of {n} orbits, " if n > 1 else "an orbit, "
     kept = f", of which {len(times[::every])} are here" if every > 1 else ""
     words = f"Saved: {among}{len(times)} times from t = {times[0]:g} to t = {times[-1]:g}{kept}"
+    start = np.asarray(orbit.start[chosen])
     return SavedResult(
-        "orbit", words, shown_only, _tol(orbit.method), np.asarray(orbit.start[[chosen]]), times[::every], states[::every],
+        "orbit", words, shown_only, _tol(orbit.method), start[None], times[::every], states[::every],
         (), None, "", 1, 0, float(times[-1]), has_states=True, coordinates=tuple(orbit.components),
-        start=np.asarray(orbit.start[chosen]),
+        start=start,
     )  # fmt: skip
 
 

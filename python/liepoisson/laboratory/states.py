@@ -31,7 +31,8 @@ MOST_SERIES = 8
 MOST_IN_VECTORS = 27
 LONGEST_MESSAGE = 1000
 HORIZON = 1e4
-"""As the page has them (`state/laboratory.ts`, `systems/state.ts`, `notebook/protocol.ts`); the last in its units of time."""
+"""As the page has them (`state/laboratory.ts`, `systems/state.ts`, `notebook/protocol.ts`); the last in its units of
+time."""
 
 
 @dataclass(frozen=True)

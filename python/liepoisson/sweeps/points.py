@@ -19,13 +19,13 @@ def orbit_at(sweep: Sweep, point: int, member: int) -> tuple[Any, Array]:
     """The system of a point, and the start of one of its orbits, shape (component,): the same numbers as in the sweep.
 
     Raises:
-        ParameterError: the point has no system, or this orbit no start with the energy and Casimirs that were asked for.
+        ParameterError: the point has no system, or this orbit no start with the wanted energy and Casimirs.
     """
     spec = sweep.spec
     if int(sweep.outcome_code[point, member]) in (NO_START, NO_SYSTEM, FAILED):
         raise ParameterError(
-            f"orbit {member} of point {point} ({point_in_words(sweep, point)}) cannot be computed again: its outcome is "
-            f"{str(sweep.outcome[point, member])!r}. Take another one."
+            f"orbit {member} of point {point} ({point_in_words(sweep, point)}) cannot be computed again: "
+            f"its outcome is {str(sweep.outcome[point, member])!r}. Take another one."
         )
     piece = Piece(
         index=0,
