@@ -80,7 +80,7 @@ def test_the_script_shows_the_page_and_returns_what_is_done_there(shown, tmp_pat
     refused = found["refused"]
     assert refused["said"]["message"] == refused["box"]["text"]
     assert 'has an unknown part "<img src' in refused["box"]["text"]
-    assert refused["box"]["elements"] == 0
+    assert (refused["box"]["elements"], refused["box"]["hidden"]) == (0, False)
     widget.set_state(refused["said"])
     assert widget.message == refused["box"]["text"]
     assert (widget.start, widget.time, widget.state["theme"]) == (tuple(found["crossing"]), 2.5, "dark")

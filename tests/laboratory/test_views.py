@@ -179,6 +179,7 @@ def test_a_rod_is_viewed_as_a_rod_from_its_start():
     rod = lp.orbits.rod(top, [START, [0.5, *START[1:]]], length=2)
     widget = lp.view(rod, trajectory=1, state={"theme": "light"})
     assert (widget.state["view"], widget.state["theme"], widget.start[0]) == ("rod", "light", 0.5)
+    assert (widget.time, widget.state["surface"]) == (2, "l1")
     assert str(widget.system.epsilon) == "1/3"
 
 

@@ -159,7 +159,9 @@ def address_of_top(system: Any, start: Array) -> str | None:
     numbers = [text for text in texts if text is not None]
     if len(numbers) != len(texts) or any(float(value) < 0.01 for value in top.inertia):
         return None
-    return f"v=1&top={','.join(numbers)}&start={','.join(shortest(value) for value in start)}"
+    # where both centres are axial l3 is constant, or of one sign, more often than not
+    section = "" if any([*top.a[:2], *top.b[:2]]) else "&section=l1,1&axes=l2,alpha1"
+    return f"v=1&top={','.join(numbers)}&start={','.join(shortest(value) for value in start)}{section}"
 
 
 def exact_text(value: Any) -> str | None:

@@ -10,6 +10,7 @@ import numpy as np
 from liepoisson.errors import MissingPackageError, ParameterError
 from liepoisson.laboratory.pages import Page, page_of
 from liepoisson.laboratory.saved import checked_trajectory
+from liepoisson.laboratory.states import HORIZON
 from liepoisson.numeric.integrate import Orbit
 from liepoisson.numeric.section import Section
 from liepoisson.phase_space.rod import Rod
@@ -76,7 +77,9 @@ def view(
         raise ParameterError(f"panels must be {' or '.join(map(repr, PANELS))}; got {panels!r:.40}.")
     page, system = _page(shown, start, surfaces, trajectory, point)
     if isinstance(shown, Rod):
-        state = {"view": "rod", **(state or {})}
+        # backwards is no time of the page
+        end = float(np.clip(shown.arclength[-1] - shown.arclength[0], 0.0, HORIZON))
+        state = {"view": "rod", "time": end, **(state or {})}
     try:
         from liepoisson.laboratory.widget import View, checked_height
     except ImportError as error:

@@ -112,6 +112,10 @@ export class Plot {
 
   clearAbove(): void {
     this.above.clearRect(0, 0, this.width, this.height);
+    if (this.elsewhere) return;
+    // Chromium goes on showing what was there before where a frame does nothing but clear
+    this.above.fillStyle = "#00000001";
+    this.above.fillRect(0, 0, 1, 1);
   }
 
   /** Whether a place lies between the axes. */
