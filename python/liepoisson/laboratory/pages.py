@@ -53,6 +53,11 @@ _NUMBER = re.compile(r"-?\d+(\.\d+)?(e-?\d{1,3})?|-?\d+/\d+")
 class Page:
     """A page of the laboratory.
 
+    Example:
+        >>> page = lp.laboratory.page_of(lp.catalog.system("toda"))
+        >>> page.words, len(page.record["components"])  # three positions and three momenta
+        ('toda', 6)
+
     Attributes:
         html: The whole page: it needs no other file and asks for none.
         address: What is to follow the # of its address, or "".
@@ -67,7 +72,13 @@ class Page:
 
 
 def page_of_tops() -> Page:
-    """The page of tops, as it begins."""
+    """The page of tops, as it begins.
+
+    Example:
+        >>> page = lp.laboratory.page_of_tops()
+        >>> page.words, len(page.html) < 1_500_000  # one file with script, style and core
+        ('tops', True)
+    """
     return Page(_built(), "", "tops")
 
 
@@ -124,6 +135,12 @@ def page_of(
 
 def write_page(page: Page, path: str | Path) -> Path:
     """Writes a page into one file, whole or not at all.
+
+    Example:
+        >>> from tempfile import mkdtemp
+        >>> page = lp.laboratory.page_of(lp.Top.twisted_kovalevskaya())
+        >>> lp.laboratory.write_page(page, f"{mkdtemp()}/top.html").name
+        'top.html'
 
     Raises:
         ParameterError: the file would be larger than 1.5 MB.
