@@ -20,7 +20,7 @@ test: | tools ## set up, then run the tests (some 15 minutes on two cores)
 	@$(MAKE) --no-print-directory -j 2 set-up test-rust
 	@$(MAKE) --no-print-directory test-python
 
-test-slow: $(VENV)/.built $(VENV)/.dev ## the anchors at full size (the paper's numbers with 20,000 members); `make arm`
+test-slow: $(VENV)/.built $(VENV)/.notebooks ## the anchors at full size (20,000 members), real notebooks, `make arm`
 	$(BIN)/pytest -m slow
 
 # The bits of the results are those that x86 has (crates/liepoisson-core/tests/core/same_bits.txt). Part of `make test-slow`.
@@ -67,12 +67,12 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 	$(BIN)/pip install --quiet uv
 	$(BIN)/uv pip compile pyproject.toml $(LOCK) --upgrade --output-file requirements/run.txt
 	$(BIN)/uv pip compile --group build $(LOCK) --upgrade --output-file requirements/build.txt
-	$(BIN)/uv pip compile pyproject.toml --group test --group lint $(LOCK) --constraint requirements/run.txt \
-	  --output-file requirements/dev.txt
+	$(BIN)/uv pip compile pyproject.toml --extra notebook --group test --group lint $(LOCK) \
+	  --constraint requirements/run.txt --output-file requirements/dev.txt
+	$(BIN)/uv pip compile pyproject.toml --extra notebook --group notebooks $(LOCK) --upgrade \
+	  --constraint requirements/dev.txt --output-file requirements/notebooks.txt
 	$(BIN)/uv pip compile --group docs $(LOCK) --upgrade --constraint requirements/dev.txt \
 	  --output-file requirements/docs.txt
-	$(BIN)/uv pip compile --group stories $(LOCK) --upgrade --constraint requirements/dev.txt \
-	  --output-file requirements/stories.txt
 	cargo update
 
 wasm: ## build the core for the browser (5 minutes; says what it needs); it is committed, with a hash of its sources
@@ -93,12 +93,11 @@ docs: $(VENV)/.built $(VENV)/.docs ## build the documentation site into target/s
 docs-check: docs ## check the site: links, no request to another host, and pages in Chromium (where node and Chromium are there)
 	$(BIN)/python docs/site/check.py
 
-stories: $(VENV)/.built ## run the notebooks of docs/stories again and store what they print and draw (a minute)
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/stories.txt
+stories: $(VENV)/.built $(VENV)/.notebooks ## run the notebooks of docs/stories again and store what they print and draw (a minute)
 	$(BIN)/python docs/stories/make.py
 
 # Python by pip-audit (in the environment or on the path), Rust by cargo-audit. Both ask public lists, so they need the network.
-LOCKED := requirements/run.txt requirements/dev.txt requirements/build.txt requirements/docs.txt requirements/stories.txt
+LOCKED := requirements/run.txt requirements/dev.txt requirements/build.txt requirements/docs.txt requirements/notebooks.txt
 PIP_AUDIT = $(firstword $(wildcard $(BIN)/pip-audit) $(shell command -v pip-audit 2>/dev/null))
 vulnerabilities: ## ask public lists about known vulnerabilities in the lock files of Python and Rust (needs the network)
 	@failed=0; \
@@ -185,6 +184,10 @@ $(VENV)/.run: requirements/run.txt | tools
 
 $(VENV)/.dev: requirements/dev.txt | $(VENV)/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
+	touch $@
+
+$(VENV)/.notebooks: requirements/notebooks.txt | $(VENV)/.dev
+	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/notebooks.txt
 	touch $@
 
 $(VENV)/.build: requirements/build.txt | $(VENV)/.run

@@ -10,6 +10,7 @@ from pathlib import Path
 import liepoisson as lp
 
 ROOT = Path(__file__).parent.parent
+PACKAGE = Path(lp.__file__).parent
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 
 
@@ -34,10 +35,13 @@ def modules_used(source):
                 yield engine
 
 
-def distributions_used():
-    sources = Path(lp.__file__).parent.rglob("*.py")
+WITH_NOTEBOOK = {PACKAGE / "laboratory" / "widget.py"}
+"""The sources that may import what the extra `notebook` brings."""
+
+
+def distributions_used(sources):
     modules = {name for path in sources for name in modules_used(path.read_text(encoding="utf-8"))}
-    owners = packages_distributions()
+    owners = {"anywidget": ["anywidget"], "traitlets": ["traitlets"], **packages_distributions()}
     foreign = modules - set(sys.stdlib_module_names) - {"liepoisson", "__future__"}
     return {normal(owners[name][0]) for name in foreign}
 
@@ -48,7 +52,12 @@ def locked(name):
 
 
 def test_what_is_imported_is_declared_and_what_is_declared_is_imported():
-    assert distributions_used() == named(PROJECT["project"]["dependencies"])
+    sources = set(PACKAGE.rglob("*.py"))
+    declared = named(PROJECT["project"]["dependencies"])
+    assert sources >= WITH_NOTEBOOK
+    assert distributions_used(sources - WITH_NOTEBOOK) == declared
+    extra = named(PROJECT["project"]["optional-dependencies"]["notebook"])
+    assert distributions_used(WITH_NOTEBOOK) - declared == extra
 
 
 def test_an_import_is_found_wherever_it_stands():
@@ -58,10 +67,13 @@ def test_an_import_is_found_wherever_it_stands():
 
 def test_locks_hold_what_is_declared_and_the_tools_of_the_build_are_apart():
     groups = PROJECT["dependency-groups"]
-    run, build, dev = locked("run.txt"), locked("build.txt"), locked("dev.txt")
+    run, build, dev, notebooks = (locked(f"{name}.txt") for name in ("run", "build", "dev", "notebooks"))
+    extra = named(PROJECT["project"]["optional-dependencies"]["notebook"])
     assert groups["build"] == PROJECT["build-system"]["requires"]
     assert named(groups["build"]) <= build
     assert named(PROJECT["project"]["dependencies"]) <= run
-    assert named(groups["stories"]) <= locked("stories.txt")
     assert not build & run
-    assert run | named(groups["test"]) | named(groups["lint"]) <= dev
+    assert run | extra | named(groups["test"]) | named(groups["lint"]) <= dev
+    assert run | extra | named(groups["notebooks"]) <= notebooks
+    assert not run & extra
+    assert not dev & named(groups["notebooks"])

@@ -59,7 +59,7 @@ def how_far(one, other):
 @pytest.mark.slow
 @pytest.mark.skipif(
     bool(MISSING),
-    reason=f"{' and '.join(MISSING)} not installed: pip install --require-hashes -r requirements/stories.txt",
+    reason=f"{' and '.join(MISSING)} not installed: pip install --require-hashes -r requirements/notebooks.txt",
 )
 @pytest.mark.parametrize("name", NAMES)
 def test_a_story_prints_and_draws_what_is_stored(name, tmp_path):

@@ -18,6 +18,8 @@ WEB = Path(__file__).resolve().parent
 ROOT = WEB.parent
 FOLDER = ROOT / "python" / "liepoisson" / "laboratory" / "page"
 PAGE, RECORD = FOLDER / "index.html", FOLDER / "page.json"
+WIDGET, SHIPPED_WIDGET = WEB / "src" / "notebook" / "widget.js", FOLDER / "widget.js"
+"""The script of the widget of notebooks, which is shipped as it is."""
 
 
 def sources() -> list[Path]:
@@ -56,6 +58,7 @@ def build() -> None:
         if subprocess.run([npm, *command], cwd=WEB, check=False).returncode:
             raise SystemExit(f"npm {' '.join(command)} failed")
     shutil.copyfile(WEB / "dist" / "index.html", PAGE)
+    shutil.copyfile(WIDGET, SHIPPED_WIDGET)
     record = {"sources": hash_of_sources(), "page": hash_of(PAGE)}
     RECORD.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
     print(f"{PAGE.relative_to(ROOT)}: {PAGE.stat().st_size} bytes")

@@ -31,6 +31,7 @@ GROUPS = {
     "Prove": ("integrability", "proofs"),
     "Sweep": ("sweeps",),
     "Draw": ("plot",),
+    "See it move, in a browser or a notebook": ("laboratory",),
     "Keep, load and repeat": ("results",),
     "Cite": ("citations",),
     "What is refused": ("errors",),

@@ -4,7 +4,7 @@ A story is a notebook.  Change it in Jupyter or in any editor, then run this scr
 cell in a new kernel, in a folder that is thrown away, and stores it without what differs from one run to the next.
 So what is stored changes only where what is printed or drawn does.  `--out FOLDER` writes it to another place.
 
-Running needs ipykernel and nbclient: pip install --require-hashes -r requirements/stories.txt.  All else needs neither.
+Running needs ipykernel and nbclient (pip install --require-hashes -r requirements/notebooks.txt), all else neither.
 """
 
 from __future__ import annotations

@@ -10,6 +10,7 @@ from liepoisson import extensions as extensions
 from liepoisson import fields as fields
 from liepoisson import fits as fits
 from liepoisson import integrability as integrability
+from liepoisson import laboratory as laboratory
 from liepoisson import methods as methods
 from liepoisson import orbits as orbits
 from liepoisson import phase_space as phase_space
@@ -34,6 +35,7 @@ from liepoisson.exact.lie_algebras import so as so
 from liepoisson.exact.lie_algebras import su as su
 from liepoisson.exact.system import System as System
 from liepoisson.exact.system_file_reader import read_system as read_system
+from liepoisson.laboratory.views import view as view
 from liepoisson.numeric.finite_time_exponents import finite_time_exponents as finite_time_exponents
 from liepoisson.numeric.integrate import integrate as integrate
 from liepoisson.numeric.lyapunov_exponent import lyapunov_exponent as lyapunov_exponent

@@ -23,6 +23,7 @@ __all__ = [
     "LiePoissonError",
     "MemoryLimitError",
     "MissingFileError",
+    "MissingPackageError",
     "MixingWarning",
     "OrbitError",
     "OutputError",
@@ -201,6 +202,10 @@ class OutputError(LiePoissonError, OSError):
 
 class DamagedFileError(LiePoissonError, OSError):
     """A file is not what it should be: truncated, altered, or not written by liepoisson."""
+
+
+class MissingPackageError(LiePoissonError, ImportError):
+    """A package that only this part of liepoisson needs is not installed; the message says how to install it."""
 
 
 class MissingFileError(LiePoissonError, FileNotFoundError):

@@ -151,3 +151,10 @@ def test_other_functions_are_refused_with_what_applies(potential, words):
     system = lp.System(PLANE, f"(p_x^2 + p_y^2)/2 + {potential}")
     with pytest.raises(ParameterError, match=words):
         first_integrals(system, degree=1)
+
+
+def test_sines_of_large_multiples_of_a_form_are_refused_at_once():
+    """cos(1.234 x) and cos(x) are polynomials of degrees 617 and 500 in cos(x/500)."""
+    system = lp.System(PLANE, "(p_x^2 + p_y^2)/2 + cos(1.234*x) + cos(x) + y^2")
+    with pytest.raises(ParameterError, match="at most 100 times a common form"):
+        first_integrals(system)

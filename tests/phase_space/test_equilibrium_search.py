@@ -384,3 +384,95 @@ def test_a_guess_near_circles_that_meet_is_led_to_them():
     near = lp.phase_space.equilibrium_near(system, [1.02, 0.1, 0, 1], along=(turning,), values={turning: 1})
     assert np.hypot(*near.state[:2]) == pytest.approx(1, abs=1e-14)
     assert (near.linear_stability, near.signature) == ("degenerate", (1, 0, 1))
+
+
+@pytest.mark.parametrize("seed", [0, *(pytest.param(k, marks=pytest.mark.slow) for k in (1, 2, 3))])
+def test_a_circle_is_listed_once_whatever_its_ends_are_led_to(seed):
+    """V = (r^2 - 1)^2 exp(x) is zero with its slope on r = 1; else y = 0 and 4 x + x^2 - 1 = 0, x = -2 +- sqrt(5)."""
+    system = plane("px^2/2 + py^2/2 + (x^2 + y^2 - 1)^2*exp(x)")
+    n_starts = 40 if seed == 0 else 200
+    circle, *points = lp.equilibria(system, {}, seed=seed, n_starts=n_starts, most_starts=n_starts)
+    assert (circle.family, circle.linear_stability) == ("circle", "degenerate")
+    assert np.hypot(*circle.state[:2]) == pytest.approx(1, abs=1e-12)
+    assert sorted(e.state[0] for e in points) == pytest.approx([-2 - 5**0.5, -2 + 5**0.5], abs=1e-9)
+    assert [e.family for e in points] == ["point", "point"]
+
+
+def between(a, b, m, sign):
+    """The critical points of (q - a)^m (q - b)^m exp(sign q): a, b, and m (2 q - a - b) + sign (q - a)(q - b) = 0."""
+    outer = np.sort(np.roots([sign, 2 * m - sign * (a + b), sign * a * b - m * (a + b)]))
+    return sorted([a, b, *outer])
+
+
+@pytest.mark.parametrize(
+    ("b", "m", "sign"),
+    [(1.001, 3, -1), (1.01, 4, 1), (1.01, 3, -1), (1.0001, 3, -1), (1.05, 6, -1)],
+)
+def test_equilibria_that_doubles_do_not_tell_apart_are_all_listed(b, m, sign):
+    real = [q for q in between(1, b, m, sign) if q < 10]  # few random starts lead further
+    found = lp.equilibria(
+        lp.System(lp.canonical(names=("q",)), f"p_q^2/2 + (q - 1)^{m}*(q - {b})^{m}*exp({sign}*q)"), {}
+    )
+    assert sorted(e.state[0] for e in found) == pytest.approx(real, abs=1e-12)
+    verdicts = {round(e.state[0], 9): e.linear_stability for e in found}
+    assert verdicts[1] == verdicts[b] == "degenerate"
+    assert found.n_undecided == 0
+    assert "hidden" not in found.completeness
+
+
+def test_a_flat_part_without_a_zero_has_no_equilibrium():
+    """tanh(f) with f' = (q^2 + 1/1000)^4 is steeper than 1e-12 at q = 0, and has no critical point."""
+    q = sympy.Symbol("q")
+    inner = sympy.integrate(sympy.expand((q**2 + sympy.Rational(1, 1000)) ** 4), q)
+    assert potential(f"p^2/2 + tanh({inner})".replace("**", "^"), [0, 0.1]) == []
+
+
+def test_a_pair_of_complex_critical_points_beside_a_real_one_is_not_listed():
+    """exp(q) u^5 with u = (q - 1)^2 + 1/1000 is critical where u + 10 (q - 1) = 0: q - 1 = -5 +- sqrt(25 - 1/1000)."""
+    real = 1 - 5 + np.sqrt(25 - 1e-3) * np.array([-1, 1])
+    found = sorted(e.state[0] for e in potential("p^2/2 + exp(q)*((q - 1)^2 + 1/1000)^5", [1]))
+    assert found[-1] == pytest.approx(real[1], abs=1e-12)
+    assert all(abs(real - q).min() < 1e-9 for q in found)
+
+
+def test_simple_equilibria_close_to_each_other_stay_two():
+    """exp(f) with f' = q (q - 1/1000) has a maximum at 0 and a minimum at 1/1000, and no other critical point."""
+    found = potential("p^2/2 + exp(q^3/3 - q^2/2000)", [0])
+    assert {round(e.state[0], 12) + 0: e.linear_stability for e in found} == {0: "unstable", 0.001: "stable spectrum"}
+
+
+def test_equilibria_that_doubles_do_not_tell_apart_on_a_curved_valley_are_all_listed():
+    """On x + exp(y) = 0 the slope is that of (y - 1)^3 (y - 1.01)^3 exp(-y)."""
+    system = plane("px^2/2 + py^2/2 + (x + exp(y))^2/2 + (y - 1)^3*(y - 1.01)^3*exp(-y)")
+    found = searched(system, lp.Leaf.through(system, np.full(4, 0.5)), 20)
+    real = [y for y in between(1, 1.01, 3, -1) if y < 5]
+    assert sorted(e.state[1] for e in found if e.state[1] < 5) == pytest.approx(real, abs=1e-12)
+    assert all(e.state[0] == pytest.approx(-np.exp(e.state[1]), rel=1e-12) for e in found)
+
+
+def test_where_two_directions_are_flat_the_result_says_that_others_may_be_hidden():
+    """Nine critical points: x and y of 1, 1.01 and one between them. With two soft directions few of them are found."""
+    pair = "({0} - 1)^3*({0} - 1.01)^3*exp(-{0})"
+    system = plane(f"px^2/2 + py^2/2 + {pair.format('x')} + {pair.format('y')}")
+    found = lp.equilibria(system, {}, n_starts=8, most_starts=8)
+    assert len(found) >= 1
+    assert found.n_undecided >= 1
+    assert "others may be hidden at" in found.completeness
+
+
+def test_where_a_flat_part_cannot_be_resolved_the_result_says_so():
+    """exp(-1/q^2) is zero with all its derivatives at q = 0, where it is no analytic function."""
+    found = lp.equilibria(
+        lp.System(lp.canonical(names=("q",)), "p_q^2/2 + exp(-1/q^2)"), {}, n_starts=20, most_starts=20
+    )
+    assert (len(found), found.n_undecided) == (0, 1)
+    assert "others may be hidden at one place where H is flat to round-off" in found.completeness
+
+
+@pytest.mark.thorough
+def test_two_circles_of_one_energy_that_are_close_stay_two():
+    """V = (u - 1)^2 (u - 1.21)^2 exp(x) with u = r^2 is zero with its slope on the circles r = 1 and r = 1.1."""
+    system = plane("px^2/2 + py^2/2 + (x^2 + y^2 - 1)^2*(x^2 + y^2 - 1.21)^2*exp(x)")
+    found = lp.equilibria(system, {}, n_starts=40, most_starts=40)
+    radii = sorted(float(np.hypot(*e.state[:2])) for e in found if e.family == "circle")
+    assert radii == pytest.approx([1, 1.1], abs=1e-9)

@@ -17,6 +17,7 @@ import { Tour } from "./panels/tour";
 import { Results } from "./results";
 import { shortest, type Exact } from "./state/exact";
 import { begun, changed, FRAMES, HORIZON, sameRun, THEMES, type Action, type Laboratory } from "./state/laboratory";
+import { place, withPartsOf } from "./state/place";
 import { read, written } from "./state/url";
 import { palette as currentPalette, type Palette } from "./style/palette";
 import { plain } from "./symbols";
@@ -30,7 +31,7 @@ const AHEAD = 60;
 const CHARTS_EVERY = 6;
 
 const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const query = new URLSearchParams(location.search);
+const { query } = place();
 const still = /^\d{1,6}$/.test(query.get("still") ?? "") ? Number(query.get("still")) : null;
 const quality = (["low", "full"] as const).find((one) => one === query.get("quality")) ?? null;
 
@@ -40,10 +41,12 @@ let palette: Palette = currentPalette();
 let client: Client | null = null;
 let asked = 0;
 
+/** A message, which stays until it is closed; "" closes it. */
 function tell(message: string): void {
   const box = find("message");
   (box.firstElementChild as HTMLElement).textContent = message;
-  box.hidden = false;
+  box.hidden = message === "";
+  place().report(message);
 }
 const say = (text: string) => (find("said").textContent = text);
 
@@ -153,14 +156,21 @@ function show(): void {
   document.documentElement.dataset.shown = lab.theme === "auto" ? (dark ? "dark" : "light") : lab.theme;
   palette = currentPalette();
   scene.dirty = true;
-  remember();
+  place().keep(() => written(lab), lab.playing);
 }
 
-let waiting = 0;
-/** Writes the state into the address, at rest only: browsers limit how often. */
-function remember(): void {
-  clearTimeout(waiting);
-  waiting = window.setTimeout(() => history.replaceState(null, "", `#${written(lab)}`), 400);
+/** The state as somebody outside set it: what it leaves as it was goes on. */
+function adopt(address: string, playing: boolean, sameTime: boolean): void {
+  const before = lab;
+  try {
+    const next = withPartsOf(before, { ...read(address), playing });
+    const sameOrbit = next.parameters === before.parameters && next.start === before.start;
+    lab = sameTime && sameOrbit ? { ...next, time: before.time } : next;
+  } catch (error) {
+    tell(`This state cannot be shown: ${(error as Error).message}.`);
+  }
+  if (!sameRun(before, lab)) run();
+  show();
 }
 
 function header(): void {
@@ -181,7 +191,7 @@ function header(): void {
   find("guide").addEventListener("click", () => tour.begin());
   find("theme").addEventListener("click", nextTheme);
   find("help").addEventListener("click", () => find<HTMLDialogElement>("keys").showModal());
-  find("message").querySelector("button")?.addEventListener("click", () => (find("message").hidden = true));
+  find("message").querySelector("button")?.addEventListener("click", () => tell(""));
   find("play").addEventListener("click", () => act({ do: "play", playing: !lab.playing }));
   find("restart").addEventListener("click", () => act({ do: "time", time: 0 }));
   find("step").addEventListener("click", () => step(1));
@@ -190,14 +200,7 @@ function header(): void {
 }
 
 async function share(): Promise<void> {
-  const address = `${location.href.split("#")[0]}#${written(lab)}`;
-  try {
-    await navigator.clipboard.writeText(address);
-    tell("The address of this state is copied.");
-  } catch {
-    history.replaceState(null, "", `#${written(lab)}`);
-    tell("The address line now has this state; copy it from there.");
-  }
+  tell(await place().share(written(lab)));
 }
 
 /** The lines of Python; where there is no clipboard, in a dialog from which they can be copied. */
@@ -321,18 +324,19 @@ function draw(): void {
 }
 
 async function begin(): Promise<void> {
-  if (query.get("embed") === "1") document.documentElement.dataset.embed = "1";
   header();
   fillHelp(find<HTMLDialogElement>("keys"));
   document.addEventListener("keydown", keys);
-  if (location.hash.length > 1) {
+  const { address, playing } = place();
+  if (address) {
     try {
-      lab = read(location.hash);
+      lab = read(address);
     } catch (error) {
       tell(`This address cannot be read: ${(error as Error).message}. The page shows the twisted Kovalevskaya top instead.`);
     }
   }
-  if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null) lab = { ...lab, playing: false };
+  if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null || playing === false) lab = { ...lab, playing: false };
+  place().follow({ adopt, tell });
   show();
   requestAnimationFrame(frame);
   try {

@@ -46,6 +46,9 @@ if TYPE_CHECKING:
 _MOST_ROOTS = 5
 """Products of all subsets of more roots are not tested."""
 
+_MOST_TURNS = 100
+"""The sine of a multiple of an angle is a polynomial of as high a degree in those of the angle."""
+
 OTHER_TOOLS = (
     "Searches for integrals take polynomials, fractions, square roots of polynomials, and exp, sin, cos, tan, sinh, "
     "cosh and tanh of linear forms with rational coefficients; sections, exponents and `decide` take any smooth system"
@@ -218,6 +221,11 @@ class _Reader:
 
         form, constant = self._form(expression.args[0], turns=True)
         multiples = _multiples([f for f, _, _ in self._angles], form)
+        if (largest := sum(map(abs, multiples))) > _MOST_TURNS:
+            raise ParameterError(
+                f"wanted sines and cosines of at most {_MOST_TURNS} times a common form; got {shown(expression)}, of "
+                f"{largest} times one: a polynomial of this degree. {OTHER_TOOLS}"
+            )
         angles = [Dummy() for _ in multiples]
         angle = sum((n * a for n, a in zip(multiples, angles, strict=True)), constant)
         values: dict[Any, Any] = {}

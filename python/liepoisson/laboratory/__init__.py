@@ -1,10 +1,9 @@
 """The laboratory: any system in a browser, computed there by the same core.
 
 `page_of` makes the page of a system as one text, `write_page` one self-contained file, `serve` shows it at an address
-of this machine alone.
+of this machine alone, and `view` in a cell of a notebook.
 """
 
-from liepoisson.laboratory.pages import Page, page_of, page_of_tops, write_page
-from liepoisson.laboratory.server import PageServer, serve
+from liepoisson._lazy import attach
 
-__all__ = ["Page", "PageServer", "page_of", "page_of_tops", "serve", "write_page"]
+__getattr__, __dir__, __all__ = attach(__name__, __file__)

@@ -7,7 +7,8 @@ import json
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -37,7 +38,7 @@ MOST_TERMS = 100_000
 """Of its vector field."""
 MOST_BYTES = 1_500_000
 """Of an exported page."""
-_LARGEST = 1e6
+LARGEST = 1e6
 """Of a number of a start, as the page takes it."""
 _LONGEST_NAME = 200
 
@@ -52,19 +53,32 @@ _NUMBER = re.compile(r"-?\d+(\.\d+)?(e-?\d{1,3})?|-?\d+/\d+")
 class Page:
     """A page of the laboratory.
 
+    Example:
+        >>> page = lp.laboratory.page_of(lp.catalog.system("toda"))
+        >>> page.words, len(page.record["components"])  # three positions and three momenta
+        ('toda', 6)
+
     Attributes:
         html: The whole page: it needs no other file and asks for none.
         address: What is to follow the # of its address, or "".
         words: What it shows, for people.
+        record: The description of the system that it carries; None for the page of tops.
     """
 
     html: str
     address: str
     words: str
+    record: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
 
 
 def page_of_tops() -> Page:
-    """The page of tops, as it begins."""
+    """The page of tops, as it begins.
+
+    Example:
+        >>> page = lp.laboratory.page_of_tops()
+        >>> page.words, len(page.html) < 1_500_000  # one file with script, style and core
+        ('tops', True)
+    """
     return Page(_built(), "", "tops")
 
 
@@ -74,11 +88,17 @@ def page_of(
     start: ArrayLike | None = None,
     surfaces: Sequence[Any] = (),
     result: Any = None,
+    trajectory: int = 0,
 ) -> Page:
     """The page that shows a system.
 
     A top that the page of tops can be given is shown there, with its body; every other system has a page with its own
     components, surfaces and invariants.
+
+    Example:
+        >>> page = lp.laboratory.page_of(lp.catalog.system("kirchhoff"), start=[1, 0.2, 0, 0, 0.6, 0.8])
+        >>> page.words, page.record["components"]
+        ('kirchhoff', ['m1', 'm2', 'm3', 'p1', 'p2', 'p3'])
 
     Args:
         system: A `System`, a `Top`, anything that has a field.
@@ -87,16 +107,17 @@ def page_of(
             `lp.section` takes them.  The page begins with the first; by default with `lp.sections.default_surface`.
         result: A saved orbit or section of this system, which the page computes again and compares.  Its first start
             is then the start, and the surface of a section is one of the surfaces.
+        trajectory: Which orbit of the result is drawn, and has the start.
 
     Raises:
         ParameterError: the system asks for too much, the start is too large, a formula cannot be read, or the result
-            is of another system or kind.
+            is of another system or kind, or has no such trajectory.
         ShapeError: the start has another number of components.
     """
     field = as_field(system)
     n = field.n_components
     _check_size(system, n, _terms(field))
-    saved = None if result is None else saved_of(system, result)
+    saved = None if result is None else saved_of(system, result, trajectory)
     if saved is not None and start is None:
         start = saved.start
     begin = _start(system, n, start)
@@ -108,11 +129,18 @@ def page_of(
     record = _description(system, begin, surfaces, saved)
     text = json.dumps(record, allow_nan=False, separators=(",", ":"))
     record = {"id": hashlib.sha256(text.encode()).hexdigest()[:12], **record}
-    return Page(_carrying(f'<script type="application/json" id="system">{as_data(record)}</script>'), "", words)
+    element = f'<script type="application/json" id="system">{as_data(record)}</script>'
+    return Page(_carrying(element), "", words, record)
 
 
 def write_page(page: Page, path: str | Path) -> Path:
     """Writes a page into one file, whole or not at all.
+
+    Example:
+        >>> from tempfile import mkdtemp
+        >>> page = lp.laboratory.page_of(lp.Top.twisted_kovalevskaya())
+        >>> lp.laboratory.write_page(page, f"{mkdtemp()}/top.html").name
+        'top.html'
 
     Raises:
         ParameterError: the file would be larger than 1.5 MB.
@@ -128,7 +156,7 @@ def write_page(page: Page, path: str | Path) -> Path:
     return Path(path)
 
 
-def as_data(record: Mapping[str, Any]) -> str:
+def as_data(record: Mapping[str, Any] | str) -> str:
     """JSON without a character that ends an element, begins one, or breaks a line of a script."""
     text = json.dumps(record, allow_nan=False, separators=(",", ":"))
     for letter in "<>&\u2028\u2029":
@@ -144,17 +172,24 @@ def address_of_top(system: Any, start: Array) -> str | None:
     top = getattr(system, "top_parameters", None)
     if top is None or start.shape != (9,):
         return None
-    texts = [_exact_text(value) for value in (*top.inertia, *top.a, *top.b, top.epsilon)]
+    texts = [exact_text(value) for value in (*top.inertia, *top.a, *top.b, top.epsilon)]
     numbers = [text for text in texts if text is not None]
     if len(numbers) != len(texts) or any(float(value) < 0.01 for value in top.inertia):
         return None
-    return f"v=1&top={','.join(numbers)}&start={','.join(_shortest(value) for value in start)}"
+    # where both centres are axial l3 is constant, or of one sign, more often than not
+    section = "" if any([*top.a[:2], *top.b[:2]]) else "&section=l1,1&axes=l2,alpha1"
+    return f"v=1&top={','.join(numbers)}&start={','.join(shortest(value) for value in start)}{section}"
 
 
-def _exact_text(value: Any) -> str | None:
+def exact_text(value: Any) -> str | None:
+    """A parameter of a top as the page reads it exactly, or None: a number of SymPy or a fraction."""
     text = str(value).replace(" ", "")
-    fits = _NUMBER.fullmatch(text) is not None and len(text) <= 60 and abs(float(value)) <= _LARGEST
-    return text if fits and all(abs(int(part)) < 2**53 for part in re.findall(r"\d+(?=/)|(?<=/)\d+", text)) else None
+    if _NUMBER.fullmatch(text) is None or len(text) > 60 or abs(float(value)) > LARGEST:
+        return None
+    if all(int(part) < 2**53 for part in re.findall(r"\d+(?=/)|(?<=/)\d+", text)):
+        return text
+    decimal = shortest(float(value))  # such as 0.3333333333333333, a fraction of two numbers that are too large
+    return decimal if Fraction(decimal) == Fraction(text) else None
 
 
 def _description(system: Any, start: Array, surfaces: Sequence[Any], saved: Any) -> dict[str, Any]:
@@ -172,7 +207,7 @@ def _description(system: Any, start: Array, surfaces: Sequence[Any], saved: Any)
         "field": known["field"],
         "invariants": known["invariants"],
         "surfaces": functions,
-        "start": [_shortest(value) for value in start],
+        "start": [shortest(value) for value in start],
         "unit": unit_of(system, start),
         "surface": surface,
         "direction": 1 if saved is None else saved.direction,
@@ -246,8 +281,8 @@ def _start(system: Any, n: int, start: ArrayLike | None) -> Array:
     state = as_array(start, "start")
     if state.shape != (n,):
         raise ShapeError(f"start must have {n} components, those of {system.name!r:.60}; got shape {state.shape}.")
-    if not np.isfinite(state).all() or np.abs(state).max() > _LARGEST:
-        raise ParameterError(f"start must have numbers up to {_LARGEST:g}, as the page shows them. Rescale the system.")
+    if not np.isfinite(state).all() or np.abs(state).max() > LARGEST:
+        raise ParameterError(f"start must have numbers up to {LARGEST:g}, as the page shows them. Rescale the system.")
     return state
 
 
@@ -275,7 +310,7 @@ def _terms(field: Any) -> int:
     return total
 
 
-def _shortest(value: float) -> str:
+def shortest(value: float) -> str:
     """The shortest text of a double, as the page writes it: 0 without a sign."""
     text = repr(float(value) + 0.0)
     return text.removesuffix(".0")

@@ -41,6 +41,7 @@ class SavedResult:
         direction, n_crossings, t_end: As the section was asked for.
         has_states: Whether states are states of the system, and not functions of them.
         coordinates: Names of the components of the states.
+        start: Where the page begins.
     """
 
     kind: str
@@ -58,11 +59,7 @@ class SavedResult:
     t_end: float
     has_states: bool
     coordinates: tuple[str, ...]
-
-    @property
-    def start(self) -> Array:
-        """The first start."""
-        return self.starts[0]
+    start: Array
 
     def record(self) -> dict[str, Any]:
         """As JSON can write it."""
@@ -84,11 +81,11 @@ class SavedResult:
         }
 
 
-def saved_of(system: Any, result: Any) -> SavedResult:
-    """A result as a page carries it.
+def saved_of(system: Any, result: Any, trajectory: int = 0) -> SavedResult:
+    """A result as a page carries it, which begins with one of its trajectories.
 
     Raises:
-        ParameterError: it is neither an orbit nor a section, or one of another system.
+        ParameterError: it is neither an orbit nor a section, one of another system, or has no such trajectory.
     """
     if not isinstance(result, (Orbit, Section)):
         kind = getattr(result, "kind", type(result).__name__)
@@ -101,7 +98,22 @@ def saved_of(system: Any, result: Any) -> SavedResult:
             f"the result must be one of {system.name!r:.60}; it has another vector field, that of "
             f"{result.system.name!r:.60}. Leave the system out: the page then shows that of the result."
         )
-    return _orbit(result) if isinstance(result, Orbit) else _section(result)
+    chosen = checked_trajectory(trajectory, len(result.start))
+    return _orbit(result, chosen) if isinstance(result, Orbit) else _section(result, chosen)
+
+
+def checked_trajectory(trajectory: Any, n: int) -> int:
+    """Which of n orbits.
+
+    Raises:
+        ParameterError: it is no whole number from 0 to n - 1.
+    """
+    if isinstance(trajectory, bool) or not isinstance(trajectory, int | np.integer) or not 0 <= trajectory < n:
+        raise ParameterError(
+            f"trajectory must be a whole number from 0 to {n - 1}, as there {'are' if n > 1 else 'is'} {n}; "
+            f"got {trajectory!r:.40}."
+        )
+    return int(trajectory)
 
 
 def _shown_only(result: Orbit | Section) -> str | None:
@@ -117,24 +129,28 @@ def _shown_only(result: Orbit | Section) -> str | None:
     return None
 
 
-def _orbit(orbit: Orbit) -> SavedResult:
-    states = orbit.state[0]
+def _orbit(orbit: Orbit, chosen: int) -> SavedResult:
+    states = orbit.state[chosen]
     good = np.isfinite(states).all(axis=1)
     times, states = orbit.time[good], states[good]
     every = max(1, -(-states.size // MOST_NUMBERS))
     shown_only = _shown_only(orbit)
     if shown_only is None and float(orbit.time[0]) != orbit.start_time:
         shown_only = "its first times are missing"
-    among = f"the first of {len(orbit.state)} orbits, " if len(orbit.state) > 1 else "an orbit, "
+    n = len(orbit.state)
+    which = "the first" if chosen == 0 else f"number {chosen + 1}"
+    among = f"{which} of {n} orbits, " if n > 1 else "an orbit, "
     kept = f", of which {len(times[::every])} are here" if every > 1 else ""
     words = f"Saved: {among}{len(times)} times from t = {times[0]:g} to t = {times[-1]:g}{kept}"
+    start = np.asarray(orbit.start[chosen])
     return SavedResult(
-        "orbit", words, shown_only, _tol(orbit.method), np.asarray(orbit.start[:1]), times[::every], states[::every],
+        "orbit", words, shown_only, _tol(orbit.method), start[None], times[::every], states[::every],
         (), None, "", 1, 0, float(times[-1]), has_states=True, coordinates=tuple(orbit.components),
+        start=start,
     )  # fmt: skip
 
 
-def _section(section: Section) -> SavedResult:
+def _section(section: Section, first: int) -> SavedResult:
     counts = np.bincount(section.crossing_trajectory, minlength=len(section.start)) * section.state.shape[1]
     members = max(1, int(np.searchsorted(np.cumsum(counts), MOST_NUMBERS, side="right")))
     chosen = section.crossing_trajectory < members
@@ -155,6 +171,7 @@ def _section(section: Section) -> SavedResult:
         int(section.n_crossings or 0),
         float(section.t_end) if np.isfinite(section.t_end) else 0.0,
         has_states=tuple(section.coordinates) == tuple(section.components), coordinates=tuple(section.coordinates),
+        start=np.asarray(section.start[first]),
     )  # fmt: skip
 
 

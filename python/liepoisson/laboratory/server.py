@@ -26,6 +26,11 @@ class PageServer(ThreadingHTTPServer):
     The path of the page is a random token; a request with another path or another host name is refused, so that no
     other page in the browser and no other user of the machine can read it.  `serve_forever()` answers until Ctrl-C.
 
+    Example:
+        >>> with lp.laboratory.PageServer(lp.laboratory.page_of_tops()) as server:
+        ...     server.url.startswith("http://127.0.0.1:")
+        True
+
     Args:
         page: The page.
         port: The port; 0 lets the system choose one.
@@ -131,11 +136,11 @@ class _Handler(BaseHTTPRequestHandler):
 def serve(page: Page, *, port: int = 0) -> PageServer:
     """A server of one page, which answers once its `serve_forever` runs; `server_close` ends it.
 
-    ```python
-    with lp.laboratory.serve(page) as server:
-        print(server.url)
-        server.serve_forever()
-    ```
+    Example:
+        >>> with lp.laboratory.serve(lp.laboratory.page_of_tops()) as server:
+        ...     address = server.url  # now server.serve_forever() would answer until Ctrl-C
+        >>> address.count("/"), len(address.split("/")[3])  # the path is a random token
+        (4, 32)
 
     Raises:
         OutputError: the port is taken, or not to be had.

@@ -39,6 +39,7 @@ class Equilibria(Sequence["Equilibrium"]):
             each point, times the Euler characteristic of the family for a family (circle 0, sphere 2). None
             where a degenerate equilibrium has no known share.
         n_starts: How many starts the search took; 0 if the algebra gave the list.
+        n_undecided: At how many places H is flat to round-off and may have more equilibria than those that are listed.
         n_complex: The number of complex solutions of the equations, with multiplicities, where these were all computed.
     """
 
@@ -49,6 +50,7 @@ class Equilibria(Sequence["Equilibrium"]):
     euler_found: int | None
     n_starts: int
     n_complex: int | None = None
+    n_undecided: int = 0
 
     @property
     def completeness(self) -> str:
@@ -58,6 +60,9 @@ class Equilibria(Sequence["Equilibrium"]):
             how = "by algebra" if self.n_complex is None else f"by algebra, from {self.n_complex} complex solutions"
             return f"these are all{', with the families that they form' if families else ''} (proved {how})"
         searched = f"found from {self.n_starts} random starts; that there are no others is not proved"
+        if self.n_undecided:
+            places = "one place" if self.n_undecided == 1 else f"{self.n_undecided} places"
+            searched += f"; others may be hidden at {places} where H is flat to round-off"
         if self.euler_characteristic is None:
             return f"{searched}, and no check is known"
         if self.euler_found is None:

@@ -30,6 +30,7 @@ from liepoisson.phase_space.critical_points import (
     stretched_steps,
 )
 from liepoisson.phase_space.equilibrium_list import signed_sum
+from liepoisson.phase_space.flat_parts import FlatPart, HiddenPlace, flat_part_at, hidden_place_at
 from liepoisson.phase_space.leaf_search import representative
 from liepoisson.phase_space.second_variation import curvatures, null_directions, symmetry_directions
 from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, settled, zero_near
@@ -63,6 +64,9 @@ _STEP, _MOST_STEPS, _KICKS, _FEW_STEPS = 0.15, 120, 4, 20
 """Steps along a family, relative to the length of the state; random steps where the straight way is blocked; steps of
 Newton's method after each."""
 
+_PARTS, _BENT = (1.0, 0.5, 0.25, 0.125), 0.1
+"""Parts of such a step that are tried, and what the correction may be to the length of one that is not too long."""
+
 _CARRIED = 1e-12
 """The residual that is left of a relative equilibrium where the motion of an integral has carried it without error."""
 
@@ -75,7 +79,8 @@ class _Family:
     """One isolated equilibrium, or several of one connected family.
 
     `orbit` is what the motion of an integral makes of one relative equilibrium, and `curve` has states all along
-    another closed family. The states are in the units of the leaf, except that of `first`.
+    another closed family. `is_isolated`: it is known to be no part of a family. The states are in the units of the
+    leaf, except that of `first`.
     """
 
     first: Equilibrium
@@ -83,6 +88,7 @@ class _Family:
     kind: str = "point"
     curve: Array | None = None
     orbit: SymmetryOrbit | None = None
+    is_isolated: bool = False
 
     def counted(self) -> Equilibrium:
         return replace(self.first, n_found=len(self.states), family=self.kind)
@@ -108,12 +114,19 @@ class EquilibriumSearch:
         self._kicks = np.random.default_rng(0)
         self._families: list[_Family] = []
         self._zeros: list[SoftZero] = []
+        self._flat_parts: list[FlatPart] = []
+        self._hidden: list[HiddenPlace] = []
         self.n_starts = 0
 
     @property
     def found(self) -> list[Equilibrium]:
         """What was found so far, by increasing energy."""
         return sorted((family.counted() for family in self._families), key=lambda e: e.energy)
+
+    @property
+    def n_undecided(self) -> int:
+        """The number of places where H is flat to round-off and may have more equilibria than those found."""
+        return sum(not part.is_decided for part in self._flat_parts) + len(self._hidden)
 
     def extend(self, n_starts: int) -> None:
         """Search from this many starts more."""
@@ -161,8 +174,8 @@ class EquilibriumSearch:
             slow = is_critical(self._fields, self._leaf, states, residual, within=_SLOW) & ~near
             near[np.flatnonzero(slow)[:_FEW_SLOW]] = True
         states = states[near]
-        ends = [self._polished(x) if is_sure else self._led_on(x) for x in states]
-        states = np.array([x for x in ends if x is not None]).reshape(-1, starts.shape[1])
+        ends = [[self._polished(x)] if is_sure else self._led_on(x) for x in states]
+        states = np.array([x for found in ends for x in found]).reshape(-1, starts.shape[1])
         if not len(states):
             return states, np.zeros(0)
         residual = residuals(leaf, self._fields, states, self._values)
@@ -171,13 +184,14 @@ class EquilibriumSearch:
 
     def _add(self, state: Array) -> None:
         size = float(norm(state)) + self._fields.unit
+        zero = next((zero for zero in self._zeros if np.array_equal(zero.state, state)), SoftZero(state))
         for family in self._families:
             distances = norm(np.asarray(family.states) - state, axis=1)
             nearest = family.states[int(np.argmin(distances))]
-            if distances.min() <= _SAME * size or self._is_scattered(family.first, nearest, state):
+            are_exact = zero.is_isolated and family.is_isolated
+            if distances.min() <= _SAME * size or (not are_exact and self._is_scattered(family.first, nearest, state)):
                 family.states.append(state)
                 return
-        zero = next((zero for zero in self._zeros if np.array_equal(zero.state, state)), SoftZero(state))
         new = analysis(self._itself, state * self._leaf.units, self._integrals, is_flat=zero.is_flat)
         directions = null_directions(self._leaf, self._fields, state)
         if directions.shape[1]:
@@ -186,25 +200,63 @@ class EquilibriumSearch:
                 if self._is_connected(family, state):
                     family.states.append(state)
                     return
-        self._families.append(self._family(new, state, directions, is_isolated=zero.is_isolated))
+        family = self._family(new, state, directions, is_isolated=zero.is_isolated)
+        self._families = [known for known in self._families if not self._takes_in(family, known)]
+        self._families.append(family)
+        if self._may_mislead and family.kind in {"point", "degenerate"}:
+            self._note_hidden_place(state)
+
+    def _takes_in(self, family: _Family, known: _Family) -> bool:
+        """Whether an equilibrium from which no family was seen to lead away is on this one; if so, it joins it."""
+        if family.kind in {"point", "degenerate"} or known.kind != "degenerate" or known.is_isolated:
+            return False
+        if not self._may_be_one(family.first, known.first, known.states[0]):
+            return False
+        if not self._is_connected(family, known.states[0]):
+            return False
+        family.states += known.states
+        return True
 
     @cached_property
     def _may_mislead(self) -> bool:
         return may_mislead(self._leaf.system.functions.energy)
 
-    def _led_on(self, state: Array) -> Array | None:
-        """The critical point to which Newton's method was on its way, None if there is none."""
+    def _led_on(self, state: Array) -> list[Array]:
+        """The critical point to which Newton's method was on its way, and those which doubles do not tell from it."""
         if not self._may_mislead:
             zero = settled(self._leaf, self._fields, self._values, self._polished(state))
             self._zeros.append(zero)
-            return zero.state
+            return [zero.state]
+        part = self._flat_part_of(state)
+        if part is not None and part.zeros and part.is_decided:
+            return [zero.state for zero in part.zeros]
+        zeros = [] if part is None else list(part.zeros)
         zero = zero_near(self._leaf, self._fields, self._values, state)
         if zero is not None and residuals(self._leaf, self._fields, zero.state[None], self._values)[0] > FOUND:
             # all directions are flat at the critical point, so that none looks soft beside the others
             zero = zero_near(self._leaf, self._fields, self._values, state, within=1.0)
         if zero is not None:
             self._zeros.append(zero)
-        return None if zero is None else zero.state
+            zeros = [zero, *zeros]
+        elif part is None:
+            self._note_hidden_place(state)
+        return [zero.state for zero in zeros]
+
+    def _note_hidden_place(self, state: Array) -> None:
+        """Remember that others may be hidden beside a state, where several directions are soft."""
+        if not any(place.contains(state) for place in self._hidden):
+            place = hidden_place_at(self._leaf, self._fields, self._values, state)
+            self._hidden += [] if place is None else [place]
+
+    def _flat_part_of(self, state: Array) -> FlatPart | None:
+        for part in self._flat_parts:
+            if part.contains(state):
+                return part
+        part = flat_part_at(self._leaf, self._fields, self._values, state)
+        if part is not None:
+            self._flat_parts.append(part)
+            self._zeros.extend(part.zeros)
+        return part
 
     def _polished(self, state: Array) -> Array:
         """The state, or one nearer to a degenerate equilibrium to which Newton's method was on its way."""
@@ -252,13 +304,13 @@ class EquilibriumSearch:
     def _family(self, first: Equilibrium, state: Array, directions: Array, *, is_isolated: bool) -> _Family:
         """What the family is: the motions of integrals, and steps in the kernel that stay steps, are along it."""
         if not directions.shape[1]:
-            return _Family(first, [state])
+            return _Family(first, [state], is_isolated=is_isolated)
         motions = free_motions(self._leaf, self._fields, state)
         kernel = directions[:, symmetry_directions(self._leaf, self._fields, state).shape[1] :]
         along = np.zeros((len(state), 0)) if is_isolated else self._free_steps(state, kernel)
         n_free = len(motions) + along.shape[1]
         if not n_free:
-            return _Family(first, [state], "degenerate")
+            return _Family(first, [state], "degenerate", is_isolated=is_isolated)
         orbit, curve = None, None
         if n_free == 1:
             orbit = SymmetryOrbit.through(motions[0], state, self._kept, _SAME) if motions else None
@@ -270,11 +322,14 @@ class EquilibriumSearch:
         """Directions of the kernel of the second variation in which a family goes on, shape (N, n)."""
         if not kernel.shape[1]:
             return kernel
-        step = _STEP * (float(norm(state)) + self._fields.unit)
-        moved = [self._corrected(state + step * v, is_sure=False) for v in kernel.T]
-        steps = np.array([(m - state if m is not None else np.zeros_like(state)) / step for m in moved])
-        _, lengths, along = np.linalg.svd(steps @ kernel)
-        return kernel @ along[lengths > 0.3].T
+        for part in _PARTS[:: len(_PARTS) - 1]:
+            step = part * _STEP * (float(norm(state)) + self._fields.unit)
+            moved = [self._corrected(state + step * v, is_sure=False) for v in kernel.T]
+            steps = np.array([(m - state if m is not None else np.zeros_like(state)) / step for m in moved])
+            _, lengths, along = np.linalg.svd(steps @ kernel)
+            if (lengths > 0.3).any():
+                return kernel @ along[lengths > 0.3].T
+        return kernel[:, :0]
 
     def _kept(self, carried: Array) -> Array | None:
         """A relative equilibrium that the motion of an integral has carried on, free of the error made on the way."""
@@ -314,11 +369,26 @@ class EquilibriumSearch:
                 step = directions @ self._kicks.standard_normal(directions.shape[1])
                 length = float(norm(step)) * 10
             step *= min(1.0, _STEP * size / max(length, np.finfo(float).tiny))
-            moved = self._corrected(self._stepped(x, step))
+            moved = self._followed(x, step)
             if moved is None:
                 return False
             x = moved
         return False
+
+    def _followed(self, x: Array, step: Array) -> Array | None:
+        """The state of the family after a step, or after a part of it where the whole may lead to another family.
+
+        A step of the length d along a curve with the radius R is corrected by $d^2/(2R)$. If it is corrected by more
+        than a small part of d, a shorter one is taken; where none is short enough, the whole one.
+        """
+        whole = None
+        for part in _PARTS:
+            there = self._stepped(x, part * step)
+            moved = self._corrected(there)
+            if moved is not None and norm(moved - there) <= _BENT * part * norm(step):
+                return moved
+            whole = moved if part == 1 else whole
+        return whole
 
     def _stepped(self, x: Array, step: Array) -> Array:
         """The state after a step along a family; as far as it is a motion of integrals, this carries the state."""
@@ -339,11 +409,11 @@ class EquilibriumSearch:
             length = float(norm(along))
             if length < 0.3:
                 return None
-            moved = self._corrected(x + _STEP * size * along / length)
+            moved = self._followed(x, _STEP * size * along / length)
             if moved is None:
                 return None
             curve.append(moved)
-            if len(curve) > 3 and norm(moved - begin) < 0.7 * _STEP * size:
+            if len(curve) > 3 and norm(moved - begin) < 0.7 * norm(moved - x):
                 return np.array(curve)
             way = moved - x  # its part along soft directions, which lead nowhere, was undone
             if not way.any():
@@ -356,7 +426,7 @@ class EquilibriumSearch:
         for most_steps in (_FEW_STEPS, MOST_STEPS):
             states, _ = self._reached(self._leaf, guess[None], most_steps, is_sure=is_sure)
             if len(states):
-                return states[0]
+                return states[int(np.argmin(norm(states - guess, axis=1)))]
         return None
 
 

@@ -120,7 +120,10 @@ def equilibria(
     search.extend(n_starts)
     search.until_all_were_met_again(min(most, _ONCE * n_starts))
     search.until_the_sum_is(expected, most)
-    return Equilibria(leaf, tuple(search.found), False, expected, _sum(search.found, integrals), search.n_starts)
+    total = _sum(search.found, integrals)
+    return Equilibria(
+        leaf, tuple(search.found), False, expected, total, search.n_starts, n_undecided=search.n_undecided
+    )
 
 
 def _by_algebra(leaf: Leaf) -> tuple[Equilibria | None, Array]:

@@ -46,7 +46,7 @@ _FLAT, _SETTLED = 1e-11, 1e-2
 from where it was found."""
 _LED_ON_BY_DOUBLES = 6
 """Degree of polynomials whose critical points are of orders that the search needs no more digits for."""
-_BITS = 1060
+BITS = 1060
 _OUTER, _INNER = arb(2) ** -100, arb(2) ** -200
 """Steps of the differences of n and of g, relative to the length of the state."""
 _SOLVED = arb(2) ** -930
@@ -56,6 +56,9 @@ _VISIBLE = arb(2) ** 320
 _NEARBY = tuple(sign * share for share in (1e-6, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.1) for sign in (1, -1))
 """Where the slope is looked at, relative to the length of the state, if it is not seen at the state itself. The first
 is for a state that is a critical point, from which others that are not far would be found instead."""
+_BISECTIONS, _JUST_SEEN = 10, arb(10) ** -90
+"""Halvings of the way from where no slope is seen to where one is, and what is left of the slope at the end of it,
+relative: a slope is seen from 1e-184 on, and that of a tail like $e^{-e^q}$ grows by a few powers of ten meanwhile."""
 _STEPS, _CHORDS, _REFRESHED = 14, 200, 4
 _GAINED = 1e-9
 """What a chord leaves of the error, at most, or else the linear equations are taken anew, where the chords have led: on
@@ -67,7 +70,7 @@ _SHORTER = 0.7
 """What each step is to the one before, at most, but for one."""
 _LEAST = 1e-3
 """The derivative of n along a direction is 1/m for a zero of order m; orders up to the inverse of this are believed."""
-_WHOLE = 0.05
+WHOLE = 0.05
 """How far an order may be from a whole number."""
 _ROUND_OFF, _FEW, _SURELY_WHOLE = 1e-14, 10, 0.01
 """A zero of low order that is one to round-off in the numbers of the problem, such as the values of the Casimirs."""
@@ -114,18 +117,11 @@ def zero_near(
         within: Directions softer than this, relative to the largest curvature, are looked at; 1 for all of them, where
             the method did not come to rest in the stiff ones.
     """
-    soft = soft_directions(leaf, fields, state, within)
-    if not soft.shape[1]:
-        return SoftZero(state)
-    phases = (
-        np.array([motion.velocity(state) for motion in free_motions(leaf, fields, state)]).reshape(-1, len(state)).T
-    )
-    phases = np.linalg.qr(phases)[0]
-    with precision(_BITS):
-        slope = _ReducedSlope.at_state(leaf, fields, values, state, (soft, phases))
+    with precision(BITS):
+        slope = reduced_slope(leaf, fields, values, state, within)
         if slope is None:
             return SoftZero(state)
-        origin = [arb(0)] * soft.shape[1]
+        origin = [arb(0)] * slope.soft.shape[1]
         here = slope.at(origin)
         if here is not None and here.is_seen:
             return _zero(slope, origin, is_own=True)
@@ -134,6 +130,19 @@ def zero_near(
             return SoftZero(state)
         found = (_zero(slope, s, is_own=False) for s in starts)
         return next((zero for zero in found if zero is not None), None)
+
+
+def reduced_slope(
+    leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, within: float = _SUSPECT
+) -> ReducedSlope | None:
+    """The slope along the soft directions at a state, None if there is none or the other equations are not regular."""
+    soft = soft_directions(leaf, fields, state, within)
+    if not soft.shape[1]:
+        return None
+    phases = (
+        np.array([motion.velocity(state) for motion in free_motions(leaf, fields, state)]).reshape(-1, len(state)).T
+    )
+    return ReducedSlope.at_state(leaf, fields, values, state, (soft, np.linalg.qr(phases)[0]))
 
 
 def settled(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array) -> SoftZero:
@@ -173,7 +182,7 @@ class SoftZero:
 
 
 @dataclass(frozen=True)
-class _Slope:
+class Slope:
     """The slope g at one s, bounds on its errors, and the other unknowns there."""
 
     value: list[arb]
@@ -182,12 +191,13 @@ class _Slope:
 
     @property
     def is_seen(self) -> bool:
+        """Whether the slope is known well enough to be differentiated."""
         size = max((abs(v) for v in self.value), key=lambda v: v.mid())
         return bool(size.lower() > _VISIBLE * self.error)
 
 
 @dataclass
-class _ReducedSlope:
+class ReducedSlope:
     r"""The slope of H on the leaf as a function of few coordinates s, with $y = x + Vs + Wv$.
 
     The unknowns v and the multipliers $\lambda$ solve $W^t(\nabla H - \lambda\nabla C) = 0$ and C(y) = c.
@@ -210,7 +220,8 @@ class _ReducedSlope:
     @classmethod
     def at_state(
         cls, leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, directions: tuple[Array, Array]
-    ) -> _ReducedSlope | None:
+    ) -> ReducedSlope | None:
+        """The one at a state, with the soft directions and those of symmetries, along which nothing changes."""
         equations = leaf.equations
         m, n = equations.mixing.shape
         mixing = np.eye(m + len(values), n + len(values))
@@ -235,10 +246,14 @@ class _ReducedSlope:
         solved = self.at(list(s))
         if solved is None:
             return None
-        state = np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
-        return SoftZero(state, is_flat=bool(shares.max() < 1 - _WHOLE), is_isolated=len(s) == 1)
+        state = self.state_of(s, solved)
+        return SoftZero(state, is_flat=bool(shares.max() < 1 - WHOLE), is_isolated=len(s) == 1)
 
-    def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> _Slope | None:
+    def state_of(self, s: Sequence[arb], solved: Slope) -> Array:
+        """The state at s, where the other unknowns were found, in doubles."""
+        return np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
+
+    def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> Slope | None:
         """The slope at s, None where the other unknowns were not found."""
         unknowns = self.start if unknowns is None else unknowns
         last, refreshed, renewed = None, 0, 0
@@ -254,7 +269,7 @@ class _ReducedSlope:
                 error = self.curvature * moved + turned
                 for v in value:
                     error += v.rad()
-                return _Slope([v.mid() for v in value], error.upper(), unknowns)
+                return Slope([v.mid() for v in value], error.upper(), unknowns)
             if last is not None and not size < last / 4:
                 refreshed += 1
                 y = np.array([float(y.mid()) for y in self._state(s, unknowns)])
@@ -336,25 +351,47 @@ class _ReducedSlope:
         return True
 
 
-def _where_seen(slope: _ReducedSlope, k: int) -> list[list[arb]] | None:
+def _where_seen(slope: ReducedSlope, k: int) -> list[list[arb]] | None:
     """Where the slope is seen near the state, at most one place on each side; None if H is flat all around."""
-    found: dict[tuple[int, bool], list[arb]] = {}
+    found: dict[tuple[int, bool], list[arb] | None] = {}
+    hidden: dict[tuple[int, bool], list[arb]] = {}
     for share in _NEARBY:
         for i in range(k):
-            s = [arb(0)] * k
+            side, s = (i, share > 0), [arb(0)] * k
             s[i] = arb(share * slope.length)
-            if (i, share > 0) not in found:
-                there = slope.at(s)
-                if there is not None and there.is_seen:
-                    found[i, share > 0] = s
-    return [*found.values()] or None
+            if side in found:
+                continue
+            there = slope.at(s)
+            if there is not None and there.is_seen:
+                found[side] = s if _comes_into_sight(slope, hidden.get(side, [arb(0)] * k), s) else None
+            elif there is not None:
+                hidden[side] = s
+    return [s for s in found.values() if s is not None] or None
 
 
-def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None:
+def _comes_into_sight(slope: ReducedSlope, hidden: list[arb], seen: list[arb]) -> bool:
+    """Whether the slope grows from what is not seen at the first place to what is seen at the second, without a jump.
+
+    An analytic function that is zero on an interval is zero as far as it can be continued. So it jumps where the line
+    leaves a family of critical points, such as a circle that it is tangent to, and what is found there is another
+    branch of the equations that are not soft. On a tail, and beside a zero of high order, it does not.
+    """
+    last = slope.at(seen)
+    for _ in range(_BISECTIONS):
+        middle = [((a + b) / 2).mid() for a, b in zip(hidden, seen, strict=True)]
+        there = slope.at(middle)
+        if there is not None and there.is_seen:
+            seen, last = middle, there
+        else:
+            hidden = middle
+    return last is not None and bool(_largest(last.value) <= _JUST_SEEN * slope.curvature * slope.length)
+
+
+def _zero(slope: ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None:
     """A zero of the slope, by Newton's method for n from s; `is_own`: s is where the search came to rest."""
     last, slow, rounded, shares = None, 0, None, np.zeros(0)
     came_from: list[arb] = []
-    if is_own and (fold := _fold_to_round_off(slope, s)) is not None:
+    if is_own and (fold := fold_to_round_off(slope, s)) is not None:
         return slope.zero(fold, np.array([0.5]))
     for number in range(_STEPS):
         there = slope.at(s)
@@ -364,17 +401,17 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
             if last is not None and (last <= _CLOSE or _is_found_again(slope, s, came_from)):
                 return slope.zero(s, shares)
             break
-        found = _step(slope, s, there)
+        found = newton_step(slope, s, there)
         if found is None:
             break
         step, shares = found
         size = float(_largest(step)) / slope.length
-        if not size <= _FAR or not _may_be_orders(shares):
+        if not size <= _FAR or not may_be_orders(shares):
             break
         came_from = step
         s = [(a - b).mid() for a, b in zip(s, step, strict=True)]
-        if size <= _CONVERGED and _is_one_over_whole(shares, _WHOLE) and (last is None or size <= _SHORTER * last):
-            fold = _fold_to_round_off(slope, s)
+        if size <= _CONVERGED and is_one_over_whole(shares, WHOLE) and (last is None or size <= _SHORTER * last):
+            fold = fold_to_round_off(slope, s)
             return slope.zero(s, shares) if fold is None else slope.zero(fold, np.array([0.5]))
         if number == 0 and is_own and _is_zero_to_round_off(slope, s, shares):
             rounded = slope.zero(s, shares)
@@ -385,7 +422,7 @@ def _zero(slope: _ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | Non
     return rounded
 
 
-def _is_found_again(slope: _ReducedSlope, s: list[arb], came_from: list[arb]) -> bool:
+def _is_found_again(slope: ReducedSlope, s: list[arb], came_from: list[arb]) -> bool:
     """Whether s, where no slope is seen, is a zero: from a place beside it Newton's step leads back, as on no tail.
 
     A slope that is linear leads to its zero in one step, however long, and leaves nothing there.
@@ -396,33 +433,33 @@ def _is_found_again(slope: _ReducedSlope, s: list[arb], came_from: list[arb]) ->
     back = [(_BACK * slope.length * v / size).mid() for v in came_from]
     beside = [(a + b).mid() for a, b in zip(s, back, strict=True)]
     there = slope.at(beside)
-    found = _step(slope, beside, there) if there is not None and there.is_seen else None
+    found = newton_step(slope, beside, there) if there is not None and there.is_seen else None
     if found is None:
         return False
     step, shares = found
     left = _largest([a - b for a, b in zip(step, back, strict=True)])
-    return bool(left <= _WHOLE * _BACK * slope.length) and _may_be_orders(shares) and _is_one_over_whole(shares, _WHOLE)
+    return bool(left <= WHOLE * _BACK * slope.length) and may_be_orders(shares) and is_one_over_whole(shares, WHOLE)
 
 
-def _may_be_orders(shares: Array) -> bool:
+def may_be_orders(shares: Array) -> bool:
     """Whether the derivatives of n may be the 1/m of zeros of orders m >= 1, or 0 along a family."""
-    least = _LEAST if len(shares) == 1 else -_WHOLE
-    return bool((shares >= least).all() and shares.max() >= _LEAST and shares.max() <= 1 + _WHOLE)
+    least = _LEAST if len(shares) == 1 else -WHOLE
+    return bool((shares >= least).all() and shares.max() >= _LEAST and shares.max() <= 1 + WHOLE)
 
 
-def _is_one_over_whole(shares: Array, within: float) -> bool:
+def is_one_over_whole(shares: Array, within: float) -> bool:
     """The same where there is one direction; with several, zeros that are not homogeneous have other derivatives."""
     return len(shares) > 1 or bool(abs(1 / shares[0] - round(1 / shares[0])) <= within)
 
 
-def _is_zero_to_round_off(slope: _ReducedSlope, s: list[arb], shares: Array) -> bool:
-    if len(shares) > 1 or shares[0] < 1 / _FEW or not _is_one_over_whole(shares, _SURELY_WHOLE):
+def _is_zero_to_round_off(slope: ReducedSlope, s: list[arb], shares: Array) -> bool:
+    if len(shares) > 1 or shares[0] < 1 / _FEW or not is_one_over_whole(shares, _SURELY_WHOLE):
         return False
     there = slope.at(s)
     return there is not None and bool(_largest(there.value) <= _ROUND_OFF * slope.curvature * slope.length)
 
 
-def _fold_to_round_off(slope: _ReducedSlope, s: list[arb]) -> list[arb] | None:
+def fold_to_round_off(slope: ReducedSlope, s: list[arb]) -> list[arb] | None:
     r"""The place near s where two zeros meet, if round-off in the values that are kept can make them meet there.
 
     Between two simple zeros $|g|$ is largest at the distance $g'/g''$; if they have just vanished it is smallest there.
@@ -443,7 +480,7 @@ def _fold_to_round_off(slope: _ReducedSlope, s: list[arb]) -> list[arb] | None:
     return fold if there is not None and _largest(there.value) <= _ROUND_OFF * size else None
 
 
-def _step(slope: _ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb], Array] | None:
+def newton_step(slope: ReducedSlope, s: list[arb], there: Slope) -> tuple[list[arb], Array] | None:
     r"""Newton's step $(\partial n)^{-1}n$ for the displacement n, and the eigenvalues of its derivative.
 
     Where $\partial g$ is singular, as across a family, the step is along g.
@@ -477,7 +514,7 @@ def _step(slope: _ReducedSlope, s: list[arb], there: _Slope) -> tuple[list[arb],
     return None
 
 
-def _displacement(slope: _ReducedSlope, s: list[arb], basis: list[list[arb]]) -> list[arb] | None:
+def _displacement(slope: ReducedSlope, s: list[arb], basis: list[list[arb]]) -> list[arb] | None:
     r"""Newton's displacement $(\partial g)^{-1}g$ in the span of some directions."""
     here = slope.at(s)
     if here is None:

@@ -230,6 +230,18 @@ class _Points:
                 self.value[points], self.outcome[points] = _exponents(piece, system, *given, self.listen)
 
 
+def system_and_starts(piece: Piece) -> tuple[Any, Array]:
+    """The system of the only point of a piece, and its starts, shape (member, component), as `run_piece` has them.
+
+    Raises:
+        Exception: what the making of the system raises.
+    """
+    system = piece.family.system(piece.targets.values(0))
+    numeric = system if piece.quantity not in QUANTITIES else piece.family.numeric(piece.targets.values(0))
+    states, _ = _starts(piece, [numeric], _silent)
+    return system, states[0]
+
+
 def _systems(piece: Piece, listen: Listener) -> list[Any]:
     """The system of each point, as numbers where that is enough, or why there is none; equal points share one."""
     known: dict[str, Any] = {}

@@ -15,6 +15,8 @@ const LEFT = 48;
 const RIGHT = 16;
 const TOP = 14;
 const BOTTOM = 38;
+/** Below the upper end of the axis, where its name stands in place of a number. */
+const NAME = 12;
 
 export class Plot {
   below: CanvasRenderingContext2D;
@@ -98,6 +100,7 @@ export class Plot {
     for (const { value, text } of ticks(this.y, (height - TOP - BOTTOM) / 45)) {
       const at = Math.round(this.py(value)) + 0.5;
       line(c, value === 0 && !this.y.log ? palette.zero : palette.grid, LEFT, at, width - RIGHT, at);
+      if (this.y.name && at < TOP + NAME) continue;
       c.fillStyle = palette.faint;
       number(c, text, LEFT - 8, at + 4, LEFT - 10);
     }
@@ -109,6 +112,10 @@ export class Plot {
 
   clearAbove(): void {
     this.above.clearRect(0, 0, this.width, this.height);
+    if (this.elsewhere) return;
+    // Chromium goes on showing what was there before where a frame does nothing but clear
+    this.above.fillStyle = "#00000001";
+    this.above.fillRect(0, 0, 1, 1);
   }
 
   /** Whether a place lies between the axes. */

@@ -78,7 +78,12 @@ export class RodView extends Group {
   move(time: number, results: Results): void {
     const factor = this.fitted(results);
     const places = placesOf(results, time);
-    if (places.length < 2) return;
+    if (places.length < 2) {
+      // the rod begins: what an earlier orbit left is gone
+      this.geometry.setDrawRange(0, 0);
+      this.tip.set(0, 0, 0);
+      return;
+    }
     const middle = middleOf(places.map(({ at }) => at));
     const [position, normal] = ["position", "normal"].map((name) => this.geometry.getAttribute(name));
     const [points, normals] = [position.array as Float32Array, normal.array as Float32Array];

@@ -41,6 +41,7 @@ export class SectionPanel {
     const key = [results, lab.axes.join(), palette].map(String).join() && `${lab.axes.join()} ${palette.dark} ${palette.panel}`;
     this.columns = [this.components.indexOf(lab.axes[0]), this.components.indexOf(lab.axes[1])];
     const { rows, times } = results.crossings;
+    if (results !== this.results) this.chosen = null; // a crossing of another orbit
     const outside = rows.slice(this.drawn).some((row) => !plot.holds(plot.px(row[this.columns[0]]), plot.py(row[this.columns[1]])));
     // axes that were drawn before there was a crossing are of nothing
     const isFirst = this.fitted === 0 && rows.length > 0;

@@ -11,6 +11,7 @@ import { Results } from "../results";
 import type { Charted } from "../state/charted";
 import { shortest } from "../state/exact";
 import { THEMES } from "../state/laboratory";
+import { place, withPartsOf } from "../state/place";
 import { palette as currentPalette, type Palette } from "../style/palette";
 import { Client } from "../worker/client";
 import { inWords } from "./comparison";
@@ -32,19 +33,21 @@ const SAVED_PAST = 10;
 const MOST_LETTERS = 20;
 
 const find = <T extends HTMLElement>(id: string) => document.getElementById(id) as T;
-const query = new URLSearchParams(location.search);
+const { query } = place();
 const still = /^\d{1,6}$/.test(query.get("still") ?? "") ? Number(query.get("still")) : null;
 const quality = (["low", "full"] as const).find((one) => one === query.get("quality")) ?? null;
 
+/** A message, which stays until it is closed; "" closes it. */
 function tell(message: string): void {
   const box = find("message");
   (box.firstElementChild as HTMLElement).textContent = message;
-  box.hidden = false;
+  box.hidden = message === "";
+  place().report(message);
 }
 const say = (text: string) => (find("said").textContent = text);
 
 document.documentElement.dataset.page = "system";
-find("message").querySelector("button")?.addEventListener("click", () => (find("message").hidden = true));
+find("message").querySelector("button")?.addEventListener("click", () => tell(""));
 
 /** What the page shows, once it is known that it can. */
 class SystemPage {
@@ -135,7 +138,7 @@ class SystemPage {
     this.flat.show(isFlat, state.view === "picture" ? `${system.picture?.name} of the state` : state.view === "series" ? "Components over time" : "Path in two components");
     this.legend(colours);
     this.space.dirty = true;
-    this.remember();
+    place().keep(() => written(system, this.state), state.playing);
   }
 
   private isFlat(): boolean {
@@ -153,11 +156,17 @@ class SystemPage {
     find("scene").querySelector(".legend")?.replaceChildren(...(items[state.view]?.() ?? []));
   }
 
-  private waiting = 0;
-  /** Writes the state into the address, at rest only: browsers limit how often. */
-  private remember(): void {
-    clearTimeout(this.waiting);
-    this.waiting = window.setTimeout(() => history.replaceState(null, "", `#${written(this.system, this.state)}`), 400);
+  /** The state as somebody outside set it: what it leaves as it was goes on. */
+  private adopt(address: string, playing: boolean, sameTime: boolean): void {
+    const before = this.state;
+    try {
+      const next = withPartsOf(before, { ...read(this.system, address), playing });
+      this.state = sameTime && next.start === before.start ? { ...next, time: before.time } : next;
+    } catch (error) {
+      tell(`This state cannot be shown: ${(error as Error).message}.`);
+    }
+    if (!sameRun(before, this.state)) this.run();
+    this.show();
   }
 
   private header(): void {
@@ -199,14 +208,7 @@ class SystemPage {
   }
 
   private async share(): Promise<void> {
-    const hash = `#${written(this.system, this.state)}`;
-    try {
-      await navigator.clipboard.writeText(`${location.href.split("#")[0]}${hash}`);
-      tell("The address of this state is copied.");
-    } catch {
-      history.replaceState(null, "", hash);
-      tell("The address line now has this state; copy it from there.");
-    }
+    tell(await place().share(written(this.system, this.state)));
   }
 
   private nextTheme(): void {
@@ -328,14 +330,16 @@ class SystemPage {
     this.header();
     fillHelp(find<HTMLDialogElement>("keys"));
     document.addEventListener("keydown", (event) => this.keys(event));
-    if (location.hash.length > 1) {
+    const { address, playing } = place();
+    if (address) {
       try {
-        this.state = read(this.system, location.hash);
+        this.state = read(this.system, address);
       } catch (error) {
         tell(`This address cannot be read: ${(error as Error).message}. The page shows the start that it carries instead.`);
       }
     }
-    if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null) this.state = { ...this.state, playing: false };
+    if (matchMedia("(prefers-reduced-motion: reduce)").matches || still !== null || playing === false) this.state = { ...this.state, playing: false };
+    place().follow({ adopt: (...said) => this.adopt(...said), tell });
     Object.assign(window, { laboratory: { state: () => this.state, results: () => this.results, frameTimes: () => [...this.spent] } });
     this.show();
     requestAnimationFrame((now) => this.frame(now));

@@ -1,0 +1,142 @@
+"""The laboratory in a cell of a notebook, for Jupyter and marimo."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from liepoisson.errors import MissingPackageError, ParameterError
+from liepoisson.laboratory.pages import Page, page_of
+from liepoisson.laboratory.saved import checked_trajectory
+from liepoisson.laboratory.states import HORIZON
+from liepoisson.numeric.integrate import Orbit
+from liepoisson.numeric.section import Section
+from liepoisson.phase_space.rod import Rod
+from liepoisson.sweeps.result import Sweep
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from liepoisson.laboratory.widget import View
+
+PANELS = ("two", "all")
+HEIGHTS = {"two": 460, "all": 820}
+"""Pixels, for each choice of panels."""
+
+
+def view(
+    shown: Any,
+    *,
+    start: ArrayLike | None = None,
+    surfaces: Sequence[Any] = (),
+    trajectory: int = 0,
+    point: int | None = None,
+    state: Mapping[str, Any] | None = None,
+    playing: bool = True,
+    panels: str = "two",
+    height: int | None = None,
+) -> View:
+    """The laboratory as a widget of a notebook: the moving system, computed in the browser, with its state in Python.
+
+    It is the page that `liepoisson lab` opens, in a frame of its own. It needs no network. What is done in it, such as
+    a click on a crossing, is in `widget.start`, `widget.time` and `widget.state`; setting one changes the view.
+
+    Args:
+        shown: A system or a `Top`; an orbit or a section, which the page computes again and compares; a rod of a top;
+            or a sweep, of which one orbit is followed.
+        start: Where the orbit of a system begins, shape (component,); by default member 0 of the random unit vectors.
+        surfaces: Functions whose zeros can be chosen as surface of section, besides the components.
+        trajectory: Which orbit of a result; of a sweep, which of those at its point.
+        point: Which point of a sweep.
+        state: What the page begins with, by name: `surface`, `direction`, `axes`, `view`, `tol`, `theme`, `time`,
+            `speed`; for tops also `parameters`, `preset` and `shadow`, and for others `projection` and `series`.
+        playing: Whether the motion begins to play; where *reduced motion* is set in the system it waits.
+        panels: "two" shows the motion and the section, "all" the whole laboratory.
+        height: Of the widget, in pixels.
+
+    Returns:
+        A widget (anywidget) with the traits `state`, `start`, `time`, `playing`, `height`, `address` and `message`,
+        and with `system`, what it shows now.
+
+    Raises:
+        MissingPackageError: anywidget is not installed.
+        ParameterError: it cannot be viewed, or an argument cannot be.
+        UnknownNameError: the state has a name that the page does not know.
+
+    Examples:
+        >>> widget = lp.view(lp.Top.twisted_kovalevskaya(), start=[1, 0, 0, 0.8, 0.6, 0, 0, 0, 1])
+        >>> widget.state = {"parameters": {"epsilon": "1/3"}, "view": "body", "theme": "light"}
+        >>> widget.start
+        (1.0, 0.0, 0.0, 0.8, 0.6, 0.0, 0.0, 0.0, 1.0)
+        >>> print(widget.system.epsilon)
+        1/3
+    """
+    if panels not in PANELS:
+        raise ParameterError(f"panels must be {' or '.join(map(repr, PANELS))}; got {panels!r:.40}.")
+    page, system = _page(shown, start, surfaces, trajectory, point)
+    if isinstance(shown, Rod):
+        # backwards is no time of the page
+        end = float(np.clip(shown.arclength[-1] - shown.arclength[0], 0.0, HORIZON))
+        state = {"view": "rod", "time": end, **(state or {})}
+    try:
+        from liepoisson.laboratory.widget import View, checked_height
+    except ImportError as error:
+        raise MissingPackageError(
+            "a view in a notebook needs the package anywidget, which is not installed. "
+            'Run pip install "liepoisson[notebook]".'
+        ) from error
+    size = checked_height(HEIGHTS[panels] if height is None else height)
+    return View(page, system, state=state or {}, playing=bool(playing), panels=panels, height=size)
+
+
+def _page(shown: Any, start: Any, surfaces: Any, trajectory: int, point: int | None) -> tuple[Page, Any]:
+    """The page, and the system on it."""
+    if point is not None and not isinstance(shown, Sweep):
+        raise ParameterError("point is one of a sweep. Leave it out.")
+    if isinstance(shown, Orbit | Section | Rod | Sweep):
+        if start is not None or surfaces:
+            raise ParameterError("start and surfaces are those of the result. Leave them out, or view its system.")
+        if isinstance(shown, Sweep):
+            return _of_sweep(shown, trajectory, point)
+        if isinstance(shown, Rod):
+            return _of_rod(shown, trajectory), shown.system
+        return page_of(shown.system, result=shown, trajectory=trajectory), shown.system
+    if isinstance(shown, type) or not callable(getattr(shown, "field", None)):
+        kind = type(shown).__name__
+        of = "its `.system`" if hasattr(shown, "system") else "lp.Top, lp.System or lp.catalog.system"
+        raise ParameterError(
+            f"what can be viewed is a system, a top, an orbit, a section, a rod or a sweep; got {kind!r:.40}. "
+            f"View {of} instead."
+        )
+    if trajectory != 0:
+        raise ParameterError("trajectory is one of a result, and this is a system. Give its start instead.")
+    return page_of(shown, start=start, surfaces=surfaces), shown
+
+
+def _of_rod(rod: Rod, trajectory: int) -> Page:
+    starts = rod.attitude.orbit.start[:, : len(rod.system.component_names)]
+    page = page_of(rod.system, start=starts[checked_trajectory(trajectory, len(starts))])
+    if page.record is not None:
+        raise ParameterError(
+            f"the page draws the rods of tops with parameters that are fractions or decimals; {rod.system.name!r:.60} "
+            "is none. Draw it with `lp.plot.rod`, or view its `.system`, which has other views."
+        )
+    return page
+
+
+def _of_sweep(sweep: Sweep, trajectory: int, point: int | None) -> tuple[Page, Any]:
+    from liepoisson.sweeps.points import orbit_at, point_in_words
+
+    n = len(sweep.points)
+    chosen = 0 if point is None and n == 1 else point
+    if isinstance(chosen, bool) or not isinstance(chosen, int | np.integer) or not 0 <= chosen < n:
+        first, last = (point_in_words(sweep, k) for k in (0, n - 1))
+        raise ParameterError(
+            "a sweep is viewed at one of its points, as each has a system and starts of its own; "
+            f"got point={point!r:.40}. Say which: from point=0 ({first}) to point={n - 1} ({last})."
+        )
+    member = checked_trajectory(trajectory, sweep.spec.n_starts)
+    system, start = orbit_at(sweep, int(chosen), member)
+    return page_of(system, start=start), system

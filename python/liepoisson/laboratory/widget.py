@@ -1,0 +1,165 @@
+"""The widget of a notebook: the page of the laboratory in a frame, with its state as traits."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any, cast
+
+import anywidget
+import traitlets
+
+from liepoisson.errors import LiePoissonError, ParameterError
+from liepoisson.laboratory.addresses import Addresses
+from liepoisson.laboratory.pages import Page, as_data
+from liepoisson.laboratory.states import LONGEST_MESSAGE, State, parts_of
+from liepoisson.tops import Top
+
+_PLACE = 'const PAGE = "";'
+"""In the script of the widget; the page of the wheel is put there."""
+
+_FROM_PAGE = ("address", "playing", "message")
+"""What the page says; everything else goes to it only."""
+
+
+@cache
+def script() -> str:
+    """The script of the widget with the built page in it, as a text that is no markup."""
+    folder = files("liepoisson.laboratory").joinpath("page")
+    text = folder.joinpath("widget.js").read_text(encoding="utf-8")
+    if text.count(_PLACE) != 1:
+        raise AssertionError("the script of the widget has another form; make page builds it")
+    page = folder.joinpath("index.html").read_text(encoding="utf-8")
+    return text.replace(_PLACE, f"const PAGE = {as_data(page)};")
+
+
+class View(anywidget.AnyWidget):
+    """The laboratory in a cell of a notebook, made by `view`.
+
+    What is done in the page arrives in the traits, and a trait that is set is shown at once. `observe` tells of
+    changes: `widget.observe(f, names="start")` calls `f` when somebody has clicked on a crossing. While the motion
+    plays, its time is not sent along: `time` is where it was last stopped or set.
+
+    Attributes:
+        state: All that the page shows, by name. Assigning a dict changes the parts that it names and no others.
+        start: The start of the orbit, a tuple of floats.
+        time: The time of the cursor.
+        playing: Whether the motion plays.
+        height: Pixels of the frame.
+        address: The state as the address of the page has it after the #.
+        message: What the message of the page says, such as why a state was refused; "" where there is none.
+    """
+
+    _esm = traitlets.Unicode().tag(sync=True)
+    _carried = traitlets.Unicode().tag(sync=True)
+    _options = traitlets.Unicode().tag(sync=True)
+    address = traitlets.Unicode().tag(sync=True)
+    playing = traitlets.Bool(True).tag(sync=True)
+    message = traitlets.Unicode().tag(sync=True)
+    height = traitlets.Int().tag(sync=True)
+    state = traitlets.Any()
+    start = traitlets.Any()
+    time = traitlets.Any(0.0)
+
+    def __init__(
+        self, page: Page, system: Any, *, state: Mapping[str, Any], playing: bool, height: int, panels: str
+    ) -> None:
+        record = page.record
+        self._addresses = Addresses(parts_of(record), "" if record is None else str(record["id"]))
+        self._shown = system
+        address = page.address
+        if record is not None:
+            begins = {"start": [float(text) for text in record["start"]]}
+            address = self._addresses.write(self._addresses.parts.checked(begins))
+        self._known: State = self._addresses.read(address)
+        self._known = self._addresses.changed(self._known, state)
+        super().__init__(
+            _esm=script(),
+            _carried="" if record is None else json.dumps(record, allow_nan=False, separators=(",", ":")),
+            _options="" if panels == "all" else "embed=1",
+            playing=playing,
+            height=height,
+        )
+        self.address = self._addresses.write(self._known)
+
+    @property
+    def system(self) -> Any:
+        """What is shown: a top with the parameters of now, or the system that was given."""
+        texts = list(self._known.get("parameters", {}).values())
+        if not texts or self._addresses.system:
+            return self._shown
+        inertia, a, b = (tuple(texts[k : k + 3]) for k in (0, 3, 6))
+        return Top(inertia=cast("Any", inertia), a=cast("Any", a), b=cast("Any", b), epsilon=texts[9])
+
+    def set_state(self, sync_data: dict[str, Any]) -> None:
+        """What comes from the page, whole or not at all: what cannot be is answered with a message and the state."""
+        said = {name: sync_data[name] for name in _FROM_PAGE if name in sync_data}
+        try:
+            for name, value in said.items():
+                if not isinstance(value, bool if name == "playing" else str):
+                    raise ParameterError(f"{name} cannot be {value!r:.80}.")
+            self._addresses.read(said.get("address", self.address))
+        except LiePoissonError as error:
+            self.message = _shortened(f"Python cannot take this state from the page, and keeps its own: {error}")
+            self.send_state([*_FROM_PAGE])
+            return
+        if "message" in said:
+            said["message"] = _shortened(said["message"])
+        super().set_state(said)
+
+    @traitlets.validate("address")
+    def _valid_address(self, proposal: dict[str, Any]) -> str:
+        self._addresses.read(proposal["value"])
+        return proposal["value"]
+
+    @traitlets.validate("message")
+    def _valid_message(self, proposal: dict[str, Any]) -> str:
+        return _shortened(proposal["value"])
+
+    @traitlets.validate("state")
+    def _valid_state(self, proposal: dict[str, Any]) -> State:
+        return self._addresses.changed(self._known, proposal["value"])
+
+    @traitlets.validate("start")
+    def _valid_start(self, proposal: dict[str, Any]) -> Any:
+        return self._addresses.parts.checked({"start": proposal["value"]})["start"]
+
+    @traitlets.validate("time")
+    def _valid_time(self, proposal: dict[str, Any]) -> Any:
+        return self._addresses.parts.checked({"time": proposal["value"]})["time"]
+
+    @traitlets.validate("height")
+    def _valid_height(self, proposal: dict[str, Any]) -> int:
+        return checked_height(proposal["value"])
+
+    @traitlets.observe("address")
+    def _address_changed(self, change: dict[str, Any]) -> None:
+        self._known = self._addresses.read(str(change["new"]))
+        self.set_trait("time", self._known.get("time", 0.0))
+        self.set_trait("state", dict(self._known))
+        self.set_trait("start", self._known.get("start"))
+
+    @traitlets.observe("state", "start", "time")
+    def _part_changed(self, change: dict[str, Any]) -> None:
+        new = change["new"]
+        wanted = new if change["name"] == "state" else {change["name"]: new}
+        if any(self._known.get(name) != value for name, value in wanted.items()):
+            self.message = ""
+            self.address = self._addresses.write(self._addresses.changed(self._known, wanted))
+
+
+def _shortened(message: str) -> str:
+    return message if len(message) <= LONGEST_MESSAGE else f"{message[: LONGEST_MESSAGE - 1]}…"
+
+
+def checked_height(height: Any) -> int:
+    """Pixels that a cell can have.
+
+    Raises:
+        ParameterError: the number is no whole one, or not from 100 to 4000.
+    """
+    if isinstance(height, bool) or not isinstance(height, int) or not 100 <= height <= 4000:
+        raise ParameterError(f"height must be a whole number of pixels from 100 to 4000; got {height!r:.40}.")
+    return height

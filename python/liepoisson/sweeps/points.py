@@ -1,0 +1,51 @@
+"""One orbit of a sweep again: the system of its point, and where it started."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from liepoisson import __version__
+from liepoisson.errors import ParameterError
+from liepoisson.numeric.verdict import as_rule
+from liepoisson.sweeps.targets import evaluate_targets
+from liepoisson.sweeps.tasks import FAILED, NO_START, NO_SYSTEM, Piece, system_and_starts
+
+if TYPE_CHECKING:
+    from liepoisson.arrays import Array
+    from liepoisson.sweeps.result import Sweep
+
+
+def orbit_at(sweep: Sweep, point: int, member: int) -> tuple[Any, Array]:
+    """The system of a point, and the start of one of its orbits, shape (component,): the same numbers as in the sweep.
+
+    Raises:
+        ParameterError: the point has no system, or this orbit no start with the wanted energy and Casimirs.
+    """
+    spec = sweep.spec
+    if int(sweep.outcome_code[point, member]) in (NO_START, NO_SYSTEM, FAILED):
+        raise ParameterError(
+            f"orbit {member} of point {point} ({point_in_words(sweep, point)}) cannot be computed again: "
+            f"its outcome is {str(sweep.outcome[point, member])!r}. Take another one."
+        )
+    piece = Piece(
+        index=0,
+        family=sweep.system,
+        targets=evaluate_targets(spec, sweep.system, sweep.points[[point]]),
+        n_points=1,
+        starts=spec.starts,
+        n=spec.n_starts,
+        t_end=float(spec.t_end),
+        quantity=spec.quantity,
+        rule=as_rule(spec.rule),
+        method=spec.method,
+        seed=spec.seed,
+        version=__version__,
+    )
+    system, states = system_and_starts(piece)
+    return system, states[member]
+
+
+def point_in_words(sweep: Sweep, point: int) -> str:
+    """The values of the axes at a point."""
+    pairs = zip(sweep.spec.axes, sweep.points[point], strict=True)
+    return ", ".join(f"{axis.name} = {value:.6g}" for axis, value in pairs)

@@ -1,0 +1,285 @@
+"""The widget of notebooks without a notebook: its traits, the page in it, and what cannot be viewed."""
+
+import json
+import re
+import subprocess
+import sys
+from importlib.resources import files
+
+import numpy as np
+import pytest
+
+import liepoisson as lp
+from liepoisson.errors import LiePoissonError, MissingPackageError, ParameterError, ShapeError, UnknownNameError
+from liepoisson.field import QuadraticField
+from liepoisson.numeric.sampling import sample_tangents
+
+START = [1, 0.2, 0, 0, 0.6, 0.8, 0, 0, 1]
+TOP = lp.Top.twisted_kovalevskaya(epsilon="1/3")
+PAGE = files("liepoisson.laboratory").joinpath("page", "index.html").read_text(encoding="utf-8")
+
+
+class Hostile:
+    name = '</script><img src=x onerror="alert(1)">'
+
+    def field(self):
+        return QuadraticField(2, (), ((0, 1, 1.0), (1, 0, -1.0)), ())
+
+
+@pytest.fixture
+def widget():
+    pytest.importorskip("anywidget")
+    return lp.view(TOP, start=START)
+
+
+def sent(widget):
+    """All that goes to the notebook, by name."""
+    return widget.get_state()
+
+
+def test_the_page_of_the_widget_is_the_page_of_the_wheel(widget):
+    page = re.search(r"^const PAGE = (.*);$", sent(widget)["_esm"], re.MULTILINE)[1]
+    assert json.loads(page) == PAGE
+    assert not re.search("[<>&\u2028\u2029]", page)
+
+
+def test_one_script_serves_all_widgets(widget):
+    assert sent(lp.view(lp.catalog.system("kirchhoff")))["_esm"] is sent(widget)["_esm"]
+
+
+def test_state_start_and_time_follow_what_the_page_says(widget):
+    seen = []
+    widget.observe(lambda change: seen.append((change["name"], change["new"])), names=["start", "time"])
+    parts = "section=l3,1&axes=l1,l2&method=taylor,1e-15&frame=space&shadow=1&theme=auto&t=2.5&speed=1"
+    widget.set_state({"address": f"v=1&top=2,2,1,-1,0,0,0,0,0,1/3&start=1/2,0,0,1,0,0,0,0,1&{parts}", "playing": False})
+    assert widget.start == (0.5, 0, 0, 1, 0, 0, 0, 0, 1)
+    assert (widget.time, widget.playing, widget.state["surface"]) == (2.5, False, "l3")
+    assert ("start", widget.start) in seen
+    assert ("time", 2.5) in seen
+    assert np.asarray(lp.integrate(widget.system, widget.start, times=[0, 1]).state).shape == (1, 2, 9)
+
+
+def test_what_is_set_goes_to_the_page(widget):
+    widget.time = 7
+    assert sent(widget)["address"].endswith("&t=7")
+    widget.start = ["1/2", *START[1:]]
+    assert (widget.time, widget.start[0]) == (0, 0.5)
+    assert "start=0.5,0.2,0," in sent(widget)["address"]
+    widget.state = {"surface": "beta1", "direction": 0, "theme": "projector", "parameters": {"epsilon": "2/3"}}
+    assert "section=beta1,0&theme=projector" in widget.address
+    assert str(widget.system.epsilon) == "2/3"
+    assert widget.state["start"] == widget.start
+    before = widget.address
+    widget.state = dict(widget.state)
+    assert widget.address == before
+
+
+def test_what_cannot_be_is_refused_and_nothing_changes(widget):
+    before = (widget.address, widget.state, widget.start, widget.time)
+    for name, value, error in (
+        ("start", [1, 2], ShapeError),
+        ("start", "here", LiePoissonError),
+        ("time", -1, ParameterError),
+        ("time", "soon", LiePoissonError),
+        ("state", {"theme": "pink"}, UnknownNameError),
+        ("state", 3, ParameterError),
+        ("address", "v=1&theme=<script>", LiePoissonError),
+        ("height", 5, ParameterError),
+    ):
+        with pytest.raises(error):
+            setattr(widget, name, value)
+        assert (widget.address, widget.state, widget.start, widget.time) == before, name
+
+
+@pytest.mark.parametrize(
+    ("said", "words"),
+    [
+        ({"address": "v=1&start=1,2"}, "start must have 9 components"),
+        ({"address": "v=1&theme=<img>", "playing": False}, "theme"),
+        ({"address": 3}, "address cannot be 3"),
+        ({"address": "v=1", "playing": "yes"}, "playing cannot be 'yes'"),
+        ({"address": "v=1&t=" + "1" * 20_000}, "at most 16000 characters"),
+        ({"address": "v=1&t=1&t=2"}, "'t' twice"),
+        ({"message": None}, "message cannot be None"),
+    ],
+)
+def test_a_state_from_the_page_that_cannot_be_changes_nothing_and_is_answered(widget, monkeypatch, said, words):
+    before = (widget.address, widget.state, widget.start, widget.playing)
+    answers = []
+    monkeypatch.setattr(widget, "send_state", lambda key=None: answers.append(key))
+    widget.set_state(said)
+    assert (widget.address, widget.state, widget.start, widget.playing) == before
+    assert "Python cannot take this state" in widget.message
+    assert words in widget.message
+    assert len(widget.message) <= 1000
+    assert ["address", "playing", "message"] in answers
+
+
+def test_what_the_page_says_is_a_message_and_only_the_state_can_be_changed_by_it(widget):
+    carried, script = sent(widget)["_carried"], sent(widget)["_esm"]
+    widget.set_state({"message": "The orbit ends at t = 3" + "!" * 5000, "_esm": "", "_carried": "{}", "height": 9})
+    assert widget.message.startswith("The orbit ends at t = 3!!")
+    assert len(widget.message) == 1000
+    assert (sent(widget)["_carried"], sent(widget)["_esm"], widget.height) == (carried, script, 460)
+    widget.state = {"theme": "dark"}
+    assert widget.message == ""
+
+
+def test_the_first_state_is_part_of_the_address():
+    pytest.importorskip("anywidget")
+    widget = lp.view(TOP, start=START, state={"view": "rod", "time": 3}, panels="all", height=700, playing=False)
+    assert widget.address.endswith("&t=3&frame=rod")
+    assert (sent(widget)["_options"], widget.height, sent(widget)["playing"]) == ("", 700, False)
+    assert sent(lp.view(TOP, start=START))["_options"] == "embed=1"
+
+
+def test_a_hostile_name_is_data_and_never_markup():
+    pytest.importorskip("anywidget")
+    widget = lp.view(Hostile(), start=[1, 0])
+    assert json.loads(sent(widget)["_carried"])["name"] == Hostile.name
+    assert Hostile.name not in sent(widget)["_esm"]
+    html = widget._repr_mimebundle_()
+    assert Hostile.name not in str(html)
+    with pytest.raises(UnknownNameError):
+        widget.state = {"surface": Hostile.name}
+
+
+def test_an_orbit_and_a_section_are_viewed_with_their_states():
+    pytest.importorskip("anywidget")
+    orbit = lp.integrate(TOP, START, times=[0, 1, 2])
+    section = lp.section(TOP, START, surface="l3", t_end=20)
+    for result, kind in ((orbit, "orbit"), (section, "section")):
+        widget = lp.view(result)
+        record = json.loads(sent(widget)["_carried"])
+        assert (record["saved"]["kind"], len(record["saved"]["times"])) == (kind, len(result.time))
+        assert widget.start == tuple(START)
+        assert widget.system is result.system
+        with pytest.raises(ParameterError, match="those of the result"):
+            lp.view(result, start=START)
+
+
+def test_an_orbit_of_many_begins_with_the_one_that_is_named():
+    pytest.importorskip("anywidget")
+    starts = [START, [0.5, *START[1:]]]
+    orbit = lp.integrate(TOP, starts, times=[0, 1, 2])
+    section = lp.section(TOP, starts, surface="l3", t_end=20)
+    for result, words in ((orbit, "number 2 of 2 orbits"), (section, "of 2 orbits")):
+        widget = lp.view(result, trajectory=1)
+        saved = json.loads(sent(widget)["_carried"])["saved"]
+        assert widget.start == tuple(starts[1])
+        assert words in saved["words"]
+    assert json.loads(sent(lp.view(orbit, trajectory=1))["_carried"])["saved"]["states"] == orbit.state[1].tolist()
+    with pytest.raises(ParameterError, match="from 0 to 1, as there are 2; got 2"):
+        lp.view(orbit, trajectory=2)
+
+
+def test_a_rod_is_viewed_as_a_rod_from_its_start():
+    pytest.importorskip("anywidget")
+    top = lp.Top.twisted_lagrange(axial="3/5", a3=1, b3=0, epsilon="1/3")
+    rod = lp.orbits.rod(top, [START, [0.5, *START[1:]]], length=2)
+    widget = lp.view(rod, trajectory=1, state={"theme": "light"})
+    assert (widget.state["view"], widget.state["theme"], widget.start[0]) == ("rod", "light", 0.5)
+    assert (widget.time, widget.state["surface"]) == (2, "l1")
+    assert str(widget.system.epsilon) == "1/3"
+
+
+def test_a_rod_that_the_page_cannot_draw_is_refused_with_what_can_be_done():
+    rod = lp.orbits.rod(lp.Top.lagrange(axial="sqrt(2)", a3=1), START, length=2)
+    with pytest.raises(ParameterError, match=r"parameters that are fractions or decimals.*lp\.plot\.rod"):
+        lp.view(rod)
+
+
+TWISTED = {"system": "twisted-top", "parameters": {"I": [2, 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0]}}
+
+
+def test_an_orbit_of_a_sweep_is_viewed_at_its_point():
+    pytest.importorskip("anywidget")
+    axes = {"epsilon": [0, 1 / 3], "energy": [0.5, 9]}
+    sweep = lp.sweep(**TWISTED, axes=axes, starts={"C3": 1}, n_starts=3, t_end=20)
+    for point, (epsilon, energy) in enumerate(sweep.points):
+        widget = lp.view(sweep, point=point, trajectory=2)
+        system, start = widget.system, np.array(widget.start)
+        assert float(system.epsilon) == epsilon
+        assert lp.integrate(system, start, times=[0, 1]).invariants["H"][0, 0] == pytest.approx(energy, abs=1e-11)
+        growth = lp.finite_time_exponents(
+            system, start, times=[20], method=lp.Taylor(tol=1e-9, precision="mixed"),
+            tangents=sample_tangents(9, 3, seed=0)[[2]],
+        )  # fmt: skip
+        assert growth.exponent[0, 0] == sweep.value[point, 2]
+
+
+def test_a_sweep_of_one_point_needs_no_point():
+    pytest.importorskip("anywidget")
+    sweep = lp.sweep(**TWISTED, axes={"epsilon": [0.5]}, n_starts=2, t_end=20)
+    assert str(lp.view(sweep).system.epsilon) == "1/2"
+
+
+@pytest.mark.parametrize("point", [None, 2, -1, 0.5, True, "0", [0, 1]])
+def test_a_sweep_of_many_systems_says_that_one_point_is_viewed(point):
+    sweep = lp.sweep(**TWISTED, axes={"epsilon": [0, 1]}, n_starts=2, t_end=20)
+    words = r"at one of its points.*from point=0 \(epsilon = 0\) to point=1 \(epsilon = 1\)"
+    with pytest.raises(ParameterError, match=words):
+        lp.view(sweep, point=point)
+
+
+def test_a_point_without_a_system_or_a_start_says_so():
+    sweep = lp.sweep(
+        system="twisted-top", parameters={"I": ["moment", 2, 1], "a": [-1, 0, 0], "b": [0, 0, 0], "epsilon": 1},
+        axes={"moment": [-1, 2], "energy": [-1e4, 1]}, n_starts=2, t_end=20,
+    )  # fmt: skip
+    outcomes = sweep.outcome[:, 0].tolist()
+    assert outcomes[:2] == ["no system", "no system"]
+    for point, outcome in enumerate(outcomes):
+        if outcome != "finished":
+            with pytest.raises(ParameterError, match=f"its outcome is '{outcome}'"):
+                lp.view(sweep, point=point)
+
+
+def test_point_and_trajectory_are_refused_where_they_mean_nothing():
+    orbit = lp.integrate(TOP, START, times=[0, 1])
+    for shown, wrong in ((TOP, {"point": 0}), (orbit, {"point": 0}), (TOP, {"trajectory": 1})):
+        with pytest.raises(ParameterError, match="is one of a"):
+            lp.view(shown, **wrong)
+
+
+@pytest.mark.parametrize("shown", [3, "kirchhoff", None, lp.Top, lp.Taylor()])
+def test_what_cannot_be_viewed_is_said_with_what_can(shown):
+    with pytest.raises(ParameterError, match="a system, a top, an orbit, a section, a rod or a sweep; got"):
+        lp.view(shown)
+
+
+def test_a_result_without_states_names_its_system():
+    growth = lp.finite_time_exponents(TOP, [START], t_end=5)
+    with pytest.raises(ParameterError, match=r"got 'FiniteTimeExponents'. View its `\.system` instead"):
+        lp.view(growth)
+
+
+@pytest.mark.parametrize(
+    "wrong",
+    [{"panels": "three"}, {"height": 0.5}, {"height": 0}, {"height": True}, {"state": {"t": 1}}, {"start": [1]}],
+)
+def test_wrong_arguments_are_refused(wrong):
+    pytest.importorskip("anywidget")
+    with pytest.raises(LiePoissonError):
+        lp.view(TOP, **{"start": START, **wrong})
+
+
+def test_without_anywidget_the_error_says_how_to_install_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "anywidget", None)
+    monkeypatch.delitem(sys.modules, "liepoisson.laboratory.widget", raising=False)
+    with pytest.raises(MissingPackageError, match=r'pip install "liepoisson\[notebook\]"') as caught:
+        lp.view(TOP)
+    assert isinstance(caught.value, ImportError)
+
+
+def test_only_a_view_loads_the_libraries_of_notebooks():
+    """An orbit shows a page only where it is asked to."""
+    program = (
+        "import sys, liepoisson as lp\n"
+        f"orbit = lp.integrate(lp.Top.twisted_kovalevskaya(), {START}, times=[0, 1])\n"
+        "lp.view, repr(orbit), getattr(orbit, '_repr_html_', str)()\n"
+        "print(*[name for name in ('anywidget', 'ipywidgets', 'traitlets', 'IPython') if name in sys.modules])\n"
+        "print([name for name in ('_repr_mimebundle_', '_ipython_display_') if hasattr(orbit, name)])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
+    assert done.stdout.split("\n")[:2] == ["", "[]"]
