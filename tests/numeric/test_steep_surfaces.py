@@ -149,18 +149,13 @@ def test_a_pole_is_no_crossing_and_not_warned_of(surface):
     assert found.unresolved_time[0] > 0
 
 
-@pytest.mark.parametrize("t_end", [1e4, 1e5, 1.5e5, 2e5, 4e5, 1e6])
-def test_an_oscillating_surface_on_a_long_step_is_followed_or_told(t_end):
-    """theta = 0.1 + t exactly, in one step: sin(theta) has floor((0.1 + t_end)/pi) zeros, each seen or not followed."""
+@pytest.mark.parametrize("t_end", [1e4, 1e5, 1.5e5, 2e5, 4e5])
+def test_an_oscillating_surface_on_a_long_step_is_followed(t_end):
+    """theta = 0.1 + t exactly, in one step: sin(theta) has floor((0.1 + t_end)/pi) zeros."""
     rotor = lp.System(lp.canonical(names=("theta",)), "p_theta^2/2")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", SurfaceWarning)
-        found = lp.section(rotor, [0.1, 1.0], surface="sin(theta)", t_end=t_end)
-    wanted = np.floor((0.1 + t_end) / np.pi)
-    unseen = float(np.sum(found.unresolved_time)) / np.pi + 2 * found.unbounded_steps.sum()
-    assert len(found.time) <= wanted <= len(found.time) + unseen + 1
+    found = lp.section(rotor, [0.1, 1.0], surface="sin(theta)", t_end=t_end)
+    assert len(found.time) == np.floor((0.1 + t_end) / np.pi)
     assert len(found.touch_time) == 0
-    assert t_end > 1.2e5 or len(found.time) == wanted
 
 
 def test_a_small_fast_wave_on_a_surface_is_not_passed_over():

@@ -307,8 +307,9 @@ const MOST_HALVINGS: u32 = 14;
 const MOST_HALVINGS_SPARE: u32 = 48;
 
 /// So many of a step, and of a part of it that was halved [`MOST_HALVINGS`] times. A singularity takes a few for every halving, a
-/// function that varies faster than its error allows all that there are.
-const MOST_SPARE: [usize; 2] = [4096, 512];
+/// function that oscillates along a very long step a few for every turn, and one that varies faster than its error allows all
+/// that there are of a part, after which the step gets no more.
+const MOST_SPARE: [usize; 2] = [1 << 20, 512];
 
 /// Parts are halved so often at least before the function is said to have no value there: it may have one between the places
 /// that are tried.
