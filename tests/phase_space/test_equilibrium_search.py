@@ -8,6 +8,7 @@ import liepoisson as lp
 from liepoisson.phase_space import critical_points as newton
 from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
 from liepoisson.phase_space.equilibrium_search import EquilibriumSearch
+from liepoisson.phase_space.stability import integrals_of
 
 
 def searched(system, leaf, n_starts, seed=0):
@@ -476,3 +477,59 @@ def test_two_circles_of_one_energy_that_are_close_stay_two():
     found = lp.equilibria(system, {}, n_starts=40, most_starts=40)
     radii = sorted(float(np.hypot(*e.state[:2])) for e in found if e.family == "circle")
     assert radii == pytest.approx([1, 1.1], abs=1e-9)
+
+
+def leaning_tops(l3):
+    """Relative equilibria of Lagrange's top with the momentum of the upright one, with alpha perpendicular to the axis.
+
+    With u = tan(theta/2) and l3 = 2 the effective energy is 5 + 2 u^4/(1 + u^2); in general it is critical at u = 0 and
+    where alpha_3 = l3 - 1, since Omega = 1 + l3, l = alpha on the perpendicular plane.
+    """
+    lagrange = lp.catalog.system("lagrange")
+    found = lp.equilibria(lagrange, {"C1": l3, "C2": 1}, along=("l3",), values={"l3": l3}, n_starts=60, most_starts=60)
+    return list(found), sorted(float(np.hypot(*e.state[3:5])) for e in found)
+
+
+def test_at_the_limit_of_its_stability_the_sleeping_top_is_the_only_one():
+    """The slope of the effective energy is 8 u^3: in doubles it vanishes up to the tilt of 1e-5."""
+    lagrange = lp.catalog.system("lagrange")
+    leaf, integrals = lp.Leaf(lagrange, {"C1": 2, "C2": 1}), integrals_of(lagrange, ("l3",))
+    ends = [
+        [-4.88025450e-06, -1.84712332e-06, 2, -4.87918377e-06, -1.84671806e-06, 1],
+        [1.14027083e-06, 1.09802178e-06, 2, 1.14027087e-06, 1.09802182e-06, 1],
+        [2e-5, -1e-5, 2, 2e-5, -1e-5, 1],
+        [1e-4, 2e-4, 2, 1e-4, 2e-4, 1],
+    ]
+    for end in ends:
+        search = EquilibriumSearch(leaf, integrals, np.array([2.0]), 0)
+        search.add_from(np.array([end]))
+        (upright,) = search.found
+        assert upright.state == pytest.approx([0, 0, 2, 0, 0, 1], abs=1e-9)
+        assert upright.family == "point"
+
+
+@pytest.mark.parametrize("below", [1e-2, 1e-5, pytest.param(1e-7, marks=pytest.mark.slow)])
+def test_below_the_limit_a_small_circle_of_leaning_tops_exists_and_above_it_none(below):
+    leaning, tilts = leaning_tops(2 - below)
+    assert tilts == pytest.approx([0, np.sqrt(2 * below - below**2)], rel=1e-4, abs=1e-9)
+    verdicts = {e.family: (e.linear_stability, e.nonlinear_stability) for e in leaning}
+    assert verdicts["circle"] == ("stable spectrum", "stable")
+    (upright,), (tilt,) = leaning_tops(2 + below)
+    assert tilt == pytest.approx(0, abs=1e-9)
+    assert (upright.family, upright.linear_stability) == ("point", "stable spectrum")
+
+
+@pytest.mark.parametrize("radial", ["r2^2*exp(r2)", "cosh(r2) - 1", "r2^4"])
+def test_an_equilibrium_at_which_the_slope_of_the_integral_vanishes_is_found(radial):
+    """V is lowest at r = 0, where L and its slope are zero; L^2 = r^3 V'(r) has no other solution for L = 0."""
+    (found,), (r,) = circles(radial, 0)
+    assert r == pytest.approx(0, abs=1e-9)
+    assert found.state == pytest.approx(np.zeros(4), abs=1e-9)
+    assert (found.family, found.linear_stability) == ("degenerate", "degenerate")
+
+
+def test_a_tail_on_which_the_integral_is_zero_has_no_equilibrium():
+    """V = exp(-r^2) is highest at r = 0, a simple equilibrium, and has a tail beyond."""
+    (found,), (r,) = circles("exp(-r2)", 0)
+    assert r == pytest.approx(0, abs=1e-9)
+    assert found.linear_stability == "unstable"

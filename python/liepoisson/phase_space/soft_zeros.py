@@ -31,7 +31,7 @@ from flint import arb, arb_mat
 from liepoisson.arrays import Array
 from liepoisson.exact.polynomials.certified_roots import precision
 from liepoisson.exact.rational_polynomials import powers_of
-from liepoisson.phase_space.critical_points import HamiltonianFields
+from liepoisson.phase_space.critical_points import HamiltonianFields, residuals
 from liepoisson.phase_space.second_variation import curvatures, soft_directions
 from liepoisson.phase_space.symmetry_orbit import free_motions
 
@@ -68,6 +68,11 @@ _CONVERGED, _CLOSE, _BACK, _FAR = 1e-10, 1e-6, 1e-8, 2.0
 not seen any more counts as zero, one back from which such a zero must be found again, and one that leads away."""
 _SHORTER = 0.7
 """What each step is to the one before, at most, but for one."""
+_DEPENDENT = 1e-13
+"""Slopes of Casimirs and integrals depend on each other where a combination of them is smaller than this."""
+_AT_REST, _NEAR_REST, _FACTORS = 1e-11, 1e-3, (2.0, 4.0, 8.0, 0.5, 0.25)
+"""Residual of a state at which a motion is at rest, how far from it states are led to it, and other starts on the line
+from it, by which factor they are farther."""
 _LEAST = 1e-3
 """The derivative of n along a direction is 1/m for a zero of order m; orders up to the inverse of this are believed."""
 WHOLE = 0.05
@@ -124,7 +129,8 @@ def zero_near(
         origin = [arb(0)] * slope.soft.shape[1]
         here = slope.at(origin)
         if here is not None and here.is_seen:
-            return _zero(slope, origin, is_own=True)
+            found = (_zero(slope, s, is_own=s is origin) for s in [origin, *_from_rest(slope, len(origin))])
+            return next((zero for zero in found if zero is not None), None)
         starts = _where_seen(slope, len(origin))
         if starts is None:
             return SoftZero(state)
@@ -136,13 +142,43 @@ def reduced_slope(
     leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, within: float = _SUSPECT
 ) -> ReducedSlope | None:
     """The slope along the soft directions at a state, None if there is none or the other equations are not regular."""
+    slope, phases = _slope_at(leaf, fields, values, state, within)
+    if slope is None or not phases:
+        return slope
+    # near a state at which the motions are at rest, directions are as good as the state is
+    there = slope.at([arb(0)] * slope.soft.shape[1])
+    if there is None:
+        return slope
+    better, _ = _slope_at(leaf, fields, values, slope.state_of([arb(0)] * slope.soft.shape[1], there), within)
+    slope = better or slope
+    slope.rest = _rest_near(leaf, fields, values, slope.origin)
+    return slope
+
+
+def _rest_near(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array) -> Array | None:
+    """A relative equilibrium near a state, at which a motion that carries the state is at rest; None if there is none.
+
+    Round this place the equations for the other unknowns are not regular, and all ends of Newton's method look like
+    small circles.
+    """
+    near = _NEAR_REST * (float(np.linalg.norm(state)) + fields.unit)
+    for motion in free_motions(leaf, fields, state):
+        rest = motion.rest_near(state)
+        if np.linalg.norm(rest - state) <= near and residuals(leaf, fields, rest[None], values)[0] <= _AT_REST:
+            return rest
+    return None
+
+
+def _slope_at(
+    leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array, within: float
+) -> tuple[ReducedSlope | None, int]:
+    """The slope along the soft directions at a state, and the number of motions of integrals that carry it away."""
     soft = soft_directions(leaf, fields, state, within)
     if not soft.shape[1]:
-        return None
-    phases = (
-        np.array([motion.velocity(state) for motion in free_motions(leaf, fields, state)]).reshape(-1, len(state)).T
-    )
-    return ReducedSlope.at_state(leaf, fields, values, state, (soft, np.linalg.qr(phases)[0]))
+        return None, 0
+    phases = [motion.velocity(state) for motion in free_motions(leaf, fields, state)]
+    basis = np.linalg.qr(np.array(phases).reshape(-1, len(state)).T)[0]
+    return ReducedSlope.at_state(leaf, fields, values, state, (soft, basis)), len(phases)
 
 
 def settled(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: Array) -> SoftZero:
@@ -157,7 +193,8 @@ def settled(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: 
         state: Where Newton's method came to rest, shape (N,).
     """
     sizes = curvatures(leaf, fields, state)
-    if not ((sizes > _FLAT) & (sizes <= _SUSPECT)).any():
+    soft = sizes <= _SUSPECT
+    if not (soft & (sizes > _FLAT)).any() and not (soft.any() and _rest_near(leaf, fields, values, state) is not None):
         return SoftZero(state)
     zero = zero_near(leaf, fields, values, state)
     near = _SETTLED * (float(np.linalg.norm(state)) + fields.unit)
@@ -216,6 +253,7 @@ class ReducedSlope:
     inverse: arb_mat = field(default_factory=lambda: arb_mat(0, 0))
     curvature: float = 0.0
     scale: float = 0.0
+    rest: Array | None = None
 
     @classmethod
     def at_state(
@@ -238,7 +276,11 @@ class ReducedSlope:
             lengths = np.linalg.norm(rows, axis=1)
             if not (np.isfinite(lengths).all() and lengths.all()):
                 return None
-            slope = replace(slope, mixing=mixing / lengths[:, None])
+            # where the motion of an integral is nearly at rest, the slopes depend on each other but for a small part
+            turned, sizes, _ = np.linalg.svd(rows / lengths[:, None], full_matrices=False)
+            if not sizes[-1] > _DEPENDENT:
+                return None
+            slope = replace(slope, mixing=(turned / sizes).T @ (mixing / lengths[:, None]))
         return slope if slope._refreshed(state) else None
 
     def zero(self, s: Sequence[arb], shares: Array) -> SoftZero | None:
@@ -252,6 +294,13 @@ class ReducedSlope:
     def state_of(self, s: Sequence[arb], solved: Slope) -> Array:
         """The state at s, where the other unknowns were found, in doubles."""
         return np.array([float(y.mid()) for y in self._state(s, solved.unknowns)])
+
+    def is_at_rest(self, s: Sequence[arb], unknowns: Sequence[arb]) -> bool:
+        """Whether s leads to the state near here at which a motion of integrals is at rest."""
+        if self.rest is None:
+            return False
+        y = np.array([float(y.mid()) for y in self._state(s, unknowns)])
+        return bool(np.linalg.norm(y - self.rest) <= _CLOSE * self.length)
 
     def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> Slope | None:
         """The slope at s, None where the other unknowns were not found."""
@@ -337,7 +386,10 @@ class ReducedSlope:
         zero = np.zeros((len(rows), len(rows)))
         matrix = np.block([[w.T @ curvature @ w, -w.T @ rows.T], [rows @ w, zero]])
         size = float(np.abs(curvature).max(initial=0.0))
-        units = np.append(np.full(w.shape[1], self.length), np.full(len(rows), size * self.length or 1.0))
+        # near a state that the motion of an integral leaves at rest, the slope of this integral is small
+        heights = np.linalg.norm(rows, axis=1)
+        heights = (size * self.length or 1.0) / np.where(heights > 0, heights, 1.0)
+        units = np.append(np.full(w.shape[1], self.length), heights)
         if len(matrix):
             balanced = matrix * units
             lengths = np.abs(balanced).max(axis=1)
@@ -367,6 +419,14 @@ def _where_seen(slope: ReducedSlope, k: int) -> list[list[arb]] | None:
             elif there is not None:
                 hidden[side] = s
     return [s for s in found.values() if s is not None] or None
+
+
+def _from_rest(slope: ReducedSlope, k: int) -> list[list[arb]]:
+    """Where else Newton's method starts near a state of rest, between which and a small circle ends may lie."""
+    if slope.rest is None or k != 1:
+        return []
+    distance = float(slope.soft[:, 0] @ (slope.origin - slope.rest))
+    return [[arb(distance * (factor - 1))] for factor in _FACTORS]
 
 
 def _comes_into_sight(slope: ReducedSlope, hidden: list[arb], seen: list[arb]) -> bool:
@@ -410,6 +470,8 @@ def _zero(slope: ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None
             break
         came_from = step
         s = [(a - b).mid() for a, b in zip(s, step, strict=True)]
+        if is_one_over_whole(shares, WHOLE) and slope.is_at_rest(s, there.unknowns):
+            return SoftZero(slope.rest) if slope.rest is not None else None
         if size <= _CONVERGED and is_one_over_whole(shares, WHOLE) and (last is None or size <= _SHORTER * last):
             fold = fold_to_round_off(slope, s)
             return slope.zero(s, shares) if fold is None else slope.zero(fold, np.array([0.5]))
@@ -464,7 +526,7 @@ def fold_to_round_off(slope: ReducedSlope, s: list[arb]) -> list[arb] | None:
 
     Between two simple zeros $|g|$ is largest at the distance $g'/g''$; if they have just vanished it is smallest there.
     """
-    if len(s) > 1 or not slope.functions:
+    if len(s) > 1 or not slope.functions or slope.rest is not None:
         return None
     h, size = _INNER * slope.length, slope.curvature * slope.length
     beside = [slope.at(_moved(s, k * h, [arb(1)])) for k in (-1, 0, 1)]

@@ -26,6 +26,8 @@ _LONGEST, _BEND = 0.15, 0.5
 """What a step covers, relative to the length of the state, and the angle by which it turns the velocity, at most."""
 _MOST_STEPS, _MOST_CORRECTIONS = 2000, 12
 _SETTLED = 1e-13
+_STEPS_TO_REST, _SINGULAR = 4, 1e-8
+"""Steps of Newton's method to where a motion is at rest, and singular values that are zero, relative."""
 
 Corrected = Callable[[Array], Array | None]
 """What leads a state back to the relative equilibrium that is at its place, to round-off; None if none is."""
@@ -55,6 +57,15 @@ class Motion:
     def velocity(self, x: Array) -> Array:
         """The vector field at x."""
         return self.fields.fields(x)[:, 1:] @ self.coefficients
+
+    def rest_near(self, x: Array) -> Array:
+        """A state of the leaf near x that the motion does not move, if there is one, by Newton's method."""
+        for _ in range(_STEPS_TO_REST):
+            basis = self.leaf.tangent_basis(x)
+            matrix = self.fields.derivatives(x)[..., 1:] @ self.coefficients @ basis
+            step = basis @ np.linalg.lstsq(matrix, -self.velocity(x), rcond=_SINGULAR)[0]
+            x = solve(self.leaf.equations, (x + step)[None])[0][0]
+        return x
 
     def longest_step(self, x: Array) -> float:
         """The time in which the state moves by a small part of its length, and its velocity turns by a small angle."""
