@@ -149,7 +149,14 @@ def test_a_pole_is_no_crossing_and_not_warned_of(surface):
     assert found.unresolved_time[0] > 0
 
 
-@pytest.mark.parametrize("t_end", [1e4, 1e5, 1.5e5, 2e5, 4e5])
+@pytest.mark.parametrize(
+    "t_end",
+    [
+        1e4,
+        pytest.param(1.5e5, marks=pytest.mark.thorough),
+        *(pytest.param(t, marks=pytest.mark.slow) for t in (2e5, 4e5)),
+    ],
+)
 def test_an_oscillating_surface_on_a_long_step_is_followed(t_end):
     """theta = 0.1 + t exactly, in one step: sin(theta) has floor((0.1 + t_end)/pi) zeros."""
     rotor = lp.System(lp.canonical(names=("theta",)), "p_theta^2/2")
