@@ -300,4 +300,6 @@ CASES: dict[str, Case] = {
         {"x": lambda: crossings().state[:, 0], "y": lambda: crossings().state[:, 4]},
     ),
     "vorticity": Case(lambda states: lp.catalog.vorticity(states, 8), {"states": STATES[:, :8].copy()}),
+    "page_of": Case(lambda start: lp.laboratory.page_of(TOP, start=start), {"start": STATES[0].copy()}),
+    "view": Case(lambda start: tuple(lp.view(TOP, start=start).start), {"start": STATES[0].copy()}),
 }

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from liepoisson.arrays import as_array
+from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import LiePoissonError, ParameterError, ShapeError
 from liepoisson.files import write_atomically
 from liepoisson.laboratory.description import description_of, record_of_functions
@@ -49,6 +50,7 @@ _NUMBER = re.compile(r"-?\d+(\.\d+)?(e-?\d{1,3})?|-?\d+/\d+")
 """A parameter of a top as the page of tops reads it."""
 
 
+@explains_its_methods
 @dataclass(frozen=True)
 class Page:
     """A page of the laboratory.
@@ -71,6 +73,7 @@ class Page:
     record: Mapping[str, Any] | None = field(default=None, repr=False, compare=False)
 
 
+@explains_its_arguments
 def page_of_tops() -> Page:
     """The page of tops, as it begins.
 
@@ -82,6 +85,7 @@ def page_of_tops() -> Page:
     return Page(_built(), "", "tops")
 
 
+@explains_its_arguments
 def page_of(
     system: Any,
     *,
@@ -133,6 +137,7 @@ def page_of(
     return Page(_carrying(element), "", words, record)
 
 
+@explains_its_arguments
 def write_page(page: Page, path: str | Path) -> Path:
     """Writes a page into one file, whole or not at all.
 

@@ -10,6 +10,7 @@ from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import OutputError
 from liepoisson.laboratory.pages import Page
 
@@ -45,6 +46,7 @@ class PageServer(ThreadingHTTPServer):
     daemon_threads = True
     allow_reuse_address = True
 
+    @explains_its_arguments
     def __init__(self, page: Page, *, port: int = 0) -> None:
         try:
             super().__init__((HOST, port), _Handler)
@@ -133,6 +135,7 @@ class _Handler(BaseHTTPRequestHandler):
         """Nothing is said of requests."""
 
 
+@explains_its_arguments
 def serve(page: Page, *, port: int = 0) -> PageServer:
     """A server of one page, which answers once its `serve_forever` runs; `server_close` ends it.
 

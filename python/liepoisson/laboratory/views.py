@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import MissingPackageError, ParameterError
 from liepoisson.laboratory.pages import Page, page_of
 from liepoisson.laboratory.saved import checked_trajectory
@@ -26,6 +27,7 @@ HEIGHTS = {"two": 460, "all": 820}
 """Pixels, for each choice of panels."""
 
 
+@explains_its_arguments
 def view(
     shown: Any,
     *,
