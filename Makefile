@@ -20,7 +20,7 @@ test: | tools ## set up, then run the tests (some 15 minutes on two cores)
 	@$(MAKE) --no-print-directory -j 2 set-up test-rust
 	@$(MAKE) --no-print-directory test-python
 
-test-slow: $(VENV)/.built $(VENV)/.notebooks ## the anchors at full size (20,000 members), real notebooks, `make arm`
+test-slow: $(VENV)/.built $(VENV)/.notebooks $(VENV)/browser ## the anchors at full size (20,000 members), real notebooks, `make arm`
 	$(BIN)/pytest -m slow
 
 # The bits of the results are those that x86 has (crates/liepoisson-core/tests/core/same_bits.txt). Part of `make test-slow`.
@@ -73,6 +73,7 @@ lock: | $(VENV)/.run ## refresh the lock files from pyproject.toml
 	  --constraint requirements/dev.txt --output-file requirements/notebooks.txt
 	$(BIN)/uv pip compile --group docs $(LOCK) --upgrade --constraint requirements/dev.txt \
 	  --output-file requirements/docs.txt
+	$(BIN)/uv pip compile --group browser $(LOCK) --constraint requirements/dev.txt --output-file requirements/browser.txt
 	cargo update
 
 wasm: ## build the core for the browser (5 minutes; says what it needs); it is committed, with a hash of its sources
@@ -97,7 +98,8 @@ stories: $(VENV)/.built $(VENV)/.notebooks ## run the notebooks of docs/stories 
 	$(BIN)/python docs/stories/make.py
 
 # Python by pip-audit (in the environment or on the path), Rust by cargo-audit. Both ask public lists, so they need the network.
-LOCKED := requirements/run.txt requirements/dev.txt requirements/build.txt requirements/docs.txt requirements/notebooks.txt
+LOCKED := requirements/run.txt requirements/dev.txt requirements/build.txt requirements/docs.txt requirements/notebooks.txt \
+  requirements/browser.txt
 PIP_AUDIT = $(firstword $(wildcard $(BIN)/pip-audit) $(shell command -v pip-audit 2>/dev/null))
 vulnerabilities: ## ask public lists about known vulnerabilities in the lock files of Python and Rust (needs the network)
 	@failed=0; \
@@ -189,6 +191,13 @@ $(VENV)/.dev: requirements/dev.txt | $(VENV)/.run
 $(VENV)/.notebooks: requirements/notebooks.txt | $(VENV)/.dev
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/notebooks.txt
 	touch $@
+
+# For Pyodide, in which node runs the tests of the exact algebra: its version of Python, its platform.
+$(VENV)/browser: requirements/browser.txt | $(VENV)/.run
+	rm -rf $@
+	$(BIN)/pip download --quiet --disable-pip-version-check --require-hashes --no-deps --only-binary=:all: --python-version 3.14 \
+	  --implementation cp --abi cp314 --platform pyemscripten_2026_0_wasm32 -r requirements/browser.txt --dest $@
+	if command -v npm >/dev/null; then npm ci --prefix web --no-audit --no-fund; fi
 
 $(VENV)/.build: requirements/build.txt | $(VENV)/.run
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/build.txt

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from liepoisson import _core
-
 
 def another_format(found: object, wanted: object, writer: object = None) -> str:
     """The sentence that refuses a file of another format, with the version that reads it.
@@ -13,7 +11,8 @@ def another_format(found: object, wanted: object, writer: object = None) -> str:
         wanted: The one that this version reads.
         writer: The version of liepoisson that the file names; None where files of its kind name none.
     """
-    version = _core.__version__
+    from liepoisson._core import __version__ as version
+
     if writer is None:
         by = ""
     elif writer == version:  # a format changes between two released versions only

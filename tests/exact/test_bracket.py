@@ -201,6 +201,7 @@ def test_brackets_are_pickled_by_their_definition():
     assert set(again.__dict__) <= {"algebra", "extension", "constant", "_name", "_terms"}
 
 
+@pytest.mark.skipif(sys.platform == "emscripten", reason="a browser has no processes")
 def test_entries_do_not_import_sympy():
     code = (
         "import sys; from liepoisson.exact.lie_algebras import so; from liepoisson.exact.extensions import leibniz;"

@@ -362,6 +362,7 @@ print(events)
 """
 
 
+@pytest.mark.skipif(sys.platform == "emscripten", reason="a browser has no processes")
 @pytest.mark.thorough
 @pytest.mark.parametrize("control", [False, True])
 def test_reading_runs_no_code(control):

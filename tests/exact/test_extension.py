@@ -195,6 +195,7 @@ def test_extensions_travel_between_processes():
 
 
 @pytest.mark.thorough
+@pytest.mark.skipif(sys.platform == "emscripten", reason="a browser has no processes")
 def test_rational_extensions_do_not_load_sympy():
     program = """
 import sys

@@ -11,11 +11,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
 from functools import cached_property
 from math import comb
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
-import numpy as np
-
-from liepoisson.arrays import Array
+if TYPE_CHECKING:
+    from liepoisson.arrays import Array
 
 Atom: TypeAlias = "int | RationalPolynomial"
 """A coordinate by its number, or a sum in a product."""
@@ -206,6 +205,8 @@ class RationalPolynomial:
 
 def values_of(polynomials: Iterable[RationalPolynomial], states: Array) -> Array:
     """The values of polynomials at states of shape (..., N), stacked along a new last axis."""
+    import numpy as np
+
     columns, known = [states[..., k] for k in range(states.shape[-1])], dict[RationalPolynomial, Any]()
     given = list(polynomials)
     found = np.empty((*states.shape[:-1], len(given)))

@@ -12,16 +12,19 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import groupby
-from typing import Any, cast
+from typing import TYPE_CHECKING, Any, cast
 from weakref import WeakValueDictionary
 
-import numpy as np
 from sympy import AtomicExpr, Function, Integer, Rational, Tuple
 from sympy.core.symbol import Str
 
-from liepoisson.arrays import Array
 from liepoisson.exact.lie.defining_matrices import DefiningMatrices, Entries, sparse_product
 from liepoisson.exact.trace_words import Word, canonical, chain
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from liepoisson.arrays import Array
 
 _KNOWN: WeakValueDictionary[str, MatrixMap] = WeakValueDictionary()
 
@@ -79,6 +82,8 @@ class MatrixMap(AtomicExpr):
     @cached_property
     def arrays(self) -> Array | np.ndarray[Any, np.dtype[np.complex128]]:
         """The F^k as an array, shape (coordinate, row, column), real if they are."""
+        import numpy as np
+
         m, order = self.data.size, self.data.order
         arrays = np.zeros((self.dimension, m, m), dtype=np.complex128)
         for k, matrix in enumerate(self.entries):
@@ -222,6 +227,8 @@ class Trace(Function):
 
 def value(matrices: MatrixMap, word: Word, coordinates: Sequence[Any]) -> Any:
     """The trace for arrays of coordinates that broadcast to one shape."""
+    import numpy as np
+
     x = np.stack(np.broadcast_arrays(*coordinates), axis=-1)
     d = matrices.dimension
     factors = {
@@ -232,6 +239,8 @@ def value(matrices: MatrixMap, word: Word, coordinates: Sequence[Any]) -> Any:
 
 def trace_of(first: Any, second: Any) -> Any:
     """The real part of the trace of a product, or of the second alone."""
+    import numpy as np
+
     if first is None:
         return np.einsum("...ii->...", second).real
     return np.einsum("...ij,...ji->...", first, second).real

@@ -7,20 +7,21 @@ root of the equation for a linear form (`liepoisson.exact.polynomials.solutions`
 
 from __future__ import annotations
 
+from itertools import islice
 from random import Random
 from typing import Any
 
 from flint import arb, fmpq, nmod_poly
 
 from liepoisson.exact.polynomials.groebner import groebner_basis, rational_context
+from liepoisson.exact.polynomials.lifting import primes
 from liepoisson.exact.polynomials.limits import NotDecidedError
 from liepoisson.exact.polynomials.operations import in_context
 from liepoisson.exact.polynomials.solutions import Solutions, solutions
 from liepoisson.integrability.parameter_cases import LIMITS, Case, Poly
 
 _MOST_DRAWS = 60
-_PRIMES = tuple(2**61 - k for k in (1, 31, 45, 229, 259, 283, 339, 391, 403, 465))
-"""The largest primes below 2^61."""
+_PRIMES = tuple(islice(primes(), 10))
 
 
 class CasePoints:

@@ -7,6 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from known_systems import cyclic, katsura
 
+from liepoisson.exact.linear.residues import PRIME
 from liepoisson.exact.polynomials import groebner
 from liepoisson.exact.polynomials.groebner import groebner_basis, rational_context
 from liepoisson.exact.polynomials.lifting import Residues, primes, residues_of
@@ -78,7 +79,7 @@ def test_large_coefficients_are_lifted():
 
 def test_a_prime_that_gives_another_ideal_does_no_harm():
     # x y = 1 and x = -p y: y^2 = -1/p, and modulo the first prime, which is p, there is no solution
-    p = 2**61 - 1
+    p = PRIME
     assert next(primes()) == p
     x, y, _ = CONTEXT.gens()
     basis = groebner_basis([x * y - 1, x + p * y])

@@ -143,7 +143,7 @@ class Coefficients:
         return not element or (not self.decides and is_zero(self.to_sympy(element)))
 
     def residues(self, seed: int, skipped: int = 0) -> Residues | None:
-        """A homomorphism to the integers modulo a 61-bit prime; parameters go to random residues.
+        """A homomorphism to the integers modulo a large prime; parameters go to random residues.
 
         None for domains in which SymPy only simplifies expressions.
 

@@ -1,7 +1,7 @@
 r"""Exact linear algebra: null spaces and ranks of sparse matrices over Q and over fields with parameters.
 
 A matrix is a list of rows, each a dictionary from column to nonzero entry.  Over Q an echelon form is computed modulo
-a 61-bit prime, its null vectors are reconstructed as rationals and multiplied with the matrix exactly.  This proves
+a large prime, its null vectors are reconstructed as rationals and multiplied with the matrix exactly.  This proves
 the whole null space: a rank modulo p is at most the rank over Q, so there are no more null vectors than were found.
 
 References: von zur Gathen and Gerhard, Modern Computer Algebra, section 5.10 (rational reconstruction).
@@ -12,6 +12,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cache
+from importlib.util import find_spec
 from itertools import pairwise
 from math import inf, isqrt, lcm
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -91,8 +93,14 @@ def _nullspace_of_core(rows: list[Row], n_columns: int, p: int) -> list[dict[int
 
 
 def _is_for_core(n_columns: int, p: int) -> bool:
-    """Whether the compiled elimination takes this prime and is worth its call."""
-    return bool(p % 2) and p < _CORE_BELOW and n_columns >= _CORE_FROM
+    """Whether the compiled elimination is there, takes this prime and is worth its call."""
+    return bool(p % 2) and p < _CORE_BELOW and n_columns >= _CORE_FROM and _has_core()
+
+
+@cache
+def _has_core() -> bool:
+    """A browser's Python may have neither the compiled core nor NumPy; exact algebra needs none of them."""
+    return all(find_spec(name) is not None for name in ("numpy", "liepoisson._core"))
 
 
 def _eliminated_by_core(rows: list[Row], n_columns: int, p: int) -> Any:

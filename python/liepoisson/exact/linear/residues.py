@@ -6,6 +6,7 @@ lower bounds, and they cost little.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -13,8 +14,11 @@ from itertools import islice
 from random import Random
 from typing import Any
 
-PRIME = 2**61 - 1
-"""A Mersenne prime: with it, ranks and null spaces are guessed before they are proved."""
+PRIME = 2**61 - 1 if sys.maxsize > 2**32 else 2**31 - 1
+"""A Mersenne prime that fits a word of FLINT: of 64 bits, or of 32 in a browser's Python (WebAssembly).
+
+With it, ranks and null spaces are guessed before they are proved.
+"""
 
 
 @dataclass(frozen=True)
@@ -41,7 +45,7 @@ class Residues:
         """A prime p = 1 modulo the order, and a root of unity of exactly this order."""
         from sympy import primefactors
 
-        p = next(islice(_probable_primes((2**61 // order) * order + 1, order), skipped, None))
+        p = next(islice(_probable_primes((PRIME // order) * order + 1, order), skipped, None))
         powers = (pow(g, (p - 1) // order, p) for g in range(2, 1000))
         root = next(z for z in powers if all(pow(z, order // q, p) != 1 for q in primefactors(order)))
         return cls(p, root)

@@ -7,12 +7,13 @@ from math import isqrt
 
 from flint import fmpq, fmpz
 
+from liepoisson.exact.linear.residues import PRIME
 from liepoisson.exact.polynomials.buchberger import Monomial
 
 
 def primes() -> Generator[int]:
-    """Primes of 61 bits, from the largest down."""
-    number = 2**61 - 1
+    """Primes from `PRIME` down."""
+    number = PRIME
     while True:
         if fmpz(number).is_prime():
             yield number
