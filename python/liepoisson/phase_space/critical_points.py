@@ -36,9 +36,9 @@ _ROUND_OFF = 1e-14
 SOFT = 1e-5
 """A direction is soft, and may be flat at the critical point itself, if the second variation (or the linear equations)
 there is below this fraction of the largest. At the end of a search near a degenerate point it is 1e-8 to 1e-6."""
-_SINGULAR, _SETTLING = 1e-12, 3
+_SINGULAR, _SETTLING, _FINISHING = 1e-12, 3, 6
 """Singular values of the linear equations below this fraction of the largest are round-off; steps that settle the
-directions which are not soft."""
+directions which are not soft; steps that finish a search."""
 
 
 class HamiltonianFields:
@@ -239,6 +239,24 @@ def stretched_steps(
         found = search.projected(np.array([y + _undamped(search, y, SOFT) for y in found]).reshape(found.shape))[0]
         found = found[fields.are_defined(found)]
     return found
+
+
+def finished(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, values: Array) -> Array:
+    """A state after Newton's steps without damping, while each is less than half as long as the one before.
+
+    A residual relative to the largest curvature is one to round-off before a direction that is soft has converged.
+    """
+    search = _Search(leaf, fields, values)
+    step = _undamped(search, x, _SINGULAR)
+    for _ in range(_FINISHING):
+        trial, possible = search.projected((x + step)[None])
+        if not (possible[0] and fields.are_defined(trial)[0] and np.isfinite(step).all()):
+            break
+        following = _undamped(search, trial[0], _SINGULAR)
+        if not norm(following) < norm(step) / 2:
+            break
+        x, step = trial[0], following
+    return x
 
 
 def _undamped(search: _Search, x: Array, smallest: float) -> Array:
