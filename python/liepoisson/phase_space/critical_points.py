@@ -28,6 +28,8 @@ CANCELLED = 1e-13
 """A sum below this fraction of the sizes of its terms is round-off."""
 VANISHES = 1e-8
 """A vector field below this fraction of its scale counts as zero."""
+_LARGEST = 1e280
+"""Second derivatives above this count as none."""
 MOST_STEPS = 100
 _NEAR_ROUND_OFF = 1e-12
 """Below this relative residual, two steps in succession that do not help end the iteration."""
@@ -104,12 +106,15 @@ class HamiltonianFields:
         return tuple(f for f in self.functions if not f.is_polynomial)
 
     def are_defined(self, x: Array) -> NDArray[np.bool_]:
-        """At which states, (...,), all functions have finite derivatives up to the second ones; polynomials have."""
+        """At which states, (...,), the derivatives of all functions up to the second ones are finite; polynomials have.
+
+        Near the largest number what is made of them overflows, and a state would be at rest relative to it.
+        """
         with np.errstate(all="ignore"):
             finite = np.isfinite(x).all(axis=-1)
             for f in self._of_limited_range:
                 finite = finite & np.isfinite(f.gradient(x)).all(axis=-1)
-                finite &= np.isfinite(f.hessian(x)).all(axis=(-2, -1))
+                finite &= (np.abs(f.hessian(x)) <= _LARGEST).all(axis=(-2, -1))
         return np.asarray(finite)
 
     def scale(self, x: Array) -> Array:
