@@ -1,8 +1,11 @@
+import pickle
+
 import numpy as np
 import pytest
 import sympy as sp
 
 from liepoisson.errors import BracketError, ExpressionError, ParameterError, ShapeError
+from liepoisson.exact.canonical_bracket import canonical
 from liepoisson.exact.extension import Extension
 from liepoisson.exact.extensions import leibniz, semidirect
 from liepoisson.exact.lie_algebras import so
@@ -324,3 +327,17 @@ def test_other_integrators_take_the_right_hand_side():
     system, start = typed_by_hand(VALUES), np.linspace(-1, 1, 9)
     theirs = solve_ivp(system.right_hand_side, (0, 10), start, method="DOP853", rtol=1e-12, atol=1e-12).y[:, -1]
     assert np.abs(theirs - integrate(system, start, times=10).end_state[0]).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    "change", ["d['a'] = 100", "del d['a']", "d.update(a=100)", "d |= {'a': 100}", "d.pop('a')", "d.clear()"]
+)
+def test_parameters_cannot_be_changed_in_place(change):
+    system = System(canonical(names=("q",)), "p_q^2/2 + a*q^2", {"a": 1})
+    for d in (system.parameters, system.values):
+        with pytest.raises(TypeError, match="belong to a system"):
+            exec(change, {"d": d})
+        assert dict(d) == {"a": 1}
+    copy = pickle.loads(pickle.dumps(system))
+    assert copy.parameters == {"a": 1}
+    assert type(copy.parameters) is type(system.parameters)

@@ -283,3 +283,50 @@ def test_only_a_view_loads_the_libraries_of_notebooks():
     )
     done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, check=True)
     assert done.stdout.split("\n")[:2] == ["", "[]"]
+
+
+@pytest.fixture
+def plane():
+    pytest.importorskip("anywidget")
+    return lp.System(lp.canonical(names=["x", "y"]), "p_x^2/2 + p_y^2/2 + x^2 + y^4")
+
+
+def test_one_surface_may_be_an_expression_and_none_is_refused(plane):
+    start = [0.1, 0.2, 0.3, 0.4]
+    shown = lp.view(plane, start=start, surfaces=plane.variables[0] ** 2 - 1)
+    assert '"x^2 - 1"' in sent(shown)["_carried"] or '"x**2 - 1"' in sent(shown)["_carried"]
+    with pytest.raises(ParameterError, match="surfaces must be formulas"):
+        lp.view(plane, start=start, surfaces=None)
+
+
+def test_long_surfaces_that_begin_alike_keep_their_places(plane):
+    long = "+".join(f"x^{k}*y" for k in range(1, 60))
+    shown = lp.view(plane, start=[0.1, 0.2, 0.3, 0.4], surfaces=[f"{long}+p_x", f"{long}+p_y"])
+    shown.address += "&section=6,1"  # as the page says it where the second is chosen
+    shown.time = 1
+    assert "section=6,1" in shown.address.replace("%2C", ",")
+
+
+def test_a_direction_without_a_surface_is_refused(widget):
+    with pytest.raises(ParameterError, match="direction is that in which orbits cross a surface"):
+        lp.view(TOP, state={"direction": -1})
+    address = widget.address
+    with pytest.raises(ParameterError, match="direction is that"):
+        widget.state = {"direction": -1}
+    assert widget.address == address
+    widget.state = {"surface": "l3", "direction": -1}
+    assert "section=l3,-1" in widget.address
+    widget.state = {"direction": 1}
+    assert "section=l3,1" in widget.address
+
+
+def test_playing_is_yes_or_no():
+    with pytest.raises(ParameterError, match="playing must be True or False"):
+        lp.view(TOP, start=START, playing="no")
+
+
+@pytest.mark.parametrize("size", ["1e300", "1e-300"])
+def test_a_system_with_extreme_numbers_has_a_component_as_surface(size):
+    pytest.importorskip("anywidget")
+    shown = lp.view(lp.System(lp.canonical(names=["q"]), f"p_q^2/2 + {size}*q^4"), start=[0.1, 0.2])
+    assert json.loads(sent(shown)["_carried"])["surface"] == 0

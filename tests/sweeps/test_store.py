@@ -298,3 +298,17 @@ def lp_spec():
     from liepoisson.sweeps.spec import SweepSpec
 
     return SweepSpec(**{key: value for key, value in SPEC.items() if key != "points_per_piece"})
+
+
+@pytest.mark.parametrize("key", ["spec", "fingerprint", "format"])
+def test_a_description_without_one_of_its_parts_is_refused(tmp_path, key):
+    path = tmp_path / "a.zarr"
+    sweep(**SPEC, store=path)
+    text = (path / "zarr.json").read_text()
+    assert f'"{key}"' in text
+    (path / "zarr.json").write_text(text.replace(f'"{key}"', f'"_{key}"'))
+    with pytest.raises(lp.errors.LiePoissonError):
+        lp.load(path)
+    if key != "spec":  # which is given once more, and known by its fingerprint
+        with pytest.raises(lp.errors.LiePoissonError):
+            sweep(**SPEC, store=path)

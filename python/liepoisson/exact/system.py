@@ -32,6 +32,7 @@ from liepoisson.exact.parameters import Exact, substituted, symbols_of, to_sympy
 from liepoisson.exact.rational_polynomials import values_of
 from liepoisson.exact.values import GivenValue, Value, flattened, read_values
 from liepoisson.field import Field, PiecesField, TapeFunction
+from liepoisson.read_only import ReadOnlyDict
 from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
@@ -129,8 +130,8 @@ class System:
         self._given_symbols = read_declarations(symbols)
         self._given_integrals = read_functions(integrals, "integrals")
         self._given_partial_integrals = read_pairs_of_functions(partial_integrals)
-        self.values: dict[str, Value] = read_values(parameters)
-        self.parameters: dict[str, Exact] = flattened(self.values)
+        self.values: dict[str, Value] = ReadOnlyDict(read_values(parameters))
+        self.parameters: dict[str, Exact] = ReadOnlyDict(flattened(self.values))
         bracket.check_parameter_names(set(self.parameters).union(*map(symbols_of, self.parameters.values())))
         self._check_that_values_are_final()
         self.symbolic_bracket: Bracket = bracket

@@ -79,7 +79,13 @@ class Addresses:
         same = all(found[part] == state.get(part) for part in ("start", "parameters") if part in found)
         if not same:
             found = {"time": 0.0, **({} if self.system else {"preset": None}), **found}
-        return {**state, **found}
+        changed = {**state, **found}
+        if "direction" in changed and "surface" not in changed:
+            raise ParameterError(
+                "direction is that in which orbits cross a surface, which must be named with it; got it alone. Write "
+                f"{{'surface': {self.parts.surfaces[0]!r}, 'direction': -1}}."
+            )
+        return changed
 
 
 def _completed(known: Mapping[str, str], changes: Mapping[str, str]) -> State:

@@ -12,7 +12,7 @@ from fractions import Fraction
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -228,7 +228,7 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
         first = {**saved.functions, "outputs": saved.functions["outputs"][:1]}
         return {"names": [saved.surface[:_LONGEST_NAME]], "functions": first}, saved.surface
     names = component_names(system, start.size)
-    chosen = {str(one): one for one in ([given] if isinstance(given, str) else given)}
+    chosen = {str(one): one for one in _several(given)}
     if not chosen:
         name, formula = _default_surface(system, start)
         chosen = {name: formula}
@@ -242,7 +242,22 @@ def _surfaces(system: Any, start: Array, given: Sequence[Any], saved: Any) -> tu
             "Leave them out: each component is a surface."
         )
     record = record_of_functions(system.function_tape(*listed.values()))
-    return {"names": [name[:_LONGEST_NAME] for name in listed], "functions": record}, first
+    return {"names": _shortened(list(listed)), "functions": record}, first
+
+
+def _several(given: Any) -> list[Any]:
+    """Surfaces that were given as one or several."""
+    if isinstance(given, Sequence) and not isinstance(given, str):
+        return list(cast("Sequence[Any]", given))
+    if given is None:
+        raise ParameterError("surfaces must be formulas, such as ('l1*l2', 'l3'); got None. Leave them out for none.")
+    return [given]
+
+
+def _shortened(names: list[str]) -> list[str]:
+    """Names that the page can show, no two of them alike."""
+    short = [name[:_LONGEST_NAME] for name in names]
+    return [f"{text[: _LONGEST_NAME - 8]} ({k})" if short.count(text) > 1 else text for k, text in enumerate(short, 1)]
 
 
 def _default_surface(system: Any, start: Array) -> tuple[str, str]:
@@ -257,6 +272,7 @@ def _default_surface(system: Any, start: Array) -> tuple[str, str]:
     try:
         leaf = find(bracketed, start=start, guess=None, leaf=None, energy=None, seed=0).leaf
         surface, of = chosen_surface(leaf)
+        system.function_tape(surface)  # its numbers may be too long to be read
     except LiePoissonError:
         return names[0], names[0]
     return (surface if surface in names else f"rate of {of}"), surface

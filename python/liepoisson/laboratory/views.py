@@ -75,6 +75,8 @@ def view(
         >>> print(widget.system.epsilon)
         1/3
     """
+    if not isinstance(playing, bool | np.bool_):
+        raise ParameterError(f"playing must be True or False; got {playing!r:.40}.")
     if panels not in PANELS:
         raise ParameterError(f"panels must be {' or '.join(map(repr, PANELS))}; got {panels!r:.40}.")
     page, system = _page(shown, start, surfaces, trajectory, point)

@@ -457,9 +457,11 @@ def section(
 def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) -> None:
     n = int(in_surface.sum())
     if n:
-        which = "the orbit lies" if len(in_surface) == 1 else f"{n} of {len(in_surface)} orbits lie"
+        lie, cross = (
+            ("the orbit lies", "crosses") if len(in_surface) == 1 else (f"{n} of {len(in_surface)} orbits lie", "cross")
+        )
         warnings.warn(
-            f"{which} in the surface {surface} = 0, from start to end, and cross it nowhere; try another surface",
+            f"{lie} in the surface {surface} = 0, from start to end, and {cross} it nowhere; try another surface",
             SurfaceWarning,
             stacklevel=level_of_the_caller(),
         )

@@ -28,6 +28,8 @@ CANCELLED = 1e-13
 """A sum below this fraction of the sizes of its terms is round-off."""
 VANISHES = 1e-8
 """A vector field below this fraction of its scale counts as zero."""
+_LARGEST = 1e280
+"""Second derivatives above this count as none."""
 MOST_STEPS = 100
 _NEAR_ROUND_OFF = 1e-12
 """Below this relative residual, two steps in succession that do not help end the iteration."""
@@ -36,9 +38,9 @@ _ROUND_OFF = 1e-14
 SOFT = 1e-5
 """A direction is soft, and may be flat at the critical point itself, if the second variation (or the linear equations)
 there is below this fraction of the largest. At the end of a search near a degenerate point it is 1e-8 to 1e-6."""
-_SINGULAR, _SETTLING = 1e-12, 3
+_SINGULAR, _SETTLING, _FINISHING = 1e-12, 3, 6
 """Singular values of the linear equations below this fraction of the largest are round-off; steps that settle the
-directions which are not soft."""
+directions which are not soft; steps that finish a search."""
 
 
 class HamiltonianFields:
@@ -104,12 +106,15 @@ class HamiltonianFields:
         return tuple(f for f in self.functions if not f.is_polynomial)
 
     def are_defined(self, x: Array) -> NDArray[np.bool_]:
-        """At which states, (...,), all functions have finite derivatives up to the second ones; polynomials have."""
+        """At which states, (...,), the derivatives of all functions up to the second ones are finite; polynomials have.
+
+        Near the largest number what is made of them overflows, and a state would be at rest relative to it.
+        """
         with np.errstate(all="ignore"):
             finite = np.isfinite(x).all(axis=-1)
             for f in self._of_limited_range:
                 finite = finite & np.isfinite(f.gradient(x)).all(axis=-1)
-                finite &= np.isfinite(f.hessian(x)).all(axis=(-2, -1))
+                finite &= (np.abs(f.hessian(x)) <= _LARGEST).all(axis=(-2, -1))
         return np.asarray(finite)
 
     def scale(self, x: Array) -> Array:
@@ -239,6 +244,24 @@ def stretched_steps(
         found = search.projected(np.array([y + _undamped(search, y, SOFT) for y in found]).reshape(found.shape))[0]
         found = found[fields.are_defined(found)]
     return found
+
+
+def finished(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, values: Array) -> Array:
+    """A state after Newton's steps without damping, while each is less than half as long as the one before.
+
+    A residual relative to the largest curvature is one to round-off before a direction that is soft has converged.
+    """
+    search = _Search(leaf, fields, values)
+    step = _undamped(search, x, _SINGULAR)
+    for _ in range(_FINISHING):
+        trial, possible = search.projected((x + step)[None])
+        if not (possible[0] and fields.are_defined(trial)[0] and np.isfinite(step).all()):
+            break
+        following = _undamped(search, trial[0], _SINGULAR)
+        if not norm(following) < norm(step) / 2:
+            break
+        x, step = trial[0], following
+    return x
 
 
 def _undamped(search: _Search, x: Array, smallest: float) -> Array:

@@ -26,6 +26,7 @@ from liepoisson.phase_space.critical_points import (
     VANISHES,
     HamiltonianFields,
     critical_points,
+    finished,
     residuals,
     stretched_steps,
 )
@@ -67,6 +68,11 @@ Newton's method after each."""
 _PARTS, _BENT = (1.0, 0.5, 0.25, 0.125), 0.1
 """Parts of such a step that are tried, and what the correction may be to the length of one that is not too long."""
 
+_SHORT, _ALONG, _CORRECTED, _ASIDE = (0.02, 0.0025), 0.3, 1.5, 0.3
+"""Steps from which it is seen whether a family goes on, relative to the length of the state; what is left, at least, of
+a step that leads along a family; how long its correction may be; and how far two states may be from each other to count
+as one, relative to the step."""
+
 _CARRIED = 1e-12
 """The residual that is left of a relative equilibrium where the motion of an integral has carried it without error."""
 
@@ -79,8 +85,9 @@ class _Family:
     """One isolated equilibrium, or several of one connected family.
 
     `orbit` is what the motion of an integral makes of one relative equilibrium, and `curve` has states all along
-    another closed family. `is_isolated`: it is known to be no part of a family. The states are in the units of the
-    leaf, except that of `first`.
+    another closed family. `is_isolated`: it is known to be no part of a family. `is_crossed`: the second variation has
+    a larger kernel at some of the states, as where the family crosses another or itself. The states are in the units of
+    the leaf, except that of `first`.
     """
 
     first: Equilibrium
@@ -89,6 +96,12 @@ class _Family:
     curve: Array | None = None
     orbit: SymmetryOrbit | None = None
     is_isolated: bool = False
+    is_crossed: bool = False
+
+    def take(self, one: Equilibrium, states: list[Array]) -> None:
+        """Add states, the first of which is this equilibrium."""
+        self.states += states
+        self.is_crossed |= one.nullity > self.first.nullity
 
     def counted(self) -> Equilibrium:
         return replace(self.first, n_found=len(self.states), family=self.kind)
@@ -123,6 +136,10 @@ class EquilibriumSearch:
         """What was found so far, by increasing energy."""
         return sorted((family.counted() for family in self._families), key=lambda e: e.energy)
 
+    def signed_sum(self) -> int | None:
+        """The sum of the signs; not known where families cross, which are then no circles."""
+        return None if any(family.is_crossed for family in self._families) else signed_sum(self.found)
+
     @property
     def n_undecided(self) -> int:
         """The number of places where H is flat to round-off and may have more equilibria than those found."""
@@ -149,7 +166,7 @@ class EquilibriumSearch:
 
     def until_the_sum_is(self, expected: int | None, most_starts: int) -> None:
         """Twice as many starts each time, while the sum of the signs is known and not this number."""
-        while expected is not None and signed_sum(self.found) not in {None, expected} and self.n_starts < most_starts:
+        while expected is not None and self.signed_sum() not in {None, expected} and self.n_starts < most_starts:
             self.extend(min(self.n_starts, most_starts - self.n_starts))
 
     def until_all_were_met_again(self, most_starts: int) -> None:
@@ -198,7 +215,7 @@ class EquilibriumSearch:
             alike = [family for family in self._families if self._may_be_one(family.first, new, state)]
             for family in sorted(alike, key=lambda f: _distance(f, state)):
                 if self._is_connected(family, state):
-                    family.states.append(state)
+                    family.take(new, [state])
                     return
         family = self._family(new, state, directions, is_isolated=zero.is_isolated)
         self._families = [known for known in self._families if not self._takes_in(family, known)]
@@ -214,7 +231,7 @@ class EquilibriumSearch:
             return False
         if not self._is_connected(family, known.states[0]):
             return False
-        family.states += known.states
+        family.take(known.first, known.states)
         return True
 
     @cached_property
@@ -224,6 +241,7 @@ class EquilibriumSearch:
     def _led_on(self, state: Array) -> list[Array]:
         """The critical point to which Newton's method was on its way, and those which doubles do not tell from it."""
         if not self._may_mislead:
+            state = finished(self._leaf, self._fields, state, self._values)
             zero = settled(self._leaf, self._fields, self._values, self._polished(state))
             self._zeros.append(zero)
             return [zero.state]
@@ -288,13 +306,19 @@ class EquilibriumSearch:
             return False
         return self._has_energy_of(known, state)
 
+    def _are_level(self, first: Array, second: Array) -> bool:
+        """Whether two states have the same energy."""
+        return self._has_energy(float(self._leaf.system.functions.energy(first)), second)
+
     def _has_energy_of(self, known: Equilibrium, state: Array) -> bool:
-        energy, unit = self._leaf.system.functions.energy, self._fields.unit
-        length = float(norm(state)) + unit
-        slope = float(norm(energy.gradient(state))) * length
-        if unit:  # on a leaf without Casimirs the gradient itself is zero
-            slope += float(norm(energy.hessian(state))) * length**2
-        return abs(known.energy - float(energy(state))) <= _SAME_ENERGY * slope
+        return self._has_energy(known.energy, state)
+
+    def _has_energy(self, value: float, state: Array) -> bool:
+        energy = self._leaf.system.functions.energy
+        length = float(norm(state)) + self._fields.unit
+        slope = float(norm(energy.gradient(state))) * length  # zero where H is critical off the leaf, too
+        slope += float(norm(energy.hessian(state))) * length**2
+        return abs(value - float(energy(state))) <= _SAME_ENERGY * slope
 
     def _softness(self, state: Array) -> float:
         """The largest curvature among the soft directions, relative to all; 0 if there is none."""
@@ -319,17 +343,39 @@ class EquilibriumSearch:
         return _Family(first, [state], "circle" if is_closed else f"family of dimension {n_free}", curve, orbit)
 
     def _free_steps(self, state: Array, kernel: Array) -> Array:
-        """Directions of the kernel of the second variation in which a family goes on, shape (N, n)."""
+        """Directions of the kernel of the second variation in which a family goes on, shape (N, n).
+
+        None where families cross: from there more directions lead along one of them than any has.
+        """
         if not kernel.shape[1]:
             return kernel
-        for part in _PARTS[:: len(_PARTS) - 1]:
-            step = part * _STEP * (float(norm(state)) + self._fields.unit)
-            moved = [self._corrected(state + step * v, is_sure=False) for v in kernel.T]
-            steps = np.array([(m - state if m is not None else np.zeros_like(state)) / step for m in moved])
+        found = kernel
+        for part in _SHORT:  # a step may also lead to another family that is near
+            step = part * (float(norm(state)) + self._fields.unit)
+            moved = [self._beside(state, step * v) for v in kernel.T]
+            steps = np.array([m - state for m in moved]) / step
             _, lengths, along = np.linalg.svd(steps @ kernel)
-            if (lengths > 0.3).any():
-                return kernel @ along[lengths > 0.3].T
-        return kernel[:, :0]
+            n_along = int((lengths > _ALONG).sum())
+            there = [m for m, s in zip(moved, steps, strict=True) if norm(s) > _ALONG]
+            n_null = min((null_directions(self._leaf, self._fields, m).shape[1] for m in there), default=0)
+            found = kernel @ along[: n_along if n_along <= n_null else 0].T
+            if not found.shape[1]:
+                break
+        return found
+
+    def _beside(self, state: Array, step: Array) -> Array:
+        """The state of the family of this one to which a step leads; the state itself if it leads to none.
+
+        Where Newton's method comes to rest after the step there need be no critical point, and it is led on, perhaps
+        back to this state; one that is far off is another one.
+        """
+        length, rest = float(norm(step)), self._corrected(state + step)
+        if rest is None or norm(rest - state - step) >= _CORRECTED * length or not self._are_level(state, rest):
+            return state
+        zero = self._corrected(state + step, is_sure=False)
+        if zero is None or norm(zero - state) <= _ASIDE * length:
+            return state
+        return zero if norm(zero - rest) <= _ASIDE * length else rest
 
     def _kept(self, carried: Array) -> Array | None:
         """A relative equilibrium that the motion of an integral has carried on, free of the error made on the way."""

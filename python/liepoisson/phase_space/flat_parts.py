@@ -38,8 +38,10 @@ if TYPE_CHECKING:
     from liepoisson.phase_space.critical_points import HamiltonianFields
     from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
-_BLIND = 1e-8
-"""A slope below this, relative, may be one at which Newton's method comes to rest on its way to a critical point."""
+_BLIND = (1e-8, 1e-10, 1e-12, 1e-14, 1e-16)
+"""A slope below this, relative, may be one at which Newton's method comes to rest on its way to a critical point. It is
+relative to the largest curvature, so that beside a much larger hill elsewhere smaller ones count: the next is tried
+where the slope does not become larger within reach."""
 _FIRST, _FARTHEST = 1e-6, 64.0
 """How far the interval is followed on each side, relative to the length of the state, by factors of two."""
 _VISIBLE_AT = 1e-2
@@ -92,8 +94,11 @@ def flat_part_at(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, st
         slope = reduced_slope(leaf, fields, values, state)
         if slope is None or slope.soft.shape[1] != 1 or not _is_blind(slope, 0, 0.0) or not _is_seen_beside(slope):
             return None
-        begin, end = _end(slope, 0, -1), _end(slope, 0, 1)
-        return None if begin is None or end is None else _resolved(slope, begin, end)
+        for blind in _BLIND:
+            begin, end = _end(slope, 0, -1, blind), _end(slope, 0, 1, blind)
+            if begin is not None and end is not None:
+                return _resolved(slope, begin, end)
+        return None
 
 
 @dataclass(frozen=True)
@@ -138,22 +143,22 @@ def _is_seen_beside(slope: ReducedSlope) -> bool:
     return any(there is not None and there.is_seen for there in beside)
 
 
-def _end(slope: ReducedSlope, axis: int, sign: int) -> float | None:
+def _end(slope: ReducedSlope, axis: int, sign: int, blind: float = _BLIND[0]) -> float | None:
     """Where the slope is seen in doubles, on one side along one direction."""
     share = _FIRST
     while share <= _FARTHEST:
-        if not _is_blind(slope, axis, sign * share * slope.length):
+        if not _is_blind(slope, axis, sign * share * slope.length, blind):
             return sign * share * slope.length
         share *= 2
     return None
 
 
-def _is_blind(slope: ReducedSlope, axis: int, distance: float) -> bool:
+def _is_blind(slope: ReducedSlope, axis: int, distance: float, blind: float = _BLIND[0]) -> bool:
     """Whether the slope is too small for doubles; also where it is not known, so that no interval ends there."""
     s = [arb(0)] * slope.soft.shape[1]
     s[axis] = arb(distance)
     there = slope.at(s)
-    size = _BLIND * slope.curvature * slope.length
+    size = blind * slope.curvature * slope.length
     return there is None or not any(abs(v) >= size for v in there.value)
 
 

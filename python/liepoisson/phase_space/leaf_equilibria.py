@@ -25,6 +25,7 @@ from liepoisson.phase_space.equilibrium_list import Equilibria, signed_sum
 from liepoisson.phase_space.equilibrium_search import NEAR, EquilibriumSearch, is_critical
 from liepoisson.phase_space.euler_characteristic import euler_characteristic
 from liepoisson.phase_space.exact_top import exact_top
+from liepoisson.phase_space.flat_parts import flat_part_at
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.polynomial_equilibria import polynomial_equilibria
 from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, settled, zero_near
@@ -36,6 +37,7 @@ from liepoisson.wrong_values import shown
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
     from liepoisson.exact.system import System
+    from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
 _MOST, _ONCE = 16, 4
 """The search takes at most this many times `n_starts`, unless the caller says otherwise: where the check fails, and
@@ -120,7 +122,7 @@ def equilibria(
     search.extend(n_starts)
     search.until_all_were_met_again(min(most, _ONCE * n_starts))
     search.until_the_sum_is(expected, most)
-    total = _sum(search.found, integrals)
+    total = None if integrals else search.signed_sum()  # with integrals it would belong to another space
     return Equilibria(
         leaf, tuple(search.found), False, expected, total, search.n_starts, n_undecided=search.n_undecided
     )
@@ -164,11 +166,6 @@ def _by_elimination(leaf: Leaf) -> tuple[Equilibria | None, Array]:
 
 def _with_family(equilibrium: Equilibrium, kind: str) -> Equilibrium:
     return replace(equilibrium, family="degenerate" if kind == "point" and equilibrium.nullity else kind)
-
-
-def _sum(found: Sequence[Equilibrium], integrals: Mapping[str, PhaseFunction]) -> int | None:
-    """The sum of signs; with integrals it would belong to another space."""
-    return None if integrals else signed_sum(found)
 
 
 def _leaf(system: System, given: Any) -> Leaf:
@@ -229,8 +226,8 @@ def equilibrium_near(
     zero = SoftZero(states[0]) if len(states) else None
     reached = f"a relative residual of {residual[0]:.1e}" if len(states) else "no state where H has finite derivatives"
     if zero is not None and may_mislead(functions.energy) and is_critical(fields, view, states, residual, NEAR)[0]:
-        zero = zero_near(view, fields, level, zero.state)
-        reached = f"{reached}, where H only becomes flat and has no critical point" if zero is None else reached
+        zero = zero_near(view, fields, level, zero.state) or _in_flat_part(view, fields, level, zero.state)
+        reached = f"{reached}, where H becomes flat, and no critical point was found there" if zero is None else reached
     elif zero is not None and is_critical(fields, view, states, residual)[0]:
         zero = settled(view, fields, level, zero.state)
     if zero is not None:
@@ -242,6 +239,13 @@ def equilibrium_near(
             f"{reached}. Search with equilibria(system, leaf, along=..., values=...)."
         )
     return analysis(leaf, zero.state * view.units, integrals, is_flat=zero.is_flat)
+
+
+def _in_flat_part(view: LeafInUnits, fields: HamiltonianFields, level: Array, state: Array) -> SoftZero | None:
+    """The nearest of the critical points that doubles do not tell apart at a state."""
+    part = flat_part_at(view, fields, level, state)
+    zeros = () if part is None else part.zeros
+    return min(zeros, key=lambda zero: float(np.linalg.norm(zero.state - state)), default=None)
 
 
 def _level(integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] | None, x: Array | None) -> Array:

@@ -16,6 +16,12 @@ if TYPE_CHECKING:
     from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
 
+_ACROSS = 1e-12
+"""A second variation below this fraction of the second derivatives is round-off of those across the leaf."""
+_OFF, _OUTGROWN = 100.0, 0.1
+"""How far a second variation is compared, relative to the residual, and what is left of it where it vanishes."""
+
+
 @dataclass(frozen=True)
 class CriticalPoint:
     """A critical point with what its second variations are made of."""
@@ -54,9 +60,33 @@ class CriticalPoint:
         derivative = sum(parts) @ coefficients
         # H - Omega K may be constant on the leaf: what is left of terms that cancel there is no second variation
         sizes = [norm(np.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
-        if norm(basis.T @ derivative @ basis) <= CANCELLED * float(sum(sizes) @ np.abs(coefficients)):
+        size = float(norm(basis.T @ derivative @ basis))
+        if size <= CANCELLED * float(sum(sizes) @ np.abs(coefficients)) or self._is_flat(coefficients, size):
             derivative = np.zeros_like(derivative)
-        return linear_flow(self.fields.poisson(self.x), derivative, basis)
+        flow, asymmetry = linear_flow(self.fields.poisson(self.x), derivative, basis)
+        # the second derivatives may be those across the leaf, as of a function of the distance from it
+        across = sum(
+            abs(c) * float(norm(f.hessian(self.x))) for c, f in zip(coefficients, self.fields.functions, strict=True)
+        )
+        if norm(flow.hessian) <= _ACROSS * across:
+            return flow.with_hessian(np.zeros_like(flow.hessian)), 0.0
+        return flow, asymmetry
+
+    def _is_flat(self, coefficients: Array, size: float) -> bool:
+        r"""Whether the second variation, of this size, is only what is left of it at a state that is a little off.
+
+        Where H has no terms of the second order, such as $p^4 + q^4$, the search ends with the residual r at a distance
+        of a few $r|x|$ from the critical point, and the second variation has a size and signs there that say nothing.
+        At $100r|x|$ from such a state it is larger by a factor of 100 at least; that of another one is the same.
+        """
+        x, basis = self.x, self.tangents
+        length = float(norm(x)) + self.fields.unit
+        rates, scale = self.fields.fields(x) @ coefficients, float(self.fields.scale(x) @ np.abs(coefficients))
+        off = _OFF * max(float(norm(rates)) / scale if scale else 0.0, float(np.finfo(np.float64).eps)) * length
+        with np.errstate(all="ignore"):
+            around = sum(self.fields.parts(x + off * np.concatenate([basis, -basis], axis=1).T)) @ coefficients
+            sizes = norm(basis.T @ around @ basis, axis=(-2, -1))
+        return bool(size <= _OUTGROWN * np.nanmax(sizes, initial=0.0))
 
 
 def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:

@@ -73,6 +73,10 @@ _DEPENDENT = 1e-13
 _AT_REST, _NEAR_REST, _FACTORS = 1e-11, 1e-3, (2.0, 4.0, 8.0, 0.5, 0.25)
 """Residual of a state at which a motion is at rest, how far from it states are led to it, and other starts on the line
 from it, by which factor they are farther."""
+_DESCENTS, _HALVINGS, _DESCENDED = 300, 6, 1e-16
+"""Newton's method for g: steps, halvings of one that does not lead down, and the last one, relative."""
+_WATCHED, _FASTER = 12, 0.95
+"""Over how many steps these become shorter, by which factor each."""
 _LEAST = 1e-3
 """The derivative of n along a direction is 1/m for a zero of order m; orders up to the inverse of this are believed."""
 WHOLE = 0.05
@@ -130,7 +134,7 @@ def zero_near(
         here = slope.at(origin)
         if here is not None and here.is_seen:
             found = (_zero(slope, s, is_own=s is origin) for s in [origin, *_from_rest(slope, len(origin))])
-            return next((zero for zero in found if zero is not None), None)
+            return next((zero for zero in found if zero is not None), None) or _descended(slope, origin)
         starts = _where_seen(slope, len(origin))
         if starts is None:
             return SoftZero(state)
@@ -393,9 +397,10 @@ class ReducedSlope:
         if len(matrix):
             balanced = matrix * units
             lengths = np.abs(balanced).max(axis=1)
-            if not lengths.all() or not np.linalg.cond(balanced / lengths[:, None]) < 1e12:
+            balanced_rows = balanced / lengths[:, None]
+            if not np.isfinite(balanced_rows).all() or not np.linalg.cond(balanced_rows) < 1e12:
                 return False
-            inverse = units[:, None] * np.linalg.inv(balanced / lengths[:, None]) / lengths
+            inverse = units[:, None] * np.linalg.inv(balanced_rows) / lengths
             self.inverse = _matrix(inverse)
         if not self.start:
             self.start = [arb(0)] * w.shape[1] + [arb(v) for v in multipliers.tolist()]
@@ -484,6 +489,39 @@ def _zero(slope: ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None
     return rounded
 
 
+def _descended(slope: ReducedSlope, s: list[arb]) -> SoftZero | None:
+    r"""A zero of the slope along several directions of different orders, by Newton's method for g itself.
+
+    Where the slope is $(4u^3 + v^2, 2uv)$, n is no smooth function at the zero. The steps for g become shorter there by
+    a factor of about $1 - 1/m$ each, which on a tail tends to one.
+    """
+    k, here = len(s), slope.at(s)
+    if k < 2 or here is None:
+        return None
+    basis = [[arb(int(i == j)) for i in range(k)] for j in range(k)]
+    sizes: list[float] = []
+    way = 0.0
+    while len(sizes) < _DESCENTS:
+        step = _displacement(slope, s, basis)
+        if step is None or not all(v.is_finite() for v in step):
+            return None
+        for _ in range(_HALVINGS):
+            there = slope.at([(a - b).mid() for a, b in zip(s, step, strict=True)], here.unknowns)
+            if there is not None and _largest(there.value) < _largest(here.value):
+                break
+            step = [v / 2 for v in step]
+        else:
+            return None
+        s, here = [(a - b).mid() for a, b in zip(s, step, strict=True)], there
+        sizes.append(float(_largest(step)) / slope.length)
+        way += sizes[-1]
+        if sizes[-1] <= _DESCENDED:
+            return SoftZero(slope.state_of(s, here))
+        if way > _FAR or (len(sizes) > _WATCHED and not sizes[-1] <= _FASTER**_WATCHED * sizes[-1 - _WATCHED]):
+            return None
+    return None
+
+
 def _is_found_again(slope: ReducedSlope, s: list[arb], came_from: list[arb]) -> bool:
     """Whether s, where no slope is seen, is a zero: from a place beside it Newton's step leads back, as on no tail.
 
@@ -515,10 +553,20 @@ def is_one_over_whole(shares: Array, within: float) -> bool:
 
 
 def _is_zero_to_round_off(slope: ReducedSlope, s: list[arb], shares: Array) -> bool:
+    """Whether s is a zero of low order for values that differ from those that are kept by round-off."""
     if len(shares) > 1 or shares[0] < 1 / _FEW or not is_one_over_whole(shares, _SURELY_WHOLE):
         return False
-    there = slope.at(s)
-    return there is not None and bool(_largest(there.value) <= _ROUND_OFF * slope.curvature * slope.length)
+    here = slope.at(s)
+    if here is None:
+        return False
+    change = arb(0)
+    for k in range(len(slope.values)):
+        values = slope.values.copy()
+        values[k] *= 1 + _ROUND_OFF
+        there = replace(slope, values=values).at(s, here.unknowns)
+        if there is not None:
+            change += _largest([a - b for a, b in zip(there.value, here.value, strict=True)])
+    return bool(_largest(here.value) <= change)
 
 
 def fold_to_round_off(slope: ReducedSlope, s: list[arb]) -> list[arb] | None:

@@ -193,7 +193,7 @@ def _is_zero_of_slope(view: LeafInUnits, fields: HamiltonianFields, y: Array) ->
     zero = zero_near(view, fields, np.array([float(f(y)) for f in fields.functions[1:]]), y)
     if zero is None:
         raise ParameterError(
-            "state must be an equilibrium; H only becomes flat there, and has no critical point nearby, though the "
+            "state must be an equilibrium; H becomes flat there, and no critical point was found nearby, though the "
             "vector field is zero in doubles. equilibria(system, Leaf.through(system, state)) looks for those of its "
             "leaf."
         )

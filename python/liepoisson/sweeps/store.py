@@ -134,8 +134,8 @@ class SweepStore:
         attributes = read_attributes(path)
         if attributes.get("format") != _FORMAT:
             raise OtherSweepError(f"{path} holds a sweep: {_another_format(attributes)}.")
-        digest = hashlib.sha256(json.dumps(attributes["spec"], sort_keys=True).encode()).hexdigest()
-        if digest != attributes["fingerprint"]:
+        digest = hashlib.sha256(json.dumps(attributes.get("spec"), sort_keys=True).encode()).hexdigest()
+        if digest != attributes.get("fingerprint"):
             raise DamagedFileError(f"{path}: its description was changed after the sweep was made. Make it again.")
         store = cls.__new__(cls)
         store.path, store.damaged = path, 0
@@ -168,7 +168,7 @@ class SweepStore:
                 f"{self.path} holds a sweep: {_another_format(attributes)}. Choose another store for a new one, or "
                 "discard it with fresh (--fresh)."
             )
-        elif attributes["fingerprint"] != self._fingerprint:
+        elif attributes.get("fingerprint") != self._fingerprint:
             raise OtherSweepError(
                 f"{self.path} holds another sweep: {_difference(attributes['spec'], self._spec.record())}. Use the "
                 "same spec and version to go on with it, choose another store, or discard it with fresh (--fresh)."
