@@ -272,7 +272,7 @@ def _default_surface(system: Any, start: Array) -> tuple[str, str]:
     try:
         leaf = find(bracketed, start=start, guess=None, leaf=None, energy=None, seed=0).leaf
         surface, of = chosen_surface(leaf)
-        system.function_tape(surface)  # its numbers may be too long to be read
+        bracketed.function_tape(surface)  # its numbers may be too long to be read
     except LiePoissonError:
         return names[0], names[0]
     return (surface if surface in names else f"rate of {of}"), surface

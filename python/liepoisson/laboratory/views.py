@@ -75,7 +75,7 @@ def view(
         >>> print(widget.system.epsilon)
         1/3
     """
-    if not isinstance(playing, bool | np.bool_):
+    if not isinstance(playing, bool | np.bool_):  # pyright: ignore[reportUnnecessaryIsInstance]
         raise ParameterError(f"playing must be True or False; got {playing!r:.40}.")
     if panels not in PANELS:
         raise ParameterError(f"panels must be {' or '.join(map(repr, PANELS))}; got {panels!r:.40}.")
