@@ -189,3 +189,11 @@ def test_a_sleeping_top_is_no_small_circle():
         leaf = {"C1": 2.01, "C2": 1}
         (found,) = lp.equilibria(system, leaf, along=("l3",), values={"l3": 2.01}, n_starts=40, seed=seed)
         assert (found.family, found.signature) == ("point", (4, 0, 0))
+
+
+def test_stiffness_across_the_leaf_makes_nothing_flat():
+    # cosh of a Casimir is constant on the leaf; what is left is the free body with 1/2, 3/2 and 1
+    body = "l1^2/2 + 3*l2^2/2 + l3^2 + 3*10^12*cosh(l1^2 + l2^2 + l3^2 - 1)"
+    found = lp.equilibria(on_sphere(body), {"C1": 1})
+    assert sorted(e.signature for e in found) == [(0, 2, 0)] * 2 + [(1, 1, 0)] * 2 + [(2, 0, 0)] * 2
+    assert [round(e.growth_rate, 2) for e in found if e.linear_stability == "unstable"] == [1, 1]

@@ -16,10 +16,9 @@ if TYPE_CHECKING:
     from liepoisson.phase_space.leaf_in_units import LeafInUnits
 
 
-_ACROSS = 1e-12
-"""A second variation below this fraction of the second derivatives is round-off of those across the leaf."""
-_OFF, _OUTGROWN = 100.0, 0.1
-"""How far a second variation is compared, relative to the residual, and what is left of it where it vanishes."""
+_STIFF, _OFF, _OUTGROWN = 1e-3, 100.0, 0.1
+"""Directions that are softer, relative, have no part in a step; at how many steps a second variation is compared, and
+what is left of it where it vanishes."""
 
 
 @dataclass(frozen=True)
@@ -60,33 +59,31 @@ class CriticalPoint:
         derivative = sum(parts) @ coefficients
         # H - Omega K may be constant on the leaf: what is left of terms that cancel there is no second variation
         sizes = [norm(np.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
-        size = float(norm(basis.T @ derivative @ basis))
-        if size <= CANCELLED * float(sum(sizes) @ np.abs(coefficients)) or self._is_flat(coefficients, size):
+        restricted = basis.T @ derivative @ basis
+        left = CANCELLED * float(sum(sizes) @ np.abs(coefficients))
+        if norm(restricted) <= left or self._is_flat(coefficients, restricted):
             derivative = np.zeros_like(derivative)
-        flow, asymmetry = linear_flow(self.fields.poisson(self.x), derivative, basis)
-        # the second derivatives may be those across the leaf, as of a function of the distance from it
-        across = sum(
-            abs(c) * float(norm(f.hessian(self.x))) for c, f in zip(coefficients, self.fields.functions, strict=True)
-        )
-        if norm(flow.hessian) <= _ACROSS * across:
-            return flow.with_hessian(np.zeros_like(flow.hessian)), 0.0
-        return flow, asymmetry
+        return linear_flow(self.fields.poisson(self.x), derivative, basis)
 
-    def _is_flat(self, coefficients: Array, size: float) -> bool:
-        r"""Whether the second variation, of this size, is only what is left of it at a state that is a little off.
+    def _is_flat(self, coefficients: Array, derivative: Array) -> bool:
+        r"""Whether the second variation is only what is left of it at a state that is a little off.
 
-        Where H has no terms of the second order, such as $p^4 + q^4$, the search ends with the residual r at a distance
-        of a few $r|x|$ from the critical point, and the second variation has a size and signs there that say nothing.
-        At $100r|x|$ from such a state it is larger by a factor of 100 at least; that of another one is the same.
+        Where H has no terms below the degree m, such as $p^4 + q^4$, the search ends at a distance d from the critical
+        point, and the second variation has a size and signs there that say nothing. Newton's step from there is
+        $d/(m-1)$, and at 100 times this distance the second variation is larger by a factor of 50 at least; that of
+        another critical point is the same.
         """
         x, basis = self.x, self.tangents
         length = float(norm(x)) + self.fields.unit
-        rates, scale = self.fields.fields(x) @ coefficients, float(self.fields.scale(x) @ np.abs(coefficients))
-        off = _OFF * max(float(norm(rates)) / scale if scale else 0.0, float(np.finfo(np.float64).eps)) * length
+        rates = basis.T @ self.fields.fields(x) @ coefficients
+        if not (np.isfinite(derivative).all() and np.isfinite(rates).all()):
+            return False
+        step = float(norm(np.linalg.lstsq(derivative, rates, rcond=_STIFF)[0]))
+        off = _OFF * max(step, float(np.finfo(np.float64).eps) * length)
         with np.errstate(all="ignore"):
             around = sum(self.fields.parts(x + off * np.concatenate([basis, -basis], axis=1).T)) @ coefficients
             sizes = norm(basis.T @ around @ basis, axis=(-2, -1))
-        return bool(size <= _OUTGROWN * np.nanmax(sizes, initial=0.0))
+        return bool(norm(derivative) <= _OUTGROWN * np.nanmax(sizes, initial=0.0))
 
 
 def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
