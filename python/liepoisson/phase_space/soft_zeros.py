@@ -593,13 +593,14 @@ def fold_to_round_off(slope: ReducedSlope, s: list[arb]) -> list[arb] | None:
 def newton_step(slope: ReducedSlope, s: list[arb], there: Slope) -> tuple[list[arb], Array] | None:
     r"""Newton's step $(\partial n)^{-1}n$ for the displacement n, and the eigenvalues of its derivative.
 
-    Where $\partial g$ is singular, as across a family, the step is along g.
+    Where $\partial g$ is singular, or nearly so, as across a family, the step is along g.
     """
     k = len(s)
     bases = [[[arb(int(i == j)) for i in range(k)] for j in range(k)]]
     if k > 1:
         size = sum((v * v for v in there.value), arb(0)).sqrt()
         bases.append([[(v / size).mid() for v in there.value]])
+    found = None
     for basis in bases:
         here = _displacement(slope, s, basis)
         if here is None:
@@ -620,8 +621,10 @@ def newton_step(slope: ReducedSlope, s: list[arb], there: Slope) -> tuple[list[a
         step = [arb(0)] * k
         for length, direction in zip(along, basis, strict=True):
             step = _moved(step, length, direction)
-        return [v.mid() for v in step], np.linalg.eigvals(shares).real
-    return None
+        found = [v.mid() for v in step], np.linalg.eigvals(shares).real
+        if may_be_orders(found[1]):
+            break
+    return found
 
 
 def _displacement(slope: ReducedSlope, s: list[arb], basis: list[list[arb]]) -> list[arb] | None:
