@@ -211,13 +211,3 @@ SMALL = [
 def test_small_circles_are_told_from_flat_points(potential, family):
     found = lp.equilibria(canonical("xy", f"{KINETIC[2]} + {potential}"), {}, n_starts=6, most_starts=12)
     assert {e.family for e in found} == {family}
-
-
-@pytest.mark.thorough
-def test_an_ellipsoid_of_equilibria_is_one_surface():
-    # with s = x^2 + 2 y^2 + z^2: sin(s - 1) + cos(s - 1) = 0 or x = y = z = 0; the first is s = 1 - pi/4
-    system = canonical("xyz", f"{KINETIC[3]} + cos(x^2 + 2*y^2 + z^2 - 1)*exp(-(x^2 + 2*y^2 + z^2))")
-    found = lp.equilibria(system, {}, n_starts=15)
-    energy = np.cos(-np.pi / 4) * np.exp(np.pi / 4 - 1)
-    (first,) = [e for e in found if abs(e.energy - energy) < 1e-9]
-    assert (first.family, first.signature) == ("family of dimension 2", (3, 1, 2))

@@ -351,21 +351,23 @@ class EquilibriumSearch:
             return kernel
         size = float(norm(state)) + self._fields.unit
         far, near = (self._followed_by_steps(state, kernel, part * size) for part in _SHORT)
+        if far is None or near is None:
+            return kernel[:, :0]
         if far.shape[1]:  # a step may also lead to another family that is near
             return min(far, near, key=lambda found: found.shape[1])
         # round a small circle short steps lead on, and where H is only flat they soon do not
         leads = [self._leads_on(state, _SHORT[1] * size * v) for v in near.T]
         return near[:, np.flatnonzero(leads)]
 
-    def _followed_by_steps(self, state: Array, kernel: Array, step: float) -> Array:
-        """Directions of the kernel in which a step leads along a family; none where more do so than a family has."""
+    def _followed_by_steps(self, state: Array, kernel: Array, step: float) -> Array | None:
+        """Directions of the kernel in which a step leads along a family; None if more do so than a family has."""
         moved = [self._beside(state, step * v) for v in kernel.T]
         steps = np.array([m - state for m in moved]) / step
         _, lengths, along = np.linalg.svd(steps @ kernel)
         n_along = int((lengths > _ALONG).sum())
         there = [m for m, s in zip(moved, steps, strict=True) if norm(s) > _ALONG]
         n_null = min((null_directions(self._leaf, self._fields, m).shape[1] for m in there), default=0)
-        return kernel @ along[: n_along if n_along <= n_null else 0].T
+        return kernel @ along[:n_along].T if n_along <= n_null else None
 
     def _leads_on(self, x: Array, step: Array) -> bool:
         """Whether steps of this length lead on along a family, as far as a long one."""

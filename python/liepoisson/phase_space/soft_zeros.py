@@ -133,13 +133,20 @@ def zero_near(
         origin = [arb(0)] * slope.soft.shape[1]
         here = slope.at(origin)
         if here is not None and here.is_seen:
-            found = (_zero(slope, s, is_own=s is origin) for s in [origin, *_from_rest(slope, len(origin))])
-            return next((zero for zero in found if zero is not None), None) or _descended(slope, origin)
+            zero = _first_zero(slope, [origin, *_from_rest(slope, len(origin))])
+            return _descended(slope, origin) if zero is None and len(origin) > 1 else zero
         starts = _where_seen(slope, len(origin))
-        if starts is None:
-            return SoftZero(state)
-        found = (_zero(slope, s, is_own=False) for s in starts)
-        return next((zero for zero in found if zero is not None), None)
+        return SoftZero(state) if starts is None else _first_zero(slope, starts)
+
+
+def _first_zero(slope: ReducedSlope, starts: list[list[arb]]) -> SoftZero | None:
+    """The zero to which the first start leads that leads to one; last, where there may be a family, across it."""
+    for is_across in (False, True)[: slope.soft.shape[1]]:
+        for s in starts:
+            zero = _zero(slope, s, is_own=not any(s), is_across=is_across)
+            if zero is not None:
+                return zero
+    return None
 
 
 def reduced_slope(
@@ -452,8 +459,11 @@ def _comes_into_sight(slope: ReducedSlope, hidden: list[arb], seen: list[arb]) -
     return last is not None and bool(_largest(last.value) <= _JUST_SEEN * slope.curvature * slope.length)
 
 
-def _zero(slope: ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None:
-    """A zero of the slope, by Newton's method for n from s; `is_own`: s is where the search came to rest."""
+def _zero(slope: ReducedSlope, s: list[arb], *, is_own: bool, is_across: bool = False) -> SoftZero | None:
+    """A zero of the slope, by Newton's method for n from s; `is_own`: s is where the search came to rest.
+
+    With `is_across` all steps are along g, as across a family.
+    """
     last, slow, rounded, shares = None, 0, None, np.zeros(0)
     came_from: list[arb] = []
     if is_own and (fold := fold_to_round_off(slope, s)) is not None:
@@ -466,7 +476,7 @@ def _zero(slope: ReducedSlope, s: list[arb], *, is_own: bool) -> SoftZero | None
             if last is not None and (last <= _CLOSE or _is_found_again(slope, s, came_from)):
                 return slope.zero(s, shares)
             break
-        found = newton_step(slope, s, there)
+        found = newton_step(slope, s, there, is_across=is_across)
         if found is None:
             break
         step, shares = found
@@ -496,7 +506,7 @@ def _descended(slope: ReducedSlope, s: list[arb]) -> SoftZero | None:
     a factor of about $1 - 1/m$ each, which on a tail tends to one.
     """
     k, here = len(s), slope.at(s)
-    if k < 2 or here is None:
+    if here is None:
         return None
     basis = [[arb(int(i == j)) for i in range(k)] for j in range(k)]
     sizes: list[float] = []
@@ -590,7 +600,9 @@ def fold_to_round_off(slope: ReducedSlope, s: list[arb]) -> list[arb] | None:
     return fold if there is not None and _largest(there.value) <= _ROUND_OFF * size else None
 
 
-def newton_step(slope: ReducedSlope, s: list[arb], there: Slope) -> tuple[list[arb], Array] | None:
+def newton_step(
+    slope: ReducedSlope, s: list[arb], there: Slope, *, is_across: bool = False
+) -> tuple[list[arb], Array] | None:
     r"""Newton's step $(\partial n)^{-1}n$ for the displacement n, and the eigenvalues of its derivative.
 
     Where $\partial g$ is singular, or nearly so, as across a family, the step is along g.
@@ -601,7 +613,7 @@ def newton_step(slope: ReducedSlope, s: list[arb], there: Slope) -> tuple[list[a
         size = sum((v * v for v in there.value), arb(0)).sqrt()
         bases.append([[(v / size).mid() for v in there.value]])
     found = None
-    for basis in bases:
+    for basis in bases[1:] if is_across else bases:
         here = _displacement(slope, s, basis)
         if here is None:
             continue
