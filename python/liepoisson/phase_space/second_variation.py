@@ -78,7 +78,7 @@ class CriticalPoint:
         rates = basis.T @ self.fields.fields(x) @ coefficients
         if not (np.isfinite(derivative).all() and np.isfinite(rates).all()):
             return False
-        step = float(norm(np.linalg.lstsq(derivative, rates, rcond=_STIFF)[0]))
+        step = float(norm(np.asarray(np.linalg.lstsq(derivative, rates, rcond=_STIFF)[0], dtype=np.float64)))
         off = _OFF * max(step, float(np.finfo(np.float64).eps) * length)
         with np.errstate(all="ignore"):
             around = sum(self.fields.parts(x + off * np.concatenate([basis, -basis], axis=1).T)) @ coefficients
