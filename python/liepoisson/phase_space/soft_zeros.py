@@ -133,17 +133,17 @@ def zero_near(
         origin = [arb(0)] * slope.soft.shape[1]
         here = slope.at(origin)
         if here is not None and here.is_seen:
-            zero = _first_zero(slope, [origin, *_from_rest(slope, len(origin))])
+            zero = _first_zero(slope, [origin, *_from_rest(slope, len(origin))], origin)
             return _descended(slope, origin) if zero is None and len(origin) > 1 else zero
         starts = _where_seen(slope, len(origin))
-        return SoftZero(state) if starts is None else _first_zero(slope, starts)
+        return SoftZero(state) if starts is None else _first_zero(slope, starts, origin)
 
 
-def _first_zero(slope: ReducedSlope, starts: list[list[arb]]) -> SoftZero | None:
+def _first_zero(slope: ReducedSlope, starts: list[list[arb]], origin: list[arb]) -> SoftZero | None:
     """The zero to which the first start leads that leads to one; last, where there may be a family, across it."""
     for is_across in (False, True)[: slope.soft.shape[1]]:
         for s in starts:
-            zero = _zero(slope, s, is_own=not any(s), is_across=is_across)
+            zero = _zero(slope, s, is_own=s is origin, is_across=is_across)
             if zero is not None:
                 return zero
     return None
@@ -605,14 +605,13 @@ def newton_step(
 ) -> tuple[list[arb], Array] | None:
     r"""Newton's step $(\partial n)^{-1}n$ for the displacement n, and the eigenvalues of its derivative.
 
-    Where $\partial g$ is singular, or nearly so, as across a family, the step is along g.
+    Where $\partial g$ is singular, as across a family, the step is along g; with `is_across` it is in any case.
     """
     k = len(s)
     bases = [[[arb(int(i == j)) for i in range(k)] for j in range(k)]]
     if k > 1:
         size = sum((v * v for v in there.value), arb(0)).sqrt()
         bases.append([[(v / size).mid() for v in there.value]])
-    found = None
     for basis in bases[1:] if is_across else bases:
         here = _displacement(slope, s, basis)
         if here is None:
@@ -633,10 +632,8 @@ def newton_step(
         step = [arb(0)] * k
         for length, direction in zip(along, basis, strict=True):
             step = _moved(step, length, direction)
-        found = [v.mid() for v in step], np.linalg.eigvals(shares).real
-        if may_be_orders(found[1]):
-            break
-    return found
+        return [v.mid() for v in step], np.linalg.eigvals(shares).real
+    return None
 
 
 def _displacement(slope: ReducedSlope, s: list[arb], basis: list[list[arb]]) -> list[arb] | None:
