@@ -83,7 +83,7 @@ class CriticalPoint:
         with np.errstate(all="ignore"):
             around = sum(self.fields.parts(x + off * np.concatenate([basis, -basis], axis=1).T)) @ coefficients
             sizes = norm(basis.T @ around @ basis, axis=(-2, -1))
-        return bool(norm(derivative) <= _OUTGROWN * np.nanmax(sizes, initial=0.0))
+        return bool(norm(derivative) <= _OUTGROWN * sizes[np.isfinite(sizes)].max(initial=0.0))
 
 
 def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
