@@ -105,9 +105,14 @@ pub enum Onward<'o> {
 pub trait Observer: Send {
     /// `member` starts in `lane`.
     fn begin(&mut self, lane: usize, member: usize);
-    /// The power series of all lanes are made: what is looked at in all of them at once is looked at here.
-    fn look_over(&mut self, block: &dyn Block) {
-        let _ = block;
+    /// The power series of all lanes are made: what is looked at in all of them at once is looked at here. The steps are those that
+    /// follow, lane by lane, of trajectories that can go on.
+    fn look_over(&mut self, block: &dyn Block, steps: &[f64]) {
+        let _ = (block, steps);
+    }
+    /// Whether it does.
+    fn looks_over(&self) -> bool {
+        false
     }
     /// A step was accepted. Breaks where the trajectory is to end.
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {

@@ -40,8 +40,11 @@ impl Worker<'_> {
             if block.looks_ahead() {
                 self.look_ahead(block, &seats, &mut sizes, &mut ahead);
             }
-            if stepping == Stepping::Series {
-                observer.look_over(block);
+            if stepping == Stepping::Series && observer.looks_over() {
+                for ((step, seat), &longest) in ahead.iter_mut().zip(&seats).zip(&sizes) {
+                    *step = if seat.occupied { self.step_along_series(seat, longest).0 } else { 0.0 };
+                }
+                observer.look_over(block, &ahead);
             }
             let repeats = self.plan(block, stepping, &mut seats, pace.repeats);
             for (lane, seat) in seats.iter_mut().enumerate() {
@@ -183,13 +186,8 @@ impl Worker<'_> {
             return 0.0;
         }
         let times = self.ensemble.times;
-        let end = times[times.len() - 1];
         let (size, is_last) = match stepping {
-            Stepping::Series => {
-                let remaining = seat.until(end);
-                let is_last = longest >= remaining.abs();
-                (if is_last { remaining } else { longest.copysign(remaining) }, is_last)
-            }
+            Stepping::Series => self.step_along_series(seat, longest),
             Stepping::Trial => {
                 let interval = seat.until(times[seat.next_sample.max(1)]);
                 let n_steps = if longest >= interval.abs() { 1.0 } else { 2.0 };
@@ -213,6 +211,14 @@ impl Worker<'_> {
         }
         debug_assert!(repeats == 1 || !is_last);
         size
+    }
+
+    /// The step of a method with series, at most `longest`, and whether it ends at the last time.
+    #[inline(always)]
+    fn step_along_series(&self, seat: &Seat, longest: f64) -> (f64, bool) {
+        let remaining = seat.until(self.ensemble.times[self.ensemble.times.len() - 1]);
+        let is_last = longest >= remaining.abs();
+        (if is_last { remaining } else { longest.copysign(remaining) }, is_last)
     }
 
     /// Shows a step with power series to the observer, and the wanted times inside it, and moves the clock.

@@ -7,6 +7,7 @@ mod gauss;
 mod gauss_legendre;
 mod known_terms;
 mod mixed_taylor;
+mod overview;
 mod runge_kutta;
 mod series_sum;
 mod splitting;
@@ -17,6 +18,8 @@ mod variational;
 pub use components::AcrossComponents;
 pub use gauss::Gauss;
 pub use mixed_taylor::MixedTaylor;
+pub(crate) use overview::FIRST_TERMS;
+pub use overview::{Overview, SeriesSums};
 pub use runge_kutta::RungeKutta;
 pub(crate) use series_sum::sum_series;
 pub use splitting::{LagrangeMap, Split, Splitting};
@@ -181,20 +184,10 @@ pub trait Block {
         Ok(())
     }
 
-    /// Of the power series of all lanes' states some sums and sizes; false, and nothing, where there are none side by side.
-    fn look_over(&self, of: &mut Overview<'_>) -> bool {
-        let _ = of;
+    /// Of the power series of all lanes' states, on these steps, some sums and sizes; false, and nothing, where there are none side
+    /// by side.
+    fn look_over(&self, steps: &[f64], of: &mut Overview<'_>) -> bool {
+        let _ = (steps, of);
         false
     }
-}
-
-/// What is known of the power series of all lanes at once.
-#[derive(Clone, Debug, Default)]
-pub struct Overview<'f> {
-    /// `constant + sum c_i x_i`, terms `(i, c_i)`.
-    pub form: (f64, &'f [(usize, f64)]),
-    /// The series of this form, `(order, lane)`.
-    pub values: Vec<f64>,
-    /// Of each order the size of the largest component, `(order, lane)`.
-    pub largest: Vec<f64>,
 }

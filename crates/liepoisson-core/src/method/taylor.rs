@@ -9,9 +9,10 @@ use crate::field::{Field, Hold};
 use crate::lanes::{Body, Lane, Number, Wide, as_scalars};
 use crate::method::estimates::{exp2_estimate, log2_estimate};
 use crate::method::known_terms::{FEWEST, finite_order, is_in_range, longest_step};
+use crate::method::overview::{LookOver, Overview};
 use crate::method::series_sum::{FEW, Strides, Sums};
 use crate::method::step_end::StepEnd;
-use crate::method::{Block, Method, Overview, StepOutcome, Stepping};
+use crate::method::{Block, Method, StepOutcome, Stepping};
 use std::collections::TryReserveError;
 use std::marker::PhantomData;
 
@@ -232,8 +233,9 @@ impl<F: Field, V: Wide> Block for TaylorBlock<F, V> {
         Ok(())
     }
 
-    fn look_over(&self, of: &mut Overview<'_>) -> bool {
-        V::outline(LookOver { block: self, of });
+    fn look_over(&self, steps: &[f64], of: &mut Overview<'_>) -> bool {
+        let (row, n, n_orders) = (self.row, self.field.n_components(), self.method.order + 1);
+        V::outline(LookOver { rows: &self.rows, row, n, n_orders, steps, of });
         true
     }
 }
@@ -534,38 +536,6 @@ impl Trend {
                     *step = unit + allowed;
                 }
             }
-        }
-    }
-}
-
-/// A linear form in the state and its largest component, order by order.
-struct LookOver<'b, 'o, F, V> {
-    block: &'b TaylorBlock<F, V>,
-    of: &'b mut Overview<'o>,
-}
-
-impl<F: Field, V: Wide> Body for LookOver<'_, '_, F, V> {
-    #[inline(always)]
-    fn run(self) {
-        let LookOver { block, of: Overview { form: (constant, terms), values, largest } } = self;
-        let (n, n_orders) = (block.field.n_components(), block.method.order + 1);
-        values.resize(n_orders * V::WIDTH, 0.0);
-        largest.resize(n_orders * V::WIDTH, 0.0);
-        let rows = block.rows.chunks_exact(block.row).zip(values.chunks_exact_mut(V::WIDTH));
-        for (k, ((row, value), largest)) in rows.zip(largest.chunks_exact_mut(V::WIDTH)).enumerate() {
-            let mut sum = V::splat(if k == 0 { *constant } else { 0.0 });
-            for &(i, c) in *terms {
-                sum = sum.add(V::splat(c).mul(row[i]));
-            }
-            value.copy_from_slice(sum.as_scalars());
-            let mut most = V::splat(0.0);
-            for component in &row[..n] {
-                let size = component.abs();
-                for (most, &size) in most.as_scalars_mut().iter_mut().zip(size.as_scalars()) {
-                    *most = if size > *most { size } else { *most };
-                }
-            }
-            largest.copy_from_slice(most.as_scalars());
         }
     }
 }

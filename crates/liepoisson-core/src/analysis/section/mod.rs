@@ -4,6 +4,7 @@
 //! bound of what it leaves out ([`remainder`]) and of round-off, so that no pair of crossings within a step is missed.
 //! Where that fails, the time for which it does is kept beside the crossings ([`Doubts`]).
 
+mod at_once;
 mod components;
 mod points;
 mod remainder;
@@ -26,7 +27,7 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
-use survey::{first_known, is_known, survey};
+use survey::{Mark, first_known, is_known, survey};
 
 /// A surface of section.
 #[derive(Clone, Debug)]
@@ -223,8 +224,12 @@ impl Observer for Recorder<'_> {
         self.seats[lane].side = side;
     }
 
-    fn look_over(&mut self, block: &dyn Block) {
-        self.is_looked_over = self.surface.function.linear_form().is_some() && block.look_over(&mut self.overview);
+    fn looks_over(&self) -> bool {
+        self.surface.function.linear_form().is_some()
+    }
+
+    fn look_over(&mut self, block: &dyn Block, steps: &[f64]) {
+        self.is_looked_over = block.look_over(steps, &mut self.overview);
     }
 
     fn step(&mut self, lane: usize, step: &Step<'_>) -> ControlFlow<Stop> {
@@ -235,7 +240,7 @@ impl Observer for Recorder<'_> {
         if self.seats[lane].first_step.is_nan() {
             self.seats[lane].first_step = step.size.abs();
         }
-        let looked = if self.look_at_once(lane, step, &mut state, whole) {
+        let looked = if self.look_at_once(lane, step, whole) {
             ControlFlow::Continue(())
         } else if step.copy_series(usize::MAX, &mut state).is_ok() {
             let is_bounded = self.room.measure(&state, step.size, self.ensemble);
@@ -330,25 +335,6 @@ impl Recorder<'_> {
         self.surface.n_crossings.unwrap_or(usize::MAX)
     }
 
-    /// Looks for crossings on a whole step of a surface that is linear in the state, from what is known of all lanes; whether
-    /// that was enough. It sees what [`Recorder::look`] would.
-    fn look_at_once(&mut self, lane: usize, step: &Step<'_>, state: &mut Vec<f64>, whole: Part) -> bool {
-        if !self.is_looked_over || step.copy_series(2, state).is_err() {
-            return false;
-        }
-        let place = (lane, self.seats.len());
-        let measured = self.room.measure_and_expand(state, place, step.size, self.ensemble, &self.overview);
-        let found = measured.and_then(|is_bounded| {
-            let error = self.room.error(&state[..self.n], &self.surface.function, 0, false)?;
-            Some((is_bounded, error))
-        });
-        state.clear();
-        let Some((is_bounded, error)) = found else { return false };
-        self.seats[lane].doubts.n_unbounded += u64::from(!is_bounded);
-        self.survey_part(lane, step, whole, error.size);
-        true
-    }
-
     /// Looks for crossings on a part of a step, given the series of the state about its start. Breaks where the run has to stop,
     /// with the place up to which it has looked.
     ///
@@ -436,19 +422,27 @@ impl Recorder<'_> {
 
     /// Notes what the series of the function, known up to an error, says of its sign on a part of a step.
     fn survey_part(&mut self, lane: usize, step: &Step<'_>, part: Part, error: f64) {
-        let (wanted, surface, n, seat) = (self.wanted(), self.surface, self.n, &mut self.seats[lane]);
         let series = std::mem::take(&mut self.room.series);
-        seat.doubt_side(series[0], error);
-        survey(&series, error, &mut |mark| {
-            if seat.crossings.signs.len() < wanted {
-                let keep = &mut |at| self.room.keep(step, surface, n, part.from + at * part.length);
-                seat.note(mark, surface.direction, keep);
-                if seat.crossings.signs.len() == wanted {
-                    seat.served_at = part.from + first_known(&series, error, mark) * part.length;
-                }
-            }
-        });
+        self.seats[lane].doubt_side(series[0], error);
+        survey(&series, error, &mut |mark| self.note(lane, step, part, mark, |mark| first_known(&series, error, mark)));
         self.room.series = series;
+        self.doubt_the_regained(lane, step, part);
+    }
+
+    /// Draws the conclusion from what is known of the sign at a place of a part, and, by `known_from`, from where on it is.
+    fn note(&mut self, lane: usize, step: &Step<'_>, part: Part, mark: Mark, known_from: impl FnOnce(Mark) -> f64) {
+        let (wanted, surface, n, seat) = (self.wanted(), self.surface, self.n, &mut self.seats[lane]);
+        if seat.crossings.signs.len() < wanted {
+            let keep = &mut |at| self.room.keep(step, surface, n, part.from + at * part.length);
+            seat.note(mark, surface.direction, keep);
+            if seat.crossings.signs.len() == wanted {
+                seat.served_at = part.from + known_from(mark) * part.length;
+            }
+        }
+    }
+
+    /// Counts a change of sign across a gap that ends with this part, unless there is a pole in it.
+    fn doubt_the_regained(&mut self, lane: usize, step: &Step<'_>, part: Part) {
         if let Some(lost) = self.seats[lane].regained.take()
             && !self.is_pole(step, lost.time, part.from * step.size)
         {

@@ -21,6 +21,7 @@
 //! beside them, by a multiple of the unit of the last place of all that is added up and multiplied.
 
 use crate::field::{Enclosure, Functions, Majorant};
+use crate::method::FIRST_TERMS;
 
 /// Values of `r` that are tried, for a whole step: its length is near 0.14 of the radius of convergence of the state.
 const RATIOS: [f64; 3] = [0.12, 0.2, 0.3];
@@ -39,9 +40,6 @@ const SHARP: f64 = 1e-12;
 /// The size, in units of the largest component, below which a component has an error of its own.
 const SMALL: f64 = 1.0 / 1024.0;
 
-/// A component whose first so many coefficients are zero counts as zero.
-const FIRST: usize = 4;
-
 /// `coefficient length^k`, given the power as it was computed: it may have left the range of numbers where the product has not.
 pub(super) fn term(coefficient: f64, length: f64, k: usize, power: f64) -> f64 {
     if (1e-280..1e280).contains(&power.abs()) || coefficient == 0.0 && !power.is_nan() {
@@ -53,7 +51,7 @@ pub(super) fn term(coefficient: f64, length: f64, k: usize, power: f64) -> f64 {
 }
 
 /// Whether the powers of a length up to this one are well within the range of numbers.
-fn is_in_range(length: f64, power: usize) -> bool {
+pub(super) fn is_in_range(length: f64, power: usize) -> bool {
     (1e-280..1e280).contains(&length.abs().powi(power as i32))
 }
 
@@ -92,28 +90,6 @@ impl Sizes {
         self.measure_largest(state.chunks_exact(n_components).map(largest), step);
     }
 
-    /// The same, given for all orders a coefficient of another series and the largest coefficient of this one; the other series in
-    /// units of the step goes to `series`.
-    #[inline(always)]
-    pub(super) fn measure_beside(&mut self, pairs: impl Iterator<Item = (f64, f64)>, step: f64, series: &mut Vec<f64>) {
-        self.step = step.abs();
-        self.terms.clear();
-        for (value, largest) in pairs {
-            series.push(value);
-            self.terms.push(largest);
-        }
-        if is_in_range(step, series.len()) {
-            let mut power = 1.0;
-            for (value, largest) in series.iter_mut().zip(&mut self.terms) {
-                (*value, *largest) = (*value * power, *largest * f64::abs(power));
-                power *= step;
-            }
-        } else {
-            scale(series, step);
-            scale(&mut self.terms, self.step);
-        }
-    }
-
     /// The same, given the largest coefficients of all orders.
     #[inline(always)]
     fn measure_largest(&mut self, largest: impl Iterator<Item = f64>, step: f64) {
@@ -123,28 +99,20 @@ impl Sizes {
         scale(&mut self.terms, self.step);
     }
 
-    /// `E`, a bound of the error of the state on the whole step; none if there is no sharp one.
+    /// [`error_of_state`] of these terms.
     pub(super) fn error_of_state(&self, field: Majorant) -> Option<f64> {
-        let n = self.terms.len() as f64; // N + 1
-        let growth = self.step * self.rate(field);
-        let error = self.step * self.defect(field) / (n - growth);
-        (growth < n && error <= SHARP * self.sum()).then_some(error)
+        let last = self.terms.last().copied().unwrap_or(0.0);
+        error_of_state(self.step, (self.terms.len(), last), self.sum(), self.products(), field)
     }
 
-    /// `L`
-    fn rate(&self, Majorant { linear, quadratic }: Majorant) -> f64 {
-        quadratic * (2.0 + SHARP) * self.sum() + linear
-    }
-
-    /// `D`
-    fn defect(&self, Majorant { linear, quadratic }: Majorant) -> f64 {
-        // sum_{i+j >= N} y_i y_j = sum_i y_i (y_{N-i} + ... + y_N)
+    /// `sum_{i+j >= N} y_i y_j = sum_i y_i (y_{N-i} + ... + y_N)`
+    fn products(&self) -> f64 {
         let (mut last, mut products) = (0.0, 0.0);
         for (term, highest) in self.terms.iter().zip(self.terms.iter().rev()) {
             last += highest;
             products += term * last;
         }
-        quadratic * products + linear * self.terms.last().copied().unwrap_or(0.0)
+        products
     }
 
     /// An estimate of the error of the state on the whole step.
@@ -192,14 +160,14 @@ impl Sizes {
     }
 
     fn least(&self) -> f64 {
-        SMALL * self.terms[0].max(self.terms[1])
+        small([self.terms[0], self.terms[1]])
     }
 
     /// Whether the component that a series begins with has no term so large, and does not stay zero.
     #[inline(never)]
     fn is_small(&self, series: &[f64], n_components: usize, least: f64) -> bool {
         let coefficients = || series.iter().step_by(n_components);
-        if coefficients().take(FIRST).all(|&coefficient| coefficient == 0.0) {
+        if coefficients().take(FIRST_TERMS).all(|&coefficient| coefficient == 0.0) {
             return false;
         }
         let mut power = 1.0;
@@ -219,6 +187,26 @@ impl Sizes {
     pub(super) fn sum(&self) -> f64 {
         self.terms.iter().sum()
     }
+}
+
+/// `E`, a bound of the error of the state on a whole step of length `h`; none if there is no sharp one. Given how many terms there
+/// are and the last one, `P`, and the sum of products in `D`.
+pub(super) fn error_of_state(
+    step: f64,
+    (n_terms, last): (usize, f64),
+    sum: f64,
+    products: f64,
+    Majorant { linear, quadratic }: Majorant,
+) -> Option<f64> {
+    let n = n_terms as f64; // N + 1
+    let growth = step * (quadratic * (2.0 + SHARP) * sum + linear);
+    let error = step * (quadratic * products + linear * last) / (n - growth);
+    (growth < n && error <= SHARP * sum).then_some(error)
+}
+
+/// The size below which a component has an error of its own, given the first two terms of the largest ones.
+pub(super) fn small([first, second]: [f64; 2]) -> f64 {
+    SMALL * first.max(second)
 }
 
 /// What the series of a function to so many orders leaves out on a part of a step that was halved so often, at most; less than

@@ -7,7 +7,6 @@ use super::remainder::{Sizes, left_out, scale, term};
 use crate::ensemble::{AnyEnsemble, Step};
 use crate::field::{Enclosure, Functions, Rounding};
 use crate::lanes::ROUNDINGS;
-use crate::method::Overview;
 
 /// Memory that steps share.
 #[derive(Default)]
@@ -34,7 +33,7 @@ pub(super) struct Room {
 }
 
 /// The error, in units of the round-off of the sum of the terms, that is small enough not to ask for shorter parts.
-const SHARP: f64 = 16.0;
+pub(super) const SHARP: f64 = 16.0;
 
 /// How far the series of the function is from it on a part, at most.
 #[derive(Clone, Copy)]
@@ -45,16 +44,22 @@ pub(super) struct Error {
 }
 
 /// What errors of the state may do on a part, in units of what they do at its start, where shorter parts would not help.
-const BLUNT: f64 = 8.0;
+pub(super) const BLUNT: f64 = 8.0;
 
-/// How wrong a linear form is where each component is within `rest` of that of `start` and known up to `error`: what its tape
-/// says, in one pass.
-fn error_of_form((constant, terms): (f64, &[(usize, f64)]), start: &[f64], rest: f64, error: f64, unit: f64) -> f64 {
+/// How wrong a linear form is where each of its components is within `rest` of where it starts and known up to `error`: what its
+/// tape says, in one pass.
+pub(super) fn error_of_form<'s>(
+    (constant, terms): (f64, &[(usize, f64)]),
+    starts: impl Iterator<Item = &'s f64>,
+    rest: f64,
+    error: f64,
+    unit: f64,
+) -> f64 {
     let (mut value, mut sizes, mut errors) = (constant, 0.0, 0.0);
-    for &(i, c) in terms {
-        value += c * start[i];
+    for (&(_, c), start) in terms.iter().zip(starts) {
+        value += c * start;
         sizes += c.abs() * rest;
-        errors += c.abs() * (error + unit * (start[i].abs() + rest));
+        errors += c.abs() * (error + unit * (start.abs() + rest));
     }
     errors + unit * (value.abs() + sizes)
 }
@@ -78,31 +83,6 @@ impl Room {
         let bound = field.majorant.and_then(|majorant| sizes.error_of_state(majorant));
         *error_of_state = bound.unwrap_or_else(|| sizes.last());
         bound.is_some()
-    }
-
-    /// Measures and expands a function that is linear in the state on a step of one of so many lanes, whose series were looked
-    /// over; whether the error of the state is bounded. Nothing is known where a component may be small beside the others.
-    ///
-    /// `state` are the first two orders of the series of the state.
-    pub(super) fn measure_and_expand(
-        &mut self,
-        state: &[f64],
-        (lane, n_lanes): (usize, usize),
-        step: f64,
-        field: &AnyEnsemble<'_>,
-        overview: &Overview<'_>,
-    ) -> Option<bool> {
-        let Room { sizes, error_of_state, components, series, .. } = self;
-        let (values, largest) = (overview.values.chunks_exact(n_lanes), overview.largest.chunks_exact(n_lanes));
-        series.clear();
-        sizes.measure_beside(values.zip(largest).map(|(values, largest)| (values[lane], largest[lane])), step, series);
-        if sizes.may_be_small(state, field.n_components).next().is_some() {
-            return None;
-        }
-        components.are_looked_at = false;
-        let bound = field.majorant.and_then(|majorant| sizes.error_of_state(majorant));
-        *error_of_state = bound.unwrap_or_else(|| sizes.last());
-        Some(bound.is_some())
     }
 
     /// Expands the function along a part of a step, in units of that part.
@@ -142,7 +122,8 @@ impl Room {
         let rounding = Rounding::of_series(unit, series.len(), sizes.length());
         let total: f64 = series.iter().map(|c| c.abs()).sum();
         let [here, along, left_out] = if let Some(form) = function.linear_form().filter(|_| !components.are_looked_at) {
-            let error = |rest| error_of_form(form, start, rest, *error_of_state, unit);
+            let starts = || form.1.iter().map(|&(i, _)| &start[i]);
+            let error = |rest| error_of_form(form, starts(), rest, *error_of_state, unit);
             [error(0.0), error(sizes.rest(1.0)), 0.0]
         } else if components.are_looked_at {
             let [here, along] = [f64::INFINITY, 1.0]

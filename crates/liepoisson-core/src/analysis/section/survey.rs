@@ -50,7 +50,7 @@ const STEEP: f64 = 0.01;
 const MOST_HALVINGS: u32 = 52;
 
 /// Coefficients outside of this range are scaled: sums of a few may overflow, or lose all digits.
-const RANGE: std::ops::Range<f64> = 1e-200..1e200;
+pub(super) const RANGE: std::ops::Range<f64> = 1e-200..1e200;
 
 /// Goes along `sum c_k u^k`, `u` from 0 to 1, whose values are known up to `error`; all of them finite.
 pub(super) fn survey(coefficients: &[f64], error: f64, mark: &mut impl FnMut(Mark)) {
