@@ -11,9 +11,10 @@ use std::collections::TryReserveError;
 /// [`Taylor`] for one trajectory of a [`Top`] without tangent vectors.
 ///
 /// With `r` for the rotation `(1, 2, 3) -> (2, 3, 1)`, `u x w = r(u r(w) - r(u) w)`, so a cross product is two products
-/// of registers, and the rotation of a sum is made once. What limits a single trajectory is not the number of
-/// operations but how long each waits for the one before: the newest coefficient enters each sum last, so that the rest
-/// of the sum is under way while it is computed. Results differ from those of the kernel for many in the last bits.
+/// of registers, and the rotation of a sum is made once. What limits a single trajectory is how long each operation waits for
+/// the one before, and what is loaded: the newest coefficient enters each sum last, so that the rest of the sum is under way
+/// while it is computed, and the sums of two orders share what they load. (Straight-line code for each order was measured to be
+/// slower: it is longer than the first cache of instructions.) Results differ from those of the kernel for many in the last bits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AcrossComponents(pub Taylor);
 
@@ -220,24 +221,6 @@ struct Expansion<'b, V> {
     longest: &'b mut [f64],
 }
 
-/// Runs `extend` for the orders named, one after the other, as straight-line code, up to `$order`.
-///
-/// With the number of terms known to the compiler no loop ends at a place that the processor has to guess, and the
-/// products of one order are under way while the last order is being finished.
-macro_rules! straight_line {
-    ($order:expr, $series:lifetime, $extend:expr, $($k:literal)*) => {
-        $(
-            if $order == $k {
-                break $series;
-            }
-            $extend($k);
-        )*
-    };
-}
-
-/// Orders that have straight-line code.
-const STRAIGHT_ORDERS: usize = 26;
-
 impl<V: Wide> Body for Expansion<'_, V> {
     #[inline(always)]
     fn run(self) {
@@ -245,15 +228,10 @@ impl<V: Wide> Body for Expansion<'_, V> {
         let order = block.method.order();
         let mut series = Growing::<V>::new(&block.top, &block.rows[0]);
         let rows: &mut Rows = &mut block.rows;
-        'series: {
-            #[rustfmt::skip]
-            straight_line!(
-                order, 'series, |k| series.extend(rows, k),
-                0 1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24 25
-            );
-            for k in STRAIGHT_ORDERS..order {
-                series.extend(rows, k);
-            }
+        let mut k = 0;
+        while k < order {
+            series.extend(rows, k, k + 1 == order);
+            k += 2;
         }
         series.l.store(&mut block.rows[order].l);
         series.fields.store(&mut block.rows[order].fields);
@@ -287,6 +265,7 @@ struct Growing<V: Wide> {
     twist: V::TwoVectors,
     twist_rotated: V::TwoVectors,
     first: Newest<V>,
+    second: Newest<V>,
 }
 
 impl<V: Wide> Growing<V> {
@@ -304,58 +283,157 @@ impl<V: Wide> Growing<V> {
             twist: V::TwoVectors::load(&top.twist),
             twist_rotated: V::TwoVectors::load(&top.twist_rotated),
             first: Newest::of(l, fields, inverse_inertia),
+            second: Newest::of(l, fields, inverse_inertia),
         }
     }
 
-    /// Stores row k and goes on to the coefficients of order k + 1.
+    /// Stores row k, the newest, and goes on to the coefficients of order k + 2, or of k + 1 if that is the last.
     #[inline(always)]
-    fn extend(&mut self, rows: &mut Rows, k: usize) {
-        let newest = Newest::<V>::of(self.l, self.fields, self.inverse_inertia);
-        newest.store(&mut rows[k]);
-        let (mut spin, mut turn) = inner_products::<V>(rows, k);
+    fn extend(&mut self, rows: &mut Rows, k: usize, is_last: bool) {
+        let [inner, next_inner] = inner_products::<V>(rows, k);
+        let row = Newest::<V>::of(self.l, self.fields, self.inverse_inertia);
+        row.store(&mut rows[k]);
         let first = self.first;
-        let careful = needs_remainder(k + 1);
-        let inverse = if careful { 1.0 } else { 1.0 / (k + 1) as f64 };
+        let sums = if k > 0 { inner.with(&row, &first).with(&first, &row) } else { inner.with(&first, &first) };
+        self.finish(sums, &row, k + 1);
+        if is_last {
+            return;
+        }
+        let next = Newest::<V>::of(self.l, self.fields, self.inverse_inertia);
+        next.store(&mut rows[k + 1]);
+        if k == 0 {
+            self.second = next;
+        }
+        let second = self.second;
+        let sums = if k > 0 { next_inner.with(&row, &second).with(&second, &row) } else { next_inner };
+        self.finish(sums.with(&next, &first).with(&first, &next), &next, k + 2);
+    }
+
+    /// The coefficients of an order, from the sums of products and the newest row.
+    #[inline(always)]
+    fn finish(&mut self, sums: Products<V>, newest: &Newest<V>, order: usize) {
+        let careful = needs_remainder(order);
+        let inverse = if careful { 1.0 } else { INVERSES[order] };
         let (scale, scales) = (V::Vector::splat(inverse), V::TwoVectors::splat(inverse));
         // constant vectors act on the newest row alone
-        let forces = self.fields.mul(self.centres_rotated);
+        let forces = newest.fields.mul(self.centres_rotated);
         let forces = newest.fields_rotated.neg_mul_add(self.centres, forces).rotate();
         let force = forces.first().add(forces.second()).mul(scale);
-        let (betas, betas_rotated) = (self.fields.swap(), newest.fields_rotated.swap());
+        let (betas, betas_rotated) = (newest.fields.swap(), newest.fields_rotated.swap());
         let twisted = betas_rotated.neg_mul_add(self.twist, betas.mul(self.twist_rotated)).rotate().mul(scales);
-        if k > 0 {
-            spin = newest.l.mul_add(first.omega_rotated, spin);
-            turn = self.fields.mul_add(V::TwoVectors::both(first.omega_rotated), turn);
-            turn = newest.fields_rotated.neg_mul_add(V::TwoVectors::both(first.omega), turn);
-        }
-        spin = first.l.mul_add(newest.omega_rotated, spin);
-        turn = first.fields_rotated.neg_mul_add(V::TwoVectors::both(newest.omega), turn);
-        turn = first.fields.mul_add(V::TwoVectors::both(newest.omega_rotated), turn);
         // l omega_rotated = (l1 omega2, l2 omega3, l3 omega1): rotated, these are what `asymmetry` expects
-        self.l = spin.rotate().mul_add(self.asymmetry.mul(scale), force);
-        self.fields = turn.rotate().mul_add(scales, twisted);
+        self.l = sums.l.rotate().mul_add(self.asymmetry.mul(scale), force);
+        self.fields = sums.fields.rotate().mul_add(scales, twisted);
         if careful {
-            (self.l, self.fields) = (divided(self.l, k + 1), divided(self.fields, k + 1));
+            (self.l, self.fields) = (divided(self.l, order), divided(self.fields, order));
         }
     }
 }
 
-/// Sums of products of the rows 1..k with one another, for `l` and for the fields: nothing here waits for row k.
+/// `1 / k`
+static INVERSES: [f64; MAX_ORDER + 2] = {
+    let mut inverses = [1.0; MAX_ORDER + 2];
+    let mut k = 2;
+    while k < inverses.len() {
+        inverses[k] = 1.0 / k as f64;
+        k += 1;
+    }
+    inverses
+};
+
+/// Sums of products of rows: `l omega_rotated`, and `fields omega_rotated - fields_rotated omega`.
+struct Products<V: Wide> {
+    l: V::Vector,
+    fields: V::TwoVectors,
+}
+
+impl<V: Wide> Products<V> {
+    /// With those of one pair of rows.
+    #[inline(always)]
+    fn with(self, x: &Newest<V>, y: &Newest<V>) -> Self {
+        let minus = x.fields_rotated.neg_mul_add(V::TwoVectors::both(y.omega), self.fields);
+        Products {
+            l: x.l.mul_add(y.omega_rotated, self.l),
+            fields: x.fields.mul_add(V::TwoVectors::both(y.omega_rotated), minus),
+        }
+    }
+}
+
+/// Sums of products of the rows 1..k with one another, of two orders: of pairs whose numbers add up to k, and to k + 1.
+///
+/// Each row is loaded once for both, and nothing here waits for row k.
 #[inline(always)]
-fn inner_products<V: Wide>(rows: &Rows, k: usize) -> (V::Vector, V::TwoVectors) {
-    let zero = (V::Vector::splat(0.0), V::TwoVectors::splat(0.0), V::TwoVectors::splat(0.0));
-    let (mut even, mut odd) = (zero, zero);
-    let mut j = 1;
-    while j + 1 < k {
-        even = add_term::<V>(even, &rows[j], &rows[k - j]);
-        odd = add_term::<V>(odd, &rows[j + 1], &rows[k - j - 1]);
-        j += 2;
+fn inner_products<V: Wide>(rows: &Rows, k: usize) -> [Products<V>; 2] {
+    let none = Sums { l: V::Vector::splat(0.0), plus: V::TwoVectors::splat(0.0), minus: V::TwoVectors::splat(0.0) };
+    let (mut sums, mut next) = (none, none);
+    if k > 1 {
+        let mut before = Turns::<V>::load(&rows[k - 1]);
+        sums = sums.with(&rows[1], before);
+        for (x, y) in rows[2..k].iter().zip(rows[1..k - 1].iter().rev()) {
+            let turns = Turns::load(y);
+            sums = sums.with(x, turns);
+            next = next.with(x, before);
+            before = turns;
+        }
     }
-    if j < k {
-        even = add_term::<V>(even, &rows[j], &rows[k - j]);
+    [sums.total(), next.total()]
+}
+
+/// What vectors of another row are turned by.
+struct Turns<V: Wide> {
+    omega: V::TwoVectors,
+    omega_rotated: V::TwoVectors,
+}
+
+impl<V: Wide> Clone for Turns<V> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
     }
-    let minus = even.2.add(odd.2).mul(V::TwoVectors::splat(-1.0));
-    (even.0.add(odd.0), even.1.add(odd.1).add(minus))
+}
+
+impl<V: Wide> Copy for Turns<V> {}
+
+impl<V: Wide> Turns<V> {
+    #[inline(always)]
+    fn load(row: &Row) -> Self {
+        Turns {
+            omega: V::TwoVectors::both(V::Vector::load(&row.omega)),
+            omega_rotated: V::TwoVectors::both(V::Vector::load(&row.omega_rotated)),
+        }
+    }
+}
+
+/// Sums under way, of positive and negative products apart.
+struct Sums<V: Wide> {
+    l: V::Vector,
+    plus: V::TwoVectors,
+    minus: V::TwoVectors,
+}
+
+impl<V: Wide> Clone for Sums<V> {
+    #[inline(always)]
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<V: Wide> Copy for Sums<V> {}
+
+impl<V: Wide> Sums<V> {
+    #[inline(always)]
+    fn with(self, row: &Row, by: Turns<V>) -> Self {
+        Sums {
+            l: V::Vector::load(&row.l).mul_add(by.omega_rotated.first(), self.l),
+            plus: V::TwoVectors::load(&row.fields).mul_add(by.omega_rotated, self.plus),
+            minus: V::TwoVectors::load(&row.fields_rotated).neg_mul_add(by.omega, self.minus),
+        }
+    }
+
+    #[inline(always)]
+    fn total(self) -> Products<V> {
+        Products { l: self.l, fields: self.plus.add(self.minus) }
+    }
 }
 
 /// `sum / order`, corrected with the remainder as [`crate::field::over`] does.
@@ -399,21 +477,6 @@ impl<V: Wide> Newest<V> {
         self.omega.store(&mut row.omega);
         self.omega_rotated.store(&mut row.omega_rotated);
     }
-}
-
-/// Adds `l omega_rotated`, `fields omega_rotated` and `fields_rotated omega` of one pair of rows.
-#[inline(always)]
-fn add_term<V: Wide>(
-    (l, plus, minus): (V::Vector, V::TwoVectors, V::TwoVectors),
-    x: &Row,
-    y: &Row,
-) -> (V::Vector, V::TwoVectors, V::TwoVectors) {
-    let (omega, omega_rotated) = (V::Vector::load(&y.omega), V::Vector::load(&y.omega_rotated));
-    (
-        V::Vector::load(&x.l).mul_add(omega_rotated, l),
-        V::TwoVectors::load(&x.fields).mul_add(V::TwoVectors::both(omega_rotated), plus),
-        V::TwoVectors::load(&x.fields_rotated).mul_add(V::TwoVectors::both(omega), minus),
-    )
 }
 
 /// The state at times after the start of the step.
