@@ -1,6 +1,6 @@
 // Opens pages of the built site in Chromium: node docs/site/check_pages.mjs FOLDER [PICTURES].  Prints what is wrong and
 // exits with 1: a request to another host or one that fails, an error of a script, a formula that is not set, a page
-// wider than the window, and what axe-core finds, in both themes.
+// wider than the window, what axe-core finds, in both themes, and a question whose answer is not among the first results.
 
 import { readFileSync } from "node:fs";
 import { createServer } from "node:http";
@@ -23,6 +23,33 @@ const pages = {
   command: "commands/orbit.html",
   search: "search.html?q=kovalevskaya",
 };
+const questions = {
+  "lyapunov exponents with convergence and errors": ["exponents", "spectrum", "reference/chaos.lyapunov_exponent"],
+  "uncertainty of lyapunov exponent": ["exponents", "spectrum", "reference/chaos.lyapunov_exponent"],
+  "events that are never missed": ["sections"],
+  "poincare section": ["sections"],
+  "event detection root finding": ["sections", "reference/sections.section"],
+  "hamiltonian flow with tangent vectors": ["spectrum", "exponents", "reference/orbits.integrate"],
+  "hamiltonian tangent vectors": ["spectrum", "exponents", "reference/orbits.integrate"],
+  "random initial conditions energy": ["leaves", "reference/phase_space.Leaf"],
+  "starts on a leaf and an energy": ["leaves", "reference/phase_space.Leaf"],
+  "covariant lyapunov vectors": ["spectrum", "reference/results.CovariantVectors"],
+  "CLV": ["spectrum", "reference/results.CovariantVectors"],
+  "frequency map analysis": ["chaos", "reference/chaos.frequency_drift"],
+  "exact lie algebras": ["brackets", "reference/algebras.LieAlgebra"],
+  "define my own poisson bracket": ["brackets", "systems", "reference/brackets.Bracket"],
+  "resume an interrupted parameter sweep": ["sweeps", "cluster"],
+  "dask slurm": ["cluster"],
+  "save and reload results": ["saved-results"],
+  "dense output interpolation": ["methods", "reference/orbits.integrate", "reference/results.Orbit"],
+  "sali gali": ["chaos", "reference/chaos.alignment"],
+  "conserved quantities of a system": ["integrability", "reference/integrability.first_integrals"],
+  "fixed points and stability": ["equilibria"],
+  "install on windows": ["installing"],
+  "how do I plot a rigid body": ["tops", "frames", "gallery/index"],
+  "cite bibtex": ["reference/citations.cite"],
+};
+const first = 3; // results among which one of these pages must be
 const kinds = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".png": "image/png", ".woff": "font/woff", ".woff2": "font/woff2", ".json": "application/json" };
 
 const server = createServer((request, response) => {
@@ -73,6 +100,21 @@ async function faults(name, theme, width) {
   return wrong;
 }
 
+/** Questions whose answers are not among the first results, with what is there. */
+async function unanswered() {
+  const tab = await browser.newPage();
+  const wrong = [];
+  for (const [question, answers] of Object.entries(questions)) {
+    await tab.goto(`${site}search.html?q=${encodeURIComponent(question)}`, { waitUntil: "load" });
+    await tab.waitForFunction(() => document.querySelectorAll("#search-results ul.search > li").length > 2 || /finished|did not match/.test(document.querySelector("#search-results .search-summary")?.textContent ?? ""), undefined, { timeout: 60_000 });
+    const found = await tab.evaluate((n) => [...document.querySelectorAll("#search-results ul.search > li > a")].slice(0, n).map((one) => one.getAttribute("href")), first);
+    const pages = found.map((link) => link.replace(/\.html.*/, ""));
+    if (!answers.some((page) => pages.includes(page))) wrong.push(`${question}: found ${pages.join(", ") || "nothing"}; wanted ${answers.join(" or ")}`);
+  }
+  await tab.close();
+  return wrong;
+}
+
 let n = 0;
 let failed = false;
 for (const name of Object.keys(pages)) {
@@ -83,7 +125,11 @@ for (const name of Object.keys(pages)) {
     for (const fault of wrong) console.log(`${pages[name]} (${theme}, ${width}): ${fault}`);
   }
 }
+for (const question of await unanswered()) {
+  failed = true;
+  console.log(`search: ${question}`);
+}
 await browser.close();
 server.close();
-console.log(failed ? "the pages in Chromium are not as they should be" : `pages in Chromium: ${n} views, nothing asked of another host, axe-core finds nothing`);
+console.log(failed ? "the pages in Chromium are not as they should be" : `pages in Chromium: ${n} views, nothing asked of another host, axe-core finds nothing; ${Object.keys(questions).length} questions answered`);
 process.exit(failed ? 1 : 0);

@@ -13,14 +13,18 @@ from typing import Any
 from docutils import nodes
 from sphinx.addnodes import pending_xref
 from sphinx.application import Sphinx
+from sphinx.environment import BuildEnvironment
+from sphinx.util.logging import getLogger
 
 sys.path.insert(0, str(Path(__file__).parent))
 
 import name_pages
+import search_words
 
 import liepoisson as lp
 
 HERE = Path(__file__).parent
+logger = getLogger(__name__)
 
 project = "liepoisson"
 author = "The liepoisson developers"
@@ -78,6 +82,24 @@ def copy_mathjax(app: Sphinx, _: Exception | None) -> None:
             place = Path(app.outdir) / "_static" / "mathjax" / match[1]
             place.parent.mkdir(parents=True, exist_ok=True)
             copy2(str(file.locate()), place)
+
+
+def add_search(app: Sphinx, page: str, template: str, context: dict[str, Any], doctree: Any) -> None:
+    """The page of results ranks pages by scripts of its own."""
+    if page == "search":
+        app.add_js_file("search_words.js")
+        app.add_js_file("search.js")
+
+
+def check_search(app: Sphinx, env: BuildEnvironment) -> None:
+    """The table of words names pages that exist."""
+    for page in sorted(search_words.unknown(env.found_docs)):
+        logger.warning("docs/site/search_words.py names a page that the site does not have: %s", page)
+
+
+def write_search_words(app: Sphinx, _: Exception | None) -> None:
+    """Put the table of words beside the scripts."""
+    search_words.write(Path(app.outdir) / "_static")
 
 
 def link_names(app: Sphinx, document: nodes.document) -> None:
@@ -172,5 +194,8 @@ def setup(app: Sphinx) -> None:
     app.connect("html-page-context", short_sidebar, priority=100)
     app.connect("doctree-read", link_names)
     app.connect("html-page-context", accessible, priority=900)
+    app.connect("html-page-context", add_search)
+    app.connect("env-check-consistency", check_search)
     app.connect("build-finished", copy_mathjax)
+    app.connect("build-finished", write_search_words)
     app.connect("build-finished", name_landmarks)
