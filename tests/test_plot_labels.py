@@ -76,7 +76,11 @@ def test_labels_that_cannot_be_read_are_plain_text(text):
         ("sin(l1)**2 + atan2(l1, -l2)", r"$\sin(\ell_{1})^{2} + \mathrm{atan2}(\ell_{1}, -\ell_{2})$"),
         ("(x^2)^3 - (-x)", "$(x^{2})^{3} - (-x)$"),
         ("-(-1)*x + (a/b)/c", r"$-(-1)\,x + (a/b)/c$"),
-        ("p_theta", "p_theta"),
+        ("p_theta", r"$p_{\theta}$"),
+        ("p_y^2", r"$p_{y}^{2}$"),
+        ("p_theta12 + w_max", r"$p_{\theta_{12}} + w_{\mathrm{max}}$"),
+        ("half_width", "half_width"),
+        ("a_b_c", "a_b_c"),
         ("l.alpha", "l.alpha"),
     ],
 )

@@ -7,6 +7,7 @@ import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.plot.labels import label
 from liepoisson.plot.section import section as draw
+from liepoisson.plot.section import titled_section
 from liepoisson.plot.style import SEQUENCE
 
 TOP = lp.Top.kovalevskaya()
@@ -97,7 +98,7 @@ def test_a_long_surface_is_cut_short_on_a_line_of_its_own():
 
 @pytest.mark.parametrize(
     ("name", "text"),
-    [("l3", r"$\ell_{3}$"), ("C1", "$C_{1}$"), ("H", "$H$"), ("p_theta", "p_theta"), ("l.alpha", "l.alpha")],
+    [("l3", r"$\ell_{3}$"), ("C1", "$C_{1}$"), ("H", "$H$"), ("p_theta2", r"$p_{\theta_{2}}$"), ("l.alpha", "l.alpha")],
 )
 def test_names_become_mathematical_text(name, text):
     assert label(name) == text
@@ -109,6 +110,48 @@ def test_signs_trajectories_and_values_choose_the_points(points):
     shown = np.concatenate([line.get_xdata() for line in ax.lines])
     np.testing.assert_array_equal(shown, points.time[wanted])
     assert [line.get_color() for line in draw(points, "l1", "l2", colour="black").lines] == ["black"] * 8
+
+
+def test_axes_by_default_are_not_constant_on_the_section():
+    """On y = 0 the last component p_y and the second, y, would show a line: p_x and x are taken."""
+    system = lp.catalog.system("henon-heiles")
+    start = {"x": 0.1, "p_y": 0.3}
+    for surface, expected in (("y", ("$p_{x}$", "$x$")), ("x", ("$p_{y}$", "$y$"))):
+        run = lp.section(system, {"x": 0.1, "y": 0.1, "p_y": 0.3}, surface=surface, t_end=100)
+        for source in (run, run.dataset):
+            ax = draw(source)
+            assert (ax.get_xlabel(), ax.get_ylabel()) == expected
+    one = lp.section(system, start, surface="x - 0.1", t_end=1e-3)
+    assert draw(one).get_xlabel() == "$p_{y}$", "of one crossing nothing varies"
+
+
+def test_an_angle_is_drawn_within_a_turn_and_other_coordinates_are_not():
+    def shown(expression, axes, start):
+        system = lp.System(lp.canonical(names=["theta", "x"]), expression)
+        run = lp.section(system, start, surface="sin(x)", t_end=200, direction=1)
+        leaf = lp.Leaf.through(system, start)
+        ax = titled_section(run, leaf, run.surface, axes).axes[0]
+        return ax, np.concatenate([line.get_xdata() for line in ax.lines]), run
+
+    energy = "p_theta^2/2 + p_x^2/2 - cos(theta)*(1 + sin(x)/5)"
+    ax, drawn, run = shown(energy, ("theta", "p_theta"), [0.1, 0.0, 3.0, 1.0])
+    assert np.abs(run.state[:, 0]).max() > 100
+    assert np.abs(drawn).max() <= np.pi
+    np.testing.assert_allclose(np.sin(np.sort(drawn)), np.sin(np.sort(np.angle(np.exp(1j * run.state[:, 0])))), atol=1e-9)
+    assert ax.get_xlabel() == r"$\theta$ (mod $2\pi$)"
+    ax, drawn, run = shown("p_theta^2/2 + p_x^2/2 - cos(x)/5", ("theta", "p_theta"), [0.1, 0.0, 3.0, 1.0])
+    assert ax.get_xlabel() == r"$\theta$", "a cyclic coordinate need not be an angle"
+    np.testing.assert_array_equal(drawn, run.state[:, 0])
+
+
+def test_a_long_surface_stands_on_a_line_of_its_own():
+    system = lp.catalog.system("double-pendulum")
+    surface = lp.sections.default_surface(lp.Leaf(system, {}))
+    run = lp.section(system, [0.4, 0.2, 0.1, 0.3], surface=surface, t_end=30, direction=1)
+    title = titled_section(run, lp.Leaf.through(system, [0.4, 0.2, 0.1, 0.3]), surface, ("p_theta2", "theta2"))
+    lines = title.axes[0].get_title(loc="left").split("\n")
+    assert lines[0] == "double-pendulum:"
+    assert max(map(len, lines)) <= 84, "what fits above six inches"
 
 
 def test_coordinates_that_are_not_there_are_refused(points):

@@ -66,6 +66,8 @@ T_END_HELP = (
 )
 KEEP_HELP = "Keep this function of each crossing, and not the state.  Repeat it for more."
 
+_AXIS = "component; two earlier ones where one of both is constant on the surface"
+
 
 class Direction(StrEnum):
     """Which crossings count: the function increases, decreases, or either."""
@@ -105,10 +107,10 @@ def section(
     plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
     x: Annotated[
-        str | None, typer.Option("--x", metavar="FORMULA", help="Across in the figure.  [default: the last component]")
+        str | None, typer.Option("--x", metavar="FORMULA", help=f"Across in the figure.  [default: the last {_AXIS}]")
     ] = None,
     y: Annotated[
-        str | None, typer.Option("--y", metavar="FORMULA", help="Up in the figure.  [default: the second component]")
+        str | None, typer.Option("--y", metavar="FORMULA", help=f"Up in the figure.  [default: the second {_AXIS}]")
     ] = None,
     quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
@@ -128,7 +130,8 @@ def section(
     slug = file_stem(chosen.name.removesuffix(setting_words(settings or ())))
     data = data_file(out, f"{slug}-section.nc")
     stem = figure_stem(plot, figure, f"{slug}-section")
-    axes = _axes(chosen, x, y, keep) if stem is not None else None
+    if stem is not None:
+        _check_axes(chosen, x, y, keep)
     from liepoisson.numeric.section_arguments import check_that_it_varies
 
     begin = find_start(chosen, start=start or (), guess=guess or (), leaf=leaf or (), energy=energy, seed=seed)
@@ -158,18 +161,20 @@ def section(
     except KeyboardInterrupt:
         print(f"interrupted; nothing was written. {KEEP_HINT}", file=sys.stderr)
         raise typer.Exit(INTERRUPTED) from None
+    axes: tuple[str, str] | None = None
     written: list[Path] = []
     try:  # first, as nobody may read what is printed
         if data is not None:
             _write_data(run, data)
             written.append(data)
-        if stem is not None and axes is not None and len(run.time):
+        if stem is not None and len(run.time):
             from liepoisson.plot.section import titled_section
 
+            axes = _axes(run, x, y, keep)
             written += write_figure(titled_section(run, begin.leaf, cut, axes, begin.energy), stem)
     finally:
         print("\n".join(run_lines(run, begin, full=not keep)), flush=True)
-    if axes is not None and len(run.time) and not keep and begin.leaf.rank == 4 and run.is_folded(*axes):
+    if axes is not None and not keep and begin.leaf.rank == 4 and run.is_folded(*axes):
         print("figure   folds the section: different states may lie at one point")
     for path in written:
         print(f"wrote    {path}")
@@ -244,6 +249,11 @@ def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
         f"found    {len(run.time)} crossings, {run.count.min()} to {run.count.max()} of each orbit, "
         f"to t = {reached}; undecided touches: {len(run.touch_time)}",
     ]
+    if escaped := int((run.outcome == "step too small").sum()):
+        lines.append(
+            f"escaped  {escaped} of {run.n_trajectories} orbits ran to infinity or to where the equations have no "
+            "value: give a lower --energy, or a --start that stays"
+        )
     if unbounded := int(run.unbounded_steps.sum()):
         lines.append(f"error    of the state estimated, not bounded, in {unbounded} of {run.n_steps.sum()} steps")
     if undefined := run.undefined_share:
@@ -275,21 +285,26 @@ def _check_formulas(system: System, formulas: Sequence[str]) -> None:
             raise ParameterError(f"a function of the state was wanted; {formula!r:.60} is constant. Try another one.")
 
 
-def _axes(system: System, x: str | None, y: str | None, keep: Sequence[str] | None) -> tuple[str, str]:
+def _check_axes(system: System, x: str | None, y: str | None, keep: Sequence[str] | None) -> None:
+    """Refuse functions that a figure cannot have along its axes."""
+    if not keep:
+        _check_formulas(system, [axis for axis in (x, y) if axis is not None])
+        return
+    across, up = x or keep[0], y or keep[-1]
+    if across == up:
+        raise ParameterError(
+            f"a figure must have two functions for its axes; only {across!r} is there. Add another --keep."
+        )
+    if missing := [name for name in (across, up) if name not in keep]:
+        raise ParameterError(f"--x and --y must be kept; {missing[0]!r} is not. Add --keep '{missing[0]}'.")
+
+
+def _axes(run: Section, x: str | None, y: str | None, keep: Sequence[str] | None) -> tuple[str, str]:
     """The functions along the axes of the figure."""
-    if keep:
-        across, up = x or keep[0], y or keep[-1]
-        if across == up:
-            raise ParameterError(
-                f"a figure must have two functions for its axes; only {across!r} is there. Add another --keep."
-            )
-        if missing := [name for name in (across, up) if name not in keep]:
-            raise ParameterError(f"--x and --y must be kept; {missing[0]!r} is not. Add --keep '{missing[0]}'.")
-        return across, up
-    names = system.component_names
-    axes = x or names[-1], y or names[min(1, len(names) - 1)]
-    _check_formulas(system, axes)
-    return axes
+    from liepoisson.numeric.section_axes import default_axes
+
+    across, up = (keep[0], keep[-1]) if keep else default_axes(run.components, run.state)
+    return x or across, y or up
 
 
 def _starts(begin: Start, cut: str, n: int, seed: int, direction: Direction) -> FloatArray:

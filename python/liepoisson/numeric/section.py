@@ -27,6 +27,7 @@ from liepoisson.numeric.section_arguments import (
     as_surface,
     read_tape,
 )
+from liepoisson.numeric.section_axes import default_axes
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import (
     HasField,
@@ -267,10 +268,12 @@ class Section(IntegratedRun):
                 f"the section has dimension {dimension}: a plane shows a projection, which proves neither tori nor "
                 "chaos"
             ]
-        x, y = self.components[-1], self.components[min(1, len(self.components) - 1)]
+        x, y = default_axes(self.components, self.state)
         if not fold(self, x, y):
             return []
-        return [f"the plane of {x} and {y} folds the section: different states may lie at one point"]
+        return [
+            f"a figure of {x} and {y}, the axes by default, folds the section: different states may lie at one point"
+        ]
 
     def is_folded(self, x: Function | None = None, y: Function | None = None) -> bool:
         """Whether a figure with these functions along its axes folds the section (`liepoisson.sections.is_folded`).
@@ -278,8 +281,8 @@ class Section(IntegratedRun):
         Then different states may lie at one point of it.
 
         Args:
-            x: The function along one axis; by default the last component, as in `liepoisson.plot.section`.
-            y: The function along the other; by default the second component.
+            x: The function along one axis; by default that of `liepoisson.plot.section`.
+            y: The function along the other, likewise.
 
         Raises:
             ParameterError: The section has not dimension 2, has no crossings or was made without whole states, or its
@@ -294,8 +297,8 @@ class Section(IntegratedRun):
                 f"is_folded: wanted a section of dimension 2 with whole states of a System; got one {has}; make it "
                 "with a text for its surface and without keep, of orbits on leaves of dimension 4"
             )
-        own = self.components
-        return fold(self, own[-1] if x is None else x, own[min(1, len(own) - 1)] if y is None else y)
+        across, up = default_axes(self.components, self.state)
+        return fold(self, across if x is None else x, up if y is None else y)
 
 
 def as_percent(share: float) -> str:

@@ -151,6 +151,9 @@ class Spectrum(IntegratedRun):
         n = int(np.sum(self.outcome == "finished"))
         over = f"over {n} starts" if n > 1 else "over the time of one orbit"
         known = f" ± {error[0]:.2g} ({over})" if np.isfinite(error[0]) else ""
+        if n > 1:  # regular and chaotic starts may be among them
+            ends = self.end_exponent[self.outcome == "finished", 0]
+            known += f", from {ends.min():.2g} to {ends.max():.2g}"
         largest = f"largest {mean[0]:.4g}{known} at t = {self.time[-1]:g}"
         return f"<Spectrum of {self.system.name}: {len(mean)} exponents of {trajectories(self.outcome)}, {largest}>"
 

@@ -12,6 +12,7 @@ from liepoisson.arrays import Array
 from liepoisson.errors import LeafError
 from liepoisson.exact.phase_functions import PhaseFunction
 from liepoisson.exact.rational_polynomials import powers_of
+from liepoisson.phase_space.casimir_names import formulas
 from liepoisson.phase_space.field_units import field_units
 from liepoisson.phase_space.leaf_in_units import LeafInUnits, equations_in_units
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
@@ -62,7 +63,8 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     reached = found[_has_squares(system, place, values, found)]
     if not len(reached):
         reached = _states_of_top(system, values, rng)
-    asked = ", ".join(f"{name} = {value:g}" for name, value in zip(place.casimirs, values, strict=True))
+    texts = dict(zip(system.functions.casimirs, formulas(system), strict=True))
+    asked = ", ".join(f"{texts.get(name, name)} = {x:g}" for name, x in zip(place.casimirs, values, strict=True))
     if not len(reached):
         raise LeafError(
             f"no state of {system.name!r} with {asked} was found: Newton's method from {_STARTS} random states leaves "

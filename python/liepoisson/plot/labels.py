@@ -20,6 +20,8 @@ _LETTERS = {
     )
 } | {"l": r"\ell"}  # fmt: skip
 _NAME = re.compile(r"([A-Za-z]+?)_?([0-9]*)")
+_WITH_SUBSCRIPT = re.compile(r"([A-Za-z]+)_([A-Za-z]+?[0-9]*)")
+"""The momentum p_theta2 of theta2."""
 _MODE = re.compile(r"(w|psi)([cs])(?:(m?[0-9]+)_(m?[0-9]+)|(m?[0-9])(m?[0-9]))")
 """Coordinates of truncated fluids: wc1m2 and ws1m2 are the real and the imaginary part of w with index (1, -2)."""
 _IDENTIFIER = re.compile(r"[A-Za-z_][A-Za-z_0-9]*")
@@ -40,6 +42,7 @@ def plain(text: object, most: int = LONGEST) -> str:
 def symbol(name: str, letters: dict[str, str] | None = None) -> str:
     r"""A name as mathematical text without its dollar signs: alpha1 is \alpha_{1}, any other one is upright.
 
+    A letter and a name behind an underscore are a letter with a subscript: p_theta2 is p_{\theta_{2}}.
     The modes of truncated fluids are real and imaginary parts: ws1m2 is \mathrm{Im}\,w_{1,{-}2}.
 
     Args:
@@ -51,8 +54,12 @@ def symbol(name: str, letters: dict[str, str] | None = None) -> str:
         return rf"{vector_symbol(name)}_{{{indices}}}"
     known = _LETTERS if letters is None else _LETTERS | letters
     found = _NAME.fullmatch(name)
-    if found is None or len(name) > LONGEST:
+    if len(name) > LONGEST:
         return upright(name)
+    if found is None:
+        parts = _WITH_SUBSCRIPT.fullmatch(name)
+        has_letter = parts is not None and (len(parts[1]) == 1 or parts[1] in known)
+        return f"{symbol(parts[1], letters)}_{{{symbol(parts[2], letters)}}}" if has_letter else upright(name)
     stem, digits = found.groups()
     letter = known.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
     return f"{letter}_{{{digits}}}" if digits else letter
@@ -73,12 +80,15 @@ def vector_symbol(component: str) -> str:
 
 
 def label(name: str) -> str:
-    r"""A letter or word with a number as mathematical text: alpha1 is $\alpha_1$; any other text is plain.
+    r"""A letter or word with a number or a subscript as mathematical text: alpha1 is $\alpha_1$; other text is plain.
 
     A name that begins with a hyphen below is mathematical text, too: a legend leaves out plain ones.
     """
-    is_symbol = _NAME.fullmatch(name) or _MODE.fullmatch(name) or (name.startswith("_") and _IDENTIFIER.fullmatch(name))
-    return f"${symbol(name)}$" if is_symbol and len(name) <= LONGEST else plain(name)
+    if len(name) > LONGEST or not _IDENTIFIER.fullmatch(name):
+        return plain(name)
+    written = symbol(name)
+    is_word = written == upright(name) and not (_NAME.fullmatch(name) or name.startswith("_"))
+    return plain(name) if is_word else f"${written}$"
 
 
 def with_formulas(text: str) -> str:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric.section_axes import default_axes
 from liepoisson.plot.formulas import formula, number
 from liepoisson.plot.labels import label, name_of_system, plain
 from liepoisson.plot.style import as_colours, axes_or_new, house_style, new_figure
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from liepoisson.exact.system import System
     from liepoisson.numeric.section import Section as SectionResult
     from liepoisson.phase_space.leaf import Leaf
 
@@ -32,6 +34,8 @@ _LARGEST, _SMALLEST = 2.6, 0.25
 """Diameters of points in printer's points."""
 _ROUND_OFF = 1e-9
 """Relative width of a figure below which it would show nothing but errors."""
+_TURNED = 100
+"""States at which it is tried whether a coordinate is an angle."""
 _LONGEST_LINE = 60
 """Characters of a title that fit above the axes of a new figure; of a formula, characters of its text."""
 
@@ -77,8 +81,9 @@ def section(
     Args:
         points: Result of `liepoisson.section`, or its Dataset.
         x: Horizontal: the name of a coordinate that was kept, or values, shape (crossing,).  By default the last
-            component of the state; of kept functions the first.
-        y: Vertical, likewise.  By default the second component of the state; of kept functions the last.
+            component of the state, of kept functions the first.
+        y: Vertical, likewise.  By default the second component, of kept functions the last.  Where one of both
+            components is constant on the section, the two before them are taken: on y = 0 not p_y and y, but p_x and x.
         xlabel: By default the name as mathematical text.
         ylabel: Likewise.
         title: Above the axes.  By default system and surface in a new figure; given axes keep the title they have.
@@ -136,10 +141,7 @@ def titled_section(
     with house_style():
         figure = new_figure(6.0, 5.4)
         ax = figure.add_subplot()
-        # Named coordinates get their labels there; the values of a formula are labelled with its text.
-        kept = [axis in run.coordinates for axis in axes]
-        x, y = (a if known else system.functions.of(a)(run.state) for a, known in zip(axes, kept, strict=True))
-        xlabel, ylabel = (None if known else formula(a) for a, known in zip(axes, kept, strict=True))
+        (x, xlabel), (y, ylabel) = (_values_and_label(run, system, axis) for axis in axes)
         # An orbit that escaped would leave no room for the others.
         stayed = np.flatnonzero(np.isin(run.outcome, ("finished", "time limit")))
         some = stayed.tolist() if 0 < len(stayed) < run.n_trajectories else None
@@ -148,10 +150,36 @@ def titled_section(
         values += [f"{label(name)} = ${number(value)}$" for name, value in leaf.casimirs.items()]
         missing = shortage(system.bracket)
         name = wrap(f"{plain(system.name)}:", _LONGEST_LINE)
-        gap = "\n" if len("".join(name)) > _LONGEST_LINE // 2 else " "
-        heading = "\n".join(name) + f"{gap}section {_shown_surface(surface)}{_in_words(run.direction)}"
+        own_line = len("".join(name)) > _LONGEST_LINE // 2 or len(name[-1]) + len(surface) > _LONGEST_LINE
+        of = f"section {_shown_surface(surface)}{_in_words(run.direction)}"
+        heading = "\n".join(name) + ("\n" if own_line else " ") + of
         ax.set_title(f"{heading}\n{', '.join(values)}{f' ({missing})' if missing else ''}", fontsize=10.5)
     return figure
+
+
+def _values_and_label(run: SectionResult, system: System, axis: str) -> tuple[str | FloatArray, str | None]:
+    """What is along an axis, and its label: a coordinate by its name, a formula and an angle by values."""
+    if axis not in run.coordinates:
+        return system.functions.of(axis)(run.state), formula(axis)
+    if run.coordinates == run.components:
+        values = run.state[:, run.components.index(axis)]
+        if np.nanmax(np.abs(values), initial=0.0) > np.pi and _is_angle(system, run.components.index(axis), run.state):
+            return np.mod(values + np.pi, 2 * np.pi) - np.pi, rf"{formula(axis)} (mod $2\pi$)"
+    return axis, None
+
+
+@np.errstate(all="ignore")
+def _is_angle(system: System, k: int, states: FloatArray) -> bool:
+    """Whether the rates are the same after a whole turn of a component, and not after any other shift."""
+    some = states[:: max(1, len(states) // _TURNED)]
+    rates = system.vector_field(some)
+
+    def same(shift: float) -> bool:
+        turned = some.copy()
+        turned[:, k] += shift
+        return np.allclose(system.vector_field(turned), rates, rtol=0, atol=_ROUND_OFF * np.abs(rates).max(initial=0))
+
+    return same(2 * np.pi) and not same(1.0)
 
 
 def _in_words(direction: int) -> str:
@@ -199,7 +227,11 @@ def _chosen(
     """The axes, as given or by default."""
     names = _names(points)
     whole = names == tuple(map(str, np.asarray(getattr(points, "components", getattr(points, "component", ())))))
-    across, up = (names[-1], names[min(1, len(names) - 1)]) if whole else (names[0], names[-1])
+    across, up = (
+        default_axes(names, np.asarray(points.state, np.float64).reshape(-1, len(names)))
+        if whole
+        else (names[0], names[-1])
+    )
     axes = across if x is None else x, up if y is None else y
     if (x is None or y is None) and all(isinstance(axis, str) for axis in axes) and axes[0] == axes[1]:
         raise ParameterError(

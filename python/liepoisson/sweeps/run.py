@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Generator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import fields
@@ -152,7 +153,9 @@ def as_spec(spec: Any, settings: Mapping[str, Any], *, allow_code: bool = False)
     if spec is None:
         known = [entry.name for entry in fields(SweepSpec)]
         if unknown := [name for name in settings if name not in known]:
-            raise ParameterError(f"a sweep has no setting {unknown[0]!r}; known: {', '.join(known)}. Correct the name.")
+            held = unknown[0] == "energy" or re.fullmatch(r"C\d+", unknown[0])
+            hint = f'Write starts={{"{unknown[0]}": ...}}, or give it an axis.' if held else "Correct the name."
+            raise ParameterError(f"a sweep has no setting {unknown[0]!r}; known: {', '.join(known)}. {hint}")
         if missing := [name for name in ("system", "axes", "t_end") if name not in settings]:
             raise ParameterError(f"a sweep must have {' and '.join(missing)}. Give it, or a spec, or a sweep file.")
         return SweepSpec(**_made(settings))

@@ -1,0 +1,33 @@
+"""Which two coordinates of the crossings a figure of a section shows where none are named."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from liepoisson.arrays import Array
+
+_CONSTANT = 1e-9
+"""Width of the values of a coordinate, relative to the largest of all coordinates, that is round-off."""
+
+
+def default_axes(components: Sequence[str], states: Array) -> tuple[str, str]:
+    """The last component and the second; where one of both is constant on the section, the two before them, and so on.
+
+    On the section y = 0 of a system in (x, y, p_x, p_y) these are p_x and x.
+
+    Args:
+        components: Names of the components.
+        states: States of the crossings, shape (crossing, component).
+    """
+    n = len(components)
+    last, second = n - 1, min(1, n - 1)
+    finite = states[np.isfinite(states).all(axis=-1)]
+    if len(finite):
+        varies = np.ptp(finite, axis=0) > _CONSTANT * np.abs(finite).max()
+        for back in range(n):
+            across, up = (last - back) % n, (second - back) % n
+            if across != up and varies[across] and varies[up]:
+                return components[across], components[up]
+    return components[last], components[second]
