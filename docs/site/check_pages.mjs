@@ -41,7 +41,7 @@ const questions = {
   "resume an interrupted parameter sweep": ["sweeps", "cluster"],
   "dask slurm": ["cluster"],
   "save and reload results": ["saved-results"],
-  "dense output interpolation": ["methods", "reference/orbits.integrate", "reference/results.Orbit"],
+  "dense output interpolation": ["getting-started", "reference/orbits.integrate", "reference/results.Orbit"],
   "sali gali": ["chaos", "reference/chaos.alignment"],
   "conserved quantities of a system": ["integrability", "reference/integrability.first_integrals"],
   "fixed points and stability": ["equilibria"],

@@ -11,7 +11,8 @@ from pathlib import Path
 WORDS = {
     # How to begin, and what may go wrong.
     "installing": "install pip conda wheel download requirements windows mac linux arm size",
-    "getting-started": "tutorial quickstart first example begin simulate simulation solve ode",
+    "getting-started": "tutorial quickstart first example begin simulate simulation solve ode dense output"
+    " interpolate interpolation",
     "what-can-go-wrong": "pitfalls caveats trap mistake wrong warning bug convergence convergent sticky",
     "glossary": "dictionary terms meaning coadjoint orbit noncanonical momentum map",
     "notation": "symbols conventions sign convention",
@@ -24,7 +25,7 @@ WORDS = {
     "tops": "rigid body spinning euler lagrange kovalevskaya goryachev chaplygin heavy top gyroscope quaternion",
     # Integrate.
     "methods": "integrator solver stepper order symplectic geometric runge kutta taylor splitting variational tolerance"
-    " accuracy adaptive timestep dense output interpolate interpolation conservation",
+    " accuracy adaptive timestep conservation",
     "frames": "attitude orientation rotation quaternion body space elastica kirchhoff rod animation",
     # Exponents and chaos.
     "exponents": "lyapunov exponent lyapunov convergence converge uncertainty error bars confidence interval finite-time"

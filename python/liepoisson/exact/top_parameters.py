@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple, TypeAlias
 
@@ -114,6 +115,10 @@ class TopParameters:
         Raises:
             ParameterError: a parameter is symbolic (the message names it) or does not fit into a double.
         """
+        return self._field
+
+    @cached_property
+    def _field(self) -> TopField:
         inertia = self._moments()
         for k, moment in enumerate(inertia):
             if moment <= 0 or 1 / moment == float("inf"):
