@@ -1,7 +1,7 @@
 """How long does a person wait for a command?  Whole processes, from the shell's point of view, beside NumPy's import.
 
-`python benchmarks/commands.py [--rounds N]`.  Each line is one command as it is typed; its time is the processor time
-of the process in user mode, the least of five, which a busy machine disturbs less than the time on the wall.  Targets
+`python benchmarks/commands.py [--rounds N]`.  Each line is one command as it is typed; its time is that of the
+processor, in the program and in the system, the least of five, which a busy machine disturbs less than the time on the wall.  Targets
 were set where `import numpy` takes 0.12 s, and are scaled by what it takes here.  Compiled modules are written to a
 folder of their own by a first run that is not counted, as an installation has them.  Results: benchmarks/results/.
 """
@@ -63,7 +63,7 @@ CASES = (
 
 
 def seconds_of(case: Case, folder: Path, rounds: int) -> float:
-    """User time of one process, the least of some, in seconds.
+    """Time of the processor, in the program and in the system, of one whole process: the least of some, in seconds.
 
     Raises:
         RuntimeError: the process failed; the message is what it wrote.
@@ -72,14 +72,19 @@ def seconds_of(case: Case, folder: Path, rounds: int) -> float:
     environment["PYTHONPYCACHEPREFIX"] = str(folder / "compiled")
     times: list[float] = []
     for _ in range(rounds + 1):
-        before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+        before = _seconds_so_far()
         done = subprocess.run(
             [sys.executable, *case.arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
         )
         if done.returncode:
             raise RuntimeError(f"{case.name} ended with {done.returncode}:\n{done.stderr}")
-        times.append(resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - before)
+        times.append(_seconds_so_far() - before)
     return min(times[1:])
+
+
+def _seconds_so_far() -> float:
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def lines(data: dict[str, Any]) -> list[list[str]]:
