@@ -123,6 +123,37 @@ def test_errors_that_no_majorant_bounds_are_said(command):
     assert "error    " not in out
 
 
+def test_orbits_that_escape_are_told_with_what_to_do(command):
+    code, out, _ = command("section", "henon-heiles", "--starts", 6, "--crossings", 9)  # far above the energy of escape
+    assert code == 0
+    assert "escaped  6 of 6 orbits ran to infinity or to where the equations have no value: give a lower --energy" in out
+    _, out, _ = command("section", "kovalevskaya", *FEW)
+    assert "escaped" not in out
+
+
+EVEN = """
+name = "even"
+[bracket]
+canonical = ["x", "y"]
+[hamiltonian]
+expression = "(p_x^2 + p_y^2)/2 + x^2/2 + y^2 + x^2*y^2/2"
+"""
+
+
+def test_a_figure_by_default_has_axes_that_vary_on_the_surface(command, tmp_path, monkeypatch):
+    """The rate of p_y is -y times a positive function: on the surface y vanishes, and with it the usual axes show a line."""
+    seen = []
+    monkeypatch.setattr("liepoisson.cli.section.write_figure", lambda figure, stem: seen.append(figure.axes[0]) or [])
+    path = tmp_path / "even.toml"
+    path.write_text(EVEN)
+    code, out, _ = command("section", path, "--starts", 3, "--crossings", 20, "--figure", tmp_path / "even.png")
+    assert code == 0
+    assert "crossings where -x^2*y - 2*y increases" in out
+    assert (seen[0].get_xlabel(), seen[0].get_ylabel()) == ("$p_{x}$", "$x$")
+    command("section", path, "--starts", 3, "--crossings", 20, "--figure", tmp_path / "even.png", "--y", "p_y")
+    assert (seen[1].get_xlabel(), seen[1].get_ylabel()) == ("$p_{x}$", "$p_{y}$")
+
+
 @pytest.mark.thorough
 def test_netcdf_can_be_rerun(command, tmp_path):
     path = tmp_path / "section.nc"

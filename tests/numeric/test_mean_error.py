@@ -91,7 +91,8 @@ def test_the_printed_error_of_a_spectrum_is_the_spread_over_the_starts(spectrum)
     mean, error = spectrum.mean
     assert mean == pytest.approx(spectrum.end_exponent.mean(axis=0))
     assert error == pytest.approx(spectrum.end_exponent.std(axis=0, ddof=1) / 3)
-    assert f"± {error[0]:.2g} (over 9 starts)" in repr(spectrum)
+    ends = spectrum.end_exponent[:, 0]
+    assert f"± {error[0]:.2g} (over 9 starts), from {ends.min():.2g} to {ends.max():.2g} at t" in repr(spectrum)
 
 
 def test_of_one_orbit_it_is_the_error_over_its_time(spectrum):

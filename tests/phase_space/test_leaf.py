@@ -375,3 +375,8 @@ def test_small_fields_are_fields(factors):
     assert lp.Leaf.through(top, x).rank == 4
     x[6:] = x[3:6] * 1e-25
     assert lp.Leaf.through(charged, x).rank == 4
+
+
+def test_a_leaf_that_is_not_found_is_named_by_the_formulas_of_its_casimirs():
+    with pytest.raises(LeafError, match=r"with C1 = l\.alpha = 1, C2 = \|alpha\|\^2 = 0 was found"):
+        lp.Leaf(lp.catalog.system("heavy-top"), {"C1": 1, "C2": 0})

@@ -142,3 +142,21 @@ def test_states_are_found_where_fields_have_units_of_their_own(u, v):
     moved, found = project(functions, wanted, x, length=3)
     assert found.sum() >= 45
     np.testing.assert_allclose(functions(moved[found], np.arange(found.sum()))[0], wanted[found], rtol=1e-11)
+
+
+def test_energy_and_casimirs_are_given_side_by_side_or_nested():
+    given = {"system": "heavy-top", "axes": {"I1": [1.5, 2]}, "n_starts": 4, "t_end": 10}
+    flat = sweep(**given, starts={"energy": 0.5, "C1": 0.2, "C2": 1})
+    nested = sweep(**given, starts={"energy": 0.5, "casimirs": {"C1": 0.2, "C2": 1}})
+    assert flat.spec == nested.spec
+    np.testing.assert_array_equal(flat.mean, nested.mean)
+    with pytest.raises(ParameterError, match="starts: wanted C1 beside energy, or all in casimirs"):
+        sweep(**given, starts={"C1": 0.2, "casimirs": {"C2": 1}})
+    with pytest.raises(ParameterError, match="casimirs: wanted a mapping"):
+        sweep(**given, starts={"casimirs": 3})
+
+
+@pytest.mark.parametrize("name", ["energy", "C2"])
+def test_what_starts_have_is_no_setting_of_its_own(name):
+    with pytest.raises(ParameterError, match=f"a sweep has no setting '{name}'.* Write starts=.*\"{name}\": ...}}, or give"):
+        sweep(system="heavy-top", axes={"I1": [1.5, 2]}, t_end=10, **{name: 1})

@@ -181,7 +181,10 @@ def _made(settings: Mapping[str, Any]) -> dict[str, Any]:
     if isinstance(starts := made.get("starts"), Mapping):
         given = dict(cast("Mapping[str, Any]", starts))
         known = {key: given.pop(key) for key in ("ensemble", "energy", "sampling") if key in given}
-        made["starts"] = Starts(**known, casimirs=given)
+        nested = given.pop("casimirs", {})
+        if given and nested:
+            raise ParameterError(f"starts: wanted {', '.join(map(str, given))} beside energy, or all in casimirs.")
+        made["starts"] = Starts(**known, casimirs=nested or given)
     if isinstance(refine := made.get("refine"), Mapping):
         given = dict(cast("Mapping[str, Any]", refine))
         if {*given} != {"levels", "difference"}:
