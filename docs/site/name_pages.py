@@ -9,7 +9,6 @@ import re
 import sys
 from collections.abc import Iterator
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -402,9 +401,8 @@ def owner_of(word: str, module: str) -> str | None:
 
 @functools.cache
 def tree_of(module: str) -> ast.Module | None:
-    """The source of a module as a tree; it need not be importable, as one for notebooks is not without their packages."""
-    found = find_spec(module)
-    file = (found.origin if found else None) or ""
+    """The source of a module as a tree."""
+    file = getattr(import_module(module), "__file__", None) or ""
     return ast.parse(Path(file).read_text(encoding="utf-8")) if file.endswith(".py") else None
 
 
