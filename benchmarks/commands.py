@@ -1,9 +1,10 @@
 """How long does a person wait for a command?  Whole processes, from the shell's point of view, beside NumPy's import.
 
 `python benchmarks/commands.py [--rounds N]`.  Each line is one command as it is typed; its time is that of the
-processor, in the program and in the system, the least of five, which a busy machine disturbs less than the time on the wall.  Targets
-were set where `import numpy` takes 0.12 s, and are scaled by what it takes here.  Compiled modules are written to a
-folder of their own by a first run that is not counted, as an installation has them.  Results: benchmarks/results/.
+processor, in the program and in the system, the least of five, which a busy machine disturbs less than the time on the
+wall.  Targets were set where `import numpy` takes 0.12 s, and are scaled by what it takes here.  Compiled modules are
+written to a folder of their own by a first run that is not counted, as an installation has them.  Results:
+benchmarks/results/.
 """
 
 from __future__ import annotations

@@ -5,6 +5,7 @@ import pytest
 
 import liepoisson as lp
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.numeric.section_axes import default_axes
 from liepoisson.plot.labels import label
 from liepoisson.plot.section import section as draw
 from liepoisson.plot.section import titled_section
@@ -113,16 +114,24 @@ def test_signs_trajectories_and_values_choose_the_points(points):
 
 
 def test_axes_by_default_are_not_constant_on_the_section():
-    """On y = 0 the last component p_y and the second, y, would show a line: p_x and x are taken."""
+    """On y = 0 the last coordinate y and its momentum would show a line: x and p_x are taken."""
     system = lp.catalog.system("henon-heiles")
     start = {"x": 0.1, "p_y": 0.3}
-    for surface, expected in (("y", ("$p_{x}$", "$x$")), ("x", ("$p_{y}$", "$y$"))):
+    for surface, expected in (("y", ("$x$", "$p_{x}$")), ("x", ("$y$", "$p_{y}$"))):
         run = lp.section(system, {"x": 0.1, "y": 0.1, "p_y": 0.3}, surface=surface, t_end=100)
         for source in (run, run.dataset):
             ax = draw(source)
             assert (ax.get_xlabel(), ax.get_ylabel()) == expected
     one = lp.section(system, start, surface="x - 0.1", t_end=1e-3)
-    assert draw(one).get_xlabel() == "$p_{y}$", "of one crossing nothing varies"
+    assert draw(one).get_xlabel() == "$y$", "of one crossing nothing varies"
+    states = np.arange(24.0).reshape(4, 6)
+    for names, axes in (
+        (("q1", "q2", "q3", "p1", "p2", "p3"), ("q3", "p3")),
+        (("l1", "l2", "l3", "alpha1", "alpha2", "alpha3"), ("alpha3", "l2")),
+    ):
+        assert default_axes(names, states) == axes
+    states[:, 1] = 1e-17
+    assert default_axes(("l1", "l2", "l3", "alpha1", "alpha2", "alpha3"), states) == ("alpha2", "l1")
 
 
 def test_an_angle_is_drawn_within_a_turn_and_other_coordinates_are_not():
@@ -137,7 +146,9 @@ def test_an_angle_is_drawn_within_a_turn_and_other_coordinates_are_not():
     ax, drawn, run = shown(energy, ("theta", "p_theta"), [0.1, 0.0, 3.0, 1.0])
     assert np.abs(run.state[:, 0]).max() > 100
     assert np.abs(drawn).max() <= np.pi
-    np.testing.assert_allclose(np.sin(np.sort(drawn)), np.sin(np.sort(np.angle(np.exp(1j * run.state[:, 0])))), atol=1e-9)
+    np.testing.assert_allclose(
+        np.sin(np.sort(drawn)), np.sin(np.sort(np.angle(np.exp(1j * run.state[:, 0])))), atol=1e-9
+    )
     assert ax.get_xlabel() == r"$\theta$ (mod $2\pi$)"
     ax, drawn, run = shown("p_theta^2/2 + p_x^2/2 - cos(x)/5", ("theta", "p_theta"), [0.1, 0.0, 3.0, 1.0])
     assert ax.get_xlabel() == r"$\theta$", "a cyclic coordinate need not be an angle"

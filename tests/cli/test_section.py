@@ -24,7 +24,7 @@ def test_crossings_of_the_kovalevskaya_top(command, tmp_path):
         f"wrote    {path}",
     ):
         assert line in out.splitlines()
-    assert "found    15 crossings, 5 to 5 of each orbit" in out
+    assert "found    15 crossings, 5 of each orbit" in out
     assert path.read_text().splitlines()[0] == "trajectory,t,sign,l1,l2,l3,alpha1,alpha2,alpha3"
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     l, alpha = table[:, 3:6], table[:, 6:]
@@ -126,7 +126,7 @@ def test_errors_that_no_majorant_bounds_are_said(command):
 def test_orbits_that_escape_are_told_with_what_to_do(command):
     code, out, _ = command("section", "henon-heiles", "--starts", 6, "--crossings", 9)  # far above the energy of escape
     assert code == 0
-    assert "escaped  6 of 6 orbits ran to infinity or to where the equations have no value: give a lower --energy" in out
+    assert "escaped  6 of 6 orbits ran to infinity or to where the equations have no value: their starts" in out
     _, out, _ = command("section", "kovalevskaya", *FEW)
     assert "escaped" not in out
 
@@ -141,7 +141,7 @@ expression = "(p_x^2 + p_y^2)/2 + x^2/2 + y^2 + x^2*y^2/2"
 
 
 def test_a_figure_by_default_has_axes_that_vary_on_the_surface(command, tmp_path, monkeypatch):
-    """The rate of p_y is -y times a positive function: on the surface y vanishes, and with it the usual axes show a line."""
+    """The rate of p_y is -y times a positive function: y vanishes on the surface, and a figure of it is a line."""
     seen = []
     monkeypatch.setattr("liepoisson.cli.section.write_figure", lambda figure, stem: seen.append(figure.axes[0]) or [])
     path = tmp_path / "even.toml"
@@ -149,9 +149,9 @@ def test_a_figure_by_default_has_axes_that_vary_on_the_surface(command, tmp_path
     code, out, _ = command("section", path, "--starts", 3, "--crossings", 20, "--figure", tmp_path / "even.png")
     assert code == 0
     assert "crossings where -x^2*y - 2*y increases" in out
-    assert (seen[0].get_xlabel(), seen[0].get_ylabel()) == ("$p_{x}$", "$x$")
+    assert (seen[0].get_xlabel(), seen[0].get_ylabel()) == ("$x$", "$p_{x}$")
     command("section", path, "--starts", 3, "--crossings", 20, "--figure", tmp_path / "even.png", "--y", "p_y")
-    assert (seen[1].get_xlabel(), seen[1].get_ylabel()) == ("$p_{x}$", "$p_{y}$")
+    assert (seen[1].get_xlabel(), seen[1].get_ylabel()) == ("$x$", "$p_{y}$")
 
 
 @pytest.mark.thorough

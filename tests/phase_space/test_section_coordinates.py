@@ -61,7 +61,7 @@ def test_a_section_says_whether_its_figure_folds_it():
     assert up.is_folded("y", "p_y^2")
     assert str(both).splitlines() == [
         "henon-heiles: 20 crossings of x = 0, 10 of each of 2 orbits",
-        "a figure of p_y and y, the axes by default, folds the section: different states may lie at one point",
+        "a figure of y and p_y, the axes by default, folds the section: different states may lie at one point",
     ]
     assert str(up) == "henon-heiles: 20 crossings of x = 0, 10 of each of 2 orbits"
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import liepoisson as lp
-from liepoisson.errors import ParameterError
+from liepoisson.errors import LeafError, ParameterError
 from liepoisson.field import TopField
 from liepoisson.sweeps.run import sweep
 from liepoisson.sweeps.starts import TopRows, project, system_functions
@@ -158,5 +158,32 @@ def test_energy_and_casimirs_are_given_side_by_side_or_nested():
 
 @pytest.mark.parametrize("name", ["energy", "C2"])
 def test_what_starts_have_is_no_setting_of_its_own(name):
-    with pytest.raises(ParameterError, match=f"a sweep has no setting '{name}'.* Write starts=.*\"{name}\": ...}}, or give"):
+    with pytest.raises(
+        ParameterError, match=f"a sweep has no setting '{name}'.* Write starts=.*\"{name}\": ...}}, or give"
+    ):
         sweep(system="heavy-top", axes={"I1": [1.5, 2]}, t_end=10, **{name: 1})
+
+
+FAR = """
+name = "far"
+[bracket]
+canonical = ["x", "y"]
+[hamiltonian]
+expression = "(p_x^2 + p_y^2)/2 + x^2/2 + y^2 + 6*x^2*y^2/5 + x^4/10"
+"""
+
+
+def test_starts_far_from_their_ensemble_are_found(tmp_path, capsys):
+    """From unit vectors, H = 0.6, a leap to H = 12 overshot and stopped for two of three of them."""
+    path = tmp_path / "far.toml"
+    path.write_text(FAR)
+    found = sweep(system=str(path), axes={"energy": [1, 12]}, n_starts=32, t_end=1)
+    assert found.outcomes == {"finished": 64}
+    system = lp.systems.read_system(path)
+    guesses = lp.sample_states(system, 32, seed=0)
+    states = lp.Leaf(system, {}).project(guesses, energy=12)
+    np.testing.assert_allclose(system.functions.energy(states), 12, rtol=1e-13)
+    one_by_one = [lp.Leaf(system, {}).project(guess, energy=12) for guess in guesses]
+    np.testing.assert_array_equal(states, one_by_one)
+    with pytest.raises(LeafError, match="On this leaf the energy lies between 0 and inf; -1 was asked for"):
+        lp.Leaf(system, {}).project(guesses, energy=-1)

@@ -12,6 +12,14 @@ document.addEventListener("DOMContentLoaded", () => {
   const listed = (files) => (Array.isArray(files) ? files : [files]);
   let tables = null;
 
+  // What Sphinx says of a search without results speaks of categories, which this site does not have.
+  new MutationObserver(() => {
+    const said = document.querySelector("#search-results .search-summary");
+    if (said !== null && /did not match/.test(said.textContent) && !/other words/.test(said.textContent)) {
+      said.textContent = "No page has these words. Try other words, or fewer; the glossary has those of other fields.";
+    }
+  }).observe(document.getElementById("search-results"), { childList: true, subtree: true, characterData: true });
+
   /** From each folded word to its pages: in headings and words of searchWords, and in text. */
   function words() {
     const index = Search._index;

@@ -170,11 +170,13 @@ def summary(result: FiniteTimeExponents | Spectrum, words: str, unit: float, *, 
     if not np.any(outcome == "finished"):
         return [*lines, "no run finished: there is no exponent to report"]
     return lines + (
-        _spectrum_lines(result) if isinstance(result, Spectrum) else _growth_lines(result, unit, mixed=mixed)
+        _spectrum_lines(result, mixed=mixed)
+        if isinstance(result, Spectrum)
+        else _growth_lines(result, unit, mixed=mixed)
     )
 
 
-def _spectrum_lines(spectrum: Spectrum) -> list[str]:
+def _spectrum_lines(spectrum: Spectrum, *, mixed: bool) -> list[str]:
     """Mean spectrum with its standard error over the starts, the error of one run over its time, and the self-check."""
     finished = spectrum.outcome == "finished"
     mean, error = spectrum.mean
@@ -188,6 +190,8 @@ def _spectrum_lines(spectrum: Spectrum) -> list[str]:
         lines.append("{:4}  {:9.5f}  {:9.1e}  {:9.5f}  {:9.5f}  {:16.1e}".format(k, *row))
     over = "over the starts, of the mean" if finished.sum() > 1 else "over the time of the one run"
     lines.append(f"error: standard error {over}; error of one run: over its time, the median of the runs")
+    if finished.sum() > 1:
+        lines.append(_mixes(mixed=mixed) + " one orbit.")
     return [*lines, spectrum.check()]
 
 
@@ -199,8 +203,7 @@ def _growth_lines(growth: FiniteTimeExponents, unit: float, *, mixed: bool) -> l
     if finished.size > 1:
         quantiles = zip(_QUANTILES, np.quantile(finished, _QUANTILES), strict=True)
         lines += [f"  {_quantile_name(q):<7} {value:.6f}" for q, value in quantiles]
-        what = "leaves and energies, " if mixed else ""
-        lines.append(f"A mean over random starts mixes {what}chaotic and regular orbits: it is not the exponent of")
+        lines.append(_mixes(mixed=mixed))
     lines.append(
         ("one orbit. " if finished.size > 1 else "")
         + "Finite-time values are biased upwards: a regular orbit has one of about ln(t/T)/t"
@@ -208,6 +211,11 @@ def _growth_lines(growth: FiniteTimeExponents, unit: float, *, mixed: bool) -> l
         + f" with T = {unit:g}."
     )
     return lines
+
+
+def _mixes(*, mixed: bool) -> str:
+    what = "leaves and energies, " if mixed else ""
+    return f"A mean over random starts mixes {what}chaotic and regular orbits: it is not the exponent of"
 
 
 def _mean(exponents: FloatArray) -> str:

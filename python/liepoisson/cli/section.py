@@ -66,7 +66,8 @@ T_END_HELP = (
 )
 KEEP_HELP = "Keep this function of each crossing, and not the state.  Repeat it for more."
 
-_AXIS = "component; two earlier ones where one of both is constant on the surface"
+ACROSS_HELP = "Across in the figure.  [default: the last component; of coordinates and momenta the last coordinate]"
+UP_HELP = "Up in the figure.  [default: the second component; of coordinates and momenta the momentum of --x]"
 
 
 class Direction(StrEnum):
@@ -106,12 +107,8 @@ def section(
     out: Annotated[str | None, typer.Option(metavar="FILE", help=OUT_HELP)] = None,
     plot: Annotated[bool, typer.Option("--plot", help=PLOT_HELP)] = False,
     figure: Annotated[str | None, typer.Option(metavar="FILE", help=FIGURE_HELP)] = None,
-    x: Annotated[
-        str | None, typer.Option("--x", metavar="FORMULA", help=f"Across in the figure.  [default: the last {_AXIS}]")
-    ] = None,
-    y: Annotated[
-        str | None, typer.Option("--y", metavar="FORMULA", help=f"Up in the figure.  [default: the second {_AXIS}]")
-    ] = None,
+    x: Annotated[str | None, typer.Option("--x", metavar="FORMULA", help=ACROSS_HELP)] = None,
+    y: Annotated[str | None, typer.Option("--y", metavar="FORMULA", help=UP_HELP)] = None,
     quiet: QuietOption = False,
     settings: Annotated[list[str] | None, typer.Option("--set", metavar="NAME=VALUE", help=SET_HELP)] = None,
 ) -> None:
@@ -246,13 +243,13 @@ def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
     lines = [
         f"method   {run.method}, order {run.order}, {run.field.kind} kernel ({run.kernel})",
         "outcome  " + ", ".join(f"{name} {n}" for name, n in zip(names, counts, strict=True)),
-        f"found    {len(run.time)} crossings, {run.count.min()} to {run.count.max()} of each orbit, "
+        f"found    {len(run.time)} crossings, {_range(run.count)} of each orbit, "
         f"to t = {reached}; undecided touches: {len(run.touch_time)}",
     ]
     if escaped := int((run.outcome == "step too small").sum()):
         lines.append(
             f"escaped  {escaped} of {run.n_trajectories} orbits ran to infinity or to where the equations have no "
-            "value: give a lower --energy, or a --start that stays"
+            "value: their starts lie on a part of the energy surface that leads there; --start chooses another one"
         )
     if unbounded := int(run.unbounded_steps.sum()):
         lines.append(f"error    of the state estimated, not bounded, in {unbounded} of {run.n_steps.sum()} steps")
@@ -261,10 +258,16 @@ def run_lines(run: Section, begin: Start, *, full: bool) -> list[str]:
     if unresolved := run.unresolved_share:
         lines.append(f"missed   the function could not be followed in {as_percent(unresolved)} of the time")
     if full and len(run.time):
-        energy = begin.leaf.system.functions.energy(run.state)
-        worst, drift = begin.leaf.residual(run.state).max(), np.abs(energy - begin.energy).max()
+        stayed = np.isin(run.outcome, ("finished", "time limit"))[run.trajectory]
+        state = run.state[stayed] if stayed.any() else run.state  # that of an orbit that escapes says nothing
+        energy = begin.leaf.system.functions.energy(state)
+        worst, drift = begin.leaf.residual(state).max(), np.abs(energy - begin.energy).max()
         lines.append(f"drift    relative to the leaf {worst:.0e}, energy {drift:.0e}")
     return lines
+
+
+def _range(count: NDArray[np.int64]) -> str:
+    return f"{count.min()}" if count.min() == count.max() else f"{count.min()} to {count.max()}"
 
 
 def _check_counts(starts: int | None, start: Sequence[str] | None, crossings: int) -> None:

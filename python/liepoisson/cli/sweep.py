@@ -105,6 +105,11 @@ def summary(result: Sweep) -> list[str]:
         *(f"held: {line}" for line in result.held),
         "outcomes: " + ", ".join(f"{name} {count}" for name, count in result.outcomes.items()),
     ]
+    if 0 < (missing := result.outcomes.get("no start", 0)) < sum(result.outcomes.values()):
+        lines.append(
+            f"no start was found for {missing} orbits: means are over the others, which need not be typical; "
+            'sampling = "liouville" below [starts] draws all of them'
+        )
     if result.n_reused:
         lines.append(f"{result.n_reused} of {len(result.points)} points were in the store")
     if result.n_damaged:

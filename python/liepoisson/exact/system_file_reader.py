@@ -401,7 +401,11 @@ class _Reader:
     def check_keys(self, keys: tuple[str | int, ...], table: Mapping[str, object], known: Sequence[str]) -> None:
         for key in table:
             if key not in known:
-                hint = did_you_mean(key, known).strip() or "Remove it."
+                elsewhere = next((table for table, names in _KEYS.items() if key in names and table), None)
+                belongs = (
+                    f"Write it below [{elsewhere}]." if elsewhere in ("bracket", "hamiltonian") and not keys else ""
+                )
+                hint = belongs or did_you_mean(key, known).strip() or "Remove it."
                 message = f"the key is unknown; known are {', '.join(known)}. {hint}"
                 raise self.toml.error((*keys, key), message)
 

@@ -63,6 +63,11 @@ class CovariantVectors(ReadOnlyArrays):
         units="inverse time, dimensionless",
     )
 
+    def __repr__(self) -> str:
+        n, n_times, k, _ = self.vector.shape
+        of = "1 trajectory" if n == 1 else f"{n} trajectories"
+        return f"<CovariantVectors: {k} vectors of {of} at {n_times} times, t = {self.time[0]:g} to {self.time[-1]:g}>"
+
     @property
     def exponent(self) -> Array:
         """Exponents measured from the growth of the covariant vectors, shape (trajectory, k)."""

@@ -25,7 +25,7 @@ from liepoisson.phase_space._checks import as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name, formulas
 from liepoisson.phase_space.field_units import field_units
 from liepoisson.phase_space.leaf_in_units import LeafInUnits
-from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, mixing_of, solve
+from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, approach, mixing_of
 from liepoisson.phase_space.leaf_stratum import Place, open_place, place_of
 from liepoisson.phase_space.lengths import unit_groups
 from liepoisson.scalars import as_number
@@ -222,7 +222,7 @@ class Leaf:
         """
         states, view = self._points(states), self.in_units(energy)
         equations = view.constraints(energy, surface)
-        found, residual = solve(equations, states.reshape(-1, states.shape[-1]) / view.units)
+        found, residual = approach(equations, states.reshape(-1, states.shape[-1]) / view.units)
         if found.size and not residual.max() <= CONVERGED:
             self._refuse(equations, found, residual, energy)
         return (found * view.units).reshape(states.shape)

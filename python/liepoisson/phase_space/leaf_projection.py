@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
 from liepoisson.exact.phase_functions import PhaseFunction
@@ -17,6 +18,9 @@ CONVERGED = 1e-13
 
 _MOST_STEPS, _HALVINGS = 80, 14
 
+_STAGES = 16
+"""Parts in which values are approached where one leap fails."""
+
 
 @dataclass(frozen=True)
 class Equations:
@@ -25,7 +29,7 @@ class Equations:
     Attributes:
         pinned: The rows of P, orthonormal, shape (k, N).
         functions: The functions f.
-        values: Their values c, shape (function,); for `relative` also one row for each state.
+        values: Their values c, shape (function,), or one row for each state.
         mixing: Independent combinations M of the functions, shape (m, function).
         groups: The number of the block $x_b$ of each component whose lengths are told apart; empty where all are of one
             order.
@@ -47,6 +51,10 @@ class Equations:
         mixing[:m, :n], mixing[m, n] = self.mixing, 1.0
         functions, values = (*self.functions, function), np.append(self.values, value)
         return replace(self, functions=functions, values=values, mixing=mixing)
+
+    def of(self, states: NDArray[np.intp]) -> Equations:
+        """The equations of some of the states, if each has values of its own."""
+        return replace(self, values=self.values[states]) if self.values.ndim > 1 else self
 
     def rows(self, x: Array) -> Array:
         """The gradients of all equations, shape (..., equation, N)."""
@@ -126,11 +134,31 @@ def solve(equations: Equations, x: Array, *, most_steps: int = _MOST_STEPS) -> t
         active = active[residual[active] > 2e-16]
         if not active.size:
             break
-        moved, reached = _step(equations, x[active], residual[active])
+        moved, reached = _step(equations.of(active), x[active], residual[active])
         better = reached < residual[active]
         x[active[better]], residual[active[better]] = moved[better], reached[better]
         active = active[better]
     return x, residual
+
+
+@np.errstate(all="ignore")
+def approach(equations: Equations, x: Array) -> tuple[Array, Array]:
+    """Solutions near x as `solve` finds them; where it finds none, along values from those at x to the wanted ones.
+
+    A residual relative to its terms grows less than the terms do, so that a long leap may look better than it is, and
+    end where no step helps.
+    """
+    found, residual = solve(equations, x)
+    left = np.flatnonzero(~(residual <= CONVERGED))
+    if left.size:
+        there = x[left] - x[left] @ equations.pinned.T @ equations.pinned
+        begin = np.stack([np.asarray(f(there)) for f in equations.functions], axis=-1)
+        for stage in range(1, _STAGES + 1):
+            values = begin + stage / _STAGES * (equations.values - begin) if stage < _STAGES else equations.values
+            there, closeness = solve(replace(equations, values=np.broadcast_to(values, begin.shape)), there)
+        reached = closeness <= CONVERGED
+        found[left[reached]], residual[left[reached]] = there[reached], closeness[reached]
+    return found, residual
 
 
 def _step(equations: Equations, x: Array, residual: Array) -> tuple[Array, Array]:
@@ -141,7 +169,7 @@ def _step(equations: Equations, x: Array, residual: Array) -> tuple[Array, Array
     left = np.arange(len(x))
     for halvings in range(_HALVINGS):
         trial = x[left] + delta[left] * 0.5**halvings
-        found = _finite_or_infinity(equations.residual(trial))
+        found = _finite_or_infinity(equations.of(left).residual(trial))
         best[left], reached[left] = trial, found
         left = left[found >= residual[left]]
         # At round-off no step helps, and a shorter one helps no more.

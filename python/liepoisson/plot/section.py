@@ -81,9 +81,10 @@ def section(
     Args:
         points: Result of `liepoisson.section`, or its Dataset.
         x: Horizontal: the name of a coordinate that was kept, or values, shape (crossing,).  By default the last
-            component of the state, of kept functions the first.
-        y: Vertical, likewise.  By default the second component, of kept functions the last.  Where one of both
-            components is constant on the section, the two before them are taken: on y = 0 not p_y and y, but p_x and x.
+            component of the state, of coordinates and momenta the last coordinate, of kept functions the first.
+        y: Vertical, likewise.  By default the second component, the momentum of x, or the last of kept functions.
+            Where one of both is constant on the section, the two before them are taken: on y = 0 not y and p_y, but x
+            and p_x.
         xlabel: By default the name as mathematical text.
         ylabel: Likewise.
         title: Above the axes.  By default system and surface in a new figure; given axes keep the title they have.

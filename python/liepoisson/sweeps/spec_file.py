@@ -3,7 +3,7 @@
     name = "twist"
     system = "twisted-top"                   # a name of the catalog, a system file, or tables [system.bracket], ...
     quantity = "chaotic_fraction"            # or "exponent"; "package.module:function" only if code is allowed
-    n = 64                                   # orbits at each point
+    n_starts = 64                            # orbits at each point
     t_end = 1000                             # has no default: see liepoisson.time_scale
     seed = 1
     [parameters]                             # numbers, formulas in the names of the axes, lists of them
@@ -86,6 +86,11 @@ class _Reader:
 
     def spec(self) -> SweepSpec:
         tables = self.toml.tables
+        if "hamiltonian" in tables and "system" not in tables:
+            raise self.toml.error(
+                ("hamiltonian",),
+                "this is a file of a system; a sweep names it: system = 'FILE.toml'. Write a sweep file.",
+            )
         self.check_keys((), tables, _KEYS)
         for key in ("system", "axes", "t_end"):
             if key not in tables:

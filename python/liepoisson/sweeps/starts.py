@@ -23,6 +23,8 @@ Functions: TypeAlias = Callable[[Array, NDArray[np.int64]], tuple[Array, Array]]
 """Values (row, function) and gradients (row, function, component) at states; which rows of the whole they are."""
 
 _CONVERGED = 1e-12
+_STAGES = 16
+"""Parts in which values are approached where one leap fails."""
 _MOST_STEPS, _MOST_HALVINGS = 50, 12
 _ONE_UNIT = 1024.0
 """Lengths that differ by less are in one unit."""
@@ -177,7 +179,8 @@ def system_functions(system: Any, names: Sequence[str]) -> Functions:
 def project(functions: Functions, wanted: Array, x: Array, length: int = 0) -> tuple[Array, Bools]:
     r"""States near x at which functions have the wanted values, by Newton steps of minimum norm, $\delta = -G^+ F$.
 
-    Each row is worked on by itself, whatever rows are beside it: its bits do not depend on them.
+    Where that fails, along values that lead from those at x to the wanted ones.  Each row is worked on by itself,
+    whatever rows are beside it: its bits do not depend on them.
 
     Args:
         functions: What is prescribed.
@@ -188,6 +191,20 @@ def project(functions: Functions, wanted: Array, x: Array, length: int = 0) -> t
     Returns:
         The states, and for which of them the largest relative residual is below 1e-12.
     """
+    found, is_there = _leap(functions, wanted, x, length)
+    left = np.flatnonzero(~is_there)
+    if left.size:
+        there, reached = x[left], is_there[left]
+        begin = functions(there, left)[0]
+        for stage in range(1, _STAGES + 1):
+            values = begin + stage / _STAGES * (wanted[left] - begin) if stage < _STAGES else wanted[left]
+            there, reached = _leap(lambda x, rows: functions(x, left[rows]), values, there, length)
+        found[left[reached]], is_there[left] = there[reached], reached
+    return found, is_there
+
+
+def _leap(functions: Functions, wanted: Array, x: Array, length: int) -> tuple[Array, Bools]:
+    """`project` by Newton's method alone."""
     x = x.copy()
     rows = np.arange(len(x))
     residual = _residual(functions, wanted, x, rows)
