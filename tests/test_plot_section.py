@@ -124,7 +124,7 @@ def test_axes_by_default_are_not_constant_on_the_section():
             assert (ax.get_xlabel(), ax.get_ylabel()) == expected
     one = lp.section(system, start, surface="x - 0.1", t_end=1e-3)
     assert draw(one).get_xlabel() == "$y$", "of one crossing nothing varies"
-    states = np.arange(24.0).reshape(4, 6)
+    states = np.random.default_rng(0).standard_normal((9, 6))
     for names, axes in (
         (("q1", "q2", "q3", "p1", "p2", "p3"), ("q3", "p3")),
         (("l1", "l2", "l3", "alpha1", "alpha2", "alpha3"), ("alpha3", "l2")),
@@ -132,6 +132,28 @@ def test_axes_by_default_are_not_constant_on_the_section():
         assert default_axes(names, states) == axes
     states[:, 1] = 1e-17
     assert default_axes(("l1", "l2", "l3", "alpha1", "alpha2", "alpha3"), states) == ("alpha2", "l1")
+
+
+def test_axes_by_default_are_independent_of_each_other_and_of_units():
+    """Surfaces that tie y and p_y together, and a coordinate of 1e-11 beside a momentum of one."""
+    system = lp.catalog.system("henon-heiles")
+    starts = [[0.1, 0.1, 0.2, 0.1], [0.0, 0.2, 0.1, 0.2], [0.2, -0.1, 0.1, 0.15]]
+    for surface in ("y + p_y", "y - 3*p_y - 1/20"):
+        run = lp.section(system, starts, surface=surface, t_end=200)
+        assert run.default_axes == ("x", "p_x")
+        assert draw(run.dataset).get_xlabel() == "$x$"
+    stiff = lp.System(lp.canonical(2), "(p1^2 + p2^2)/200000000000 + (q1^2 + 2*q2^2)*50000000000")
+    run = lp.section(stiff, [[1e-11, 2e-11, 0.5, 0.7]], surface="q2", t_end=100)
+    assert run.default_axes == ("q1", "p1")
+
+
+def test_a_bump_on_a_line_is_no_angle():
+    """A shift by a whole turn leads out of the reach of its force, and one by 1 into it."""
+    system = lp.System(lp.canonical(2), "(p1^2 + p2^2)/2 + q2^2/2 + 5*exp(-40*(q1 - 3)^2)")
+    starts = [[2.0, 0.1, 0.001, 1.0], [4.0, 0.1, -0.001, 1.0]]
+    run = lp.section(system, starts, surface="q2", t_end=100)
+    ax = titled_section(run, lp.Leaf(system, {}), "q2", ("q1", "p1")).axes[0]
+    assert ax.get_xlabel() == "$q_{1}$"
 
 
 def test_an_angle_is_drawn_within_a_turn_and_other_coordinates_are_not():

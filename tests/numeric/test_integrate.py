@@ -333,3 +333,12 @@ def test_a_system_names_all_components_or_none():
 
     with pytest.raises(ParameterError, match="wanted 9 names"):
         lp.integrate(Short(), np.ones(9), times=[0, 1])
+
+
+@pytest.mark.parametrize("t_end", [1.3e154, 1.4e154, -1e200, 1e300])
+@pytest.mark.parametrize("kernel", ["components", "lanes"])
+def test_a_top_at_rest_stays_there_for_any_time(t_end, kernel):
+    """The square of a step of 1.4e154 is beyond the largest number, and NaN times a coefficient that vanishes."""
+    orbit = lp.integrate(lp.Top.heavy((2, 1.5, 1), (0, 0, 1)), {"alpha3": 1}, times=[0, t_end], kernel=kernel)
+    assert (orbit.outcome[0], orbit.end_time[0]) == ("finished", t_end)
+    np.testing.assert_array_equal(orbit.state[0, -1], [0, 0, 0, 0, 0, 1, 0, 0, 0])

@@ -304,9 +304,7 @@ def _check_axes(system: System, x: str | None, y: str | None, keep: Sequence[str
 
 def _axes(run: Section, x: str | None, y: str | None, keep: Sequence[str] | None) -> tuple[str, str]:
     """The functions along the axes of the figure."""
-    from liepoisson.numeric.section_axes import default_axes
-
-    across, up = (keep[0], keep[-1]) if keep else default_axes(run.components, run.state)
+    across, up = (keep[0], keep[-1]) if keep else run.default_axes
     return x or across, y or up
 
 

@@ -268,12 +268,20 @@ class Section(IntegratedRun):
                 f"the section has dimension {dimension}: a plane shows a projection, which proves neither tori nor "
                 "chaos"
             ]
-        x, y = default_axes(self.components, self.state)
+        x, y = self.default_axes
         if not fold(self, x, y):
             return []
         return [
             f"a figure of {x} and {y}, the axes by default, folds the section: different states may lie at one point"
         ]
+
+    @property
+    def default_axes(self) -> tuple[str, str]:
+        """What a figure has along its axes where none are named, across and up (`liepoisson.plot.section`).
+
+        Only where whole states were kept; of kept functions a figure shows the first and the last.
+        """
+        return default_axes(self.components, self.state, np.concatenate([self.start, self.end_state]))
 
     def is_folded(self, x: Function | None = None, y: Function | None = None) -> bool:
         """Whether a figure with these functions along its axes folds the section (`liepoisson.sections.is_folded`).
@@ -297,7 +305,7 @@ class Section(IntegratedRun):
                 f"is_folded: wanted a section of dimension 2 with whole states of a System; got one {has}; make it "
                 "with a text for its surface and without keep, of orbits on leaves of dimension 4"
             )
-        across, up = default_axes(self.components, self.state)
+        across, up = self.default_axes
         return fold(self, across if x is None else x, up if y is None else y)
 
 

@@ -8,30 +8,45 @@ import numpy as np
 
 from liepoisson.arrays import Array
 
-_CONSTANT = 1e-9
-"""Width of the values of a coordinate, relative to the largest of all coordinates, that is round-off."""
+_ROUND_OFF, _NOTHING = 1e-9, 1e-14
+"""Width of the values of a coordinate, relative to its size along the orbits, and of a figure across its longest
+extent, that is round-off; width relative to the largest of all coordinates that is, too."""
 
 
-def default_axes(components: Sequence[str], states: Array) -> tuple[str, str]:
+def default_axes(components: Sequence[str], states: Array, beside: Array | None = None) -> tuple[str, str]:
     """The last component across and the second up; of coordinates and momenta a coordinate across and its momentum up.
 
-    Where one of both is constant on the section, the two before them are taken, and so on: on the section y = 0 of a
-    system in (x, y, p_x, p_y) not y and p_y, but x and p_x.
+    Where one of both is constant on the section, or all points are on one line, the two before them are taken, and so on:
+    on the section y = 0 of a system in (x, y, p_x, p_y) not y and p_y, but x and p_x.
 
     Args:
         components: Names of the components.
         states: States of the crossings, shape (crossing, component).
+        beside: States of the same orbits elsewhere, shape (state, component): they tell how large a coordinate is that
+            vanishes on the section.
     """
     n = len(components)
     last, second = (n // 2 - 1, n - 1) if _is_canonical(components) else (n - 1, min(1, n - 1))
     finite = states[np.isfinite(states).all(axis=-1)]
-    if len(finite):
-        varies = np.ptp(finite, axis=0) > _CONSTANT * np.abs(finite).max()
-        for back in range(n):
-            across, up = (last - back) % n, (second - back) % n
-            if across != up and varies[across] and varies[up]:
+    if len(finite) > 1:
+        others = finite if beside is None else np.concatenate([finite, beside[np.isfinite(beside).all(axis=-1)]])
+        sizes = np.abs(others).max(axis=0)
+        unit = np.where(sizes > 0, sizes, 1.0)
+        centred = (finite - finite.mean(axis=0)) / unit
+        width = np.ptp(finite, axis=0)
+        varies = (width > _ROUND_OFF * sizes) & (width > _NOTHING * sizes.max())
+        pairs = [((last - back) % n, (second - back) % n) for back in range(n)]
+        pairs += [(across, up) for across in range(n - 1, -1, -1) for up in range(n) if up < across]
+        for across, up in pairs:
+            if across != up and varies[across] and varies[up] and _fills_a_plane(centred[:, (across, up)]):
                 return components[across], components[up]
     return components[last], components[second]
+
+
+def _fills_a_plane(points: Array) -> bool:
+    """Whether points are on no line, each coordinate in units of its width."""
+    longest, shortest = np.linalg.svd(points / np.ptp(points, axis=0), compute_uv=False)
+    return len(points) < 3 or bool(shortest > _ROUND_OFF * longest)
 
 
 def _is_canonical(components: Sequence[str]) -> bool:

@@ -85,7 +85,7 @@ def bounds(
         >>> bounds = lp.phase_space.bounds(top, start)
         >>> spin = np.linalg.norm(lp.integrate(top, start, t_end=1000).state[0, :, :3], axis=1)
         >>> round(bounds.l, 4), round(float(spin.max()), 4)
-        (4.039, 3.8402)
+        (4.039, 3.77)
 
     Args:
         system: A top: the equations decide, however the system was made.

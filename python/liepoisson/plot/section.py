@@ -36,6 +36,8 @@ _ROUND_OFF = 1e-9
 """Relative width of a figure below which it would show nothing but errors."""
 _TURNED = 100
 """States at which it is tried whether a coordinate is an angle."""
+_PLACES = 20
+"""Values at which it is tried for each of them."""
 _LONGEST_LINE = 60
 """Characters of a title that fit above the axes of a new figure; of a formula, characters of its text."""
 
@@ -171,16 +173,22 @@ def _values_and_label(run: SectionResult, system: System, axis: str) -> tuple[st
 
 @np.errstate(all="ignore")
 def _is_angle(system: System, k: int, states: FloatArray) -> bool:
-    """Whether the rates are the same after a whole turn of a component, and not after any other shift."""
+    """Whether the rates are the same after whole turns of a component, wherever it is, and not after other shifts."""
     some = states[:: max(1, len(states) // _TURNED)]
-    rates = system.vector_field(some)
+    rng = np.random.default_rng(0)
 
-    def same(shift: float) -> bool:
-        turned = some.copy()
-        turned[:, k] += shift
-        return np.allclose(system.vector_field(turned), rates, rtol=0, atol=_ROUND_OFF * np.abs(rates).max(initial=0))
+    def rates(angle: FloatArray) -> FloatArray:
+        moved = some.copy()
+        moved[:, k] = angle
+        return system.vector_field(moved)
 
-    return same(2 * np.pi) and not same(1.0)
+    def same(one: FloatArray, other: FloatArray) -> bool:
+        return np.allclose(one, other, rtol=0, atol=_ROUND_OFF * np.abs(one).max(initial=0))
+
+    low, high = some[:, k].min() - 2 * np.pi, some[:, k].max() + 2 * np.pi
+    places = [some[:, k], *(rng.uniform(low, high, len(some)) for _ in range(_PLACES))]
+    turned = all(same(rates(place), rates(place + turn)) for place in places for turn in (2 * np.pi, -4 * np.pi))
+    return turned and not all(same(rates(place), rates(place + 1.0)) for place in places)
 
 
 def _in_words(direction: int) -> str:
@@ -229,7 +237,7 @@ def _chosen(
     names = _names(points)
     whole = names == tuple(map(str, np.asarray(getattr(points, "components", getattr(points, "component", ())))))
     across, up = (
-        default_axes(names, np.asarray(points.state, np.float64).reshape(-1, len(names)))
+        default_axes(names, _states(points.state, len(names)), _beside(points, len(names)))
         if whole
         else (names[0], names[-1])
     )
@@ -240,6 +248,18 @@ def _chosen(
             "for example y=points.time."
         )
     return axes
+
+
+def _states(states: Any, n: int) -> FloatArray:
+    return np.asarray(states, np.float64).reshape(-1, n)
+
+
+def _beside(points: SectionLike, n: int) -> FloatArray | None:
+    """Where the orbits start and end, if that is known."""
+    found = [
+        _states(states, n) for name in ("start", "end_state") if (states := getattr(points, name, None)) is not None
+    ]
+    return np.concatenate(found) if found else None
 
 
 def _heading(points: SectionLike) -> str | None:

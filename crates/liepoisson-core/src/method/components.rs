@@ -194,6 +194,15 @@ impl<V: Wide> SingleBlock<V> {
         let (s, s2) = (V::TwoVectors::splat(tau), V::TwoVectors::splat(tau * tau));
         let row = |k: usize| (V::Vector::load(&self.rows[k].l), V::TwoVectors::load(&self.rows[k].fields));
         let order = self.method.order();
+        if (tau * tau).is_infinite() {
+            // only what rests takes such a step
+            let (mut l, mut fields) = row(order);
+            for k in (0..order).rev() {
+                let next = row(k);
+                (l, fields) = (l.mul_add(t, next.0), fields.mul_add(s, next.1));
+            }
+            return as_numbers::<V>(l, fields);
+        }
         let (mut high, mut low) = (row(order), row(order - 1));
         let mut k = order - 1;
         while k >= 2 {
@@ -208,11 +217,16 @@ impl<V: Wide> SingleBlock<V> {
             let first = row(0);
             (l, fields) = (l.mul_add(t, first.0), fields.mul_add(s, first.1));
         }
-        let (mut l_numbers, mut field_numbers) = ([0.0; 4], [0.0; 8]);
-        l.store(&mut l_numbers);
-        fields.store(&mut field_numbers);
-        (l_numbers, field_numbers)
+        as_numbers::<V>(l, fields)
     }
+}
+
+#[inline(always)]
+fn as_numbers<V: Wide>(l: V::Vector, fields: V::TwoVectors) -> ([f64; 4], [f64; 8]) {
+    let (mut l_numbers, mut field_numbers) = ([0.0; 4], [0.0; 8]);
+    l.store(&mut l_numbers);
+    fields.store(&mut field_numbers);
+    (l_numbers, field_numbers)
 }
 
 /// The power series and the longest step that its last two terms allow; as [`Taylor`] chooses it.
