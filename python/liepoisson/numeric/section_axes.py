@@ -16,8 +16,8 @@ extent, that is round-off; width relative to the largest of all coordinates that
 def default_axes(components: Sequence[str], states: Array, beside: Array | None = None) -> tuple[str, str]:
     """The last component across and the second up; of coordinates and momenta a coordinate across and its momentum up.
 
-    Where one of both is constant on the section, or all points are on one line, the two before them are taken, and so on:
-    on the section y = 0 of a system in (x, y, p_x, p_y) not y and p_y, but x and p_x.
+    Where one of both is constant on the section, or all points are on one line, the two before are taken, and so on: on
+    the section y = 0 of a system in (x, y, p_x, p_y) not y and p_y, but x and p_x.
 
     Args:
         components: Names of the components.

@@ -151,6 +151,7 @@ def approach(equations: Equations, x: Array) -> tuple[Array, Array]:
     found, residual = solve(equations, x)
     left = np.flatnonzero(~(residual <= CONVERGED))
     if left.size:
+        closeness = residual[left]
         there = x[left] - x[left] @ equations.pinned.T @ equations.pinned
         begin = np.stack([np.asarray(f(there)) for f in equations.functions], axis=-1)
         for stage in range(1, _STAGES + 1):

@@ -58,8 +58,9 @@ def symbol(name: str, letters: dict[str, str] | None = None) -> str:
         return upright(name)
     if found is None:
         parts = _WITH_SUBSCRIPT.fullmatch(name)
-        has_letter = parts is not None and (len(parts[1]) == 1 or parts[1] in known)
-        return f"{symbol(parts[1], letters)}_{{{symbol(parts[2], letters)}}}" if has_letter else upright(name)
+        if parts is None or (len(parts[1]) > 1 and parts[1] not in known):
+            return upright(name)
+        return f"{symbol(parts[1], letters)}_{{{symbol(parts[2], letters)}}}"
     stem, digits = found.groups()
     letter = known.get(stem, stem if len(stem) == 1 else rf"\mathrm{{{stem}}}")
     return f"{letter}_{{{digits}}}" if digits else letter
