@@ -46,6 +46,12 @@ _SECONDS = 5.0
 """Processor time for each end of the range."""
 
 
+def _asked(system: System, place: Place, values: Array) -> str:
+    """The values of Casimirs with the formulas of these, which take SymPy to write."""
+    texts = dict(zip(system.functions.casimirs, formulas(system), strict=True))
+    return ", ".join(f"{texts.get(name, name)} = {x:g}" for name, x in zip(place.casimirs, values, strict=True))
+
+
 def find_state(system: System, place: Place, values: Array) -> Array:
     """A state of the open stratum with these values of the Casimirs, by Newton's method from random states.
 
@@ -63,18 +69,16 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     reached = found[_has_squares(system, place, values, found)]
     if not len(reached):
         reached = _states_of_top(system, values, rng)
-    texts = dict(zip(system.functions.casimirs, formulas(system), strict=True))
-    asked = ", ".join(f"{texts.get(name, name)} = {x:g}" for name, x in zip(place.casimirs, values, strict=True))
     if not len(reached):
         raise LeafError(
-            f"no state of {system.name!r} with {asked} was found: Newton's method from {_STARTS} random states leaves "
-            f"a relative residual of {residual.min():.1e}. Values of a state: system.functions.casimirs."
+            f"no state of {system.name!r} with {_asked(system, place, values)} was found: Newton's method from {_STARTS} "
+            f"random states leaves a relative residual of {residual.min():.1e}. Values of a state: system.functions.casimirs."
         )
     for state in reached[np.argsort(np.linalg.norm(reached / units, axis=-1))]:
         if place_of(system, state).is_open:
             return state
     raise LeafError(
-        f"{asked} are attained only where, to the accuracy of doubles, the rank of J is lower "
+        f"{_asked(system, place, values)} are attained only where, to the accuracy of doubles, the rank of J is lower "
         f"({place_of(system, reached[0]).stratum}), and do not determine a leaf there. Give a state: "
         "Leaf.through(system, state)."
     )
