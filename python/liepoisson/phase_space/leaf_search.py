@@ -71,8 +71,9 @@ def find_state(system: System, place: Place, values: Array) -> Array:
         reached = _states_of_top(system, values, rng)
     if not len(reached):
         raise LeafError(
-            f"no state of {system.name!r} with {_asked(system, place, values)} was found: Newton's method from {_STARTS} "
-            f"random states leaves a relative residual of {residual.min():.1e}. Values of a state: system.functions.casimirs."
+            f"no state of {system.name!r} with {_asked(system, place, values)} was found: Newton's method from "
+            f"{_STARTS} random states leaves a relative residual of {residual.min():.1e}. Values of a state: "
+            "system.functions.casimirs."
         )
     for state in reached[np.argsort(np.linalg.norm(reached / units, axis=-1))]:
         if place_of(system, state).is_open:
