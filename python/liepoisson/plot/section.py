@@ -186,6 +186,8 @@ def _is_angle(system: System, k: int, states: FloatArray) -> bool:
         return np.allclose(one, other, rtol=0, atol=_ROUND_OFF * np.abs(one).max(initial=0))
 
     low, high = some[:, k].min() - 2 * np.pi, some[:, k].max() + 2 * np.pi
+    if not np.isfinite(high - low):
+        return False
     places = [some[:, k], *(rng.uniform(low, high, len(some)) for _ in range(_PLACES))]
     turned = all(same(rates(place), rates(place + turn)) for place in places for turn in (2 * np.pi, -4 * np.pi))
     return turned and not all(same(rates(place), rates(place + 1.0)) for place in places)
