@@ -40,6 +40,8 @@ HEYOKA_FLAGS: dict[str, dict[str, Any]] = {
     "heyoka, compact_mode": {"compact_mode": True},
 }
 BATCHES = (4, 8)
+CACHE = {"diskcache": str(measure.HERE / "results" / "heyoka-cache-general")}
+"""Where heyoka keeps compiled code between the processes of a row, in which compiling does not count."""
 
 
 class Bench:
@@ -71,7 +73,7 @@ class Bench:
 
     def _with_batch(self, flags: dict[str, Any]) -> dict[str, Any]:
         """The flags with the batch size that is fastest with them here."""
-        request = self.common | {"task": "ensemble", "t_end": self.one.t_accuracy, "tol": 1e-13, "repeats": 2}
+        request = self.common | {"task": "ensemble", "t_end": self.one.t_accuracy, "tol": 1e-13, "repeats": 2} | CACHE
         contenders = [Contender(str(batch), "heyoka", request | {"flags": flags, "batch": batch}) for batch in BATCHES]
         fastest = min(measure.run_row(Row("batch", contenders, 1.0), 2), key=lambda found: min(found.seconds))
         return {"flags": flags, "batch": int(fastest.contender.name)}
@@ -97,7 +99,8 @@ class Bench:
         peer, ours = (calibrate.loosest(self.scans[side], level, level) for side in ("heyoka", "liepoisson"))
         theirs, mine = (asdict(setting) | {"meets": meets} for setting, meets in (peer, ours))
         contenders = [
-            Contender(name, "heyoka", request | extra | peer[0].request, theirs) for name, extra in self.peers.items()
+            Contender(name, "heyoka", request | CACHE | extra | peer[0].request, theirs)
+            for name, extra in self.peers.items()
         ]
         contenders += [
             Contender("liepoisson" + (f" {simd}" if simd else ""), "liepoisson", request | ours[0].request, mine, simd)

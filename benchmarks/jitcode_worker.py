@@ -5,6 +5,8 @@ Not `jitcode_lyap`, which advances the same equations with renormalisations in b
 
 from __future__ import annotations
 
+import tempfile
+from contextlib import chdir
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,7 +19,8 @@ if TYPE_CHECKING:
     from problem import Array
 
 system = jitcode(list(peer_top.rates([y(i) for i in range(18)])), n=18, verbose=False)
-system.compile_C(verbose=False)
+with tempfile.TemporaryDirectory() as empty, chdir(empty):  # setuptools refuses a folder that holds other packages
+    system.compile_C(verbose=False)
 
 
 def prepare(tol: float) -> peer.Flow:

@@ -80,11 +80,14 @@ class Measured:
     answers: list[dict[str, Any]]
 
 
-def call(side: str, request: dict[str, Any], simd: str | None = None) -> tuple[dict[str, Any], float]:
+def call(
+    side: str, request: dict[str, Any], simd: str | None = None, limit: float | None = None
+) -> tuple[dict[str, Any], float]:
     """Ask a worker in a fresh process; its answer, and the seconds from starting it to its end.
 
     Raises:
         RuntimeError: The worker failed; the message is what it wrote.
+        subprocess.TimeoutExpired: It was not done after `limit` seconds, and was stopped.
     """
     environment = {key: value for key, value in os.environ.items() if key != "LIEPOISSON_SIMD"}
     if simd is not None:
@@ -92,7 +95,7 @@ def call(side: str, request: dict[str, Any], simd: str | None = None) -> tuple[d
     worker = f"general_{side}_worker.py" if "system" in request else f"{side}_worker.py"
     command = [str(PYTHON[side]), str(HERE / worker), json.dumps(request)]
     begin = time.perf_counter()
-    process = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+    process = subprocess.run(command, env=environment, capture_output=True, text=True, check=False, timeout=limit)
     wall = time.perf_counter() - begin
     if process.returncode != 0:
         raise RuntimeError(f"{side} worker failed on {_shortened(request)}:\n{process.stderr}")

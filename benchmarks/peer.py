@@ -35,13 +35,16 @@ def one_by_one(flow_of_one: Callable[[Array, float], Array]) -> Flow:
 def serve(package: str, prepare: Callable[[float], Flow]) -> None:
     """Answer the request on the command line; `prepare` makes the flow at a tolerance.
 
-    Task "scan": ends at `t_end` for each tolerance, written to the file `request["out"]`.  Task "ensemble": seconds of
-    each repeat; compiling, which the first call does, is not counted.
+    Task "scan": ends at `t_end` for each tolerance, added one by one to the file `request["out"]`.  Task "ensemble":
+    seconds of each repeat; compiling, which the first call does, is not counted.
     """
     request: dict[str, Any] = json.loads(sys.argv[1])
     data, t_end = np.load(request["problem"])[: request["members"]], request["t_end"]
     if request["task"] == "scan":
-        np.save(request["out"], np.array([prepare(tol)(data, t_end) for tol in request["tols"]]))
+        with open(request["out"], "wb") as out:
+            for tol in request["tols"]:
+                np.save(out, prepare(tol)(data, t_end))
+                out.flush()
         print(json.dumps({}))
         return
     flow, seconds = prepare(request["tol"]), []

@@ -78,6 +78,24 @@ def test_commands_on_rational_systems_import_no_computer_algebra(tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"a.csv", "kovalevskaya-orbit.png", "a.svg", "b.png"}
 
 
+@pytest.mark.parametrize("system", ["kovalevskaya", "zeitlin-5"])
+def test_a_description_loads_no_numpy(system):
+    """It has no arrays; its matrices are small enough that Python is done before NumPy is loaded."""
+    program = f"""
+sys.argv = ["liepoisson", "inspect", "{system}"]
+from liepoisson.cli.main import main
+try:
+    main()
+except SystemExit as end:
+    assert not end.code
+print("LOADED", *(name for name in ("numpy", "matplotlib") if name in sys.modules))
+sys.exit()
+"""
+    done = subprocess.run([sys.executable, "-c", "import sys" + program], capture_output=True, text=True, check=True)
+    assert "proved: J grad C = 0 for each" in done.stdout
+    assert done.stdout.splitlines()[-1] == "LOADED"
+
+
 CHAPTERS = [name for name in lp.__all__ if isinstance(getattr(lp, name), types.ModuleType)]
 """All but `catalog`, `errors` and `plot` are made of a stub alone."""
 

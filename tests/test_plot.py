@@ -142,6 +142,22 @@ def test_a_figure_is_saved_as_three_files_that_do_not_change(growth, tmp_path):
     assert b"STIXGeneral" in first[2].read_bytes()
 
 
+def test_a_figure_is_laid_out_at_the_resolution_of_its_file_and_keeps_its_own(tmp_path):
+    """Texts that are measured at another resolution would be typeset twice."""
+    import matplotlib.pyplot as plt
+
+    with plot.house_style():
+        figure = new_figure(4, 3)
+        figure.add_subplot().set_xlabel("$x^2$")
+        engine, seen = figure.get_layout_engine(), []
+        execute = engine.execute
+        engine.execute = lambda fig: (seen.append(fig.dpi), execute(fig))
+        own = figure.dpi
+        (path,) = plot.save_figure(figure, tmp_path / "small", formats=["png"])
+        assert (seen, figure.dpi) == ([plt.rcParams["savefig.dpi"]], own)
+    assert plt.imread(path).shape[:2] == (3 * seen[0], 4 * seen[0])
+
+
 @pytest.mark.thorough
 def test_importing_plot_does_not_import_matplotlib():
     code = "import liepoisson.plot, sys; sys.exit('matplotlib' in sys.modules)"

@@ -11,13 +11,12 @@ from collections.abc import Callable, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
-import numpy as np
-
-from liepoisson.arrays import Array
 from liepoisson.errors import ParameterError, UnsupportedFieldError
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
+
+    from liepoisson.arrays import Array
 
 NumpyFunction: TypeAlias = Callable[..., list[Any]]
 """Takes one array for each variable and returns a list of one value for each expression."""
@@ -110,6 +109,8 @@ def evaluated(variables: Sequence[Symbol], expressions: Sequence[Expr], states: 
         ParameterError: a number in an expression does not fit into a double, or a symbol in it is no variable.
         UnsupportedFieldError: an expression contains a function that NumPy does not have.
     """
+    import numpy as np
+
     function = numpy_function(variables, expressions)
     try:
         values = function(*(states[..., k] for k in range(states.shape[-1])))

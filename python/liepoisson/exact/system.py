@@ -7,9 +7,6 @@ from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple, cast
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from liepoisson.calls import explains_its_arguments, explains_its_methods
 from liepoisson.errors import ExpressionError, ParameterError, SystemFileError
 from liepoisson.exact.bracket import Bracket
@@ -36,6 +33,8 @@ from liepoisson.read_only import ReadOnlyDict
 from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
     from sympy import Expr, Matrix, Symbol
 
     from liepoisson.exact.formula.scope import Scope
@@ -393,6 +392,8 @@ class System:
             ShapeError: the last axis of `states` is not N.
             ParameterError: a parameter is symbolic.
         """
+        import numpy as np
+
         if self.polynomial_rates is not None:
             return values_of(self.polynomial_rates, self._states(states))
         return np.stack(self._evaluate(list(self.equations.values()), states), axis=-1)

@@ -164,9 +164,13 @@ def save_figure(figure: Figure, stem: Path, *, formats: Sequence[str] = FORMATS)
         raise ParameterError(f"formats: wanted a tuple of some of {FORMATS}; got {formats!r:.60}; leave the others out")
     paths: list[Path] = []
     with house_style():
-        # Laid out once; each format would lay it out anew.
+        # Laid out once; each format would lay it out anew.  At the resolution of the PNG file, its texts are ready.
         if (engine := figure.get_layout_engine()) is not None:
-            engine.execute(figure)
+            own_dpi, figure.dpi = figure.dpi, float(_SETTINGS["savefig.dpi"])
+            try:
+                engine.execute(figure)
+            finally:
+                figure.dpi = own_dpi
         figure.set_layout_engine("none")
         for extension in formats:
             path = stem.with_suffix(f".{extension}")

@@ -9,6 +9,7 @@ References: von zur Gathen and Gerhard, Modern Computer Algebra, section 5.10 (r
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -33,6 +34,8 @@ _CORE_BELOW = 2**62
 """The compiled elimination takes odd primes below this."""
 _CORE_FROM = 10
 """Columns from which the compiled elimination is faster than Python, with odd primes."""
+_CORE_FROM_WITHOUT_NUMPY = 40
+"""The same where NumPy, which brings the arrays, would have to be loaded first."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +97,8 @@ def _nullspace_of_core(rows: list[Row], n_columns: int, p: int) -> list[dict[int
 
 def _is_for_core(n_columns: int, p: int) -> bool:
     """Whether the compiled elimination is there, takes this prime and is worth its call."""
-    return bool(p % 2) and p < _CORE_BELOW and n_columns >= _CORE_FROM and _has_core()
+    least = _CORE_FROM if "numpy" in sys.modules else _CORE_FROM_WITHOUT_NUMPY
+    return bool(p % 2) and p < _CORE_BELOW and n_columns >= least and _has_core()
 
 
 @cache
