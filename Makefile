@@ -50,7 +50,7 @@ audit: $(VENV)/.built ## evidence for each method: orders, drift, Poisson maps, 
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements/dev.txt
 	$(BIN)/python verification/run.py
 
-bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (an hour and more; leave the machine alone meanwhile)
+bench: $(VENV)/.built ## speed against heyoka.py and other tools, side by side (some 40 minutes; leave the machine alone meanwhile)
 	$(BIN)/python benchmarks/run.py
 	$(BIN)/python benchmarks/general.py
 	$(BIN)/python benchmarks/commands.py

@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+import environment
+
 Record = dict[str, Any]
 KINDS = ("double", "mixed", "single")
 
@@ -80,7 +82,9 @@ def processor_name(processor: Record) -> str:
 def environment_text(facts: Record) -> str:
     """The facts that go with the numbers."""
     processor, ours, peer = facts["processor"], facts["liepoisson"], facts["heyoka"]
-    busy = " (SOMETHING ELSE WAS COMPUTING: do not trust the times)" if facts["load_at_start"] > 0.7 else ""
+    busy = (
+        " (SOMETHING ELSE WAS COMPUTING: do not trust the times)" if facts["load_at_start"] > environment.QUIET else ""
+    )
     return (
         f"Processor: {processor['model name']}, {processor_name(processor)} ({' '.join(processor['flags'])}), "
         f"core {facts['pinned_to']} of {facts['cores']}; {facts['system']}; Python {facts['python']}.\n"

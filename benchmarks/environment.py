@@ -7,6 +7,7 @@ import platform
 import shutil
 import subprocess
 import sys
+import time
 import venv
 from datetime import UTC, datetime
 from pathlib import Path
@@ -16,6 +17,10 @@ import measure
 
 FLAGS = ("avx", "avx2", "fma", "avx512f", "avx512dq", "avx512vl")
 """Processor flags that decide which kernels either side may use."""
+QUIET = 0.7
+"""Load average below which nothing else is computing."""
+PATIENCE = 180.0
+"""Seconds to wait for it: the load average still counts what ended a minute ago, such as the benchmark before."""
 
 
 def ensure_peer() -> None:
@@ -76,6 +81,14 @@ def _processor() -> dict[str, Any]:
     return {name: lines.get(name, "unknown") for name in names} | {"flags": [f for f in FLAGS if f in flags]}
 
 
+def quiet_load(patience: float = PATIENCE) -> float:
+    """The load average, once it is below `QUIET`, or what it is when patience ends."""
+    end = time.monotonic() + patience
+    while os.getloadavg()[0] > QUIET and time.monotonic() < end:
+        time.sleep(1.0)
+    return os.getloadavg()[0]
+
+
 def facts(core: int) -> dict[str, Any]:
     """Date, machine, versions, and the kernels of liepoisson that this processor has."""
     return {
@@ -85,7 +98,7 @@ def facts(core: int) -> dict[str, Any]:
         "pinned_to": core,
         "system": platform.platform(),
         "python": sys.version.split()[0],
-        "load_at_start": os.getloadavg()[0],
+        "load_at_start": quiet_load(),
         "heyoka": measure.call("heyoka", {"task": "versions"})[0],
         "liepoisson": measure.call("liepoisson", {"task": "versions"})[0],
     }
