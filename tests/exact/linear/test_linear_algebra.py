@@ -1,4 +1,6 @@
+import sys
 from fractions import Fraction
+from types import SimpleNamespace
 
 import pytest
 import sympy as sp
@@ -9,6 +11,9 @@ from liepoisson.exact.linear import linear_algebra
 from liepoisson.exact.linear.coefficients import Coefficients
 from liepoisson.exact.linear.linear_algebra import echelon_columns, nullspace, nullspace_mod, rank, rank_mod, solve
 from liepoisson.exact.linear.residues import PRIME
+
+if linear_algebra._has_core():
+    import numpy as np  # noqa: F401  # the core is asked for small matrices where NumPy is there already
 
 exactly = settings(deadline=None, max_examples=40, derandomize=True)
 RATIONALS = Coefficients()
@@ -92,6 +97,14 @@ def test_the_core_gives_the_null_space_of_python(matrix, p):
     n, rows = matrix
     reduced = linear_algebra._reduced_mod(rows, p)
     assert nullspace_mod(rows, n, p) == linear_algebra._nullspace_mod(reduced, n, p)
+
+
+@pytest.mark.skipif(not linear_algebra._has_core(), reason="needs the compiled core")
+def test_numpy_is_not_loaded_for_a_small_matrix(monkeypatch):
+    assert [linear_algebra._is_for_core(n, PRIME) for n in (9, 10, 39, 40)] == [False, True, True, True]
+    without = {name: module for name, module in sys.modules.items() if name != "numpy"}
+    monkeypatch.setattr(linear_algebra, "sys", SimpleNamespace(modules=without))
+    assert [linear_algebra._is_for_core(n, PRIME) for n in (9, 10, 39, 40)] == [False, False, False, True]
 
 
 @pytest.mark.skipif(not linear_algebra._has_core(), reason="needs the compiled core")

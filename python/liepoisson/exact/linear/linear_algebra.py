@@ -35,7 +35,8 @@ _CORE_BELOW = 2**62
 _CORE_FROM = 10
 """Columns from which the compiled elimination is faster than Python, with odd primes."""
 _CORE_FROM_WITHOUT_NUMPY = 40
-"""The same where NumPy, which brings the arrays, would have to be loaded first."""
+"""The same where NumPy, which brings the arrays, would have to be loaded first: that takes 0.07 s, and Python
+0.015 s for a full matrix of 40 columns."""
 
 
 @dataclass(frozen=True)
