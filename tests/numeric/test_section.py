@@ -496,3 +496,36 @@ def test_going_on_with_another_surface_starts_on_no_side_of_it():
     )
     with pytest.raises(ParameterError, match="other arguments than starts"):
         first.go_on(t_end=1, starts=[1.0, 0.0])
+
+
+@pytest.mark.parametrize("piece", [1, 2, 3, 100])
+def test_points_out_of_order_are_found_wherever_they_are(monkeypatch, piece):
+    """Points are looked at in pieces: two neighbours that change places are found in a piece and between two."""
+    from liepoisson.numeric import section
+
+    monkeypatch.setattr(section, "_PIECE", piece)
+    trajectory, time = np.repeat([0, 1, 2], [4, 0, 5])[:8], np.array([1.0, 2, 2, 3, -0.5, -1, -2, -3])
+    trajectory[4:] = [1, 1, 2, 2]
+    assert section._is_in_order_of_travel(trajectory, time)
+    assert section._is_in_order_of_travel(trajectory[:0], time[:0])
+    for k in [0, 2, 4, 6]:  # neighbours of one trajectory at different times
+        wrong = time.copy()
+        wrong[[k, k + 1]] = wrong[[k + 1, k]]
+        assert not section._is_in_order_of_travel(trajectory, wrong), k
+
+
+@pytest.mark.thorough
+def test_making_a_section_takes_little_memory_beside_its_arrays():
+    import tracemalloc
+
+    found = lp.section(TWISTED, lp.sample_states(TWISTED, 400, seed=1), surface="l3", t_end=1e5, n_crossings=500)
+    arrays = {name: getattr(found, name) for name in ("crossing_trajectory", "time", "state", "sign")}
+    size = sum(array.nbytes for array in arrays.values())
+    tracemalloc.start()
+    try:
+        type(found).__post_init__(found)
+        peak = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert len(found.time) > 150_000
+    assert peak < size / 10

@@ -41,6 +41,8 @@ from liepoisson.scalars import TIME_LIMIT, as_count, as_threads, as_time_limit
 _GAP = 1e-3
 """Share of the time from which on a surface that could not be followed is warned of: a pole costs a ten-thousandth of
 the step that it is in."""
+_PIECE = 2**16
+"""Points that are looked at together."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -136,8 +138,7 @@ class Section(IntegratedRun):
 
     def __post_init__(self) -> None:
         """Refuses crossings that are not in the order of travel, as of datasets that were joined as they are."""
-        later = np.diff(np.abs(self.time)) >= 0
-        if not (later | (np.diff(self.crossing_trajectory) > 0)).all():
+        if not _is_in_order_of_travel(self.crossing_trajectory, self.time):
             raise ParameterError(
                 "section: wanted the crossings of each trajectory in the order of travel; got another order: were two "
                 "files joined without new numbers for their trajectories, or crossings sorted?"
@@ -463,6 +464,16 @@ def section(
         kernel=raw["kernel"],
         time_limit=limit,
     )
+
+
+def _is_in_order_of_travel(trajectory: NDArray[np.int64], time: Array) -> bool:
+    """Whether times grow in size along each trajectory; in pieces, so that millions of points need no more memory."""
+    for first in range(0, len(time), _PIECE):
+        piece = slice(first, first + _PIECE + 1)  # with the first of the next one
+        later = np.diff(np.abs(time[piece])) >= 0
+        if not (later | (np.diff(trajectory[piece]) > 0)).all():
+            return False
+    return True
 
 
 def _warn_of_orbits_in_the_surface(surface: str, in_surface: NDArray[np.bool_]) -> None:
