@@ -84,6 +84,8 @@ def _processor() -> dict[str, Any]:
 def quiet_load(patience: float = PATIENCE) -> float:
     """The load average, once it is below `QUIET`, or what it is when patience ends."""
     end = time.monotonic() + patience
+    if os.getloadavg()[0] > QUIET:
+        print(f"waiting for a load below {QUIET}, at most {patience:g} seconds", file=sys.stderr, flush=True)
     while os.getloadavg()[0] > QUIET and time.monotonic() < end:
         time.sleep(1.0)
     return os.getloadavg()[0]

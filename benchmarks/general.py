@@ -41,7 +41,8 @@ HEYOKA_FLAGS: dict[str, dict[str, Any]] = {
 }
 BATCHES = (4, 8)
 CACHE = {"diskcache": str(measure.HERE / "results" / "heyoka-cache-general")}
-"""Where heyoka keeps compiled code between the processes of a row, in which compiling does not count."""
+"""Where heyoka keeps compiled code between the processes of a row, in which compiling does not count: that of the 48
+equations of su(5) takes minutes."""
 
 
 class Bench:

@@ -14,7 +14,7 @@ import heyoka as hy  # pyright: ignore[reportMissingImports]  # lives in the pee
 import numpy as np
 
 import general_problems
-from heyoka_worker import run_ensemble
+from heyoka_worker import choose_disk_cache, run_ensemble
 
 
 def equations(request: dict[str, Any]) -> list[tuple[Any, Any]]:
@@ -75,8 +75,5 @@ def scan(request: dict[str, Any]) -> dict[str, Any]:
 
 if __name__ == "__main__":
     asked: dict[str, Any] = json.loads(sys.argv[1])
-    # The 48 equations of su(5) take minutes to compile: once, and not in every process.
-    hy.llvm_state.set_diskcache_enabled("diskcache" in asked)
-    if "diskcache" in asked:
-        hy.llvm_state.set_diskcache_path(asked["diskcache"])
+    choose_disk_cache(asked)
     print(json.dumps({"ensemble": ensemble, "scan": scan, "reference": reference}[asked["task"]](asked)))

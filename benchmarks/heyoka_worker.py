@@ -204,13 +204,17 @@ def versions(_: dict[str, Any]) -> dict[str, Any]:
     return {"heyoka": hy.__version__, "numpy": np.__version__, "recommended_batch": hy.recommended_simd_size()}
 
 
-def main() -> None:
-    """Answer the request on the command line."""
-    request: dict[str, Any] = json.loads(sys.argv[1])
-    # The on-disk cache of compiled code would hide the compiling that a first run has to do.
+def choose_disk_cache(request: dict[str, Any]) -> None:
+    """heyoka's cache of compiled code only where it is asked for: it hides the compiling that a first run has to do."""
     hy.llvm_state.set_diskcache_enabled("diskcache" in request)
     if "diskcache" in request:
         hy.llvm_state.set_diskcache_path(request["diskcache"])
+
+
+def main() -> None:
+    """Answer the request on the command line."""
+    request: dict[str, Any] = json.loads(sys.argv[1])
+    choose_disk_cache(request)
     tasks = (ensemble, single, dense, grid, section, cold, scan, versions)
     print(json.dumps({task.__name__: task for task in tasks}[request["task"]](request)))
 

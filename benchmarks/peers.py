@@ -116,6 +116,7 @@ def scan(peer: Peer, common: dict[str, Any], exact: Extended, limit: float = SCA
     """
     out = RESULTS / "peer-scan.npy"
     asked = {"task": "scan", "t_end": problem.T_ACCURACY, "members": peer.scanned, "tols": TOLERANCES}
+    out.unlink(missing_ok=True)  # one that failed may have left some
     with suppress(subprocess.TimeoutExpired):
         measure.call(peer.side, common | asked | {"out": str(out)}, limit=limit)
     found = _arrays_of(out)
