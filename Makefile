@@ -27,7 +27,7 @@ test-slow: $(VENV)/.built $(VENV)/.notebooks $(VENV)/browser ## the anchors at f
 arm: $(VENV)/.dev ## the core's tests on an emulated ARM processor (15 minutes; says what it needs)
 	$(BIN)/pytest -m slow -rs -s tests/test_arm.py
 
-check: $(VENV)/.built lint ## format, lint, types and quick tests, in less than a minute
+check: $(VENV)/.built lint ## format, lint, types and quick tests (more than five minutes on two cores)
 	@$(MAKE) --no-print-directory -j 2 types quick-tests
 
 static: lint types ## the part of `make check` that runs no test
