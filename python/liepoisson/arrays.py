@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.errors import ExpressionError, ParameterError, ShapeError
+from liepoisson.portable import linear
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -55,7 +56,7 @@ def norm(values: Array, axis: int | tuple[int, ...] | None = None) -> Array:
     """
     largest = np.abs(values).max(axis=axis, keepdims=True, initial=0.0)
     if bool(((largest >= _SQUARABLE[0]) & (largest <= _SQUARABLE[1]) | (largest == 0)).all()):
-        return np.asarray(np.linalg.norm(values, axis=axis))
+        return np.asarray(linear.norm(values, axis=axis))
     finite = np.isfinite(largest) & (largest > 0)
     exponent = np.where(finite, np.frexp(np.where(finite, largest, 1.0))[1], 0)
     lengths = np.sqrt(np.sum(np.ldexp(values, -exponent) ** 2, axis=axis))

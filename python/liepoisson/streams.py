@@ -1,5 +1,8 @@
 """Random numbers: every purpose has a stream of its own for each seed.
 
+Numbers are the same bits on every processor.  Whole numbers, and doubles in [0, 1), NumPy makes of the generator's bits
+alone.  What needs a logarithm, or a sum beside a product, which compilers fuse on some processors, is made here.
+
 Two purposes with one number would draw the same numbers, and what should be independent would not be: hence all of them
 are here.  The numbers are part of what a seed means; one that has been used keeps its purpose.
 """
@@ -7,8 +10,12 @@ are here.  The numbers are part of what a seed means; one that has been used kee
 from __future__ import annotations
 
 from enum import IntEnum
+from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
+
+from liepoisson.portable import elementary
 
 
 class Purpose(IntEnum):
@@ -34,11 +41,69 @@ class Purpose(IntEnum):
     """Starts on a surface of section."""
 
 
+_TAIL, _INVERSE = 3.6541528853610088, 0.2736612373297583
+"""Where the tail of the normal distribution begins in NumPy's ziggurat of 256 layers (Marsaglia and Tsang 2000)."""
+_AT_A_TIME = 4096
+"""Normal numbers between two states of the generator that are kept: they are drawn again for one in the tail."""
+
+
+class Random(np.random.Generator):
+    """Random numbers that are the same bits on every processor."""
+
+    def uniform(self, low: ArrayLike = 0.0, high: ArrayLike = 1.0, size: Any = None) -> Any:
+        """Numbers between two bounds."""
+        low, high = np.asarray(low, dtype=np.float64), np.asarray(high, dtype=np.float64)
+        shape = np.broadcast_shapes(low.shape, high.shape) if size is None else size
+        return (low + (high - low) * self.random(shape))[()]
+
+    def standard_normal(self, size: Any = None) -> Any:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Normal numbers with mean 0 and variance 1: those of NumPy, with a tail by the core's logarithm."""
+        values = np.empty(() if size is None else size)
+        flat = values.reshape(-1)
+        for start in range(0, flat.size, _AT_A_TIME):
+            self._fill(flat[start : start + _AT_A_TIME])
+        return values[()]
+
+    def normal(self, loc: ArrayLike = 0.0, scale: ArrayLike = 1.0, size: Any = None) -> Any:
+        """Normal numbers with a mean and a standard deviation."""
+        return (np.asarray(loc) + np.asarray(scale) * np.asarray(self.standard_normal(size)))[()]
+
+    def _fill(self, values: Any) -> None:
+        bits: Any = self.bit_generator
+        before = bits.state
+        values[:] = super().standard_normal(len(values))
+        far = np.flatnonzero(np.abs(values) > _TAIL)
+        if not far.size:
+            return
+        after = bits.state
+        for k in far:
+            bits.state = before
+            super().standard_normal(k)
+            values[k] = self._tail()
+        bits.state = after
+
+    def _tail(self) -> float:
+        """A number in the tail, from the bits that NumPy takes for it: layer and sign, then pairs up to one that fits."""
+        bits: Any = self.bit_generator
+        while (first := int(bits.random_raw())) & 0xFF:  # another layer, which was then refused by one number
+            self.random()
+        while True:
+            beyond, height = (-float(elementary.log1p(-u)) for u in self.random(2))
+            beyond *= _INVERSE
+            if 2 * height > beyond * beyond:
+                return -(_TAIL + beyond) if first >> 17 & 1 else _TAIL + beyond
+
+
 def seeds(seed: int, purpose: Purpose, *place: int) -> np.random.SeedSequence:
     """What a stream begins with."""
     return np.random.SeedSequence(seed, spawn_key=(int(purpose), *place))
 
 
-def stream(seed: int, purpose: Purpose, *place: int) -> np.random.Generator:
+def generator(seed: int | list[int] | np.random.SeedSequence) -> Random:
+    """Random numbers of a seed."""
+    return Random(np.random.PCG64(seed))
+
+
+def stream(seed: int, purpose: Purpose, *place: int) -> Random:
     """The random numbers of a seed for a purpose, at a place: the number of a block, a member or a trial."""
-    return np.random.default_rng(seeds(seed, purpose, *place))
+    return generator(seeds(seed, purpose, *place))

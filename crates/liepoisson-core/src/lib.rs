@@ -23,10 +23,12 @@
 //! ```
 
 pub mod analysis;
+pub mod elementary;
 pub mod enclosure;
 pub mod ensemble;
 pub mod error;
 pub mod field;
 pub mod lanes;
+pub mod linear;
 pub mod method;
 pub mod modular;

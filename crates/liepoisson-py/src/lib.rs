@@ -6,6 +6,7 @@
 mod enclosures;
 mod errors;
 mod fields;
+mod linear;
 mod methods;
 
 use crate::errors::{broken, exception, guarded, translate};
@@ -408,6 +409,15 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sections, module)?)?;
     module.add_function(wrap_pyfunction!(orthonormal, module)?)?;
     module.add_function(wrap_pyfunction!(modular_null_space, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::products, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::solutions, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::determinants, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::cholesky, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::singular, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::symmetric, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::eigen, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::elementary_of_one, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::elementary_of_two, module)?)?;
     module.add_function(wrap_pyfunction!(enclosures::enclose_flow, module)?)?;
     module.add_function(wrap_pyfunction!(enclosures::enclose_section_map, module)?)?;
     module.add_function(wrap_pyfunction!(enclosures::enclose_periodic_orbit, module)?)?;

@@ -191,6 +191,7 @@ def vorticity(states: ArrayLike, n_points: int = 64) -> Array:
 
     from liepoisson.arrays import as_array
     from liepoisson.exact.lie.sine_algebra import sine_modes
+    from liepoisson.portable import elementary
     from liepoisson.scalars import as_count
 
     n_points = as_count(n_points, "n_points", least=1)
@@ -199,7 +200,7 @@ def vorticity(states: ArrayLike, n_points: int = 64) -> Array:
     if n < 3 or n % 2 == 0 or n * n - 1 != x.shape[-1]:
         raise ShapeError(f"states must have N^2 - 1 components, N odd; got shape {x.shape}. Pass those of zeitlin(N).")
     at = 2 * np.pi * np.arange(n_points) / n_points
-    waves = np.exp(1j * np.arange(-(n // 2), n // 2 + 1)[:, None] * at)
+    waves = elementary.exp(1j * np.arange(-(n // 2), n // 2 + 1)[:, None] * at)
     modes = np.array(sine_modes(n)) + n // 2
     coefficients = np.zeros((*x.shape[:-1], n, n), dtype=np.complex128)
     coefficients[..., modes[:, 0], modes[:, 1]] = x[..., 0::2] + 1j * x[..., 1::2]

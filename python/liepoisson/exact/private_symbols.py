@@ -83,17 +83,28 @@ def first_of_equal(expressions: tuple[Expr, ...]) -> tuple[Expr, ...]:
 
 @lru_cache(maxsize=1024)
 def _numpy_function(variables: tuple[Symbol, ...], expressions: tuple[Expr, ...]) -> NumpyFunction:
-    from sympy import lambdify
+    from sympy import S, lambdify
     from sympy.printing.codeprinter import PrintMethodNotImplementedError
     from sympy.printing.numpy import NumPyPrinter
 
+    from liepoisson.portable import elementary
+
+    class Printer(NumPyPrinter):
+        """Prints powers as a function of ours: NumPy's depends on the processor."""
+
+        def _print_Pow(self, expr: Any, rational: bool = False) -> str:
+            base, exponent = expr.as_base_exp()
+            if exponent in (-1, 1, 2) or abs(exponent) == S.Half:
+                return cast("str", super()._print_Pow(expr, rational))
+            return f"power({self._print(base)}, {self._print(exponent)})"
+
     symbols, private = in_private_symbols(variables, expressions)
-    printer = NumPyPrinter(
+    printer = Printer(
         {"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": False, "user_functions": {}}
     )
     try:
         # SymPy's annotation of `cse` knows only bool; its documentation says "or callable".
-        options: dict[str, Any] = {"modules": "numpy", "printer": printer, "cse": _common_parts}
+        options: dict[str, Any] = {"modules": [elementary.FUNCTIONS, "numpy"], "printer": printer, "cse": _common_parts}
         function: Any = lambdify(symbols, private, **options)
     except PrintMethodNotImplementedError as error:
         raise _not_for_arrays(expressions) from error

@@ -182,6 +182,8 @@ class RationalPolynomial:
             columns: One array for each coordinate.
             known: The values of sums that are known already; others are added.
         """
+        from liepoisson.portable.elementary import whole_power
+
         known = {} if known is None else known
         total: Any = None
         for coefficient, monomial in self._in_order:
@@ -193,7 +195,7 @@ class RationalPolynomial:
                     base = known[atom]
                 else:
                     base = columns[atom]
-                factor = base if power == 1 else base**power
+                factor = base if power == 1 else whole_power(base, power)
                 term = factor if term is None else term * factor
             if term is None:
                 term = coefficient

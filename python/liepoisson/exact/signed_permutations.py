@@ -20,6 +20,7 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.exact.parameters import is_zero
+from liepoisson.streams import generator
 
 Term: TypeAlias = tuple[tuple[int, ...], int, int]
 """Exponents, the number of the coefficient up to its sign, and this sign as 0 or 1."""
@@ -202,7 +203,7 @@ def _colours(field: list[list[Term]]) -> list[int]:
 
 def sign_changes_that_may_be(rate: Callable[[Array], Array], n: int) -> Iterator[tuple[tuple[int, ...], int]]:
     """Changes of signs, each with the sign of time, under which a field is equivariant at a few random states."""
-    states = np.random.default_rng(0).uniform(-1.0, 1.0, (_STATES, n))
+    states = generator(0).uniform(-1.0, 1.0, (_STATES, n))
     rates = rate(states)
     size = 1.0 + np.abs(rates).max()
     for signs in product((1, -1), repeat=n):

@@ -84,17 +84,22 @@ class MatrixMap(AtomicExpr):
         """The F^k as an array, shape (coordinate, row, column), real if they are."""
         import numpy as np
 
+        from liepoisson.portable import elementary
+
         m, order = self.data.size, self.data.order
         arrays = np.zeros((self.dimension, m, m), dtype=np.complex128)
         for k, matrix in enumerate(self.entries):
             for place, roots in matrix.items():
-                arrays[k][place] = sum(float(q) * np.exp(2j * np.pi * a / order) for q, a in roots)
+                arrays[k][place] = sum(float(q) * elementary.exp(2j * np.pi * a / order) for q, a in roots)
         return arrays.real.copy() if order == 1 else arrays
 
     def matrix(self, coordinates: Any) -> Any:
         """X for coordinates of shape (..., coordinate), shape (..., row, column)."""
+        from liepoisson.portable import linear
+
         m = self.data.size
-        return (coordinates @ self.arrays.reshape(self.dimension, m * m)).reshape(*coordinates.shape[:-1], m, m)
+        flat = linear.matmul(coordinates, self.arrays.reshape(self.dimension, m * m))
+        return flat.reshape(*coordinates.shape[:-1], m, m)
 
 
 class Trace(Function):
@@ -229,21 +234,23 @@ def value(matrices: MatrixMap, word: Word, coordinates: Sequence[Any]) -> Any:
     """The trace for arrays of coordinates that broadcast to one shape."""
     import numpy as np
 
+    from liepoisson.portable import linear
+
     x = np.stack(np.broadcast_arrays(*coordinates), axis=-1)
     d = matrices.dimension
     factors = {
         f: matrices.matrix(x[..., f * d : (f + 1) * d]) if f >= 0 else matrices.arrays[-1 - f] for f in set(word)
     }
-    return trace_of(chain(word[:-1], factors, np.matmul), factors[word[-1]]) / matrices.data.copies
+    return trace_of(chain(word[:-1], factors, linear.matmul), factors[word[-1]]) / matrices.data.copies
 
 
 def trace_of(first: Any, second: Any) -> Any:
     """The real part of the trace of a product, or of the second alone."""
-    import numpy as np
+    from liepoisson.portable import linear
 
     if first is None:
-        return np.einsum("...ii->...", second).real
-    return np.einsum("...ij,...ji->...", first, second).real
+        return linear.einsum("...ii->...", second).real
+    return linear.einsum("...ij,...ji->...", first, second).real
 
 
 def traces_in(expression: Any) -> set[Trace]:

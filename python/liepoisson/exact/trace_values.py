@@ -16,6 +16,7 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.exact.trace_words import Word, chain, rotations
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -63,9 +64,9 @@ class TraceTerm:
         """The value, shape (...)."""
         factors = self.factors(x)
         if len(self.word) == 1:
-            return self.weight * np.einsum("...ii->...", factors[self.word[0]]).real
-        first = chain(self.word[:-1], factors, np.matmul)
-        return self.weight * np.einsum("...ij,...ji->...", first, factors[self.word[-1]]).real
+            return self.weight * linear.einsum("...ii->...", factors[self.word[0]]).real
+        first = chain(self.word[:-1], factors, linear.matmul)
+        return self.weight * linear.einsum("...ij,...ji->...", first, factors[self.word[-1]]).real
 
     def add_gradient(self, x: Array, total: Array) -> None:
         """Add the gradient to an array of shape (..., N)."""
@@ -88,23 +89,23 @@ class TraceTerm:
                 if turn[-1] < 0 or turn[s] < 0:
                     continue
                 # tr(L F^j R F^i) = sum_ab (F^i L)_ab (F^j R)_ba
-                left = F @ self._product(turn[:s], factors, x)[..., None, :, :]
-                right = F @ self._product(turn[s + 1 : -1], factors, x)[..., None, :, :]
+                left = linear.matmul(F, self._product(turn[:s], factors, x)[..., None, :, :])
+                right = linear.matmul(F, self._product(turn[s + 1 : -1], factors, x)[..., None, :, :])
                 flat = left.reshape(*left.shape[:-2], m * m)
                 turned_right = np.swapaxes(right, -1, -2).reshape(*right.shape[:-2], m * m)
-                block = (flat @ np.swapaxes(turned_right, -1, -2)).real
+                block = linear.matmul(flat, np.swapaxes(turned_right, -1, -2)).real
                 rows, columns = self.places[turn[-1]], self.places[turn[s]]
                 total[..., rows[:, None], columns[None, :]] += weight * block.reshape(*x.shape[:-1], d, d)
 
     def _product(self, word: Word, factors: dict[int, Any], x: Array) -> Any:
         m = self.matrices.data.size
-        return chain(word, factors, np.matmul) if word else np.broadcast_to(np.eye(m), (*x.shape[:-1], m, m))
+        return chain(word, factors, linear.matmul) if word else np.broadcast_to(np.eye(m), (*x.shape[:-1], m, m))
 
     def _against(self, product: Any) -> Array:
         """The tr(P F^i), shape (..., dimension)."""
         m = self.matrices.data.size
         transposed = np.swapaxes(product, -1, -2).reshape(*product.shape[:-2], m * m)
-        return (transposed @ self.matrices.arrays.reshape(-1, m * m).T).real
+        return linear.matmul(transposed, self.matrices.arrays.reshape(-1, m * m).T).real
 
 
 class TraceSum:

@@ -21,6 +21,7 @@ from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_alignment_vectors
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
 from liepoisson.numeric.systems import HasField, as_field, has_functions
+from liepoisson.portable import elementary, linear
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
 from liepoisson.wrong_values import shown
@@ -92,7 +93,7 @@ class Alignment(Run):
             ParameterError: k is not from 2 to the number of vectors.
         """
         k = as_count(k, "k", least=2, most=self.log_gali.shape[-1] + 1)
-        return np.exp(self.log_gali[..., k - 2])
+        return elementary.exp(self.log_gali[..., k - 2])
 
     def __repr__(self) -> str:
         n_vectors, value = self.log_gali.shape[-1] + 1, typical("SALI", self.sali[:, -1])
@@ -252,7 +253,7 @@ class _Travel:
         arrived = outcome == "finished"
         longest = np.abs(grown).max(axis=(1, 2))
         # Halving depends on the member alone, so a member is the same in any ensemble.
-        again = np.flatnonzero(arrived & ~(longest < np.exp(_MOST_GROWTH)))
+        again = np.flatnonzero(arrived & ~(longest < elementary.exp(_MOST_GROWTH)))
         middle = 0.5 * (start + end)
         if len(again) and start < middle < end:
             half, turned, ended = self(states[again], vectors[again], start, middle)
@@ -267,12 +268,12 @@ def _unit(vectors: Array) -> Array:
     """Vectors scaled to length one; first by their largest component, whose square may overflow or underflow."""
     largest = np.abs(vectors).max(axis=-1, keepdims=True)
     vectors = np.divide(vectors, largest, out=np.full_like(vectors, np.nan), where=(largest > 0) & (largest < np.inf))
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / linear.norm(vectors, axis=-1, keepdims=True)
 
 
 def _sali(vectors: Array) -> Array:
     one, other = vectors[:, 0], vectors[:, 1]
-    distances = np.linalg.norm([one - other, one + other], axis=-1)
+    distances = linear.norm([one - other, one + other], axis=-1)
     return np.maximum(distances.min(axis=0), FLOOR)
 
 
@@ -280,9 +281,9 @@ def _log_gali(vectors: Array) -> Array:
     """Logarithms of the volumes of the first 2, 3, ... unit vectors, shape (trajectory, order)."""
     if not len(vectors):
         return np.empty((0, vectors.shape[1] - 1))
-    upper = np.linalg.qr(np.swapaxes(vectors, -1, -2), mode="r")
+    upper = linear.qr(np.swapaxes(vectors, -1, -2), mode="r")
     heights = np.maximum(np.abs(np.diagonal(upper, axis1=-2, axis2=-1)), FLOOR)
-    return np.cumsum(np.log(heights[:, 1:]), axis=1)
+    return np.cumsum(elementary.log(heights[:, 1:]), axis=1)
 
 
 def _as_units(units: ArrayLike, states: Array) -> Array:
@@ -309,7 +310,7 @@ def _first_vectors(system: Any, states: Array, drawn: Array, within: Within) -> 
     if within == "energy":
         # dH(J w) = -w.(J dH): J w is tangent to the energy surface if w is orthogonal to the flow.
         flow = (tensor * system.functions.energy.gradient(states[good])[:, None, :]).sum(axis=-1)
-        speed = np.linalg.norm(flow, axis=1, keepdims=True)
+        speed = linear.norm(flow, axis=1, keepdims=True)
         along = np.divide(flow, speed, out=np.zeros_like(flow), where=speed > 0)
         along = along[:, None, :]
         covectors = covectors - (covectors * along).sum(axis=-1, keepdims=True) * along
@@ -321,7 +322,7 @@ def _first_vectors(system: Any, states: Array, drawn: Array, within: Within) -> 
 def _refuse_dependent(vectors: Array, good: NDArray[np.int64], within: Within) -> None:
     """Vectors that span no volume would look like those of a chaotic orbit."""
     k = vectors.shape[1]
-    sizes = np.linalg.svd(np.nan_to_num(vectors[good]), compute_uv=False)[:, -1]
+    sizes = linear.svd(np.nan_to_num(vectors[good]), compute_uv=False)[:, -1]
     flat = good[~(sizes > 1e-12)]
     if len(flat):
         space = "leaf" if within == "leaf" else "energy surface on its leaf"
@@ -338,7 +339,7 @@ def _as_alignment_times(t_end: float | None, times: ArrayLike | None) -> Array:
         end = as_positive_time(t_end, "t_end")
         if end < LEAST_TIME:
             raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1000")
-        wanted = np.geomspace(end / 1000.0, end, N_TIMES)
+        wanted = elementary.geomspace(end / 1000.0, end, N_TIMES)
         wanted[-1] = end
         return wanted
     wanted = as_times(times, "times", least=1)

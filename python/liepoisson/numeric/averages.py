@@ -28,6 +28,7 @@ from liepoisson.numeric.methods import Method, Taylor, as_method
 from liepoisson.numeric.progress import part_of
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
+from liepoisson.portable import elementary
 from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
 _LEAST_SAMPLES, _MOST_DOUBLINGS = 4096, 4
@@ -83,7 +84,7 @@ def average_drift(
     drift, outcome = np.full(len(states), np.nan), np.full(len(states), "not finite", dtype="<U16")
     good = np.flatnonzero(np.isfinite(states).all(axis=1))
     lengths = np.broadcast_to(np.asarray(natural_time, np.float64), len(states))
-    doublings = np.ceil(np.log2(np.maximum(np.nan_to_num(lengths, posinf=0.0) / (2 * _LEAST_SAMPLES), 1.0)))
+    doublings = np.ceil(elementary.log2(np.maximum(np.nan_to_num(lengths, posinf=0.0) / (2 * _LEAST_SAMPLES), 1.0)))
     n_done = 0
     for k in np.unique(doublings[good]):
         n_samples = _LEAST_SAMPLES * 2 ** int(min(k, _MOST_DOUBLINGS))
@@ -118,7 +119,7 @@ def _change(state: Array) -> Array:
     """The change of the average square, largest component, shape (trajectory,), of states (trajectory, sample, ...)."""
     n = state.shape[1]
     part = int(_PART * n)
-    window = np.sin(np.pi * (np.arange(part) + 0.5) / part) ** 4
+    window = np.square(elementary.sin(np.pi * (np.arange(part) + 0.5) / part) ** 2)
     window = (window / window.sum())[:, None]
     squares = state**2
     size = squares.mean(axis=1)

@@ -21,6 +21,7 @@ from liepoisson.arrays import Array, ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.mean_error import mean_error
 from liepoisson.numeric.tangent_frames import Carried, TangentFrames
+from liepoisson.portable import elementary, linear
 from liepoisson.result import labelled
 from liepoisson.scalars import as_count
 from liepoisson.streams import Purpose, stream
@@ -88,7 +89,7 @@ class CovariantVectors(ReadOnlyArrays):
             ParameterError: `n_zeros` is not of the parity of N, or not between 0 and N.
         """
         n, side = self.vector.shape[2], self._n_growing(n_zeros)
-        return np.linalg.qr(np.swapaxes(self.vector[:, :, side : n - side], 2, 3))[0]
+        return linear.qr(np.swapaxes(self.vector[:, :, side : n - side], 2, 3))[0]
 
     def distance_from_centre(self, vectors: ArrayLike, n_zeros: int) -> Array:
         """Sine of the angle between given vectors and the centre space, shape (trajectory, time).
@@ -104,8 +105,8 @@ class CovariantVectors(ReadOnlyArrays):
         if given.shape != wanted:
             raise ShapeError(f"vectors must have shape {wanted}, one at each time; got shape {given.shape}.")
         basis = self.centre(n_zeros)
-        inside = np.einsum("tsik,tsk->tsi", basis, np.einsum("tsik,tsi->tsk", basis, given))
-        return np.linalg.norm(given - inside, axis=-1) / np.linalg.norm(given, axis=-1)
+        inside = linear.einsum("tsik,tsk->tsi", basis, linear.einsum("tsik,tsi->tsk", basis, given))
+        return linear.norm(given - inside, axis=-1) / linear.norm(given, axis=-1)
 
     def angle(self, n_zeros: int) -> Array:
         """Smallest angle between the growing and the shrinking space, in radians, shape (trajectory, time).
@@ -124,9 +125,9 @@ class CovariantVectors(ReadOnlyArrays):
         angle = np.full(self.vector.shape[:2], np.nan)
         good = np.isfinite(self.vector).all(axis=(2, 3))
         vectors = np.swapaxes(self.vector[good], 1, 2)
-        growing, shrinking = (np.linalg.qr(part)[0] for part in (vectors[..., :side], vectors[..., n - side :]))
-        cosine = np.linalg.svd(np.swapaxes(growing, 1, 2) @ shrinking, compute_uv=False)[..., 0]
-        angle[good] = np.arccos(np.minimum(cosine, 1.0))
+        growing, shrinking = (linear.qr(part)[0] for part in (vectors[..., :side], vectors[..., n - side :]))
+        cosine = linear.svd(linear.matmul(np.swapaxes(growing, 1, 2), shrinking), compute_uv=False)[..., 0]
+        angle[good] = elementary.arccos(np.minimum(cosine, 1.0))
         return angle
 
     def _n_growing(self, n_zeros: int) -> int:
@@ -193,20 +194,20 @@ class CovariantRecord:
         for k in range(self._after.shape[1] - 1, -1, -1):
             coefficients, _ = _back(self._after[finished, k], coefficients)
         for k in range(self._during - 1, -1, -1):
-            vector[finished, k + 1] = _rows(self._carried.frame[finished, k] @ coefficients)
+            vector[finished, k + 1] = _rows(linear.matmul(self._carried.frame[finished, k], coefficients))
             coefficients, length = _back(self._carried.triangle[finished, k], coefficients)
-            growth[finished, k] = -np.log(length) * self._during / self._t_end
-        vector[finished, 0] = _rows(self._frame[finished] @ coefficients)
+            growth[finished, k] = -elementary.log(length) * self._during / self._t_end
+        vector[finished, 0] = _rows(linear.matmul(self._frame[finished], coefficients))
         scaled = np.flatnonzero((source.unit != 1.0).any(axis=1))
         vector[scaled] *= source.unit[scaled, None, None, :]
-        vector[scaled] /= np.linalg.norm(vector[scaled], axis=-1, keepdims=True)
+        vector[scaled] /= linear.norm(vector[scaled], axis=-1, keepdims=True)
         return CovariantVectors(time, states, vector, growth)
 
 
 def _back(triangles: Array, coefficients: Array) -> tuple[Array, Array]:
     """Unit columns of coefficients an interval earlier, and the lengths that they had."""
-    earlier = np.linalg.solve(triangles, coefficients)
-    length = np.linalg.norm(earlier, axis=1)
+    earlier = linear.solve(triangles, coefficients)
+    length = linear.norm(earlier, axis=1)
     return earlier / length[:, None, :], length
 
 
@@ -219,4 +220,4 @@ def _random_triangles(n: int, n_members: int, *, seed: int, first: int) -> Array
     triangles = np.empty((n_members, n, n))
     for k in range(n_members):
         triangles[k] = np.triu(stream(seed, Purpose.TRIANGLES, first + k).standard_normal((n, n)))
-    return triangles / np.linalg.norm(triangles, axis=1, keepdims=True)
+    return triangles / linear.norm(triangles, axis=1, keepdims=True)

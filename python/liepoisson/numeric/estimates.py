@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from liepoisson.arrays import ReadOnlyArrays, as_array
 from liepoisson.errors import ParameterError, ShapeError
+from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_count, as_number
 
 FloatArray: TypeAlias = NDArray[np.float64]
@@ -109,7 +110,7 @@ class FiniteTimeFit(ReadOnlyArrays):
         if given.shape != (3,):
             raise ShapeError(f"coefficients must have shape (3,): lambda, c1, c0; got shape {given.shape}. Give three.")
         distance = given - values
-        return float(distance @ np.linalg.solve(np.array(self.covariance), distance))
+        return float(linear.matmul(distance, linear.solve(np.array(self.covariance), distance)))
 
     @property
     def lambda_(self) -> float:
@@ -235,7 +236,7 @@ class LogFit(ReadOnlyArrays):
     def curve(self, time: ArrayLike) -> FloatArray:
         """The fitted mean exponent (A + B ln t)/t at the given times (> 0), in inverse time."""
         t = as_array(time, "time")
-        return (self.A + self.B * np.log(t)) / t
+        return (self.A + self.B * elementary.log(t)) / t
 
     def __str__(self) -> str:
         low, high = self.window
@@ -292,7 +293,7 @@ class MeanCurve(ReadOnlyArrays):
         if not self.time[0] <= time <= self.time[-1]:
             raise ParameterError(f"time must lie in [{self.time[0]:g}, {self.time[-1]:g}]; got {time:g}.")
         columns = (self.mean, self.standard_error, self.low, self.high)
-        return Estimate(*(float(np.interp(time, self.time, column)) for column in columns))
+        return Estimate(*(float(elementary.interp(time, self.time, column)) for column in columns))
 
     def __repr__(self) -> str:
         last = self.at(float(self.time[-1]))

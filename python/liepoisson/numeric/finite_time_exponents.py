@@ -20,6 +20,7 @@ from liepoisson.numeric.run import IntegratedRun, given
 from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.starts import StartsLike, as_starts, as_states, as_times
 from liepoisson.numeric.systems import HasField, as_field, core_field, core_fields
+from liepoisson.portable import elementary
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_number, as_threads, as_time_limit
 
@@ -234,7 +235,7 @@ def _as_exponent_times(t_end: float | None, times: ArrayLike | None) -> Array:
             raise ParameterError(f"t_end: wanted a positive finite time; got {end}; an exponent needs t_end > 0")
         if end < LEAST_TIME:
             raise ParameterError(f"t_end: wanted a time of at least {LEAST_TIME:g}; got {end:g}; try t_end=1000")
-        wanted = np.geomspace(end / 1000.0, end, N_TIMES)
+        wanted = elementary.geomspace(end / 1000.0, end, N_TIMES)
         wanted[-1] = end
         return wanted
     wanted = as_times(times, "times", least=1)

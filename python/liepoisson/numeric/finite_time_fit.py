@@ -31,7 +31,9 @@ from liepoisson.numeric.estimates import (
     Window,
     as_confidence,
 )
+from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_number
+from liepoisson.streams import generator
 from liepoisson.wrong_values import shown
 
 __all__ = [
@@ -89,14 +91,16 @@ def _inverse(time: FloatArray) -> FloatArray:
 
 
 def _inverse_square(time: FloatArray) -> FloatArray:
-    return time**-2.0
+    return 1.0 / (time * time)
 
 
 _FINITE_TIME = _Law(("lambda", "c1", "c0"), (_one, _inverse_root, _inverse))
-_LOGARITHM = _Law(("A", "B"), (_one, np.log), power=1)
-_LOGARITHM_AND_LINE = _Law(("A", "B", "D"), (_one, np.log, _same), power=1)
-_LOGARITHM_LINE_AND_NEXT = _Law(("A", "B", "D", "E"), (_one, np.log, _same, _inverse), power=1)
-_LOGARITHM_LINE_AND_TWO = _Law(("A", "B", "D", "E", "F"), (_one, np.log, _same, _inverse, _inverse_square), power=1)
+_LOGARITHM = _Law(("A", "B"), (_one, elementary.log), power=1)
+_LOGARITHM_AND_LINE = _Law(("A", "B", "D"), (_one, elementary.log, _same), power=1)
+_LOGARITHM_LINE_AND_NEXT = _Law(("A", "B", "D", "E"), (_one, elementary.log, _same, _inverse), power=1)
+_LOGARITHM_LINE_AND_TWO = _Law(
+    ("A", "B", "D", "E", "F"), (_one, elementary.log, _same, _inverse, _inverse_square), power=1
+)
 _LOG_LAWS = (_LOGARITHM, _LOGARITHM_AND_LINE, _LOGARITHM_LINE_AND_NEXT, _LOGARITHM_LINE_AND_TWO)
 
 
@@ -152,7 +156,7 @@ class EnsembleReduction:
             curves = curves[finished]
         if curves.shape[0] == 0:
             return
-        self._coefficients.append(curves @ self._projector.T)
+        self._coefficients.append(linear.matmul(curves, self._projector.T))
         self._estimated.clear()
         self._merge_moments(curves)
 
@@ -238,15 +242,15 @@ class EnsembleReduction:
     def _covariance(self, columns: slice) -> tuple[tuple[float, ...], ...]:
         """Covariance of the mean of some coefficients over the members."""
         coefficients = np.concatenate([piece[:, columns] for piece in self._coefficients])
-        covariance = np.cov(coefficients, rowvar=False) / self.n_members
+        covariance = linear.cov(coefficients) / self.n_members
         return tuple(tuple(map(float, row)) for row in covariance)
 
     def _fit_facts(self, law: _Law, window: Window) -> tuple[int, int, int, float]:
         """Number of times, of members and of members left out, and the residual of the mean curve."""
         inside = _inside(window, self.time)
-        target = self._mean[inside] * self.time[inside] ** law.power
+        target = self._mean[inside] * elementary.power(self.time[inside], law.power)
         design = law.design(self.time[inside])
-        residual = target - design @ (_projector(law, window, self.time) @ self._mean)
+        residual = target - linear.matmul(design, linear.matmul(_projector(law, window, self.time), self._mean))
         rms = float(np.sqrt(np.mean(np.square(residual))))
         return int(np.count_nonzero(inside)), self.n_members, self.n_excluded, rms
 
@@ -431,14 +435,14 @@ def window_grid(
 def _bootstrap_means(values: FloatArray, resampling: Resampling) -> FloatArray:
     """Means of members drawn with replacement; `values` is (trajectory, quantity), result (replicate, quantity)."""
     n = values.shape[0]
-    generator = np.random.default_rng(np.random.SeedSequence(resampling.seed))
+    random = generator(np.random.SeedSequence(resampling.seed))
     blocks: list[FloatArray] = []
     for start in range(0, resampling.n_bootstrap, _REPLICATES_AT_A_TIME):
         size = min(_REPLICATES_AT_A_TIME, resampling.n_bootstrap - start)
-        draws = generator.integers(0, n, size=(size, n), dtype=np.int64)
+        draws = random.integers(0, n, size=(size, n), dtype=np.int64)
         draws += np.arange(size, dtype=np.int64)[:, np.newaxis] * n
         counts = np.bincount(draws.ravel(), minlength=size * n).reshape(size, n)
-        blocks.append(counts.astype(np.float64) @ values / n)
+        blocks.append(linear.matmul(counts.astype(np.float64), values) / n)
     return np.concatenate(blocks)
 
 
@@ -463,15 +467,15 @@ def _projector(law: _Law, window: Window, time: FloatArray) -> FloatArray:
     design = law.design(time[inside])
     # Powers of two, so that squares of times such as 1e150 neither overflow nor vanish.
     with np.errstate(divide="ignore", invalid="ignore"):
-        unit = np.exp2(np.floor(np.log2(np.abs(design).max(axis=0))))
-        scale = unit * np.linalg.norm(design / unit, axis=0)
+        unit = elementary.exp2(np.floor(elementary.log2(np.abs(design).max(axis=0))))
+        scale = unit * linear.norm(design / unit, axis=0)
     projector = np.full((len(law.names), time.size), np.nan)
     if (np.isfinite(scale) & (scale > 0.0)).all():
         with np.errstate(over="ignore"):
             # Columns of unit length keep the pseudo-inverse well conditioned although 1 and t differ by a factor 1000.
-            projector[:, inside] = np.linalg.pinv(design / scale) / scale[:, np.newaxis]
+            projector[:, inside] = linear.pinv(design / scale) / scale[:, np.newaxis]
             projector[:, ~inside] = 0.0
-            projector *= time**law.power
+            projector *= elementary.power(time, law.power)
     if not (np.abs(projector) < _MOST).all():
         raise ParameterError(
             f"time: wanted times whose powers in the law fit into doubles; got times from {time[inside][0]:g} to "

@@ -27,6 +27,7 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.estimates import Window
 from liepoisson.numeric.finite_time_fit import finite_time_fit, last_decade
+from liepoisson.portable import linear
 from liepoisson.scalars import as_count
 
 _COEFFICIENTS = 3
@@ -114,16 +115,16 @@ def fit_goodness(
             f"goodness: wanted at least {10 * p} members for {p} degrees; got {len(curves)}; take more"
         )
     picked = inside[np.round(np.linspace(0, len(inside) - 1, p + _COEFFICIENTS)).astype(int)]
-    contrasts = curves[:, picked] @ _contrasts(times[picked])
+    contrasts = linear.matmul(curves[:, picked], _contrasts(times[picked]))
     mean = contrasts.mean(axis=0)
-    covariance = np.atleast_2d(np.cov(contrasts, rowvar=False))
-    spread = np.sqrt(np.maximum(np.linalg.eigvalsh(covariance), 0.0))
+    covariance = linear.cov(contrasts)
+    spread = np.sqrt(np.maximum(linear.eigvalsh(covariance), 0.0))
     if spread[0] <= max(_ROUND_OFF * np.abs(curves[:, picked]).max(), _SINGULAR * spread[-1]):
         raise ParameterError(
             f"goodness: wanted members that differ from each other in all {p} degrees; got (nearly) the same curve, or "
             "curves of too few kinds; take other members, or a smaller n_degrees"
         )
-    squared = float(len(curves) * mean @ np.linalg.solve(covariance, mean))
+    squared = float(linear.matmul(len(curves) * mean, linear.solve(covariance, mean)))
     ratio = squared * (len(curves) - p) / (p * (len(curves) - 1))
     residual = curves[:, inside].mean(axis=0) - fit.curve(times[inside])
     return FitGoodness(squared, p, _f_tail(ratio, p, len(curves) - p), _neighbours(residual), len(curves))
@@ -132,11 +133,11 @@ def fit_goodness(
 def _contrasts(times: Array) -> Array:
     """Orthonormal combinations of samples at these times that vanish for the law, as columns."""
     design = np.stack([np.ones_like(times), 1 / np.sqrt(times), 1 / times], axis=1)
-    return np.linalg.qr(design, mode="complete")[0][:, _COEFFICIENTS:]
+    return linear.qr(design, mode="complete")[0][:, _COEFFICIENTS:]
 
 
 def _neighbours(residual: Array) -> float:
-    return float(residual[1:] @ residual[:-1] / (residual @ residual))
+    return float(linear.matmul(residual[1:], residual[:-1]) / linear.matmul(residual, residual))
 
 
 def _f_tail(ratio: float, p: int, q: int) -> float:

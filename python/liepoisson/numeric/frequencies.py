@@ -20,6 +20,7 @@ from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
+from liepoisson.portable import elementary
 from liepoisson.result import labelled, recorded
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
 from liepoisson.wrong_values import shown
@@ -286,7 +287,7 @@ def _common_line(signals: Signal, step: float, order: int, real: bool) -> tuple[
 
 def _hanning(n: int, order: int) -> Array:
     """The Hanning window to a power on n + 1 samples, with the mean 1 over n intervals."""
-    window = (1.0 + np.cos(np.pi * np.linspace(-1.0, 1.0, n + 1))) ** order
+    window = elementary.power(1.0 + elementary.cos(np.pi * np.linspace(-1.0, 1.0, n + 1)), order)
     return window / window[:-1].sum()
 
 
@@ -296,7 +297,7 @@ def _refine(weighted: Signal, step: float, sigma: Array) -> Array:
     t = step * (np.arange(n + 1) - 0.5 * n)  # from the middle, where A hardly turns with sigma
     furthest = 0.5 * np.pi / (n * step)
     for _ in range(12):
-        turned = weighted * np.exp(-1j * sigma[:, None] * t)
+        turned = weighted * elementary.exp(-1j * sigma[:, None] * t)
         # sums and not products of matrices, whose order of summation depends on the number of rows
         value, slope, curvature = turned.sum(axis=1), -1j * (turned * t).sum(axis=1), -(turned * t**2).sum(axis=1)
         rise = (value.conj() * slope).real
@@ -304,7 +305,7 @@ def _refine(weighted: Signal, step: float, sigma: Array) -> Array:
         # not at a maximum, where the bend is negative, a short step uphill
         change = np.where(bend < 0, -rise / np.where(bend < 0, bend, 1.0), np.sign(rise) * furthest)
         sigma = sigma + np.clip(change, -furthest, furthest)
-    amplitude = np.abs((weighted * np.exp(-1j * sigma[:, None] * t)).sum(axis=1))
+    amplitude = np.abs((weighted * elementary.exp(-1j * sigma[:, None] * t)).sum(axis=1))
     return np.array([sigma, amplitude])
 
 

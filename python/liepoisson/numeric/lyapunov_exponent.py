@@ -23,6 +23,7 @@ from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.tangent_frames import Clock, TangentFrames, as_duration, n_intervals
 from liepoisson.numeric.time_scale import natural_duration, orbit_units, zero_threshold
+from liepoisson.portable import elementary
 from liepoisson.result import labelled
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
 from liepoisson.wrong_values import shown
@@ -410,6 +411,6 @@ def _difference_of_halves(rates: Array) -> Array:
     if middle < 4:
         return np.full(len(rates), np.inf)
     parts = rates[:, :middle], rates[:, middle:]
-    error = np.hypot(*map(mean_error, parts))
+    error = elementary.hypot(*map(mean_error, parts))
     difference = np.abs(parts[0].mean(axis=1) - parts[1].mean(axis=1))
     return np.divide(difference, error, out=np.zeros_like(error), where=error > 0)

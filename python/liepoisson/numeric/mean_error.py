@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.numeric.estimates import Estimate, as_confidence
+from liepoisson.portable import elementary
 
 # The correction for the mean may double the variance and no more: beyond, the run is shorter than its correlations.
 _LEAST_SHARE = 0.5
@@ -122,19 +123,19 @@ def _few_quantile(probability: float, n_degrees: int) -> float:
     for _ in range(60):
         angle = 0.5 * (low + high)
         low, high = (angle, high) if 0.5 + _few_within(angle, n_degrees) / 2 < probability else (low, angle)
-    return math.sqrt(n_degrees) * math.tan(low)
+    return math.sqrt(n_degrees) * float(elementary.tan(low))
 
 
 def _few_within(angle: float, n_degrees: int) -> float:
     """Probability that |t| is below the root of n times the tangent of the angle: finite sums."""
-    cosine, odd = math.cos(angle), n_degrees % 2
+    cosine, odd = float(elementary.cos(angle)), n_degrees % 2
     term, total = (cosine if odd else 1.0), 0.0
     for k in range(odd, n_degrees - 1, 2):
         total += term
         term *= cosine**2 * (k + 1) / (k + 2)
     if odd:
-        return 2 / math.pi * (angle + math.sin(angle) * total)
-    return math.sin(angle) * total
+        return 2 / math.pi * (angle + float(elementary.sin(angle)) * total)
+    return float(elementary.sin(angle)) * total
 
 
 def batch_errors(values: ArrayLike) -> dict[int, Array]:

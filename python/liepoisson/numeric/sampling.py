@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError, UnknownNameError, did_you_mean
 from liepoisson.numeric.systems import HasField, as_field, vector_length
+from liepoisson.portable import linear
 from liepoisson.scalars import MOST, as_count
-from liepoisson.streams import Purpose, stream
+from liepoisson.streams import Purpose, Random, stream
 from liepoisson.wrong_values import shown
 
 BLOCK = 256
@@ -22,25 +23,25 @@ BLOCK = 256
 # `covariant_vectors.py`.
 
 
-def _unit_vectors(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
+def _unit_vectors(rng: Random, n: int, length: int) -> NDArray[np.float64]:
     vectors = rng.standard_normal((BLOCK, n // length, length))
-    return (vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)).reshape(BLOCK, n)
+    return (vectors / linear.norm(vectors, axis=-1, keepdims=True)).reshape(BLOCK, n)
 
 
-def _cube(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
+def _cube(rng: Random, n: int, length: int) -> NDArray[np.float64]:
     return rng.uniform(-1.0, 1.0, (BLOCK, n))
 
 
-def _gaussian(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
+def _gaussian(rng: Random, n: int, length: int) -> NDArray[np.float64]:
     return rng.standard_normal((BLOCK, n))
 
 
-def _unit_tangent(rng: np.random.Generator, n: int, length: int) -> NDArray[np.float64]:
+def _unit_tangent(rng: Random, n: int, length: int) -> NDArray[np.float64]:
     vectors = rng.standard_normal((BLOCK, n))
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / linear.norm(vectors, axis=-1, keepdims=True)
 
 
-_Draw: TypeAlias = Callable[[np.random.Generator, int, int], NDArray[np.float64]]
+_Draw: TypeAlias = Callable[[Random, int, int], NDArray[np.float64]]
 """Draws a block of states, given the number of components and the length of each vector."""
 
 ENSEMBLES: dict[str, _Draw] = {

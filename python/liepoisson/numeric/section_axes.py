@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from liepoisson.arrays import Array
+from liepoisson.portable import linear
 
 _ROUND_OFF, _NOTHING = 1e-9, 1e-14
 """Width of the values of a coordinate, relative to its size along the orbits, and of a figure across its longest
@@ -45,7 +46,7 @@ def default_axes(components: Sequence[str], states: Array, beside: Array | None 
 
 def _fills_a_plane(points: Array) -> bool:
     """Whether points are on no line, each coordinate in units of its width."""
-    longest, shortest = np.linalg.svd(points / np.ptp(points, axis=0), compute_uv=False)
+    longest, shortest = linear.svd(points / np.ptp(points, axis=0), compute_uv=False)
     return len(points) < 3 or bool(shortest > _ROUND_OFF * longest)
 
 

@@ -32,7 +32,9 @@ from liepoisson.field import Field, PiecesField
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.systems import HasFunctions, has_functions, known_constants
+from liepoisson.portable import linear
 from liepoisson.result import labelled
+from liepoisson.streams import generator
 
 # Singular values below this fraction of the largest count as zero: gradients are evaluated to some 1e-15.
 _NEGLIGIBLE = 1e-9
@@ -140,7 +142,7 @@ def keeps_volume(field: Field, states: Array, *, time: float, method: Method) ->
     change = (
         integrate(field, states, times=[0.0, step], tangents=identity, method=how).tangent[:, 1] - identity
     ) / step
-    size = np.linalg.norm(change, axis=(1, 2))
+    size = linear.norm(change, axis=(1, 2))
     divergence = np.abs(np.trace(change, axis1=1, axis2=2))
     return bool((divergence <= _DIVERGENCE * np.maximum(size, 1.0 / time)).all())
 
@@ -153,7 +155,7 @@ def _constants(system: HasFunctions) -> list[Any]:
 
 def _generic_tensors(functions: Any, units: Array) -> Array:
     """Poisson tensors at a few states of no special position: a rank is the largest on an open dense set."""
-    states = np.random.default_rng(0).standard_normal((4, units.shape[1]))
+    states = generator(0).standard_normal((4, units.shape[1]))
     unit = np.unique(units, axis=0)[:, None, :] if len(units) else np.ones((1, 1, units.shape[1]))
     tensors = _in_units(functions, states * unit, unit).reshape(-1, units.shape[1], units.shape[1])
     return tensors[np.isfinite(tensors).all(axis=(1, 2))]
@@ -170,23 +172,23 @@ def _n_zeros(tensor: Array, gradients: Array) -> int:
     basis = _range(gradients[:, lengths > 0] / lengths[lengths > 0])
     if basis.shape[1] == 0:
         return 0
-    fields = tensor @ basis / (np.linalg.norm(tensor, 2) or 1.0)
-    return basis.shape[1] + _rank(fields, 1.0) - _rank(basis.T @ fields, 1.0)
+    fields = linear.matmul(tensor, basis) / (linear.norm(tensor, 2) or 1.0)
+    return basis.shape[1] + _rank(fields, 1.0) - _rank(linear.matmul(basis.T, fields), 1.0)
 
 
 def _range(matrix: Array) -> Array:
     """An orthonormal basis of the range, as columns."""
     if matrix.shape[1] == 0:
         return matrix
-    vectors, sizes, _ = np.linalg.svd(matrix, full_matrices=False)
+    vectors, sizes, _ = linear.svd(matrix, full_matrices=False)
     return vectors[:, sizes > _NEGLIGIBLE * max(sizes[0], np.finfo(float).tiny)]
 
 
 def _null_space(tensor: Array, corank: int) -> Array:
-    return np.linalg.svd(tensor)[0][:, len(tensor) - corank :]
+    return linear.svd(tensor)[0][:, len(tensor) - corank :]
 
 
 def _rank(matrix: Array, scale: float | None = None) -> int:
-    sizes = np.linalg.svd(matrix, compute_uv=False)
+    sizes = linear.svd(matrix, compute_uv=False)
     largest = (sizes[0] if len(sizes) else 0.0) if scale is None else scale
     return int(np.sum(sizes > _NEGLIGIBLE * largest)) if largest > 0 else 0

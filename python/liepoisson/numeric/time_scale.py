@@ -27,6 +27,7 @@ from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.methods import Method, Taylor
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field
+from liepoisson.portable import elementary, linear
 from liepoisson.scalars import TIME_LIMIT, as_time_limit
 
 N_POINTS = 8
@@ -108,7 +109,7 @@ class OrbitUnits(NamedTuple):
         order than the largest one, so that vectors in ordinary units are as they are.
         """
         part = self.component / self.component.max(axis=1, keepdims=True)
-        return np.where(part > _NO_UNIT, 1.0, np.exp2(np.round(np.log2(part))))
+        return np.where(part > _NO_UNIT, 1.0, elementary.exp2(np.round(elementary.log2(part))))
 
 
 @np.errstate(all="ignore")  # what overflows or vanishes has no unit, which is said by NaN or infinity
@@ -156,7 +157,7 @@ def zero_threshold(time: ArrayLike, scale: ArrayLike) -> Array:
     """
     t, unit = np.broadcast_arrays(np.asarray(time, np.float64), np.asarray(scale, np.float64))
     with np.errstate(divide="ignore", invalid="ignore"):
-        logarithm = np.log(np.maximum(t / unit, math.e))
+        logarithm = elementary.log(np.maximum(t / unit, math.e))
         return np.where(t > 0, 3.0 * logarithm / t, np.where(np.isnan(unit), np.nan, np.inf))
 
 
@@ -257,7 +258,7 @@ def _rates(run: _Run, starts: Array) -> tuple[Array, Array, Array]:
     moving = np.flatnonzero((first > 0.0) & np.isfinite(first))
     lengths = _STRETCH / first[moving]
     # A few members with stretches of about the same length run together, each seen at times of its own.
-    octave = np.floor(np.log2(lengths))
+    octave = np.floor(elementary.log2(lengths))
     for which in sorted({*octave.tolist()}):
         alike = np.flatnonzero(octave == which)
         for start in range(0, len(alike), run.together):
@@ -296,7 +297,7 @@ def _derivatives(run: _Run, states: Array, lowest: Array) -> tuple[Array, Array]
             here = left[rung[left] == h]
             change = run.changes(states[here], float(h))
             derivatives[here] = change / h
-            size = np.linalg.norm(change, axis=(1, 2)) if len(here) else np.zeros(0)
+            size = linear.norm(change, axis=(1, 2)) if len(here) else np.zeros(0)
             done = ~(size < _LEAST_CHANGE)
             left = np.setdiff1d(left, here[done], assume_unique=True)
             rung[here[~done]] *= _RUNG
@@ -327,9 +328,9 @@ def _radius(matrices: Array, scale: Array) -> Array:
 
 def _finite_radius(matrices: Array, scale: Array) -> Array:
     balanced, coupling = _balanced(matrices)[0], _coupling(matrices)
-    radius = np.abs(np.linalg.eigvals(balanced)).max(axis=1)
+    radius = np.abs(linear.eigvals(balanced)).max(axis=1)
     rate = np.where(radius > _NILPOTENT * coupling, radius, coupling)
-    known = rate > _ROUND_OFF * np.linalg.norm(balanced, axis=(1, 2))
+    known = rate > _ROUND_OFF * linear.norm(balanced, axis=(1, 2))
     return np.where(known, rate, _norm(matrices, scale))
 
 
@@ -338,7 +339,7 @@ def _norm(matrices: Array, scale: Array) -> Array:
     largest = scale.max(axis=1, keepdims=True)
     units = np.where(scale > 0.0, scale, np.where(largest > 0.0, largest, 1.0))
     scaled = matrices * units[:, None, :] / units[:, :, None]
-    return np.minimum(*(np.linalg.norm(each, axis=(1, 2)) for each in (matrices, scaled)))
+    return np.minimum(*(linear.norm(each, axis=(1, 2)) for each in (matrices, scaled)))
 
 
 def _balanced(matrices: Array, which: NDArray[np.bool_] | None = None) -> tuple[Array, Array]:
@@ -361,7 +362,7 @@ def _balanced(matrices: Array, which: NDArray[np.bool_] | None = None) -> tuple[
         for k in range(result.shape[1]):
             diagonal = np.abs(result[:, k, k])
             row, column = (np.abs(each).sum(axis=1) - diagonal for each in (result[:, k, :], result[:, :, k]))
-            unit = np.exp2(np.round(0.5 * (np.log2(row) - np.log2(column))))
+            unit = elementary.exp2(np.round(0.5 * (elementary.log2(row) - elementary.log2(column))))
             gains = (row > 0.0) & (column > 0.0) & (row / unit + column * unit < _GAIN * (row + column))
             if which is not None:
                 gains &= which[:, k]

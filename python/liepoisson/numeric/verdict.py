@@ -30,6 +30,7 @@ from liepoisson.numeric.sampling import as_first, as_seed, sample_tangents
 from liepoisson.numeric.starts import StartsLike, given_starts
 from liepoisson.numeric.systems import HasField
 from liepoisson.numeric.time_scale import orbit_units, unit_of_time
+from liepoisson.portable import elementary
 from liepoisson.result import labelled, recorded
 from liepoisson.scalars import TIME_LIMIT, as_number, as_time_limit
 from liepoisson.wrong_values import shown
@@ -394,7 +395,7 @@ def _judge(
 def _growth_power(growth: Megno) -> Array:
     """Least-squares slope of ln|v| against ln t over the last decade of time."""
     last = growth.time >= 0.1 * (1.0 - 1e-9) * growth.time[-1]  # round-off decides for no sample in any unit of time
-    log_time = np.log(growth.time[last])
+    log_time = elementary.log(growth.time[last])
     log_time -= log_time.mean()
     # not a product of matrices, whose order of summation depends on the number of rows
     rows = np.ascontiguousarray(growth.log_growth[:, last])

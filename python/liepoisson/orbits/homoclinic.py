@@ -27,6 +27,7 @@ from liepoisson.orbits.multipliers import transversal_basis
 from liepoisson.orbits.shooting import Flow, are_finite, mirror_basis
 from liepoisson.orbits.symmetric_orbits import group_of_level, reversers_of
 from liepoisson.orbits.unstable import AMPLITUDE, UnstableSpace, unstable_space
+from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_count, as_number, as_threads
 from liepoisson.streams import Purpose, stream
 from liepoisson.wrong_values import shown
@@ -112,7 +113,9 @@ def symmetric_homoclinic_orbits(
         if not chosen:
             raise ParameterError("origin: wanted an equilibrium in the fixed set of a reverser; none keeps this one")
     longest = (
-        (np.log(1 / AMPLITUDE) + _EXCURSION) / space.rate if t_end is None else as_number(t_end, "t_end", "a time")
+        (elementary.log(1 / AMPLITUDE) + _EXCURSION) / space.rate
+        if t_end is None
+        else as_number(t_end, "t_end", "a time")
     )
     if not (np.isfinite(longest) and longest > 0):
         raise ParameterError(f"t_end: wanted a positive time; got {shown(t_end)}; leave it out to have it chosen")
@@ -140,15 +143,15 @@ class _Search:
         self.space, self.flow, self.longest, self.size = space, flow, longest, size
         self.units = space.level.units
         # one loop multiplies amplitudes by at most this; at an equilibrium the flow covers all amplitudes
-        self.factor = float(np.abs(np.linalg.eigvals(space.matrix)).max()) if space.loop_time else 1.0
+        self.factor = float(np.abs(linear.eigvals(space.matrix)).max()) if space.loop_time else 1.0
 
     def drawn(self, n: int, seed: int) -> Array:
         """Random amplitudes of the size that is searched, up to what one loop makes of it, shape (n, k)."""
         k = self.space.basis.shape[1]
         draw = stream(seed, Purpose.HOMOCLINIC_ORBITS)
         direction = draw.standard_normal((n, k))
-        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        return self.size * direction * self.factor ** draw.random((n, 1))
+        direction /= linear.norm(direction, axis=1, keepdims=True)
+        return self.size * direction * elementary.power(self.factor, draw.random((n, 1)))
 
     def near(
         self, amplitudes: Array, reversers: Sequence[DiscreteSymmetry], n_wanted: int
@@ -161,11 +164,11 @@ class _Search:
             self.flow.system, starts, times=grid, method=Taylor(), kernel="lanes", threads=self.flow.threads
         )
         state = orbit.state / units
-        speed = np.linalg.norm(np.gradient(state, grid, axis=1), axis=-1)
-        early = grid[1:-1] < 0.5 * np.log(1 / self.size) / self.fastest
+        speed = linear.norm(np.gradient(state, grid, axis=1), axis=-1)
+        early = grid[1:-1] < 0.5 * elementary.log(1 / self.size) / self.fastest
         found: list[tuple[Array, Array]] = []
         for one in reversers:
-            distance = np.linalg.norm(state @ mirror_basis(one), axis=-1)
+            distance = linear.norm(linear.matmul(state, mirror_basis(one)), axis=-1)
             inner = (distance[:, 1:-1] <= distance[:, :-2]) & (distance[:, 1:-1] < distance[:, 2:]) & ~early
             rows, places = np.nonzero(inner)
             size = distance[rows, places + 1] / np.maximum(speed[rows, places + 1], 1e-300)
@@ -176,9 +179,9 @@ class _Search:
     @property
     def fastest(self) -> float:
         """The largest rate of the unstable space."""
-        values = np.linalg.eigvals(self.space.matrix)
+        values = linear.eigvals(self.space.matrix)
         if self.space.loop_time:
-            return float(np.log(np.abs(values).max())) / self.space.loop_time
+            return float(elementary.log(np.abs(values).max())) / self.space.loop_time
         return float(np.abs(values).max())
 
     def solved(
@@ -199,7 +202,7 @@ class _Search:
             with np.errstate(all="ignore"):
                 good = are_finite(ends)
                 rate = np.where(good[:, None], self.flow.system.vector_field(ends), 0.0)
-            values = np.where(good[:, None], ends @ rows.T, np.inf)
+            values = np.where(good[:, None], linear.matmul(ends, rows.T), np.inf)
             size = np.abs(values).max(axis=1, initial=0.0)
             better = size < residual[active]
             for k in np.flatnonzero(better):
@@ -207,15 +210,15 @@ class _Search:
             stalled = ~better & (residual[active] < _CONVERGING)
             residual[active[better]] = size[better]
             go = good & ~stalled & ((step < 10) | (size < _CONVERGING))
-            slope = np.concatenate([rows @ tangents, (rate @ rows.T)[..., None]], axis=-1)
-            move = -np.einsum("nij,nj->ni", np.linalg.pinv(np.where(go[:, None, None], slope, 0.0), rcond=1e-12),
+            slope = np.concatenate([linear.matmul(rows, tangents), linear.matmul(rate, rows.T)[..., None]], axis=-1)
+            move = -linear.einsum("nij,nj->ni", linear.pinv(np.where(go[:, None, None], slope, 0.0), rcond=1e-12),
                               np.where(go[:, None], values, 0.0))  # fmt: skip
-            length = np.linalg.norm(a[active], axis=1) / self.size
-            shift, delay = np.linalg.norm(move[:, :-1], axis=1) / length, np.abs(move[:, -1]) * self.fastest
+            length = linear.norm(a[active], axis=1) / self.size
+            shift, delay = linear.norm(move[:, :-1], axis=1) / length, np.abs(move[:, -1]) * self.fastest
             factor = 1.0 / np.maximum(1.0, np.maximum(shift, delay) / _LONGEST_STEP)
             a[active] += self.size * factor[:, None] * move[:, :-1]
             T[active] += factor * move[:, -1]
-            size_of_a = np.linalg.norm(a[active], axis=1) / self.size
+            size_of_a = linear.norm(a[active], axis=1) / self.size
             inside = (size_of_a > 1 / (3 * self.factor)) & (size_of_a < 2 * self.factor) & (T[active] > 0)
             active = active[go & inside & (T[active] < 1.2 * self.longest)]
         return [(*one, float(residual[k])) for k, one in enumerate(best) if one is not None and residual[k] <= MEETS]
@@ -230,9 +233,9 @@ def lengthened(orbit: HomoclinicOrbit, n_loops: int) -> HomoclinicOrbit:
         OrbitError: Newton's method does not lead back to it.
     """
     space = orbit.space
-    amplitude = np.linalg.solve(np.linalg.matrix_power(space.matrix, n_loops), orbit.amplitude).astype(np.float64)
+    amplitude = linear.solve(linear.matrix_power(space.matrix, n_loops), orbit.amplitude).astype(np.float64)
     time = orbit.time + n_loops * space.loop_time
-    search = _Search(space, Flow(orbit.system, 1), 2 * time, float(np.linalg.norm(amplitude)))
+    search = _Search(space, Flow(orbit.system, 1), 2 * time, float(linear.norm(amplitude)))
     found = search.solved(orbit.reverser, amplitude[None], np.array([time]))
     if not found or abs(found[0][1] - time) > _SAME_TIME * time:
         raise OrbitError(
@@ -257,15 +260,15 @@ def _distinct(
     """One for each midpoint and its images under the group, the most accurate; none on the origin itself."""
     kept: list[Solution] = []
     images = np.zeros((0, len(level.units)))
-    every = np.einsum("gij,tj->gti", group, path).reshape(-1, path.shape[1])
+    every = linear.einsum("gij,tj->gti", group, path).reshape(-1, path.shape[1])
     for one in sorted(found, key=lambda one: one[4]):
         middle = one[3]
-        if np.linalg.norm((every - middle) / level.units, axis=1).min() < _OFF:
+        if linear.norm((every - middle) / level.units, axis=1).min() < _OFF:
             continue
         if len(images) and (np.abs((images - middle) / level.units).max(axis=1) < _SAME_STATE).any():
             continue
         kept.append(one)
-        images = np.concatenate([images, group @ middle])
+        images = np.concatenate([images, linear.matmul(group, middle)])
     return kept
 
 
@@ -283,11 +286,15 @@ def _described(
     level, rate = space.level, flow.system.vector_field(middle)
     across = transversal_basis(level.gradients(middle), rate)
     n = (level.dimension - 1) // 2
-    unstable = np.linalg.svd(across.T @ tangents, full_matrices=False)[0][:, :n]
-    stable = np.linalg.svd(across.T @ (reverser.matrix @ tangents), full_matrices=False)[0][:, :n]
-    cosines = np.linalg.svd(unstable.T @ stable, compute_uv=False)
-    sines = np.linalg.svd(stable - unstable @ (unstable.T @ stable), compute_uv=False)[::-1]
-    angles = np.sort(np.where(cosines > 0.7, np.arcsin(np.minimum(sines, 1)), np.arccos(np.minimum(cosines, 1))))
+    unstable = linear.svd(linear.matmul(across.T, tangents), full_matrices=False)[0][:, :n]
+    stable = linear.svd(linear.matmul(across.T, linear.matmul(reverser.matrix, tangents)), full_matrices=False)[0][
+        :, :n
+    ]
+    cosines = linear.svd(linear.matmul(unstable.T, stable), compute_uv=False)
+    sines = linear.svd(stable - linear.matmul(unstable, linear.matmul(unstable.T, stable)), compute_uv=False)[::-1]
+    angles = np.sort(
+        np.where(cosines > 0.7, elementary.arcsin(np.minimum(sines, 1)), elementary.arccos(np.minimum(cosines, 1)))
+    )
     path = _points_of(origin, space)
     return HomoclinicOrbit(
         origin=origin,
@@ -299,14 +306,14 @@ def _described(
         time=time,
         residual=residual,
         angles=angles,
-        distance=float(np.linalg.norm(path - middle, axis=1).min()),
+        distance=float(linear.norm(path - middle, axis=1).min()),
     )
 
 
 def pushed(flow: Flow, start: Array, time: float, tangents: Array, n_pieces: int = 12) -> Array:
     """An orthonormal basis of the space that tangent vectors span after a time, carried on in pieces."""
-    x, basis = start, np.linalg.qr(tangents)[0]
+    x, basis = start, linear.qr(tangents)[0]
     for _ in range(n_pieces):
         ends, moved = flow.ends(x[None], np.array([time / n_pieces]), basis)
-        x, basis = ends[0], np.linalg.qr(moved[0])[0]
+        x, basis = ends[0], linear.qr(moved[0])[0]
     return basis

@@ -12,6 +12,7 @@ from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import explains_its_methods
 from liepoisson.display import as_line, as_table
 from liepoisson.orbits.unstable import UnstableSpace
+from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_count
 
 if TYPE_CHECKING:
@@ -70,7 +71,7 @@ class HomoclinicOrbit(ReadOnlyArrays):
 
     def time_from(self, amplitude: float) -> float:
         """About the time from an amplitude to the midpoint, at the slowest unstable rate."""
-        return self.time - float(np.log(amplitude / np.linalg.norm(self.amplitude))) / self.space.rate
+        return self.time - float(elementary.log(amplitude / linear.norm(self.amplitude))) / self.space.rate
 
     def states(self, n_times: int = 401) -> tuple[Array, Array]:
         """Times, shape (n,), 0 at the midpoint, and states, shape (n, N), from the start to its mirror image.

@@ -16,6 +16,7 @@ from liepoisson.exact.phase_functions import PhaseFunction
 from liepoisson.phase_space._checks import are_equal, as_energy, as_system
 from liepoisson.phase_space.casimir_names import by_name
 from liepoisson.phase_space.leaf import Leaf
+from liepoisson.portable import linear
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -78,12 +79,12 @@ class Level(ReadOnlyArrays):
         x = states.copy()
         for _ in range(_MOST_STEPS):
             rest = self.deviations(x)
-            slopes = self.gradients(x) @ directions
+            slopes = linear.matmul(self.gradients(x), directions)
             good = np.isfinite(rest).all(axis=-1) & np.isfinite(slopes).all(axis=(-1, -2))
             slopes[~good], rest[~good] = 0.0, 0.0
-            move = -np.einsum("nij,nj->ni", np.linalg.pinv(slopes, rcond=1e-10), rest)
-            step = np.einsum("...ij,...j->...i", directions, move)
-            size = np.linalg.norm(step / self.units, axis=-1, keepdims=True)
+            move = -linear.einsum("nij,nj->ni", linear.pinv(slopes, rcond=1e-10), rest)
+            step = linear.einsum("...ij,...j->...i", directions, move)
+            size = linear.norm(step / self.units, axis=-1, keepdims=True)
             x = x + step / np.maximum(1.0, 2.0 * size)
             if size.max(initial=0.0) < 1e-15:
                 break
@@ -91,7 +92,7 @@ class Level(ReadOnlyArrays):
 
     def distance(self, states: Array) -> Array:
         """The largest deviation of H and the Casimirs, relative to the size of their terms, shape (...)."""
-        scale = np.abs(self.gradients(states)) @ self.units
+        scale = linear.matmul(np.abs(self.gradients(states)), self.units)
         with np.errstate(divide="ignore", invalid="ignore"):
             found = np.abs(self.deviations(states)) / np.maximum(scale, 1e-300)
         return np.where(np.isfinite(found), found, np.inf).max(axis=-1)
@@ -99,8 +100,8 @@ class Level(ReadOnlyArrays):
     def is_regular_at(self, states: Array) -> np.ndarray[Any, np.dtype[np.bool_]]:
         """Whether dH and the dC are independent at states, shape (...)."""
         slopes = self.gradients(states) * self.units
-        slopes = slopes / np.maximum(np.linalg.norm(slopes, axis=-1, keepdims=True), 1e-300)
-        return np.linalg.svd(slopes, compute_uv=False)[..., -1] > _INDEPENDENT
+        slopes = slopes / np.maximum(linear.norm(slopes, axis=-1, keepdims=True), 1e-300)
+        return linear.svd(slopes, compute_uv=False)[..., -1] > _INDEPENDENT
 
 
 def short(value: Exact) -> str:

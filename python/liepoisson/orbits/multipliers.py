@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array
+from liepoisson.portable import linear
 
 ComplexArray = NDArray[np.complex128]
 
@@ -49,8 +50,8 @@ class LoopSpectrum:
 def transversal_basis(gradients: Array, rate: Array) -> Array:
     """An orthonormal basis of the vectors that are orthogonal to the gradients and to the flow, shape (N, k)."""
     rows = np.vstack([gradients, rate])
-    rows = rows / np.linalg.norm(rows, axis=1, keepdims=True)
-    left = np.linalg.svd(rows.T, full_matrices=True)[0]
+    rows = rows / linear.norm(rows, axis=1, keepdims=True)
+    left = linear.svd(rows.T, full_matrices=True)[0]
     return left[:, len(rows) :]
 
 
@@ -64,13 +65,18 @@ def loop_spectrum(forwards: Array, backwards: Array, gradients: Array, rate: Arr
         rate: The vector field there, shape (N,).
     """
     basis = transversal_basis(gradients, rate)
-    forth, back = basis.T @ forwards @ basis, basis.T @ backwards @ basis
-    size = float(np.linalg.norm(forwards, 2))
-    trivial = max(
-        float(np.linalg.norm(forwards @ rate - rate) / np.linalg.norm(rate)),
-        float((np.linalg.norm(gradients @ forwards - gradients, axis=1) / np.linalg.norm(gradients, axis=1)).max()),
+    forth, back = (
+        linear.matmul(linear.matmul(basis.T, forwards), basis),
+        linear.matmul(linear.matmul(basis.T, backwards), basis),
     )
-    values, defect = _paired(np.linalg.eigvals(forth + back).astype(np.complex128))
+    size = float(linear.norm(forwards, 2))
+    trivial = max(
+        float(linear.norm(linear.matmul(forwards, rate) - rate) / linear.norm(rate)),
+        float(
+            (linear.norm(linear.matmul(gradients, forwards) - gradients, axis=1) / linear.norm(gradients, axis=1)).max()
+        ),
+    )
+    values, defect = _paired(linear.eigvals(forth + back).astype(np.complex128))
     return LoopSpectrum(values, defect, trivial / size, forth, basis)
 
 

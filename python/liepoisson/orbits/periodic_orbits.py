@@ -14,6 +14,7 @@ from liepoisson.calls import explains_its_methods
 from liepoisson.display import as_line, as_table
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import ComplexArray, kind_of
+from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_count
 
 if TYPE_CHECKING:
@@ -81,10 +82,10 @@ class SymmetricOrbit(ReadOnlyArrays):
     @cached_property
     def period(self) -> float:
         """The time after which it closes: 2T times the number of images of the start under P."""
-        closing = self.last.matrix @ self.first.matrix
-        x, n = closing @ self.start, 1
+        closing = linear.matmul(self.last.matrix, self.first.matrix)
+        x, n = linear.matmul(closing, self.start), 1
         while np.abs((x - self.start) / self.level.units).max() > _CLOSED:
-            x, n = closing @ x, n + 1
+            x, n = linear.matmul(closing, x), n + 1
         return n * self.return_time
 
     @property
@@ -92,7 +93,7 @@ class SymmetricOrbit(ReadOnlyArrays):
         r"""$\ln\max|\mu| / 2T$, the growth rate of neighbours, in inverse time; 0 if all are on the unit circle."""
         if kind_of(self.multipliers) in {"neutral", "elliptic"}:
             return 0.0
-        return float(np.log(np.abs(self.multipliers).max())) / self.return_time
+        return float(elementary.log(np.abs(self.multipliers).max())) / self.return_time
 
     @property
     def slowest(self) -> float:

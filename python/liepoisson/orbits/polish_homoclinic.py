@@ -36,6 +36,7 @@ from liepoisson.orbits.precise_flow import (
     solved,
 )
 from liepoisson.orbits.shooting import mirror_basis
+from liepoisson.portable import linear
 from liepoisson.scalars import as_count
 
 if TYPE_CHECKING:
@@ -87,14 +88,14 @@ def polished_midpoint(orbit: HomoclinicOrbit, digits: int) -> PreciseMidpoint:
         raise ParameterError(
             "polished: wanted an orbit that is homoclinic to a periodic orbit; got one to an equilibrium"
         )
-    size = float(np.linalg.norm(orbit.amplitude))
-    slowest = float(np.abs(np.linalg.eigvals(orbit.space.matrix)).min())
+    size = float(linear.norm(orbit.amplitude))
+    slowest = float(np.abs(linear.eigvals(orbit.space.matrix)).min())
     n_loops = max(0, ceil((digits / 3 + 1) * log(10) / log(slowest) + log(size) / log(slowest)))
     # what is lost on the way from an amplitude of 10^(-digits/3) to 1
     working = digits + ceil(digits / 3) + 4
     with ctx.workprec(bits(working)):
         start = _Start(orbit, orbit.origin, PreciseFlow(orbit.system, working), working)
-        closing = orbit.origin.last.matrix @ orbit.origin.first.matrix
+        closing = linear.matmul(orbit.origin.last.matrix, orbit.origin.first.matrix)
         middle, a, time, moved = start.solved(n_loops, digits)
         for _ in range(n_loops):  # an odd number of loops leads to the image
             middle = (exact_columns(closing.T) * column(middle)).entries()
@@ -124,13 +125,13 @@ class _Start:
         self.wanted = [as_ball(value) for value in level.values.values()]
         self.state, _, T, _ = solved_segment(origin, digits)
         n = flow.n
-        closing = exact_columns((origin.last.matrix @ origin.first.matrix).T)
+        closing = exact_columns(linear.matmul(origin.last.matrix, origin.first.matrix).T)
         loop = midpoints(closing * flow.end(self.state, 2 * T, exact_columns(np.eye(n)))[1])
         # coordinates as in doubles: those with respect to the basis there
-        dual = exact_columns(np.linalg.pinv(orbit.space.basis).astype(np.float64))
+        dual = exact_columns(linear.pinv(orbit.space.basis).astype(np.float64))
         basis = exact_columns(orbit.space.basis)
         change = 1.0
-        slowest = float(np.abs(np.linalg.eigvals(orbit.space.matrix)).min())
+        slowest = float(np.abs(linear.eigvals(orbit.space.matrix)).min())
         for _ in range(ceil(digits * log(10) / log(slowest)) + 10):
             new = loop * basis
             new = midpoints(new * midpoints((dual * new).inv()))

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from liepoisson.arrays import Array
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.methods import Taylor
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.exact.discrete_symmetries import DiscreteSymmetry
@@ -41,7 +42,7 @@ def fixed_basis(symmetry: DiscreteSymmetry) -> Array:
     """An orthonormal basis of the fixed space, as columns, shape (N, d)."""
     n = len(symmetry.signs)
     rows = np.array(symmetry.fixed_space, dtype=np.float64).reshape(-1, n)
-    return (rows / np.linalg.norm(rows, axis=1, keepdims=True)).T
+    return (rows / linear.norm(rows, axis=1, keepdims=True)).T
 
 
 def mirror_basis(symmetry: DiscreteSymmetry) -> Array:
@@ -50,7 +51,7 @@ def mirror_basis(symmetry: DiscreteSymmetry) -> Array:
     A signed permutation is an orthogonal matrix, so for an involution these are the vectors with $\rho a = -a$.
     """
     fixed = fixed_basis(symmetry)
-    vectors, sizes, _ = np.linalg.svd(np.eye(len(fixed)) - fixed @ fixed.T)
+    vectors, sizes, _ = linear.svd(np.eye(len(fixed)) - linear.matmul(fixed, fixed.T))
     return vectors[:, sizes > 0.5]
 
 
@@ -165,8 +166,8 @@ class Shooting:
             self.flow.system, starts, times=grid, method=Taylor(), kernel="lanes", threads=self.flow.threads
         )
         mirror = mirror_basis(self.last)
-        distance = np.linalg.norm((orbit.state / self.level.units) @ mirror, axis=-1)
-        speed = np.linalg.norm(np.gradient(orbit.state / self.level.units, grid, axis=1), axis=-1)
+        distance = linear.norm(linear.matmul((orbit.state / self.level.units), mirror), axis=-1)
+        speed = linear.norm(np.gradient(orbit.state / self.level.units, grid, axis=1), axis=-1)
         inner = (distance[:, 1:-1] <= distance[:, :-2]) & (distance[:, 1:-1] < distance[:, 2:])
         rows, places = np.nonzero(inner)
         places = places + 1
@@ -203,13 +204,13 @@ class Shooting:
             # at round-off a step helps no more; one that is still far off after some steps is given up
             stalled = ~better & (residual[active] < _MEETS)
             residual[active[better]] = size[better]
-            sizes = np.linalg.svd(slopes[better], compute_uv=False)
+            sizes = linear.svd(slopes[better], compute_uv=False)
             regularity[active[better]] = sizes[:, -1] / sizes[:, 0]
             go = np.isfinite(size) & ~stalled & (size > 1e-16) & ((k < 8) | (size < _MEETS))
-            move = -np.einsum("nij,nj->ni", np.linalg.pinv(np.where(go[:, None, None], slopes, 0.0), rcond=1e-11),
+            move = -linear.einsum("nij,nj->ni", linear.pinv(np.where(go[:, None, None], slopes, 0.0), rcond=1e-11),
                               np.where(go[:, None], values, 0.0))  # fmt: skip
-            step, delay = move[:, :-1] @ basis.T, move[:, -1]
-            length = np.linalg.norm(step / units, axis=1)
+            step, delay = linear.matmul(move[:, :-1], basis.T), move[:, -1]
+            length = linear.norm(step / units, axis=1)
             factor = 1.0 / np.maximum(
                 1.0, np.maximum(length / _LONGEST_STEP, np.abs(delay / T[active]) / _LONGEST_DELAY)
             )
@@ -222,15 +223,15 @@ class Shooting:
     def _equations(self, x: Array, ends: Array, tangents: Array, basis: Array, mirror: Array) -> tuple[Array, Array]:
         """Values (n, e) and derivatives (n, e, d + 1) of all equations in (z, T), in units of the level."""
         level, units = self.level, self.level.units
-        scale = np.maximum(np.abs(level.gradients(x)) @ units, 1e-300)
+        scale = np.maximum(linear.matmul(np.abs(level.gradients(x)), units), 1e-300)
         on_level = level.deviations(x) / scale
-        slopes = (level.gradients(x) @ basis) / scale[..., None]
+        slopes = linear.matmul(level.gradients(x), basis) / scale[..., None]
         with np.errstate(all="ignore"):
             rate = np.where(are_finite(ends)[:, None], self.flow.system.vector_field(ends), np.nan)
         rows = mirror.T / units
         # a signed permutation may only exchange components of one unit, so the rows stay mirror vectors
-        at_end = ends @ rows.T
-        end_slopes = np.concatenate([rows @ tangents, (rate @ rows.T)[..., None]], axis=-1)
+        at_end = linear.matmul(ends, rows.T)
+        end_slopes = np.concatenate([linear.matmul(rows, tangents), linear.matmul(rate, rows.T)[..., None]], axis=-1)
         zeros = np.zeros((*slopes.shape[:-1], 1))
         return (
             np.concatenate([on_level, at_end], axis=-1),

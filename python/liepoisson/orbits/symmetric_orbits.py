@@ -26,6 +26,7 @@ from liepoisson.orbits.multipliers import loop_spectrum
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit, SymmetricOrbits
 from liepoisson.orbits.shooting import Flow, Segments, Shooting, are_finite, fixed_basis
 from liepoisson.phase_space._checks import are_equal
+from liepoisson.portable import linear
 from liepoisson.scalars import as_count, as_number, as_threads
 from liepoisson.streams import Purpose, stream
 from liepoisson.wrong_values import shown
@@ -201,7 +202,7 @@ def _median_time(system: System, states: Array) -> float:
     """1 over the median of the spectral radius of Df."""
     if not len(states):
         return np.inf
-    median = float(np.median(np.abs(np.linalg.eigvals(system.functions.jacobian(states))).max(axis=-1)))
+    median = float(np.median(np.abs(linear.eigvals(system.functions.jacobian(states))).max(axis=-1)))
     return 1 / median if median > 0 else np.inf
 
 
@@ -209,7 +210,7 @@ def _starts(level: Level, reverser: DiscreteSymmetry, n_starts: int, seed: int, 
     """Random states in the fixed set, on the level."""
     basis = fixed_basis(reverser)
     draw = stream(seed, Purpose.SYMMETRIC_ORBITS, number)
-    guesses = (draw.standard_normal((n_starts, basis.shape[1])) @ basis.T) * level.units
+    guesses = linear.matmul(draw.standard_normal((n_starts, basis.shape[1])), basis.T) * level.units
     states, arrived = level.projected(guesses, basis)
     return states[arrived]
 
@@ -271,7 +272,7 @@ def _distinct(
                 break
         if not seen:
             kept.append(segments[k])
-            images.append(np.array([g @ y for g in group for y in (x, ends[k])]))
+            images.append(np.array([linear.matmul(g, y) for g in group for y in (x, ends[k])]))
     return kept
 
 
@@ -296,10 +297,10 @@ def _named_image(
         return bool(np.abs((one(x) - x) / level.units).max() < _SAME_STATE)
 
     images = [
-        (f, l, g @ x, is_reversed)
+        (f, l, linear.matmul(g, x), is_reversed)
         for f, l, x, y, is_reversed in ways
         for g in group
-        if is_fixed(f, g @ x) and is_fixed(l, g @ y)
+        if is_fixed(f, linear.matmul(g, x)) and is_fixed(l, linear.matmul(g, y))
     ]
     chosen = max(images, key=lambda one: tuple(np.round(one[2] / level.units, 6) + 0.0))
     named = (*chosen[:3], time)
@@ -308,10 +309,10 @@ def _named_image(
 
 def _is_of_family(orbit: SymmetricOrbit) -> bool:
     """Whether a multiplier of the closed orbit, all loops together, is 1."""
-    n, closing = 1, orbit.last.matrix @ orbit.first.matrix
+    n, closing = 1, linear.matmul(orbit.last.matrix, orbit.first.matrix)
     power = closing
     while not np.array_equal(power, np.eye(len(power))):
-        power, n = closing @ power, n + 1
+        power, n = linear.matmul(closing, power), n + 1
     return bool((np.abs(orbit.multipliers**n - 1) < _FAMILY).any())
 
 
@@ -325,12 +326,15 @@ def symmetric_orbit(level: Level, flow: Flow, segment: Segment) -> SymmetricOrbi
     """The orbit of a segment, with its multipliers."""
     first, last, start, time = segment
     system, units = level.system, level.units
-    closing = last.matrix @ first.matrix
+    closing = linear.matmul(last.matrix, first.matrix)
     (end,), _ = flow.ends(start[None], np.array([time]))
     _, forwards = flow.matrix(start, 2 * time)
     _, backwards = flow.matrix(start, -2 * time)
     spectrum = loop_spectrum(
-        closing.T @ forwards, closing @ backwards, level.gradients(start), system.vector_field(start)
+        linear.matmul(closing.T, forwards),
+        linear.matmul(closing, backwards),
+        level.gradients(start),
+        system.vector_field(start),
     )
     residual = max(float(np.abs((last(end) - end) / units).max()) / 2, float(level.distance(start)))
     return SymmetricOrbit(

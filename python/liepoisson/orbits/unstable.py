@@ -20,6 +20,7 @@ from liepoisson.orbits.multipliers import HYPERBOLIC, transversal_basis
 from liepoisson.orbits.periodic_orbits import SymmetricOrbit
 from liepoisson.orbits.shooting import Flow
 from liepoisson.phase_space.stability import Equilibrium
+from liepoisson.portable import elementary, linear
 
 AMPLITUDE = 1e-4
 """Where orbits begin on the linear unstable space, in units of the level (see above)."""
@@ -55,15 +56,15 @@ class UnstableSpace(ReadOnlyArrays):
 
     def states(self, amplitudes: Array) -> tuple[Array, Array]:
         """States x(a), shape (n, N), and their derivatives, shape (n, N, k), for a of shape (n, k)."""
-        x = self.state + amplitudes @ self.basis.T
+        x = self.state + linear.matmul(amplitudes, self.basis.T)
         numbers = list(self.names)
         for _ in range(_STEPS_TO_LEVEL):
             rest = self.level.deviations(x)[:, numbers]
-            slopes = self.level.gradients(x)[:, numbers] @ self.constant
-            x = x - np.linalg.solve(slopes, rest[..., None])[..., 0] @ self.constant.T
+            slopes = linear.matmul(self.level.gradients(x)[:, numbers], self.constant)
+            x = x - linear.matmul(linear.solve(slopes, rest[..., None])[..., 0], self.constant.T)
         gradients = self.level.gradients(x)[:, numbers]
-        slopes = np.linalg.solve(gradients @ self.constant, gradients @ self.basis)
-        return x, self.basis - self.constant @ slopes
+        slopes = linear.solve(linear.matmul(gradients, self.constant), linear.matmul(gradients, self.basis))
+        return x, self.basis - linear.matmul(self.constant, slopes)
 
 
 def unstable_space(origin: SymmetricOrbit | Equilibrium) -> UnstableSpace:
@@ -88,20 +89,20 @@ def _of_orbit(orbit: SymmetricOrbit) -> UnstableSpace:
     if orbit.stability != "hyperbolic":
         raise ParameterError(f"origin: wanted a hyperbolic orbit; got one that is {orbit.stability}, {orbit!r}")
     level, units = orbit.level, orbit.level.units
-    closing = orbit.last.matrix @ orbit.first.matrix
+    closing = linear.matmul(orbit.last.matrix, orbit.first.matrix)
     _, matrix = Flow(orbit.system, 1).matrix(orbit.start, orbit.return_time)
     gradients, rate = level.gradients(orbit.start), orbit.system.vector_field(orbit.start)
     across = transversal_basis(gradients * units, rate / units) * units[:, None]
     back = (across / units[:, None] ** 2).T
-    small = back @ closing.T @ matrix @ across
+    small = linear.matmul(linear.matmul(linear.matmul(back, closing.T), matrix), across)
     basis, loop = _invariant(small, len(small) // 2)
-    slowest = float(np.log(np.abs(np.linalg.eigvals(loop)).min())) / orbit.return_time
+    slowest = float(elementary.log(np.abs(linear.eigvals(loop)).min())) / orbit.return_time
     if not slowest > 0:
         raise ParameterError(f"origin: wanted a hyperbolic orbit; that of {orbit!r} cannot be told from a neutral one")
     return UnstableSpace(
         level,
         orbit.start,
-        across @ basis,
+        linear.matmul(across, basis),
         loop,
         orbit.return_time,
         slowest,
@@ -119,16 +120,16 @@ def _of_equilibrium(origin: Equilibrium) -> UnstableSpace:
     units = level.units
     matrix = origin.system.functions.jacobian(origin.state) * units / units[:, None]
     gradients = level.gradients(origin.state)[1:]
-    along = np.linalg.svd((gradients * units).T, full_matrices=True)[0][:, len(gradients) :]
-    small = along.T @ matrix @ along
+    along = linear.svd((gradients * units).T, full_matrices=True)[0][:, len(gradients) :]
+    small = linear.matmul(linear.matmul(along.T, matrix), along)
     basis, rates = _invariant(small, len(small) // 2, of_rates=True)
     return UnstableSpace(
         level,
         origin.state,
-        (along @ basis) * units[:, None],
+        linear.matmul(along, basis) * units[:, None],
         rates,
         0.0,
-        float(np.linalg.eigvals(rates).real.min()),
+        float(linear.eigvals(rates).real.min()),
         gradients.T * (units**2)[:, None],
         tuple(range(1, len(gradients) + 1)),
     )
@@ -136,9 +137,9 @@ def _of_equilibrium(origin: Equilibrium) -> UnstableSpace:
 
 def _invariant(matrix: Array, k: int, *, of_rates: bool = False) -> tuple[Array, Array]:
     """An orthonormal basis of the invariant space of the k largest multipliers (or rates), and the matrix on it."""
-    found = np.linalg.eig(matrix)
+    found = linear.eig(matrix)
     values, vectors = found[0].astype(np.complex128), found[1].astype(np.complex128)
     order = np.argsort(-(values.real if of_rates else np.abs(values)), kind="stable")[:k]
     chosen = vectors[:, order]
-    basis = np.linalg.svd(np.hstack([chosen.real, chosen.imag]))[0][:, :k]
-    return basis, basis.T @ matrix @ basis
+    basis = linear.svd(np.hstack([chosen.real, chosen.imag]))[0][:, :k]
+    return basis, linear.matmul(linear.matmul(basis.T, matrix), basis)

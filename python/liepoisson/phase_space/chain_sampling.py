@@ -37,7 +37,8 @@ from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.phase_space.leaf_search import energy_scale, representative
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.top_sampling import Shell
-from liepoisson.streams import Purpose, stream
+from liepoisson.portable import elementary, linear
+from liepoisson.streams import Purpose, Random, stream
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
@@ -100,7 +101,7 @@ class _Chain:
 
     def log_density(self, x: Array) -> Array:
         rows = self.equations.rows(x)
-        gram = np.linalg.slogdet(rows @ np.swapaxes(rows, -1, -2))[1]
+        gram = linear.slogdet(linear.matmul(rows, np.swapaxes(rows, -1, -2)))[1]
         inside = self.distance(x) <= self.width if self.width < np.inf else np.isfinite(gram)
         return np.where(inside, -0.5 * gram, -np.inf)
 
@@ -112,7 +113,7 @@ class _Chain:
         return _Chain(replace(equations, values=values), self.energy, self.shell)
 
     @np.errstate(all="ignore")  # functions need not exist at proposals; these are refused
-    def step(self, rng: np.random.Generator, x: Array, size: float) -> tuple[Array, float]:
+    def step(self, rng: Random, x: Array, size: float) -> tuple[Array, float]:
         """One step of each chain, and the share of them that moved.
 
         Move along the tangent space, come back along the old normals, and check that the way back exists.
@@ -126,10 +127,10 @@ class _Chain:
         back -= _along(new_normals, back)
         change = self.log_density(y) - self.log_density(x)
         forth_and_back = (np.sum(there**2, axis=-1) - np.sum(back**2, axis=-1)) / (2 * size**2)
-        moved = found & (np.log(rng.uniform(size=len(x))) < change + forth_and_back)
+        moved = found & (elementary.log(rng.uniform(size=len(x))) < change + forth_and_back)
         left = np.flatnonzero(moved)  # the way back is the larger half of the work
         again = self._rows(left)._return((y + back)[left], new_normals[left])[0]
-        moved[left] = np.linalg.norm(again - x[left], axis=-1) <= 1e-8 * np.linalg.norm(x[left], axis=-1)
+        moved[left] = linear.norm(again - x[left], axis=-1) <= 1e-8 * linear.norm(x[left], axis=-1)
         return np.where(moved[:, None], y, x), float(moved.mean())
 
     def _rows(self, rows: NDArray[np.intp]) -> _Chain:
@@ -139,7 +140,7 @@ class _Chain:
 
     def _normals(self, x: Array) -> Array:
         """Orthonormal bases of the normal spaces, as columns."""
-        return np.linalg.qr(np.swapaxes(self.equations.rows(x), -1, -2))[0]
+        return linear.qr(np.swapaxes(self.equations.rows(x), -1, -2))[0]
 
     def _return(self, start: Array, normals: Array) -> tuple[Array, NDArray[np.bool_]]:
         """Newton's method from a point back to the surface, along given normals."""
@@ -150,9 +151,9 @@ class _Chain:
             active = active[is_open]
             if not active.size:
                 break
-            step, singular = _solved(rows[is_open] @ normals[active], values[is_open])
+            step, singular = _solved(linear.matmul(rows[is_open], normals[active]), values[is_open])
             step[singular] = 0.0
-            moved = y[active] - np.einsum("...ij,...j->...i", normals[active], step)
+            moved = y[active] - linear.einsum("...ij,...j->...i", normals[active], step)
             lost = ~(np.abs(moved) < 1e100).all(axis=-1)
             moved[lost] = start[active[lost]]
             y[active] = moved
@@ -164,7 +165,7 @@ class _Chain:
 class _Population:
     """The states, and the sizes of the steps of the two kinds."""
 
-    rng: np.random.Generator
+    rng: Random
     x: Array
     along_leaf: float
     along_level: float
@@ -172,12 +173,12 @@ class _Population:
     def move(self, chain: _Chain) -> None:
         """A step on the leaf; the size is adapted towards half of the steps accepted."""
         self.x, moved = chain.step(self.rng, self.x, self.along_leaf)
-        self.along_leaf *= float(np.exp(2 * (moved - 0.5)))
+        self.along_leaf *= float(elementary.exp(2 * (moved - 0.5)))
 
     def move_along_levels(self, chain: _Chain) -> None:
         """A step at constant energy, which in a narrow window can be much longer."""
         self.x, moved = chain.levels(self.x).step(self.rng, self.x, self.along_level)
-        self.along_level *= float(np.exp(2 * (moved - 0.5)))
+        self.along_level *= float(elementary.exp(2 * (moved - 0.5)))
 
     def refill(self, kept: NDArray[np.bool_]) -> None:
         """Keep some states only, in random order, as often as it takes to have as many as before."""
@@ -194,7 +195,7 @@ def sample_by_chains(leaf: Leaf, n: int, seed: int, shell: Shell | None) -> Arra
     view = representative(leaf).in_units(None if shell is None else shell.energy)
     rng = stream(seed, Purpose.CHAINS)
     chain, starts = _chain_and_starts(view, rng, shell)
-    size = 0.3 * float(np.linalg.norm(starts, axis=-1).mean())
+    size = 0.3 * float(linear.norm(starts, axis=-1).mean())
     population = _Population(rng, starts, size, size)
     view, chain = _forget(view, chain, population)
     last = _descend(view, chain, population)
@@ -202,7 +203,7 @@ def sample_by_chains(leaf: Leaf, n: int, seed: int, shell: Shell | None) -> Arra
     x = population.x
     for step in range(_LAST_STEPS):
         x, moved = last.step(rng, x, size)
-        size *= float(np.exp((moved - 0.5) * 2 / np.sqrt(1 + step)))
+        size *= float(elementary.exp((moved - 0.5) * 2 / np.sqrt(1 + step)))
     kept = [rng.permutation(x)]
     while len(kept) * N_CHAINS < n:
         for _ in range(_THINNING):
@@ -244,7 +245,7 @@ def _equally_wide(leaf: LeafInUnits, chain: _Chain, population: _Population) -> 
     """The leaf, the chain and the population with each coordinate divided by its width, to a power of two."""
     widths = population.x.std(axis=0)
     typical = float(np.median(widths[widths > 0])) if widths.any() else 1.0
-    factors = np.ldexp(1.0, np.round(np.log2(np.where(widths > 0, widths, typical) / typical)).astype(int))
+    factors = np.ldexp(1.0, np.round(elementary.log2(np.where(widths > 0, widths, typical) / typical)).astype(int))
     leaf = replace(leaf, units=leaf.units * factors)
     population.x = population.x / factors
     return leaf, replace(chain, equations=leaf.equations, energy=leaf.system.functions.energy)
@@ -313,16 +314,16 @@ def _is_uniform(chain: _Chain, x: Array, width: float) -> bool:
     return bool(np.abs(parts / len(x) - 0.25).max() <= _UNIFORM)
 
 
-def _chain_and_starts(leaf: LeafInUnits, rng: np.random.Generator, shell: Shell | None) -> tuple[_Chain, Array]:
+def _chain_and_starts(leaf: LeafInUnits, rng: Random, shell: Shell | None) -> tuple[_Chain, Array]:
     """The chain on the largest set, and states in it that depend on the leaf but not on how it was given."""
     energy, n = leaf.system.functions.energy, len(leaf.state)
     boundary = leaf.constraints(shell.energy) if shell is not None else leaf.equations
-    size = float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket)
+    size = float(linear.norm(leaf.state)) + unit_length(leaf.system.bracket)
     if _reaches_far(boundary, size, rng):
         raise LeafError(infinite_volume(leaf, shell))
     chain = _Chain(leaf.equations, energy, shell)
     spread = rng.standard_normal((4 * N_CHAINS, n)) * size / np.sqrt(n)
-    spread *= np.exp(rng.uniform(np.log(0.2), np.log(5.0), (len(spread), 1)))
+    spread *= elementary.exp(rng.uniform(elementary.log(0.2), elementary.log(5.0), (len(spread), 1)))
     x, residual = solve(leaf.equations, spread)
     x = x[(residual <= CONVERGED)]
     x = x[np.isfinite(chain.log_density(x))]
@@ -333,7 +334,7 @@ def _chain_and_starts(leaf: LeafInUnits, rng: np.random.Generator, shell: Shell 
     return chain, x[np.arange(N_CHAINS) % len(x)]
 
 
-def _bounded(leaf: LeafInUnits, chain: _Chain, x: Array, size: float, rng: np.random.Generator) -> tuple[Array, _Chain]:
+def _bounded(leaf: LeafInUnits, chain: _Chain, x: Array, size: float, rng: Random) -> tuple[Array, _Chain]:
     """The states in a bounded set around the energy, and the chain on that; the smallest one if none looks bounded."""
     shell = chain.shell
     assert shell is not None
@@ -349,10 +350,10 @@ def _bounded(leaf: LeafInUnits, chain: _Chain, x: Array, size: float, rng: np.ra
     return x[distance <= chain.width], chain
 
 
-def _reaches_far(equations: Equations, size: float, rng: np.random.Generator) -> bool:
+def _reaches_far(equations: Equations, size: float, rng: Random) -> bool:
     """Whether Newton's method from states a thousand times as far ends a hundred times as far: not compact."""
     found, residual = solve(equations, rng.standard_normal((256, equations.pinned.shape[-1])) * 1e3 * size)
-    return bool(np.any(np.linalg.norm(found[residual <= CONVERGED], axis=-1) > 100 * size))
+    return bool(np.any(linear.norm(found[residual <= CONVERGED], axis=-1) > 100 * size))
 
 
 def infinite_volume(leaf: Leaf | LeafInUnits, shell: Shell | None = None) -> str:
@@ -370,11 +371,11 @@ def infinite_volume(leaf: Leaf | LeafInUnits, shell: Shell | None = None) -> str
 
 
 def _along(normals: Array, v: Array) -> Array:
-    return np.einsum("...ij,...kj,...k->...i", normals, normals, v)
+    return linear.einsum("...ij,...kj,...k->...i", normals, normals, v)
 
 
 def _solved(matrices: Array, values: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Solutions of small systems, and which of the matrices are singular."""
-    singular = ~(np.abs(np.linalg.det(matrices)) > 1e-200)
+    singular = ~(np.abs(linear.det(matrices)) > 1e-200)
     safe = np.where(singular[:, None, None], np.eye(matrices.shape[-1]), matrices)
-    return cast("Array", np.linalg.solve(safe, values[..., None])[..., 0]), singular
+    return cast("Array", linear.solve(safe, values[..., None])[..., 0]), singular

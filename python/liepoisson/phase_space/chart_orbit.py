@@ -15,6 +15,7 @@ from liepoisson.exact.canonical_system import CanonicalSystem
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.methods import Method, Taylor
+from liepoisson.portable import linear
 from liepoisson.result import Result, labelled, names_along, part
 
 LONGEST = 100_000
@@ -214,8 +215,8 @@ def _solves(system: CanonicalSystem, series: Array, tau: Array) -> Array:
     with np.errstate(all="ignore"):  # beyond the end of a chart there are roots of negative numbers
         rates = system.vector_field(state)
         # the slope of a series of length tau is known to some rounding errors of state/tau
-        rounding = 1e-12 * np.linalg.norm(state, axis=-1) / np.maximum(np.abs(tau), 1e-300)
-        return np.linalg.norm(slope - rates, axis=-1) <= DEFECT * np.linalg.norm(rates, axis=-1) + rounding
+        rounding = 1e-12 * linear.norm(state, axis=-1) / np.maximum(np.abs(tau), 1e-300)
+        return linear.norm(slope - rates, axis=-1) <= DEFECT * linear.norm(rates, axis=-1) + rounding
 
 
 def _values(series: Array, tau: Array) -> tuple[Array, Array]:

@@ -18,6 +18,7 @@ from liepoisson.arrays import Array, norm
 from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.linearisation import leaf_tangent
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -73,13 +74,13 @@ class HamiltonianFields:
 
     def poisson(self, x: Array) -> Array:
         """Poisson tensors, shape (..., N, N)."""
-        linear = np.einsum("...m,mij->...ij", x, self._constants)
-        return linear + self._at_zero if self._system.bracket.constant else linear
+        tensor = linear.einsum("...m,mij->...ij", x, self._constants)
+        return tensor + self._at_zero if self._system.bracket.constant else tensor
 
     def fields(self, x: Array) -> Array:
         """The vector fields, shape (..., N, function)."""
         gradients = np.stack([f.gradient(x) for f in self.functions], axis=-1)
-        return self.poisson(x) @ gradients
+        return linear.matmul(self.poisson(x), gradients)
 
     def derivatives(self, x: Array) -> Array:
         """Their derivatives, shape (..., N, N, function)."""
@@ -95,8 +96,8 @@ class HamiltonianFields:
         if self._last is not None and np.array_equal(self._last[0], x):
             return self._last[1]
         poisson = self.poisson(x)
-        turning = [np.einsum("mij,...j->...im", self._constants, f.gradient(x)) for f in self.functions]
-        bending = [poisson @ f.hessian(x) for f in self.functions]
+        turning = [linear.einsum("mij,...j->...im", self._constants, f.gradient(x)) for f in self.functions]
+        bending = [linear.matmul(poisson, f.hessian(x)) for f in self.functions]
         found = np.stack(turning, axis=-1), np.stack(bending, axis=-1)
         self._last = x.copy(), found
         return found
@@ -138,7 +139,7 @@ class _Search:
         """The vector field of H - sum Omega K and the integrals' distances from their values, relative, (row, ...)."""
         rates = self.fields.fields(x)
         scale = self.fields.scale(x)[:, :1]
-        parts = [(rates[..., 0] - np.einsum("rij,rj->ri", rates[..., 1:], omega)) / np.where(scale > 0, scale, 1.0)]
+        parts = [(rates[..., 0] - linear.einsum("rij,rj->ri", rates[..., 1:], omega)) / np.where(scale > 0, scale, 1.0)]
         for f, value in zip(self.fields.functions[1:], self.values, strict=True):
             parts.append(((f(x) - value) / self._level_scale(f, value, x))[:, None])
         return np.concatenate(parts, axis=1)
@@ -153,10 +154,10 @@ class _Search:
         slopes = self.fields.derivatives(x)
         scale = self.fields.scale(x)[:, :1, None]
         scale = np.where(scale > 0, scale, 1.0)
-        along = (slopes[..., 0] - np.einsum("rimj,rj->rim", slopes[..., 1:], omega)) @ basis / scale
+        along = linear.matmul((slopes[..., 0] - linear.einsum("rimj,rj->rim", slopes[..., 1:], omega)), basis) / scale
         matrix = np.concatenate([along, -self.fields.fields(x)[..., 1:] / scale], axis=2)
         for f, value in zip(self.fields.functions[1:], self.values, strict=True):
-            row = np.einsum("ri,rij->rj", f.gradient(x), basis) / self._level_scale(f, value, x)[:, None]
+            row = linear.einsum("ri,rij->rj", f.gradient(x), basis) / self._level_scale(f, value, x)[:, None]
             row = np.concatenate([row, np.zeros((len(x), len(self.values)))], axis=1)
             matrix = np.concatenate([matrix, row[:, None]], axis=1)
         return matrix
@@ -270,8 +271,8 @@ def _undamped(search: _Search, x: Array, smallest: float) -> Array:
     basis = search.tangents(x[None])
     units = search.units(x[None], basis.shape[2])[0]
     matrix = search.newton_matrix(x[None], omega, basis)[0] * units
-    step = np.linalg.lstsq(matrix, search.residual(x[None], omega)[0], rcond=smallest)[0] * units
-    return np.asarray(-basis[0] @ step[: basis.shape[2]])
+    step = linear.lstsq(matrix, search.residual(x[None], omega)[0], rcond=smallest)[0] * units
+    return np.asarray(linear.matmul(-basis[0], step[: basis.shape[2]]))
 
 
 def residuals(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, values: Array) -> Array:
@@ -289,14 +290,14 @@ def _step(
     # Unknowns in units of their own, so that a change of units changes nothing.
     units = search.units(x, basis.shape[2])
     matrix = matrix * units[:, None, :]
-    normal = np.swapaxes(matrix, 1, 2) @ matrix
+    normal = linear.matmul(np.swapaxes(matrix, 1, 2), matrix)
     size = np.trace(normal, axis1=1, axis2=2)
     weight = damping * np.sum(residual**2, axis=1) + 1e-15
     with np.errstate(invalid="ignore", divide="ignore"):
         normal = normal / size[:, None, None] + weight[:, None, None] * np.eye(normal.shape[1])
-        right = (np.swapaxes(matrix, 1, 2) @ residual[..., None]) / size[:, None, None]
+        right = linear.matmul(np.swapaxes(matrix, 1, 2), residual[..., None]) / size[:, None, None]
     step = -_solved(normal, right)[..., 0] * units
-    move = np.einsum("rij,rj->ri", basis, step[:, : basis.shape[2]])
+    move = linear.einsum("rij,rj->ri", basis, step[:, : basis.shape[2]])
     # A step longer than the state itself says nothing about the neighbourhood in which it was computed.
     own = norm(x, axis=1) + search.fields.unit
     length, limit = norm(move, axis=1), 0.5 * own + 1e-3 * search.size
@@ -311,10 +312,10 @@ def _solved(matrices: Array, right: Array) -> Array:
     result = np.full_like(right, np.nan)
     finite = np.isfinite(matrices).all(axis=(1, 2)) & np.isfinite(right).all(axis=(1, 2))
     try:
-        result[finite] = np.linalg.solve(matrices[finite], right[finite])
-    except np.linalg.LinAlgError:
+        result[finite] = linear.solve(matrices[finite], right[finite])
+    except linear.LinAlgError:
         for row in np.flatnonzero(finite):
-            result[row] = np.linalg.lstsq(matrices[row], right[row])[0]
+            result[row] = linear.lstsq(matrices[row], right[row])[0]
     return result
 
 
@@ -331,7 +332,7 @@ def multipliers(fields: Array, scale: Array) -> Array:
     for row, (field, size) in enumerate(zip(fields, np.where(scale > 0, scale, 1.0), strict=True)):
         columns = field[:, 1:] / size[1:]
         kept = independent_columns(columns)
-        result[row, kept] = np.linalg.lstsq(columns[:, kept], field[:, 0])[0] / size[1:][kept]
+        result[row, kept] = linear.lstsq(columns[:, kept], field[:, 0])[0] / size[1:][kept]
     return result
 
 
@@ -340,7 +341,7 @@ def independent_columns(columns: Array) -> list[int]:
     kept: list[int] = []
     basis = np.zeros((len(columns), 0))
     for k, column in enumerate(columns.T):
-        new = column - basis @ (basis.T @ column)
+        new = column - linear.matmul(basis, linear.matmul(basis.T, column))
         if norm(new) > VANISHES:
             kept.append(k)
             basis = np.column_stack([basis, new / norm(new)])

@@ -10,6 +10,8 @@ from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import ParameterError
 from liepoisson.exact.rational_polynomials import in_words
 from liepoisson.phase_space.lengths import unit_length
+from liepoisson.portable import linear
+from liepoisson.streams import generator
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.leaf import Leaf
@@ -60,8 +62,8 @@ def chosen_surface(leaf: Leaf) -> tuple[str, str]:
     order = sorted(range(len(names)), key=lambda k: (size - 1 - k % size, k))
     # A leaf of lower rank may make a rate zero that is not zero elsewhere: compare with the rates at moved states.
     view = leaf.in_units()
-    size = float(np.linalg.norm(view.state)) + unit_length(system.bracket)
-    noise = np.random.default_rng(0).standard_normal((8, len(names))) * view.units * size / np.sqrt(len(names))
+    size = float(linear.norm(view.state)) + unit_length(system.bracket)
+    noise = generator(0).standard_normal((8, len(names))) * view.units * size / np.sqrt(len(names))
     nearby = leaf.project(leaf.state + _NEARBY * noise)
     rates = np.abs(system.vector_field(nearby)).max(axis=0) / view.units
     for k in order:

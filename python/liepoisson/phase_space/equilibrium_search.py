@@ -37,7 +37,8 @@ from liepoisson.phase_space.second_variation import curvatures, null_directions,
 from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, settled, zero_near
 from liepoisson.phase_space.stability import Equilibrium, analysis
 from liepoisson.phase_space.symmetry_orbit import Motion, SymmetryOrbit, free_motions
-from liepoisson.streams import Purpose, stream
+from liepoisson.portable import elementary, linear
+from liepoisson.streams import Purpose, generator, stream
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -124,7 +125,7 @@ class EquilibriumSearch:
         functions = self._leaf.system.functions
         self._fields = HamiltonianFields(self._leaf.system, [functions.energy, *map(functions.of, integrals.values())])
         self._rng = stream(seed, Purpose.EQUILIBRIA)
-        self._kicks = np.random.default_rng(0)
+        self._kicks = generator(0)
         self._families: list[_Family] = []
         self._zeros: list[SoftZero] = []
         self._flat_parts: list[FlatPart] = []
@@ -150,7 +151,7 @@ class EquilibriumSearch:
         origin = self._origin.state
         size = (float(norm(origin)) + self._fields.unit) / np.sqrt(len(origin)) or 1.0
         starts = self._rng.standard_normal((n_starts, len(origin))) * size
-        starts *= np.exp(self._rng.uniform(np.log(0.2), np.log(5.0), (n_starts, 1)))
+        starts *= elementary.exp(self._rng.uniform(elementary.log(0.2), elementary.log(5.0), (n_starts, 1)))
         self.n_starts += n_starts
         self._add_from(starts)
 
@@ -363,11 +364,11 @@ class EquilibriumSearch:
         """Directions of the kernel in which a step leads along a family; None if more do so than a family has."""
         moved = [self._beside(state, step * v) for v in kernel.T]
         steps = np.array([m - state for m in moved]) / step
-        _, lengths, along = np.linalg.svd(steps @ kernel)
+        _, lengths, along = linear.svd(linear.matmul(steps, kernel))
         n_along = int((lengths > _ALONG).sum())
         there = [m for m, s in zip(moved, steps, strict=True) if norm(s) > _ALONG]
         n_null = min((null_directions(self._leaf, self._fields, m).shape[1] for m in there), default=0)
-        return kernel @ along[:n_along].T if n_along <= n_null else None
+        return linear.matmul(kernel, along[:n_along].T) if n_along <= n_null else None
 
     def _leads_on(self, x: Array, step: Array) -> bool:
         """Whether steps of this length lead on along a family, as far as a long one."""
@@ -423,13 +424,13 @@ class EquilibriumSearch:
             if distance <= _SAME * size:
                 return True
             directions = null_directions(self._leaf, self._fields, x)
-            step = directions @ (directions.T @ way)
+            step = linear.matmul(directions, linear.matmul(directions.T, way))
             length = float(norm(step))
             if length < 0.05 * distance:
                 kicks += 1
                 if kicks > _KICKS or directions.shape[1] < 2:
                     return False
-                step = directions @ self._kicks.standard_normal(directions.shape[1])
+                step = linear.matmul(directions, self._kicks.standard_normal(directions.shape[1]))
                 length = float(norm(step)) * 10
             step *= min(1.0, _STEP * size / max(length, np.finfo(float).tiny))
             moved = self._followed(x, step)
@@ -456,7 +457,7 @@ class EquilibriumSearch:
     def _stepped(self, x: Array, step: Array) -> Array:
         """The state after a step along a family; as far as it is a motion of integrals, this carries the state."""
         turning = symmetry_directions(self._leaf, self._fields, x)
-        part = turning @ (turning.T @ step)
+        part = linear.matmul(turning, linear.matmul(turning.T, step))
         if not norm(part) > VANISHES * norm(step):
             return x + step
         motion = Motion.with_velocity(self._leaf, self._fields, x, part)
@@ -468,7 +469,7 @@ class EquilibriumSearch:
         curve = [begin]
         for _ in range(4 * _MOST_STEPS):
             directions = null_directions(self._leaf, self._fields, x)
-            along = directions @ (directions.T @ before)
+            along = linear.matmul(directions, linear.matmul(directions.T, before))
             length = float(norm(along))
             if length < 0.3:
                 return None
@@ -508,12 +509,12 @@ def is_critical(
     if not (defined := fields.are_defined(states)).all():
         defined[defined] = is_critical(fields, leaf, states[defined], residual[defined], within)
         return defined
-    vectors, sizes, _ = np.linalg.svd(fields.poisson(states))
-    own = np.linalg.svd(fields.poisson(leaf.state), compute_uv=False)
+    vectors, sizes, _ = linear.svd(fields.poisson(states))
+    own = linear.svd(fields.poisson(leaf.state), compute_uv=False)
     length, lengths = float(norm(leaf.state)) + fields.unit, norm(states, axis=1) + fields.unit
     inside = sizes[:, rank - 1] * length > _EDGE * own[rank - 1] * lengths
     gradients = np.stack([f.gradient(states) for f in fields.functions], axis=-1)
-    slopes = np.swapaxes(vectors[..., :rank], 1, 2) @ gradients
+    slopes = linear.matmul(np.swapaxes(vectors[..., :rank], 1, 2), gradients)
     curvature = norm(fields.functions[0].hessian(states), axis=(1, 2)) * lengths
     scale = curvature + norm(gradients[..., 0], axis=1)
     left = np.array([_unexplained(s) for s in slopes])
@@ -525,4 +526,4 @@ def _unexplained(slopes: Array) -> float:
     others = slopes[:, 1:]
     lengths = norm(others, axis=0)
     others = others[:, lengths > 0] / lengths[lengths > 0]
-    return float(norm(slopes[:, 0] - others @ np.linalg.lstsq(others, slopes[:, 0])[0]))
+    return float(norm(slopes[:, 0] - linear.matmul(others, linear.lstsq(others, slopes[:, 0])[0])))

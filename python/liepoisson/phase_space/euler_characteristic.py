@@ -26,6 +26,8 @@ from liepoisson.exact.parameters import as_float
 from liepoisson.phase_space.exact_top import exact_top
 from liepoisson.phase_space.linearisation import definite_sign
 from liepoisson.phase_space.top_equilibria import euler_characteristic_of_leaf
+from liepoisson.portable import linear
+from liepoisson.streams import generator
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -65,12 +67,12 @@ def _of_orbit(system: System, x: Array) -> int | None:
     if system.bracket.constant:
         constants = constants - tensor(np.zeros(len(x)))
     adjoint = np.transpose(constants, (1, 0, 2))  # [i]: the matrix of ad e_i
-    killing = np.einsum("iab,jba->ij", adjoint, adjoint)
+    killing = linear.einsum("iab,jba->ij", adjoint, adjoint)
     if definite_sign(killing) >= 0:
         return None
-    element = np.linalg.solve(killing, x)
+    element = linear.solve(killing, x)
     positive = _positive_roots(adjoint, killing, element)
-    values = np.array([root @ coordinates for root, coordinates in positive])
+    values = np.array([linear.matmul(root, coordinates) for root, coordinates in positive])
     roots = np.array([root for root, _ in positive])
     still = np.abs(values) <= _ZERO * np.abs(values).max(initial=0.0)
     return round(_weyl_order(roots) / _weyl_order(roots[still]))
@@ -78,24 +80,24 @@ def _of_orbit(system: System, x: Array) -> int | None:
 
 def _positive_roots(adjoint: Array, killing: Array, element: Array) -> list[tuple[Array, Array]]:
     """Positive roots in an orthonormal basis of a Cartan subalgebra that contains the element, with its coordinates."""
-    rng = np.random.default_rng(0)
-    stabiliser = _kernel(np.tensordot(element, adjoint, axes=1))
-    generic = stabiliser @ rng.standard_normal(stabiliser.shape[1])
-    cartan = _kernel(np.tensordot(generic, adjoint, axes=1))
-    factor = np.linalg.cholesky(-cartan.T @ killing @ cartan)
-    cartan = cartan @ np.linalg.inv(factor).T
-    values, vectors = np.linalg.eig(np.tensordot(generic, adjoint, axes=1))
-    coordinates = -cartan.T @ killing @ element
+    rng = generator(0)
+    stabiliser = _kernel(linear.tensordot(element, adjoint, axes=1))
+    generic = linear.matmul(stabiliser, rng.standard_normal(stabiliser.shape[1]))
+    cartan = _kernel(linear.tensordot(generic, adjoint, axes=1))
+    factor = linear.cholesky(linear.matmul(linear.matmul(-cartan.T, killing), cartan))
+    cartan = linear.matmul(cartan, linear.inv(factor).T)
+    values, vectors = linear.eig(linear.tensordot(generic, adjoint, axes=1))
+    coordinates = linear.matmul(linear.matmul(-cartan.T, killing), element)
     found: list[tuple[Array, Array]] = []
     for value, vector in zip(values, vectors.T, strict=True):
         if value.imag > _ZERO * np.abs(values).max():
-            actions = np.einsum("ik,iab,b->ka", cartan, adjoint, vector)
-            found.append(((actions @ vector.conj()).imag, coordinates))
+            actions = linear.einsum("ik,iab,b->ka", cartan, adjoint, vector)
+            found.append((linear.matmul(actions, vector.conj()).imag, coordinates))
     return found
 
 
 def _kernel(matrix: Any) -> Array:
-    _, sizes, rows = np.linalg.svd(matrix)
+    _, sizes, rows = linear.svd(matrix)
     return rows[sizes <= _ZERO * sizes[0]].T if sizes[0] > 0 else np.eye(len(matrix))
 
 
@@ -103,7 +105,7 @@ def _weyl_order(positive: Array) -> float:
     """The order of the Weyl group, from its positive roots (each scaled arbitrarily by the same rule)."""
     if not len(positive):
         return 1.0
-    heights = (positive @ positive.T / np.sum(positive**2, axis=1)).sum(axis=1)
+    heights = (linear.matmul(positive, positive.T) / np.sum(positive**2, axis=1)).sum(axis=1)
     return float(np.prod((heights + 1) / heights))
 
 

@@ -28,6 +28,8 @@ import numpy as np
 from liepoisson.arrays import Array
 from liepoisson.exact.rational_polynomials import RationalPolynomial, powers_of
 from liepoisson.phase_space.lengths import unit_groups
+from liepoisson.portable import elementary, linear
+from liepoisson.streams import generator
 
 if TYPE_CHECKING:
     from sympy import Symbol
@@ -100,7 +102,7 @@ def field_units(
     if not np.isfinite(logarithms).all() or np.abs(logarithms).max() > _LONGEST:
         return ones
     far = FAR if n_groups > 1 else ORDINARY
-    if np.ptp(logarithms) < np.log2(ORDINARY) and np.abs(logarithms).max() < np.log2(far):
+    if np.ptp(logarithms) < elementary.log2(ORDINARY) and np.abs(logarithms).max() < elementary.log2(far):
         return ones
     return np.ldexp(1.0, np.round(logarithms).astype(int))[list(groups)]
 
@@ -146,7 +148,7 @@ class _Problem:
         if value:
             if above is None:
                 above = _IMPOSSIBLE if sizes.is_sum_of_squares else _CANCELLED
-            self._rows.append((np.zeros(self._n_groups), scale, float(np.log2(abs(value))), below, above))
+            self._rows.append((np.zeros(self._n_groups), scale, float(elementary.log2(abs(value))), below, above))
 
     def solution(self) -> Array:
         """The logarithms of the units: the weighted sum of absolute violations is made least, by weighted squares."""
@@ -157,12 +159,12 @@ class _Problem:
             # a term, or the value, minus the scale
             matrix[row, :k], matrix[row, k + scale] = degree, -1.0
             right[row], above[row], below[row] = -constant, over, under
-        matrix[len(self._rows) :, :k], right[len(self._rows) :] = np.eye(k), np.log2(self._length)
+        matrix[len(self._rows) :, :k], right[len(self._rows) :] = np.eye(k), elementary.log2(self._length)
         x: Array = np.zeros(k + m)
         for _ in range(_SWEEPS):
-            excess = matrix @ x - right
+            excess = linear.matmul(matrix, x) - right
             weights = np.sqrt(np.where(excess > 0, above, below) / np.maximum(np.abs(excess), _CLOSE))
-            x = np.asarray(np.linalg.lstsq(weights[:, None] * matrix, weights * right)[0], dtype=np.float64)
+            x = np.asarray(linear.lstsq(weights[:, None] * matrix, weights * right)[0], dtype=np.float64)
         return x[:k]
 
 
@@ -181,7 +183,7 @@ def _blocks(bracket: Bracket) -> list[tuple[_Sizes, float]]:
                 sizes[groups[m]] = max(sizes.get(groups[m], 0.0), abs(float(cast("Any", c))))
         if sizes and constant:
             degrees = np.eye(1 + max(groups))[[*sizes]]
-            found.append((_Sizes(degrees, np.log2([*sizes.values()]), is_sum_of_squares=False), constant))
+            found.append((_Sizes(degrees, elementary.log2([*sizes.values()]), is_sum_of_squares=False), constant))
     return found
 
 
@@ -233,7 +235,7 @@ def _sizes_of_terms(
         classes[degree] = max(classes.get(degree, 0.0), abs(size))
     if not classes or not all(0 < size < np.inf for size in classes.values()):
         return None
-    return _Sizes(np.array([*classes], dtype=float), np.log2([*classes.values()]), is_sum_of_squares)
+    return _Sizes(np.array([*classes], dtype=float), elementary.log2([*classes.values()]), is_sum_of_squares)
 
 
 @lru_cache(maxsize=256)
@@ -312,6 +314,6 @@ def _part(system: System, degree: list[float], groups: tuple[int, ...]) -> Phase
 def _moves(system: System, degree: list[float]) -> bool:
     """Whether the terms of H of these degrees in the fields have a vector field."""
     groups = unit_groups(system.bracket)
-    state = np.random.default_rng(0).standard_normal(len(groups))
+    state = generator(0).standard_normal(len(groups))
     slope, poisson = _part(system, degree, groups).gradient(state), system.functions.poisson_tensor(state)
-    return bool(np.linalg.norm(poisson @ slope) > _STILL * np.linalg.norm(poisson) * np.linalg.norm(slope))
+    return bool(linear.norm(linear.matmul(poisson, slope)) > _STILL * linear.norm(poisson) * linear.norm(slope))

@@ -33,6 +33,7 @@ from liepoisson.phase_space.soft_zeros import (
     newton_step,
     reduced_slope,
 )
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.critical_points import HamiltonianFields
@@ -77,13 +78,13 @@ class FlatPart:
     def contains(self, state: Array) -> bool:
         """Whether a state is in the interval, up to what Newton's method leaves across."""
         slope = self.slope
-        s = float(slope.soft[:, 0] @ (state - slope.origin))
+        s = float(linear.matmul(slope.soft[:, 0], (state - slope.origin)))
         if not self.begin <= s <= self.end:
             return False
         with precision(BITS):
             there = slope.at([arb(s)])
             return there is not None and bool(
-                np.linalg.norm(slope.state_of([arb(s)], there) - state) <= _ON * slope.length
+                linear.norm(slope.state_of([arb(s)], there) - state) <= _ON * slope.length
             )
 
 
@@ -119,7 +120,7 @@ class HiddenPlace:
 
     def contains(self, state: Array) -> bool:
         """Whether a state is in the box."""
-        s = self.soft.T @ (state - self.origin)
+        s = linear.matmul(self.soft.T, (state - self.origin))
         return bool((self.begin <= s).all() and (s <= self.end).all())
 
 

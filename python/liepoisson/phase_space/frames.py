@@ -28,6 +28,7 @@ from liepoisson.field import Field
 from liepoisson.numeric.integrate import Orbit, integrate
 from liepoisson.numeric.invariants import KeepsInvariants
 from liepoisson.numeric.starts import StartsLike, as_starts
+from liepoisson.portable import linear
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT
 from liepoisson.wrong_values import not_a_system, shown
@@ -125,7 +126,7 @@ class Attitude(Result, KeepsInvariants):
             ShapeError: the vectors have another shape.
             ParameterError: the system has no field of this name.
         """
-        return np.einsum("...ij,...j->...i", self.rotation, self._vectors(vectors))
+        return linear.einsum("...ij,...j->...i", self.rotation, self._vectors(vectors))
 
     def body(self, vectors: ArrayLike) -> Array:
         r"""Space vectors seen in the body frame, $R^T v$, shape (trajectory, time, 3).
@@ -133,7 +134,7 @@ class Attitude(Result, KeepsInvariants):
         Raises:
             ShapeError: the vectors do not broadcast to (trajectory, time, 3).
         """
-        return np.einsum("...ji,...j->...i", self.rotation, self._vectors(vectors))
+        return linear.einsum("...ji,...j->...i", self.rotation, self._vectors(vectors))
 
     def at(self, times: ArrayLike) -> Attitude:
         """The same at other times within the run, from the power series of its steps.
@@ -242,7 +243,7 @@ def attitude_of(system: System, orbit: Orbit) -> Attitude:
 def _parts(values: Array, system: System) -> dict[str, Array]:
     n = len(system.component_names)
     quaternion = values[..., n : n + 4]
-    norm = np.linalg.norm(quaternion, axis=-1)
+    norm = linear.norm(quaternion, axis=-1)
     return {"state": values[..., :n], "quaternion": quaternion / norm[..., None], "norm_error": norm - 1.0}
 
 
@@ -374,7 +375,7 @@ def initial_quaternions(system: System, states: Array, given: str | ArrayLike | 
 
 
 def _checked_quaternions(values: Array) -> Array:
-    norm = np.linalg.norm(values, axis=-1, keepdims=True)
+    norm = linear.norm(values, axis=-1, keepdims=True)
     if not (np.abs(norm - 1.0) < _UNIT).all():
         raise ParameterError(f"attitude: wanted unit quaternions; got lengths {shown(norm.ravel())}; divide by them")
     # one that is a unit already stays as it is, so that a run is repeated bit for bit
@@ -383,7 +384,7 @@ def _checked_quaternions(values: Array) -> Array:
 
 def _upright(vectors: Array, name: str) -> Array:
     """Quaternions that turn each vector to the third axis the shortest way; rows that are not finite stay so."""
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    length = linear.norm(vectors, axis=-1, keepdims=True)
     if (length == 0).any():
         raise ParameterError(f"attitude: wanted a vector to put upright; got {name} = 0; give a quaternion")
     with np.errstate(invalid="ignore"):  # a row that is not finite ends at once, with its outcome
@@ -407,8 +408,8 @@ def quaternion_of(rotation: Array) -> Array:
         ParameterError: a matrix is not orthogonal, or reflects.
     """
     R = rotation
-    defect = np.abs(np.einsum("...ki,...kj->...ij", R, R) - np.eye(3)).max()
-    if not (defect < _UNIT and (np.linalg.det(R) > 0).all()):
+    defect = np.abs(linear.einsum("...ki,...kj->...ij", R, R) - np.eye(3)).max()
+    if not (defect < _UNIT and (linear.det(R) > 0).all()):
         raise ParameterError(
             f"attitude: wanted rotation matrices; got one with |R^T R - 1| = {defect:.1e} or det R < 0; orthonormalise"
         )
@@ -420,4 +421,4 @@ def quaternion_of(rotation: Array) -> Array:
     K[..., 0, 0] = 1 + np.trace(R, axis1=-2, axis2=-1)
     largest = np.argmax(np.diagonal(K, axis1=-2, axis2=-1), axis=-1)
     q = np.take_along_axis(K, largest[..., None, None], axis=-2)[..., 0, :]
-    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return q / linear.norm(q, axis=-1, keepdims=True)

@@ -28,6 +28,7 @@ from liepoisson.phase_space.leaf_in_units import LeafInUnits
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, approach, mixing_of
 from liepoisson.phase_space.leaf_stratum import Place, open_place, place_of
 from liepoisson.phase_space.lengths import unit_groups
+from liepoisson.portable import linear
 from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
@@ -247,11 +248,11 @@ class Leaf:
         """
         states = self._points(states)
         basis = self.tangent_basis(states)
-        projector = basis @ np.swapaxes(basis, -1, -2)
+        projector = linear.matmul(basis, np.swapaxes(basis, -1, -2))
         if not energy:
             return projector
-        slope = np.einsum("...ij,...j->...i", projector, self.system.functions.energy.gradient(states))
-        length = np.linalg.norm(slope, axis=-1, keepdims=True)
+        slope = linear.einsum("...ij,...j->...i", projector, self.system.functions.energy.gradient(states))
+        length = linear.norm(slope, axis=-1, keepdims=True)
         normal = np.divide(slope, length, out=np.zeros_like(slope), where=length > 0)
         return projector - normal[..., :, None] * normal[..., None, :]
 
@@ -263,7 +264,7 @@ class Leaf:
             ParameterError: a state is not finite.
         """
         states = _finite(self._points(states), "states")
-        vectors, sizes, _ = np.linalg.svd(self.system.functions.poisson_tensor(states))
+        vectors, sizes, _ = linear.svd(self.system.functions.poisson_tensor(states))
         if self.rank and not np.all(sizes[..., self.rank - 1] > 0):
             raise LeafError(
                 f"J must have rank {self.rank} on this leaf; it is lower at one of the states. Project them."
@@ -278,7 +279,7 @@ class Leaf:
             ParameterError: `states` or `vectors` has a NaN or an infinity.
         """
         vectors = _finite(self._points(vectors), "vectors")
-        return np.einsum("...ij,...j->...i", self.tangent_projector(states, energy=energy), vectors)
+        return linear.einsum("...ij,...j->...i", self.tangent_projector(states, energy=energy), vectors)
 
     def energy_range(self) -> tuple[float, float]:
         """The lowest and the highest energy on the leaf, -inf and inf where the energy is unbounded.

@@ -31,6 +31,7 @@ from liepoisson.phase_space.polynomial_equilibria import polynomial_equilibria
 from liepoisson.phase_space.soft_zeros import SoftZero, may_mislead, settled, zero_near
 from liepoisson.phase_space.stability import Equilibrium, analysis, integrals_of, not_tiny
 from liepoisson.phase_space.top_equilibria import equilibria_of_top, euler_characteristic_of_leaf, natural_units
+from liepoisson.portable import linear
 from liepoisson.scalars import as_count, as_number
 from liepoisson.wrong_values import shown
 
@@ -245,7 +246,7 @@ def _in_flat_part(view: LeafInUnits, fields: HamiltonianFields, level: Array, st
     """The nearest of the critical points that doubles do not tell apart at a state."""
     part = flat_part_at(view, fields, level, state)
     zeros = () if part is None else part.zeros
-    return min(zeros, key=lambda zero: float(np.linalg.norm(zero.state - state)), default=None)
+    return min(zeros, key=lambda zero: float(linear.norm(zero.state - state)), default=None)
 
 
 def _level(integrals: Mapping[str, PhaseFunction], values: Mapping[str, float] | None, x: Array | None) -> Array:

@@ -15,6 +15,7 @@ from liepoisson.errors import LeafError
 from liepoisson.exact.phase_functions import PhaseFunction
 from liepoisson.phase_space.leaf_projection import Equations
 from liepoisson.phase_space.lengths import unit_groups, unit_length
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from flint import arb
@@ -165,7 +166,7 @@ class LeafInUnits:
                 "the states of this leaf have components beyond the range of numbers, or of very different sizes; "
                 "give the Casimirs in other units."
             )
-        vectors, sizes, _ = np.linalg.svd(tensor)
+        vectors, sizes, _ = linear.svd(tensor)
         if self.rank and not np.all(sizes[..., self.rank - 1] > 0):
             raise LeafError(f"J must have rank {self.rank} on this leaf; it is lower at one of the states.")
         return vectors[..., : self.rank]
@@ -183,7 +184,7 @@ def equations_in_units(equations: Equations, units: Array, bracket: Bracket) -> 
     """The same equations for y; they themselves where all units are 1, so that the fields are of one order."""
     if (units == 1.0).all():
         return equations
-    rows = np.linalg.qr((equations.pinned * units).T)[0].T
+    rows = linear.qr((equations.pinned * units).T)[0].T
     functions = tuple(in_units(function, units) for function in equations.functions)
     groups, unit = unit_groups(bracket), unit_length(bracket)
     return replace(equations, pinned=rows, functions=functions, groups=groups, unit=unit)

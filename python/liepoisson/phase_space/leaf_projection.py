@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from liepoisson.arrays import Array
 from liepoisson.exact.phase_functions import PhaseFunction
 from liepoisson.phase_space.leaf_stratum import gradients_of
+from liepoisson.portable import linear
 
 CONVERGED = 1e-13
 """Largest relative residual of a solution; Newton's method usually ends at 2e-16."""
@@ -59,7 +60,7 @@ class Equations:
     def rows(self, x: Array) -> Array:
         """The gradients of all equations, shape (..., equation, N)."""
         pinned = np.broadcast_to(self.pinned, (*x.shape[:-1], *self.pinned.shape))
-        return np.concatenate([pinned, self.mixing @ gradients_of(self.functions, x)], axis=-2)
+        return np.concatenate([pinned, linear.matmul(self.mixing, gradients_of(self.functions, x))], axis=-2)
 
     def relative(self, x: Array) -> tuple[Array, Array]:
         r"""Residuals and gradients, both divided by the size of the terms that must cancel.
@@ -71,27 +72,27 @@ class Equations:
         values = np.empty((*x.shape[:-1], len(self.functions)))
         for k, f in enumerate(self.functions):
             values[..., k] = f(x)
-        slopes = self.mixing @ gradients_of(self.functions, x)
-        scales = np.abs(self.values) @ np.abs(self.mixing).T + self._of_terms(slopes, x)
+        slopes = linear.matmul(self.mixing, gradients_of(self.functions, x))
+        scales = linear.matmul(np.abs(self.values), np.abs(self.mixing).T) + self._of_terms(slopes, x)
         scales[scales == 0] = 1.0
         scales[np.isinf(scales)] = np.nan  # against an infinite gradient any residual would count as zero
         k, m = len(self.pinned), len(self.mixing)
         residuals, rows = np.empty((*x.shape[:-1], k + m)), np.empty((*x.shape[:-1], k + m, x.shape[-1]))
-        residuals[..., k:] = np.einsum("ij,...j->...i", self.mixing, values - self.values) / scales
+        residuals[..., k:] = linear.einsum("ij,...j->...i", self.mixing, values - self.values) / scales
         rows[..., k:, :] = slopes / scales[..., None]
         if k:
             lengths = self._of_pinned(x)
             lengths = np.where(lengths > 0, lengths, 1.0)
-            residuals[..., :k] = x @ self.pinned.T / lengths
+            residuals[..., :k] = linear.matmul(x, self.pinned.T) / lengths
             rows[..., :k, :] = self.pinned / lengths[..., None]
         return residuals, rows
 
     def _of_terms(self, rows: Array, x: Array) -> Array:
         r"""$\sum_b|x_b||r_b|$ for each row r, shape (..., row)."""
         if not self.groups:
-            return np.linalg.norm(x, axis=-1)[..., None] * np.linalg.norm(rows, axis=-1)
-        lengths, slopes = (np.sqrt(v**2 @ self._membership) for v in (x, rows))
-        return np.einsum("...b,...ib->...i", lengths + self.unit, slopes)
+            return linear.norm(x, axis=-1)[..., None] * linear.norm(rows, axis=-1)
+        lengths, slopes = (np.sqrt(linear.matmul(v**2, self._membership)) for v in (x, rows))
+        return linear.einsum("...b,...ib->...i", lengths + self.unit, slopes)
 
     @cached_property
     def _membership(self) -> Array:
@@ -100,10 +101,10 @@ class Equations:
 
     def _of_pinned(self, x: Array) -> Array:
         """What the products of a state with the rows of P are compared with, shape (..., 1) or (..., row)."""
-        size = np.linalg.norm(x, axis=-1)[..., None]
+        size = linear.norm(x, axis=-1)[..., None]
         if not self.groups:
             return size
-        blocks = np.abs(self.pinned) @ self._membership
+        blocks = linear.matmul(np.abs(self.pinned), self._membership)
         is_relation = (blocks > 0).sum(axis=-1) > 1
         rows = np.broadcast_to(self.pinned, (*x.shape[:-1], *self.pinned.shape))
         return np.where(is_relation, self._of_terms(rows, x), size)
@@ -127,7 +128,9 @@ def solve(equations: Equations, x: Array, *, most_steps: int = _MOST_STEPS) -> t
         The states and their largest relative residuals; above `CONVERGED` there is no solution near this state, and
         infinite where a function or its gradient does not exist at it.
     """
-    x = x - x @ equations.pinned.T @ equations.pinned  # exact for fields that vanish, and the origin has no scale
+    x = x - linear.matmul(
+        linear.matmul(x, equations.pinned.T), equations.pinned
+    )  # exact for fields that vanish, and the origin has no scale
     residual = _finite_or_infinity(equations.residual(x))
     active = np.flatnonzero(np.isfinite(residual))
     for _ in range(most_steps):
@@ -152,7 +155,7 @@ def approach(equations: Equations, x: Array) -> tuple[Array, Array]:
     left = np.flatnonzero(~(residual <= CONVERGED))
     if left.size:
         closeness = residual[left]
-        there = x[left] - x[left] @ equations.pinned.T @ equations.pinned
+        there = x[left] - linear.matmul(linear.matmul(x[left], equations.pinned.T), equations.pinned)
         begin = np.stack([np.asarray(f(there)) for f in equations.functions], axis=-1)
         for stage in range(1, _STAGES + 1):
             values = begin + stage / _STAGES * (equations.values - begin) if stage < _STAGES else equations.values
@@ -165,7 +168,7 @@ def approach(equations: Equations, x: Array) -> tuple[Array, Array]:
 def _step(equations: Equations, x: Array, residual: Array) -> tuple[Array, Array]:
     values, rows = equations.relative(x)
     rows[~np.isfinite(rows).all(axis=(-2, -1))] = 0.0  # divided by a length that underflows: no step
-    delta = -np.einsum("...ij,...j->...i", np.linalg.pinv(rows, rcond=1e-12), values)
+    delta = -linear.einsum("...ij,...j->...i", linear.pinv(rows, rcond=1e-12), values)
     best, reached = x.copy(), np.full(len(x), np.inf)
     left = np.arange(len(x))
     for halvings in range(_HALVINGS):
@@ -195,5 +198,5 @@ def mixing_of(functions: Sequence[PhaseFunction], pinned: Array, x: Array, n_equ
     if m == len(functions):
         return np.eye(m)
     rows = gradients_of(functions, x)
-    rows = rows - rows @ pinned.T @ pinned
-    return np.linalg.svd(rows)[0][:, :m].T
+    rows = rows - linear.matmul(linear.matmul(rows, pinned.T), pinned)
+    return linear.svd(rows)[0][:, :m].T

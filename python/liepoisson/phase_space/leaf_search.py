@@ -18,6 +18,8 @@ from liepoisson.phase_space.leaf_in_units import LeafInUnits, equations_in_units
 from liepoisson.phase_space.leaf_projection import CONVERGED, Equations, solve
 from liepoisson.phase_space.leaf_stratum import Place, place_of
 from liepoisson.phase_space.lengths import unit_length
+from liepoisson.portable import elementary, linear
+from liepoisson.streams import Random, generator
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -60,10 +62,10 @@ def find_state(system: System, place: Place, values: Array) -> Array:
     """
     _refuse_impossible(system, place, values)
     equations = Equations(place.pinned, tuple(place.casimirs.values()), values, np.eye(len(values)))
-    rng, units = np.random.default_rng(0), field_units(system, place.casimirs, values)
+    rng, units = generator(0), field_units(system, place.casimirs, values)
     n, size = system.bracket.dimension, max(1.0, float(np.abs(values).max(initial=0.0)) ** 0.5)
     size = 1.0 if (units != 1.0).any() else size
-    starts = rng.standard_normal((_STARTS, n)) * np.geomspace(0.1, 10.0, _STARTS)[:, None] * size
+    starts = rng.standard_normal((_STARTS, n)) * elementary.geomspace(0.1, 10.0, _STARTS)[:, None] * size
     found, residual = solve(equations_in_units(equations, units, system.bracket), starts)
     found = found[residual <= CONVERGED] * units
     reached = found[_has_squares(system, place, values, found)]
@@ -75,7 +77,7 @@ def find_state(system: System, place: Place, values: Array) -> Array:
             f"{_STARTS} random states leaves a relative residual of {residual.min():.1e}. Values of a state: "
             "system.functions.casimirs."
         )
-    for state in reached[np.argsort(np.linalg.norm(reached / units, axis=-1))]:
+    for state in reached[np.argsort(linear.norm(reached / units, axis=-1))]:
         if place_of(system, state).is_open:
             return state
     raise LeafError(
@@ -95,7 +97,7 @@ def _has_squares(system: System, place: Place, values: Array, states: Array) -> 
 
 
 @np.errstate(all="ignore")  # what overflows is no state
-def _states_of_top(system: System, values: Array, rng: np.random.Generator) -> Array:
+def _states_of_top(system: System, values: Array, rng: Random) -> Array:
     r"""States of a top by the formulas of its leaves, shape (state, 9): none for other systems.
 
     With $\beta = wn$: $\alpha_\parallel = C_2/w$, and $\ell_\parallel = (C_1 - |\alpha|^2)/(2\epsilon w)$, or for
@@ -106,7 +108,7 @@ def _states_of_top(system: System, values: Array, rng: np.random.Generator) -> A
     if top is None or not top.has_bracket(system.bracket):
         return np.zeros((0, 9))
     c1, c2, c3 = values
-    axes = np.linalg.qr(rng.standard_normal((3, 3)))[0]
+    axes = linear.qr(rng.standard_normal((3, 3)))[0]
     w, epsilon = float(np.sqrt(c3)), float(top.epsilon)
     along = c2 / w
     size = max(float(np.sqrt(abs(c1))), abs(along)) or w
@@ -114,7 +116,9 @@ def _states_of_top(system: System, values: Array, rng: np.random.Generator) -> A
     l = np.full(3, size)
     if epsilon:
         l[0] = (c1 - along**2 - across**2) / (2 * epsilon) / w
-    state = np.concatenate([axes @ l, axes @ [along, across, 0.0], axes @ [w, 0.0, 0.0]])
+    state = np.concatenate(
+        [linear.matmul(axes, l), linear.matmul(axes, [along, across, 0.0]), linear.matmul(axes, [w, 0.0, 0.0])]
+    )
     return state[None] if np.isfinite(state).all() else np.zeros((0, 9))
 
 
@@ -202,9 +206,9 @@ def energy_scale(leaf: LeafInUnits, energy: float = 0.0) -> float:
     Where this vanishes, the second order takes its place.
     """
     y, function = leaf.state, leaf.system.functions.energy
-    length = float(np.linalg.norm(y)) + unit_length(leaf.system.bracket)
-    scale = abs(energy) + length * float(np.linalg.norm(function.gradient(y)))
-    return scale or length**2 * float(np.linalg.norm(function.hessian(y)))
+    length = float(linear.norm(y)) + unit_length(leaf.system.bracket)
+    scale = abs(energy) + length * float(linear.norm(function.gradient(y)))
+    return scale or length**2 * float(linear.norm(function.hessian(y)))
 
 
 def _grows(leaf: LeafInUnits, sign: float) -> bool:
@@ -224,14 +228,14 @@ def _grows(leaf: LeafInUnits, sign: float) -> bool:
 def _lowest(leaf: LeafInUnits, sign: float) -> float:
     """The minimum of sign * H, by Newton steps in tangent coordinates with the moduli of the eigenvalues."""
     x, lowest = _starts(leaf, sign)
-    far = _FAR * (float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket))
+    far = _FAR * (float(linear.norm(leaf.state)) + unit_length(leaf.system.bracket))
     deep = _DEEP * (float(np.median(np.abs(lowest))) or np.inf)
     active, start = np.arange(len(x)), time.process_time()
     for _ in range(_STEPS):
         moved, reached = _descend(leaf, x[active], lowest[active], sign)
         gain = lowest[active] - reached
         x[active], lowest[active] = moved, reached
-        if np.any(np.linalg.norm(x, axis=-1) > far) or lowest.min() < -deep:
+        if np.any(linear.norm(x, axis=-1) > far) or lowest.min() < -deep:
             return -np.inf
         active = active[gain > 1e-14 * np.abs(reached)]
         if not active.size or time.process_time() - start > _SECONDS:
@@ -252,9 +256,13 @@ def _starts(leaf: LeafInUnits, sign: float) -> tuple[Array, Array]:
 
 def _spread(leaf: LeafInUnits, nearest: float, farthest: float, *, most_steps: int = 80) -> Array:
     """Random states on the leaf, at several distances from its own."""
-    rng = np.random.default_rng(1)
-    size = float(np.linalg.norm(leaf.state)) + unit_length(leaf.system.bracket)
-    noise = rng.standard_normal((_STARTS, len(leaf.state))) * np.geomspace(nearest, farthest, _STARTS)[:, None] * size
+    rng = generator(1)
+    size = float(linear.norm(leaf.state)) + unit_length(leaf.system.bracket)
+    noise = (
+        rng.standard_normal((_STARTS, len(leaf.state)))
+        * elementary.geomspace(nearest, farthest, _STARTS)[:, None]
+        * size
+    )
     found, residual = solve(leaf.equations, leaf.state + noise, most_steps=most_steps)
     return np.concatenate([leaf.state[None], found[residual <= CONVERGED]])
 
@@ -264,12 +272,12 @@ def _descend(leaf: LeafInUnits, x: Array, before: Array, sign: float) -> tuple[A
     energy = leaf.system.functions.energy
     basis, stays = _tangents(leaf, x)
     slope, curvature = reduced_derivatives(leaf, x, basis)
-    values, vectors = np.linalg.eigh(sign * curvature)
+    values, vectors = linear.eigh(sign * curvature)
     moduli = np.maximum(np.abs(values), 1e-8 * np.abs(values).max(axis=-1, keepdims=True) + 1e-300)
-    along = np.einsum("...ji,...j->...i", vectors, sign * slope) / moduli
-    step = -np.einsum("...ij,...j->...i", basis @ vectors, along)
+    along = linear.einsum("...ji,...j->...i", vectors, sign * slope) / moduli
+    step = -linear.einsum("...ij,...j->...i", linear.matmul(basis, vectors), along)
     step[stays] = 0.0
-    length, size = (np.linalg.norm(v, axis=-1, keepdims=True) for v in (step, x))
+    length, size = (linear.norm(v, axis=-1, keepdims=True) for v in (step, x))
     size = size + unit_length(leaf.system.bracket)
     step *= np.minimum(1.0, _STRETCH * size / np.maximum(length, 1e-300))
     best, reached = x.copy(), before.copy()
@@ -287,7 +295,7 @@ def _descend(leaf: LeafInUnits, x: Array, before: Array, sign: float) -> tuple[A
 
 def _tangents(leaf: LeafInUnits, x: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Bases of the tangent spaces, and which states came to the edge of the leaf, where J has a lower rank."""
-    vectors, sizes, _ = np.linalg.svd(leaf.system.functions.poisson_tensor(x))
+    vectors, sizes, _ = linear.svd(leaf.system.functions.poisson_tensor(x))
     return vectors[..., : leaf.rank], ~(sizes[..., leaf.rank - 1] > 0)
 
 
@@ -299,13 +307,15 @@ def reduced_derivatives(leaf: LeafInUnits, x: Array, basis: Array) -> tuple[Arra
     energy, equations = leaf.system.functions.energy, leaf.equations
     gradient, hessian = energy.gradient(x), energy.hessian(x)
     rows = equations.rows(x)
-    lengths = np.linalg.norm(rows, axis=-1, keepdims=True)  # a Casimir is in units of its own, such as 1e-20
+    lengths = linear.norm(rows, axis=-1, keepdims=True)  # a Casimir is in units of its own, such as 1e-20
     unit_rows = np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)
-    weights = np.einsum("...ij,...i->...j", np.linalg.pinv(unit_rows), gradient)
+    weights = linear.einsum("...ij,...i->...j", linear.pinv(unit_rows), gradient)
     multipliers = np.divide(weights, lengths[..., 0], out=np.zeros_like(weights), where=lengths[..., 0] > 0)
     multipliers = multipliers[..., len(equations.pinned) :]
-    weights = multipliers @ equations.mixing
+    weights = linear.matmul(multipliers, equations.mixing)
     for k, function in enumerate(equations.functions):
         hessian = hessian - weights[..., k, None, None] * function.hessian(x)
     transposed = np.swapaxes(basis, -1, -2)
-    return np.einsum("...ij,...j->...i", transposed, gradient), transposed @ hessian @ basis
+    return linear.einsum("...ij,...j->...i", transposed, gradient), linear.matmul(
+        linear.matmul(transposed, hessian), basis
+    )

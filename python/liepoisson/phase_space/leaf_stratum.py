@@ -17,6 +17,7 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.exact.phase_functions import PhaseFunction
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.exact.bracket import Bracket
@@ -91,7 +92,7 @@ def numeric_rank(system: System, x: Array) -> int:
     """The rank of J at one state; singular values below 1e-11 of the largest count as zero, in balanced units."""
     poisson = system.functions.poisson_tensor(x)
     n = system.bracket.algebra.dimension
-    sizes = np.linalg.svd(_balanced(np.asarray(poisson), n), compute_uv=False)
+    sizes = linear.svd(_balanced(np.asarray(poisson), n), compute_uv=False)
     return int(np.sum(sizes > RANK * sizes[0])) if sizes.size and sizes[0] > 0 else 0
 
 
@@ -149,16 +150,16 @@ def _cuts_out(place: Place, x: Array, bracket: Bracket) -> bool:
     """Whether gradients and rows span the normal space of the leaf, of dimension N - rank, at this state."""
     if not place.rank:
         return True
-    lengths = np.linalg.norm(x.reshape(-1, bracket.algebra.dimension), axis=1)
+    lengths = linear.norm(x.reshape(-1, bracket.algebra.dimension), axis=1)
     units = np.repeat(np.where(lengths > 0, lengths, lengths.max() or 1.0), bracket.algebra.dimension)
     rows = gradients_of(list(place.casimirs.values()), x) * units
     largest = np.abs(rows).max(axis=-1, keepdims=True, initial=0.0)  # whose squares may overflow or underflow
     rows = np.divide(rows, largest, out=np.zeros_like(rows), where=largest > 0)
-    lengths = np.linalg.norm(rows, axis=-1, keepdims=True)
+    lengths = linear.norm(rows, axis=-1, keepdims=True)
     rows = np.divide(rows, lengths, out=np.zeros_like(rows), where=lengths > 0)
     pinned = place.pinned * units
-    pinned /= np.linalg.norm(pinned, axis=-1, keepdims=True)
-    sizes = np.linalg.svd(np.concatenate([pinned, rows]), compute_uv=False)
+    pinned /= linear.norm(pinned, axis=-1, keepdims=True)
+    sizes = linear.svd(np.concatenate([pinned, rows]), compute_uv=False)
     return int(np.sum(sizes > RANK)) == len(x) - place.rank
 
 
@@ -179,7 +180,7 @@ def _holds(locus: Locus, bracket: Bracket, x: Array) -> bool:
 
 def _are_parallel(u: Array, v: Array) -> bool:
     directions = [w / np.abs(w).max() if w.any() else w for w in (u, v)]
-    sizes = np.linalg.svd(np.stack(directions), compute_uv=False)
+    sizes = linear.svd(np.stack(directions), compute_uv=False)
     return bool(sizes[1] <= PARALLEL * sizes[0])
 
 
@@ -190,7 +191,7 @@ def _pinned(locus: Locus, bracket: Bracket, x: Array) -> Array:
     for pair in locus.parallel:
         fields = np.stack([_field(bracket, name, x) for name in pair])
         row = np.zeros(len(names))
-        row[[names.index(name) for name in pair]] = np.linalg.svd(fields)[0][:, 1]
+        row[[names.index(name) for name in pair]] = linear.svd(fields)[0][:, 1]
         weights.append(row)
     rows: list[Array] = [np.kron(row[None, :], np.eye(n)) for row in weights]
     return np.concatenate(rows) if rows else np.zeros((0, N))

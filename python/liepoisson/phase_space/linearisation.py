@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from liepoisson.arrays import Array, norm
+from liepoisson.portable import elementary, linear
 
 ComplexArray = NDArray[np.complex128]
 
@@ -31,7 +32,7 @@ _NEAR_COLLISION = 1e6
 
 def leaf_tangent(poisson: Array, rank: int) -> Array:
     """Orthonormal bases of the tangent spaces of leaves, shape (..., N, rank), from Poisson tensors (..., N, N)."""
-    return np.linalg.svd(poisson)[0][..., :rank]
+    return linear.svd(poisson)[0][..., :rank]
 
 
 @dataclass(frozen=True)
@@ -57,16 +58,16 @@ class LinearFlow:
 
     def scale(self) -> float:
         """Largest eigenvalue of the second variation, in absolute value."""
-        return float(np.abs(np.linalg.eigvalsh(self.hessian)).max(initial=0.0))
+        return float(np.abs(linear.eigvalsh(self.hessian)).max(initial=0.0))
 
     def kernel(self) -> Array:
         """Orthonormal basis of the kernel of the second variation, shape (2n, nullity)."""
-        values, vectors = np.linalg.eigh(self.hessian)
+        values, vectors = linear.eigh(self.hessian)
         return vectors[:, np.abs(values) <= ZERO * np.abs(values).max(initial=0.0)]
 
     def signature(self) -> tuple[int, int, int]:
         """Numbers of positive, negative and vanishing eigenvalues of the second variation."""
-        values = np.linalg.eigvalsh(self.hessian)
+        values = linear.eigvalsh(self.hessian)
         bound = ZERO * np.abs(values).max(initial=0.0)
         return int((values > bound).sum()), int((values < -bound).sum()), int((np.abs(values) <= bound).sum())
 
@@ -85,14 +86,17 @@ class LinearFlow:
             symmetry: Columns that span Z; $\perp$ is taken with the symplectic form. If Z is spanned by the vector
                 fields of integrals, $Z^\perp$ is the tangent space of their common level set.
         """
-        _, sizes, rows = np.linalg.svd(symmetry.T @ self.form)
+        _, sizes, rows = linear.svd(linear.matmul(symmetry.T, self.form))
         level = rows[int((sizes > ZERO * sizes.max(initial=0.0)).sum()) :].T
-        vectors, areas, _ = np.linalg.svd(level.T @ self.form @ level)
-        return level @ vectors[:, areas > ZERO * np.abs(self.form).max(initial=0.0)]
+        vectors, areas, _ = linear.svd(linear.matmul(linear.matmul(level.T, self.form), level))
+        return linear.matmul(level, vectors[:, areas > ZERO * np.abs(self.form).max(initial=0.0)])
 
     def restricted(self, basis: Array) -> LinearFlow:
         """The flow on a symplectic subspace with this basis."""
-        return LinearFlow(basis.T @ self.hessian @ basis, basis.T @ self.form @ basis)
+        return LinearFlow(
+            linear.matmul(linear.matmul(basis.T, self.hessian), basis),
+            linear.matmul(linear.matmul(basis.T, self.form), basis),
+        )
 
     def without_zeros(self) -> LinearFlow:
         """The flow without its generalised zero eigenvalues.
@@ -114,10 +118,10 @@ class LinearFlow:
         """
         if rest.size == self.size:
             return False
-        matrix = _balanced(np.linalg.solve(self.form, self.hessian).astype(np.float64))
+        matrix = _balanced(linear.solve(self.form, self.hessian).astype(np.float64))
         unit = float(norm(matrix)) or 1.0
-        mine = np.poly(np.linalg.eigvals(matrix) / unit)
-        left = np.linalg.eigvals(np.linalg.solve(rest.form, rest.hessian)) if rest.size else np.zeros(0)
+        mine = np.poly(linear.eigvals(matrix) / unit)
+        left = linear.eigvals(linear.solve(rest.form, rest.hessian)) if rest.size else np.zeros(0)
         theirs = np.poly(np.append(left, np.zeros(self.size - rest.size)) / unit)
         return bool(np.any(np.abs(mine - theirs) > ZERO))
 
@@ -130,14 +134,14 @@ class LinearFlow:
             return np.zeros(0, dtype=np.complex128), np.zeros(0)
         definite = definite_sign(self.hessian)
         if definite:
-            factor = np.linalg.cholesky(definite * self.hessian)
-            rotation = factor.T @ np.linalg.solve(self.form, factor)
-            return (1j * np.linalg.eigvalsh(-0.5j * (rotation - rotation.T))).astype(np.complex128), np.zeros(self.size)
-        matrix = np.linalg.solve(self.form, self.hessian)
-        values, right = np.linalg.eig(matrix)
-        left = np.linalg.pinv(right)
-        condition = np.linalg.norm(left, axis=1) * np.linalg.norm(right, axis=0)
-        return values.astype(np.complex128), _ROUND_OFF * np.linalg.norm(matrix) * condition
+            factor = linear.cholesky(definite * self.hessian)
+            rotation = linear.matmul(factor.T, linear.solve(self.form, factor))
+            return (1j * linear.eigvalsh(-0.5j * (rotation - rotation.T))).astype(np.complex128), np.zeros(self.size)
+        matrix = linear.solve(self.form, self.hessian)
+        values, right = linear.eig(matrix)
+        left = linear.pinv(right)
+        condition = linear.norm(left, axis=1) * linear.norm(right, axis=0)
+        return values.astype(np.complex128), _ROUND_OFF * linear.norm(matrix) * condition
 
 
 def _balanced(matrix: Array) -> Array:
@@ -147,7 +151,7 @@ def _balanced(matrix: Array) -> Array:
         for i in range(len(balanced)):
             column, row = norm(np.delete(balanced[:, i], i)), norm(np.delete(balanced[i], i))
             if column > 0 and row > 0:
-                factor = 2.0 ** np.round(np.log2(row / column) / 2)
+                factor = 2.0 ** np.round(elementary.log2(row / column) / 2)
                 balanced[:, i] *= factor
                 balanced[i] /= factor
     return balanced
@@ -167,9 +171,9 @@ def linear_flow(poisson: Array, derivative: Array, basis: Array) -> tuple[Linear
         derivative: Derivative of the vector field, shape (N, N).
         basis: Orthonormal basis of the tangent space, shape (N, 2n).
     """
-    form = np.linalg.inv(basis.T @ poisson @ basis)
+    form = linear.inv(linear.matmul(linear.matmul(basis.T, poisson), basis))
     form = (form - form.T) / 2
-    hessian = form @ (basis.T @ derivative @ basis)
+    hessian = linear.matmul(form, linear.matmul(linear.matmul(basis.T, derivative), basis))
     size = float(norm(hessian))
     asymmetry = float(norm(hessian - hessian.T)) / size if size else 0.0
     return LinearFlow((hessian + hessian.T) / 2, form), asymmetry
@@ -192,7 +196,7 @@ def spectral_verdict(values: ComplexArray, bounds: Array, n_zero: int) -> str:
 
 def definite_sign(matrix: Array) -> int:
     """1 or -1 for a positive or negative definite matrix, up to round-off; 0 for any other."""
-    values = np.linalg.eigvalsh(matrix)
+    values = linear.eigvalsh(matrix)
     bound = ZERO * np.abs(values).max(initial=0.0)
     return int(np.all(values > bound)) - int(np.all(values < -bound)) if values.size else 0
 
@@ -206,7 +210,7 @@ def definite_combination(matrices: Sequence[Array]) -> Array | None:
 
     References: Grötschel, Lovász and Schrijver (1981).
     """
-    scales = [float(np.abs(np.linalg.eigvalsh(m)).max(initial=0.0)) or 1.0 for m in matrices]
+    scales = [float(np.abs(linear.eigvalsh(m)).max(initial=0.0)) or 1.0 for m in matrices]
     scaled = np.array([matrix / scale for matrix, scale in zip(matrices, scales, strict=True)])
     n = len(scaled)
     if n == 1:
@@ -215,15 +219,15 @@ def definite_combination(matrices: Sequence[Array]) -> Array | None:
     centre, shape = np.zeros(n), np.eye(n)
     centre[0] = 1e-3  # the Hamiltonian itself is tried first
     for _ in range(60 * n * n):
-        matrix = np.tensordot(centre, scaled, axes=1)
-        values, vectors = np.linalg.eigh(matrix)
+        matrix = linear.tensordot(centre, scaled, axes=1)
+        values, vectors = linear.eigh(matrix)
         if definite_sign(matrix) > 0:
             return centre / np.array(scales)
-        cut = np.einsum("i,jik,k->j", vectors[:, 0], scaled, vectors[:, 0])
-        width = float(np.sqrt(max(cut @ shape @ cut, 0.0)))
+        cut = linear.einsum("i,jik,k->j", vectors[:, 0], scaled, vectors[:, 0])
+        width = float(np.sqrt(max(linear.matmul(linear.matmul(cut, shape), cut), 0.0)))
         if values.size == 0 or width < 1e-300:
             return None
-        step = shape @ cut / width
+        step = linear.matmul(shape, cut) / width
         centre = centre + step / (n + 1)
         shape = n * n / (n * n - 1.0) * (shape - 2.0 / (n + 1) * np.outer(step, step))
     return None

@@ -2,7 +2,6 @@ r"""How far a top can get from the origin: bounds of $|\ell|, |\alpha|, |\beta|,
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -14,6 +13,7 @@ from liepoisson.arrays import Array, as_array
 from liepoisson.calls import explains_its_arguments
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.phase_space._checks import as_energy, as_system
+from liepoisson.portable import elementary, linear
 from liepoisson.scalars import as_number
 from liepoisson.wrong_values import shown
 
@@ -139,11 +139,13 @@ def _bounds_of_state(top: System, state: ArrayLike, field: TopField) -> Bounds:
     leaf: Leaf = Leaf.through(top, states)
     l, alpha, beta = leaf.state.reshape(3, 3)
     inertia, a, b = (np.array(v) for v in (field.inertia, field.a, field.b))
-    energy = float(np.sum(l**2 / inertia) / 2 + a @ alpha + b @ beta)
+    energy = float(np.sum(l**2 / inertia) / 2 + linear.matmul(a, alpha) + linear.matmul(b, beta))
     # Outward by the round-off of the sums, so that the state itself is never outside.
-    energy += _ROUND_OFF * float(np.sum(l**2 / inertia) + np.abs(a) @ np.abs(alpha) + np.abs(b) @ np.abs(beta))
+    energy += _ROUND_OFF * float(
+        np.sum(l**2 / inertia) + linear.matmul(np.abs(a), np.abs(alpha)) + linear.matmul(np.abs(b), np.abs(beta))
+    )
     first = _first_casimir(leaf.state, field)
-    own = [math.hypot(*v) * _OUTWARD for v in (l, alpha, beta, l / inertia)]
+    own = [_length(v) * _OUTWARD for v in (l, alpha, beta, l / inertia)]
     lost = _UNDERFLOW if any(0 < length < _TINY for length in own) else 0.0
     found = _bounds(field, first + lost, own[2], energy + lost)
     return replace(
@@ -154,8 +156,8 @@ def _bounds_of_state(top: System, state: ArrayLike, field: TopField) -> Bounds:
 def _first_casimir(x: Array, field: TopField) -> float:
     """C1 of a state, rounded outward."""
     l, alpha, beta = x.reshape(3, 3)
-    size = float(alpha @ alpha + 2 * abs(field.epsilon) * np.abs(l) @ np.abs(beta))
-    return float(alpha @ alpha + 2 * field.epsilon * l @ beta) + _ROUND_OFF * size
+    size = float(linear.matmul(alpha, alpha) + linear.matmul(2 * abs(field.epsilon) * np.abs(l), np.abs(beta)))
+    return float(linear.matmul(alpha, alpha) + linear.matmul(2 * field.epsilon * l, beta)) + _ROUND_OFF * size
 
 
 @np.errstate(over="ignore", invalid="ignore")
@@ -171,8 +173,13 @@ def _of_leaf(leaf: Leaf, field: TopField) -> tuple[float, float]:
             f"leaf: wanted a leaf of a top with epsilon = {field.epsilon:g}; got {leaf!r}; try Leaf.through(top, state)"
         )
     l, alpha, beta = leaf.state.reshape(3, 3)
-    lost = _UNDERFLOW if any(0 < math.hypot(*v) < _TINY for v in (l, alpha, beta)) else 0.0
-    return _first_casimir(leaf.state, field) + lost, math.hypot(*beta) * _OUTWARD
+    lost = _UNDERFLOW if any(0 < _length(v) < _TINY for v in (l, alpha, beta)) else 0.0
+    return _first_casimir(leaf.state, field) + lost, _length(beta) * _OUTWARD
+
+
+def _length(v: Array | tuple[float, float, float]) -> float:
+    """A length whose squares may vanish."""
+    return float(elementary.hypot(elementary.hypot(v[0], v[1]), v[2]))
 
 
 def _given(casimirs: Mapping[str, float], field: TopField) -> tuple[float, float]:
@@ -197,7 +204,7 @@ def _given(casimirs: Mapping[str, float], field: TopField) -> tuple[float, float
 @np.errstate(over="ignore", invalid="ignore")
 def _bounds(top: TopField, c1: float, w: float, energy: float) -> Bounds:
     """The bounds; every l^2 is a product, which overflows to infinity where a power of a float raises an error."""
-    size_a, size_b = (float(np.linalg.norm(v)) for v in (top.a, top.b))
+    size_a, size_b = (_length(v) for v in (top.a, top.b))
     growth = 2 * abs(top.epsilon) * w
 
     def rho(l: float) -> float:
@@ -238,7 +245,7 @@ def _where_convex(moment: float, size_a: float, growth: float, *, c1: float, res
     # Where C1 < 0 the state needs |l| >= -C1/(2 |epsilon| w) to be real at all.
     least = -c1 / growth if c1 < 0 and growth > 0 else 0.0
     constant = max(rest, 0.0) + size_a * float(np.sqrt(max(c1, 0.0)))
-    cubic = np.cbrt(4 * moment * size_a * np.sqrt(growth))
+    cubic = elementary.cbrt(4 * moment * size_a * np.sqrt(growth))
     high = 2 * max(least, 2 * float(np.sqrt(moment) * np.sqrt(constant)), float(cubic * cubic), 1e-150)
     wanted = moment * size_a * growth / 2
     lowest = _last(lambda l: l * np.sqrt(max(c1 + growth * l, 0.0)) <= wanted, least, high) if wanted > 0 else least

@@ -30,6 +30,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.numeric.integrate import integrate
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.phase_space.frames import Attitude, FrameSystem, attitude_of, check_rotates, extent, initial_quaternions
+from liepoisson.portable import elementary, linear
 from liepoisson.result import Result, labelled, part
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number
 
@@ -108,7 +109,7 @@ class Rod(Result):
     @property
     def curvature(self) -> Array:
         r"""Curvature of the centre line, $|r''| = \sqrt{u_1^2 + u_2^2}$, shape (trajectory, point)."""
-        return np.hypot(self.strain[..., 0], self.strain[..., 1])
+        return elementary.hypot(self.strain[..., 0], self.strain[..., 1])
 
     @property
     def twist(self) -> Array:
@@ -118,7 +119,7 @@ class Rod(Result):
     @property
     def tension(self) -> Array:
         r"""Tension $n\cdot d_3$, negative where the rod is compressed, shape (trajectory, point)."""
-        return np.einsum("...i,...i->...", self.force, self.directors[..., 2, :])
+        return linear.einsum("...i,...i->...", self.force, self.directors[..., 2, :])
 
     def __repr__(self) -> str:
         n, points = self.centre_line.shape[:2]
@@ -192,7 +193,7 @@ def rod(
     frames = attitude_of(system, orbit)
     fields = frames.state.reshape(*frames.state.shape[:-1], -1, 3)
     in_space = [
-        frames.space(np.einsum("f,...fi->...i", np.array(weights, dtype=np.float64), fields))
+        frames.space(linear.einsum("f,...fi->...i", np.array(weights, dtype=np.float64), fields))
         for weights in (force, field)
     ]
     return Rod(

@@ -11,6 +11,7 @@ import numpy as np
 from liepoisson.arrays import Array, norm
 from liepoisson.phase_space.critical_points import CANCELLED, SOFT, VANISHES, HamiltonianFields, multipliers
 from liepoisson.phase_space.linearisation import LinearFlow, linear_flow
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.phase_space.leaf_in_units import LeafInUnits
@@ -39,13 +40,13 @@ class CriticalPoint:
     def _directions(self) -> tuple[Array, Array, Array]:
         """Singular vectors and values of the vector fields of the integrals, each relative to its scale."""
         rates, scale = self.fields.fields(self.x)[:, 1:], self.fields.scale(self.x)[1:]
-        vectors, sizes, rows = np.linalg.svd(rates / np.where(scale > 0, scale, 1.0))
+        vectors, sizes, rows = linear.svd(rates / np.where(scale > 0, scale, 1.0))
         return vectors[:, : int((sizes > VANISHES).sum())], sizes, rows
 
     @property
     def symmetry(self) -> Array:
         """Basis of the span of the vector fields of the integrals, in coordinates of the tangent space of the leaf."""
-        return self.tangents.T @ self._directions[0]
+        return linear.matmul(self.tangents.T, self._directions[0])
 
     def free(self) -> Array:
         """Combinations of the integrals whose vector fields vanish here, shape (free, k)."""
@@ -56,11 +57,11 @@ class CriticalPoint:
     def linear_flow(self, coefficients: Array) -> tuple[LinearFlow, float]:
         """The linearised flow of a combination of H and the integrals on the leaf, and its asymmetry."""
         basis, parts = self.tangents, self.fields.parts(self.x)
-        derivative = sum(parts) @ coefficients
+        derivative = linear.matmul(sum(parts), coefficients)
         # H - Omega K may be constant on the leaf: what is left of terms that cancel there is no second variation
-        sizes = [norm(np.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
-        restricted = basis.T @ derivative @ basis
-        left = CANCELLED * float(sum(sizes) @ np.abs(coefficients))
+        sizes = [norm(linear.einsum("ai,abk,bj->ijk", basis, part, basis), axis=(0, 1)) for part in parts]
+        restricted = linear.matmul(linear.matmul(basis.T, derivative), basis)
+        left = CANCELLED * float(linear.matmul(sum(sizes), np.abs(coefficients)))
         if norm(restricted) <= left or self._is_flat(coefficients, restricted):
             derivative = np.zeros_like(derivative)
         return linear_flow(self.fields.poisson(self.x), derivative, basis)
@@ -75,14 +76,16 @@ class CriticalPoint:
         """
         x, basis = self.x, self.tangents
         length = float(norm(x)) + self.fields.unit
-        rates = basis.T @ self.fields.fields(x) @ coefficients
+        rates = linear.matmul(linear.matmul(basis.T, self.fields.fields(x)), coefficients)
         if not (np.isfinite(derivative).all() and np.isfinite(rates).all()):
             return False
-        step = float(norm(np.asarray(np.linalg.lstsq(derivative, rates, rcond=_STIFF)[0], dtype=np.float64)))
+        step = float(norm(np.asarray(linear.lstsq(derivative, rates, rcond=_STIFF)[0], dtype=np.float64)))
         off = _OFF * max(step, float(np.finfo(np.float64).eps) * length)
         with np.errstate(all="ignore"):
-            around = sum(self.fields.parts(x + off * np.concatenate([basis, -basis], axis=1).T)) @ coefficients
-            sizes = norm(basis.T @ around @ basis, axis=(-2, -1))
+            around = linear.matmul(
+                sum(self.fields.parts(x + off * np.concatenate([basis, -basis], axis=1).T)), coefficients
+            )
+            sizes = norm(linear.matmul(linear.matmul(basis.T, around), basis), axis=(-2, -1))
         return bool(norm(derivative) <= _OUTGROWN * sizes[np.isfinite(sizes)].max(initial=0.0))
 
 
@@ -92,27 +95,27 @@ def null_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> A
     The kernel of the second variation on the slice, and the motions of the integrals.
     """
     point, flow, basis = _on_slice(leaf, fields, x)
-    found = np.concatenate([point.symmetry, basis @ flow.kernel()], axis=1)
-    return point.tangents @ (np.linalg.qr(found)[0] if found.size else found)
+    found = np.concatenate([point.symmetry, linear.matmul(basis, flow.kernel())], axis=1)
+    return linear.matmul(point.tangents, (linear.qr(found)[0] if found.size else found))
 
 
 def soft_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array, within: float = SOFT) -> Array:
     """Orthonormal directions in which the second variation on the slice is soft or flat, shape (N, n)."""
     point, flow, basis = _on_slice(leaf, fields, x)
-    values, vectors = np.linalg.eigh(flow.hessian)
+    values, vectors = linear.eigh(flow.hessian)
     sizes = np.abs(values)
-    return point.tangents @ basis @ vectors[:, sizes <= within * sizes.max(initial=0.0)]
+    return linear.matmul(linear.matmul(point.tangents, basis), vectors[:, sizes <= within * sizes.max(initial=0.0)])
 
 
 def symmetry_directions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
     """Orthonormal directions in which the motions of the integrals carry x, shape (N, n)."""
     point, _, _ = _on_slice(leaf, fields, x)
-    return point.tangents @ point.symmetry
+    return linear.matmul(point.tangents, point.symmetry)
 
 
 def curvatures(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> Array:
     """The moduli of the eigenvalues of the second variation on the slice, relative to the largest, ascending."""
-    values = np.sort(np.abs(np.linalg.eigvalsh(_on_slice(leaf, fields, x)[1].hessian)))
+    values = np.sort(np.abs(linear.eigvalsh(_on_slice(leaf, fields, x)[1].hessian)))
     return values / values[-1] if values.any() else values
 
 

@@ -13,6 +13,7 @@ from liepoisson.errors import ExpressionError, ParameterError
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.phase_space._checks import as_system
 from liepoisson.phase_space.leaf_stratum import numeric_rank
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -86,7 +87,7 @@ def is_folded(system: System, states: ArrayLike, surface: str | Expr, x: str | E
     h = functions.energy.gradient(some)
 
     def bracket(f: Array, g: Array) -> Array:
-        return np.einsum("ni,nij,nj->n", f, tensor, g)
+        return linear.einsum("ni,nij,nj->n", f, tensor, g)
 
     terms = np.array(
         [

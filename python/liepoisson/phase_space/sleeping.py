@@ -22,6 +22,7 @@ from liepoisson.errors import ParameterError
 from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter
 from liepoisson.phase_space.linearisation import ComplexArray
 from liepoisson.phase_space.stability import Equilibrium, equilibrium, has_own_motion
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.exact.system import System
@@ -80,7 +81,7 @@ class SleepingTop(ReadOnlyArrays):
     @cached_property
     def roots(self) -> ComplexArray:
         """The roots of Q, or of Q divided by mu; three or two."""
-        found = np.roots([as_float(c, "Q") for c in self._essential])
+        found = linear.roots([as_float(c, "Q") for c in self._essential])
         return np.sort_complex(found.astype(np.complex128))
 
     @property

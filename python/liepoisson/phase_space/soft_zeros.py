@@ -34,6 +34,7 @@ from liepoisson.exact.rational_polynomials import powers_of
 from liepoisson.phase_space.critical_points import HamiltonianFields, residuals
 from liepoisson.phase_space.second_variation import curvatures, soft_directions
 from liepoisson.phase_space.symmetry_orbit import free_motions
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from liepoisson.exact.phase_functions import PhaseFunction
@@ -172,10 +173,10 @@ def _rest_near(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, stat
     Round this place the equations for the other unknowns are not regular, and all ends of Newton's method look like
     small circles.
     """
-    near = _NEAR_REST * (float(np.linalg.norm(state)) + fields.unit)
+    near = _NEAR_REST * (float(linear.norm(state)) + fields.unit)
     for motion in free_motions(leaf, fields, state):
         rest = motion.rest_near(state)
-        if np.linalg.norm(rest - state) <= near and residuals(leaf, fields, rest[None], values)[0] <= _AT_REST:
+        if linear.norm(rest - state) <= near and residuals(leaf, fields, rest[None], values)[0] <= _AT_REST:
             return rest
     return None
 
@@ -188,7 +189,7 @@ def _slope_at(
     if not soft.shape[1]:
         return None, 0
     phases = [motion.velocity(state) for motion in free_motions(leaf, fields, state)]
-    basis = np.linalg.qr(np.array(phases).reshape(-1, len(state)).T)[0]
+    basis = linear.qr(np.array(phases).reshape(-1, len(state)).T)[0]
     return ReducedSlope.at_state(leaf, fields, values, state, (soft, basis)), len(phases)
 
 
@@ -208,8 +209,8 @@ def settled(leaf: LeafInUnits, fields: HamiltonianFields, values: Array, state: 
     if not (soft & (sizes > _FLAT)).any() and not (soft.any() and _rest_near(leaf, fields, values, state) is not None):
         return SoftZero(state)
     zero = zero_near(leaf, fields, values, state)
-    near = _SETTLED * (float(np.linalg.norm(state)) + fields.unit)
-    return zero if zero is not None and np.linalg.norm(zero.state - state) <= near else SoftZero(state)
+    near = _SETTLED * (float(linear.norm(state)) + fields.unit)
+    return zero if zero is not None and linear.norm(zero.state - state) <= near else SoftZero(state)
 
 
 @dataclass(frozen=True)
@@ -278,20 +279,20 @@ class ReducedSlope:
         mixing[m:, :n] = 0.0
         functions = (*equations.functions, *fields.functions[1:])
         fixed = np.concatenate(directions, axis=1)
-        others = np.linalg.svd(fixed)[0][:, fixed.shape[1] :]
-        length = float(np.linalg.norm(state)) + fields.unit
+        others = linear.svd(fixed)[0][:, fixed.shape[1] :]
+        length = float(linear.norm(state)) + fields.unit
         goals = np.append(equations.values, values)
         slope = cls(fields, equations.pinned, functions, goals, mixing, state, directions[0], others, length, [])
         if functions:
-            rows = mixing @ np.array([f.gradient(state) for f in functions]).reshape(-1, len(state))
-            lengths = np.linalg.norm(rows, axis=1)
+            rows = linear.matmul(mixing, np.array([f.gradient(state) for f in functions]).reshape(-1, len(state)))
+            lengths = linear.norm(rows, axis=1)
             if not (np.isfinite(lengths).all() and lengths.all()):
                 return None
             # where the motion of an integral is nearly at rest, the slopes depend on each other but for a small part
-            turned, sizes, _ = np.linalg.svd(rows / lengths[:, None], full_matrices=False)
+            turned, sizes, _ = linear.svd(rows / lengths[:, None], full_matrices=False)
             if not sizes[-1] > _DEPENDENT:
                 return None
-            slope = replace(slope, mixing=(turned / sizes).T @ (mixing / lengths[:, None]))
+            slope = replace(slope, mixing=linear.matmul((turned / sizes).T, (mixing / lengths[:, None])))
         return slope if slope._refreshed(state) else None
 
     def zero(self, s: Sequence[arb], shares: Array) -> SoftZero | None:
@@ -311,7 +312,7 @@ class ReducedSlope:
         if self.rest is None:
             return False
         y = np.array([float(y.mid()) for y in self._state(s, unknowns)])
-        return bool(np.linalg.norm(y - self.rest) <= _CLOSE * self.length)
+        return bool(linear.norm(y - self.rest) <= _CLOSE * self.length)
 
     def at(self, s: Sequence[arb], unknowns: list[arb] | None = None) -> Slope | None:
         """The slope at s, None where the other unknowns were not found."""
@@ -384,30 +385,35 @@ class ReducedSlope:
         gradient, curvature = energy.gradient(y), energy.hessian(y)
         rows = self.pinned
         if self.functions:
-            rows = np.concatenate([rows, self.mixing @ np.array([f.gradient(y) for f in self.functions])])
+            rows = np.concatenate([rows, linear.matmul(self.mixing, np.array([f.gradient(y) for f in self.functions]))])
         if not all(np.isfinite(v).all() for v in (gradient, curvature, rows)):
             return False
-        multipliers = np.linalg.lstsq(rows.T, gradient)[0] if len(rows) else np.zeros(0)
-        weights = multipliers[len(self.pinned) :] @ self.mixing
+        multipliers = linear.lstsq(rows.T, gradient)[0] if len(rows) else np.zeros(0)
+        weights = linear.matmul(multipliers[len(self.pinned) :], self.mixing)
         for weight, function in zip(weights, self.functions, strict=True):
             curvature = curvature - weight * function.hessian(y)
         if not np.isfinite(curvature).all():
             return False
         w = self.others
         zero = np.zeros((len(rows), len(rows)))
-        matrix = np.block([[w.T @ curvature @ w, -w.T @ rows.T], [rows @ w, zero]])
+        matrix = np.block(
+            [
+                [linear.matmul(linear.matmul(w.T, curvature), w), linear.matmul(-w.T, rows.T)],
+                [linear.matmul(rows, w), zero],
+            ]
+        )
         size = float(np.abs(curvature).max(initial=0.0))
         # near a state that the motion of an integral leaves at rest, the slope of this integral is small
-        heights = np.linalg.norm(rows, axis=1)
+        heights = linear.norm(rows, axis=1)
         heights = (size * self.length or 1.0) / np.where(heights > 0, heights, 1.0)
         units = np.append(np.full(w.shape[1], self.length), heights)
         if len(matrix):
             balanced = matrix * units
             lengths = np.abs(balanced).max(axis=1)
             balanced_rows = balanced / lengths[:, None]
-            if not np.isfinite(balanced_rows).all() or not np.linalg.cond(balanced_rows) < 1e12:
+            if not np.isfinite(balanced_rows).all() or not linear.cond(balanced_rows) < 1e12:
                 return False
-            inverse = units[:, None] * np.linalg.inv(balanced_rows) / lengths
+            inverse = units[:, None] * linear.inv(balanced_rows) / lengths
             self.inverse = _matrix(inverse)
         if not self.start:
             self.start = [arb(0)] * w.shape[1] + [arb(v) for v in multipliers.tolist()]
@@ -437,7 +443,7 @@ def _from_rest(slope: ReducedSlope, k: int) -> list[list[arb]]:
     """Where else Newton's method starts near a state of rest, between which and a small circle ends may lie."""
     if slope.rest is None or k != 1:
         return []
-    distance = float(slope.soft[:, 0] @ (slope.origin - slope.rest))
+    distance = float(linear.matmul(slope.soft[:, 0], (slope.origin - slope.rest)))
     return [[arb(distance * (factor - 1))] for factor in _FACTORS]
 
 
@@ -632,7 +638,7 @@ def newton_step(
         step = [arb(0)] * k
         for length, direction in zip(along, basis, strict=True):
             step = _moved(step, length, direction)
-        return [v.mid() for v in step], np.linalg.eigvals(shares).real
+        return [v.mid() for v in step], linear.eigvals(shares).real
     return None
 
 

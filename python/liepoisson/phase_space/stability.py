@@ -28,7 +28,9 @@ from liepoisson.phase_space.linearisation import (
 )
 from liepoisson.phase_space.second_variation import CriticalPoint
 from liepoisson.phase_space.soft_zeros import may_mislead, zero_near
+from liepoisson.portable import linear
 from liepoisson.scalars import as_number
+from liepoisson.streams import generator
 from liepoisson.wrong_values import shown
 
 if TYPE_CHECKING:
@@ -177,7 +179,7 @@ def equilibrium(system: System, state: ArrayLike, *, along: Sequence[str] = (), 
     omega = multipliers(fields.fields(y)[None], fields.scale(y)[None])[0]
     if not _residual(fields, y, omega) <= tol:
         rates = fields.fields(y) * view.units[:, None]
-        left = float(norm(rates[:, 0] - rates[:, 1:] @ omega))
+        left = float(norm(rates[:, 0] - linear.matmul(rates[:, 1:], omega)))
         raise ParameterError(_not_an_equilibrium(left, float(norm(rates[:, 0])), integrals))
     return analysis(leaf, leaf.state, integrals, units, is_flat=_is_zero_of_slope(view, fields, y))
 
@@ -235,7 +237,7 @@ def _residual(fields: HamiltonianFields, y: Array, omega: Array) -> float:
     """What the motions of the integrals leave of that of H, relative to the size of the terms in it."""
     rates = fields.fields(y)
     scale = sum(float(norm(part[..., 0])) for part in fields.parts(y)) * float(norm(y))
-    left = float(norm(rates[:, 0] - rates[:, 1:] @ omega))
+    left = float(norm(rates[:, 0] - linear.matmul(rates[:, 1:], omega)))
     return left / scale if scale else left
 
 
@@ -324,7 +326,7 @@ def has_own_motion(system: System, name: str) -> bool:
 
 def _share_of_motion(system: System, integral: PhaseFunction) -> float | None:
     """The number c in $f_K = c f_H$, 0 for a Casimir; None where there is none. Decided at random states."""
-    x = np.random.default_rng(0).normal(size=(_TRIED, system.bracket.dimension))
+    x = generator(0).normal(size=(_TRIED, system.bracket.dimension))
     with np.errstate(all="ignore"):  # a formula may be undefined at some of them; it is not judged there
         fields = HamiltonianFields(system, [system.functions.energy, integral])
         both = fields.fields(x)
@@ -332,7 +334,7 @@ def _share_of_motion(system: System, integral: PhaseFunction) -> float | None:
     energy, own = both[..., 0].ravel(), both[..., 1].ravel()
     if norm(own) <= VANISHES * size:
         return 0.0
-    ratio = float(energy @ own / (energy @ energy)) if energy.any() else 0.0
+    ratio = float(linear.matmul(energy, own) / linear.matmul(energy, energy)) if energy.any() else 0.0
     return ratio if norm(own - ratio * energy) <= VANISHES * size else None
 
 
@@ -418,9 +420,9 @@ def _best_combination(point: CriticalPoint, flow: LinearFlow, basis: Array) -> t
     found = definite_combination([flow.hessian, *(o.hessian for o in flows)]) if others and flow.size else None
     if found is None:
         return own, flow
-    total = np.tensordot(found, np.array([own, *others]), axes=1)
+    total = linear.tensordot(found, np.array([own, *others]), axes=1)
     scale = abs(total[0]) if abs(total[0]) > 1e-6 * np.abs(total).max() else np.abs(total).max()
-    hessian = np.tensordot(found, np.array([flow.hessian, *(other.hessian for other in flows)]), axes=1)
+    hessian = linear.tensordot(found, np.array([flow.hessian, *(other.hessian for other in flows)]), axes=1)
     return total / scale, flow.with_hessian(hessian / scale)
 
 
@@ -428,11 +430,13 @@ def _casimir_multipliers(leaf: Leaf, point: CriticalPoint) -> dict[str, float]:
     if not leaf.is_regular or not leaf.casimir_functions:
         return {}
     functions = point.leaf.system.functions
-    slopes = np.stack([f.gradient(point.x) for f in point.fields.functions], axis=-1) @ np.array([1.0, *-point.omega])
+    slopes = linear.matmul(
+        np.stack([f.gradient(point.x) for f in point.fields.functions], axis=-1), np.array([1.0, *-point.omega])
+    )
     gradients = np.stack([functions.of(f).gradient(point.x) for f in leaf.casimir_functions.values()], axis=-1)
     lengths = norm(gradients, axis=0)  # a Casimir is in units of its own
     lengths = np.where(lengths > 0, lengths, 1.0)
-    found = np.linalg.lstsq(gradients / lengths, slopes)[0] / lengths
+    found = linear.lstsq(gradients / lengths, slopes)[0] / lengths
     return dict(zip(leaf.casimir_functions, found.tolist(), strict=True))
 
 

@@ -18,6 +18,7 @@ from liepoisson.phase_space.casimir_names import by_name
 from liepoisson.phase_space.leaf import Leaf
 from liepoisson.phase_space.leaf_projection import Equations
 from liepoisson.phase_space.lengths import unit_groups
+from liepoisson.portable import linear
 from liepoisson.scalars import as_number
 
 if TYPE_CHECKING:
@@ -184,7 +185,7 @@ def _random(system: System, wanted: Leaf | Mapping[str, float] | None, energy: f
     leaf, failure = _leaf(system, members[0], wanted), None
     # In units in which states of the leaf are of order one, and of their length if that leads nowhere.
     view = leaf.in_units(energy)
-    length = float(np.linalg.norm(view.state)) / float(np.linalg.norm(members[0])) or 1.0
+    length = float(linear.norm(view.state)) / float(linear.norm(members[0])) or 1.0
     for k, size in ((k, size) for size in (1.0, length) for k in range(_GUESSES)):
         try:
             guess = members[k] * view.units * size
@@ -211,7 +212,7 @@ def _leaf(system: System, x: Array, wanted: Leaf | Mapping[str, float] | None) -
 
 def _moved(leaf: Leaf, x: Array, energy: float | None, guess: str) -> Start:
     reached = leaf.project(x, energy=energy)
-    origin = f"{guess}, moved by {np.linalg.norm(reached - x):.3g}"
+    origin = f"{guess}, moved by {linear.norm(reached - x):.3g}"
     return Start(reached, leaf, float(leaf.system.functions.energy(reached)), origin)
 
 

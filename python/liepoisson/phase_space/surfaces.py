@@ -22,8 +22,9 @@ from liepoisson.phase_space.leaf_projection import CONVERGED, solve
 from liepoisson.phase_space.leaf_search import check_energy_in_reach
 from liepoisson.phase_space.lengths import unit_length
 from liepoisson.phase_space.starts import read_state
+from liepoisson.portable import linear
 from liepoisson.scalars import as_count
-from liepoisson.streams import Purpose, seeds
+from liepoisson.streams import Purpose, generator, seeds
 from liepoisson.wrong_values import not_a, shown
 
 if TYPE_CHECKING:
@@ -194,7 +195,7 @@ def _rates(leaf: LeafInUnits, surface: str | Expr, states: Array) -> Array:
     """The rates of the surface function, of states in units."""
     slope = leaf.source.functions.of(surface)
     x = states * leaf.units
-    return np.einsum("...i,...i->...", slope.gradient(x), leaf.source.vector_field(x))
+    return linear.einsum("...i,...i->...", slope.gradient(x), leaf.source.vector_field(x))
 
 
 def _many_guesses(leaf: LeafInUnits, n: int, seed: int) -> Array:
@@ -215,10 +216,10 @@ def _crossed(leaf: LeafInUnits, surface: str | Expr, energy: float, guesses: Arr
 
 def _farthest(x: Array, n: int) -> Array:
     """The first state, then n - 1 times the one that is farthest from all that are taken."""
-    taken, distance = [0], np.linalg.norm(x - x[0], axis=1)
+    taken, distance = [0], linear.norm(x - x[0], axis=1)
     for _ in range(n - 1):
         taken.append(int(np.argmax(distance)))
-        distance = np.minimum(distance, np.linalg.norm(x - x[taken[-1]], axis=1))
+        distance = np.minimum(distance, linear.norm(x - x[taken[-1]], axis=1))
     return x[taken]
 
 
@@ -235,8 +236,8 @@ def _guesses_for(leaf: Leaf, view: LeafInUnits, energy: float) -> Callable[[np.r
             leaf.sample(n, seed=int(stream.generate_state(1, np.uint64)[0]), energy=energy) / view.units
         )
     n_components = len(view.state)
-    size = (float(np.linalg.norm(view.state)) + unit_length(leaf.system.bracket)) / np.sqrt(n_components) or 1.0
-    return lambda stream, n: size * np.random.default_rng(stream).standard_normal((n, n_components))
+    size = (float(linear.norm(view.state)) + unit_length(leaf.system.bracket)) / np.sqrt(n_components) or 1.0
+    return lambda stream, n: size * generator(stream).standard_normal((n, n_components))
 
 
 @explains_its_arguments
@@ -299,7 +300,7 @@ def _guesses(leaf: LeafInUnits, guess: ArrayLike | Mapping[str, Any] | None) -> 
         return np.atleast_2d(as_phase_points(guess, bracket.dimension, bracket.field_names)) / leaf.units
     n = len(leaf.state)
     size = max(1.0, float(np.abs(leaf.state).max()))
-    random = np.random.default_rng(np.random.SeedSequence(int(Purpose.SECTION))).standard_normal((_GUESSES, n))
+    random = generator(np.random.SeedSequence(int(Purpose.SECTION))).standard_normal((_GUESSES, n))
     return np.concatenate([leaf.state[None], size * random])
 
 

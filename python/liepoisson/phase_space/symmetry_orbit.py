@@ -18,6 +18,7 @@ from liepoisson.arrays import Array, norm
 from liepoisson.phase_space.critical_points import VANISHES, HamiltonianFields
 from liepoisson.phase_space.leaf_in_units import LeafInUnits
 from liepoisson.phase_space.leaf_projection import solve
+from liepoisson.portable import linear
 
 _PARTS = (2, 4, 6, 8, 10, 12)
 """Into how many parts the midpoint rule divides a step: of order 12, to round-off for turns by half a radian. A circle
@@ -52,18 +53,18 @@ class Motion:
         """The one that has this velocity at x, which is in the span of those of the integrals."""
         rates, scale = fields.fields(x)[:, 1:], fields.scale(x)[1:]
         scale = np.where(scale > 0, scale, 1.0)
-        return cls(leaf, fields, np.linalg.lstsq(rates / scale, velocity, rcond=1e-8)[0] / scale)
+        return cls(leaf, fields, linear.lstsq(rates / scale, velocity, rcond=1e-8)[0] / scale)
 
     def velocity(self, x: Array) -> Array:
         """The vector field at x."""
-        return self.fields.fields(x)[:, 1:] @ self.coefficients
+        return linear.matmul(self.fields.fields(x)[:, 1:], self.coefficients)
 
     def rest_near(self, x: Array) -> Array:
         """A state of the leaf near x that the motion does not move, if there is one, by Newton's method."""
         for _ in range(_STEPS_TO_REST):
             basis = self.leaf.tangent_basis(x)
-            matrix = self.fields.derivatives(x)[..., 1:] @ self.coefficients @ basis
-            step = basis @ np.linalg.lstsq(matrix, -self.velocity(x), rcond=_SINGULAR)[0]
+            matrix = linear.matmul(linear.matmul(self.fields.derivatives(x)[..., 1:], self.coefficients), basis)
+            step = linear.matmul(basis, linear.lstsq(matrix, -self.velocity(x), rcond=_SINGULAR)[0])
             x = solve(self.leaf.equations, (x + step)[None])[0][0]
         return x
 
@@ -73,7 +74,9 @@ class Motion:
         speed, size = float(norm(velocity)), float(norm(x)) + self.fields.unit
         if not speed > 0:
             return 0.0
-        bend = float(norm(self.fields.derivatives(x)[..., 1:] @ self.coefficients @ velocity))
+        bend = float(
+            norm(linear.matmul(linear.matmul(self.fields.derivatives(x)[..., 1:], self.coefficients), velocity))
+        )
         return min(_LONGEST * size / speed, _BEND * speed / bend if bend > 0 else np.inf)
 
     def carried(self, x: Array, time: float) -> Array:
@@ -114,7 +117,7 @@ class SymmetryOrbit:
             moved = corrected(motion.carried(x, time)) if time > 0 else None
             if moved is None:
                 return None
-            before, side = side, float((moved - begin) @ start)
+            before, side = side, float(linear.matmul((moved - begin), start))
             if len(states) > 2 and before < 0 <= side:
                 near = _nearest(motion, moved, begin)
                 if norm(near - begin) <= within * size:
@@ -136,7 +139,7 @@ def _nearest(motion: Motion, x: Array, goal: Array) -> Array:
     """The state of the orbit of x that is nearest to the goal, by Newton's method for the time."""
     for _ in range(_MOST_CORRECTIONS):
         velocity = motion.velocity(x)
-        time = float((goal - x) @ velocity / (velocity @ velocity))
+        time = float(linear.matmul((goal - x), velocity) / linear.matmul(velocity, velocity))
         longest = motion.longest_step(x)
         x = motion.carried(x, float(np.clip(time, -longest, longest)))
         if abs(time) * norm(velocity) <= _SETTLED * norm(x):
@@ -157,8 +160,12 @@ def free_motions(leaf: LeafInUnits, fields: HamiltonianFields, x: Array) -> list
         return []
     slopes = np.stack([f.gradient(x) for f in fields.functions[1:]], axis=-1)
     lengths = norm(slopes, axis=0)
-    brackets = (slopes / np.where(lengths > 0, lengths, 1.0)).T @ rates
-    _, sizes, rows = np.linalg.svd(brackets)
+    brackets = linear.matmul((slopes / np.where(lengths > 0, lengths, 1.0)).T, rates)
+    _, sizes, rows = linear.svd(brackets)
     free = rows[sizes <= VANISHES * norm(rates, axis=0).max()].T
-    _, sizes, rows = np.linalg.svd(rates @ free, full_matrices=False)
-    return [Motion(leaf, fields, free @ row / scale) for row, size in zip(rows, sizes, strict=True) if size > VANISHES]
+    _, sizes, rows = linear.svd(linear.matmul(rates, free), full_matrices=False)
+    return [
+        Motion(leaf, fields, linear.matmul(free, row) / scale)
+        for row, size in zip(rows, sizes, strict=True)
+        if size > VANISHES
+    ]

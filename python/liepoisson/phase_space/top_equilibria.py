@@ -45,6 +45,7 @@ from liepoisson.phase_space.heavy_equilibria import (
 )
 from liepoisson.phase_space.twisted_equilibria import NotProvedError, TwistedEquilibria
 from liepoisson.phase_space.twisted_leaf import TwistedLeaf
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -200,9 +201,9 @@ def _heavy(top: ExactTop, share: tuple[fmpq, fmpq], size: fmpq, momentum: fmpq) 
 def _shares(state: Array) -> tuple[fmpq, fmpq]:
     """The doubles p and q of alpha = p n, beta = q n with |n| = 1, for parallel alpha and beta."""
     _, alpha, beta = state.reshape(3, 3)
-    longest = alpha if np.linalg.norm(alpha) >= np.linalg.norm(beta) else beta
-    n = longest / np.linalg.norm(longest)
-    return rational(float(alpha @ n)), rational(float(beta @ n))
+    longest = alpha if linear.norm(alpha) >= linear.norm(beta) else beta
+    n = longest / linear.norm(longest)
+    return rational(float(linear.matmul(alpha, n))), rational(float(linear.matmul(beta, n)))
 
 
 def _twisted(top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> Search:
@@ -247,7 +248,7 @@ def _charged(leaf: Leaf, top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> list
     determinant = (aa * bb - ab**2) * (c1 * c3 - c2**2)
     _, alpha, beta = leaf.state.reshape(3, 3)
     a, b = (np.array([float(Fraction(int(x.p), int(x.q))) for x in v]) for v in (top.a, top.b))
-    left, _, right = np.linalg.svd(np.outer(a, alpha) + np.outer(b, beta))
+    left, _, right = linear.svd(np.outer(a, alpha) + np.outer(b, beta))
     if trace == 0:
         signs = {(1, 1): ROTATIONS}
     elif determinant == 0:
@@ -258,9 +259,11 @@ def _charged(leaf: Leaf, top: ExactTop, values: tuple[fmpq, fmpq, fmpq]) -> list
         signs = {(first, second): POINT for first in (1, -1) for second in (1, -1)}
     found: list[FoundByAlgebra] = []
     for (first, second), kind in signs.items():
-        third = first * second * round(float(np.linalg.det(left) * np.linalg.det(right)))
-        turn = left @ np.diag([first, second, third]) @ right
-        found.append(FoundByAlgebra(np.concatenate([np.zeros(3), turn @ alpha, turn @ beta]), kind))
+        third = first * second * round(float(linear.det(left) * linear.det(right)))
+        turn = linear.matmul(linear.matmul(left, np.diag([first, second, third])), right)
+        found.append(
+            FoundByAlgebra(np.concatenate([np.zeros(3), linear.matmul(turn, alpha), linear.matmul(turn, beta)]), kind)
+        )
     return found
 
 
@@ -275,9 +278,9 @@ def natural_units(leaf: Leaf, top: ExactTop, found: list[FoundByAlgebra]) -> Arr
     known = [one.state for one in found] or [leaf.state]
     states = np.zeros((len(known), 9))
     states[:, :n] = known
-    l, alpha, beta = np.linalg.norm(states.reshape(-1, 3, 3), axis=2).max(axis=0)
+    l, alpha, beta = linear.norm(states.reshape(-1, 3, 3), axis=2).max(axis=0)
     moment = float(np.median(np.abs(inertia)))
-    l = max(float(l), np.sqrt(moment * (np.linalg.norm(a) * alpha + np.linalg.norm(b) * beta)))
+    l = max(float(l), np.sqrt(moment * (linear.norm(a) * alpha + linear.norm(b) * beta)))
     whole = max(l, float(alpha), float(beta)) or 1.0
     return np.repeat([size if size > 0 else whole for size in (l, alpha, beta)], 3)[:n]
 

@@ -27,12 +27,14 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from liepoisson.arrays import Array
+from liepoisson.portable import elementary, linear
+from liepoisson.streams import Random
 
 if TYPE_CHECKING:
     from liepoisson.field import TopField
     from liepoisson.phase_space.leaf import Leaf
 
-Draw: TypeAlias = Callable[[np.random.Generator, int], Array]
+Draw: TypeAlias = Callable[[Random, int], Array]
 """Draws at most this many states from this many proposals, shape (accepted, 9)."""
 
 
@@ -51,12 +53,12 @@ class Shell:
     def weight(self, k: Array, dimension: int) -> Array:
         r"""The volume of the ellipsoid $u^t A u \le 2k$, or its area as $dV/dk$, up to a constant."""
         power = dimension / 2 - (0 if self.is_filled else 1)
-        return np.where(k > 0, np.maximum(k, 0.0) ** power, 0.0)
+        return np.where(k > 0, elementary.power(np.maximum(k, 0.0), power), 0.0)
 
-    def radius(self, rng: np.random.Generator, k: Array, dimension: int) -> Array:
+    def radius(self, rng: Random, k: Array, dimension: int) -> Array:
         r"""$\sqrt{2k}$, for a filled shell times the radius of a uniform point of the ball."""
         size = np.sqrt(2 * np.maximum(k, 0.0))
-        return size * rng.uniform(size=k.shape) ** (1 / dimension) if self.is_filled else size
+        return size * elementary.power(rng.uniform(size=k.shape), 1 / dimension) if self.is_filled else size
 
 
 def top_draw(leaf: Leaf, top: TopField, shell: Shell | None) -> Draw | None:
@@ -77,10 +79,10 @@ def _twisted(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
     w = np.sqrt(c3)
     along = c2 / w
     low, high = _range_of_alpha(top, c1, w, along, shell.energy)
-    most = shell.energy + np.linalg.norm(b) * w + np.linalg.norm(a) * high
+    most = shell.energy + linear.norm(b) * w + linear.norm(a) * high
     bound = float(shell.weight(np.array(max(most, 0.0)), 2)) / np.sqrt(inertia.min())
 
-    def draw(rng: np.random.Generator, n: int) -> Array:
+    def draw(rng: Random, n: int) -> Array:
         direction = _directions(rng, n)
         squares = rng.uniform(low**2 - along**2, high**2 - along**2, n)
         across = _across(direction, rng.uniform(0, 2 * np.pi, n)) * np.sqrt(np.maximum(squares, 0.0))[:, None]
@@ -95,7 +97,7 @@ def _twisted(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
             parallel=parallel,
             alpha=alpha,
             beta=beta,
-            potential=alpha @ a + beta @ b,
+            potential=linear.matmul(alpha, a) + linear.matmul(beta, b),
         )
 
     return draw
@@ -107,10 +109,10 @@ def _range_of_alpha(top: TopField, c1: float, w: float, along: float, energy: fl
     $(C_1 - \rho^2)^2 \le 8\epsilon^2 w^2 I_{max}(E + |b| w + |a|\rho)$, as $n\cdot In \le I_{max}$; and
     $\rho \ge |\alpha_\parallel|$.  The set is bounded by roots of this quartic; it is empty if there are none.
     """
-    size_a, size_b = (float(np.linalg.norm(v)) for v in (top.a, top.b))
+    size_a, size_b = (float(linear.norm(v)) for v in (top.a, top.b))
     factor = 8 * top.epsilon**2 * w**2 * max(top.inertia)
     coefficients = [1.0, 0.0, -2 * c1, -factor * size_a, c1**2 - factor * (energy + size_b * w)]
-    roots = np.roots(coefficients)
+    roots = linear.roots(coefficients)
     # Double roots come out as pairs with a small imaginary part; a little more room only costs proposals.
     real = roots.real[np.abs(roots.imag) <= 1e-6 * (1 + np.abs(roots))]
     above = np.sort(real[real > abs(along)])
@@ -129,13 +131,13 @@ def _two_fields(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
     """
     roots = np.sqrt(np.array(top.inertia))
     alpha0, beta0 = leaf.state[3:6], leaf.state[6:9]
-    lowest = -np.linalg.svd(np.outer(alpha0, top.a) + np.outer(beta0, top.b), compute_uv=False).sum()
+    lowest = -linear.svd(np.outer(alpha0, top.a) + np.outer(beta0, top.b), compute_uv=False).sum()
     bound = shell.weight(np.array(max(shell.energy - lowest, 0.0)), 3)
 
-    def draw(rng: np.random.Generator, n: int) -> Array:
+    def draw(rng: Random, n: int) -> Array:
         rotation = _rotations(rng, n)
-        alpha, beta = rotation @ alpha0, rotation @ beta0
-        k = shell.energy - alpha @ np.array(top.a) - beta @ np.array(top.b)
+        alpha, beta = linear.matmul(rotation, alpha0), linear.matmul(rotation, beta0)
+        k = shell.energy - linear.matmul(alpha, np.array(top.a)) - linear.matmul(beta, np.array(top.b))
         kept = rng.uniform(0, bound, n) < shell.weight(k, 3)
         alpha, beta, k = alpha[kept], beta[kept], k[kept]
         l = shell.radius(rng, k, 3)[:, None] * roots * _directions(rng, len(k))
@@ -148,13 +150,13 @@ def _one_direction(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
     """The leaves of dimension four: alpha and beta along one direction, the component of l along it constant."""
     inertia, a, b = (np.array(v) for v in (top.inertia, top.a, top.b))
     l0, alpha0, beta0 = leaf.state.reshape(3, 3)
-    longer = alpha0 if np.linalg.norm(alpha0) >= np.linalg.norm(beta0) else beta0
-    n0 = longer / np.linalg.norm(longer)
-    parallel, p, q = (float(v @ n0) for v in (l0, alpha0, beta0))
-    most = shell.energy + float(np.linalg.norm(p * a + q * b)) - parallel**2 / (2 * inertia.max())
+    longer = alpha0 if linear.norm(alpha0) >= linear.norm(beta0) else beta0
+    n0 = longer / linear.norm(longer)
+    parallel, p, q = (float(linear.matmul(v, n0)) for v in (l0, alpha0, beta0))
+    most = shell.energy + float(linear.norm(p * a + q * b)) - parallel**2 / (2 * inertia.max())
     bound = float(shell.weight(np.array(max(most, 0.0)), 2)) / np.sqrt(inertia.min())
 
-    def draw(rng: np.random.Generator, n: int) -> Array:
+    def draw(rng: Random, n: int) -> Array:
         direction = _directions(rng, n)
         alpha, beta = p * direction, q * direction
         along = np.full(n, parallel)
@@ -167,14 +169,14 @@ def _one_direction(leaf: Leaf, top: TopField, shell: Shell) -> Draw:
             parallel=along,
             alpha=alpha,
             beta=beta,
-            potential=alpha @ a + beta @ b,
+            potential=linear.matmul(alpha, a) + linear.matmul(beta, b),
         )
 
     return draw
 
 
 def _fill_ellipse(
-    rng: np.random.Generator,
+    rng: Random,
     shell: Shell,
     *,
     bound: float,
@@ -186,27 +188,27 @@ def _fill_ellipse(
     potential: Array,
 ) -> Array:
     """Accept the proposals with their weights, and add l: its centre and a point of the ellipse around it."""
-    moment = direction**2 @ inertia
+    moment = linear.matmul(direction**2, inertia)
     k = shell.energy - potential - parallel**2 / (2 * moment)
     kept = rng.uniform(0, bound, len(k)) < shell.weight(k, 2) / np.sqrt(moment)
     direction, alpha, beta, k = direction[kept], alpha[kept], beta[kept], k[kept]
     centre = (parallel / moment)[kept, None] * direction * inertia
     # A = P^t I^-1 P in an orthonormal basis P of the plane; u = L^-t e with A = L L^t solves u.Au = 1.
     basis = np.stack([_across(direction, np.zeros(len(k))), _across(direction, np.full(len(k), np.pi / 2))], axis=-1)
-    lower = np.linalg.cholesky(np.swapaxes(basis, -1, -2) @ (basis / inertia[:, None]))
+    lower = linear.cholesky(linear.matmul(np.swapaxes(basis, -1, -2), (basis / inertia[:, None])))
     angle = rng.uniform(0, 2 * np.pi, len(k))
-    circle = shell.radius(rng, k, 2)[:, None] * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
-    whitened = np.linalg.solve(np.swapaxes(lower, -1, -2), circle[..., None])
-    return np.concatenate([centre + (basis @ whitened)[..., 0], alpha, beta], axis=-1)
+    circle = shell.radius(rng, k, 2)[:, None] * np.stack([elementary.cos(angle), elementary.sin(angle)], axis=-1)
+    whitened = linear.solve(np.swapaxes(lower, -1, -2), circle[..., None])
+    return np.concatenate([centre + linear.matmul(basis, whitened)[..., 0], alpha, beta], axis=-1)
 
 
 def _sphere(leaf: Leaf, top: TopField, shell: Shell | None) -> Draw:
-    size = float(np.linalg.norm(leaf.state[:3]))
+    size = float(linear.norm(leaf.state[:3]))
     inertia = np.array(top.inertia)
     if shell is not None and not shell.is_filled:
         return _polhode(size, inertia, shell.energy)
 
-    def draw(rng: np.random.Generator, n: int) -> Array:
+    def draw(rng: Random, n: int) -> Array:
         l = size * _directions(rng, n)
         if shell is not None:
             l = l[np.sum(l**2 / inertia, axis=-1) <= 2 * shell.energy]
@@ -236,9 +238,9 @@ def _polhode(size: float, inertia: Array, energy: float) -> Draw:
     other = 1 - int(np.argmin(limits))  # whose component does not vanish where l2 is largest
     least = np.sqrt(max(starts[other] - slopes[other] * largest**2, 0.0))
 
-    def draw(rng: np.random.Generator, n: int) -> Array:
+    def draw(rng: Random, n: int) -> Array:
         phase = rng.uniform(0, 2 * np.pi, n)
-        across = largest * np.sin(phase)
+        across = largest * elementary.sin(phase)
         squares = np.maximum(starts[:, None] - slopes[:, None] * across**2, 0.0)
         kept = rng.uniform(size=n) * np.sqrt(squares[other]) <= least
         signs = rng.choice([-1.0, 1.0], (2, n))
@@ -250,23 +252,23 @@ def _polhode(size: float, inertia: Array, energy: float) -> Draw:
     return draw
 
 
-def _directions(rng: np.random.Generator, n: int) -> Array:
+def _directions(rng: Random, n: int) -> Array:
     vectors = rng.standard_normal((n, 3))
-    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return vectors / linear.norm(vectors, axis=-1, keepdims=True)
 
 
 def _across(direction: Array, angle: Array) -> Array:
     """Unit vectors orthogonal to the directions, turned by an angle from one that varies with the direction alone."""
     smallest = np.eye(3)[np.argmin(np.abs(direction), axis=-1)]
     first = np.cross(direction, smallest)
-    first /= np.linalg.norm(first, axis=-1, keepdims=True)
-    return np.cos(angle)[:, None] * first + np.sin(angle)[:, None] * np.cross(direction, first)
+    first /= linear.norm(first, axis=-1, keepdims=True)
+    return elementary.cos(angle)[:, None] * first + elementary.sin(angle)[:, None] * np.cross(direction, first)
 
 
-def _rotations(rng: np.random.Generator, n: int) -> Array:
+def _rotations(rng: Random, n: int) -> Array:
     """Rotation matrices with the invariant measure, from uniform unit quaternions, shape (n, 3, 3)."""
     q = rng.standard_normal((n, 4))
-    q /= np.linalg.norm(q, axis=-1, keepdims=True)
+    q /= linear.norm(q, axis=-1, keepdims=True)
     s, v = q[:, :1, None], q[:, 1:]
     hat = np.cross(np.eye(3)[None], -v[:, None, :], axis=-1)
     return (2 * s**2 - 1) * np.eye(3) + 2 * v[:, :, None] * v[:, None, :] + 2 * s * hat

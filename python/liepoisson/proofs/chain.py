@@ -35,6 +35,7 @@ from liepoisson.orbits.homoclinic import lengthened
 from liepoisson.orbits.level import Level
 from liepoisson.orbits.multipliers import transversal_basis
 from liepoisson.orbits.shooting import Flow
+from liepoisson.portable import linear
 from liepoisson.proofs.certificate import FORMAT, LEVEL_RADIUS
 
 if TYPE_CHECKING:
@@ -159,18 +160,18 @@ class ChainMaker:
                 way that the format can say, or the norm does not stay bounded.
         """
         orbit = self.orbit
-        closing = orbit.last.matrix @ orbit.first.matrix
+        closing = linear.matmul(orbit.last.matrix, orbit.first.matrix)
         has_symmetry = not np.array_equal(closing, np.eye(len(closing)))
         comes_back_to_image = _comes_back_to_image(orbit, homoclinic) and has_symmetry
         a, b = orbit.start, orbit.end
         unstable_a = self._unstable()
         unstable_b, K_ab = self._split(self._moved(a, orbit.time, unstable_a), b)
-        _, K_ba = self._split(closing @ self._moved(b, orbit.time, unstable_b), a, unstable_a)
+        _, K_ba = self._split(linear.matmul(closing, self._moved(b, orbit.time, unstable_b)), a, unstable_a)
         norm_a, norm_b = self._norms(K_ab, K_ba)
         u_a, u_b = self._scaled(unstable_a, norm_a), self._scaled(unstable_b, norm_b)
         sets = [
-            HSet("p_a", a, self._frame(a, u_a, orbit.first.matrix @ u_a)),
-            HSet("p_b", b, self._frame(b, u_b, orbit.last.matrix @ u_b)),
+            HSet("p_a", a, self._frame(a, u_a, linear.matmul(orbit.first.matrix, u_a))),
+            HSet("p_b", b, self._frame(b, u_b, linear.matmul(orbit.last.matrix, u_b))),
         ]
         excursion = self._lengthened(homoclinic, norm_a)
         n = max(2, round(excursion.time / orbit.time))
@@ -179,7 +180,7 @@ class ChainMaker:
         scaled = self._along_excursion(centers, tau, unstable_a, norm_a)
         mirror = homoclinic.reverser.matrix
         sets += [
-            HSet(f"q{j}", centers[j], self._frame(centers[j], scaled[j], mirror @ scaled[2 * n - j]))
+            HSet(f"q{j}", centers[j], self._frame(centers[j], scaled[j], linear.matmul(mirror, scaled[2 * n - j])))
             for j in range(1, 2 * n)
         ]
         names = ["p_a", *(f"q{j}" for j in range(1, 2 * n)), "p_a"]
@@ -202,7 +203,7 @@ class ChainMaker:
 
         space = unstable_space(self.orbit)
         across = self._across(self.orbit.start)
-        return np.linalg.qr(across @ (across.T @ space.basis))[0]
+        return linear.qr(linear.matmul(across, linear.matmul(across.T, space.basis)))[0]
 
     def _across(self, x: Array) -> Array:
         return transversal_basis(self.orbit.level.gradients(x), self.orbit.system.vector_field(x))
@@ -214,15 +215,15 @@ class ChainMaker:
     def _split(self, moved: Array, target: Array, basis: Array | None = None) -> tuple[Array, Array]:
         """Vectors across the flow at the target, as a basis (orthonormal, if it is not given) times a matrix."""
         across = self._across(target)
-        part = across @ (across.T @ moved)
+        part = linear.matmul(across, linear.matmul(across.T, moved))
         if basis is None:
-            orthonormal, factor = np.linalg.qr(part)
+            orthonormal, factor = linear.qr(part)
             return orthonormal, factor
-        return basis, np.linalg.lstsq(basis, part, rcond=None)[0].astype(np.float64)
+        return basis, linear.lstsq(basis, part, rcond=None)[0].astype(np.float64)
 
     def _carried(self, norm: Array, K: Array) -> Array:
-        back = np.linalg.inv(K)
-        return np.eye(len(K)) + self.kappa**2 * back.T @ norm @ back
+        back = linear.inv(K)
+        return np.eye(len(K)) + linear.matmul(linear.matmul(self.kappa**2 * back.T, norm), back)
 
     def _norms(self, K_ab: Array, K_ba: Array) -> tuple[Array, Array]:
         """The fixed point of the recursion along the periodic orbit, at both of its sets."""
@@ -241,17 +242,17 @@ class ChainMaker:
 
     def _scaled(self, U: Array, norm: Array) -> Array:
         """The vectors whose combinations with |q| = 1 have the length `radius` in a norm."""
-        values, vectors = np.linalg.eigh(norm)
-        return self.radius * U @ (vectors / np.sqrt(values)) @ vectors.T
+        values, vectors = linear.eigh(norm)
+        return linear.matmul(linear.matmul(self.radius * U, (vectors / np.sqrt(values))), vectors.T)
 
     def _frame(self, x: Array, unstable: Array, stable: Array) -> Array:
         return np.column_stack([unstable, self.orbit.system.vector_field(x), stable, self.orbit.level.gradients(x).T])
 
     def _lengthened(self, homoclinic: HomoclinicOrbit, norm: Array) -> HomoclinicOrbit:
         """The same from a start so near to the periodic orbit that it is well inside of its set."""
-        largest = float(np.linalg.eigvalsh(norm).max())
-        size = float(np.linalg.norm(homoclinic.amplitude) * np.sqrt(largest)) / self.radius
-        slowest = float(np.abs(np.linalg.eigvals(homoclinic.space.matrix)).min())
+        largest = float(linear.eigvalsh(norm).max())
+        size = float(linear.norm(homoclinic.amplitude) * np.sqrt(largest)) / self.radius
+        slowest = float(np.abs(linear.eigvals(homoclinic.space.matrix)).min())
         return lengthened(homoclinic, max(0, ceil(log(size / _INSIDE) / log(slowest))))
 
     def _centers(self, homoclinic: HomoclinicOrbit, tau: float, n: int) -> list[Array]:
@@ -272,7 +273,7 @@ def _comes_back_to_image(orbit: SymmetricOrbit, homoclinic: HomoclinicOrbit) -> 
     Raises:
         OrbitError: the reverser is neither, or P is no change of signs.
     """
-    closing, middle = orbit.last.matrix @ orbit.first.matrix, homoclinic.reverser.matrix
+    closing, middle = linear.matmul(orbit.last.matrix, orbit.first.matrix), homoclinic.reverser.matrix
     if not np.array_equal(closing, np.diag(np.diag(closing))):
         raise OrbitError("the loop of the orbit must be closed by changes of signs; it exchanges components")
     if np.array_equal(middle, orbit.last.matrix):

@@ -21,6 +21,7 @@ from liepoisson import _core
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import shows_progress
 from liepoisson.errors import EnclosureError, ParameterError
+from liepoisson.portable import linear
 from liepoisson.proofs.box import Box, BoxLike
 from liepoisson.proofs.interval_checker import core_terms
 from liepoisson.proofs.polynomial_field import PolynomialField, Terms
@@ -36,6 +37,7 @@ from liepoisson.proofs.rigorous import (
     one_state,
 )
 from liepoisson.scalars import TIME_LIMIT, as_count
+from liepoisson.streams import generator
 
 if TYPE_CHECKING:
     from flint import arb, arb_mat
@@ -283,7 +285,7 @@ class _Problem:
         """P for all of the phase space, times its denominator."""
         if not self.values:
             return np.eye(self.n, dtype=np.int64) * _DIRECTIONS
-        rng = np.random.default_rng(0)
+        rng = generator(0)
         return rng.integers(-8, 9, (self.dimension, self.n)) * (_DIRECTIONS // 8)
 
     def _directions_at(self, state: Array) -> NDArray[np.int64]:
@@ -294,7 +296,7 @@ class _Problem:
             return self.directions
         with working(self.means.precision):
             rows = self.balls.gradients(_exact(state)).tolist()
-        _, _, basis = np.linalg.svd(np.array([[float(e.mid()) for e in row] for row in rows], float))
+        _, _, basis = linear.svd(np.array([[float(e.mid()) for e in row] for row in rows], float))
         return np.rint(basis[len(self.values) :] * _DIRECTIONS).astype(np.int64)
 
     def improved(self, guess: Array) -> Array:

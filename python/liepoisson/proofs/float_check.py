@@ -20,6 +20,8 @@ import numpy as np
 
 from liepoisson.arrays import Array
 from liepoisson.orbits.shooting import Flow
+from liepoisson.portable import linear
+from liepoisson.streams import Random, generator
 
 if TYPE_CHECKING:
     from liepoisson.orbits.level import Level
@@ -56,7 +58,7 @@ def float_check(chain: Chain, *, seed: int = 0) -> FloatCheck:
     """Checks all edges of a chain."""
     flow, by_name = Flow(chain.level.system, 1), {one.name: one for one in chain.sets}
     found = [
-        edge_check(flow, chain, e, (by_name[e.source], by_name[e.target]), np.random.default_rng([seed, k]))
+        edge_check(flow, chain, e, (by_name[e.source], by_name[e.target]), generator([seed, k]))
         for k, e in enumerate(chain.edges)
     ]
     covering, stable, cones, chart = np.array(found).T
@@ -68,15 +70,15 @@ def points_of(level: Level, one: HSet, q: Array) -> Array:
     N, k = len(one.center), q.shape[1] // 2
     columns = [*range(k), *range(k + 1, 2 * k + 1)]
     normal = one.frame[:, 2 * k + 1 : N]
-    x = one.center + q @ one.frame[:, columns].T
+    x = one.center + linear.matmul(q, one.frame[:, columns].T)
     for _ in range(_TO_LEVEL):
-        move = np.linalg.solve(level.gradients(x) @ normal, level.deviations(x)[..., None])[..., 0]
-        x = x - move @ normal.T
+        move = linear.solve(linear.matmul(level.gradients(x), normal), level.deviations(x)[..., None])[..., 0]
+        x = x - linear.matmul(move, normal.T)
     return x
 
 
 def edge_check(
-    flow: Flow, chain: Chain, edge: Edge, ends_of_edge: tuple[HSet, HSet], draw: np.random.Generator
+    flow: Flow, chain: Chain, edge: Edge, ends_of_edge: tuple[HSet, HSet], draw: Random
 ) -> tuple[float, float, float, float]:
     """Covering, stable extent, cones and chart of one edge (see `FloatCheck`)."""
     source, target = ends_of_edge
@@ -84,44 +86,46 @@ def edge_check(
     k = (chain.level.dimension - 1) // 2
     u, s = list(range(k)), list(range(k + 1, 2 * k + 1))
     q = draw.standard_normal((_POINTS, 2, k))
-    q = np.concatenate([np.zeros((1, 2, k)), q / np.linalg.norm(q, axis=2, keepdims=True)]).reshape(-1, 2 * k)
+    q = np.concatenate([np.zeros((1, 2, k)), q / linear.norm(q, axis=2, keepdims=True)]).reshape(-1, 2 * k)
     x = points_of(chain.level, source, q)
     tangents = source.frame[:, u + s]
     normal = source.frame[:, 2 * k + 1 :]
     slopes = chain.level.gradients(x)
-    tangents = tangents - normal @ np.linalg.solve(slopes @ normal, slopes @ tangents)
+    tangents = tangents - linear.matmul(
+        normal, linear.solve(linear.matmul(slopes, normal), linear.matmul(slopes, tangents))
+    )
     ends, moved = flow.ends(x, np.full(len(x), edge.time), tangents)
     if edge.symmetry:
         signs = np.array(chain.symmetry, dtype=np.float64)
         ends, moved = ends * signs, moved * signs[:, None]
-    inverse = np.linalg.inv(target.frame)
+    inverse = linear.inv(target.frame)
     row = inverse[k]
     rate = flow.system.vector_field
     # the images are within 1e-3 of the section: a few steps of a short Taylor series, which is a Newton iteration
     for _ in range(_TO_SECTION):
-        delay = -((ends - target.center) @ row) / (rate(ends) @ row)
+        delay = -linear.matmul((ends - target.center), row) / linear.matmul(rate(ends), row)
         if np.abs(delay).max() < 1e-15:
             break
         for i in np.flatnonzero(delay):
             (end,), (tangent,) = flow.ends(ends[i : i + 1], delay[i : i + 1], moved[i : i + 1])
             ends[i], moved[i] = end, tangent
     along = rate(ends)
-    moved = moved - along[:, :, None] * ((row @ moved) / (along @ row)[:, None])[:, None, :]
-    R, offset = inverse @ moved, inverse @ (ends[0] - target.center)
+    moved = moved - along[:, :, None] * (linear.matmul(row, moved) / linear.matmul(along, row)[:, None])[:, None, :]
+    R, offset = linear.matmul(inverse, moved), linear.matmul(inverse, (ends[0] - target.center))
     uu, us = R[:, u][:, :, :k], R[:, u][:, :, k:]
     su, ss = R[:, s][:, :, :k], R[:, s][:, :, k:]
-    K = np.linalg.inv(uu[0])
-    size = float(np.linalg.norm(K, 2))
-    change, kick = _largest(uu - uu[0]), _largest(K @ (uu - uu[0]))
+    K = linear.inv(uu[0])
+    size = float(linear.norm(K, 2))
+    change, kick = _largest(uu - uu[0]), _largest(linear.matmul(K, (uu - uu[0])))
     n_us, n_su, n_ss = _largest(us), _largest(su), _largest(ss)
-    covering = (1 - float(np.linalg.norm(K @ offset[u])) - kick - size * n_us) / size
-    stable = float(np.linalg.norm(offset[s])) + n_su + n_ss
+    covering = (1 - float(linear.norm(linear.matmul(K, offset[u]))) - kick - size * n_us) / size
+    stable = float(linear.norm(offset[s])) + n_su + n_ss
     a = 1 / size - change
     first, second = a * a - n_su**2 - 1, 1 + n_us**2 - n_ss**2
     cones = first * second - (a * n_us + n_su * n_ss) ** 2 if first > 0 and second > 0 else -np.inf
-    w = (ends - target.center) @ inverse[2 * k + 1 : N].T
+    w = linear.matmul((ends - target.center), inverse[2 * k + 1 : N].T)
     return covering, stable, float(cones), float(np.abs(w).max())
 
 
 def _largest(matrices: Array) -> float:
-    return float(np.linalg.norm(matrices, 2, axis=(1, 2)).max())
+    return float(linear.norm(matrices, 2, axis=(1, 2)).max())

@@ -15,6 +15,7 @@ from liepoisson import _core
 from liepoisson.arrays import Array, ReadOnlyArrays
 from liepoisson.calls import shows_progress
 from liepoisson.errors import EnclosureError, ParameterError
+from liepoisson.portable import linear
 from liepoisson.proofs.box import Box, BoxLike, interval_text
 from liepoisson.proofs.enclosures import around_midpoint
 from liepoisson.proofs.equilibrium_enclosures import on_level
@@ -258,8 +259,8 @@ def _sections(
         x, growth = start, np.eye(n)
         for _ in range(_PIECES):
             x, derivative = flown(x, period / _PIECES)
-            growth = derivative @ growth
-        factor = float(np.linalg.norm(growth, 2))
+            growth = linear.matmul(derivative, growth)
+        factor = float(linear.norm(growth, 2))
         count = max(1, ceil(log10(max(factor, 1.0)) / log10(_GROWTH)))
     states = [start]
     for _ in range(count):

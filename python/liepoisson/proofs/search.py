@@ -21,6 +21,7 @@ from liepoisson.orbits.level import Level, level_of
 from liepoisson.orbits.symmetric_orbits import symmetric_periodic_orbits
 from liepoisson.phase_space._checks import as_system
 from liepoisson.phase_space.leaf_equilibria import equilibria
+from liepoisson.portable import linear
 from liepoisson.proofs.certificate import read_certificate
 from liepoisson.proofs.chain import Chain, ChainMaker, with_polished_ends
 from liepoisson.proofs.float_check import FloatCheck, float_check
@@ -218,7 +219,7 @@ def _made_smaller(
     """
     try:
         chain = replace(maker, radius=maker.radius / factor).along(candidate.homoclinic)
-    except (OrbitError, np.linalg.LinAlgError):
+    except (OrbitError, linear.LinAlgError):
         return None
     chain = replace(chain, level_radius=chain.level_radius / factor)
     check = float_check(chain, seed=seed)

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 
 from liepoisson.arrays import Array
+from liepoisson.portable import elementary
 
 if TYPE_CHECKING:
     from liepoisson.sweeps.spec import SweepSpec
@@ -74,7 +75,7 @@ class Lattice:
         """Values of the axes, linear between the given ones, shape (point, axis)."""
         positions = np.array(places, np.float64).reshape(len(places), len(self.shape)) / self.unit
         columns = [
-            np.interp(positions[:, k], np.arange(len(axis.values)), axis.values)
+            elementary.interp(positions[:, k], np.arange(len(axis.values)), axis.values)
             for k, axis in enumerate(self._spec.axes)
         ]
         return np.stack(columns, axis=-1)

@@ -26,6 +26,7 @@ from liepoisson.numeric.finite_time_exponents import LEAST_TIME
 from liepoisson.numeric.methods import Method, Taylor, as_method, method_of, method_record
 from liepoisson.numeric.sampling import ENSEMBLES, as_seed, unknown_ensemble
 from liepoisson.numeric.verdict import Rule, as_rule, rule_of
+from liepoisson.portable import elementary
 from liepoisson.scalars import as_count, as_number
 from liepoisson.sweeps.identity import function_record, system_record, system_tables
 from liepoisson.wrong_values import shown
@@ -101,7 +102,7 @@ class Axis:
         least, most = _ends(name, start, stop)
         if not (least > 0 and most > 0):
             raise ParameterError(f"axis {name}: a logarithmic axis runs between positive values; got {start}, {stop}.")
-        return cls(name, _spaced(name, start, stop, count, np.geomspace), label)
+        return cls(name, _spaced(name, start, stop, count, elementary.geomspace), label)
 
 
 def _spaced(name: str, start: float, stop: float, count: int, space: Callable[..., Any]) -> tuple[float, ...]:

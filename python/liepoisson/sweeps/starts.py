@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from liepoisson.arrays import Array
 from liepoisson.errors import LeafError, ParameterError
 from liepoisson.field import TopField
+from liepoisson.portable import linear
 from liepoisson.sweeps.family import Family, NumericTop
 
 if TYPE_CHECKING:
@@ -248,7 +249,7 @@ def _right_inverse(gradients: Array, units: Array) -> Array:
     lengths = np.sqrt((scaled**2).sum(-1))
     differ = _ONE_UNIT * lengths.min(axis=-1, keepdims=True) < lengths.max(axis=-1, keepdims=True)
     exponents = np.where(differ, np.frexp(lengths)[1], 0)
-    inverse = np.linalg.pinv(np.ldexp(scaled, -exponents[..., None])) * np.ldexp(1.0, -exponents)[:, None, :]
+    inverse = linear.pinv(np.ldexp(scaled, -exponents[..., None])) * np.ldexp(1.0, -exponents)[:, None, :]
     return np.asarray(units[:, :, None] * inverse)
 
 

@@ -31,6 +31,7 @@ from liepoisson.exact.charts.leaf_constants import (
     vectors,
 )
 from liepoisson.exact.parameters import Column, Parameter, to_sympy
+from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -179,12 +180,12 @@ class EulerChart:
             ShapeError: the last axis of `z` is not 6.
         """
         points = chart_points(z, 6, self.component_names)
-        phi, psi, theta = ((np.cos(points[..., k]), np.sin(points[..., k])) for k in range(3))
+        phi, psi, theta = ((elementary.cos(points[..., k]), elementary.sin(points[..., k])) for k in range(3))
         sine = np.abs(theta[1])
         self._refuse(sine == 0, sine, self.conditions[2], "sin(theta)")
         v, w, eta, epsilon = self.leaf.numbers
         l = np.stack(angular_momentum(psi, theta, [points[..., k] for k in (3, 4, 5)]), axis=-1)
-        triad = _stacked(rotation_rows(phi, psi, theta)) @ self.gauge.triad()
+        triad = linear.matmul(_stacked(rotation_rows(phi, psi, theta)), self.gauge.triad())
         beta = w * triad[..., 2]
         fall = 2 * epsilon * dot(l, beta)
         square = eta - fall
@@ -209,7 +210,7 @@ class EulerChart:
         states = chart_points(states, 9, FIELDS)
         margins = self.margins(states)
         quantities = ("|beta|", "|alpha x beta|/|beta|", "sin(theta)")
-        sizes = np.linalg.norm(states, axis=-1), np.linalg.norm(states, axis=-1), np.ones(states.shape[:-1])
+        sizes = linear.norm(states, axis=-1), linear.norm(states, axis=-1), np.ones(states.shape[:-1])
         for condition, quantity, size in zip(self.conditions[:2], quantities[:2], sizes[:2], strict=True):
             margin = margins[condition]
             self._refuse(margin <= NEAREST * size, margin, condition, quantity)
@@ -217,9 +218,9 @@ class EulerChart:
         sine = margins[self.conditions[2]]
         self._refuse(sine <= NEAREST, sine, self.conditions[2], quantities[2])
         A, l = self._attitude(states), states[..., :3]
-        theta = np.arctan2(np.hypot(A[..., 2, 0], A[..., 2, 1]), A[..., 2, 2])
-        phi, psi = np.arctan2(A[..., 2, 0], -A[..., 2, 1]), np.arctan2(A[..., 0, 2], A[..., 1, 2])
-        psi_turn, theta_turn = ((np.cos(angle), np.sin(angle)) for angle in (psi, theta))
+        theta = elementary.arctan2(elementary.hypot(A[..., 2, 0], A[..., 2, 1]), A[..., 2, 2])
+        phi, psi = elementary.arctan2(A[..., 2, 0], -A[..., 2, 1]), elementary.arctan2(A[..., 0, 2], A[..., 1, 2])
+        psi_turn, theta_turn = ((elementary.cos(angle), elementary.sin(angle)) for angle in (psi, theta))
         momenta = momenta_of(psi_turn, theta_turn, [l[..., k] for k in range(3)])
         return np.stack([phi, psi, theta, *momenta], axis=-1)
 
@@ -235,10 +236,10 @@ class EulerChart:
         """
         states = chart_points(states, 9, FIELDS)
         _, alpha, beta = vectors(states)
-        length = np.linalg.norm(beta, axis=-1)
-        perpendicular = _quotient(np.linalg.norm(np.cross(alpha, beta), axis=-1), length)
+        length = linear.norm(beta, axis=-1)
+        perpendicular = _quotient(linear.norm(np.cross(alpha, beta), axis=-1), length)
         A = self._attitude(states)
-        sizes = length, perpendicular, np.hypot(A[..., 2, 0], A[..., 2, 1])
+        sizes = length, perpendicular, elementary.hypot(A[..., 2, 0], A[..., 2, 1])
         return {name: np.asarray(size) for name, size in zip(self.conditions, sizes, strict=True)}
 
     @staticmethod
@@ -248,11 +249,11 @@ class EulerChart:
     def _attitude(self, states: Array) -> Array:
         """The rotation A, shape (..., 3, 3), from the directions of beta and of the rest of alpha; 0 if undefined."""
         _, alpha, beta = vectors(states)
-        third = _quotient(beta, np.linalg.norm(beta, axis=-1, keepdims=True))
+        third = _quotient(beta, linear.norm(beta, axis=-1, keepdims=True))
         second = np.cross(third, alpha)
-        second = _quotient(second, np.linalg.norm(second, axis=-1, keepdims=True))
+        second = _quotient(second, linear.norm(second, axis=-1, keepdims=True))
         triad = np.stack([np.cross(second, third), second, third], axis=-1)
-        return triad @ self.gauge.triad().T
+        return linear.matmul(triad, self.gauge.triad().T)
 
     @cached_property
     def _symbols(self) -> tuple[Any, ...]:

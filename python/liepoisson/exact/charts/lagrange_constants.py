@@ -12,6 +12,7 @@ from liepoisson.errors import ParameterError, ShapeError
 from liepoisson.exact.charts.leaf_constants import refuse
 from liepoisson.exact.parameters import Parameter, as_float, is_zero, read_parameter, to_sympy
 from liepoisson.exact.top_parameters import TopParameters
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -75,6 +76,6 @@ def check_l3(states: Array, l3: Expr) -> None:
         ChartError: with the condition "l3".
     """
     wanted, l = as_float(l3, "l3"), states[..., :3]
-    size = 1e-8 * (np.linalg.norm(l, axis=-1) + abs(wanted) + 1e-300)
+    size = 1e-8 * (linear.norm(l, axis=-1) + abs(wanted) + 1e-300)
     hint = "Reduce with state=state for that state."
     refuse(np.abs(l[..., 2] - wanted) > size, l[..., 2], "l3", f"l3 = {wanted:.9g}", quantity="l3", hint=hint)

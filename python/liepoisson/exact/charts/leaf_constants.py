@@ -20,6 +20,7 @@ from liepoisson.errors import ChartError, ParameterError, ShapeError
 from liepoisson.exact.parameters import Exact, Parameter, as_float, is_zero, read_parameter, symbols_of, to_sympy
 from liepoisson.exact.phase_functions import as_phase_points
 from liepoisson.exact.top_parameters import TopParameters
+from liepoisson.portable import linear
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -200,12 +201,12 @@ def _from_state(given: ArrayLike, epsilon: float) -> tuple[Any, Any, Any]:
             f"state must be one state of shape (9,); got shape {state.shape}. Every leaf needs its own chart."
         )
     l, alpha, beta = vectors(state)
-    w = float(np.linalg.norm(beta))
+    w = float(linear.norm(beta))
     if not w > 0:
         raise beta_is_zero(f"|beta| = {w:.3g}")
-    v, normal = float(alpha @ beta) / w, np.cross(alpha, beta) / w
+    v, normal = float(linear.matmul(alpha, beta)) / w, np.cross(alpha, beta) / w
     # |alpha x beta|^2/w^2 instead of |alpha|^2 - v^2, which cancels for nearly parallel fields
-    eta = float(normal @ normal + 2 * epsilon * l @ beta)
+    eta = float(linear.matmul(normal, normal) + linear.matmul(2 * epsilon * l, beta))
     v, w, eta = (to_sympy(read_parameter(value, name)) for value, name in ((v, "v"), (w, "w"), (eta, "eta")))
     return v, w, eta
 
@@ -272,7 +273,7 @@ def vectors(x: Array) -> tuple[Array, Array, Array]:
 
 def dot(u: Array, v: Array) -> Array:
     """Scalar products along the last axis."""
-    return np.einsum("...i,...i->...", u, v)
+    return linear.einsum("...i,...i->...", u, v)
 
 
 def to_any(value: Any) -> Any:

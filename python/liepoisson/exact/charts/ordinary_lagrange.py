@@ -21,6 +21,7 @@ from liepoisson.exact.charts.euler_chart import NEAREST
 from liepoisson.exact.charts.lagrange_constants import check_l3, check_lagrange, conserved_l3, cyclic_angle
 from liepoisson.exact.charts.leaf_constants import FIELDS, chart_points, dot, refuse, top_of, vectors
 from liepoisson.exact.parameters import Parameter, as_float, read_parameter, to_sympy
+from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -128,7 +129,7 @@ class OrdinaryLagrange:
         """
         points = chart_points(z, len(self.component_names), self.component_names)
         angle = cyclic_angle(points[..., 2:], psi, points.shape[:-1])
-        (cp, sp), (ct, st) = ((np.cos(value), np.sin(value)) for value in (angle, points[..., 0]))
+        (cp, sp), (ct, st) = ((elementary.cos(value), elementary.sin(value)) for value in (angle, points[..., 0]))
         sine = np.abs(st)
         refuse(sine == 0, sine, self.conditions[1], self.conditions[1], quantity="sin(theta)", hint=_TRY)
         l3, l_n, length = self._numbers
@@ -153,23 +154,23 @@ class OrdinaryLagrange:
             )
         check_l3(states, self.l3)
         _, l_n, length = self._numbers
-        size = np.linalg.norm(alpha, axis=-1)
+        size = linear.norm(alpha, axis=-1)
         along = dot(l, alpha) / size
         for name, value, wanted in (("|alpha|", size, length), ("l.alpha/|alpha|", along, l_n)):
-            far = np.abs(value - wanted) > 1e-8 * (abs(wanted) + np.linalg.norm(l, axis=-1) + size)
+            far = np.abs(value - wanted) > 1e-8 * (abs(wanted) + linear.norm(l, axis=-1) + size)
             hint = "Reduce with state=state for that state."
             refuse(far, value, "on the leaf", f"{name} = {wanted:.9g}", quantity=name, hint=hint)
         n1, n2, n3 = (alpha[..., k] / size for k in range(3))
-        horizontal = np.hypot(n1, n2)
+        horizontal = elementary.hypot(n1, n2)
         p_theta = (n2 * l[..., 0] - n1 * l[..., 1]) / horizontal
-        parts = [np.arctan2(horizontal, n3), p_theta, np.arctan2(n1, n2)]
+        parts = [elementary.arctan2(horizontal, n3), p_theta, elementary.arctan2(n1, n2)]
         return np.stack(parts[: len(self.component_names)], axis=-1)
 
     def margins(self, states: ArrayLike) -> dict[str, Array]:
         r"""How far states are from where the chart ends: $|\alpha|$ and $\sin\theta$, each of shape (...)."""
         _, alpha, _ = vectors(chart_points(states, 9, FIELDS))
-        size = np.linalg.norm(alpha, axis=-1)
-        sine = np.divide(np.hypot(alpha[..., 0], alpha[..., 1]), size, out=np.zeros_like(size), where=size != 0)
+        size = linear.norm(alpha, axis=-1)
+        sine = np.divide(elementary.hypot(alpha[..., 0], alpha[..., 1]), size, out=np.zeros_like(size), where=size != 0)
         return {name: np.asarray(value) for name, value in zip(self.conditions, (size, sine), strict=True)}
 
     @property
@@ -195,10 +196,10 @@ def _of_state(given: ArrayLike) -> dict[str, float]:
         )
     check_beta_is_zero(state)
     l, alpha, _ = vectors(state)
-    length = float(np.linalg.norm(alpha))
+    length = float(linear.norm(alpha))
     if not length > 0:
         raise ChartError(f"the reduction needs alpha != 0; got |alpha| = {length:.3g}. {_TRY}", "alpha != 0")
-    return {"l3": float(l[2]), "l_n": float(l @ alpha) / length, "alpha": length}
+    return {"l3": float(l[2]), "l_n": float(linear.matmul(l, alpha)) / length, "alpha": length}
 
 
 def check_beta_is_zero(states: Array) -> None:
@@ -207,5 +208,5 @@ def check_beta_is_zero(states: Array) -> None:
     Raises:
         ChartError: with the condition "beta = 0".
     """
-    size = np.linalg.norm(vectors(states)[2], axis=-1)
+    size = linear.norm(vectors(states)[2], axis=-1)
     refuse(size != 0, size, "beta = 0", "beta = 0", quantity="|beta|", hint="Use ReducedLagrange.")

@@ -36,6 +36,7 @@ from liepoisson.exact.charts.leaf_constants import (
 )
 from liepoisson.exact.charts.quaternions import body_rotation, components, left_matrix, shortest_turn, turned
 from liepoisson.exact.parameters import Column, Parameter, is_zero
+from liepoisson.portable import elementary, linear
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -168,7 +169,9 @@ class QuaternionChart:
         square = dot(q, q)
         refuse(square == 0, square, "q != 0", "a quaternion that is not zero", quantity="|q|^2", hint="Scale q to 1.")
         v, w, _, _ = self.leaf.numbers
-        l = 0.5 * np.einsum("...ij,...j->...i", np.moveaxis(_arrays(left_matrix(components(q))), (0, 1), (-2, -1)), p)
+        l = 0.5 * linear.einsum(
+            "...ij,...j->...i", np.moveaxis(_arrays(left_matrix(components(q))), (0, 1), (-2, -1)), p
+        )
         A = np.moveaxis(_arrays(body_rotation(components(q))), (0, 1), (-2, -1)) / square[..., None, None]
         X, Y = self._horizontal(pair, numeric=True)
         alpha = X[..., None] * A[..., 0] + Y[..., None] * A[..., 1] + v * A[..., 2]
@@ -188,10 +191,10 @@ class QuaternionChart:
         self._check_casimirs(states)
         l, alpha, beta = vectors(states)
         q = shortest_turn(beta / length[..., None])
-        horizontal = np.einsum("ij...,...i->...j", _arrays(body_rotation(components(q))), alpha)
+        horizontal = linear.einsum("ij...,...i->...j", _arrays(body_rotation(components(q))), alpha)
         if not self.is_twisted:
-            q = turned(q, np.arctan2(horizontal[..., 1], horizontal[..., 0]))
-        p = 2 * np.einsum("ij...,...i->...j", _arrays(left_matrix(components(q))), l)
+            q = turned(q, elementary.arctan2(horizontal[..., 1], horizontal[..., 0]))
+        p = 2 * linear.einsum("ij...,...i->...j", _arrays(left_matrix(components(q))), l)
         if not self.is_twisted:
             return np.concatenate([q, p], axis=-1)
         s = float(self.scale)
@@ -201,7 +204,7 @@ class QuaternionChart:
 
     def margins(self, states: ArrayLike) -> dict[str, Array]:
         """How far states are from where the chart ends: the length of beta, shape (...), the only condition."""
-        return {"beta != 0": np.asarray(np.linalg.norm(vectors(chart_points(states, 9, FIELDS))[2], axis=-1))}
+        return {"beta != 0": np.asarray(linear.norm(vectors(chart_points(states, 9, FIELDS))[2], axis=-1))}
 
     def _check_casimirs(self, states: Array) -> None:
         # C1 is free when epsilon != 0: any value is one of the momentum map.
@@ -215,7 +218,7 @@ class QuaternionChart:
             ("alpha.beta", dot(alpha, beta), v * w),
             ("|beta|^2", dot(beta, beta), w * w),
         ):
-            size = np.linalg.norm(alpha, axis=-1) * w + w * w
+            size = linear.norm(alpha, axis=-1) * w + w * w
             refuse(
                 np.abs(value - want) > ON_LEAF * size,
                 value,

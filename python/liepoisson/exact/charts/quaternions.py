@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from liepoisson.arrays import Array
+from liepoisson.portable import elementary, linear
 
 
 def rotation(q: Any) -> list[list[Any]]:
@@ -42,13 +43,13 @@ def shortest_turn(n: Array) -> Array:
     above = np.stack([1 + n3, n2, -n1, zero], axis=-1)
     below = np.stack([n2, 1 - n3, zero, n1], axis=-1)
     q = np.where((n3 < 0)[..., None], below, above)
-    return q / np.linalg.norm(q, axis=-1, keepdims=True)
+    return q / linear.norm(q, axis=-1, keepdims=True)
 
 
 def turned(q: Array, angle: Array) -> Array:
     """The quaternions after a turn by -angle about the third axis in space."""
     q0, q1, q2, q3 = components(q)
-    c, s = np.cos(angle / 2), np.sin(angle / 2)
+    c, s = elementary.cos(angle / 2), elementary.sin(angle / 2)
     return np.stack([c * q0 + s * q3, c * q1 + s * q2, c * q2 - s * q1, c * q3 - s * q0], axis=-1)
 
 
