@@ -83,7 +83,7 @@ class Random(np.random.Generator):
         bits.state = after
 
     def _tail(self) -> float:
-        """A number in the tail, from the bits that NumPy takes for it: layer and sign, then pairs up to one that fits."""
+        """A number in the tail, from the bits that NumPy takes for it: layer and sign, then pairs."""
         bits: Any = self.bit_generator
         while (first := int(bits.random_raw())) & 0xFF:  # another layer, which was then refused by one number
             self.random()

@@ -95,7 +95,7 @@ def _numpy_function(variables: tuple[Symbol, ...], expressions: tuple[Expr, ...]
         def _print_Pow(self, expr: Any, rational: bool = False) -> str:
             base, exponent = expr.as_base_exp()
             if exponent in (-1, 1, 2) or abs(exponent) == S.Half:
-                return cast("str", super()._print_Pow(expr, rational))
+                return super()._print_Pow(expr, rational)
             return f"power({self._print(base)}, {self._print(exponent)})"
 
     symbols, private = in_private_symbols(variables, expressions)

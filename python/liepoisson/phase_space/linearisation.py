@@ -120,9 +120,9 @@ class LinearFlow:
             return False
         matrix = _balanced(linear.solve(self.form, self.hessian).astype(np.float64))
         unit = float(norm(matrix)) or 1.0
-        mine = np.poly(linear.eigvals(matrix) / unit)
+        mine = linear.poly(linear.eigvals(matrix) / unit)
         left = linear.eigvals(linear.solve(rest.form, rest.hessian)) if rest.size else np.zeros(0)
-        theirs = np.poly(np.append(left, np.zeros(self.size - rest.size)) / unit)
+        theirs = linear.poly(np.append(left, np.zeros(self.size - rest.size)) / unit)
         return bool(np.any(np.abs(mine - theirs) > ZERO))
 
     def eigenvalues(self) -> tuple[ComplexArray, Array]:

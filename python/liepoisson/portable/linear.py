@@ -38,6 +38,7 @@ __all__ = [
     "matrix_power",
     "norm",
     "pinv",
+    "poly",
     "qr",
     "roots",
     "slogdet",
@@ -208,8 +209,16 @@ def norm(x: Any, ord: int | None = None, axis: int | tuple[int, ...] | None = No
 
 
 def svd(a: Any, full_matrices: bool = True, compute_uv: bool = True) -> Any:
-    """Singular values, falling, and vectors."""
+    """Singular values, falling, and vectors.
+
+    Raises:
+        LinAlgError: an entry is not finite.
+    """
+    if np.iscomplexobj(a) and not compute_uv:
+        return svd(_doubled(a), compute_uv=False)[..., ::2]
     a = _real(a)
+    if not np.isfinite(a).all():
+        raise LinAlgError("SVD did not converge")
     n, m = a.shape[-2:]
     wide = n < m
     tall = np.swapaxes(a, -1, -2) if wide else a
@@ -244,7 +253,9 @@ def qr(a: Any, mode: str = "reduced") -> Any:
         square = a[..., :k]
     rows = square.shape[-1]
     flat = (np.zeros(0), np.zeros(0)) if rows == 0 else _core.orthonormal(_flat(square), n, rows)
+    unknown = ~np.isfinite(a).all(axis=(-2, -1))
     frames, triangles = flat[0].reshape(*stack, n, rows), flat[1].reshape(*stack, rows, rows)[..., :k]
+    frames[unknown], triangles[unknown] = np.nan, np.nan
     if m > k:
         triangles = np.concatenate([triangles, matmul(np.swapaxes(frames, -1, -2), a[..., k:])], axis=-1)
     return triangles if mode == "r" else QR(frames, triangles)
@@ -277,11 +288,9 @@ def solve(a: Any, b: Any) -> Any:
 
 
 def _solve_complex(a: Any, b: Any) -> Any:
-    """By the real system of twice the size."""
     vector, n = b.ndim == 1, a.shape[-1]
     right = b[:, None] if vector else b
-    whole = np.concatenate([np.concatenate([a.real, -a.imag], -1), np.concatenate([a.imag, a.real], -1)], -2)
-    found = solve(whole, np.concatenate([right.real, right.imag], -2))
+    found = solve(_doubled(a), np.concatenate([right.real, right.imag], -2))
     values = found[..., :n, :] + 1j * found[..., n:, :]
     return values[..., 0] if vector else values
 
@@ -330,8 +339,8 @@ def eigh(a: Any) -> Eigen:
 
 
 def eigvalsh(a: Any) -> Array:
-    """Eigenvalues of symmetric matrices, rising."""
-    return eigh(a).eigenvalues
+    """Eigenvalues of symmetric or Hermitian matrices, rising."""
+    return eigh(_doubled(a)).eigenvalues[..., ::2] if np.iscomplexobj(a) else eigh(a).eigenvalues
 
 
 def eig(a: Any) -> Eigen:
@@ -371,6 +380,10 @@ def lstsq(a: Any, b: Any, rcond: float | None = None) -> tuple[Any, Array, int, 
 
 def pinv(a: Any, rcond: float = 1e-15) -> Any:
     """Pseudo-inverses; singular values below `rcond` times the largest one count as zero."""
+    if np.iscomplexobj(a):
+        n, m = np.shape(a)[-2:]
+        whole = pinv(_doubled(a), rcond)
+        return whole[..., :m, :n] + 1j * whole[..., m:, :n]
     left, values, right = svd(a, full_matrices=False)
     kept = values > rcond * values[..., :1]
     inverse = np.where(kept, 1.0 / np.where(kept, values, 1.0), 0.0)
@@ -389,6 +402,16 @@ def cov(samples: Any) -> Array:
     centred = np.asarray(samples, dtype=np.float64)
     centred = centred - centred.mean(axis=0)
     return np.asarray(matmul(centred.T, centred)) / (len(centred) - 1)
+
+
+def poly(zeros: Any) -> Any:
+    """The coefficients of a monic polynomial with these zeros, from the highest power down."""
+    found = np.ones(1, dtype=np.complex128)
+    for zero in np.asarray(zeros):
+        longer = np.append(found, 0.0)
+        longer[1:] -= zero.real * found + 1j * (zero.imag * found)
+        found = longer
+    return found
 
 
 def matrix_power(a: Any, n: int) -> Any:
@@ -413,6 +436,12 @@ def roots(coefficients: Sequence[float] | Array) -> Any:
     companion = np.diag(np.ones(n - 1), -1)
     companion[0] = -shorter[1:] / shorter[0]
     return np.concatenate([eigvals(companion), zeros])
+
+
+def _doubled(a: Any) -> Array:
+    """The real matrix of twice the size that does to real and imaginary parts what a complex matrix does."""
+    a = _arrays(a)[0]
+    return np.concatenate([np.concatenate([a.real, -a.imag], -1), np.concatenate([a.imag, a.real], -1)], -2)
 
 
 def _arrays(*given: Any) -> tuple[Any, ...]:
