@@ -42,7 +42,7 @@ types: $(VENV)/.dev
 	$(BIN)/basedpyright
 
 quick-tests:
-	$(BIN)/pytest -n auto --dist loadfile -m "not slow and not thorough"
+	$(BIN)/pytest -n auto --dist worksteal -m "not slow and not thorough"
 
 guard: instructions sanitize miri wheel-check ## what guards the build: instruction counts, sanitizer, Miri, the wheel without Rust
 
@@ -118,7 +118,7 @@ release-check: ## is everything ready for a release? (docs/releasing.md; runs al
 clean: ## remove everything that the recipes make, results excepted
 	rm -rf $(VENV) target dist python/liepoisson/*.so
 
-.PHONY: help lab reproduce test test-rust test-python test-slow check static lint types quick-tests arm bench audit guard instructions \
+.PHONY: help lab reproduce test test-rust test-python test-as test-slow check static lint types quick-tests arm bench audit guard instructions \
   sanitize miri wasm page test-web docs docs-check stories wheel wheel-check vulnerabilities release-check lock clean set-up tools
 
 # One pip after the other.
@@ -133,7 +133,12 @@ test-rust: | tools
 # Each instruction set that the processor has gets its turn; results must not depend on it.
 test-python:
 	$(BIN)/python -m mypy.stubtest liepoisson._core --mypy-config-file pyproject.toml
-	$(BIN)/pytest -n auto --dist loadfile -m "not slow"
+	$(BIN)/pytest -n auto --dist worksteal -m "not slow"
+
+# Four libraries are told to choose their kernels as on an older processor: .ci/as_processor.py.
+TESTS ?= tests
+test-as: $(VENV)/.built $(VENV)/.dev ## the tests as on another processor: PROCESSOR=avx2 or no-avx (TESTS="...": a part)
+	$(BIN)/python .ci/as_processor.py $(PROCESSOR) $(BIN)/pytest -n auto --dist worksteal -m "not slow" $(TESTS)
 
 instructions: | tools
 	$(PYTHON) benchmarks/instructions.py

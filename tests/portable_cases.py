@@ -9,6 +9,7 @@ import numpy as np
 
 import liepoisson as lp
 from liepoisson import streams
+from liepoisson.numeric.mean_error import mean_error
 from liepoisson.numeric.sampling import sample_tangents
 from liepoisson.portable import elementary, linear
 
@@ -41,6 +42,17 @@ def _fit():
     curves = draw.normal(0.1, 0.01, (50, 1)) + draw.uniform(0.5, 2, (50, 1)) / np.sqrt(time)
     fit = lp.fits.finite_time_fit(time, curves, window=(10, 1000))
     return [[one.value, one.standard_error] for one in fit.estimates.values()]
+
+
+def _frequencies():
+    system = lp.catalog.system("henon-heiles")
+    starts = 0.2 * lp.sample_states(system, 5, seed=2, ensemble="cube")
+    return lp.chaos.frequency_drift(system, starts, t_end=200, observable=system.component_names[0]).frequency
+
+
+def _mean_errors():
+    walk = np.cumsum(streams.generator(3).standard_normal((3, 200)), axis=1)
+    return mean_error(walk)
 
 
 def _section_starts():
@@ -77,12 +89,14 @@ CASES = {
     "tangents": partial(sample_tangents, 9, 1000, seed=4),
     "normal numbers": lambda: streams.generator(5).standard_normal(100_000),
     "bootstrap of a fit": _fit,
+    "frequencies": _frequencies,
+    "mean errors": _mean_errors,
     "starts on a section": _section_starts,
     "Euler angles": _angles,
     "the field of a double pendulum": _vector_field,
     "singular vectors, roots, eigenvectors": _factors,
     **{f"leaf of {name}": partial(_on_leaf, name) for name in ("free-rigid-body", "zeitlin-3", "manakov-so4")},
-    **{f"energy of {name}": partial(_on_level, name) for name in ("heavy-top", "clebsch", "kirchhoff")},
+    **{f"energy of {name}": partial(_on_level, name) for name in ("heavy-top", "clebsch")},
     "energy of a twisted top": lambda: _on_level(lp.Top.twisted_kovalevskaya()),
 }
 

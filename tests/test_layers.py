@@ -19,7 +19,7 @@ ROOT = Path(liepoisson.__file__).parent
 
 ROOMS = (
     {"errors", "arrays", "field", "files", "formats", "netcdf", "wrong_values", "display", "calls", "scalars",
-     "streams", "read_only", "_lazy"},
+     "streams", "read_only", "portable", "_lazy"},
     {"result", "dataset"},
     {"exact", "numeric"},
     {"tops", "catalog"},

@@ -28,6 +28,7 @@ pub mod enclosure;
 pub mod ensemble;
 pub mod error;
 pub mod field;
+pub mod fourier;
 pub mod lanes;
 pub mod linear;
 pub mod method;

@@ -410,6 +410,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(orthonormal, module)?)?;
     module.add_function(wrap_pyfunction!(modular_null_space, module)?)?;
     module.add_function(wrap_pyfunction!(linear::products, module)?)?;
+    module.add_function(wrap_pyfunction!(linear::fourier_transforms, module)?)?;
     module.add_function(wrap_pyfunction!(linear::solutions, module)?)?;
     module.add_function(wrap_pyfunction!(linear::determinants, module)?)?;
     module.add_function(wrap_pyfunction!(linear::cholesky, module)?)?;

@@ -3,6 +3,7 @@
 use crate::errors::exception;
 use crate::{Doubles, copied};
 use liepoisson_core::elementary;
+use liepoisson_core::fourier;
 use liepoisson_core::linear::{self, Lu};
 use numpy::{IntoPyArray, PyReadonlyArray1};
 use pyo3::prelude::*;
@@ -155,6 +156,23 @@ pub(crate) fn eigen<'py>(
         found.iter_mut().zip([one.values, one.vectors]).for_each(|(all, these)| all.extend(these.as_flattened()));
     }
     Ok(Some(found.map(|numbers| numbers.into_pyarray(py))))
+}
+
+/// Fourier transforms of rows of `n` complex samples, real and imaginary parts by turns; `n` is a power of two.
+#[pyfunction]
+pub(crate) fn fourier_transforms<'py>(
+    py: Python<'py>,
+    samples: PyReadonlyArray1<'py, f64>,
+    n: usize,
+) -> PyResult<Doubles<'py>> {
+    let mut numbers = copied(&samples)?;
+    if !n.is_power_of_two() || !numbers.len().is_multiple_of(2 * n) {
+        return Err(exception("ShapeError", "samples: wanted rows of a power of two samples; got another shape."));
+    }
+    for row in numbers.chunks_exact_mut(2 * n) {
+        fourier::transform(row.as_chunks_mut().0);
+    }
+    Ok(numbers.into_pyarray(py))
 }
 
 fn unknown(name: &str) -> PyErr {

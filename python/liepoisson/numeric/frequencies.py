@@ -20,7 +20,7 @@ from liepoisson.numeric.outcomes import trajectories, typical
 from liepoisson.numeric.run import Run, given
 from liepoisson.numeric.starts import StartsLike, as_starts
 from liepoisson.numeric.systems import HasField, as_field, component_names, has_functions
-from liepoisson.portable import elementary
+from liepoisson.portable import elementary, linear
 from liepoisson.result import labelled, recorded
 from liepoisson.scalars import TIME_LIMIT, as_count, as_number, as_time_limit
 from liepoisson.wrong_values import shown
@@ -267,9 +267,11 @@ def _common_line(signals: Signal, step: float, order: int, real: bool) -> tuple[
     window = _hanning(n, order)
     weighted = signals * window
     weighted -= weighted.sum(axis=-1, keepdims=True) * window
-    n_grid = 4 * n  # the grid is finer than the peak, whose half width is 2 pi/T or more: Newton's method converges
-    spectrum = np.abs(np.fft.fft(weighted, n_grid, axis=-1))
-    sigma: Array = (2.0 * np.pi / step) * np.fft.fftfreq(n_grid).astype(np.float64)
+    # the grid is finer than the peak, whose half width is 2 pi/T or more: Newton's method converges
+    n_grid = linear.power_of_two(4 * n)
+    spectrum = _size(linear.fft(weighted, n_grid))
+    k = np.arange(n_grid)
+    sigma: Array = (2.0 * np.pi / step) * ((k - n_grid * (k >= n_grid // 2)) / n_grid)
     # sums along rows of their own: over several axes their order depends on the number of trajectories
     power = spectrum**2
     high = np.ascontiguousarray(power[..., np.abs(sigma) > 0.5 * np.pi / step]).sum(axis=-1).sum(axis=0)
@@ -297,16 +299,24 @@ def _refine(weighted: Signal, step: float, sigma: Array) -> Array:
     t = step * (np.arange(n + 1) - 0.5 * n)  # from the middle, where A hardly turns with sigma
     furthest = 0.5 * np.pi / (n * step)
     for _ in range(12):
-        turned = weighted * elementary.exp(-1j * sigma[:, None] * t)
+        turned = linear.times(weighted, elementary.exp(-1j * sigma[:, None] * t))
         # sums and not products of matrices, whose order of summation depends on the number of rows
         value, slope, curvature = turned.sum(axis=1), -1j * (turned * t).sum(axis=1), -(turned * t**2).sum(axis=1)
-        rise = (value.conj() * slope).real
-        bend = np.abs(slope) ** 2 + (value.conj() * curvature).real
+        rise, bend = _dot(value, slope), _dot(slope, slope) + _dot(value, curvature)
         # not at a maximum, where the bend is negative, a short step uphill
         change = np.where(bend < 0, -rise / np.where(bend < 0, bend, 1.0), np.sign(rise) * furthest)
         sigma = sigma + np.clip(change, -furthest, furthest)
-    amplitude = np.abs((weighted * elementary.exp(-1j * sigma[:, None] * t)).sum(axis=1))
+    amplitude = _size(linear.times(weighted, elementary.exp(-1j * sigma[:, None] * t)).sum(axis=1))
     return np.array([sigma, amplitude])
+
+
+def _dot(a: Signal, b: Signal) -> Array:
+    """The real part of the product of one with the conjugate of the other."""
+    return a.real * b.real + a.imag * b.imag
+
+
+def _size(a: Signal) -> Array:
+    return np.sqrt(_dot(a, a))
 
 
 def _as_observable(system: Any, n: int, observable: Observable) -> Callable[[Array], tuple[Signal, bool]]:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 
 from liepoisson.arrays import Array, as_array
 from liepoisson.numeric.estimates import Estimate, as_confidence
-from liepoisson.portable import elementary
+from liepoisson.portable import elementary, linear
 
 # The correction for the mean may double the variance and no more: beyond, the run is shorter than its correlations.
 _LEAST_SHARE = 0.5
@@ -168,8 +168,10 @@ def _longest_batch_error(data: Array) -> Array:
 def _autocorrelation_error(data: Array) -> Array:
     n = data.shape[1]
     centred = data - data.mean(axis=1, keepdims=True)
-    power = np.abs(np.fft.rfft(centred, 2 * n, axis=1)) ** 2
-    covariance = np.fft.irfft(power, axis=1)[:, :n] / n
+    size = linear.power_of_two(2 * n)
+    spectrum = linear.fft(np.moveaxis(centred, 1, -1), size)
+    power = spectrum.real**2 + spectrum.imag**2
+    covariance = np.moveaxis(linear.fft(power, size).real[..., :n], -1, 1) / (size * n)  # even: it is its own inverse
     half = n // 2
     sums = covariance[:, 0 : 2 * half : 2] + covariance[:, 1 : 2 * half : 2]
     positive = np.minimum.accumulate(sums > 0.0, axis=1)

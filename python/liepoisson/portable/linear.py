@@ -32,6 +32,7 @@ __all__ = [
     "eigvals",
     "eigvalsh",
     "einsum",
+    "fft",
     "inv",
     "lstsq",
     "matmul",
@@ -45,6 +46,7 @@ __all__ = [
     "solve",
     "svd",
     "tensordot",
+    "times",
 ]
 
 Array = NDArray[np.float64]
@@ -101,6 +103,12 @@ def matmul(a: Any, b: Any) -> Any:
         values = _core.products(_stacked(a, stack), _stacked(b, stack), count, (n, m, p))
     shape = (*stack, *(() if row else (n,)), *(() if column else (p,)))
     return values.reshape(shape) if shape else float(values[0])
+
+
+def times(a: Any, b: Any) -> Any:
+    """Products of complex numbers, one by one: NumPy fuses their sums on some processors."""
+    a, b = _arrays(a, b)
+    return (a.real * b.real - a.imag * b.imag) + 1j * (a.real * b.imag + a.imag * b.real)
 
 
 def dot(a: Any, b: Any) -> Any:
@@ -402,6 +410,19 @@ def cov(samples: Any) -> Array:
     centred = np.asarray(samples, dtype=np.float64)
     centred = centred - centred.mean(axis=0)
     return np.asarray(matmul(centred.T, centred)) / (len(centred) - 1)
+
+
+def fft(samples: Any, n: int) -> Any:
+    r"""Fourier transforms $\sum_j x_j e^{-2\pi ijk/n}$ along the last axis; zeros fill up n, a power of two."""
+    given = np.asarray(samples)
+    padded = np.zeros((*given.shape[:-1], n), dtype=np.complex128)
+    padded[..., : given.shape[-1]] = given
+    return _core.fourier_transforms(padded.reshape(-1).view(np.float64), n).view(np.complex128).reshape(padded.shape)
+
+
+def power_of_two(n: int) -> int:
+    """The least power of two that is not below n."""
+    return 1 << max(n - 1, 0).bit_length()
 
 
 def poly(zeros: Any) -> Any:
