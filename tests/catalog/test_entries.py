@@ -410,3 +410,11 @@ def test_a_matrix_keeps_its_shape(tmp_path):
         ParameterError, match=r"A must have a matrix of shape \(3, 3\); got 3 components. Give its rows"
     ):
         file.with_parameters({"A": [1, 2, 3]})
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if catalog.entry(name).integrals])
+def test_a_text_and_its_expression_are_constant_or_not_together(name):
+    """A text may be decided without SymPy; partial integrals are no integrals of all orbits, by either way."""
+    texts = [item.expression for item in catalog.entry(name).integrals.values()]
+    for text in (*texts, system(name).component_names[0] + "^2"):
+        assert system(name).is_constant(text) is system(name).is_constant(system(name).expression(text)), text
