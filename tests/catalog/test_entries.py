@@ -342,6 +342,7 @@ def test_a_wrong_integral_is_noticed():
     assert Poly(on, *here.variables).total_degree() == 2
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", NAMES)
 def test_every_system_takes_its_own_values_again_and_is_the_same(name):
     """Values by name, as the entry has them; and what still has none keeps its symbol."""
@@ -412,6 +413,7 @@ def test_a_matrix_keeps_its_shape(tmp_path):
         file.with_parameters({"A": [1, 2, 3]})
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", [name for name in NAMES if catalog.entry(name).integrals])
 def test_a_text_and_its_expression_are_constant_or_not_together(name):
     """A text may be decided without SymPy; partial integrals are no integrals of all orbits, by either way."""
